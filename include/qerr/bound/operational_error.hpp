@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+#include "qerr/bound/joint_error.hpp"
+#include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+
+namespace qerr {
+
+/// Bounds of the tip's coordinates at one configuration, in the order of the coordinates asked for [m or
+/// rad].
+struct OperationalError {
+  Eigen::VectorXd mean;        ///< (J C) m; 0 when all encoders round to nearest
+  Eigen::VectorXd half_width;  ///< 0.5 |J C| Delta
+  Eigen::VectorXd worst_case;  ///< half_width + |mean|: the linear bound (paper, Eq. 17)
+  Eigen::VectorXd rigorous;    ///< no configuration exceeds it; +inf for roll pitch yaw, where there is none
+  Eigen::VectorXd sigma;       ///< sqrt(diag Sigma_x), about the mean (paper, Eqs. 19 and 20)
+  Eigen::MatrixXd
+      weighted;  ///< (J C) diag(Delta), coordinates x encoders: Sigma_x = weighted weighted^T / 12
+  double cosine_of_pitch = 1;  ///< 0 at the gimbal lock
+};
+
+/// What stays the same over all configurations.
+struct OperationalModel {
+  Chain chain;
+  Transmission transmission;
+  std::vector<Coordinate> coordinates;
+};
+
+/// Error of the tip at independent coordinates q (paper, Eqs. 16 to 24, carried through the coupling).
+///
+/// Worst case 0.5 |J C| Delta + |mean|, covariance (J C) diag(Delta^2/12) (J C)^T.
+///
+/// The rigorous bound adds the second-order remainder of x = f(q) over the whole quantization box. With h_k
+/// the largest error of moving joint k and S_k = sum_{i<=k, revolute} h_i (base to tip):
+/// - position: rho = 1/2 sum_{k revolute} R_k h_k (2 S_{k-1} + h_k) + sum_{k prismatic} S_{k-1} h_k, since
+///   d2p/dq_i dq_k = z_i x (z_k x (p - o_k)) for i <= k. R_k bounds the distance of the tip from axis k over
+///   the box: R_k = |z_k x (p - o_k)| + sum_{m>k} h_m (R_m if revolute, 1 if prismatic), because only joints
+///   beyond k change it.
+/// - rotation vector of R_hat R^T: the angle never exceeds A = S_n; componentwise, for A <= pi, the linear
+/// bound plus
+///   1/2 sum_k h_k S_{k-1} (axes move) + A^2/4 + 0.034 A^3 (phi' = w - phi x w / 2 + c phi x (phi x w), c
+///   |phi|^2 <= 0.1014 |phi|^2).
+/// @pre sigma: IPQN, the errors of the encoders are uniform and independent
+OperationalError operational_error(const OperationalModel&, const Eigen::VectorXd& q);
+
+}  // namespace qerr

@@ -1,0 +1,60 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <functional>
+#include <vector>
+
+#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/statistic.hpp"
+#include "qerr/kinematics/configurations.hpp"
+
+namespace qerr {
+
+/// A coordinate's bounds over the configurations [m or rad].
+struct CoordinateStatistics {
+  Statistic worst_case, worst_case_rigorous, sigma;
+  Eigen::VectorXd share;  ///< each encoder's part of the variance, a_i Delta_i^2/12 over its sum, averaged
+  Eigen::VectorXd
+      share_worst_case;  ///< each encoder's part of the worst case, |J C|_i Delta_i over its sum, averaged
+};
+
+/// A filtered coordinate's bounds over the configurations [m/s, rad/s, ...].
+struct DerivativeStatistics {
+  Statistic worst_case, sigma;
+};
+
+/// Everything that `analyze` says about the sampled configurations.
+struct Workspace {
+  std::uint64_t count = 0;
+  std::vector<CoordinateStatistics> coordinates;
+  std::vector<std::vector<DerivativeStatistics>> derivatives;  ///< [filter][coordinate]
+  Eigen::MatrixXd mean_variance_parts;  ///< coordinates x encoders: each encoder's mean part of the variance
+  Eigen::MatrixXd mean_covariance;      ///< of all coordinates, averaged over the configurations
+  Eigen::MatrixXd covariance_at_largest;  ///< where the trace of the position's covariance is largest
+  Eigen::VectorXd largest_at;             ///< that configuration [rad or m]
+  double largest_arm = 0;  ///< largest |entry| of the position's rows of J over the samples [m/rad or 1]
+  double smallest_cosine_of_pitch = 1;
+  bool exact_percentiles = true;
+};
+
+/// Called in order with the index of the first configuration of a block, the configurations (columns) and
+/// their errors.
+using BlockVisitor =
+    std::function<void(std::uint64_t first, const Eigen::MatrixXd&, const std::vector<OperationalError>&)>;
+
+struct WorkspaceOptions {
+  unsigned threads = 0;  ///< 0: one per core; the result does not depend on it
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
+  BlockVisitor visit = {};
+};
+
+/// Statistics of all bounds over the configurations; summed in fixed blocks in a fixed order.
+/// @param filters  norms of the derivative filters, one set of derivative statistics each
+Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
+                    const WorkspaceOptions& = {});
+
+/// A statistic times a non-negative factor.
+Statistic scaled(const Statistic&, double factor);
+
+}  // namespace qerr

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <limits>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "qerr/core/quantity.hpp"
+
+namespace qerr {
+
+/// What a value of the spec looks like in YAML.
+enum class Kind { number, integer, boolean, text, choice, numbers, object, objects, map, any };
+
+/// One key that the spec, a filter family, an encoder kind or an effect knows: the row that the strict
+/// reader, the JSON Schema and `qerr list` all read.
+struct Parameter {
+  std::string_view name;
+  Kind kind = Kind::number;
+  Dimension dimension = {};       ///< of a number; a joint coordinate (rad or m) is marked by `coordinate`
+  std::string_view meaning = {};  ///< one line for `qerr list` and the schema
+  bool required = false;
+  std::optional<double> fallback = {};  ///< default of a number, in SI units
+  double least = -std::numeric_limits<double>::infinity();
+  double most = std::numeric_limits<double>::infinity();
+  bool open_below = false;  ///< `least` itself is out of range
+  bool open_above = false;
+  std::string_view choices = {};  ///< of a choice: "matched|tustin"; the first one is the default
+  bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
+};
+
+}  // namespace qerr

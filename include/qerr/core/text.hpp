@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+
+namespace qerr {
+
+/// Bytes of the well-formed UTF-8 sequence at `at` (1 to 4; no overlong forms, no surrogates), or 0 when
+/// there is none.
+std::size_t utf8_length(std::string_view text, std::size_t at);
+
+/// Columns the text takes on a terminal, counting a code point as one.
+std::size_t display_width(std::string_view text);
+
+/// "1,234,567"-free count with its noun: "1 joint", "3 joints".
+std::string counted(std::size_t count, std::string_view noun);
+
+}  // namespace qerr

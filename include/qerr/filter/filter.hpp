@@ -1,0 +1,54 @@
+#pragma once
+
+#include <array>
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+namespace qerr {
+
+/// A section of order one or two in w = (1 - z^-1)/(1 + z^-1): (b0 + b1 w + b2 w^2)/(a0 + a1 w + a2 w^2).
+///
+/// In w the point z = 1 lies at w = 0 (and w is (T/2) d/dt for slow signals), so slow poles keep their digits
+/// however small the cut-off is against the sample rate; the section is stable if and only if a0, a1 and, for
+/// second order, a2 have one sign. First order: a2 = b2 = 0. The order of the numerator is at most that of
+/// the denominator.
+struct Section {
+  std::array<double, 3> b{};
+  std::array<double, 3> a{};
+  bool operator==(const Section&) const = default;
+};
+
+/// A digital filter H = gain * taps * product of the sections; unit of the output over unit of the input is
+/// 1/s^derivative.
+///
+/// All functions below assume a stable filter, which the families and `filter_from_coefficients` guarantee.
+struct Filter {
+  std::vector<Section> sections;
+  double gain = 1;
+  double sample_rate = 0;  ///< [Hz]
+  int derivative = 0;      ///< what the output estimates; only names its unit
+  std::vector<double> taps =
+      {};  ///< h_0, h_1, ... of a user's filter without poles (sections are then empty); else empty
+};
+
+/// H(e^{j 2 pi f / sample_rate}), with full relative accuracy also for tiny f, where derivatives vanish as (j
+/// 2 pi f)^d.
+/// @param frequency_hz  any frequency [Hz]; H is periodic in it with the sample rate
+std::complex<double> response(const Filter&, double frequency_hz);
+
+/// H(1), the gain for constant input [1/s^derivative].
+double dc_gain(const Filter&);
+
+/// Group delay at 0 Hz [s]: -d arg H / d omega, the limit there for filters that vanish at 0 Hz.
+///
+/// (T/2) sum (a1/a0 - b1/b0) over the sections, zeros at w = 0 left out: d pure differences delay by d T/2.
+double group_delay(const Filter&);
+
+/// Largest pole modulus |z| in the z plane; 0 for FIR. Below 1 for every filter that qerr builds.
+double poles_max_modulus(const Filter&);
+
+/// h_0 .. h_{count-1} [1/s^derivative], computed in double-double and in a form that does not cancel.
+std::vector<double> impulse_response(const Filter&, std::size_t count);
+
+}  // namespace qerr

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/design/requirement.hpp"
+#include "qerr/effect/effect.hpp"
+#include "qerr/filter/norms.hpp"
+#include "qerr/kinematics/configurations.hpp"
+#include "qerr/kinematics/robot_model.hpp"
+
+namespace qerr {
+
+/// A filter of the spec, designed, with its norms.
+struct NamedFilter {
+  std::string name;
+  Filter filter;
+  Norms norms;
+};
+
+/// What a spec says about one encoder, beside what the bounds need of it.
+struct EncoderFigures {
+  std::string kind;           ///< key of the encoder kind
+  double counts_per_rev = 0;  ///< after decoding; of `resolution` at a revolute joint 2 pi/Delta
+  double gear_ratio = 1;      ///< with its sign
+};
+
+/// amplitude * sin(2 pi frequency t + phase).
+struct Sine {
+  double amplitude = 0;  ///< [rad or m]
+  double frequency = 0;  ///< [Hz]
+  double phase = 0;      ///< [rad]
+};
+
+/// Motion of one joint: center + velocity t + sum of sines.
+struct JointMotion {
+  double center = 0;    ///< [rad or m]
+  double velocity = 0;  ///< [rad/s or m/s]
+  std::vector<Sine> sines;
+};
+
+/// `motion:` of the spec.
+struct Motion {
+  double sample_rate = 0;           ///< [Hz]
+  double duration = 0;              ///< [s]
+  std::vector<JointMotion> joints;  ///< one per independent joint; empty when a file gives the motion
+  std::string file;                 ///< "" unless given
+};
+
+/// One axis of `sweep:`: a dotted path and the YAML texts it takes.
+struct SweepAxis {
+  std::string key;
+  std::vector<std::string> values;
+};
+
+/// A spec, read and checked: everything in SI units, every name resolved.
+struct Spec {
+  std::string file;
+  std::string sha256;                                          ///< of the file's bytes
+  std::vector<std::pair<std::string, std::string>> overrides;  ///< --set KEY=VALUE, in order
+  std::string robot_name;
+  std::string points_file;  ///< of `method: file`, "" otherwise
+  OperationalModel model;
+  std::vector<EncoderFigures> encoder_figures;  ///< one per independent joint
+  std::vector<NamedFilter> filters;             ///< in the spec's order
+  Configurations configurations;
+  std::vector<Requirement> requirements;
+  std::optional<double> threshold_length;  ///< [m]
+  std::optional<Motion> motion;
+  std::vector<Effect> effects;
+  std::vector<SweepAxis> sweep;
+  std::vector<std::string> warnings;
+};
+
+/// What the command line changes in a spec before it is checked.
+struct SpecOverrides {
+  std::vector<std::pair<std::string, std::string>> values;  ///< dotted path, YAML text
+  std::optional<std::uint64_t> seed;
+};
+
+/// Reads a spec and the URDF it names. `-` reads the spec from standard input, its paths relative to the
+/// working folder.
+/// @throws Error (input) with every fault found; (file_system) when a file cannot be read
+Spec read_spec(const std::string& path, const SpecOverrides& = {});
+
+}  // namespace qerr

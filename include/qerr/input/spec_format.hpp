@@ -1,0 +1,29 @@
+#pragma once
+
+#include <string_view>
+#include <vector>
+
+#include "qerr/core/parameter.hpp"
+
+namespace qerr {
+
+/// The rows of every section of the spec that is not a family of its own. The strict reader and the JSON
+/// Schema read the same rows, so that they cannot disagree about keys, kinds, ranges and defaults.
+namespace spec_format {
+
+const std::vector<Parameter>& top();
+const std::vector<Parameter>& robot();
+const std::vector<Parameter>& filter();
+const std::vector<Parameter>& lowpass();  ///< without the family's own parameters
+const std::vector<Parameter>& configurations();
+const std::vector<Parameter>& requirement();
+const std::vector<Parameter>& threshold();
+const std::vector<Parameter>& motion();
+const std::vector<Parameter>& joint_motion();
+const std::vector<Parameter>& sine();
+const std::vector<Parameter>& effect();  ///< without the effect's own parameters
+const std::vector<Parameter>& sweep();
+
+}  // namespace spec_format
+
+}  // namespace qerr

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "qerr/kinematics/robot_model.hpp"
+
+namespace qerr {
+
+/// A moving joint on the way from base to tip: `origin` (from the frame before), then the motion by
+/// multiplier * q[coordinate] + offset about or along `axis`.
+struct ChainJoint {
+  std::string name;
+  bool prismatic = false;
+  Eigen::Isometry3d origin =
+      Eigen::Isometry3d::Identity();  ///< all fixed transforms before the joint, merged
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
+  std::size_t coordinate = 0;  ///< index of the independent joint that moves it
+  double multiplier = 1;       ///< mimic multiplier; negative too where the chain climbs the tree
+  double offset = 0;           ///< [rad or m]
+};
+
+/// A joint whose coordinate is free: what has an encoder, what configurations and logs speak of.
+struct IndependentJoint {
+  std::string name;
+  JointType type = JointType::revolute;
+  std::optional<Limits> limits;
+  bool on_chain = true;  ///< false: only its mimics are
+
+  bool prismatic() const { return type == JointType::prismatic; }
+};
+
+/// The serial chain between two links of a tree.
+struct Chain {
+  std::string base, tip;
+  std::vector<ChainJoint> joints;  ///< moving joints, base to tip
+  Eigen::Isometry3d tip_offset = Eigen::Isometry3d::Identity();
+  std::vector<IndependentJoint>
+      independent;  ///< in chain order; a master off the chain stands where its first mimic does
+};
+
+/// The chain from `base` (empty: the root) to `tip` (empty: the only leaf).
+///
+/// The way may climb towards the root and descend again; a mimic joint moves with its master's coordinate.
+/// @throws Error (input; keys `robot.base`, `robot.tip`) for unknown links, several leaves, equal ends; for a
+/// floating
+///   or planar joint on the way, by its name; when nothing moves
+Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
+
+/// Pose of the tip in the base frame at the independent coordinates q [rad or m].
+Eigen::Isometry3d forward_kinematics(const Chain&, const Eigen::VectorXd& q);
+
+}  // namespace qerr

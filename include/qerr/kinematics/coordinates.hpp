@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "qerr/kinematics/jacobian.hpp"
+
+namespace qerr {
+
+/// An operational coordinate of the tip in the base frame.
+enum class Coordinate { x, y, z, rx, ry, rz, roll, pitch, yaw };
+
+/// A row of the list of coordinates.
+struct CoordinateInfo {
+  Coordinate coordinate;
+  std::string_view name;
+  std::string_view unit;  ///< "m" or "rad"
+  std::string_view summary;
+};
+
+const std::vector<CoordinateInfo>& coordinate_list();
+const CoordinateInfo& info(Coordinate);
+std::optional<Coordinate> find_coordinate(std::string_view name);
+
+inline bool is_position(Coordinate c) { return c <= Coordinate::z; }
+inline bool is_rotation_vector(Coordinate c) { return c >= Coordinate::rx && c <= Coordinate::rz; }
+inline bool is_euler_angle(Coordinate c) { return c >= Coordinate::roll; }
+
+/// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock, where roll and yaw have no rates.
+double cosine_of_pitch(const Eigen::Matrix3d& rotation);
+
+/// Rows of the chosen coordinates from a geometric Jacobian (6 x joints, linear rows first).
+///
+/// x y z and rx ry rz are its rows; with omega = E(roll, pitch, yaw)^-1 the rates are
+/// roll' = (cos(yaw) wx + sin(yaw) wy)/cos(pitch), pitch' = -sin(yaw) wx + cos(yaw) wy, yaw' = sin(pitch)
+/// roll' + wz. Rows of roll and yaw are infinite where |cos(pitch)| < 1e-12.
+/// @returns coordinates x joints
+Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>&, const Jacobian&,
+                                const Eigen::Matrix3d& rotation);
+
+}  // namespace qerr

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <Eigen/Geometry>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+enum class JointType { revolute, continuous, prismatic, fixed, floating, planar };
+
+/// Range of a joint coordinate [rad or m], lower <= upper.
+struct Limits {
+  double lower = 0;
+  double upper = 0;
+};
+
+/// q = multiplier * q_joint + offset (URDF `mimic`).
+struct Mimic {
+  std::string joint;
+  double multiplier = 1;
+  double offset = 0;
+};
+
+/// A joint of the tree; the child frame is `origin` times the motion about or along `axis` (unit, in the
+/// joint frame).
+struct Joint {
+  std::string name;
+  JointType type = JointType::fixed;
+  std::string parent, child;
+  Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();
+  Eigen::Vector3d axis = Eigen::Vector3d::UnitX();
+  std::optional<Limits> limits;  ///< empty: the URDF gives none (always so for a continuous joint)
+  std::optional<Mimic> mimic;
+  Place place;
+};
+
+/// A kinematic tree, checked: one root, every link reachable, one parent a link, unit axes, ordered finite
+/// limits, mimic targets present and acyclic.
+struct RobotModel {
+  std::string name;
+  std::string file;
+  std::vector<std::string> links;  ///< in file order
+  std::vector<Joint> joints;       ///< in file order
+  std::vector<std::string> warnings;
+};
+
+}  // namespace qerr

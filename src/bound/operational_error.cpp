@@ -1,0 +1,91 @@
+#include "qerr/bound/operational_error.hpp"
+
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+/// Second-order remainders that hold over the whole quantization box.
+struct Remainder {
+  double position = 0;        ///< [m]
+  double rotation = 0;        ///< [rad], of one component of the rotation vector
+  double rotation_angle = 0;  ///< [rad], bound of the whole angle
+};
+
+/// @param h  largest error of each moving joint [rad or m]
+Remainder remainder(const Chain& chain, const Jacobian& joints, const Eigen::VectorXd& h) {
+  const Eigen::Index count = joints.cols();
+  const auto prismatic = [&](Eigen::Index k) { return chain.joints[static_cast<std::size_t>(k)].prismatic; };
+  Eigen::VectorXd reach(count);
+  double beyond = 0;  // how far the joints past k can shift the tip
+  for (Eigen::Index k = count; k-- > 0;) {
+    reach[k] = prismatic(k) ? 1.0 : joints.col(k).head<3>().norm() + beyond;
+    beyond += reach[k] * h[k];
+  }
+  Remainder r;
+  double before = 0;  // S_{k-1}
+  double axes = 0;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if (prismatic(k)) {
+      r.position += before * h[k];
+      continue;
+    }
+    r.position += 0.5 * reach[k] * h[k] * (2 * before + h[k]);
+    axes += 0.5 * h[k] * before;
+    before += h[k];
+  }
+  r.rotation_angle = before;
+  r.rotation = before <= std::numbers::pi ? axes + before * before * (0.25 + 0.034 * before)
+                                          : std::numeric_limits<double>::infinity();
+  return r;
+}
+
+double rigorous_bound(Coordinate c, double linear, const Remainder& r) {
+  if (is_position(c)) return linear + r.position;
+  if (is_rotation_vector(c)) return std::min(linear + r.rotation, r.rotation_angle);
+  return std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+OperationalError operational_error(const OperationalModel& model, const Eigen::VectorXd& q) {
+  Eigen::Isometry3d pose;
+  const Jacobian joints = joint_jacobian(model.chain, q, &pose);
+  Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, pose.linear());
+  // At the gimbal lock roll and yaw are unbounded; products with infinity would turn into NaN, so it is put
+  // in last.
+  const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    if (unbounded[i]) rows.row(i).setZero();
+  const Eigen::MatrixXd sensed = to_independent(model.chain, rows) * model.transmission.coupling;
+
+  OperationalError e;
+  e.cosine_of_pitch = cosine_of_pitch(pose.linear());
+  e.weighted = sensed * resolutions(model.transmission).asDiagonal();
+  e.mean = sensed * mean_errors(model.transmission);
+  e.half_width = 0.5 * e.weighted.cwiseAbs().rowwise().sum();
+  e.worst_case = e.half_width + e.mean.cwiseAbs();
+  e.sigma = e.weighted.rowwise().norm() / std::sqrt(12.0);
+
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    if (unbounded[i])
+      e.half_width[i] = e.worst_case[i] = e.sigma[i] = infinity, e.weighted.row(i).setConstant(infinity);
+
+  const Eigen::VectorXd largest = joint_error(model.transmission).worst_case;
+  Eigen::VectorXd h(joints.cols());
+  for (Eigen::Index k = 0; k < h.size(); ++k) {
+    const ChainJoint& joint = model.chain.joints[static_cast<std::size_t>(k)];
+    h[k] = std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
+  }
+  const Remainder r = remainder(model.chain, joints, h);
+  e.rigorous.resize(e.sigma.size());
+  for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
+    e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r);
+  return e;
+}
+
+}  // namespace qerr

@@ -1,0 +1,200 @@
+#include "qerr/bound/workspace.hpp"
+
+#include <cmath>
+
+#include "qerr/core/parallel.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::uint64_t block_size = 512;
+constexpr std::uint64_t blocks_per_wave = 128;
+
+/// Sums over some configurations; partial ones are appended in the order of the configurations.
+struct Sums {
+  std::vector<Accumulator> worst, rigorous, sigma;  // [coordinate]
+  std::vector<std::vector<Accumulator>>
+      filtered_worst;  // [filter][coordinate]; only where a mean error exists
+  Eigen::MatrixXd share, share_worst, variance_parts, covariance, covariance_at_largest;
+  Eigen::VectorXd largest_at;
+  double largest_trace = -1, largest_arm = 0, smallest_cosine = 1;
+
+  Sums(std::size_t coordinates, std::size_t encoders, std::size_t filters, std::uint64_t expected)
+      : worst(coordinates, Accumulator(expected)),
+        rigorous(worst),
+        sigma(worst),
+        filtered_worst(filters, worst),
+        share(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(coordinates),
+                                    static_cast<Eigen::Index>(encoders))),
+        share_worst(share),
+        variance_parts(share),
+        covariance(Eigen::MatrixXd::Zero(share.rows(), share.rows())),
+        covariance_at_largest(covariance) {}
+
+  void append(const Sums& later) {
+    for (std::size_t i = 0; i < worst.size(); ++i) {
+      worst[i].append(later.worst[i]);
+      rigorous[i].append(later.rigorous[i]);
+      sigma[i].append(later.sigma[i]);
+      for (std::size_t f = 0; f < filtered_worst.size(); ++f)
+        filtered_worst[f][i].append(later.filtered_worst[f][i]);
+    }
+    share += later.share;
+    share_worst += later.share_worst;
+    variance_parts += later.variance_parts;
+    covariance += later.covariance;
+    largest_arm = std::max(largest_arm, later.largest_arm);
+    smallest_cosine = std::min(smallest_cosine, later.smallest_cosine);
+    if (later.largest_trace > largest_trace) {
+      largest_trace = later.largest_trace;
+      largest_at = later.largest_at;
+      covariance_at_largest = later.covariance_at_largest;
+    }
+  }
+};
+
+/// Parts of each row's sum; a row that is nothing but rounding against the largest row of its kind has none.
+///
+/// A row of zeros comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
+void add_shares(const Eigen::MatrixXd& weighted, double negligible, Sums& sums) {
+  for (Eigen::Index i = 0; i < weighted.rows(); ++i) {
+    const double total = weighted.row(i).squaredNorm();
+    if (!std::isfinite(total) || std::sqrt(total) <= negligible) continue;
+    sums.share.row(i) += weighted.row(i).cwiseAbs2() / total;
+    sums.share_worst.row(i) += weighted.row(i).cwiseAbs() / weighted.row(i).cwiseAbs().sum();
+  }
+}
+
+class Job {
+ public:
+  Job(const OperationalModel& model, const std::vector<Norms>& filters, const Configurations& c)
+      : model_(model), filters_(filters), configurations_(c), delta_(resolutions(model.transmission)) {
+    has_mean_ = !mean_errors(model.transmission).isZero(0);
+  }
+
+  Sums empty(std::uint64_t expected) const {
+    return Sums(model_.coordinates.size(), model_.transmission.encoders.size(),
+                has_mean_ ? filters_.size() : 0, expected);
+  }
+
+  bool has_mean() const { return has_mean_; }
+
+  void block(const Eigen::MatrixXd& points, std::vector<OperationalError>& errors, Sums& sums) const {
+    for (Eigen::Index i = 0; i < points.cols(); ++i) {
+      const Eigen::VectorXd q = points.col(i);
+      errors.push_back(operational_error(model_, q));
+      add(errors.back(), q, sums);
+    }
+  }
+
+ private:
+  void add(const OperationalError& e, const Eigen::VectorXd& q, Sums& sums) const {
+    for (std::size_t i = 0; i < model_.coordinates.size(); ++i) {
+      const auto row = static_cast<Eigen::Index>(i);
+      sums.worst[i].add(e.worst_case[row], q);
+      sums.rigorous[i].add(e.rigorous[row], q);
+      sums.sigma[i].add(e.sigma[row], q);
+      for (std::size_t f = 0; f < sums.filtered_worst.size(); ++f)
+        sums.filtered_worst[f][i].add(
+            derivative_error(e.half_width[row], e.mean[row], e.sigma[row], filters_[f]).worst_case, q);
+      if (is_position(model_.coordinates[i]))
+        sums.largest_arm = std::max(
+            sums.largest_arm, e.weighted.row(row).cwiseAbs().cwiseQuotient(delta_.transpose()).maxCoeff());
+    }
+    double scale = 0;
+    for (Eigen::Index i = 0; i < e.weighted.rows(); ++i)
+      if (const double norm = e.weighted.row(i).norm(); std::isfinite(norm)) scale = std::max(scale, norm);
+    add_shares(e.weighted, 1e-13 * scale, sums);
+    sums.smallest_cosine = std::min(sums.smallest_cosine, e.cosine_of_pitch);
+    const Eigen::MatrixXd covariance = e.weighted * e.weighted.transpose() / 12.0;
+    sums.variance_parts += e.weighted.cwiseAbs2() / 12.0;
+    sums.covariance += covariance;
+    if (const double trace = size_of(covariance); trace > sums.largest_trace) {
+      sums.largest_trace = trace;
+      sums.largest_at = q;
+      sums.covariance_at_largest = covariance;
+    }
+  }
+
+  /// Trace over the positions alone, as metres and radians do not add; over all coordinates where there is no
+  /// position.
+  double size_of(const Eigen::MatrixXd& covariance) const {
+    double positions = 0;
+    bool any = false;
+    for (std::size_t i = 0; i < model_.coordinates.size(); ++i)
+      if (is_position(model_.coordinates[i])) {
+        positions += covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
+        any = true;
+      }
+    return any ? positions : covariance.trace();
+  }
+
+  const OperationalModel& model_;
+  const std::vector<Norms>& filters_;
+  const Configurations& configurations_;
+  Eigen::VectorXd delta_;
+  bool has_mean_ = false;
+};
+
+Workspace finish(const OperationalModel& model, const std::vector<Norms>& filters, const Job& job,
+                 const Sums& sums, std::uint64_t count) {
+  Workspace w;
+  w.count = count;
+  w.exact_percentiles = sums.sigma.empty() || sums.sigma.front().percentiles_are_exact();
+  const double n = static_cast<double>(std::max<std::uint64_t>(count, 1));
+  for (std::size_t i = 0; i < model.coordinates.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    w.coordinates.push_back({sums.worst[i].result(), sums.rigorous[i].result(), sums.sigma[i].result(),
+                             sums.share.row(row).transpose() / n, sums.share_worst.row(row).transpose() / n});
+  }
+  for (std::size_t f = 0; f < filters.size(); ++f) {
+    std::vector<DerivativeStatistics>& of_filter = w.derivatives.emplace_back();
+    for (std::size_t i = 0; i < model.coordinates.size(); ++i)
+      of_filter.push_back({job.has_mean() ? sums.filtered_worst[f][i].result()
+                                          : scaled(w.coordinates[i].worst_case, filters[f].l1.upper),
+                           scaled(w.coordinates[i].sigma, filters[f].h2)});
+  }
+  w.mean_variance_parts = sums.variance_parts / n;
+  w.mean_covariance = sums.covariance / n;
+  w.covariance_at_largest = sums.covariance_at_largest;
+  w.largest_at = sums.largest_at;
+  w.largest_arm = sums.largest_arm;
+  w.smallest_cosine_of_pitch = sums.smallest_cosine;
+  return w;
+}
+
+}  // namespace
+
+Statistic scaled(const Statistic& s, double factor) {
+  return {s.min * factor, s.mean * factor, s.max * factor, s.p50 * factor,
+          s.p95 * factor, s.p99 * factor,  s.at_max};
+}
+
+Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
+                    const Configurations& configurations, const WorkspaceOptions& options) {
+  const Job job(model, filters, configurations);
+  const std::uint64_t total = size(configurations);
+  Sums sums = job.empty(total);
+  for (std::uint64_t wave = 0; wave < total; wave += block_size * blocks_per_wave) {
+    const std::uint64_t in_wave = std::min(block_size * blocks_per_wave, total - wave);
+    const auto blocks = static_cast<std::size_t>((in_wave + block_size - 1) / block_size);
+    std::vector<Sums> partial(blocks, job.empty(0));
+    std::vector<Eigen::MatrixXd> points(blocks);
+    std::vector<std::vector<OperationalError>> errors(blocks);
+    parallel_for(blocks, options.threads, [&](std::size_t b) {
+      const std::uint64_t first = wave + b * block_size;
+      points[b] = draw(configurations, first, std::min(block_size, total - first));
+      job.block(points[b], errors[b], partial[b]);
+      if (!options.visit) errors[b].clear();
+    });
+    for (std::size_t b = 0; b < blocks; ++b) {
+      sums.append(partial[b]);
+      if (options.visit) options.visit(wave + b * block_size, points[b], errors[b]);
+    }
+    if (options.progress) options.progress(wave + in_wave, total);
+  }
+  return finish(model, filters, job, sums, total);
+}
+
+}  // namespace qerr

@@ -1,0 +1,51 @@
+#include <memory>
+
+#include "command.hpp"
+#include "qerr/core/output_file.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+struct Arguments {
+  std::string spec;
+  std::string per_configuration;
+};
+
+int run(const Arguments& arguments, const Options& o) {
+  const Spec spec = load(arguments.spec, o);
+  OutputFile out(o.output);
+  std::unique_ptr<OutputFile> rows;
+  WorkspaceOptions options;
+  options.threads = o.threads;
+  options.progress = progress(o);
+  if (!arguments.per_configuration.empty()) {
+    rows = std::make_unique<OutputFile>(arguments.per_configuration);
+    rows->write(per_configuration_header(spec));
+    options.visit = [&](std::uint64_t, const Eigen::MatrixXd& points,
+                        const std::vector<OperationalError>& errors) {
+      for (std::size_t i = 0; i < errors.size(); ++i)
+        rows->write(per_configuration_row(spec, points.col(static_cast<Eigen::Index>(i)), errors[i]));
+    };
+  }
+  const Analysis analysis = analyze(spec, options);
+  if (rows) rows->close();
+  out.write(write(analysis, chosen_format(o), style(o)));
+  out.close();
+  warn(analysis.warnings, o);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_analyze(CLI::App& app, Options& o) {
+  auto arguments = std::make_shared<Arguments>();
+  app.add_option("SPEC", arguments->spec, "the spec (YAML); '-' reads standard input")->required();
+  app.add_option("--per-configuration", arguments->per_configuration, "write one CSV row per configuration")
+      ->type_name("FILE.csv");
+  add_spec_options(app, o);
+  add_output_options(app, o);
+  return [=, &o] { return run(*arguments, o); };
+}
+
+}  // namespace qerr::cli

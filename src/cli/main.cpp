@@ -1,0 +1,79 @@
+#include <unistd.h>
+
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <new>
+
+#include "command.hpp"
+#include "qerr/core/suggest.hpp"
+
+namespace {
+
+/// Fails at once on a signal: nothing half-written is left, as results are renamed into place only when
+/// whole.
+void set_signals() {
+  // A closed pipe (`| head`) is an ordinary end of the reader's interest: write() then fails with EPIPE.
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const qerr::cli::Command& c : qerr::cli::commands()) names.emplace_back(c.name);
+  return names;
+}
+
+int run(int argc, char** argv) {
+  using namespace qerr::cli;
+  CLI::App app{
+      "qerr: how large the errors of a robot's encoders get at its tip, and in filtered velocity and "
+      "acceleration"};
+  app.set_version_flag("--version", "qerr " + std::string(qerr::version()));
+  app.require_subcommand(1);
+  app.get_formatter()->column_width(28);
+  Options options;
+  std::vector<std::pair<CLI::App*, std::function<int()>>> work;
+  for (const Command& command : commands()) {
+    CLI::App* sub = app.add_subcommand(std::string(command.name), std::string(command.summary));
+    work.emplace_back(sub, command.declare(*sub, options));
+  }
+  // CLI11 says "A subcommand is required" to a mistyped one; the word itself is what helps.
+  if (argc > 1 && argv[1][0] != '-') {
+    const std::vector<std::string> names = command_names();
+    const std::string word = argv[1];
+    if (std::find(names.begin(), names.end(), word) == names.end())
+      throw qerr::Error(
+          {{"", 0, 0}, "", "no such command", "'" + word + "'", qerr::did_you_mean(word, names)},
+          qerr::Trouble::usage);
+  }
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
+    throw qerr::Error({{"", 0, 0}, "", e.what(), "", "see qerr --help"}, qerr::Trouble::usage);
+  }
+  for (const auto& [sub, action] : work)
+    if (sub->parsed()) return action();
+  return static_cast<int>(qerr::Trouble::usage);
+}
+
+int report(const std::string& text, qerr::Trouble trouble) {
+  std::fprintf(stderr, "%s\n", text.c_str());
+  return static_cast<int>(trouble);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  set_signals();
+  try {
+    return run(argc, argv);
+  } catch (const qerr::Error& e) {
+    return report(e.what(), e.trouble());
+  } catch (const std::bad_alloc&) {
+    return report("qerr: out of memory; take fewer configurations or a smaller input",
+                  qerr::Trouble::internal);
+  } catch (const std::exception& e) {
+    return report(std::string("qerr: a fault of qerr itself: ") + e.what(), qerr::Trouble::internal);
+  }
+}

@@ -1,0 +1,67 @@
+#include "qerr/core/error.hpp"
+
+#include <cstdio>
+#include <utility>
+
+#include "qerr/core/text.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::size_t most_lines = 20;
+
+std::string line_of(const Fault& fault) {
+  std::string line = fault.place.file.empty() ? "qerr" : escaped(fault.place.file);
+  if (fault.place.line > 0) {
+    line += ':' + std::to_string(fault.place.line);
+    if (fault.place.column > 0) line += ':' + std::to_string(fault.place.column);
+  }
+  line += ": ";
+  if (!fault.key.empty()) line += escaped(fault.key) + ": ";
+  line += escaped(fault.rule, 600);
+  if (!fault.found.empty()) line += ", found " + escaped(fault.found);
+  if (!fault.remedy.empty()) line += "; " + escaped(fault.remedy, 600);
+  return line;
+}
+
+}  // namespace
+
+std::string escaped(const std::string& text, std::size_t limit) {
+  std::string out;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t length = utf8_length(text, i);
+    const auto byte = static_cast<unsigned char>(text[i]);
+    const std::size_t step = length == 0 ? 1 : length;
+    // U+0080..U+009F are control characters too: terminals read them as escape sequences.
+    const bool c1_control = length == 2 && byte == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+    if (length == 0 || byte < 0x20 || byte == 0x7F || c1_control) {
+      for (std::size_t k = 0; k < step; ++k) {
+        char buffer[8];
+        std::snprintf(buffer, sizeof buffer, "\\x%02X",
+                      static_cast<unsigned>(static_cast<unsigned char>(text[i + k])));
+        out += buffer;
+      }
+    } else {
+      out.append(text, i, step);
+    }
+    i += step;
+    if (out.size() >= limit && i < text.size()) return out + "...";
+  }
+  return out;
+}
+
+std::string format(const std::vector<Fault>& faults) {
+  std::string text;
+  const std::size_t shown = faults.size() > most_lines ? most_lines - 1 : faults.size();
+  for (std::size_t i = 0; i < shown; ++i) text += (i ? "\n" : "") + line_of(faults[i]);
+  if (shown < faults.size()) text += "\n(" + std::to_string(faults.size() - shown) + " more faults)";
+  return text;
+}
+
+Error::Error(Fault fault, Trouble trouble) : Error(std::vector<Fault>{std::move(fault)}, trouble) {}
+
+Error::Error(std::vector<Fault> faults, Trouble trouble)
+    : std::runtime_error(format(faults)), faults_(std::move(faults)), trouble_(trouble) {}
+
+}  // namespace qerr

@@ -1,0 +1,85 @@
+#include "qerr/core/output_file.hpp"
+
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+#include <cerrno>
+#include <cstring>
+#include <filesystem>
+
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::size_t buffer_size = std::size_t{1} << 16;
+
+bool is_special(const std::string& path) {
+  struct stat status {};
+  return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+}  // namespace
+
+OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  if (path_ == "-") {
+    descriptor_ = STDOUT_FILENO;
+    return;
+  }
+  if (is_special(path_)) {
+    descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
+  } else {
+    // A link is followed, so that the file it names is replaced and not the link.
+    std::error_code ignored;
+    const auto real = std::filesystem::canonical(path_, ignored);
+    const std::string target = ignored ? path_ : real.string();
+    if (!ignored) path_ = target;
+    temporary_ = target + ".tmp." + std::to_string(getpid());
+    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  }
+  if (descriptor_ < 0) {
+    temporary_.clear();
+    fail("cannot be opened for writing", errno);
+  }
+}
+
+OutputFile::~OutputFile() {
+  if (descriptor_ > STDERR_FILENO) ::close(descriptor_);
+  if (!temporary_.empty()) unlink(temporary_.c_str());
+}
+
+void OutputFile::fail(const std::string& what, int code) {
+  throw Error(Fault{{path_ == "-" ? "standard output" : path_, 0, 0}, "", what, std::strerror(code), ""},
+              Trouble::file_system);
+}
+
+void OutputFile::write(std::string_view text) {
+  buffer_ += text;
+  if (buffer_.size() >= buffer_size) flush();
+}
+
+void OutputFile::flush() {
+  for (std::size_t done = 0; done < buffer_.size();) {
+    const ssize_t n = ::write(descriptor_, buffer_.data() + done, buffer_.size() - done);
+    if (n < 0 && errno == EINTR) continue;
+    if (n < 0) fail("cannot be written", errno);
+    done += static_cast<std::size_t>(n);
+  }
+  buffer_.clear();
+}
+
+void OutputFile::close() {
+  flush();
+  if (descriptor_ == STDOUT_FILENO) return;
+  if (!temporary_.empty() && fsync(descriptor_) != 0) fail("cannot be written", errno);
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  if (closed != 0) fail("cannot be written", errno);
+  if (temporary_.empty()) return;
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be replaced", errno);
+  temporary_.clear();
+}
+
+}  // namespace qerr

@@ -1,0 +1,230 @@
+#include "qerr/core/quantity.hpp"
+
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <numbers>
+
+#include "qerr/core/text.hpp"
+
+namespace qerr {
+
+namespace {
+
+struct Unit {
+  double factor = 1;
+  Dimension dimension;
+};
+
+Dimension power(Dimension d, int n) {
+  return {d.metre * n, d.radian * n, d.second * n, d.newton * n, d.kelvin * n};
+}
+
+Dimension product(Dimension a, Dimension b) {
+  return {a.metre + b.metre, a.radian + b.radian, a.second + b.second, a.newton + b.newton,
+          a.kelvin + b.kelvin};
+}
+
+struct Symbol {
+  std::string_view name;
+  double factor;
+  Dimension dimension;
+  bool takes_prefix = false;
+};
+
+constexpr double pi = std::numbers::pi;
+
+constexpr std::array symbols{
+    Symbol{"m", 1, dimension::length, true},
+    Symbol{"in", 0.0254, dimension::length},
+    Symbol{"rad", 1, dimension::angle, true},
+    Symbol{"deg", pi / 180, dimension::angle},
+    Symbol{"°", pi / 180, dimension::angle},
+    Symbol{"arcmin", pi / 10800, dimension::angle},
+    Symbol{"arcsec", pi / 648000, dimension::angle},
+    Symbol{"rev", 2 * pi, dimension::angle},
+    Symbol{"s", 1, dimension::time, true},
+    Symbol{"min", 60, dimension::time},
+    Symbol{"h", 3600, dimension::time},
+    Symbol{"Hz", 1, dimension::frequency, true},
+    Symbol{"rpm", 2 * pi / 60, dimension::angular_speed},
+    Symbol{"N", 1, {0, 0, 0, 1}, true},
+    Symbol{"Nm", 1, dimension::torque, true},
+    Symbol{"K", 1, dimension::temperature},
+    Symbol{"degC", 1, dimension::temperature},
+    Symbol{"%", 0.01, dimension::none},
+    Symbol{"ppm", 1e-6, dimension::none},
+    Symbol{"count", 1, dimension::none},
+    Symbol{"counts", 1, dimension::none},
+    Symbol{"bit", 1, dimension::none},
+    Symbol{"bits", 1, dimension::none},
+    Symbol{"1", 1, dimension::none},
+};
+
+struct Prefix {
+  std::string_view name;
+  double factor;
+};
+
+constexpr std::array prefixes{Prefix{"n", 1e-9}, Prefix{"u", 1e-6}, Prefix{"µ", 1e-6}, Prefix{"μ", 1e-6},
+                              Prefix{"m", 1e-3}, Prefix{"c", 1e-2}, Prefix{"k", 1e3},  Prefix{"M", 1e6}};
+
+std::optional<Unit> find_symbol(std::string_view word) {
+  for (const Symbol& s : symbols)
+    if (word == s.name) return Unit{s.factor, s.dimension};
+  for (const Prefix& p : prefixes)
+    for (const Symbol& s : symbols)
+      if (s.takes_prefix && word.size() == p.name.size() + s.name.size() && word.starts_with(p.name) &&
+          word.ends_with(s.name))
+        return Unit{p.factor * s.factor, s.dimension};
+  return std::nullopt;
+}
+
+/// Grammar: unit = factor {(' ' | '*' | '/') factor}; factor = (SYMBOL | '(' unit ')') ['^' digit].
+class UnitReader {
+ public:
+  UnitReader(std::string_view text, std::string& why) : text_(text), why_(why) {}
+
+  std::optional<Unit> whole() {
+    auto unit = sequence(0);
+    if (unit && at_ != text_.size())
+      return fail("unit is not understood at '" + std::string(text_.substr(at_)) + "'");
+    return unit;
+  }
+
+ private:
+  std::optional<Unit> fail(std::string why) {
+    if (why_.empty()) why_ = std::move(why);
+    return std::nullopt;
+  }
+
+  void skip_blanks() {
+    while (at_ < text_.size() && text_[at_] == ' ') ++at_;
+  }
+
+  std::optional<Unit> sequence(int depth) {
+    auto unit = factor(depth);
+    while (unit) {
+      skip_blanks();
+      if (at_ == text_.size() || text_[at_] == ')') return unit;
+      const bool divides = text_[at_] == '/';
+      if (divides || text_[at_] == '*') ++at_;
+      skip_blanks();
+      const auto next = factor(depth);
+      if (!next) return std::nullopt;
+      unit = Unit{divides ? unit->factor / next->factor : unit->factor * next->factor,
+                  product(unit->dimension, power(next->dimension, divides ? -1 : 1))};
+    }
+    return unit;
+  }
+
+  std::optional<Unit> factor(int depth) {
+    std::optional<Unit> unit;
+    if (at_ < text_.size() && text_[at_] == '(') {
+      if (depth > 3) return fail("unit has too many brackets");
+      ++at_;
+      unit = sequence(depth + 1);
+      if (unit && (at_ == text_.size() || text_[at_] != ')'))
+        return fail("bracket in the unit is not closed");
+      ++at_;
+    } else {
+      const std::size_t end = std::min(text_.find_first_of(" */()^", at_), text_.size());
+      const std::string_view word = text_.substr(at_, end - at_);
+      unit = find_symbol(word);
+      if (!unit) return fail("unit '" + std::string(word) + "' is not known");
+      at_ = end;
+    }
+    if (unit && at_ < text_.size() && text_[at_] == '^') {
+      ++at_;
+      if (at_ == text_.size() || text_[at_] < '1' || text_[at_] > '9')
+        return fail("exponent of a unit must be 1 to 9");
+      const int n = text_[at_++] - '0';
+      unit = Unit{std::pow(unit->factor, n), power(unit->dimension, n)};
+    }
+    return unit;
+  }
+
+  std::string_view text_;
+  std::string& why_;
+  std::size_t at_ = 0;
+};
+
+std::string base_units(Dimension d, int sign) {
+  std::string text;
+  const auto add = [&](std::string_view name, int exponent) {
+    if (exponent * sign <= 0) return;
+    text += (text.empty() ? "" : " ") + std::string(name);
+    if (exponent * sign > 1) text += '^' + std::to_string(exponent * sign);
+  };
+  add("rad", d.radian);
+  add("N", d.newton);
+  add("m", d.metre);
+  add("s", d.second);
+  add("K", d.kelvin);
+  return text;
+}
+
+}  // namespace
+
+std::string unit_name(const Dimension& d) {
+  if (d == dimension::frequency) return "Hz";
+  const std::string above = base_units(d, 1);
+  const std::string below = base_units(d, -1);
+  if (below.empty()) return above;
+  const bool brackets = below.find(' ') != std::string::npos;
+  return (above.empty() ? "1" : above) + '/' + (brackets ? '(' + below + ')' : below);
+}
+
+std::optional<double> parse_number(std::string_view text) {
+  if (text.starts_with('+')) text.remove_prefix(1);
+  const std::size_t digits = text.starts_with('-') ? 1 : 0;
+  // from_chars alone would also take inf, nan and "-+1"; leading zeros are octal to other readers of YAML.
+  if (text.size() <= digits || !((text[digits] >= '0' && text[digits] <= '9') || text[digits] == '.'))
+    return std::nullopt;
+  if (text[digits] == '0' && text.size() > digits + 1 && text[digits + 1] >= '0' && text[digits + 1] <= '9')
+    return std::nullopt;
+  double value = 0;
+  const auto [end, failure] = std::from_chars(text.data(), text.data() + text.size(), value);
+  if (failure != std::errc{} || end != text.data() + text.size() || !std::isfinite(value))
+    return std::nullopt;
+  return value;
+}
+
+std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) {
+  why.clear();
+  // The number ends where its own characters end; an 'e' belongs to it only before a digit or a sign.
+  std::size_t end = 0;
+  while (end < text.size()) {
+    const char c = text[end];
+    const bool exponent = (c == 'e' || c == 'E') && end + 1 < text.size() &&
+                          (std::string_view("0123456789+-").find(text[end + 1]) != std::string_view::npos);
+    const bool sign_after_exponent =
+        (c == '+' || c == '-') && (end == 0 || text[end - 1] == 'e' || text[end - 1] == 'E');
+    if (!((c >= '0' && c <= '9') || c == '.' || exponent || sign_after_exponent)) break;
+    ++end;
+  }
+  const auto number = parse_number(text.substr(0, end));
+  if (!number) {
+    why = "not a finite decimal number";
+    return std::nullopt;
+  }
+  while (end < text.size() && text[end] == ' ') ++end;
+  if (end == text.size()) return Quantity{*number, std::nullopt};
+  const auto unit = UnitReader(text.substr(end), why).whole();
+  if (!unit) return std::nullopt;
+  const double value = *number * unit->factor;
+  if (!std::isfinite(value) || (value == 0 && *number != 0)) {
+    why = "not a finite decimal number";
+    return std::nullopt;
+  }
+  return Quantity{value, unit->dimension};
+}
+
+std::string shortest(double value) {
+  char buffer[40];
+  const auto [end, failure] = std::to_chars(buffer, buffer + sizeof buffer, value);
+  return failure == std::errc{} ? std::string(buffer, end) : std::string("nan");
+}
+
+}  // namespace qerr

@@ -1,0 +1,150 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "families/families.hpp"
+#include "polynomial.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr std::size_t max_coefficients = 256;
+
+/// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
+struct Factor {
+  WideComplex u;
+  WideComplex v;
+};
+
+Factor factor_of_root(WideComplex r) { return {WideComplex(1.0) - r, WideComplex(1.0) + r}; }
+const Factor delay{1.0, -1.0};  // z^-1 = (1 - w)/(1 + w)
+const Factor unit{1.0, 1.0};    // (1 + w)/(1 + w)
+
+using Polynomial = std::array<Wide, 3>;
+
+void check_list(const std::vector<double>& list, const char* key) {
+  if (list.empty())
+    throw Error(Fault{{}, key, "needs at least one coefficient", "an empty list", "write e.g. [1]"});
+  for (const double c : list) {
+    if (!std::isfinite(c)) throw Error(Fault{{}, key, "the coefficients must be finite", figure(c), ""});
+  }
+}
+
+void trim(std::vector<double>& list) {
+  while (list.size() > 1 && list.back() == 0) list.pop_back();
+}
+
+/// How far the rounding of the coefficients may move a root, to first order.
+double doubt(const std::vector<double>& a, WideComplex root) {
+  const double m = magnitude(root);
+  double scale = 0;
+  WideComplex value, slope;
+  for (const double c : a) {
+    slope = slope * root + value;
+    value = value * root + WideComplex(c);
+    scale = scale * m + std::abs(c);
+  }
+  const double moved = std::numeric_limits<double>::epsilon() * scale / std::max(magnitude(slope), 1e-300);
+  // A multiple root has no first order; beyond this the coefficients are taken at their word.
+  return std::min(moved, 1e-10);
+}
+
+std::vector<WideComplex> stable_poles(const std::vector<double>& a) {
+  std::vector<WideComplex> found = roots({a.begin(), a.end()});
+  double largest = 0;
+  bool unstable = false;
+  for (const WideComplex& r : found) {
+    const double modulus = std::sqrt(static_cast<double>(norm(r)));
+    if (modulus >= 1 - doubt(a, r)) unstable = true;
+    largest = std::max(largest, modulus);
+  }
+  if (!unstable) return found;
+  throw Error(Fault{{},
+                    "denominator",
+                    "the filter is not stable: a pole lies on or outside the unit circle",
+                    "largest pole modulus " + figure(largest),
+                    "all poles must lie inside; the coefficients ascend in z^-1"});
+}
+
+/// Pairs the factors into polynomials in w, slow ones first: conjugates together, real ones two by two, one
+/// may be left.
+std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
+  std::vector<std::array<Factor, 2>> pairs;
+  std::vector<Factor> real;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    if (factors[i].u.im == Wide(0)) {
+      real.push_back(factors[i]);
+    } else {
+      pairs.push_back({factors[i], factors[i + 1]});
+      ++i;
+    }
+  }
+  const auto slower = [](const Factor& x, const Factor& y) { return magnitude(x.u) < magnitude(y.u); };
+  std::stable_sort(real.begin(), real.end(), slower);
+  for (std::size_t i = 0; i + 1 < real.size(); i += 2) pairs.push_back({real[i], real[i + 1]});
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](const auto& x, const auto& y) { return slower(x[0], y[0]); });
+  std::vector<Polynomial> result;
+  for (const auto& [x, y] : pairs) {
+    result.push_back({(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re});
+  }
+  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Wide(0)});
+  return result;
+}
+
+/// Divides by the lowest coefficient that is not 0, so that the gain is left to one exact number.
+std::array<double, 3> scaled(const Polynomial& p) {
+  const auto lowest = std::find_if(p.begin(), p.end(), [](const Wide& c) { return c.hi != 0; });
+  std::array<double, 3> result{};
+  for (std::size_t i = 0; i < 3; ++i) result[i] = static_cast<double>(p[i] / *lowest);
+  return result;
+}
+
+}  // namespace
+
+Filter filter_from_coefficients(const std::vector<double>& numerator, const std::vector<double>& denominator,
+                                double sample_rate, int derivative) {
+  check_list(numerator, "numerator");
+  check_list(denominator, "denominator");
+  if (denominator[0] == 0) {
+    throw Error(
+        Fault{{}, "denominator", "the first coefficient a0 must not be 0", "0", "leave out leading zeros"});
+  }
+  std::vector<double> b = numerator, a = denominator;
+  trim(a);
+  trim(b);
+  Filter filter = difference_filter(sample_rate, 0);  // checks the rate
+  filter.derivative = derivative;
+  if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
+    if (a.size() > 1) stable_poles(a);
+    for (const double c : b) filter.taps.push_back(c / a[0]);
+    return filter;
+  }
+  if (std::max(a.size(), b.size()) > max_coefficients) {
+    throw Error(Fault{{},
+                      a.size() > b.size() ? "denominator" : "numerator",
+                      "too many coefficients for a filter with poles",
+                      std::to_string(std::max(a.size(), b.size())),
+                      "use at most " + std::to_string(max_coefficients)});
+  }
+  std::vector<Factor> below, above;
+  for (const WideComplex& r : stable_poles(a)) below.push_back(factor_of_root(r));
+  Deflated zeros = divide_out_dc_zeros(b);
+  const Wide slope = sum(zeros.rest);
+  filter.gain = std::ldexp(static_cast<double>(slope / sum({a.begin(), a.end()})), zeros.zeros);
+  for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
+  while (zeros.rest.front().hi == 0) {
+    zeros.rest.erase(zeros.rest.begin());
+    above.push_back(delay);
+  }
+  for (const WideComplex& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
+  while (above.size() < below.size()) above.push_back(unit);
+  while (below.size() < above.size()) below.push_back(unit);
+  const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
+  for (std::size_t i = 0; i < lower.size(); ++i)
+    filter.sections.push_back({scaled(upper[i]), scaled(lower[i])});
+  return filter;
+}
+
+}  // namespace qerr

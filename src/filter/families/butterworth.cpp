@@ -1,0 +1,46 @@
+#include <cmath>
+#include <numbers>
+
+#include "families.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr int max_order = 20;
+
+/// prod 1/(1 + 2 sin(theta_i) (w/rho) + (w/rho)^2), theta_i = pi (2i + 1)/(2n), rho = tan(pi f0 T): -3 dB
+/// exactly at f0.
+Filter design(const FilterDesign& wanted) {
+  const int order = whole_number(wanted, "order", 2, 1, max_order);
+  Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  const double slope = 1 / std::tan(std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate);
+  if (order % 2 == 1) filter.sections.push_back({{1, 0, 0}, {1, slope, 0}});
+  for (int i = 0; i < order / 2; ++i) {
+    const double damping = 2 * std::sin(std::numbers::pi * (2 * i + 1) / (2 * order));
+    filter.sections.push_back({{1, 0, 0}, {1, damping * slope, slope * slope}});
+  }
+  return filter;
+}
+
+}  // namespace
+
+FilterFamily butterworth_family() {
+  return {"butterworth",
+          "back differences, then a Butterworth low-pass (bilinear, pre-warped)",
+          {{.name = "order",
+            .kind = Kind::integer,
+            .meaning = "order of the low-pass",
+            .fallback = 2,
+            .least = 1,
+            .most = max_order},
+           {.name = "cutoff",
+            .kind = Kind::number,
+            .dimension = dimension::frequency,
+            .meaning = "-3 dB frequency of the low-pass, below half the sample rate",
+            .required = true,
+            .least = 0,
+            .open_below = true}},
+          design};
+}
+
+}  // namespace qerr

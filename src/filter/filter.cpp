@@ -1,0 +1,96 @@
+#include "qerr/filter/filter.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cascade.hpp"
+#include "modes.hpp"
+#include "polynomial.hpp"
+
+namespace qerr {
+namespace {
+
+using Complex = std::complex<double>;
+
+Complex section_response(const Section& s, Complex w) {
+  if (std::abs(w) <= 1) return (s.b[0] + w * (s.b[1] + w * s.b[2])) / (s.a[0] + w * (s.a[1] + w * s.a[2]));
+  // Near the Nyquist frequency in v = 1/w, which vanishes there.
+  const Complex v = 1.0 / w;
+  if (s.a[2] == 0) return (s.b[0] * v + s.b[1]) / (s.a[0] * v + s.a[1]);
+  return (s.b[2] + v * (s.b[1] + v * s.b[0])) / (s.a[2] + v * (s.a[1] + v * s.a[0]));
+}
+
+/// Zeros at z = 1 stay factored, or a tiny frequency would see the difference of equal taps.
+Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
+  const Deflated d = divide_out_dc_zeros(taps);
+  Complex sum = 0;
+  for (std::size_t k = 0; k < d.rest.size(); ++k) {
+    const double part = std::remainder(turns * static_cast<double>(k), 1.0);
+    sum += static_cast<double>(d.rest[k]) * std::polar(1.0, -2 * std::numbers::pi * part);
+  }
+  const Complex difference = std::abs(w) <= 1 ? 2.0 * w / (1.0 + w) : 2.0 / (1.0 + 1.0 / w);
+  for (int i = 0; i < d.zeros; ++i) sum *= difference;
+  return sum;
+}
+
+double taps_delay(const std::vector<double>& taps) {
+  const Deflated d = divide_out_dc_zeros(taps);
+  Wide weighted;
+  for (std::size_t k = 0; k < d.rest.size(); ++k) weighted += Wide(static_cast<double>(k)) * d.rest[k];
+  const Wide total = sum(d.rest);
+  return 0.5 * d.zeros + (total.hi == 0 ? 0 : static_cast<double>(weighted / total));
+}
+
+/// c1/c0 after the zeros at w = 0 are left out.
+double relative_slope(const std::array<double, 3>& c) {
+  if (c[0] != 0) return c[1] / c[0];
+  return c[1] != 0 ? c[2] / c[1] : 0;
+}
+
+}  // namespace
+
+Complex response(const Filter& filter, double frequency_hz) {
+  const double turns = std::remainder(frequency_hz / filter.sample_rate, 1.0);
+  const Complex w(0, std::tan(std::numbers::pi * turns));
+  Complex h = filter.gain;
+  for (const Section& s : filter.sections) h *= section_response(s, w);
+  if (!filter.taps.empty()) h *= taps_response(filter.taps, turns, w);
+  return h;
+}
+
+double dc_gain(const Filter& filter) {
+  double h = filter.gain;
+  for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
+  if (!filter.taps.empty()) {
+    const Deflated d = divide_out_dc_zeros(filter.taps);
+    h *= d.zeros > 0 ? 0 : static_cast<double>(sum(d.rest));
+  }
+  return h;
+}
+
+double group_delay(const Filter& filter) {
+  Wide samples;
+  for (const Section& s : filter.sections) {
+    samples += (Wide(relative_slope(s.a)) - Wide(relative_slope(s.b))) * Wide(0.5);
+  }
+  const double total = static_cast<double>(samples) + (filter.taps.empty() ? 0 : taps_delay(filter.taps));
+  return total / filter.sample_rate;
+}
+
+double poles_max_modulus(const Filter& filter) {
+  double largest = 0;
+  for (const Pole& pole : poles(filter)) {
+    largest = std::max(largest, static_cast<double>(sqrt(norm(pole.z()))));
+  }
+  return largest;
+}
+
+std::vector<double> impulse_response(const Filter& filter, std::size_t count) {
+  Cascade cascade(filter);
+  std::vector<double> h(count);
+  for (std::size_t k = 0; k < count; ++k) h[k] = static_cast<double>(cascade.step(k == 0 ? 1.0 : 0.0));
+  return h;
+}
+
+}  // namespace qerr

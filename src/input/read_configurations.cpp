@@ -1,0 +1,201 @@
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+#include <numbers>
+
+#include "csv.hpp"
+#include "qerr/core/suggest.hpp"
+#include "qerr/input/spec_format.hpp"
+#include "read_sections.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double most_grid_points = 1e12;
+
+/// Rounded decimals of a limit may lie a hair outside it.
+bool inside(double value, const Limits& limits) {
+  const double slack = 1e-9 * std::max({1.0, std::abs(limits.lower), std::abs(limits.upper)});
+  return value >= limits.lower - slack && value <= limits.upper + slack;
+}
+
+std::string text_of(const Limits& l, const IndependentJoint& joint) {
+  return "[" + shortest(l.lower) + ", " + shortest(l.upper) + "] " + unit_name(coordinate_dimension(joint));
+}
+
+Limits read_limits(const Field& f, const IndependentJoint& joint) {
+  const std::vector<Field> ends = read_list(f);
+  if (ends.size() != 2) throw Error(f.fault("limits are two numbers", "write [lower, upper]"));
+  const Parameter row{.name = "limits", .coordinate = true};
+  const Limits limits{read_number(ends[0], row, coordinate_dimension(joint)),
+                      read_number(ends[1], row, coordinate_dimension(joint))};
+  if (limits.lower > limits.upper)
+    throw Error({f.node->place, f.path, "the lower limit is above the upper one", text_of(limits, joint),
+                 "swap them"});
+  if (joint.limits && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
+    throw Error({f.node->place, f.path, "the limits reach outside the URDF's", text_of(limits, joint),
+                 "stay within " + text_of(*joint.limits, joint)});
+  return limits;
+}
+
+/// The range of every joint: the spec's limits, else the URDF's, else a full turn for a continuous joint.
+std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& spec, Faults& faults) {
+  const Chain& chain = spec.model.chain;
+  std::vector<std::optional<Limits>> given(chain.independent.size());
+  if (o.has("limits"))
+    for (const auto& entry : read_map(o.at("limits")))
+      faults.guard([&] {
+        const std::size_t i =
+            find_joint(robot, chain, entry.first.name, entry.first.place, entry.second.path);
+        given[i] = Limits{};
+        given[i] = read_limits(entry.second, chain.independent[i]);
+      });
+  std::vector<Limits> ranges(chain.independent.size());
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const IndependentJoint& joint = chain.independent[i];
+    if (given[i]) {
+      ranges[i] = *given[i];
+    } else if (joint.type == JointType::continuous) {
+      ranges[i] = {-std::numbers::pi, std::numbers::pi};
+    } else if (joint.limits) {
+      ranges[i] = *joint.limits;
+      if (ranges[i].lower == ranges[i].upper)
+        spec.warnings.push_back("joint '" + joint.name + "' has an empty range in the URDF: it is held at " +
+                                shortest(ranges[i].lower));
+    } else {
+      faults.guard([&] {
+        throw Error({o.self().node->place, "configurations.limits." + joint.name,
+                     "the joint has no limits in the URDF", "",
+                     "add configurations: {limits: {" + joint.name + ": [lower, upper]}}"});
+      });
+    }
+  }
+  return ranges;
+}
+
+void check_point(double value, std::size_t joint, const Spec& spec, const Field* field, const Place& place,
+                 const std::string& path) {
+  const IndependentJoint& j = spec.model.chain.independent[joint];
+  if (inside(value, spec.configurations.ranges[joint])) return;
+  throw Error(
+      {field ? field->node->place : place, path,
+       "joint '" + j.name + "' is outside its limits " + text_of(spec.configurations.ranges[joint], j),
+       field ? described(*field->node) : shortest(value),
+       "a value inside; degrees need their unit: '90 deg'"});
+}
+
+void read_points(const Object& o, Spec& spec) {
+  if (!o.has("points"))
+    throw Error(
+        {o.self().node->place, o.self().path + ".points", "missing key", "", "add 'points: [[...], ...]'"});
+  const auto n = spec.model.chain.independent.size();
+  const Field points = o.at("points");
+  for (const Field& point : read_list(points)) {
+    const std::vector<Field> values = read_list(point);
+    if (values.size() != n)
+      throw Error(point.fault("a point has one value per joint: " + std::to_string(n),
+                              "in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7)));
+    Eigen::VectorXd q(n);
+    for (std::size_t j = 0; j < n; ++j) {
+      q[static_cast<Eigen::Index>(j)] = read_number(values[j], {.name = "points", .coordinate = true},
+                                                    coordinate_dimension(spec.model.chain.independent[j]));
+      check_point(q[static_cast<Eigen::Index>(j)], j, spec, &values[j], {}, values[j].path);
+    }
+    spec.configurations.points.push_back(q);
+  }
+  if (spec.configurations.points.empty())
+    throw Error(points.fault("the list is empty", "give at least one point"));
+}
+
+/// The factor from a column's unit to SI. @throws Error when the unit is not one of the joint's kind
+double column_factor(const std::string& unit, const IndependentJoint& joint, const Place& place,
+                     const std::string& cell) {
+  if (unit.empty()) return 1;
+  std::string why;
+  const auto quantity = parse_quantity("1 " + unit, why);
+  if (!quantity || quantity->dimension != coordinate_dimension(joint))
+    throw Error({place, cell, "the column has the wrong unit", "'" + unit + "'",
+                 "use " + unit_name(coordinate_dimension(joint)) + " or a unit of that kind"});
+  return quantity->value;
+}
+
+void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
+  const auto name = o.text("file");
+  if (!name)
+    throw Error({o.self().node->place, o.self().path + ".file", "missing key", "", "add 'file: points.csv'"});
+  const std::string path = (std::filesystem::path(folder) / *name).string();
+  spec.points_file = path;
+  const CsvTable table = read_csv_table(path);
+  std::vector<std::string> columns;
+  for (const std::string& cell : table.header) columns.push_back(column_name(cell).name);
+  const Chain& chain = spec.model.chain;
+  std::vector<std::size_t> column(chain.independent.size());
+  std::vector<double> factor(column.size());
+  for (std::size_t j = 0; j < column.size(); ++j) {
+    const IndependentJoint& joint = chain.independent[j];
+    const auto found = std::find(columns.begin(), columns.end(), joint.name);
+    if (found == columns.end())
+      throw Error({{path, 1, 1},
+                   joint.name,
+                   "the file has no column for this joint",
+                   "",
+                   did_you_mean(joint.name, columns)});
+    if (std::count(columns.begin(), columns.end(), joint.name) > 1)
+      throw Error({{path, 1, 1}, joint.name, "two columns have this name", "", "keep one of them"});
+    column[j] = static_cast<std::size_t>(found - columns.begin());
+    factor[j] = column_factor(column_name(table.header[column[j]]).unit, joint, {path, 1, 1},
+                              table.header[column[j]]);
+  }
+  if (table.header.size() > column.size())
+    spec.warnings.push_back(path + ": columns that are no joint of the chain are ignored");
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    Eigen::VectorXd q(static_cast<Eigen::Index>(column.size()));
+    for (std::size_t j = 0; j < column.size(); ++j) {
+      const double value = factor[j] * table.rows[i][column[j]];
+      check_point(value, j, spec, nullptr, {path, table.lines[i], 1}, chain.independent[j].name);
+      q[static_cast<Eigen::Index>(j)] = value;
+    }
+    spec.configurations.points.push_back(q);
+  }
+}
+
+void refuse_for(const Object& o, const std::string& method, const std::vector<std::string_view>& keys) {
+  for (const std::string_view key : keys)
+    if (o.has(key))
+      throw Error(
+          o.at(key).fault("does not go with method: " + method, "leave it out, or change the method"));
+}
+
+}  // namespace
+
+void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
+                         Faults& faults) {
+  Node absent{Node::Type::mapping, {spec.file, 1, 1}, {}, false, {}, {}};
+  const Object o(f.node ? f : Field{&absent, "configurations"}, spec_format::configurations());
+  Configurations& c = spec.configurations;
+  c.ranges = read_ranges(o, robot, spec, faults);
+  const std::string method = o.choice("method");
+  c.seed = static_cast<std::uint64_t>(*o.number("seed"));
+  if (faults.any()) return;  // points are held against the ranges
+  if (method == "list" || method == "file") {
+    c.method = SamplingMethod::list;
+    refuse_for(o, method, {"count", method == "list" ? "file" : "points"});
+    if (method == "list")
+      read_points(o, spec);
+    else
+      read_point_file(o, folder, spec);
+    return;
+  }
+  refuse_for(o, method, {"points", "file"});
+  c.method = method == "sobol"    ? SamplingMethod::sobol
+             : method == "random" ? SamplingMethod::random
+                                  : SamplingMethod::grid;
+  c.count = static_cast<std::uint64_t>(o.number("count").value_or(method == "grid" ? 10 : 10000));
+  if (static_cast<double>(size(c)) > most_grid_points)
+    throw Error({o.self().node->place, "configurations.count", "the grid has too many points",
+                 std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
+                 "take fewer per joint, or method: sobol"});
+}
+
+}  // namespace qerr

@@ -1,0 +1,159 @@
+#include <cmath>
+#include <filesystem>
+
+#include "qerr/core/sha256.hpp"
+#include "qerr/input/read_text.hpp"
+#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/spec_format.hpp"
+#include "read_sections.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// A link longer than any robot is a URDF in millimetres.
+constexpr double longest_link = 20;
+
+void warn_of_units(const Chain& chain, std::vector<std::string>& warnings) {
+  double longest = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) longest = std::max(longest, joint.origin.translation().norm());
+  if (longest > longest_link)
+    warnings.push_back("a link is " + shortest(longest) + " m long: is the URDF in millimetres?");
+}
+
+class SpecReader {
+ public:
+  SpecReader(const std::string& path)
+      : folder_(path == "-" ? "." : std::filesystem::path(path).parent_path().string()) {
+    spec_.file = path;
+  }
+
+  Spec read(const Node& root) {
+    if (root.type != Node::Type::mapping)
+      throw Error({root.place, "", "a spec is a mapping", described(root), "begin with 'qerr: 1'"});
+    const Object top = checked_top(root);
+    read_chain(top.at("robot"));
+    faults_.raise();  // everything below speaks of the chain's joints
+    section(top, "encoders", [&](const Field& f) { read_encoders(f, robot_, spec_, faults_); });
+    section(top, "coupling", [&](const Field& f) { read_coupling(f, spec_); });
+    spec_.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
+    section(top, "coordinates", [&](const Field& f) { read_coordinates(f, spec_); });
+    section(top, "filters", [&](const Field& f) { read_filters(f, spec_, faults_); });
+    faults_.guard([&] { read_configurations(top.at("configurations"), folder_, robot_, spec_, faults_); });
+    section(top, "threshold", [&](const Field& f) { read_threshold(f, spec_); });
+    section(top, "motion", [&](const Field& f) { read_motion(f, folder_, robot_, spec_, faults_); });
+    section(top, "effects", [&](const Field& f) { read_effects(f, robot_, spec_, faults_); });
+    section(top, "sweep", [&](const Field& f) { read_sweep(f, spec_, faults_); });
+    faults_.raise();  // requirements speak of coordinates and filters
+    section(top, "requirements", [&](const Field& f) { read_requirements(f, spec_, faults_); });
+    faults_.raise();
+    return std::move(spec_);
+  }
+
+ private:
+  /// Unknown keys do not hide what is wrong inside the known sections, unless a section needed below is
+  /// missing.
+  Object checked_top(const Node& root) {
+    const Field field{&root, ""};
+    std::vector<Parameter> format = spec_format::top();
+    if (!faults_.guard([&] { Object(field, format); })) {
+      for (const auto& [key, value] : root.entries) format.push_back({.name = key.name, .kind = Kind::any});
+      for (Parameter& row : format) {
+        if (row.required && !root.find(row.name)) faults_.raise();
+        row.required = false;
+      }
+    }
+    Object top(field, format);
+    faults_.guard([&] { top.number("qerr"); });
+    return top;
+  }
+
+  template <class Read>
+  void section(const Object& top, std::string_view key, Read read) {
+    if (top.has(key)) faults_.guard([&] { read(top.at(key)); });
+  }
+
+  void read_chain(const Field& f) {
+    faults_.guard([&] {
+      const Object o(f, spec_format::robot());
+      const Field urdf = o.at("urdf");
+      const std::string path = (std::filesystem::path(folder_) / *o.text("urdf")).string();
+      try {
+        robot_ = read_urdf(path);
+      } catch (const Error& e) {
+        if (e.trouble() != Trouble::file_system) throw;
+        throw Error(Fault{urdf.node->place, urdf.path, e.faults().front().rule, "'" + path + "'",
+                          "give the URDF's path relative to the spec"},
+                    Trouble::file_system);
+      }
+      spec_.robot_name = robot_.name;
+      spec_.warnings = robot_.warnings;
+      try {
+        spec_.model.chain = make_chain(robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
+      } catch (const Error& e) {
+        throw placed(e, f);
+      }
+      warn_of_units(spec_.model.chain, spec_.warnings);
+    });
+  }
+
+  /// Faults about `robot.base` and `robot.tip` stand in the spec, not in the URDF.
+  static Error placed(const Error& e, const Field& robot) {
+    std::vector<Fault> faults = e.faults();
+    for (Fault& fault : faults) {
+      if (!fault.key.starts_with("robot.")) continue;
+      const Node* value = robot.node->find(std::string_view(fault.key).substr(6));
+      fault.place = value ? value->place : robot.node->place;
+    }
+    return Error(faults, e.trouble());
+  }
+
+  std::string folder_;
+  RobotModel robot_;
+  Spec spec_;
+  Faults faults_;
+};
+
+/// Reads the spec with one value of a sweep in place. @returns what is wrong with it, if anything
+std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepAxis& axis,
+                                      const std::string& value) {
+  Node variant = root;
+  std::erase_if(variant.entries, [](const auto& entry) { return entry.first.name == "sweep"; });
+  try {
+    apply_override(variant, axis.key, value, file);
+    SpecReader(file).read(variant);
+  } catch (const Error& e) {
+    return e.faults().front();
+  }
+  return std::nullopt;
+}
+
+/// A key that no value makes readable is a wrong key; a single value that does not work, such as a cut-off at
+/// the end of a range that touches half the sample rate, is the sweep's own business.
+void check_sweep(const Node& root, const Spec& spec) {
+  const Node* section = root.find("sweep");
+  for (std::size_t i = 0; i < spec.sweep.size(); ++i) {
+    const SweepAxis& axis = spec.sweep[i];
+    const auto first = fault_of_variant(root, spec.file, axis, axis.values.front());
+    if (!first || !fault_of_variant(root, spec.file, axis, axis.values.back())) continue;
+    throw Error({section->items[i].place, "sweep[" + std::to_string(i) + "]", first->key + ": " + first->rule,
+                 axis.key + " = '" + axis.values.front() + "'", first->remedy});
+  }
+}
+
+}  // namespace
+
+Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
+  const std::string text = read_text(path);
+  Node root = parse_yaml(text, path);
+  if (root.type == Node::Type::mapping)
+    for (const auto& [key, value] : overrides.values) apply_override(root, key, value, "--set " + key);
+  Spec spec = SpecReader(path).read(root);
+  check_sweep(root, spec);
+  spec.sha256 = sha256(text);
+  spec.overrides = overrides.values;
+  if (overrides.seed) spec.configurations.seed = *overrides.seed;
+  return spec;
+}
+
+}  // namespace qerr

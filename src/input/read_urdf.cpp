@@ -1,0 +1,154 @@
+#include "qerr/input/read_urdf.hpp"
+
+#include <console_bridge/console.h>
+#include <urdf_parser/urdf_parser.h>
+
+#include <cmath>
+#include <mutex>
+#include <utility>
+
+#include "qerr/core/quantity.hpp"
+#include "qerr/input/read_text.hpp"
+#include "urdf_reader.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string attribute(const char* name, const std::string& value) {
+  std::string text = std::string(" ") + name + "=\"";
+  for (const char c : value) {
+    const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != '&' && c != '<' && c != '>' && c != '"';
+    text += plain ? std::string(1, c) : "&#" + std::to_string(static_cast<unsigned char>(c)) + ";";
+  }
+  return text + '"';
+}
+
+std::string triple(const Eigen::Vector3d& v) {
+  return shortest(v.x()) + ' ' + shortest(v.y()) + ' ' + shortest(v.z());
+}
+
+/// The checked robot as a URDF without anything urdfdom stumbles over: no shapes, no foreign tags, every
+/// limit present.
+std::string sanitized(const RobotModel& model, const std::vector<WrittenJoint>& written) {
+  std::string xml =
+      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot" + attribute("name", model.name) + ">\n";
+  for (const std::string& link : model.links) xml += "<link" + attribute("name", link) + "/>\n";
+  for (const auto& [joint, rpy, element] : written) {
+    xml += "<joint" + attribute("name", joint.name) +
+           attribute("type", std::string(joint_type_name(joint.type))) + ">";
+    xml += "<origin" + attribute("xyz", triple(joint.origin.translation())) + attribute("rpy", triple(rpy)) +
+           "/>";
+    xml += "<parent" + attribute("link", joint.parent) + "/><child" + attribute("link", joint.child) + "/>";
+    if (has_axis(joint.type)) xml += "<axis" + attribute("xyz", triple(joint.axis)) + "/>";
+    const Limits limits = joint.limits.value_or(Limits{});
+    if (has_range(joint.type))
+      xml += "<limit" + attribute("lower", shortest(limits.lower)) +
+             attribute("upper", shortest(limits.upper)) + " effort=\"0\" velocity=\"0\"/>";
+    if (joint.mimic)
+      xml += "<mimic" + attribute("joint", joint.mimic->joint) +
+             attribute("multiplier", shortest(joint.mimic->multiplier)) +
+             attribute("offset", shortest(joint.mimic->offset)) + "/>";
+    xml += "</joint>\n";
+  }
+  return xml + "</robot>\n";
+}
+
+/// Keeps what urdfdom would print; its handler is global, hence the lock.
+class Captured : public console_bridge::OutputHandler {
+ public:
+  Captured() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
+  Captured(const Captured&) = delete;
+  Captured& operator=(const Captured&) = delete;
+  ~Captured() override { console_bridge::restorePreviousOutputHandler(); }
+  void log(const std::string& text, console_bridge::LogLevel level, const char*, int) override {
+    if (level >= console_bridge::CONSOLE_BRIDGE_LOG_ERROR && first_error.empty()) first_error = text;
+  }
+  std::string first_error;
+
+ private:
+  static std::mutex& mutex() {
+    static std::mutex one;
+    return one;
+  }
+  std::lock_guard<std::mutex> lock_;
+};
+
+/// urdfdom's links own their children: without this a long chain is destroyed by recursion, and overflows the
+/// stack.
+struct Dismantled {
+  ::urdf::ModelInterfaceSharedPtr tree;
+  ~Dismantled() {
+    if (!tree) return;
+    for (auto& [name, link] : tree->links_) {
+      link->child_links.clear();
+      link->child_joints.clear();
+    }
+  }
+};
+
+/// R = Rz(yaw) Ry(pitch) Rx(roll) from the angles: one rounding less than through urdfdom's quaternion.
+Eigen::Matrix3d rotation(const Eigen::Vector3d& rpy) {
+  const double cr = std::cos(rpy.x()), sr = std::sin(rpy.x());
+  const double cp = std::cos(rpy.y()), sp = std::sin(rpy.y());
+  const double cy = std::cos(rpy.z()), sy = std::sin(rpy.z());
+  Eigen::Matrix3d r;
+  r << cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr,  //
+      sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr,   //
+      -sp, cp * sr, cp * cr;
+  return r;
+}
+
+Eigen::Vector3d vector(const ::urdf::Vector3& v) { return {v.x, v.y, v.z}; }
+
+/// The joint as urdfdom read it; places, and whether limits were given at all, only the outline knows.
+Joint joint_from(const ::urdf::Joint& read, const WrittenJoint& w) {
+  Joint joint = w.joint;
+  joint.parent = read.parent_link_name;
+  joint.child = read.child_link_name;
+  joint.origin.translation() = vector(read.parent_to_joint_origin_transform.position);
+  joint.origin.linear() = rotation(w.rpy);
+  if (has_axis(joint.type)) joint.axis = vector(read.axis).stableNormalized();
+  if (joint.limits) joint.limits = Limits{read.limits->lower, read.limits->upper};
+  if (joint.mimic) joint.mimic = Mimic{read.mimic->joint_name, read.mimic->multiplier, read.mimic->offset};
+  return joint;
+}
+
+void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& written) {
+  Captured output;
+  Dismantled parsed;
+  try {
+    parsed.tree = ::urdf::parseURDF(sanitized(model, written));
+  } catch (const std::exception& e) {
+    output.first_error = e.what();
+  }
+  if (!parsed.tree || !output.first_error.empty())
+    throw Error(Fault{{model.file},
+                      "robot '" + model.name + "'",
+                      "urdfdom refuses this robot: " + output.first_error,
+                      "",
+                      ""});
+  for (const WrittenJoint& w : written) {
+    const auto read = parsed.tree->joints_.find(w.joint.name);
+    if (read == parsed.tree->joints_.end())
+      throw Error(Fault{w.joint.place, w.element->title(), "urdfdom does not return this joint", "", ""});
+    model.joints.push_back(joint_from(*read->second, w));
+  }
+}
+
+}  // namespace
+
+RobotModel read_urdf(const std::string& path) {
+  return parse_urdf(read_text(path), path == "-" ? "(standard input)" : path);
+}
+
+RobotModel parse_urdf(const std::string& text, const std::string& file) {
+  check_text(text, file);
+  const UrdfElement root = urdf_outline(text, file);
+  UrdfReader reader(file);
+  reader.read(root);
+  take_from_urdfdom(reader.model, reader.written);
+  return std::move(reader.model);
+}
+
+}  // namespace qerr

@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <filesystem>
+
+#include "qerr/core/suggest.hpp"
+#include "qerr/input/spec_format.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "read_sections.hpp"
+
+/// What the figures are wanted for: coordinates, requirements, threshold.
+namespace qerr {
+
+namespace {
+
+std::vector<std::string> coordinate_names(const std::vector<Coordinate>& list) {
+  std::vector<std::string> names;
+  for (const Coordinate c : list) names.emplace_back(info(c).name);
+  return names;
+}
+
+template <class Enum>
+Enum pick(const Field& f, const std::string& word, const std::string& what,
+          const std::vector<std::pair<std::string, Enum>>& known) {
+  std::vector<std::string> names;
+  for (const auto& [name, value] : known) {
+    if (name == word) return value;
+    names.push_back(name);
+  }
+  throw Error(f.fault("no such " + what + " '" + word + "'", did_you_mean(word, names)));
+}
+
+/// Splits SIGNAL.COORDINATE.BOUND at its last two dots, as a filter's name may contain dots.
+void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
+  const std::size_t second = r.quantity.rfind('.');
+  const std::size_t first =
+      second == std::string::npos || second == 0 ? std::string::npos : r.quantity.rfind('.', second - 1);
+  if (first == std::string::npos)
+    throw Error(f.fault("a quantity has three parts", "write position.x.worst_case or FILTER.x.sigma"));
+  const std::string signal = r.quantity.substr(0, first);
+  std::vector<std::pair<std::string, std::ptrdiff_t>> signals{{"position", -1}};
+  for (std::size_t i = 0; i < spec.filters.size(); ++i)
+    signals.emplace_back(spec.filters[i].name, static_cast<std::ptrdiff_t>(i));
+  std::vector<std::pair<std::string, std::size_t>> coordinates;
+  for (const std::string& name : coordinate_names(spec.model.coordinates))
+    coordinates.emplace_back(name, coordinates.size());
+  using Bound = Requirement::Bound;
+  std::vector<std::pair<std::string, Bound>> bounds{{"worst_case", Bound::worst_case},
+                                                    {"sigma", Bound::sigma}};
+  if (signal == "position") bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
+  r.filter = pick(f, signal, "filter", signals);
+  r.coordinate = pick(f, r.quantity.substr(first + 1, second - first - 1), "coordinate", coordinates);
+  r.bound = pick(f, r.quantity.substr(second + 1), "bound", bounds);
+}
+
+Dimension dimension_of(const Requirement& r, const Spec& spec) {
+  const bool length = info(spec.model.coordinates[r.coordinate]).unit == "m";
+  Dimension d = length ? dimension::length : dimension::angle;
+  if (r.filter >= 0) d.second = -spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
+  return d;
+}
+
+}  // namespace
+
+void read_coordinates(const Field& f, Spec& spec) {
+  std::vector<std::string> all;
+  for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
+  std::vector<Coordinate>& chosen = spec.model.coordinates;
+  chosen.clear();
+  for (const Field& item : read_list(f)) {
+    const std::string name = read_text_value(item);
+    const auto coordinate = find_coordinate(name);
+    if (!coordinate) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
+    if (std::find(chosen.begin(), chosen.end(), *coordinate) != chosen.end())
+      throw Error(item.fault("the coordinate stands twice", "keep one of them"));
+    chosen.push_back(*coordinate);
+  }
+  if (chosen.empty())
+    throw Error(f.fault("no coordinates are chosen", "write [x, y, z], or leave the key out"));
+}
+
+void read_requirements(const Field& f, Spec& spec, Faults& faults) {
+  for (const Field& item : read_list(f))
+    faults.guard([&] {
+      const Object o(item, spec_format::requirement());
+      Requirement r;
+      r.place = item.node->place;
+      r.quantity = *o.text("quantity");
+      read_quantity(o.at("quantity"), spec, r);
+      r.statistic = o.choice("statistic");
+      using Stat = Requirement::Stat;
+      r.stat = pick<Stat>(o.at("statistic"), r.statistic, "statistic",
+                          {{"min", Stat::min},
+                           {"mean", Stat::mean},
+                           {"max", Stat::max},
+                           {"p50", Stat::p50},
+                           {"p95", Stat::p95},
+                           {"p99", Stat::p99}});
+      const Dimension d = dimension_of(r, spec);
+      r.unit = unit_name(d);
+      r.at_most = read_number(o.at("at_most"), {.name = "at_most", .dimension = d, .least = 0});
+      spec.requirements.push_back(r);
+    });
+}
+
+void read_threshold(const Field& f, Spec& spec) {
+  spec.threshold_length = Object(f, spec_format::threshold()).number("length");
+}
+
+}  // namespace qerr

@@ -1,0 +1,196 @@
+#include "qerr/input/spec_format.hpp"
+
+namespace qerr::spec_format {
+
+const std::vector<Parameter>& top() {
+  static const std::vector<Parameter> rows{
+      {.name = "qerr",
+       .kind = Kind::integer,
+       .meaning = "version of this format",
+       .required = true,
+       .least = 1,
+       .most = 1},
+      {.name = "robot", .kind = Kind::object, .meaning = "the kinematic chain", .required = true},
+      {.name = "encoders",
+       .kind = Kind::map,
+       .meaning = "one encoder per moving joint; '*' stands for the rest",
+       .required = true},
+      {.name = "coupling",
+       .kind = Kind::any,
+       .meaning = "joint angles = coupling * (encoder angles / gear ratio), rows of numbers in chain order"},
+      {.name = "coordinates", .kind = Kind::any, .meaning = "of the tip: x y z rx ry rz roll pitch yaw"},
+      {.name = "filters", .kind = Kind::map, .meaning = "derivative filters by name"},
+      {.name = "configurations", .kind = Kind::object, .meaning = "where the robot is evaluated"},
+      {.name = "requirements",
+       .kind = Kind::objects,
+       .meaning = "what `qerr check` holds the figures against"},
+      {.name = "threshold", .kind = Kind::object, .meaning = "for `qerr threshold`"},
+      {.name = "motion", .kind = Kind::object, .meaning = "for `qerr simulate`"},
+      {.name = "effects", .kind = Kind::objects, .meaning = "what the real robot adds to the ideal model"},
+      {.name = "sweep", .kind = Kind::objects, .meaning = "axes of the grid of `qerr sweep`"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& robot() {
+  static const std::vector<Parameter> rows{
+      {.name = "urdf",
+       .kind = Kind::text,
+       .meaning = "path of the URDF, relative to this file",
+       .required = true},
+      {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
+      {.name = "tip", .kind = Kind::text, .meaning = "tip link; may be left out when the tree has one end"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& filter() {
+  static const std::vector<Parameter> rows{
+      {.name = "derivative",
+       .kind = Kind::integer,
+       .meaning = "order of the derivative it estimates",
+       .fallback = 0.0,
+       .least = 0,
+       .most = 4},
+      {.name = "sample_rate",
+       .dimension = dimension::frequency,
+       .meaning = "sample rate",
+       .required = true,
+       .least = 0,
+       .open_below = true},
+      {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass behind the back differences"},
+      {.name = "numerator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
+      {.name = "denominator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& lowpass() {
+  static const std::vector<Parameter> rows{
+      {.name = "family", .kind = Kind::text, .meaning = "see `qerr list filters`", .required = true}};
+  return rows;
+}
+
+const std::vector<Parameter>& configurations() {
+  static const std::vector<Parameter> rows{
+      {.name = "method",
+       .kind = Kind::choice,
+       .meaning = "how configurations are chosen",
+       .choices = "sobol|random|grid|list|file"},
+      {.name = "count",
+       .kind = Kind::integer,
+       .meaning = "configurations; of a grid, values per joint",
+       .least = 1,
+       .most = 1e12},
+      {.name = "seed",
+       .kind = Kind::integer,
+       .meaning = "seed of sobol and random",
+       .fallback = 1.0,
+       .least = 0,
+       .most = 0x1p53},
+      {.name = "limits", .kind = Kind::map, .meaning = "[lower, upper] per joint, within the URDF's"},
+      {.name = "points",
+       .kind = Kind::any,
+       .meaning = "of a list: one list of joint values per configuration"},
+      {.name = "file", .kind = Kind::text, .meaning = "of a file: CSV with one column per joint"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& requirement() {
+  static const std::vector<Parameter> rows{
+      {.name = "quantity",
+       .kind = Kind::text,
+       .meaning = "position.COORDINATE.BOUND or FILTER.COORDINATE.BOUND, such as velocity.x.sigma",
+       .required = true},
+      {.name = "statistic",
+       .kind = Kind::choice,
+       .meaning = "over the configurations",
+       .required = true,
+       .choices = "max|min|mean|p50|p95|p99"},
+      {.name = "at_most",
+       .kind = Kind::any,
+       .meaning = "the limit, in the quantity's unit",
+       .required = true},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& threshold() {
+  static const std::vector<Parameter> rows{{.name = "length",
+                                            .dimension = dimension::length,
+                                            .meaning = "length l of Table IV",
+                                            .required = true,
+                                            .least = 0,
+                                            .open_below = true}};
+  return rows;
+}
+
+const std::vector<Parameter>& motion() {
+  static const std::vector<Parameter> rows{
+      {.name = "sample_rate",
+       .dimension = dimension::frequency,
+       .meaning = "sample rate of the controller",
+       .least = 0,
+       .open_below = true},
+      {.name = "duration",
+       .dimension = dimension::time,
+       .meaning = "length of the motion",
+       .least = 0,
+       .open_below = true},
+      {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others rest at 0"},
+      {.name = "file", .kind = Kind::text, .meaning = "CSV with time and one column per joint"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& joint_motion() {
+  static const std::vector<Parameter> rows{
+      {.name = "center", .meaning = "middle of the motion", .fallback = 0.0, .coordinate = true},
+      {.name = "sines", .kind = Kind::objects, .meaning = "sines added to it"},
+      {.name = "velocity",
+       .meaning = "constant velocity added to it [rad/s or m/s]",
+       .fallback = 0.0,
+       .coordinate = true},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& sine() {
+  static const std::vector<Parameter> rows{
+      {.name = "amplitude", .meaning = "amplitude", .required = true, .least = 0, .coordinate = true},
+      {.name = "frequency",
+       .dimension = dimension::frequency,
+       .meaning = "frequency",
+       .required = true,
+       .least = 0,
+       .open_below = true},
+      {.name = "phase", .dimension = dimension::angle, .meaning = "phase at time 0", .fallback = 0.0},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& effect() {
+  static const std::vector<Parameter> rows{
+      {.name = "type", .kind = Kind::text, .meaning = "see `qerr list effects`", .required = true},
+      {.name = "joint", .kind = Kind::text, .meaning = "the joint it acts on"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& sweep() {
+  static const std::vector<Parameter> rows{
+      {.name = "key",
+       .kind = Kind::text,
+       .meaning = "dotted path of the value that varies",
+       .required = true},
+      {.name = "values", .kind = Kind::any, .meaning = "the values it takes"},
+      {.name = "from", .kind = Kind::any, .meaning = "first value of a range"},
+      {.name = "to", .kind = Kind::any, .meaning = "last value of a range"},
+      {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e6},
+      {.name = "scale", .kind = Kind::choice, .meaning = "spacing of the range", .choices = "linear|log"},
+  };
+  return rows;
+}
+
+}  // namespace qerr::spec_format

@@ -1,0 +1,194 @@
+#include "qerr/kinematics/chain.hpp"
+
+#include <algorithm>
+#include <unordered_map>
+
+#include "qerr/core/suggest.hpp"
+
+namespace qerr {
+
+namespace {
+
+using Index = std::unordered_map<std::string, std::size_t>;
+
+Fault robot_fault(const RobotModel& robot, std::string key, std::string rule, std::string found,
+                  std::string remedy) {
+  return {{robot.file, 0, 0}, std::move(key), std::move(rule), std::move(found), std::move(remedy)};
+}
+
+/// The joint above each link.
+Index joints_above(const RobotModel& robot) {
+  Index above;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) above[robot.joints[i].child] = i;
+  return above;
+}
+
+std::string root_of(const RobotModel& robot, const Index& above) {
+  for (const std::string& link : robot.links)
+    if (!above.contains(link)) return link;
+  return {};
+}
+
+std::string only_leaf(const RobotModel& robot) {
+  Index is_parent;
+  for (const Joint& joint : robot.joints) is_parent[joint.parent] = 1;
+  std::vector<std::string> leaves;
+  for (const std::string& link : robot.links)
+    if (!is_parent.contains(link)) leaves.push_back(link);
+  if (leaves.size() == 1) return leaves.front();
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(leaves.size(), 6); ++i)
+    names += (i ? ", '" : "'") + leaves[i] + "'";
+  if (leaves.size() > 6) names += ", ...";
+  throw Error(robot_fault(robot, "robot.tip", "the tip must be named when the tree has several ends",
+                          std::to_string(leaves.size()) + " ends",
+                          "set robot.tip to a link, such as one of " + names));
+}
+
+void require_link(const RobotModel& robot, const std::string& key, const std::string& link) {
+  if (std::find(robot.links.begin(), robot.links.end(), link) == robot.links.end())
+    throw Error(robot_fault(robot, key, "no link of the URDF has this name", "'" + link + "'",
+                            did_you_mean(link, robot.links)));
+}
+
+/// Joints from `link` up to the root, nearest first.
+std::vector<std::size_t> path_up(const RobotModel& robot, const Index& above, std::string link) {
+  std::vector<std::size_t> path;
+  for (auto it = above.find(link); it != above.end(); it = above.find(link)) {
+    path.push_back(it->second);
+    link = robot.joints[it->second].parent;
+  }
+  return path;
+}
+
+/// What finally moves a joint: its master at the end of the mimic chain, with the composed multiplier and
+/// offset.
+struct Drive {
+  std::size_t master;
+  double multiplier = 1, offset = 0;
+};
+
+Drive drive_of(const RobotModel& robot, const Index& by_name, std::size_t joint) {
+  Drive drive{joint};
+  while (robot.joints[drive.master].mimic) {
+    const Mimic& mimic = *robot.joints[drive.master].mimic;
+    drive.offset += drive.multiplier * mimic.offset;
+    drive.multiplier *= mimic.multiplier;
+    drive.master = by_name.at(mimic.joint);
+  }
+  return drive;
+}
+
+class Builder {
+ public:
+  explicit Builder(const RobotModel& robot) : robot_(robot) {
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) by_name_[robot.joints[i].name] = i;
+  }
+
+  /// Passes a joint from parent to child, or, climbing, from child to parent: the motion first, then the
+  /// inverse origin.
+  void pass(std::size_t index, bool climbing) {
+    const Joint& joint = robot_.joints[index];
+    if (joint.type == JointType::floating || joint.type == JointType::planar)
+      throw Error(Fault{joint.place, "joint '" + joint.name + "'",
+                        "a joint between base and tip must be revolute, continuous, prismatic or fixed",
+                        joint.type == JointType::floating ? "a floating joint" : "a planar joint",
+                        "choose robot.base and robot.tip so that it is not between them"});
+    if (!climbing) pending_ = pending_ * joint.origin;
+    if (joint.type != JointType::fixed) add_moving(index, climbing ? -1.0 : 1.0);
+    if (climbing) pending_ = pending_ * joint.origin.inverse();
+  }
+
+  Chain finish(std::string base, std::string tip) {
+    chain_.base = std::move(base);
+    chain_.tip = std::move(tip);
+    chain_.tip_offset = pending_;
+    return std::move(chain_);
+  }
+
+ private:
+  void add_moving(std::size_t index, double sign) {
+    const Joint& joint = robot_.joints[index];
+    const Drive drive = drive_of(robot_, by_name_, index);
+    const Joint& master = robot_.joints[drive.master];
+    auto found = std::find_if(chain_.independent.begin(), chain_.independent.end(),
+                              [&](const IndependentJoint& j) { return j.name == master.name; });
+    if (found == chain_.independent.end()) {
+      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index});
+      found = std::prev(chain_.independent.end());
+    }
+    if (drive.master == index) found->on_chain = true;
+    chain_.joints.push_back({joint.name, joint.type == JointType::prismatic, pending_, joint.axis,
+                             static_cast<std::size_t>(found - chain_.independent.begin()),
+                             sign * drive.multiplier, sign * drive.offset});
+    pending_ = Eigen::Isometry3d::Identity();
+  }
+
+  const RobotModel& robot_;
+  Index by_name_;
+  Chain chain_;
+  Eigen::Isometry3d pending_ = Eigen::Isometry3d::Identity();
+};
+
+/// A master that lies on the chain after its mimic takes its own place in the order.
+void order_by_own_place(Chain& chain) {
+  std::vector<std::size_t> place(chain.independent.size(), chain.joints.size());
+  for (std::size_t k = chain.joints.size(); k-- > 0;) {
+    const ChainJoint& joint = chain.joints[k];
+    const IndependentJoint& master = chain.independent[joint.coordinate];
+    if (!master.on_chain || joint.name == master.name) place[joint.coordinate] = k;
+  }
+  std::vector<std::size_t> order(place.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return place[a] < place[b]; });
+  std::vector<std::size_t> new_index(order.size());
+  std::vector<IndependentJoint> sorted;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    new_index[order[i]] = i;
+    sorted.push_back(chain.independent[order[i]]);
+  }
+  chain.independent = std::move(sorted);
+  for (ChainJoint& joint : chain.joints) joint.coordinate = new_index[joint.coordinate];
+}
+
+}  // namespace
+
+Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
+  const Index above = joints_above(robot);
+  if (!base.empty()) require_link(robot, "robot.base", base);
+  if (!tip.empty()) require_link(robot, "robot.tip", tip);
+  const std::string from = base.empty() ? root_of(robot, above) : base;
+  const std::string to = tip.empty() ? only_leaf(robot) : tip;
+
+  std::vector<std::size_t> up = path_up(robot, above, from);
+  std::vector<std::size_t> down = path_up(robot, above, to);
+  while (!up.empty() && !down.empty() && up.back() == down.back()) {
+    up.pop_back();
+    down.pop_back();
+  }
+  Builder builder(robot);
+  for (const std::size_t joint : up) builder.pass(joint, true);
+  for (auto it = down.rbegin(); it != down.rend(); ++it) builder.pass(*it, false);
+  Chain chain = builder.finish(from, to);
+  if (chain.joints.empty())
+    throw Error(robot_fault(robot, "robot.tip", "nothing moves between base and tip",
+                            "base '" + from + "', tip '" + to + "'",
+                            "choose links with a moving joint between them"));
+  order_by_own_place(chain);
+  return chain;
+}
+
+Eigen::Isometry3d forward_kinematics(const Chain& chain, const Eigen::VectorXd& q) {
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  for (const ChainJoint& joint : chain.joints) {
+    const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    pose = pose * joint.origin;
+    if (joint.prismatic)
+      pose.translate(motion * joint.axis);
+    else
+      pose.rotate(Eigen::AngleAxisd(motion, joint.axis));
+  }
+  return pose * chain.tip_offset;
+}
+
+}  // namespace qerr

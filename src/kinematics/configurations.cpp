@@ -1,0 +1,90 @@
+#include "qerr/kinematics/configurations.hpp"
+
+#include <boost/random/sobol.hpp>
+#include <limits>
+
+#include "qerr/core/random.hpp"
+
+namespace qerr {
+
+namespace {
+
+double between(const Limits& range, double fraction) {
+  const double value = range.lower + fraction * (range.upper - range.lower);
+  return std::min(std::max(value, range.lower), range.upper);
+}
+
+/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed,
+/// so that every seed gives a net of the same quality.
+Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
+  const std::size_t dimensions = c.ranges.size();
+  boost::random::sobol engine(dimensions);
+  engine.discard(first * dimensions);
+  Eigen::MatrixXd unit(static_cast<Eigen::Index>(dimensions), static_cast<Eigen::Index>(count));
+  for (Eigen::Index i = 0; i < unit.cols(); ++i)
+    for (Eigen::Index j = 0; j < unit.rows(); ++j) {
+      const std::uint64_t shift = random_bits(c.seed, 0, static_cast<std::uint64_t>(j));
+      unit(j, i) = unit_interval(engine() ^ shift);
+    }
+  return unit;
+}
+
+Eigen::MatrixXd random_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
+  Eigen::MatrixXd unit(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
+  for (Eigen::Index i = 0; i < unit.cols(); ++i)
+    for (Eigen::Index j = 0; j < unit.rows(); ++j)
+      unit(j, i) = unit_interval(
+          random_bits(c.seed, first + static_cast<std::uint64_t>(i), static_cast<std::uint64_t>(j)));
+  return unit;
+}
+
+Eigen::MatrixXd grid_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
+  Eigen::MatrixXd unit(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
+  for (Eigen::Index i = 0; i < unit.cols(); ++i) {
+    std::uint64_t index = first + static_cast<std::uint64_t>(i);
+    for (Eigen::Index j = unit.rows(); j-- > 0; index /= c.count)
+      unit(j, i) =
+          c.count == 1 ? 0.5 : static_cast<double>(index % c.count) / static_cast<double>(c.count - 1);
+  }
+  return unit;
+}
+
+}  // namespace
+
+std::uint64_t size(const Configurations& c) {
+  if (c.method == SamplingMethod::list) return c.points.size();
+  if (c.method != SamplingMethod::grid) return c.count;
+  constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
+  std::uint64_t total = 1;
+  for (std::size_t j = 0; j < c.ranges.size(); ++j) {
+    if (c.count > most / total) return most;
+    total *= c.count;
+  }
+  return total;
+}
+
+Eigen::MatrixXd draw(const Configurations& c, std::uint64_t first, std::uint64_t count) {
+  Eigen::MatrixXd q;
+  switch (c.method) {
+    case SamplingMethod::list: {
+      q.resize(static_cast<Eigen::Index>(c.ranges.size()), static_cast<Eigen::Index>(count));
+      for (std::uint64_t i = 0; i < count; ++i) q.col(static_cast<Eigen::Index>(i)) = c.points[first + i];
+      return q;
+    }
+    case SamplingMethod::sobol:
+      q = sobol_points(c, first, count);
+      break;
+    case SamplingMethod::random:
+      q = random_points(c, first, count);
+      break;
+    case SamplingMethod::grid:
+      q = grid_points(c, first, count);
+      break;
+  }
+  for (Eigen::Index i = 0; i < q.cols(); ++i)
+    for (Eigen::Index j = 0; j < q.rows(); ++j)
+      q(j, i) = between(c.ranges[static_cast<std::size_t>(j)], q(j, i));
+  return q;
+}
+
+}  // namespace qerr

@@ -1,0 +1,73 @@
+#include "qerr/kinematics/coordinates.hpp"
+
+#include <cmath>
+#include <limits>
+
+namespace qerr {
+
+const std::vector<CoordinateInfo>& coordinate_list() {
+  static const std::vector<CoordinateInfo> list{
+      {Coordinate::x, "x", "m", "position of the tip along x of the base frame"},
+      {Coordinate::y, "y", "m", "position of the tip along y of the base frame"},
+      {Coordinate::z, "z", "m", "position of the tip along z of the base frame"},
+      {Coordinate::rx, "rx", "rad", "small rotation of the tip about x of the base frame"},
+      {Coordinate::ry, "ry", "rad", "small rotation of the tip about y of the base frame"},
+      {Coordinate::rz, "rz", "rad", "small rotation of the tip about z of the base frame"},
+      {Coordinate::roll, "roll", "rad",
+       "roll of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
+      {Coordinate::pitch, "pitch", "rad", "pitch of R = Rz(yaw) Ry(pitch) Rx(roll)"},
+      {Coordinate::yaw, "yaw", "rad", "yaw of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
+  };
+  return list;
+}
+
+const CoordinateInfo& info(Coordinate c) { return coordinate_list()[static_cast<std::size_t>(c)]; }
+
+std::optional<Coordinate> find_coordinate(std::string_view name) {
+  for (const CoordinateInfo& row : coordinate_list())
+    if (row.name == name) return row.coordinate;
+  return std::nullopt;
+}
+
+double cosine_of_pitch(const Eigen::Matrix3d& r) { return std::hypot(r(0, 0), r(1, 0)); }
+
+namespace {
+
+/// Rates of roll, pitch and yaw per unit of angular velocity in the base frame (3 x 3).
+Eigen::Matrix3d euler_rates(const Eigen::Matrix3d& r) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  const double cosine = cosine_of_pitch(r);
+  if (cosine < 1e-12) {
+    Eigen::Matrix3d rates = Eigen::Matrix3d::Constant(infinity);
+    rates.row(1) << 0, 1, 0;
+    return rates;
+  }
+  const double cos_yaw = r(0, 0) / cosine, sin_yaw = r(1, 0) / cosine, tan_pitch = -r(2, 0) / cosine;
+  Eigen::Matrix3d rates;
+  rates << cos_yaw / cosine, sin_yaw / cosine, 0,  //
+      -sin_yaw, cos_yaw, 0,                        //
+      tan_pitch * cos_yaw, tan_pitch * sin_yaw, 1;
+  return rates;
+}
+
+}  // namespace
+
+Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>& coordinates, const Jacobian& j,
+                                const Eigen::Matrix3d& rotation) {
+  Eigen::MatrixXd rows(static_cast<Eigen::Index>(coordinates.size()), j.cols());
+  for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+    const Coordinate c = coordinates[static_cast<std::size_t>(i)];
+    if (!is_euler_angle(c)) {
+      rows.row(i) = j.row(static_cast<Eigen::Index>(c));
+      continue;
+    }
+    const Eigen::RowVector3d rate = euler_rates(rotation).row(static_cast<Eigen::Index>(c) - 6);
+    if (rate.allFinite())
+      rows.row(i) = rate * j.bottomRows<3>();
+    else
+      rows.row(i).setConstant(std::numeric_limits<double>::infinity());
+  }
+  return rows;
+}
+
+}  // namespace qerr

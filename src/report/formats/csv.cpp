@@ -1,0 +1,116 @@
+#include <cmath>
+
+#include "../writers.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// An unbounded figure is an empty cell: plotting tools read it as missing.
+std::string number(double value) { return std::isfinite(value) ? shortest(value) : std::string(); }
+
+void add_statistic(std::string& out, const std::string& prefix, const Statistic& s) {
+  const std::pair<const char*, double> rows[] = {{"min", s.min}, {"mean", s.mean}, {"max", s.max},
+                                                 {"p50", s.p50}, {"p95", s.p95},   {"p99", s.p99}};
+  for (const auto& [name, value] : rows) out += prefix + ',' + name + ',' + number(value) + "\r\n";
+}
+
+std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prismatic() ? " [m]" : " [rad]"; }
+
+}  // namespace
+
+std::string csv_cell(const std::string& text) {
+  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  std::string quoted = "\"";
+  for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return quoted + '"';
+}
+
+std::string to_csv(const Analysis& a) {
+  std::string out = "signal,filter,coordinate,unit,bound,statistic,value\r\n";
+  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+    const CoordinateInfo& c = info(a.spec.model.coordinates[i]);
+    const std::string prefix = "position,," + std::string(c.name) + ',' + std::string(c.unit) + ',';
+    add_statistic(out, prefix + "worst_case", a.workspace.coordinates[i].worst_case);
+    if (std::isfinite(a.workspace.coordinates[i].worst_case_rigorous.min))
+      add_statistic(out, prefix + "worst_case_rigorous", a.workspace.coordinates[i].worst_case_rigorous);
+    add_statistic(out, prefix + "sigma", a.workspace.coordinates[i].sigma);
+  }
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+      const Coordinate c = a.spec.model.coordinates[i];
+      const std::string prefix = "derivative," + csv_cell(a.spec.filters[f].name) + ',' +
+                                 std::string(info(c).name) + ',' +
+                                 derivative_unit(c, a.spec.filters[f].filter.derivative) + ',';
+      add_statistic(out, prefix + "worst_case", a.workspace.derivatives[f][i].worst_case);
+      add_statistic(out, prefix + "sigma", a.workspace.derivatives[f][i].sigma);
+    }
+  return out;
+}
+
+std::string check_csv(const Analysis& a) {
+  std::string out = "quantity,statistic,at_most,value,unit,met\r\n";
+  for (const Requirement& r : a.spec.requirements) {
+    const RequirementResult result = evaluate(r, a.workspace);
+    out += csv_cell(r.quantity) + ',' + r.statistic + ',' + number(r.at_most) + ',' + number(result.value) +
+           ',' + r.unit + ',' + (result.met ? "true" : "false") + "\r\n";
+  }
+  return out;
+}
+
+std::string threshold_csv(const std::vector<ThresholdRow>& rows) {
+  std::string out =
+      "robot,counts_per_rev,gear_ratio,length_mm,sample_rate_hz,resolution_mm,threshold_velocity_mm_s,"
+      "resolution_mm_as_printed,threshold_velocity_mm_s_as_printed\r\n";
+  for (const ThresholdRow& r : rows) {
+    out += csv_cell(r.robot);
+    for (const double value : {r.counts_per_rev, r.gear_ratio, 1e3 * r.length, r.sample_rate,
+                               1e3 * r.resolution, 1e3 * r.threshold_velocity(),
+                               1e3 * r.resolution_as_printed, 1e3 * r.threshold_velocity_as_printed()})
+      out += ',' + number(value);
+    out += "\r\n";
+  }
+  return out;
+}
+
+std::string rows_csv(const std::vector<ListRow>& rows) {
+  std::string out = "name,parameter,unit,default,meaning\r\n";
+  for (const ListRow& row : rows) {
+    out += csv_cell(row.name) + ",,,," + csv_cell(row.summary) + "\r\n";
+    for (const Parameter& p : row.parameters)
+      out += csv_cell(row.name) + ',' + std::string(p.name) + ',' + parameter_unit(p) + ',' +
+             (p.fallback ? shortest(*p.fallback) : "") + ',' + csv_cell(std::string(p.meaning)) + "\r\n";
+  }
+  return out;
+}
+
+std::string per_configuration_header(const Spec& spec) {
+  std::string out;
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    out += (out.empty() ? "" : ",") + csv_cell(joint.name + unit_in_brackets(joint));
+  for (const Coordinate c : spec.model.coordinates)
+    for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
+      out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
+  for (const NamedFilter& f : spec.filters)
+    for (const Coordinate c : spec.model.coordinates)
+      for (const char* bound : {"worst_case", "sigma"})
+        out += ',' + csv_cell(f.name + '.' + std::string(info(c).name) + '.' + bound + " [" +
+                              derivative_unit(c, f.filter.derivative) + ']');
+  return out + "\r\n";
+}
+
+std::string per_configuration_row(const Spec& spec, const Eigen::VectorXd& q, const OperationalError& e) {
+  std::string out;
+  for (Eigen::Index j = 0; j < q.size(); ++j) out += (j ? "," : "") + number(q[j]);
+  for (Eigen::Index i = 0; i < e.sigma.size(); ++i)
+    out += ',' + number(e.worst_case[i]) + ',' + number(e.rigorous[i]) + ',' + number(e.sigma[i]);
+  for (const NamedFilter& f : spec.filters)
+    for (Eigen::Index i = 0; i < e.sigma.size(); ++i) {
+      const Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], f.norms);
+      out += ',' + number(b.worst_case) + ',' + number(b.sigma);
+    }
+  return out + "\r\n";
+}
+
+}  // namespace qerr

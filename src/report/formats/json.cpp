@@ -1,0 +1,200 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "../writers.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+
+namespace qerr {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// JSON has no infinity: a figure without bound is null.
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
+  Json object = Json::object();
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = number(values[i]);
+  return object;
+}
+
+Json statistic(const Spec& spec, const Statistic& s) {
+  return {{"min", number(s.min)},
+          {"mean", number(s.mean)},
+          {"max", number(s.max)},
+          {"p50", number(s.p50)},
+          {"p95", number(s.p95)},
+          {"p99", number(s.p99)},
+          {"at_max", by_joint(spec, s.at_max)}};
+}
+
+/// Null where there is no bound at all.
+Json statistic_or_null(const Spec& spec, const Statistic& s) {
+  return std::isfinite(s.min) ? statistic(spec, s) : Json(nullptr);
+}
+
+Json matrix(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json covariance(const Analysis& a, double factor) {
+  return {{"mean", matrix(factor * a.workspace.mean_covariance)},
+          {"at_largest", matrix(factor * a.workspace.covariance_at_largest)}};
+}
+
+Json header(const Analysis& a, const char* command) {
+  const Spec& spec = a.spec;
+  Json source = {{"file", spec.file}, {"sha256", spec.sha256}};
+  for (const auto& [key, value] : spec.overrides)
+    source["set"].push_back(Json{{"key", key}, {"value", value}});
+  const auto method = spec.configurations.method;
+  return {
+      {"qerr", version()},
+      {"command", command},
+      {"spec", source},
+      {"seed", spec.configurations.seed},
+      {"robot", {{"name", spec.robot_name}, {"base", spec.model.chain.base}, {"tip", spec.model.chain.tip}}},
+      {"configurations",
+       {{"method", method == SamplingMethod::sobol    ? "sobol"
+                   : method == SamplingMethod::random ? "random"
+                   : method == SamplingMethod::grid   ? "grid"
+                   : spec.points_file.empty()         ? "list"
+                                                      : "file"},
+        {"count", a.workspace.count}}}};
+}
+
+Json joints(const Analysis& a) {
+  Json list = Json::array();
+  const Spec& spec = a.spec;
+  for (std::size_t i = 0; i < spec.model.chain.independent.size(); ++i) {
+    const IndependentJoint& joint = spec.model.chain.independent[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    list.push_back({{"name", joint.name},
+                    {"unit", joint.prismatic() ? "m" : "rad"},
+                    {"resolution", spec.model.transmission.encoders[i].resolution},
+                    {"worst_case", a.joints.worst_case[row]},
+                    {"sigma", a.joints.sigma[row]},
+                    {"mean", a.joints.mean[row]}});
+  }
+  return list;
+}
+
+Json position(const Analysis& a) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const CoordinateInfo& row = info(a.spec.model.coordinates[i]);
+    list.push_back({{"coordinate", row.name},
+                    {"unit", row.unit},
+                    {"worst_case", statistic(a.spec, c.worst_case)},
+                    {"worst_case_rigorous", statistic_or_null(a.spec, c.worst_case_rigorous)},
+                    {"sigma", statistic(a.spec, c.sigma)},
+                    {"share", by_joint(a.spec, c.share)},
+                    {"share_worst_case", by_joint(a.spec, c.share_worst_case)}});
+  }
+  return list;
+}
+
+Json derivatives(const Analysis& a) {
+  Json list = Json::array();
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f) {
+    const NamedFilter& filter = a.spec.filters[f];
+    Json coordinates = Json::array();
+    for (std::size_t i = 0; i < a.spec.model.coordinates.size(); ++i) {
+      const DerivativeStatistics& d = a.workspace.derivatives[f][i];
+      coordinates.push_back({{"coordinate", info(a.spec.model.coordinates[i]).name},
+                             {"unit", derivative_unit(a.spec.model.coordinates[i], filter.filter.derivative)},
+                             {"worst_case", statistic(a.spec, d.worst_case)},
+                             {"sigma", statistic(a.spec, d.sigma)}});
+    }
+    list.push_back({{"filter", filter.name},
+                    {"derivative", filter.filter.derivative},
+                    {"h2_norm", filter.norms.h2},
+                    {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
+                    {"coordinates", coordinates},
+                    {"covariance", covariance(a, filter.norms.h2 * filter.norms.h2)}});
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string to_json(const Analysis& a) {
+  Json j = header(a, "analyze");
+  j["joints"] = joints(a);
+  j["position"] = position(a);
+  j["derivatives"] = derivatives(a);
+  j["covariance"] = covariance(a, 1);
+  Json names = Json::array();
+  for (const Coordinate c : a.spec.model.coordinates) names.push_back(info(c).name);
+  j["covariance"]["coordinates"] = names;
+  j["covariance"]["largest_at"] = by_joint(a.spec, a.workspace.largest_at);
+  const std::vector<double> budget = encoder_budget(a);
+  j["budget"] = by_joint(
+      a.spec, Eigen::Map<const Eigen::VectorXd>(budget.data(), static_cast<Eigen::Index>(budget.size())));
+  j["effects"] = Json::array();
+  j["warnings"] = a.warnings;
+  return j.dump(2) + "\n";
+}
+
+std::string check_json(const Analysis& a) {
+  Json j = header(a, "check");
+  Json list = Json::array();
+  for (const Requirement& r : a.spec.requirements) {
+    const RequirementResult result = evaluate(r, a.workspace);
+    list.push_back({{"quantity", r.quantity},
+                    {"statistic", r.statistic},
+                    {"at_most", r.at_most},
+                    {"value", number(result.value)},
+                    {"unit", r.unit},
+                    {"met", result.met}});
+  }
+  j["requirements"] = list;
+  j["met"] = all_met(a);
+  j["warnings"] = a.warnings;
+  return j.dump(2) + "\n";
+}
+
+std::string threshold_json(const std::vector<ThresholdRow>& rows) {
+  Json list = Json::array();
+  for (const ThresholdRow& r : rows)
+    list.push_back({{"robot", r.robot},
+                    {"joint", r.joint},
+                    {"counts_per_rev", r.counts_per_rev},
+                    {"gear_ratio", r.gear_ratio},
+                    {"length_mm", 1e3 * r.length},
+                    {"sample_rate_hz", r.sample_rate},
+                    {"resolution_mm", 1e3 * r.resolution},
+                    {"threshold_velocity_mm_s", 1e3 * r.threshold_velocity()},
+                    {"resolution_mm_as_printed", 1e3 * r.resolution_as_printed},
+                    {"threshold_velocity_mm_s_as_printed", 1e3 * r.threshold_velocity_as_printed()}});
+  return Json{{"qerr", version()}, {"command", "threshold"}, {"robots", list}}.dump(2) + "\n";
+}
+
+std::string rows_json(const std::vector<ListRow>& rows) {
+  Json list = Json::array();
+  for (const ListRow& row : rows) {
+    Json parameters = Json::array();
+    for (const Parameter& p : row.parameters) {
+      Json parameter = {
+          {"name", p.name}, {"unit", parameter_unit(p)}, {"meaning", p.meaning}, {"required", p.required}};
+      if (p.fallback) parameter["default"] = *p.fallback;
+      if (std::isfinite(p.least)) parameter["least"] = p.least;
+      if (std::isfinite(p.most)) parameter["most"] = p.most;
+      if (!p.choices.empty()) parameter["choices"] = split_words(p.choices);
+      parameters.push_back(parameter);
+    }
+    list.push_back({{"name", row.name}, {"summary", row.summary}, {"parameters", parameters}});
+  }
+  return list.dump(2) + "\n";
+}
+
+}  // namespace qerr

@@ -1,0 +1,193 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "../text_table.hpp"
+#include "../writers.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/core/text.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr int bar_width = 24;
+
+std::string painted(const std::string& text, const char* code, const Style& style) {
+  return style.color ? "\x1b[" + std::string(code) + 'm' + text + "\x1b[0m" : text;
+}
+
+std::string percent(double fraction) {
+  char text[16];
+  std::snprintf(text, sizeof text, fraction > 0 && fraction < 0.001 ? "<0.1 %%" : "%.1f %%", 100 * fraction);
+  return text;
+}
+
+std::string heading(const std::string& text, const Style& style) {
+  return "\n" + painted(text, "1", style) + "\n";
+}
+
+std::string name_of(SamplingMethod m) {
+  switch (m) {
+    case SamplingMethod::sobol:
+      return "Sobol";
+    case SamplingMethod::random:
+      return "random";
+    case SamplingMethod::grid:
+      return "grid";
+    case SamplingMethod::list:
+      return "listed";
+  }
+  return {};
+}
+
+/// Every encoder with its bar; the largest share is marked, as that is the encoder to upgrade first.
+std::string encoder_table(const Analysis& a, const Style& style) {
+  const std::vector<double> budget = encoder_budget(a);
+  const auto largest =
+      static_cast<std::size_t>(std::max_element(budget.begin(), budget.end()) - budget.begin());
+  std::vector<std::vector<std::string>> rows{
+      {"encoder", "resolution", "joint worst case", "joint sigma", "share"}};
+  for (std::size_t i = 0; i < budget.size(); ++i) {
+    const IndependentJoint& joint = a.spec.model.chain.independent[i];
+    const std::string unit = joint.prismatic() ? "m" : "rad";
+    const auto row = static_cast<Eigen::Index>(i);
+    rows.push_back({escaped(joint.name, 40), readable(a.spec.model.transmission.encoders[i].resolution, unit),
+                    readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit),
+                    percent(budget[i])});
+  }
+  const std::string text = aligned(rows);
+  std::string out;
+  std::size_t at = 0;
+  for (std::size_t i = 0; at < text.size(); ++i) {
+    const std::size_t end = text.find('\n', at);
+    std::string line = text.substr(at, end - at);
+    at = end + 1;
+    if (i == 0) line += "  of the tip's variance";
+    if (i > 0) line += "  " + bar(budget[i - 1], bar_width);
+    if (i == largest + 1 && budget[largest] > 0 && budget.size() > 1)
+      line = painted(line + "  <- upgrade first", "1;33", style);
+    out += line + '\n';
+  }
+  return out;
+}
+
+std::vector<std::string> figures(const std::string& label, const Statistic& s, const std::string& unit) {
+  return {label, readable(s.p50, unit), readable(s.p95, unit), readable(s.p99, unit), readable(s.max, unit)};
+}
+
+std::string position_table(const Analysis& a) {
+  std::vector<std::vector<std::string>> rows{{"", "median", "p95", "p99", "max"}};
+  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const std::string name(info(a.spec.model.coordinates[i]).name),
+        unit(info(a.spec.model.coordinates[i]).unit);
+    rows.push_back(figures(name + "  sigma (IPQN)", c.sigma, unit));
+    rows.push_back(figures(name + "  worst case", c.worst_case, unit));
+    if (std::isfinite(c.worst_case_rigorous.min))
+      rows.push_back(figures(name + "  worst case, rigorous", c.worst_case_rigorous, unit));
+  }
+  return aligned(rows);
+}
+
+std::string derivative_table(const Analysis& a, std::size_t f) {
+  std::vector<std::vector<std::string>> rows{{"", "median", "p95", "p99", "max"}};
+  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+    const Coordinate c = a.spec.model.coordinates[i];
+    const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
+    rows.push_back(
+        figures(std::string(info(c).name) + "  sigma (IPQN)", a.workspace.derivatives[f][i].sigma, unit));
+    rows.push_back(
+        figures(std::string(info(c).name) + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
+  }
+  return aligned(rows);
+}
+
+std::string norm_text(const NamedFilter& f) {
+  const std::string unit = f.filter.derivative == 0   ? ""
+                           : f.filter.derivative == 1 ? "/s"
+                                                      : "/s^" + std::to_string(f.filter.derivative);
+  char text[96];
+  std::snprintf(text, sizeof text, "H2 norm %.5g%s, l1 norm %.5g%s, %s a sample", f.norms.h2, unit.c_str(),
+                f.norms.l1.upper, unit.c_str(), readable(1 / f.filter.sample_rate, "s").c_str());
+  return text;
+}
+
+}  // namespace
+
+std::string to_table(const Analysis& a, const Style& style) {
+  const Chain& chain = a.spec.model.chain;
+  std::string out = painted("qerr analyze", "1", style) + "  robot '" + escaped(a.spec.robot_name, 60) +
+                    "', " + escaped(chain.base, 60) + " -> " + escaped(chain.tip, 60) + ", " +
+                    counted(chain.independent.size(), "encoder") + ", " + std::to_string(a.workspace.count) +
+                    " " + name_of(a.spec.configurations.method) +
+                    (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
+  out += heading("Encoders: which one to upgrade first", style) + encoder_table(a, style);
+  out +=
+      heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    out += heading("Filter '" + escaped(a.spec.filters[f].name, 60) + "': " + norm_text(a.spec.filters[f]),
+                   style) +
+           derivative_table(a, f);
+  return out;
+}
+
+std::string check_table(const Analysis& a, const Style& style) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Requirement& r : a.spec.requirements) {
+    const RequirementResult result = evaluate(r, a.workspace);
+    rows.push_back({escaped(r.quantity, 60) + " " + r.statistic, readable(result.value, r.unit),
+                    result.met ? "<=" : ">", readable(r.at_most, r.unit), result.met ? "met" : "NOT MET"});
+  }
+  std::string out = rows.empty() ? "  the spec has no requirements\n" : aligned(rows);
+  std::size_t failed = 0;
+  for (const Requirement& r : a.spec.requirements) failed += !evaluate(r, a.workspace).met;
+  out += failed ? painted(std::to_string(failed) + " of " + counted(rows.size(), "requirement") + " not met",
+                          "1;31", style)
+                : painted(counted(rows.size(), "requirement") + " met", "1;32", style);
+  return out + "\n";
+}
+
+std::string threshold_table(const std::vector<ThresholdRow>& rows, const Style& style) {
+  std::vector<std::vector<std::string>> cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution",
+                                               "threshold", "l/(nG) as printed", "as printed"}};
+  const auto plain = [](double v) {
+    char text[32];
+    std::snprintf(text, sizeof text, "%.7g", v);
+    return std::string(text);
+  };
+  for (const ThresholdRow& r : rows)
+    cells.push_back({escaped(r.robot, 40), plain(r.counts_per_rev), plain(r.gear_ratio),
+                     readable(r.length, "m"), readable(r.sample_rate, "Hz"), readable(r.resolution, "m"),
+                     readable(r.threshold_velocity(), "m/s"), readable(r.resolution_as_printed, "m"),
+                     readable(r.threshold_velocity_as_printed(), "m/s")});
+  return painted("Resolution and threshold velocity (Table IV): one count per sample", "1", style) + "\n" +
+         aligned(cells) +
+         "  resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint\n";
+}
+
+std::string rows_table(const std::vector<ListRow>& rows) {
+  std::string out;
+  for (const ListRow& row : rows) {
+    out += row.name + "\n    " + row.summary + '\n';
+    for (const Parameter& p : row.parameters) {
+      out += "    - " + std::string(p.name);
+      if (const std::string unit = parameter_unit(p); !unit.empty()) out += " [" + unit + ']';
+      out += ": " + std::string(p.meaning);
+      if (!p.choices.empty()) {
+        out += " (";
+        const std::vector<std::string> words = split_words(p.choices);
+        for (std::size_t i = 0; i < words.size(); ++i)
+          out += (i ? ", " : "") + words[i] + (i ? "" : " by default");
+        out += ')';
+      }
+      if (p.fallback) out += " (default " + shortest(*p.fallback) + ')';
+      if (p.required) out += " (required)";
+      out += '\n';
+    }
+  }
+  return out;
+}
+
+}  // namespace qerr

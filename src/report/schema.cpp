@@ -1,0 +1,175 @@
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/filter/family.hpp"
+#include "qerr/input/spec_format.hpp"
+#include "writers.hpp"
+
+/// The schema is written from the rows that the reader reads; what no schema can say (names of joints,
+/// stability, limits) is left to the reader.
+namespace qerr {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const Json number_or_quantity = {
+    {"anyOf",
+     {{{"type", "number"}},
+      {{"type", "string"}, {"pattern", "^[+-]?(0|[1-9][0-9]*)?\\.?[0-9]*([eE][+-]?[0-9]+)? *[^ ].*$"}}}}};
+
+/// A bare number within the row's range, or text with a number and a unit (whose range only the reader can
+/// judge).
+Json of_number(const Parameter& p) {
+  Json bare = {{"type", p.kind == Kind::integer ? "integer" : "number"}};
+  if (std::isfinite(p.least)) bare[p.open_below ? "exclusiveMinimum" : "minimum"] = p.least;
+  if (std::isfinite(p.most)) bare[p.open_above ? "exclusiveMaximum" : "maximum"] = p.most;
+  if (p.kind == Kind::integer) return bare;
+  return {{"anyOf", {bare, number_or_quantity["anyOf"][1]}}};
+}
+
+Json of_row(const Parameter& p) {
+  Json s;
+  switch (p.kind) {
+    case Kind::number:
+    case Kind::integer:
+      s = of_number(p);
+      break;
+    case Kind::boolean:
+      s = {{"type", "boolean"}};
+      break;
+    case Kind::text:
+      s = {{"type", "string"}, {"minLength", 1}};
+      break;
+    case Kind::choice:
+      s = {{"enum", split_words(p.choices)}};
+      break;
+    case Kind::numbers:
+      s = {{"type", "array"}, {"items", number_or_quantity}, {"minItems", 1}};
+      break;
+    case Kind::object:
+    case Kind::map:
+      s = {{"type", "object"}};
+      break;
+    case Kind::objects:
+      s = {{"type", "array"}, {"items", {{"type", "object"}}}};
+      break;
+    case Kind::any:
+      s = Json::object();
+      break;
+  }
+  std::string meaning(p.meaning);
+  if (const std::string unit = parameter_unit(p); !unit.empty()) meaning += " [" + unit + "]";
+  if (!meaning.empty()) s["description"] = meaning;
+  if (p.fallback) s["default"] = *p.fallback;
+  return s;
+}
+
+Json object_of(const std::vector<Parameter>& rows) {
+  Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
+  for (const Parameter& p : rows) {
+    s["properties"][std::string(p.name)] = of_row(p);
+    if (p.required) s["required"].push_back(p.name);
+  }
+  return s;
+}
+
+std::vector<Parameter> joined(std::vector<Parameter> rows, const std::vector<Parameter>& more) {
+  rows.insert(rows.end(), more.begin(), more.end());
+  return rows;
+}
+
+Json map_of(Json value) { return {{"type", "object"}, {"additionalProperties", std::move(value)}}; }
+Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+
+Json encoder() {
+  Json kinds = Json::array();
+  for (const EncoderKind& kind : encoder_kinds()) {
+    std::vector<Parameter> rows = kind.parameters;
+    for (const Parameter& p : common_encoder_parameters())
+      if (kind.counts_per_rev || (p.name != "gear_ratio" && p.name != "travel_per_rev")) rows.push_back(p);
+    kinds.push_back(object_of(rows));
+  }
+  return {{"oneOf", kinds}};
+}
+
+Json filter() {
+  Json families = Json::array();
+  for (const FilterFamily& family : filter_families()) {
+    Json s = object_of(joined(spec_format::lowpass(), family.parameters));
+    s["properties"]["family"] = {{"const", family.name}, {"description", family.summary}};
+    families.push_back(s);
+  }
+  Json s = object_of(spec_format::filter());
+  s["properties"]["lowpass"] = {{"oneOf", families}};
+  s["dependencies"] = {{"denominator", {"numerator"}}};
+  s["anyOf"] = {{{"required", {"derivative"}}}, {{"required", {"lowpass"}}}, {{"required", {"numerator"}}}};
+  s["not"] = {{"required", {"lowpass", "numerator"}}};
+  return s;
+}
+
+Json effect() {
+  Json kinds = Json::array();
+  for (const EffectKind& kind : effect_kinds()) {
+    Json s = object_of(joined(spec_format::effect(), kind.parameters));
+    s["properties"]["type"] = {{"const", kind.name}, {"description", kind.summary}};
+    s["required"].push_back("joint");
+    kinds.push_back(s);
+  }
+  return {{"oneOf", kinds}};
+}
+
+Json configurations() {
+  Json s = object_of(spec_format::configurations());
+  s["properties"]["limits"] =
+      map_of({{"type", "array"}, {"items", number_or_quantity}, {"minItems", 2}, {"maxItems", 2}});
+  s["properties"]["points"] = {{"type", "array"}, {"minItems", 1}, {"items", list_of(number_or_quantity)}};
+  return s;
+}
+
+Json motion() {
+  Json joint = object_of(spec_format::joint_motion());
+  joint["properties"]["sines"] = list_of(object_of(spec_format::sine()));
+  Json s = object_of(spec_format::motion());
+  s["properties"]["joints"] = map_of(joint);
+  s["oneOf"] = {{{"required", {"joints", "sample_rate", "duration"}}}, {{"required", {"file"}}}};
+  return s;
+}
+
+Json sweep() {
+  Json s = object_of(spec_format::sweep());
+  for (const char* key : {"from", "to"}) s["properties"][key] = number_or_quantity;
+  s["properties"]["values"] = {
+      {"type", "array"}, {"minItems", 1}, {"items", {{"type", {"number", "string", "boolean"}}}}};
+  s["oneOf"] = {{{"required", {"values"}}}, {{"required", {"from", "to", "count"}}}};
+  return s;
+}
+
+}  // namespace
+
+std::string json_schema() {
+  Json s = object_of(spec_format::top());
+  Json root = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "qerr spec, version 1"}};
+  Json names = Json::array();
+  for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
+  Json& p = s["properties"];
+  p["robot"] = object_of(spec_format::robot());
+  p["encoders"] = map_of(encoder());
+  p["coupling"] = {{"type", "array"}, {"minItems", 1}, {"items", list_of(number_or_quantity)}};
+  p["coordinates"] = {
+      {"type", "array"}, {"minItems", 1}, {"uniqueItems", true}, {"items", {{"enum", names}}}};
+  p["filters"] = map_of(filter());
+  p["configurations"] = configurations();
+  Json requirement = object_of(spec_format::requirement());
+  requirement["properties"]["at_most"] = number_or_quantity;
+  p["requirements"] = list_of(requirement);
+  p["threshold"] = object_of(spec_format::threshold());
+  p["motion"] = motion();
+  p["effects"] = list_of(effect());
+  p["sweep"] = list_of(sweep());
+  root.update(s);
+  return root.dump(2) + "\n";
+}
+
+}  // namespace qerr

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+namespace qerr {
+
+/// Lines up cells in columns: the first column to the left, the others to the right, two blanks between.
+std::string aligned(const std::vector<std::vector<std::string>>& rows, const std::string& indent = "  ");
+
+/// A figure for reading: three significant digits and a prefix, such as `12.3 um`, `4.56 mrad/s`, `0 m`,
+/// `unbounded`.
+std::string readable(double value, const std::string& unit);
+
+/// A bar of `width` cells, filled to `fraction`, in eighths of a cell.
+std::string bar(double fraction, int width);
+
+}  // namespace qerr

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""Acceptance of qerr's manners: bad specs, bad URDFs, exit codes, outputs that cannot be written.
+
+    check_bad_input.py --qerr build/qerr [--verbose]
+"""
+import argparse
+import csv
+import pathlib
+import re
+import sys
+import tempfile
+
+import manners
+from cases import CORPUS
+from tool import Tally, run
+
+SHAPE = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \S")
+CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f]")
+
+
+def faults(ran, line="-", text="-"):
+    """What is wrong with qerr's answer to a bad input; empty when it is as the contract says."""
+    found = []
+    message = ran.err.decode("utf-8", errors="surrogateescape")
+    if ran.code == "timeout" or ran.seconds > 2:
+        found.append(f"took {ran.seconds:.1f} s")
+    if isinstance(ran.code, int) and ran.code < 0:
+        found.append(f"killed by signal {-ran.code}")
+    elif ran.code != 3:
+        found.append(f"exit code {ran.code} instead of 3")
+    if ran.out:
+        found.append(f"{len(ran.out)} bytes on standard output")
+    if len(message.splitlines()) > 20:
+        found.append(f"{len(message.splitlines())} lines of message")
+    if len(message) > 20000:
+        found.append(f"{len(message)} characters of message")
+    if CONTROL.search(message) or any(0xDC80 <= ord(c) <= 0xDCFF for c in message):
+        found.append("control characters or bad UTF-8 in the message")
+    shaped = [m for m in map(SHAPE.match, message.splitlines()) if m]
+    if not shaped:
+        found.append("no message of the shape FILE:LINE:COLUMN: ...")
+    elif line != "-":
+        low, _, high = line.partition("-")
+        if not any(int(low) <= int(m["line"]) <= int(high or low) for m in shaped):
+            found.append(f"names line {shaped[0]['line']} instead of {line}")
+    if text != "-" and text not in message:
+        found.append(f"does not contain '{text}'")
+    return "; ".join(found) + (f"\n      {message.strip()[:400]}" if found else "")
+
+
+def check_specs(t, qerr):
+    specs = sorted((CORPUS / "bad_specs").glob("*.yaml"))
+    t.check("at least 70 bad specs", len(specs) >= 70, str(len(specs)))
+    for spec in specs:
+        _, _, line, text = spec.read_text().splitlines()[0].split(" ", 3)
+        problem = faults(run(qerr, "analyze", spec, limit=20), line, text)
+        t.check(f"bad_specs/{spec.name}", not problem, problem)
+
+
+def spec_around(folder, urdf, extra=""):
+    spec = folder / "around.yaml"
+    spec.write_text(f"qerr: 1\nrobot: {{urdf: {urdf}}}\nencoders:\n  '*': {{bits: 14}}\nconfigurations: {{count: 20}}\n{extra}")
+    return spec
+
+
+def grown(folder):
+    """Bad URDFs too large to keep in the repository."""
+    start, middle, end = '<?xml version="1.0"?>\n<robot name="r">\n', '<link name="a"/>\n', "</robot>\n"
+    made = {
+        "deep_40000": start + "<a>" * 40000 + "</a>" * 40000 + end,
+        "deep_unclosed_1000000": start + "<a>" * 1000000,
+        "attributes_50000": start + "<link name='a' " + " ".join(f"a{i}='1'" for i in range(50000)) + "/>\n" + end,
+        "over_16_MB": start + middle + "<!--" + "x" * (17 << 20) + "-->\n" + end,
+        "long_name": start + f'<link name="{"n" * 500000}"/>\n' + middle + end,
+        "chain_without_end": start + "".join(f'<link name="l{i}"/>\n' for i in range(3000)) + end,
+    }
+    for name, text in made.items():
+        path = folder / f"{name}.urdf"
+        path.write_text(text)
+        yield path
+
+
+def check_urdfs(t, qerr, folder):
+    sound = run(qerr, "analyze", spec_around(folder, CORPUS / "two_joints.urdf"))
+    t.check("the sound robot of the corpus is accepted", sound.code == 0, sound.err.decode(errors="replace")[:300])
+    with open(CORPUS / "bad_urdfs" / "expect.csv", newline="") as table:
+        rows = list(csv.DictReader(table))
+    present = {p.name for p in (CORPUS / "bad_urdfs").glob("*.urdf")}
+    t.check("at least 70 bad URDFs, each in expect.csv", len(rows) >= 70 and present == {r["file"] for r in rows},
+            f"{len(rows)}, not in both: {sorted(present ^ {r['file'] for r in rows})}")
+    for row in rows:
+        ran = run(qerr, "analyze", spec_around(folder, CORPUS / "bad_urdfs" / row["file"]), limit=20)
+        problem = faults(ran, row["line"], row["substring"])
+        t.check(f"bad_urdfs/{row['file']}", not problem, problem)
+    for path in grown(folder):
+        problem = faults(run(qerr, "analyze", spec_around(folder, path), limit=20))
+        t.check(f"a URDF made at run time: {path.stem}", not problem, problem)
+
+
+def grown_specs(folder):
+    start = f"qerr: 1\nrobot: {{urdf: {CORPUS / 'two_joints.urdf'}}}\nencoders: {{'*': {{bits: 14}}}}\n"
+    made = {
+        "invalid_utf8": start.encode() + b"coordinates: [x\xff]\n", "nul": start.encode() + b"\0coordinates: [x]\n",
+        "utf16": start.encode("utf-16"), "empty": b"", "control": start.encode() + b"coordinates: ['x\x1b[31m']\n",
+        "escaped_control": start.encode() + b'coordinates: ["x\\e[31m\\r\\0"]\n', "binary": bytes(range(256)) * 4,
+        "deep_100000": (start + "coordinates: " + "[" * 100000).encode(), "deep_maps": (start + "filters: " + "{a: " * 100000).encode(),
+        "over_16_MB": start.encode() + b"#" + b"x" * (17 << 20) + b"\n",
+        "many_unknown_keys": (start + "".join(f"key{i}: 1\n" for i in range(5000))).encode(),
+        "long_key": (start + "k" * 300000 + ": 1\n").encode(), "newline_in_key": start.encode() + b'"a\\nb\\nc": 1\n',
+        "billion_grid": (start + "configurations: {method: grid, count: [4000000000, 4000000000]}\n").encode(),
+    }
+    for name, data in made.items():
+        path = folder / f"{name}.yaml"
+        path.write_bytes(data)
+        yield path
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        check_specs(t, qerr)
+        for path in grown_specs(folder):
+            problem = faults(run(qerr, "analyze", path, limit=20))
+            t.check(f"a spec made at run time: {path.stem}", not problem, problem)
+        check_urdfs(t, qerr, folder)
+        manners.check_good_specs(t, qerr, CORPUS)
+        manners.check_exit_codes(t, qerr, folder, spec_around(folder, CORPUS / "two_joints.urdf"))
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,130 @@
+"""Exit codes, outputs that cannot be written, and the specs that must be accepted."""
+import json
+import os
+import shlex
+import signal
+import subprocess
+import time
+
+from tool import run
+
+
+def check_good_specs(t, qerr, corpus):
+    specs = sorted((corpus / "good_specs").glob("*.yaml"))
+    t.check("good specs are there", len(specs) >= 15, str(len(specs)))
+    for spec in specs:
+        ran = run(qerr, "analyze", spec, "--format", "json")
+        t.check(f"good_specs/{spec.name} is accepted", ran.code == 0, f"exit {ran.code}: {ran.err.decode(errors='replace')[:300]}")
+        if ran.code == 0:
+            try:
+                json.loads(ran.out, parse_constant=lambda word: 1 / 0)
+                problem = ""
+            except (ValueError, ZeroDivisionError) as trouble:
+                problem = repr(trouble)
+            t.check(f"good_specs/{spec.name}: strict JSON", not problem, problem)
+
+
+def expect(t, name, ran, code, quiet_stdout=True, words=()):
+    codes = code if isinstance(code, tuple) else (code,)
+    text = ran.err.decode(errors="replace")
+    problems = [] if ran.code in codes else [f"exit code {ran.code} instead of {code}"]
+    if quiet_stdout and ran.out:
+        problems.append(f"{len(ran.out)} bytes on standard output")
+    if ran.code not in (0,) and not text.strip():
+        problems.append("no message")
+    if len(text.splitlines()) > 20:
+        problems.append(f"{len(text.splitlines())} lines of message")
+    problems += [f"does not contain '{w}'" for w in words if w not in text]
+    t.check(name, not problems, "; ".join(problems) + "\n      " + text.strip()[:300])
+
+
+def check_exit_codes(t, qerr, folder, spec):
+    expect(t, "an unknown option: 2", run(qerr, "analyze", spec, "--colour"), 2, words=["--colour"])
+    expect(t, "an unknown command: 2", run(qerr, "analyse", spec), 2)
+    expect(t, "no command: 2", run(qerr), 2)
+    expect(t, "no spec: 2", run(qerr, "analyze"), 2)
+    expect(t, "an unknown format: 2", run(qerr, "analyze", spec, "--format", "xml"), 2)
+    for option in (["--threads", "0"], ["--threads", "-1"], ["--threads", "1.5"], ["--seed", "-1"], ["--seed", "nan"],
+                   ["--seed", "1e400"], ["--seed", ""], ["--seed", "99999999999999999999999"], ["--threads", "two"]):
+        expect(t, f"{' '.join(option) or 'nothing'}: 2", run(qerr, "analyze", spec, *option), 2)
+    expect(t, "--set with an unknown key", run(qerr, "analyze", spec, "--set", "encoders.elbow.colour=3"), (2, 3), words=["colour"])
+    expect(t, "--set without '='", run(qerr, "analyze", spec, "--set", "seed"), (2, 3))
+    expect(t, "--set with a bad value", run(qerr, "analyze", spec, "--set", "configurations.count=-3"), (2, 3), words=["count"])
+    expect(t, "--set with a good value: 0", run(qerr, "analyze", spec, "--set", "configurations.count=30"), 0, False)
+    for arguments in (["--help"], ["--version"], ["analyze", "--help"]):
+        ran = run(qerr, *arguments)
+        t.check(f"{' '.join(arguments)}: 0, on standard output", ran.code == 0 and ran.out and not ran.err, f"exit {ran.code}")
+    expect(t, "a missing spec: 4", run(qerr, "analyze", folder / "nowhere.yaml"), 4, words=["nowhere.yaml"])
+    expect(t, "a directory as spec: 3 or 4", run(qerr, "analyze", folder), (3, 4))
+    missing = folder / "missing_urdf.yaml"
+    missing.write_text("qerr: 1\nrobot: {urdf: nowhere.urdf}\nencoders: {'*': {bits: 14}}\n")
+    expect(t, "a missing URDF: 3 or 4", run(qerr, "analyze", missing), (3, 4), words=["nowhere.urdf"])
+    missing.write_text("qerr: 1\nrobot: {urdf: .}\nencoders: {'*': {bits: 14}}\n")
+    expect(t, "a directory as URDF: 3 or 4", run(qerr, "analyze", missing), (3, 4))
+    check_outputs(t, qerr, folder, spec)
+
+
+def shell(command):
+    done = subprocess.run(["bash", "-c", command], stdin=subprocess.DEVNULL, capture_output=True, timeout=60)
+    return done.returncode, done.stdout, done.stderr
+
+
+def check_outputs(t, qerr, folder, spec):
+    expect(t, "-o into a missing folder: 4", run(qerr, "analyze", spec, "-o", folder / "no" / "out.json"), 4)
+    expect(t, "-o onto a folder: 4", run(qerr, "analyze", spec, "--format", "json", "-o", folder), 4)
+    expect(t, "--per-configuration into a missing folder: 4",
+           run(qerr, "analyze", spec, "--per-configuration", folder / "no" / "out.csv"), 4, False)
+    expect(t, "-o /dev/full: 4", run(qerr, "analyze", spec, "--format", "json", "-o", "/dev/full"), 4)
+    command = f"{shlex.quote(str(qerr))} analyze {shlex.quote(str(spec))} --format "
+    for form in ("table", "json", "csv"):
+        code, _, err = shell(f"{command}{form} > /dev/full")
+        t.check(f"{form} > /dev/full: 4", code == 4 and err, f"exit {code}: {err.decode()[:200]}")
+        code, out, err = shell(f"{command}{form} | head -1")
+        t.check(f"{form} | head -1: no complaint", out.count(b"\n") <= 1 and not err, err.decode()[:200])
+    code, _, err = shell(f"{command}json >&-")
+    t.check("standard output closed: 4", code == 4, f"exit {code}: {err.decode()[:200]}")
+    t.check("/dev/full is still a device", not os.path.isfile("/dev/full"))
+    target = folder / "kept.json"
+    target.write_text("old")
+    before = set(os.listdir(folder))
+    bad = folder / "bad_after.yaml"
+    bad.write_text(spec.read_text() + "nonsense: 1\n")
+    run(qerr, "analyze", bad, "-o", target)
+    t.check("a failed run leaves the old output alone and no temporary file",
+            target.read_text() == "old" and set(os.listdir(folder)) == before | {"bad_after.yaml"})
+    run(qerr, "analyze", spec, "-o", target)
+    t.check("a good run replaces it, no temporary file stays",
+            target.read_text().startswith("{") and set(os.listdir(folder)) == before | {"bad_after.yaml"})
+    code, out, err = shell(f"cat {shlex.quote(str(spec))} | {shlex.quote(str(qerr))} analyze - --format json -o -")
+    t.check("the spec from standard input, the report to standard output", code == 0 and out.startswith(b"{"), err.decode()[:200])
+    code, out, err = shell(f"{command}json -o >(cat)")
+    t.check("a pipe as output is written directly", code == 0, err.decode()[:200])
+    plain = {name: subprocess.run([str(qerr), "analyze", str(spec), "--format", "json"], capture_output=True,
+                                  env=dict(os.environ, **extra)).stdout
+             for name, extra in (("C", {"LC_ALL": "C"}), ("de", {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}))}
+    t.check("the locale changes nothing", plain["C"] == plain["de"] and plain["C"])
+    ran = run(qerr, "analyze", spec, "--no-color")
+    t.check("no colour codes off a terminal", b"\x1b" not in ran.out)
+    check_interrupt(t, qerr, folder, spec)
+
+
+def check_interrupt(t, qerr, folder, spec):
+    long_run = folder / "long.yaml"
+    long_run.write_text(spec.read_text().replace("count: 20", "count: 50000000"))
+    for number, wanted in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
+        process = subprocess.Popen([str(qerr), "analyze", str(long_run), "--format", "json", "-o", str(folder / "long.json")],
+                                   stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=os.setsid)
+        time.sleep(0.5)
+        early = process.poll()
+        start = time.monotonic()
+        process.send_signal(number)
+        try:
+            process.communicate(timeout=10)
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.communicate()
+        seconds = time.monotonic() - start
+        code = process.returncode if process.returncode >= 0 else 128 - process.returncode
+        t.check(f"{number.name}: exit code {wanted} within a second, no file left",
+                early is None and code == wanted and seconds < 1 and not (folder / "long.json").exists(),
+                f"ended before: {early}, exit {process.returncode}, {seconds:.2f} s")
