@@ -3,6 +3,7 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
@@ -59,10 +60,16 @@ void add_spec_options(CLI::App& app, Options& o) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->take_all();
-  app.add_option("--seed", o.seed, "seed of the configurations")->type_name("N");
-  app.add_option("--threads", o.threads, "threads; 0: one per core. The results do not depend on it")
+  app.add_option("--seed", o.seed, "seed of the configurations")
       ->type_name("N")
-      ->check(CLI::Range(0, 1024));
+      ->check([](const std::string& text) {
+        const auto seed = parse_number(text);
+        const bool whole = seed && *seed >= 0 && *seed <= 0x1p53 && *seed == std::floor(*seed);
+        return whole ? std::string() : "'" + text + "' is not a whole number from 0 to 2^53";
+      });
+  app.add_option("--threads", o.threads, "threads (default: one per core); the results do not depend on it")
+      ->type_name("N")
+      ->check(CLI::Range(1, 1024));
 }
 
 Spec load(const std::string& path, const Options& o) {
@@ -73,13 +80,7 @@ Spec load(const std::string& path, const Options& o) {
       throw usage("--set", "must be KEY=VALUE", "'" + text + "'", "e.g. --set encoders.elbow.bits=19");
     overrides.values.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
-  if (!o.seed.empty()) {
-    const auto seed = parse_number(o.seed);
-    if (!seed || *seed < 0 || *seed > 0x1p53 ||
-        *seed != static_cast<double>(static_cast<std::uint64_t>(*seed)))
-      throw usage("--seed", "must be a whole number from 0 to 2^53", "'" + o.seed + "'", "");
-    overrides.seed = static_cast<std::uint64_t>(*seed);
-  }
+  if (!o.seed.empty()) overrides.seed = static_cast<std::uint64_t>(*parse_number(o.seed));
   return read_spec(path, overrides);
 }
 

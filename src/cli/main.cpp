@@ -1,19 +1,30 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
 #include <new>
 
 #include "command.hpp"
+#include "qerr/core/output_file.hpp"
 #include "qerr/core/suggest.hpp"
 
 namespace {
 
-/// Fails at once on a signal: nothing half-written is left, as results are renamed into place only when
-/// whole.
+constexpr int closed_pipe_code = 128 + SIGPIPE;
+
+extern "C" void stop(int signal) {
+  qerr::remove_unfinished_outputs();
+  _exit(128 + signal);
+}
+
+/// Results are renamed into place only when whole, so that a signal may end the work at any point.
 void set_signals() {
-  // A closed pipe (`| head`) is an ordinary end of the reader's interest: write() then fails with EPIPE.
+  std::signal(SIGINT, stop);
+  std::signal(SIGTERM, stop);
+  // A closed pipe must not kill the process before it has removed its temporary files: write() fails with
+  // EPIPE.
   std::signal(SIGPIPE, SIG_IGN);
 }
 
@@ -70,6 +81,8 @@ int main(int argc, char** argv) {
     return run(argc, argv);
   } catch (const qerr::Error& e) {
     return report(e.what(), e.trouble());
+  } catch (const qerr::ClosedPipe&) {
+    return closed_pipe_code;
   } catch (const std::bad_alloc&) {
     return report("qerr: out of memory; take fewer configurations or a smaller input",
                   qerr::Trouble::internal);

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <numbers>
+#include <limits>
 
 #include "csv.hpp"
 #include "qerr/core/suggest.hpp"
@@ -12,11 +12,12 @@ namespace qerr {
 
 namespace {
 
+constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double most_grid_points = 1e12;
 
 /// Rounded decimals of a limit may lie a hair outside it.
 bool inside(double value, const Limits& limits) {
-  const double slack = 1e-9 * std::max({1.0, std::abs(limits.lower), std::abs(limits.upper)});
+  const double slack = 1e-9 * std::max(1.0, std::abs(value));
   return value >= limits.lower - slack && value <= limits.upper + slack;
 }
 
@@ -39,8 +40,22 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   return limits;
 }
 
+/// A continuous joint's limits are for the spec to give; those of another joint are missing in the URDF.
+Fault no_limits(const Object& o, const RobotModel& robot, const IndependentJoint& joint) {
+  const std::string in_spec = "configurations: {limits: {" + joint.name + ": [lower, upper]}}";
+  if (joint.type == JointType::continuous)
+    return {o.self().node->place, "configurations.limits." + joint.name,
+            "a continuous joint has no limits to sample in", "",
+            "add " + in_spec + ", such as [-180 deg, 180 deg]"};
+  const auto at = std::find_if(robot.joints.begin(), robot.joints.end(),
+                               [&](const Joint& j) { return j.name == joint.name; });
+  return {at->place, "joint '" + joint.name + "'", "the joint has no limits in the URDF", "",
+          "add lower and upper to its <limit>, or to the spec " + in_spec};
+}
+
 /// The range of every joint: the spec's limits, else the URDF's, else a full turn for a continuous joint.
 std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& spec, Faults& faults) {
+  const bool given_points = o.has("points") || o.has("file");
   const Chain& chain = spec.model.chain;
   std::vector<std::optional<Limits>> given(chain.independent.size());
   if (o.has("limits"))
@@ -56,19 +71,15 @@ std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& 
     const IndependentJoint& joint = chain.independent[i];
     if (given[i]) {
       ranges[i] = *given[i];
-    } else if (joint.type == JointType::continuous) {
-      ranges[i] = {-std::numbers::pi, std::numbers::pi};
+    } else if (joint.type == JointType::continuous && given_points) {
+      ranges[i] = {-infinity, infinity};
     } else if (joint.limits) {
       ranges[i] = *joint.limits;
       if (ranges[i].lower == ranges[i].upper)
         spec.warnings.push_back("joint '" + joint.name + "' has an empty range in the URDF: it is held at " +
                                 shortest(ranges[i].lower));
     } else {
-      faults.guard([&] {
-        throw Error({o.self().node->place, "configurations.limits." + joint.name,
-                     "the joint has no limits in the URDF", "",
-                     "add configurations: {limits: {" + joint.name + ": [lower, upper]}}"});
-      });
+      faults.guard([&] { throw Error(no_limits(o, robot, joint)); });
     }
   }
   return ranges;

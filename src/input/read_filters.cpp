@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cmath>
 
 #include "qerr/core/suggest.hpp"
 #include "qerr/filter/family.hpp"
@@ -64,6 +65,27 @@ Filter design(const Object& o) {
   return family.design(d);
 }
 
+/// Rates hundreds of orders of magnitude apart leave the range of a double: that is the spec's fault, not
+/// qerr's.
+Norms norms_of(const Filter& filter) {
+  const auto out_of_range = [](const std::string& found) {
+    return Error({{},
+                  "",
+                  "the filter's figures leave the range of double precision",
+                  found,
+                  "bring cut-off and sample rate closer together"});
+  };
+  Norms n;
+  try {
+    n = norms(filter);
+  } catch (const Error& e) {
+    throw out_of_range(e.faults().front().found);
+  }
+  if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
+    throw out_of_range("H2 norm " + shortest(n.h2));
+  return n;
+}
+
 /// The designers speak of their own parameters; this puts file, line and path before what they say.
 Error placed(const Error& e, const Field& f) {
   std::vector<Fault> faults = e.faults();
@@ -97,7 +119,7 @@ void read_filters(const Field& f, Spec& spec, Faults& faults) {
       const Object o(field, spec_format::filter());
       try {
         const Filter filter = design(o);
-        spec.filters.push_back({key.name, filter, norms(filter)});
+        spec.filters.push_back({key.name, filter, norms_of(filter)});
       } catch (const Error& e) {
         throw placed(e, field);
       }

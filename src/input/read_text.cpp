@@ -83,7 +83,7 @@ std::string read_text(const std::string& path) {
     if (count == 0) break;
     text.append(block, static_cast<std::size_t>(count));
     if (text.size() > most_bytes)
-      throw Error(Fault{{file}, "", "an input document has at most 16 MB", "more", ""});
+      throw Error(Fault{{file, 1, 1}, "", "an input document has at most 16 MB", "more", ""});
   }
   check_text(text, file);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
@@ -92,7 +92,7 @@ std::string read_text(const std::string& path) {
 
 void check_text(const std::string& text, const std::string& file) {
   if (text.size() > most_bytes)
-    throw Error(Fault{{file}, "", "an input document has at most 16 MB", "more", ""});
+    throw Error(Fault{{file, 1, 1}, "", "an input document has at most 16 MB", "more", ""});
   const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);

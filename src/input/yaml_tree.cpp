@@ -27,6 +27,14 @@ class TreeBuilder : public YAML::EventHandler {
     return mark.is_null() ? Place{file_, 0, 0} : Place{file_, mark.line + 1, mark.column + 1};
   }
 
+  /// What stands at a place, for messages about syntax.
+  std::string text_at(const YAML::Mark& mark) const {
+    const auto line = static_cast<std::size_t>(mark.line), column = static_cast<std::size_t>(mark.column);
+    if (mark.is_null() || line >= lines_.size() || column >= lines_[line].size())
+      return "the end of the line";
+    return "'" + lines_[line].substr(column, 40) + "'";
+  }
+
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
 
@@ -125,6 +133,7 @@ class TreeBuilder : public YAML::EventHandler {
     } else if (!top.has_key) {
       take_key(top, node);
     } else {
+      if (node.type == Node::Type::null) node.place = top.key.place;  // yaml-cpp points at what comes next
       top.node.entries.emplace_back(std::move(top.key), std::move(node));
       top.has_key = false;
     }

@@ -51,13 +51,19 @@ void require_link(const RobotModel& robot, const std::string& key, const std::st
                             did_you_mean(link, robot.links)));
 }
 
-/// Joints from `link` up to the root, nearest first.
-std::vector<std::size_t> path_up(const RobotModel& robot, const Index& above, std::string link) {
+/// Joints from `base` down to `tip`, nearest to the base first.
+std::vector<std::size_t> path_down(const RobotModel& robot, const Index& above, const std::string& base,
+                                   const std::string& tip) {
   std::vector<std::size_t> path;
-  for (auto it = above.find(link); it != above.end(); it = above.find(link)) {
-    path.push_back(it->second);
-    link = robot.joints[it->second].parent;
+  for (std::string link = tip; link != base; link = robot.joints[path.back()].parent) {
+    const auto joint = above.find(link);
+    if (joint == above.end())
+      throw Error(robot_fault(robot, "robot.tip", "the tip must lie beyond the base in the tree",
+                              "tip '" + tip + "', base '" + base + "'",
+                              "choose a base on the way from the root '" + link + "' to the tip"));
+    path.push_back(joint->second);
   }
+  std::reverse(path.begin(), path.end());
   return path;
 }
 
@@ -85,18 +91,16 @@ class Builder {
     for (std::size_t i = 0; i < robot.joints.size(); ++i) by_name_[robot.joints[i].name] = i;
   }
 
-  /// Passes a joint from parent to child, or, climbing, from child to parent: the motion first, then the
-  /// inverse origin.
-  void pass(std::size_t index, bool climbing) {
+  /// Passes a joint from parent to child.
+  void pass(std::size_t index) {
     const Joint& joint = robot_.joints[index];
     if (joint.type == JointType::floating || joint.type == JointType::planar)
       throw Error(Fault{joint.place, "joint '" + joint.name + "'",
                         "a joint between base and tip must be revolute, continuous, prismatic or fixed",
                         joint.type == JointType::floating ? "a floating joint" : "a planar joint",
                         "choose robot.base and robot.tip so that it is not between them"});
-    if (!climbing) pending_ = pending_ * joint.origin;
-    if (joint.type != JointType::fixed) add_moving(index, climbing ? -1.0 : 1.0);
-    if (climbing) pending_ = pending_ * joint.origin.inverse();
+    pending_ = pending_ * joint.origin;
+    if (joint.type != JointType::fixed) add_moving(index);
   }
 
   Chain finish(std::string base, std::string tip) {
@@ -107,7 +111,7 @@ class Builder {
   }
 
  private:
-  void add_moving(std::size_t index, double sign) {
+  void add_moving(std::size_t index) {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
@@ -119,8 +123,8 @@ class Builder {
     }
     if (drive.master == index) found->on_chain = true;
     chain_.joints.push_back({joint.name, joint.type == JointType::prismatic, pending_, joint.axis,
-                             static_cast<std::size_t>(found - chain_.independent.begin()),
-                             sign * drive.multiplier, sign * drive.offset});
+                             static_cast<std::size_t>(found - chain_.independent.begin()), drive.multiplier,
+                             drive.offset});
     pending_ = Eigen::Isometry3d::Identity();
   }
 
@@ -160,15 +164,8 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
   const std::string from = base.empty() ? root_of(robot, above) : base;
   const std::string to = tip.empty() ? only_leaf(robot) : tip;
 
-  std::vector<std::size_t> up = path_up(robot, above, from);
-  std::vector<std::size_t> down = path_up(robot, above, to);
-  while (!up.empty() && !down.empty() && up.back() == down.back()) {
-    up.pop_back();
-    down.pop_back();
-  }
   Builder builder(robot);
-  for (const std::size_t joint : up) builder.pass(joint, true);
-  for (auto it = down.rbegin(); it != down.rend(); ++it) builder.pass(*it, false);
+  for (const std::size_t joint : path_down(robot, above, from, to)) builder.pass(joint);
   Chain chain = builder.finish(from, to);
   if (chain.joints.empty())
     throw Error(robot_fault(robot, "robot.tip", "nothing moves between base and tip",

@@ -79,7 +79,7 @@ class Chain:
         return total
 
     def pose(self, q):
-        """q of shape (N, n), real or complex -> positions (N, 3), rotations (N, 3, 3)."""
+        """q of shape (N, n), real or complex -> positions (N, 3), rotations (N, 3, 3) of the tip in the base frame."""
         q = np.asarray(q)
         count = q.shape[0]
         rotation = np.broadcast_to(np.eye(3, dtype=q.dtype), (count, 3, 3))

@@ -18,7 +18,7 @@ struct ChainJoint {
       Eigen::Isometry3d::Identity();  ///< all fixed transforms before the joint, merged
   Eigen::Vector3d axis = Eigen::Vector3d::UnitZ();
   std::size_t coordinate = 0;  ///< index of the independent joint that moves it
-  double multiplier = 1;       ///< mimic multiplier; negative too where the chain climbs the tree
+  double multiplier = 1;       ///< mimic multiplier; 1 for the joint's own coordinate
   double offset = 0;           ///< [rad or m]
 };
 
@@ -43,9 +43,9 @@ struct Chain {
 
 /// The chain from `base` (empty: the root) to `tip` (empty: the only leaf).
 ///
-/// The way may climb towards the root and descend again; a mimic joint moves with its master's coordinate.
-/// @throws Error (input; keys `robot.base`, `robot.tip`) for unknown links, several leaves, equal ends; for a
-/// floating
+/// A mimic joint moves with its master's coordinate.
+/// @throws Error (input; keys `robot.base`, `robot.tip`) for unknown links, several leaves, a tip that is not
+/// beyond the base; for a floating
 ///   or planar joint on the way, by its name; when nothing moves
 Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
 

@@ -20,7 +20,7 @@ enum class SamplingMethod {
 /// alone.
 struct Configurations {
   SamplingMethod method = SamplingMethod::sobol;
-  std::uint64_t count = 10000;  ///< points in all; of a grid: values per joint
+  std::uint64_t count = 10000;  ///< points in all; of a grid, values per joint
   std::uint64_t seed = 1;
   std::vector<Limits> ranges;                ///< one per independent joint [rad or m]
   std::vector<Eigen::VectorXd> points = {};  ///< of a list

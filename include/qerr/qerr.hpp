@@ -1,0 +1,58 @@
+#pragma once
+
+// clang-format off
+/// qerr: how large the errors of a robot's encoders get at its tip, and in its filtered velocity and acceleration.
+///
+/// design:    encoder -> joint error -> kinematics -> operational error -> filter -> derivative error -> report
+/// measured:  log -> simulate the model -> residual -> effects -> extended model -> gain -> report
+///
+/// Every folder is one word of these two lines, and knows only the folders on the floors below it:
+/// 0 core; 1 encoder, kinematics, filter; 2 effect; 3 bound; 4 design; 5 input, report.
+///
+/// A whole report takes two calls, `read_spec` and `analyze`; each step is also a free function of its own.
+/// All values are in SI units. Errors are thrown as qerr::Error; nothing is printed.
+
+#include "qerr/core/error.hpp"
+#include "qerr/core/output_file.hpp"
+#include "qerr/core/parallel.hpp"
+#include "qerr/core/parameter.hpp"
+#include "qerr/core/quantity.hpp"
+#include "qerr/core/random.hpp"
+#include "qerr/core/sha256.hpp"
+#include "qerr/core/suggest.hpp"
+#include "qerr/core/text.hpp"
+
+#include "qerr/encoder/encoder.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/encoder/transmission.hpp"
+
+#include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/configurations.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/robot_model.hpp"
+
+#include "qerr/filter/family.hpp"
+#include "qerr/filter/filter.hpp"
+#include "qerr/filter/norms.hpp"
+
+#include "qerr/effect/effect.hpp"
+
+#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/workspace.hpp"
+
+#include "qerr/design/requirement.hpp"
+#include "qerr/design/threshold.hpp"
+
+#include "qerr/input/read_text.hpp"
+#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/spec.hpp"
+#include "qerr/input/spec_format.hpp"
+
+#include "qerr/report/analysis.hpp"
+#include "qerr/report/threshold_row.hpp"
+#include "qerr/report/write.hpp"
+// clang-format on

@@ -1,0 +1,176 @@
+#!/usr/bin/env python3
+"""Checks that every module of qerr includes only modules on the floors below it.
+
+    check_floors.py [ROOT]       reads the #include lines of ROOT/include and ROOT/src (default: this project)
+    check_floors.py --self-test  tests the check itself on a small tree
+
+One line per fault, `FILE:LINE: what is wrong`, and exit code 1 when there is any. Standard library only.
+"""
+import pathlib
+import re
+import sys
+import tempfile
+
+# A module may include itself and modules on lower floors; those on one floor are strangers.
+FLOORS = {
+    "core": 0,
+    "encoder": 1, "kinematics": 1, "filter": 1,
+    "effect": 2,
+    "bound": 3, "simulate": 3,
+    "diagnose": 4, "design": 4,
+    "input": 5, "report": 5,
+    "cli": 6,
+}
+# Floor mates that know each other all the same: (who, whom).
+ACQUAINTED = {("report", "input")}
+
+# Libraries that a single module names, in its own sources: public headers do not pass them on.
+LIBRARIES = [
+    (re.compile(r"yaml-cpp/"), "input"),
+    (re.compile(r"urdf_\w+/|console_bridge/|tinyxml"), "input"),
+    (re.compile(r"expat(_\w+)?\.h$"), "input"),
+    (re.compile(r"nlohmann/"), "report"),
+    (re.compile(r"CLI(/|11)"), "cli"),
+]
+UMBRELLA = "qerr/qerr.hpp"
+INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+SOURCES = {".hpp", ".cpp", ".h", ".cc", ".ipp"}
+
+
+def module_of(path):
+    """The module of a path relative to the root, such as `src/input/csv.cpp`; "" for the umbrella header."""
+    parts = path.parts
+    inside = parts[2:] if parts[:2] == ("include", "qerr") else parts[1:]
+    return inside[0] if len(inside) > 1 else ""
+
+
+def fault_between(user, used):
+    """Why module `user` must not include module `used`; "" when it may."""
+    if used not in FLOORS:
+        return f"no such module: '{used}'"
+    if user == used or FLOORS[used] < FLOORS[user] or (user, used) in ACQUAINTED:
+        return ""
+    where = "the same floor" if FLOORS[used] == FLOORS[user] else "a higher floor"
+    return f"{user} (floor {FLOORS[user]}) must not include {used} (floor {FLOORS[used]}), which is on {where}"
+
+
+def fault_of(root, path, quote, name):
+    """What is wrong with one #include in the file `path` (relative to the root); "" when nothing is."""
+    user = module_of(path)
+    if name.startswith("qerr/"):
+        if not (root / "include" / name).is_file():
+            return f"no such file: include/{name}"
+        if name == UMBRELLA:
+            return "the umbrella header is for users of the library; include what is needed"
+        return fault_between(user, module_of(pathlib.Path("include", name))) if user else ""
+    if quote == '"':
+        target = (root / path.parent / name).resolve()
+        if not target.is_file() or not target.is_relative_to(root):
+            return f"no such file beside this one: {name}"
+        used = module_of(target.relative_to(root))
+        return "" if used == user else f"{name} is private to {used or 'the root'}; use its headers in include/qerr"
+    for pattern, owner in LIBRARIES:
+        if pattern.match(name) and path.parts[:2] != ("src", owner):
+            return f"<{name}> is named in src/{owner} and nowhere else"
+    return ""
+
+
+def check(root):
+    """All faults of a source tree, as lines of text."""
+    root = pathlib.Path(root).resolve()
+    faults = []
+    umbrella = root / "include" / UMBRELLA
+    shown = set()
+    files = sorted(p for top in ("include", "src") for p in (root / top).rglob("*") if p.suffix in SOURCES)
+    if not files:
+        faults.append(f"{root}:1: no sources found")
+    for file in files:
+        path = file.relative_to(root)
+        module = module_of(path)
+        if file != umbrella and module not in FLOORS:
+            faults.append(f"{path}:1: '{module}' has no floor; give it one in scripts/check_floors.py")
+            continue
+        for number, line in enumerate(file.read_text(encoding="utf-8").splitlines(), 1):
+            found = INCLUDE.match(line)
+            if not found:
+                continue
+            if file == umbrella:
+                shown.add(found[2])
+            fault = fault_of(root, path, found[1], found[2])
+            if fault:
+                faults.append(f"{path}:{number}: {fault}")
+    public = {p.relative_to(root / "include").as_posix() for p in files if p.is_relative_to(root / "include")}
+    faults += [f"include/{UMBRELLA}:1: does not include {name}" for name in sorted(public - shown - {UMBRELLA})]
+    return faults
+
+
+def self_test():
+    """Each file of a small tree, the text of its one include, and a word of the fault expected (None: no fault)."""
+    cases = [
+        ("include/qerr/core/a.hpp", "<vector>", None),
+        ("include/qerr/encoder/a.hpp", '"qerr/core/a.hpp"', None),
+        ("include/qerr/kinematics/a.hpp", '"qerr/core/a.hpp"', None),
+        ("include/qerr/input/a.hpp", '"qerr/encoder/a.hpp"', None),
+        ("include/qerr/report/a.hpp", '"qerr/input/a.hpp"', None),
+        ("include/qerr/bound/a.hpp", "<nlohmann/json.hpp>", "src/report"),
+        ("src/encoder/own.hpp", "<cmath>", None),
+        ("src/encoder/families/a.cpp", '"../own.hpp"', None),
+        ("src/encoder/a.cpp", '"qerr/kinematics/a.hpp"', "same floor"),
+        ("src/core/a.cpp", '"qerr/encoder/a.hpp"', "higher floor"),
+        ("src/core/angle.cpp", "<qerr/encoder/a.hpp>", "higher floor"),
+        ("src/input/a.cpp", '"qerr/report/a.hpp"', "same floor"),
+        ("src/input/yaml.cpp", "<yaml-cpp/yaml.h>", None),
+        ("src/input/expat.cpp", "<expat.h>", None),
+        ("src/report/a.cpp", "<yaml-cpp/yaml.h>", "src/input"),
+        ("src/report/urdf.cpp", "<urdf_parser/urdf_parser.h>", "src/input"),
+        ("src/report/json.cpp", "<nlohmann/json.hpp>", None),
+        ("src/cli/json.cpp", "<nlohmann/json.hpp>", "src/report"),
+        ("src/cli/a.cpp", "<CLI/CLI.hpp>", None),
+        ("src/report/cli.cpp", "<CLI/CLI.hpp>", "src/cli"),
+        ("src/cli/expat.cpp", "<expat.h>", "src/input"),
+        ("include/qerr/input/expat.hpp", "<expat.h>", "src/input"),
+        ("src/bound/a.cpp", '"../encoder/own.hpp"', "private to encoder"),
+        ("src/bound/gone.cpp", '"gone.hpp"', "no such file"),
+        ("src/bound/umbrella.cpp", '"qerr/qerr.hpp"', "umbrella"),
+        ("src/attic/a.cpp", "<cmath>", "has no floor"),
+    ]
+    with tempfile.TemporaryDirectory() as folder:
+        root = pathlib.Path(folder)
+        for name, include, _ in cases:
+            (root / name).parent.mkdir(parents=True, exist_ok=True)
+            (root / name).write_text(f"// head\n#  include {include}\n// #include <expat.h>\n", encoding="utf-8")
+        public = [name.removeprefix("include/") for name, _, _ in cases if name.startswith("include/")]
+        forgotten = public.pop()
+        umbrella = root / "include" / UMBRELLA
+        umbrella.write_text("".join(f'#include "{name}"\n' for name in public), encoding="utf-8")
+        faults = check(root)
+    wrong = []
+    for name, include, word in cases:
+        of_file = [f for f in faults if f.startswith(f"{name}:")]
+        expected = [] if word is None else [word]
+        line = 1 if word == "has no floor" else 2
+        if len(of_file) != len(expected) or any(
+                w not in f or not f.startswith(f"{name}:{line}: ") for w, f in zip(expected, of_file)):
+            wrong.append(f"{name} with {include}: expected {expected}, got {of_file}")
+    if f"include/{UMBRELLA}:1: does not include {forgotten}" not in faults:
+        wrong.append(f"the umbrella header without {forgotten}: no fault")
+    if len(faults) != sum(word is not None for _, _, word in cases) + 1:
+        wrong.append(f"unexpected faults among {faults}")
+    return [f"self-test: {w}" for w in wrong]
+
+
+def main(arguments):
+    if arguments[:1] == ["--self-test"] and len(arguments) == 1:
+        faults = self_test()
+    elif len(arguments) <= 1 and not arguments[:1] == ["--help"]:
+        faults = check(arguments[0] if arguments else pathlib.Path(__file__).resolve().parents[1])
+    else:
+        print(__doc__.strip())
+        return 2
+    for fault in faults:
+        print(fault, file=sys.stderr)
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main(sys.argv[1:]))

@@ -1,0 +1,33 @@
+#!/usr/bin/env bash
+# Prepares the machine, builds qerr with its tests into build/, and runs them all.
+#
+#   scripts/run_tests.sh [CTEST OPTIONS]    such as -R Filter
+#
+# The style and the floors of the source are checked first. With CI=true warnings are errors.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+
+"$root/scripts/setup.sh" --tests
+
+echo "== floors" >&2
+python3 "$root/scripts/check_floors.py" --self-test
+python3 "$root/scripts/check_floors.py"
+
+echo "== format" >&2
+find "$root/include" "$root/src" "$root/tests" \( -name '*.hpp' -o -name '*.cpp' \) -print0 |
+  xargs -0 clang-format --dry-run --Werror
+
+echo "== build" >&2
+options=(-DQERR_TESTS=ON)
+if [[ ! -f $root/build/CMakeCache.txt ]]; then
+  options+=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
+fi
+if [[ ${CI-} == true ]]; then
+  options+=(-DQERR_WERROR=ON)
+fi
+cmake -S "$root" -B "$root/build" "${options[@]}"
+cmake --build "$root/build" --parallel "$(nproc)"
+
+echo "== tests" >&2
+ctest --test-dir "$root/build" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"

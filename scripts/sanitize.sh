@@ -1,0 +1,39 @@
+#!/usr/bin/env bash
+# Builds qerr with sanitizers, each mode in a folder of its own, and runs the tests.
+#
+#   scripts/sanitize.sh            addresses and undefined behaviour, in build-address/
+#   scripts/sanitize.sh thread     data races, in build-thread/
+#
+# Further arguments go to ctest, such as -R Filter.
+set -euo pipefail
+
+root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+mode=${1-address}
+[[ $# -eq 0 ]] || shift
+case $mode in
+  address) sanitizers=address,undefined ;;
+  thread) sanitizers=thread ;;
+  *) echo "usage: ${0##*/} [address|thread] [CTEST OPTIONS]" >&2; exit 2 ;;
+esac
+build=$root/build-$mode
+
+"$root/scripts/setup.sh" --tests
+
+export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
+export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
+export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
+
+# GCC 12's thread sanitizer cannot start where the kernel spreads addresses too widely.
+fixed=()
+if [[ $mode == thread ]] && setarch "$(uname -m)" --addr-no-randomize true 2>/dev/null; then
+  fixed=(setarch "$(uname -m)" --addr-no-randomize)
+fi
+
+options=(-DQERR_TESTS=ON "-DQERR_SANITIZE=$sanitizers" -DCMAKE_BUILD_TYPE=RelWithDebInfo)
+if [[ ! -f $build/CMakeCache.txt ]]; then
+  options+=(-G Ninja)
+fi
+cmake -S "$root" -B "$build" "${options[@]}"
+# The build itself runs the tests once, to list them.
+"${fixed[@]}" cmake --build "$build" --parallel "$(nproc)"
+"${fixed[@]}" ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"

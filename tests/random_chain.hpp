@@ -1,0 +1,116 @@
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <numbers>
+#include <string>
+#include <vector>
+
+#include "qerr/core/random.hpp"
+#include "qerr/encoder/transmission.hpp"
+#include "qerr/kinematics/chain.hpp"
+
+namespace qerr::testing {
+
+/// Numbers that depend on the seed alone, on every machine.
+class Dice {
+ public:
+  explicit Dice(std::uint64_t seed) : seed_(seed) {}
+
+  double between(double lower, double upper) {
+    return lower + (upper - lower) * unit_interval(random_bits(seed_, drawn_++, 77));
+  }
+  bool chance(double probability) { return between(0, 1) < probability; }
+  std::size_t below(std::size_t count) {
+    return static_cast<std::size_t>(between(0, static_cast<double>(count)));
+  }
+  Eigen::Vector3d direction() {
+    for (;;) {
+      const Eigen::Vector3d v(between(-1, 1), between(-1, 1), between(-1, 1));
+      if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
+    }
+  }
+  Eigen::Isometry3d frame(double reach) {
+    Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
+    t.translate(between(0, reach) * direction());
+    t.rotate(Eigen::AngleAxisd(between(-std::numbers::pi, std::numbers::pi), direction()));
+    return t;
+  }
+  Eigen::VectorXd vector(Eigen::Index size, double lower, double upper) {
+    Eigen::VectorXd v(size);
+    for (double& entry : v) entry = between(lower, upper);
+    return v;
+  }
+
+ private:
+  std::uint64_t seed_, drawn_ = 0;
+};
+
+/// What a random robot may hold.
+struct ChainMix {
+  std::size_t joints = 6;  ///< moving joints from base to tip
+  double prismatic = 0.25, mimic = 0.2, fixed = 0.3;
+  double reach = 0.5;  ///< largest distance between two joints [m]
+};
+
+/// A robot with one leaf "tip": skew axes, fixed joints in between, mimics of joints before and after, mimics
+/// of mimics.
+inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
+  RobotModel robot{"random", "random.urdf", {"base"}, {}, {}};
+  const auto extend = [&](std::string name, JointType type) -> Joint& {
+    const std::string child = "link_" + std::to_string(robot.links.size());
+    robot.joints.push_back({std::move(name),
+                            type,
+                            robot.links.back(),
+                            child,
+                            dice.frame(mix.reach),
+                            dice.direction(),
+                            {},
+                            {},
+                            {}});
+    robot.links.push_back(child);
+    return robot.joints.back();
+  };
+  const std::size_t free = dice.below(mix.joints);  // this one never is a mimic, so that something is free
+  const auto name = [](std::size_t k) { return "joint_" + std::to_string(k); };
+  for (std::size_t k = 0; k < mix.joints; ++k) {
+    if (dice.chance(mix.fixed)) extend("fixed_" + std::to_string(k), JointType::fixed);
+    const bool slides = dice.chance(mix.prismatic);
+    Joint& joint = extend(name(k), slides ? JointType::prismatic : JointType::revolute);
+    // Joints before `free` follow later ones, joints after it earlier ones: no circle.
+    if (k == free || !dice.chance(mix.mimic)) continue;
+    const std::size_t target = k < free ? k + 1 + dice.below(free - k) : free + dice.below(k - free);
+    const double sign = dice.chance(0.5) ? 1 : -1;
+    joint.mimic = Mimic{name(target), sign * dice.between(0.3, 1.5), dice.between(-1, 1)};
+  }
+  robot.joints.push_back({"tip_fixed",
+                          JointType::fixed,
+                          robot.links.back(),
+                          "tip",
+                          dice.frame(mix.reach),
+                          Eigen::Vector3d::UnitX(),
+                          {},
+                          {},
+                          {}});
+  robot.links.push_back("tip");
+  return robot;
+}
+
+/// Encoders with intervals spread evenly over the logarithm, some rounding down; a diagonally dominant
+/// coupling or I.
+inline Transmission random_transmission(Dice& dice, const Chain& chain, double finest, double coarsest,
+                                        bool coupled) {
+  const auto n = static_cast<Eigen::Index>(chain.independent.size());
+  Transmission t{{}, Eigen::MatrixXd::Identity(n, n)};
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const double resolution = finest * std::pow(coarsest / finest, dice.between(0, 1));
+    t.encoders.push_back({resolution, dice.chance(0.25) ? Rounding::down : Rounding::nearest, true});
+  }
+  if (coupled)
+    for (Eigen::Index i = 0; i < n; ++i)
+      for (Eigen::Index j = 0; j < n; ++j)
+        if (i != j && dice.chance(0.4)) t.coupling(i, j) = dice.between(-0.8, 0.8) / static_cast<double>(n);
+  return t;
+}
+
+}  // namespace qerr::testing
