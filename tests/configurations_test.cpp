@@ -22,8 +22,8 @@ Configurations unit_cube(SamplingMethod method, std::size_t joints, std::uint64_
 
 Configurations small_grid() {
   Configurations c = unit_cube(SamplingMethod::grid, 3);
-  c.ranges = {{-1, 1}, {0, 3}, {5, 7}};
-  c.grid = {3, 4, 1};
+  c.ranges = {{-1, 1}, {0, 4}, {5, 7}};
+  c.count = 3;
   return c;
 }
 
@@ -114,14 +114,18 @@ TEST(Configurations, SobolMeansAreNearerThanRandomOnes) {
 
 TEST(Configurations, GridHoldsBothEndsAndTheLastJointRunsFastest) {
   Configurations c = small_grid();
-  ASSERT_EQ(size(c), 12u);
-  Eigen::MatrixXd expected(3, 12);
-  for (Eigen::Index i = 0; i < 12; ++i)
-    expected.col(i) << static_cast<double>(i / 4) - 1, static_cast<double>(i % 4), 6;
-  EXPECT_EQ(draw(c, 0, 12), expected) << "a single value stands in the middle";
+  ASSERT_EQ(size(c), 27u);
+  Eigen::MatrixXd expected(3, 27);
+  for (Eigen::Index i = 0; i < 27; ++i)
+    expected.col(i) << static_cast<double>(i / 9) - 1, 2.0 * static_cast<double>(i / 3 % 3),
+        5 + static_cast<double>(i % 3);
+  EXPECT_EQ(draw(c, 0, 27), expected);
   c.ranges[0] = {0.1, 0.7};
   EXPECT_EQ(draw(c, 0, 1)(0, 0), 0.1);
-  EXPECT_EQ(draw(c, 11, 1)(0, 0), 0.7);
+  EXPECT_EQ(draw(c, 26, 1)(0, 0), 0.7);
+  c.count = 1;
+  ASSERT_EQ(size(c), 1u);
+  EXPECT_EQ(draw(c, 0, 1).col(0), Eigen::Vector3d(0.4, 2, 6)) << "a single value stands in the middle";
 }
 
 TEST(Configurations, SizeCountsAndSaturates) {
@@ -132,16 +136,16 @@ TEST(Configurations, SizeCountsAndSaturates) {
   EXPECT_EQ(size(c), 0u);
   c.points.assign(4, Eigen::Vector2d::Zero());
   EXPECT_EQ(size(c), 4u);
-  c.method = SamplingMethod::grid;
   constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
-  c.grid = std::vector<std::uint64_t>(62, 2);
-  EXPECT_EQ(size(c), std::uint64_t{1} << 62);
-  c.grid.push_back(2);
-  EXPECT_EQ(size(c), most);
-  c.grid = std::vector<std::uint64_t>(40, 1000);
-  EXPECT_EQ(size(c), most);
-  c.grid = {most};
-  EXPECT_EQ(size(c), most);
+  const auto grid_size = [](std::size_t joints, std::uint64_t values) {
+    Configurations grid = unit_cube(SamplingMethod::grid, joints);
+    grid.count = values;
+    return size(grid);
+  };
+  EXPECT_EQ(grid_size(62, 2), std::uint64_t{1} << 62);
+  EXPECT_EQ(grid_size(63, 2), most);
+  EXPECT_EQ(grid_size(40, 1000), most);
+  EXPECT_EQ(grid_size(1, most), most);
 }
 
 /// FNV-1a over the bits of the first points.

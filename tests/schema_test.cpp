@@ -82,6 +82,9 @@ TEST_F(SchemaTest, RefusesMostOfWhatTheReaderRefuses) {
   std::size_t refused = 0;
   for (const fs::path& path : specs("tests/corpus/bad_specs")) {
     EXPECT_THROW(read_spec(path.string()), Error) << path;
+    std::ifstream in(path);
+    const std::string text{std::istreambuf_iterator<char>(in), {}};
+    if (text.find(" &") != std::string::npos) continue;  // an alias bomb would be unfolded here
     try {
       refused += !valid(to_json(YAML::LoadFile(path.string())));
     } catch (const YAML::Exception&) {

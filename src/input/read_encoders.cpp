@@ -155,17 +155,19 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
   Transmission& transmission = spec.model.transmission;
   transmission.encoders.resize(of_joint.size());
   spec.encoder_figures.resize(of_joint.size());
+  bool rest_is_faulty = false;
   for (std::size_t i = 0; i < of_joint.size(); ++i) {
     const IndependentJoint& joint = chain.independent[i];
-    faults.guard([&] {
+    if (!of_joint[i].node && rest_is_faulty) continue;  // said once, not for every joint
+    const bool good = faults.guard([&] {
       if (!of_joint[i].node && !rest.node)
         throw Error(
             {f.node->place, f.path + '.' + joint.name, "the joint has no encoder", "",
              "add '" + joint.name + ": {counts_per_rev: ..., gear_ratio: ...}', or '*' for all the rest"});
-      Field entry = of_joint[i].node ? of_joint[i] : rest;
-      if (!of_joint[i].node) entry.path += " (for joint '" + joint.name + "')";
+      const Field& entry = of_joint[i].node ? of_joint[i] : rest;
       std::tie(transmission.encoders[i], spec.encoder_figures[i]) = read_encoder(entry, joint);
     });
+    rest_is_faulty = rest_is_faulty || (!good && !of_joint[i].node && rest.node);
   }
   const auto n = static_cast<Eigen::Index>(of_joint.size());
   transmission.coupling = Eigen::MatrixXd::Identity(n, n);

@@ -14,17 +14,20 @@ double between(const Limits& range, double fraction) {
   return std::min(std::max(value, range.lower), range.upper);
 }
 
-/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed,
-/// so that every seed gives a net of the same quality.
+/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed, so that
+/// every seed gives a net of the same quality.
+///
+/// Boost leaves out the sequence's first point, the origin; without it no block of 2^k points would be a net.
 Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
   const std::size_t dimensions = c.ranges.size();
   boost::random::sobol engine(dimensions);
-  engine.discard(first * dimensions);
+  if (first > 1) engine.discard((first - 1) * dimensions);
   Eigen::MatrixXd unit(static_cast<Eigen::Index>(dimensions), static_cast<Eigen::Index>(count));
   for (Eigen::Index i = 0; i < unit.cols(); ++i)
     for (Eigen::Index j = 0; j < unit.rows(); ++j) {
+      const bool origin = first == 0 && i == 0;
       const std::uint64_t shift = random_bits(c.seed, 0, static_cast<std::uint64_t>(j));
-      unit(j, i) = unit_interval(engine() ^ shift);
+      unit(j, i) = unit_interval((origin ? 0 : engine()) ^ shift);
     }
   return unit;
 }
