@@ -167,7 +167,6 @@ TEST(OperationalError, RigorousBoundHoldsAtEveryCornerAndInsideWhereTheLinearOne
     const Eigen::VectorXd largest = largest_pose_error(m, q, dice, 1000);
     for (Eigen::Index i = 0; i < 6; ++i) {
       EXPECT_LE(largest[i], e.rigorous[i] + 1e-12) << "seed " << seed << " coordinate " << i;
-      EXPECT_LE(e.worst_case[i] <= e.rigorous[i] ? 0 : largest[i], e.rigorous[i] + 1e-12);
       linear_failures += largest[i] > e.worst_case[i] + 1e-12;
       if (e.rigorous[i] > 1e-6) used[i] = std::max(used[i], largest[i] / e.rigorous[i]);
     }
