@@ -14,8 +14,8 @@ double between(const Limits& range, double fraction) {
   return std::min(std::max(value, range.lower), range.upper);
 }
 
-/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed, so that
-/// every seed gives a net of the same quality.
+/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed,
+/// so that every seed gives a net of the same quality.
 ///
 /// Boost leaves out the sequence's first point, the origin; without it no block of 2^k points would be a net.
 Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
