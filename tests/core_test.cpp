@@ -56,6 +56,8 @@ TEST(Quantity, ReadsTheUnitsOfTheContract) {
   }
   EXPECT_EQ(quantity("2 m/s^2")->dimension, (Dimension{1, 0, -2}));
   EXPECT_FALSE(quantity("7")->dimension);
+  EXPECT_EQ(quantity("30 um")->value, 3e-5);
+  EXPECT_EQ(quantity("0.3 mm/s")->value, 3e-4);
 }
 
 TEST(Quantity, RefusesWhatIsNotAPlainDecimalNumberWithAKnownUnit) {

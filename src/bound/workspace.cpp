@@ -54,15 +54,16 @@ struct Sums {
   }
 };
 
-/// Parts of each row's sum; a row that is nothing but rounding against the largest row of its kind has none.
+/// Parts of each row's sum; entries that are nothing but rounding against the largest row count as zero.
 ///
-/// A row of zeros comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
+/// A zero comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
 void add_shares(const Eigen::MatrixXd& weighted, double negligible, Sums& sums) {
+  const auto cleaned = (weighted.cwiseAbs().array() > negligible).select(weighted.cwiseAbs(), 0.0).eval();
   for (Eigen::Index i = 0; i < weighted.rows(); ++i) {
-    const double total = weighted.row(i).squaredNorm();
-    if (!std::isfinite(total) || std::sqrt(total) <= negligible) continue;
-    sums.share.row(i) += weighted.row(i).cwiseAbs2() / total;
-    sums.share_worst.row(i) += weighted.row(i).cwiseAbs() / weighted.row(i).cwiseAbs().sum();
+    const double total = cleaned.row(i).sum();
+    if (!std::isfinite(total) || total == 0) continue;
+    sums.share.row(i) += cleaned.row(i).cwiseAbs2() / cleaned.row(i).squaredNorm();
+    sums.share_worst.row(i) += cleaned.row(i) / total;
   }
 }
 

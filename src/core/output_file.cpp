@@ -82,8 +82,9 @@ OutputFile::~OutputFile() {
 }
 
 void OutputFile::fail(const std::string& what, int code) {
-  throw Error(Fault{{path_ == "-" ? "standard output" : path_, 0, 0}, "", what, std::strerror(code), ""},
-              Trouble::file_system);
+  throw Error(
+      Fault{{path_ == "-" ? "standard output" : path_, 0, 0}, "", what + ": " + std::strerror(code), "", ""},
+      Trouble::file_system);
 }
 
 void OutputFile::write(std::string_view text) {

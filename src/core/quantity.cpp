@@ -12,8 +12,11 @@ namespace qerr {
 
 namespace {
 
+/// Value in SI = value * factor / divisor. Both are whole for decimal prefixes, so that 30 um is the double
+/// nearest to 3e-5, as it is when written as 30e-6.
 struct Unit {
   double factor = 1;
+  double divisor = 1;
   Dimension dimension;
 };
 
@@ -64,20 +67,22 @@ constexpr std::array symbols{
 
 struct Prefix {
   std::string_view name;
-  double factor;
+  double factor = 1;
+  double divisor = 1;
 };
 
-constexpr std::array prefixes{Prefix{"n", 1e-9}, Prefix{"u", 1e-6}, Prefix{"µ", 1e-6}, Prefix{"μ", 1e-6},
-                              Prefix{"m", 1e-3}, Prefix{"c", 1e-2}, Prefix{"k", 1e3},  Prefix{"M", 1e6}};
+constexpr std::array prefixes{Prefix{"n", 1, 1e9}, Prefix{"u", 1, 1e6}, Prefix{"µ", 1, 1e6},
+                              Prefix{"μ", 1, 1e6}, Prefix{"m", 1, 1e3}, Prefix{"c", 1, 1e2},
+                              Prefix{"k", 1e3},    Prefix{"M", 1e6}};
 
 std::optional<Unit> find_symbol(std::string_view word) {
   for (const Symbol& s : symbols)
-    if (word == s.name) return Unit{s.factor, s.dimension};
+    if (word == s.name) return Unit{s.factor, 1, s.dimension};
   for (const Prefix& p : prefixes)
     for (const Symbol& s : symbols)
       if (s.takes_prefix && word.size() == p.name.size() + s.name.size() && word.starts_with(p.name) &&
           word.ends_with(s.name))
-        return Unit{p.factor * s.factor, s.dimension};
+        return Unit{p.factor * s.factor, p.divisor, s.dimension};
   return std::nullopt;
 }
 
@@ -113,7 +118,8 @@ class UnitReader {
       skip_blanks();
       const auto next = factor(depth);
       if (!next) return std::nullopt;
-      unit = Unit{divides ? unit->factor / next->factor : unit->factor * next->factor,
+      unit = Unit{unit->factor * (divides ? next->divisor : next->factor),
+                  unit->divisor * (divides ? next->factor : next->divisor),
                   product(unit->dimension, power(next->dimension, divides ? -1 : 1))};
     }
     return unit;
@@ -140,7 +146,7 @@ class UnitReader {
       if (at_ == text_.size() || text_[at_] < '1' || text_[at_] > '9')
         return fail("exponent of a unit must be 1 to 9");
       const int n = text_[at_++] - '0';
-      unit = Unit{std::pow(unit->factor, n), power(unit->dimension, n)};
+      unit = Unit{std::pow(unit->factor, n), std::pow(unit->divisor, n), power(unit->dimension, n)};
     }
     return unit;
   }
@@ -213,7 +219,7 @@ std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) 
   if (end == text.size()) return Quantity{*number, std::nullopt};
   const auto unit = UnitReader(text.substr(end), why).whole();
   if (!unit) return std::nullopt;
-  const double value = *number * unit->factor;
+  const double value = *number * unit->factor / unit->divisor;
   if (!std::isfinite(value) || (value == 0 && *number != 0)) {
     why = "not a finite decimal number";
     return std::nullopt;

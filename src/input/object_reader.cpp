@@ -28,16 +28,6 @@ bool in_range(const Parameter& p, double v) {
   return (p.open_below ? v > p.least : v >= p.least) && (p.open_above ? v < p.most : v <= p.most);
 }
 
-std::vector<std::string> split_choices(std::string_view choices) {
-  std::vector<std::string> list;
-  while (!choices.empty()) {
-    const std::size_t bar = std::min(choices.find('|'), choices.size());
-    list.emplace_back(choices.substr(0, bar));
-    choices.remove_prefix(std::min(bar + 1, choices.size()));
-  }
-  return list;
-}
-
 }  // namespace
 
 double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
@@ -59,7 +49,7 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
 }
 
 std::string read_choice(const Field& f, const Parameter& p) {
-  const std::vector<std::string> known = split_choices(p.choices);
+  const std::vector<std::string> known = choices_of(p);
   if (f.node->type != Node::Type::scalar ||
       std::find(known.begin(), known.end(), f.node->text) == known.end())
     throw Error(f.fault("is not one of the choices",
@@ -132,7 +122,7 @@ std::optional<double> Object::number(std::string_view key, Dimension coordinate)
 
 std::string Object::choice(std::string_view key) const {
   const Parameter& p = row(key);
-  return has(key) ? read_choice(at(key), p) : split_choices(p.choices).front();
+  return has(key) ? read_choice(at(key), p) : choices_of(p).front();
 }
 
 std::optional<std::string> Object::text(std::string_view key) const {

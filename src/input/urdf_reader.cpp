@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 
 #include "qerr/core/quantity.hpp"
 #include "qerr/core/suggest.hpp"
@@ -171,6 +172,8 @@ void UrdfReader::read_origin(const UrdfElement& owner, const std::string& key, E
   if (!origin) return;
   if (const auto values = numbers<3>(*origin, "xyz", key)) xyz = Eigen::Vector3d(values->data());
   if (const auto values = numbers<3>(*origin, "rpy", key)) rpy = Eigen::Vector3d(values->data());
+  if (rpy.cwiseAbs().maxCoeff() > 2 * std::numbers::pi + 1e-3)
+    warn(*origin, key, "an angle of rpy is more than a turn; rpy is in radians: are these degrees?");
 }
 
 void UrdfReader::read_axis(const UrdfElement& element, Joint& joint) {

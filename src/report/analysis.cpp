@@ -8,6 +8,9 @@ namespace qerr {
 
 namespace {
 
+/// Parts of a variance below this are squares of rounding errors.
+constexpr double rounding = 1e-24;
+
 /// Within 5 degrees of the gimbal lock a roll or yaw error is more than ten times the rotation that causes
 /// it.
 constexpr double near_gimbal_lock = 0.0872;
@@ -73,7 +76,7 @@ std::vector<double> encoder_budget(const Analysis& a) {
     }
   }
   if (total > 0)
-    for (double& part : parts) part /= total;
+    for (double& part : parts) part = part > rounding * total ? part / total : 0;
   return parts;
 }
 

@@ -43,7 +43,7 @@ Json of_row(const Parameter& p) {
       s = {{"type", "string"}, {"minLength", 1}};
       break;
     case Kind::choice:
-      s = {{"enum", split_words(p.choices)}};
+      s = {{"enum", choices_of(p)}};
       break;
     case Kind::numbers:
       s = {{"type", "array"}, {"items", number_or_quantity}, {"minItems", 1}};

@@ -4,6 +4,7 @@
 
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
+#include "text_table.hpp"
 #include "writers.hpp"
 
 namespace qerr {
@@ -99,8 +100,8 @@ std::string junit(const Analysis& a) {
     } else {
       ++failed;
       cases += ">\n    <failure message=\"" +
-               xml(r.quantity + ' ' + r.statistic + " is " + shortest(result.value) + ' ' + r.unit +
-                   ", at most " + shortest(r.at_most) + ' ' + r.unit + " is required") +
+               xml(r.quantity + ' ' + r.statistic + " is " + readable(result.value, r.unit) + ", at most " +
+                   readable(r.at_most, r.unit) + " is required") +
                "\"/>\n  </testcase>\n";
     }
   }
@@ -123,16 +124,6 @@ std::string write_list(std::string_view kind, std::string_view format) {
 std::string parameter_unit(const Parameter& p) {
   if (p.kind != Kind::number) return {};
   return p.coordinate ? "rad or m" : unit_name(p.dimension);
-}
-
-std::vector<std::string> split_words(std::string_view choices) {
-  std::vector<std::string> words;
-  while (!choices.empty()) {
-    const std::size_t bar = std::min(choices.find('|'), choices.size());
-    words.emplace_back(choices.substr(0, bar));
-    choices.remove_prefix(std::min(bar + 1, choices.size()));
-  }
-  return words;
 }
 
 }  // namespace qerr

@@ -18,7 +18,6 @@ struct ListRow {
 };
 
 std::string parameter_unit(const Parameter&);
-std::vector<std::string> split_words(std::string_view choices);
 
 std::string to_json(const Analysis&);
 std::string check_json(const Analysis&);

@@ -18,7 +18,8 @@ struct Bounds {
 /// @param sigma       of that error
 /// @param norms       of the derivative filter [1/s for a velocity]
 /// @returns bounds of the derivative [m/s or rad/s]
-/// @pre the Jacobian is constant over the filter's memory; sigma also needs white input, false below about
+/// @pre the filter has settled: a mean that is switched on passes with partial sums of h, not with H(1);
+///   the Jacobian is constant over the filter's memory; sigma also needs white input, false below about
 /// one count
 ///   a sample
 Bounds derivative_error(double half_width, double mean, double sigma, const Norms& norms);

@@ -1,7 +1,9 @@
 #pragma once
 
+#include <algorithm>
 #include <limits>
 #include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -28,5 +30,16 @@ struct Parameter {
   std::string_view choices = {};  ///< of a choice: "matched|tustin"; the first one is the default
   bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
 };
+
+/// The words of `choices`.
+inline std::vector<std::string> choices_of(const Parameter& p) {
+  std::vector<std::string> words;
+  for (std::size_t at = 0; at < p.choices.size();) {
+    const std::size_t bar = std::min(p.choices.find('|', at), p.choices.size());
+    words.emplace_back(p.choices.substr(at, bar - at));
+    at = bar + 1;
+  }
+  return words;
+}
 
 }  // namespace qerr

@@ -33,7 +33,7 @@ std::string write(const Analysis&, std::string_view format, const Style& = {});
 std::string write_check(const Analysis&, std::string_view format, const Style& = {});
 bool all_met(const Analysis&);
 
-/// JUnit XML: one test case per requirement, its margin in the failure message.
+/// JUnit XML: one test case per requirement, value and limit in the failure message.
 std::string junit(const Analysis&);
 
 /// Table IV.

@@ -189,7 +189,7 @@ std::string rows_json(const std::vector<ListRow>& rows) {
       if (p.fallback) parameter["default"] = *p.fallback;
       if (std::isfinite(p.least)) parameter["least"] = p.least;
       if (std::isfinite(p.most)) parameter["most"] = p.most;
-      if (!p.choices.empty()) parameter["choices"] = split_words(p.choices);
+      if (!p.choices.empty()) parameter["choices"] = choices_of(p);
       parameters.push_back(parameter);
     }
     list.push_back({{"name", row.name}, {"summary", row.summary}, {"parameters", parameters}});

@@ -177,7 +177,7 @@ std::string rows_table(const std::vector<ListRow>& rows) {
       out += ": " + std::string(p.meaning);
       if (!p.choices.empty()) {
         out += " (";
-        const std::vector<std::string> words = split_words(p.choices);
+        const std::vector<std::string> words = choices_of(p);
         for (std::size_t i = 0; i < words.size(); ++i)
           out += (i ? ", " : "") + words[i] + (i ? "" : " by default");
         out += ')';
