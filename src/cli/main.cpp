@@ -34,6 +34,23 @@ std::vector<std::string> command_names() {
   return names;
 }
 
+/// What to say of an option that the command does not know, or "" when all are known.
+std::string unknown_option(CLI::App& app, int argc, char** argv) {
+  if (argc < 3) return {};
+  const auto commands = app.get_subcommands([&](const CLI::App* c) { return c->get_name() == argv[1]; });
+  if (commands.empty()) return {};
+  std::vector<std::string> known;
+  for (const CLI::Option* option : commands.front()->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (int i = 2; i < argc; ++i) {
+    const std::string word = std::string(argv[i]).substr(0, std::string(argv[i]).find('='));
+    if (word == "--") break;
+    if (word.starts_with("--") && std::find(known.begin(), known.end(), word) == known.end())
+      return "no such option, found '" + word + "'; " + qerr::did_you_mean(word, known);
+  }
+  return {};
+}
+
 int run(int argc, char** argv) {
   using namespace qerr::cli;
   CLI::App app{
@@ -61,7 +78,13 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& e) {
     if (e.get_exit_code() == static_cast<int>(CLI::ExitCodes::Success)) return app.exit(e);
-    throw qerr::Error({{"", 0, 0}, "", e.what(), "", "see qerr --help"}, qerr::Trouble::usage);
+    const std::string option = unknown_option(app, argc, argv);
+    const std::string help =
+        "see qerr " + (argc > 1 && argv[1][0] != '-' ? argv[1] + std::string(" ") : "") + "--help";
+    if (!option.empty()) throw qerr::Error({{"", 0, 0}, "", option, "", help}, qerr::Trouble::usage);
+    const bool nothing = argc == 1;
+    throw qerr::Error({{"", 0, 0}, "", nothing ? "a command is missing" : e.what(), "", help},
+                      qerr::Trouble::usage);
   }
   for (const auto& [sub, action] : work)
     if (sub->parsed()) return action();

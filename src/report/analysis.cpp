@@ -35,6 +35,11 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w) {
     warnings.push_back(
         "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   }
+  for (const NamedFilter& f : spec.filters)
+    if (f.filter.derivative > 0 && std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
+      warnings.push_back(
+          "filter '" + f.name +
+          "' is said to estimate a derivative and passes constants: H(1) = " + shortest(f.norms.dc_gain));
   if (!spec.effects.empty())
     warnings.push_back("the spec's effects are not in these figures: they are of the ideal encoders");
   if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1.3e-4 relative");

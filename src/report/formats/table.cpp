@@ -73,7 +73,12 @@ std::string encoder_table(const Analysis& a, const Style& style) {
   return out;
 }
 
-std::vector<std::string> figures(const std::string& label, const Statistic& s, const std::string& unit) {
+/// Below this a length, an angle or their derivative is what trigonometry leaves of a zero.
+double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
+
+std::vector<std::string> figures(const std::string& label, const Statistic& full, const std::string& unit) {
+  const Statistic s{cleaned(full.min), cleaned(full.mean), cleaned(full.max), cleaned(full.p50),
+                    cleaned(full.p95), cleaned(full.p99),  full.at_max};
   return {label, readable(s.p50, unit), readable(s.p95, unit), readable(s.p99, unit), readable(s.max, unit)};
 }
 
