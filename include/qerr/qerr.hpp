@@ -35,6 +35,7 @@
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/norms.hpp"
+#include "qerr/filter/quality.hpp"
 
 #include "qerr/effect/effect.hpp"
 
@@ -53,6 +54,7 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/filter_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

@@ -33,6 +33,7 @@ const std::vector<Command>& commands() {
        declare_analyze},
       {"check", "Hold the spec's requirements against the figures; exit code 1 when one is not met",
        declare_check},
+      {"filter", "Every filter: norms, delay, bandwidth, settling, fidelity, responses", declare_filter},
       {"threshold", "Resolution and threshold velocity, one row per robot (Table IV)", declare_threshold},
       {"list", "What can be written in a spec: effects, filters, encoders, formats, coordinates",
        declare_list},

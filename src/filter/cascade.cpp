@@ -2,7 +2,9 @@
 
 namespace qerr {
 
-Cascade::Cascade(const Filter& filter) : taps_(filter.taps), past_(filter.taps.size()), gain_(filter.gain) {
+template <class Scalar>
+BasicCascade<Scalar>::BasicCascade(const Filter& filter)
+    : taps_(filter.taps), past_(filter.taps.size()), gain_(filter.gain) {
   for (const Section& s : filter.sections) {
     Stage stage;
     stage.second = s.a[2] != 0;
@@ -10,40 +12,45 @@ Cascade::Cascade(const Filter& filter) : taps_(filter.taps), past_(filter.taps.s
     stage.b1 = s.b[1];
     stage.b2 = s.b[2];
     stage.a0 = s.a[0];
-    stage.a01 = Wide(s.a[0]) + Wide(s.a[1]);
-    stage.inverse = Wide(1) / (stage.a01 + Wide(s.a[2]));
+    stage.a01 = Scalar(s.a[0]) + Scalar(s.a[1]);
+    stage.inverse = Scalar(1) / (stage.a01 + Scalar(s.a[2]));
     stages_.push_back(stage);
   }
 }
 
-Wide Cascade::Stage::step(Wide x) {
+template <class Scalar>
+Scalar BasicCascade<Scalar>::Stage::step(Scalar x) {
   if (!second) {
-    const Wide high = (x - a0 * s1) * inverse;
-    const Wide low = high + s1;
+    const Scalar high = (x - a0 * s1) * inverse;
+    const Scalar low = high + s1;
     s1 = low + high;
     return b0 * low + b1 * high;
   }
-  const Wide high = (x - a01 * s1 - a0 * s2) * inverse;
-  const Wide band = high + s1;
-  const Wide low = band + s2;
+  const Scalar high = (x - a01 * s1 - a0 * s2) * inverse;
+  const Scalar band = high + s1;
+  const Scalar low = band + s2;
   s1 = band + high;
   s2 = low + band;
   return b0 * low + b1 * band + b2 * high;
 }
 
-Wide Cascade::step(Wide input) {
-  Wide x = input * gain_;
+template <class Scalar>
+Scalar BasicCascade<Scalar>::step(Scalar input) {
+  Scalar x = input * gain_;
   for (Stage& stage : stages_) x = stage.step(x);
   if (taps_.empty()) return x;
   past_[next_] = x;
-  Wide y;
+  Scalar y{};
   std::size_t at = next_;
   for (const double tap : taps_) {
-    y += Wide(tap) * past_[at];
+    y += Scalar(tap) * past_[at];
     at = (at == 0 ? past_.size() : at) - 1;
   }
   next_ = (next_ + 1) % past_.size();
   return y;
 }
+
+template class BasicCascade<double>;
+template class BasicCascade<Wide>;
 
 }  // namespace qerr

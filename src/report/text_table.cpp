@@ -50,6 +50,12 @@ std::string readable(double value, const std::string& unit) {
   return std::string(text) + ' ' + prefixes[static_cast<std::size_t>(thousand + 4)] + unit;
 }
 
+std::string shortest_of(double value, int digits) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%.*g", digits, value);
+  return text;
+}
+
 std::string bar(double fraction, int width) {
   static constexpr std::array<const char*, 8> eighths{"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   const int cells = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * width * 8));

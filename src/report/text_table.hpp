@@ -12,6 +12,9 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows, const std
 /// `unbounded`.
 std::string readable(double value, const std::string& unit);
 
+/// A number with `digits` significant digits, without a unit.
+std::string shortest_of(double value, int digits);
+
 /// A bar of `width` cells, filled to `fraction`, in eighths of a cell.
 std::string bar(double fraction, int width);
 

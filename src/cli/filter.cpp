@@ -1,0 +1,92 @@
+#include <memory>
+
+#include "command.hpp"
+#include "qerr/core/output_file.hpp"
+#include "qerr/report/filter_report.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+struct Arguments {
+  std::string spec;
+  std::vector<std::string> frequencies;
+  std::vector<std::string> motion_band;
+  std::string response;
+  std::string impulse;
+  bool coefficients = false;
+};
+
+double frequency(const std::string& text, const std::string& option) {
+  std::string why = "must be a frequency above 0";
+  const auto quantity = parse_quantity(text, why);
+  const bool good = quantity && quantity->value > 0 &&
+                    quantity->dimension.value_or(dimension::frequency) == dimension::frequency;
+  if (!good)
+    throw Error(
+        {{"", 0, 0}, option, why.empty() ? "must be a frequency above 0" : why, "'" + text + "'", "e.g. 5Hz"},
+        Trouble::usage);
+  return quantity->value;
+}
+
+FilterQuestions questions(const Arguments& a) {
+  FilterQuestions q;
+  for (const std::string& text : a.frequencies) q.frequencies.push_back(frequency(text, "--at"));
+  if (!a.motion_band.empty())
+    q.motion_band = {frequency(a.motion_band[0], "--motion-band"),
+                     frequency(a.motion_band[1], "--motion-band")};
+  if (q.motion_band && q.motion_band->first >= q.motion_band->second)
+    throw Error({{"", 0, 0},
+                 "--motion-band",
+                 "the first frequency must lie below the second",
+                 "",
+                 "e.g. --motion-band 0.5Hz 5Hz"},
+                Trouble::usage);
+  q.coefficients = a.coefficients;
+  return q;
+}
+
+void write_file(const std::string& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.close();
+}
+
+int run(const Arguments& a, const Options& o) {
+  const FilterQuestions asked = questions(a);
+  const Spec spec = load(a.spec, o);
+  if (spec.filters.empty())
+    throw Error(Fault{{spec.file, 1, 1},
+                      "filters",
+                      "the spec has no filters",
+                      "",
+                      "add filters: {velocity: {derivative: 1, ...}}"});
+  const FilterReport report = filter_report(spec, asked);
+  if (!a.response.empty()) write_file(a.response, response_csv(report));
+  if (!a.impulse.empty()) write_file(a.impulse, impulse_csv(report));
+  write_file(o.output, write(report, chosen_format(o), style(o)));
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_filter(CLI::App& app, Options& o) {
+  auto a = std::make_shared<Arguments>();
+  app.add_option("SPEC", a->spec, "the spec (YAML); '-' reads standard input")->required();
+  app.add_option("--at", a->frequencies, "gain, phase and tracking error at these frequencies")
+      ->type_name("F[,F...]")
+      ->delimiter(',')
+      ->allow_extra_args(false)
+      ->take_all();
+  app.add_option("--motion-band", a->motion_band, "tracking error for motion between two frequencies")
+      ->type_name("FROM TO")
+      ->expected(2);
+  app.add_option("--response", a->response, "write the frequency response as CSV")->type_name("FILE.csv");
+  app.add_option("--impulse", a->impulse, "write the impulse response as CSV")->type_name("FILE.csv");
+  app.add_flag("--coefficients", a->coefficients, "show the realised sections");
+  add_spec_options(app, o);
+  add_output_options(app, o);
+  return [=, &o] { return run(*a, o); };
+}
+
+}  // namespace qerr::cli

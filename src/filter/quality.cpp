@@ -1,0 +1,111 @@
+#include "qerr/filter/quality.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "cascade.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr std::size_t most_samples = 20'000'000;
+
+/// H / (j 2 pi f)^d.
+std::complex<double> normalised(const Filter& filter, double f) {
+  std::complex<double> h = response(filter, f);
+  for (int i = 0; i < filter.derivative; ++i) h /= std::complex<double>(0, 2 * pi * f);
+  return h;
+}
+
+/// |H|/(2 pi f)^d near 0 Hz: 1 for a filter that estimates its derivative.
+double low_frequency_gain(const Filter& filter) {
+  return std::abs(normalised(filter, 1e-9 * filter.sample_rate));
+}
+
+}  // namespace
+
+Fidelity fidelity(const Filter& filter, double f) {
+  const std::complex<double> h = normalised(filter, f);
+  return {f, std::abs(h) - 1, std::arg(h), std::abs(h - 1.0)};
+}
+
+BandTracking band_tracking(const Filter& filter, double from, double to) {
+  constexpr int intervals = 2000;  // Simpson's rule over a smooth function
+  BandTracking t;
+  double sum = 0;
+  for (int i = 0; i <= intervals; ++i) {
+    const double error = fidelity(filter, from + (to - from) * i / intervals).tracking_error;
+    t.largest = std::max(t.largest, error);
+    sum += error * error * (i == 0 || i == intervals ? 1 : i % 2 ? 4 : 2);
+  }
+  t.rms = std::sqrt(sum / (3 * intervals));
+  return t;
+}
+
+std::optional<double> bandwidth(const Filter& filter) {
+  const double reference = low_frequency_gain(filter);
+  if (!(reference > 1e-6) || !(reference < 1e6)) return std::nullopt;
+  const double level = reference / std::numbers::sqrt2;
+  const auto above = [&](double f) { return std::abs(normalised(filter, f)) > level; };
+  // Steps of 1 % in frequency see any crossing of a realistic filter; bisection then makes it exact.
+  double low = 1e-8 * filter.sample_rate;
+  for (double high = low; low < 0.5 * filter.sample_rate; low = high) {
+    high = std::min(1.01 * low, 0.5 * filter.sample_rate);
+    if (above(high)) {
+      if (high == 0.5 * filter.sample_rate) break;
+      continue;
+    }
+    for (int i = 0; i < 60; ++i) (above(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
+    return 0.5 * (low + high);
+  }
+  return std::nullopt;
+}
+
+double noise_bandwidth(const Filter& filter, double h2) {
+  const int d = filter.derivative;
+  const double power = (2 * d + 1) * 0.5 * filter.sample_rate * h2 * h2 / std::pow(2 * pi, 2 * d);
+  return std::pow(power, 1.0 / (2 * d + 1));
+}
+
+std::optional<double> settling_time(const Filter& filter, double fraction) {
+  const double modulus = poles_max_modulus(filter);
+  // All transients have decayed by exp(-40) after this many samples, up to polynomial factors of repeated
+  // poles.
+  const double wanted = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
+                        (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
+  const auto samples = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most_samples)));
+  BasicCascade<double> cascade(filter);
+  // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
+  std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1);
+  std::size_t settled = 0;
+  for (std::size_t k = 0; k < samples; ++k) {
+    double value = cascade.step(k == 0 ? 1.0 : 0.0);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      value = sums[i] += i == 0 ? value : value / filter.sample_rate;
+    if (!(std::abs(value - 1) <= fraction)) settled = k + 1;
+  }
+  if (settled + 1 >= samples) return std::nullopt;
+  return static_cast<double>(settled) / filter.sample_rate;
+}
+
+std::vector<std::array<double, 6>> second_order_sections(const Filter& filter) {
+  std::vector<std::array<double, 6>> sections;
+  for (const Section& s : filter.sections) {
+    // w = (1 - q)/(1 + q), numerator and denominator times (1 + q) to the section's order.
+    const bool second = s.a[2] != 0 || s.b[2] != 0;
+    const auto in_z = [&](const std::array<double, 3>& c) {
+      return second ? std::array{c[0] + c[1] + c[2], 2 * (c[0] - c[2]), c[0] - c[1] + c[2]}
+                    : std::array{c[0] + c[1], c[0] - c[1], 0.0};
+    };
+    const auto b = in_z(s.b), a = in_z(s.a);
+    sections.push_back({b[0] / a[0], b[1] / a[0], b[2] / a[0], 1, a[1] / a[0], a[2] / a[0]});
+  }
+  if (sections.empty()) sections.push_back({1, 0, 0, 1, 0, 0});
+  for (std::size_t i = 0; i < 3; ++i) sections.front()[i] *= filter.gain;
+  return sections;
+}
+
+}  // namespace qerr
