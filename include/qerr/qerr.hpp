@@ -7,7 +7,7 @@
 /// measured:  log -> simulate the model -> residual -> effects -> extended model -> gain -> report
 ///
 /// Every folder is one word of these two lines, and knows only the folders on the floors below it:
-/// 0 core; 1 encoder, kinematics, filter; 2 effect; 3 bound; 4 design; 5 input, report.
+/// 0 core; 1 encoder, kinematics, filter; 2 effect; 3 bound, simulate; 4 design; 5 input, report.
 ///
 /// A whole report takes two calls, `read_spec` and `analyze`; each step is also a free function of its own.
 /// All values are in SI units. Errors are thrown as qerr::Error; nothing is printed.
@@ -44,6 +44,8 @@
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/bound/workspace.hpp"
+
+#include "qerr/simulate/motion.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"

@@ -1,9 +1,8 @@
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <limits>
 
-#include "csv.hpp"
+#include "joint_table.hpp"
 #include "qerr/core/suggest.hpp"
 #include "qerr/input/spec_format.hpp"
 #include "read_sections.hpp"
@@ -14,16 +13,6 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double most_grid_points = 1e12;
-
-/// Rounded decimals of a limit may lie a hair outside it.
-bool inside(double value, const Limits& limits) {
-  const double slack = 1e-9 * std::max(1.0, std::abs(value));
-  return value >= limits.lower - slack && value <= limits.upper + slack;
-}
-
-std::string text_of(const Limits& l, const IndependentJoint& joint) {
-  return "[" + shortest(l.lower) + ", " + shortest(l.upper) + "] " + unit_name(coordinate_dimension(joint));
-}
 
 Limits read_limits(const Field& f, const IndependentJoint& joint) {
   const std::vector<Field> ends = read_list(f);
@@ -119,54 +108,19 @@ void read_points(const Object& o, Spec& spec) {
     throw Error(points.fault("the list is empty", "give at least one point"));
 }
 
-/// The factor from a column's unit to SI. @throws Error when the unit is not one of the joint's kind
-double column_factor(const std::string& unit, const IndependentJoint& joint, const Place& place,
-                     const std::string& cell) {
-  if (unit.empty()) return 1;
-  std::string why;
-  const auto quantity = parse_quantity("1 " + unit, why);
-  if (!quantity || quantity->dimension != coordinate_dimension(joint))
-    throw Error({place, cell, "the column has the wrong unit", "'" + unit + "'",
-                 "use " + unit_name(coordinate_dimension(joint)) + " or a unit of that kind"});
-  return quantity->value;
-}
-
 void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
   const auto name = o.text("file");
   if (!name)
     throw Error({o.self().node->place, o.self().path + ".file", "missing key", "", "add 'file: points.csv'"});
-  const std::string path = (std::filesystem::path(folder) / *name).string();
-  spec.points_file = path;
-  const CsvTable table = read_csv_table(path);
-  std::vector<std::string> columns;
-  for (const std::string& cell : table.header) columns.push_back(column_name(cell).name);
-  const Chain& chain = spec.model.chain;
-  std::vector<std::size_t> column(chain.independent.size());
-  std::vector<double> factor(column.size());
-  for (std::size_t j = 0; j < column.size(); ++j) {
-    const IndependentJoint& joint = chain.independent[j];
-    const auto found = std::find(columns.begin(), columns.end(), joint.name);
-    if (found == columns.end())
-      throw Error({{path, 1, 1},
-                   joint.name,
-                   "the file has no column for this joint",
-                   "",
-                   did_you_mean(joint.name, columns)});
-    if (std::count(columns.begin(), columns.end(), joint.name) > 1)
-      throw Error({{path, 1, 1}, joint.name, "two columns have this name", "", "keep one of them"});
-    column[j] = static_cast<std::size_t>(found - columns.begin());
-    factor[j] = column_factor(column_name(table.header[column[j]]).unit, joint, {path, 1, 1},
-                              table.header[column[j]]);
-  }
-  if (table.header.size() > column.size())
-    spec.warnings.push_back(path + ": columns that are no joint of the chain are ignored");
-  for (std::size_t i = 0; i < table.rows.size(); ++i) {
-    Eigen::VectorXd q(static_cast<Eigen::Index>(column.size()));
-    for (std::size_t j = 0; j < column.size(); ++j) {
-      const double value = factor[j] * table.rows[i][column[j]];
-      check_point(value, j, spec, nullptr, {path, table.lines[i], 1}, chain.independent[j].name);
-      q[static_cast<Eigen::Index>(j)] = value;
-    }
+  spec.points_file = (std::filesystem::path(folder) / *name).string();
+  const JointTable table =
+      read_joint_table(spec.points_file, spec.model.chain, TimeColumn::none, spec.warnings);
+  for (Eigen::Index i = 0; i < table.positions.cols(); ++i) {
+    const Eigen::VectorXd q = table.positions.col(i);
+    for (Eigen::Index j = 0; j < q.size(); ++j)
+      check_point(q[j], static_cast<std::size_t>(j), spec, nullptr,
+                  {table.path, table.lines[static_cast<std::size_t>(i)], 1},
+                  spec.model.chain.independent[static_cast<std::size_t>(j)].name);
     spec.configurations.points.push_back(q);
   }
 }

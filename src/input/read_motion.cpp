@@ -1,22 +1,43 @@
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
+#include "joint_table.hpp"
 #include "qerr/core/suggest.hpp"
 #include "qerr/input/spec_format.hpp"
-#include "read_sections.hpp"
 
 /// How the robot moves and what it does to the ideal model: motion, effects.
 namespace qerr {
 
 namespace {
 
+Dimension over_time(Dimension d, int power) {
+  d.second = -power;
+  return d;
+}
+
+std::vector<Move> read_moves(const Object& o, Dimension unit) {
+  for (const std::string_view key : {"sines", "velocity"})
+    if (o.has(key))
+      throw Error(o.at(key).fault("does not go with moves", "keep the moves, or the sines and velocity"));
+  std::vector<Move> moves;
+  for (const Field& item : read_list(o.at("moves"))) {
+    const Object move(item, spec_format::move());
+    moves.push_back({*move.number("to", unit), *move.number("velocity", over_time(unit, 1)),
+                     *move.number("acceleration", over_time(unit, 2)),
+                     move.number("jerk", over_time(unit, 3)).value_or(0), *move.number("dwell")});
+  }
+  if (moves.empty()) throw Error(o.at("moves").fault("the list is empty", "give at least one move"));
+  return moves;
+}
+
 JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   const Object o(f, spec_format::joint_motion());
   const Dimension unit = coordinate_dimension(joint);
-  Dimension per_second = unit;
-  per_second.second = -1;
   JointMotion motion;
   motion.center = *o.number("center", unit);
-  motion.velocity = *o.number("velocity", per_second);
+  motion.velocity = *o.number("velocity", over_time(unit, 1));
+  if (o.has("moves")) motion.moves = read_moves(o, unit);
   if (!o.has("sines")) return motion;
   for (const Field& item : read_list(o.at("sines"))) {
     const Object sine(item, spec_format::sine());
@@ -61,6 +82,61 @@ Effect read_effect(const Field& f, const RobotModel& robot, const Spec& spec) {
   return effect;
 }
 
+/// Whether the motion could leave the limits at all: cheap, and right for most.
+bool may_leave(const JointMotion& m, double duration, const Limits& limits) {
+  double reach = 0;
+  for (const Sine& sine : m.sines) reach += sine.amplitude;
+  double low = std::min(m.center, m.center + m.velocity * duration) - reach;
+  double high = std::max(m.center, m.center + m.velocity * duration) + reach;
+  for (const Move& move : m.moves) {
+    low = std::min(low, move.to);
+    high = std::max(high, move.to);
+  }
+  return !inside(low, limits) || !inside(high, limits);
+}
+
+/// @param place  of a joint's entry, or of the motion
+void check_limits(const Spec& spec, const Motion& motion, const std::vector<Place>& places) {
+  const auto& joints = spec.model.chain.independent;
+  const auto suspect = [&](std::size_t i) {
+    return joints[i].limits && joints[i].type != JointType::continuous &&
+           (motion.joints.empty() || may_leave(motion.joints[i], motion.duration, *joints[i].limits));
+  };
+  Eigen::MatrixX2d range;
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    if (!suspect(i)) continue;
+    if (range.rows() == 0) range = extent(motion);
+    const auto row = static_cast<Eigen::Index>(i);
+    if (inside(range(row, 0), *joints[i].limits) && inside(range(row, 1), *joints[i].limits)) continue;
+    throw Error({places[i], "motion.joints." + joints[i].name,
+                 "the motion leaves the joint's limits " + text_of(*joints[i].limits, joints[i]),
+                 "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
+                 "move its center, or move less; a joint that is not named rests at 0"});
+  }
+}
+
+void read_table(const Field& f, const std::string& path, Spec& spec, Motion& motion) {
+  const JointTable table = read_joint_table(path, spec.model.chain, TimeColumn::required, spec.warnings);
+  motion.file = path;
+  motion.table = {table.time, table.positions};
+  if (table.time.size() < 2)
+    throw Error({{path, table.lines.front(), 1}, "time", "a motion needs two rows", "one row", ""});
+  const double length = table.time.back() - table.time.front();
+  const double step = length / static_cast<double>(table.time.size() - 1);
+  if (motion.duration > (length + step) * (1 + 1e-9))
+    throw Error({f.node->place, f.path + ".duration", "the motion is longer than its file",
+                 shortest(motion.duration) + " s of " + shortest(length + step) + " s",
+                 "leave the duration out"});
+  if (motion.duration == 0) motion.duration = length + step;
+  if (motion.sample_rate != 0) return;
+  for (std::size_t i = 1; i < table.time.size(); ++i)
+    if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
+      throw Error({f.node->place, f.path + ".sample_rate",
+                   "the file's times are uneven, so that they give no sample rate",
+                   "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
+  motion.sample_rate = 1 / step;
+}
+
 }  // namespace
 
 void read_motion(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
@@ -69,30 +145,39 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
   Motion motion;
   motion.sample_rate = o.number("sample_rate").value_or(0);
   motion.duration = o.number("duration").value_or(0);
+  motion.settling = o.number("settling");
   if (o.has("file") == o.has("joints"))
     throw Error(f.fault(o.has("file") ? "the motion is given by a file or by joints, not by both"
                                       : "the motion says nothing of the joints",
                         "give one of joints and file"));
+  std::vector<Place> places(spec.model.chain.independent.size(), f.node->place);
   if (const auto file = o.text("file")) {
-    motion.file = (std::filesystem::path(folder) / *file).string();
-    spec.motion = motion;
-    return;
-  }
-  for (const std::string key : {"sample_rate", "duration"})
-    if (!o.has(key))
-      throw Error({f.node->place, f.path + '.' + key, "missing key", "", "add '" + key + ": ...'"});
-  motion.joints.resize(spec.model.chain.independent.size());
-  for (const auto& entry : read_map(o.at("joints"))) {
-    if (off_chain(robot, spec.model.chain, entry.first.name)) {
-      spec.warnings.push_back(entry.second.path + " is not used: the joint is not between base and tip");
-      continue;
+    read_table(f, (std::filesystem::path(folder) / *file).string(), spec, motion);
+  } else {
+    for (const std::string key : {"sample_rate", "duration"})
+      if (!o.has(key))
+        throw Error({f.node->place, f.path + '.' + key, "missing key", "", "add '" + key + ": ...'"});
+    motion.joints.resize(places.size());
+    bool sound = true;
+    for (const auto& entry : read_map(o.at("joints"))) {
+      if (off_chain(robot, spec.model.chain, entry.first.name)) {
+        spec.warnings.push_back(entry.second.path + " is not used: the joint is not between base and tip");
+        continue;
+      }
+      sound &= faults.guard([&] {
+        const std::size_t i =
+            find_joint(robot, spec.model.chain, entry.first.name, entry.first.place, entry.second.path);
+        places[i] = entry.first.place;
+        motion.joints[i] = read_joint_motion(entry.second, spec.model.chain.independent[i]);
+      });
     }
-    faults.guard([&] {
-      const std::size_t i =
-          find_joint(robot, spec.model.chain, entry.first.name, entry.first.place, entry.second.path);
-      motion.joints[i] = read_joint_motion(entry.second, spec.model.chain.independent[i]);
-    });
+    if (!sound) return;
   }
+  if (motion.settling.value_or(0) >= motion.duration)
+    throw Error(o.at("settling")
+                    .fault("nothing of the motion is left for statistics",
+                           "less than its duration of " + shortest(motion.duration) + " s"));
+  check_limits(spec, motion, places);
   spec.motion = motion;
 }
 

@@ -138,6 +138,11 @@ const std::vector<Parameter>& motion() {
        .meaning = "length of the motion",
        .least = 0,
        .open_below = true},
+      {.name = "settling",
+       .dimension = dimension::time,
+       .meaning =
+           "start of the motion that is left out of statistics; default: until the filters have settled",
+       .least = 0},
       {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others rest at 0"},
       {.name = "file", .kind = Kind::text, .meaning = "CSV with time and one column per joint"},
   };
@@ -152,6 +157,38 @@ const std::vector<Parameter>& joint_motion() {
        .meaning = "constant velocity added to it [rad/s or m/s]",
        .fallback = 0.0,
        .coordinate = true},
+      {.name = "moves",
+       .kind = Kind::objects,
+       .meaning = "instead: point-to-point moves, from the center on, again and again"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& move() {
+  static const std::vector<Parameter> rows{
+      {.name = "to", .meaning = "where it ends", .required = true, .coordinate = true},
+      {.name = "velocity",
+       .meaning = "highest speed [rad/s or m/s]",
+       .required = true,
+       .least = 0,
+       .open_below = true,
+       .coordinate = true},
+      {.name = "acceleration",
+       .meaning = "highest acceleration [rad/s^2 or m/s^2]",
+       .required = true,
+       .least = 0,
+       .open_below = true,
+       .coordinate = true},
+      {.name = "jerk",
+       .meaning = "highest jerk [rad/s^3 or m/s^3]; none: a trapezoid of velocity",
+       .least = 0,
+       .open_below = true,
+       .coordinate = true},
+      {.name = "dwell",
+       .dimension = dimension::time,
+       .meaning = "rest after the move",
+       .fallback = 0.0,
+       .least = 0},
   };
   return rows;
 }

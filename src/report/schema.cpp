@@ -131,6 +131,10 @@ Json configurations() {
 Json motion() {
   Json joint = object_of(spec_format::joint_motion());
   joint["properties"]["sines"] = list_of(object_of(spec_format::sine()));
+  joint["properties"]["moves"] = {
+      {"type", "array"}, {"minItems", 1}, {"items", object_of(spec_format::move())}};
+  for (const char* key : {"sines", "velocity"})
+    joint["dependencies"][key] = {{"not", {{"required", {"moves"}}}}};
   Json s = object_of(spec_format::motion());
   s["properties"]["joints"] = map_of(joint);
   s["oneOf"] = {{{"required", {"joints", "sample_rate", "duration"}}}, {{"required", {"file"}}}};

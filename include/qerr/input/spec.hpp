@@ -13,6 +13,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/robot_model.hpp"
+#include "qerr/simulate/motion.hpp"
 
 namespace qerr {
 
@@ -28,28 +29,6 @@ struct EncoderFigures {
   std::string kind;           ///< key of the encoder kind
   double counts_per_rev = 0;  ///< after decoding; of `resolution` at a revolute joint 2 pi/Delta
   double gear_ratio = 1;      ///< with its sign
-};
-
-/// amplitude * sin(2 pi frequency t + phase).
-struct Sine {
-  double amplitude = 0;  ///< [rad or m]
-  double frequency = 0;  ///< [Hz]
-  double phase = 0;      ///< [rad]
-};
-
-/// Motion of one joint: center + velocity t + sum of sines.
-struct JointMotion {
-  double center = 0;    ///< [rad or m]
-  double velocity = 0;  ///< [rad/s or m/s]
-  std::vector<Sine> sines;
-};
-
-/// `motion:` of the spec.
-struct Motion {
-  double sample_rate = 0;           ///< [Hz]
-  double duration = 0;              ///< [s]
-  std::vector<JointMotion> joints;  ///< one per independent joint; empty when a file gives the motion
-  std::string file;                 ///< "" unless given
 };
 
 /// One axis of `sweep:`: a dotted path and the YAML texts it takes.

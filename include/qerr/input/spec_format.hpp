@@ -21,6 +21,7 @@ const std::vector<Parameter>& threshold();
 const std::vector<Parameter>& motion();
 const std::vector<Parameter>& joint_motion();
 const std::vector<Parameter>& sine();
+const std::vector<Parameter>& move();
 const std::vector<Parameter>& effect();  ///< without the effect's own parameters
 const std::vector<Parameter>& sweep();
 

@@ -1,0 +1,163 @@
+#include "qerr/simulate/motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+/// A point-to-point motion in its three times: jerk phase, constant acceleration, cruise; the rest is
+/// symmetry.
+struct Profile {
+  double jerk_time = 0, acceleration_time = 0, cruise_time = 0;
+  double acceleration = 0, jerk = 0;
+};
+
+/// The fastest rest-to-rest motion over `distance` > 0 within the limits of the move.
+Profile profile(const Move& move, double distance) {
+  const double a = move.acceleration, j = move.jerk;
+  double v = move.velocity;
+  if (j == 0) {
+    v = std::min(v, std::sqrt(a * distance));
+    return {0, v / a, std::max(0.0, distance / v - v / a), a, 0};
+  }
+  // Speeding up to v takes t = v/a + a/j where a is reached, else 2 sqrt(v/j), and half of v t of the way.
+  const auto reaches_limit = [&](double speed) { return speed * j >= a * a; };
+  const auto speeding_up = [&](double speed) {
+    return reaches_limit(speed) ? speed / a + a / j : 2 * std::sqrt(speed / j);
+  };
+  if (v * speeding_up(v) > distance) {
+    v = 0.5 * a * (std::sqrt(a * a / (j * j) + 4 * distance / a) - a / j);
+    if (!reaches_limit(v)) v = j * std::pow(distance / (2 * j), 2.0 / 3.0);
+  }
+  const double jerk_time = reaches_limit(v) ? a / j : std::sqrt(v / j);
+  return {jerk_time, speeding_up(v) - 2 * jerk_time, std::max(0.0, distance / v - speeding_up(v)),
+          j * jerk_time, j};
+}
+
+}  // namespace
+
+/// Appends the phases of a move that starts at rest; the last one is the dwell. @returns its end
+double MotionPath::append(const Move& move, double from, double start, std::vector<Phase>& phases) {
+  const double distance = std::abs(move.to - from), sign = move.to < from ? -1 : 1;
+  double position = from, velocity = 0;
+  const auto phase = [&](double length, double acceleration, double jerk) {
+    if (length <= 0) return;
+    phases.push_back({start, position, velocity, acceleration, jerk});
+    position += length * (velocity + length * (acceleration / 2 + length * jerk / 6));
+    velocity += length * (acceleration + length * jerk / 2);
+    start += length;
+  };
+  if (distance > 0) {
+    const Profile p = profile(move, distance);
+    const double a = sign * p.acceleration, j = sign * p.jerk;
+    phase(p.jerk_time, 0, j);
+    phase(p.acceleration_time, a, 0);
+    phase(p.jerk_time, a, -j);
+    phase(p.cruise_time, 0, 0);
+    phase(p.jerk_time, 0, -j);
+    phase(p.acceleration_time, -a, 0);
+    phase(p.jerk_time, -a, j);
+  }
+  phases.push_back({start, move.to, 0, 0, 0});
+  return start + move.dwell;
+}
+
+MotionPath::MotionPath(const Motion& motion)
+    : motion_(motion),
+      count_(motion.joints.empty() ? static_cast<std::size_t>(motion.table.positions.rows())
+                                   : motion.joints.size()) {
+  for (const JointMotion& joint : motion_.joints) {
+    Moves& moves = moves_.emplace_back();
+    if (joint.moves.empty()) continue;
+    double from = joint.center;
+    for (const Move& move : joint.moves) {
+      moves.first_end = append(move, from, moves.first_end, moves.first);
+      from = move.to;
+    }
+    for (const Move& move : joint.moves) {
+      moves.cycle_length = append(move, from, moves.cycle_length, moves.cycle);
+      from = move.to;
+    }
+  }
+}
+
+MotionPath::State MotionPath::of_phases(const std::vector<Phase>& phases, double time) {
+  const auto next = std::upper_bound(phases.begin(), phases.end(), time,
+                                     [](double t, const Phase& phase) { return t < phase.start; });
+  const Phase& p = next == phases.begin() ? *next : *std::prev(next);
+  const double s = std::max(0.0, time - p.start);
+  return {p.position + s * (p.velocity + s * (p.acceleration / 2 + s * p.jerk / 6)),
+          p.velocity + s * (p.acceleration + s * p.jerk / 2)};
+}
+
+MotionPath::State MotionPath::of_moves(const Moves& moves, double time) {
+  if (time < moves.first_end || moves.cycle_length == 0) return of_phases(moves.first, time);
+  return of_phases(moves.cycle, std::fmod(time - moves.first_end, moves.cycle_length));
+}
+
+MotionPath::State MotionPath::of_table(std::size_t joint, double time) const {
+  const std::vector<double>& t = motion_.table.time;
+  const auto row = motion_.table.positions.row(static_cast<Eigen::Index>(joint));
+  const auto last = static_cast<Eigen::Index>(t.size()) - 1;
+  const double when = t.front() + time;
+  if (last == 0 || when < t.front()) return {row[0], 0};
+  if (when > t.back()) return {row[last], 0};
+  const auto next = std::upper_bound(t.begin(), t.end(), when);
+  const auto i = std::clamp<Eigen::Index>(next - t.begin() - 1, 0, last - 1);
+  const auto at = [&](Eigen::Index k) { return t[static_cast<std::size_t>(k)]; };
+  const auto slope = [&](Eigen::Index k) {
+    const Eigen::Index a = std::max<Eigen::Index>(k - 1, 0), b = std::min(k + 1, last);
+    return (row[b] - row[a]) / (at(b) - at(a));
+  };
+  const double h = at(i + 1) - at(i), s = (when - at(i)) / h;
+  const double m0 = h * slope(i), m1 = h * slope(i + 1), rise = row[i + 1] - row[i];
+  const double square = 3 * rise - 2 * m0 - m1, cube = m0 + m1 - 2 * rise;
+  return {s == 1 ? row[i + 1] : row[i] + s * (m0 + s * (square + s * cube)),
+          (m0 + s * (2 * square + 3 * s * cube)) / h};
+}
+
+MotionPath::State MotionPath::at(std::size_t joint, double time) const {
+  if (motion_.joints.empty()) return of_table(joint, time);
+  const JointMotion& m = motion_.joints[joint];
+  if (!m.moves.empty()) return of_moves(moves_[joint], time);
+  State state{m.center + m.velocity * time, m.velocity};
+  for (const Sine& sine : m.sines) {
+    const double rate = 2 * std::numbers::pi * sine.frequency, argument = rate * time + sine.phase;
+    state.position += sine.amplitude * std::sin(argument);
+    state.velocity += sine.amplitude * rate * std::cos(argument);
+  }
+  return state;
+}
+
+Eigen::VectorXd MotionPath::position(double time) const {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(count_));
+  for (std::size_t i = 0; i < count_; ++i) q[static_cast<Eigen::Index>(i)] = at(i, time).position;
+  return q;
+}
+
+Eigen::VectorXd MotionPath::velocity(double time) const {
+  Eigen::VectorXd v(static_cast<Eigen::Index>(count_));
+  for (std::size_t i = 0; i < count_; ++i) v[static_cast<Eigen::Index>(i)] = at(i, time).velocity;
+  return v;
+}
+
+Eigen::MatrixX2d extent(const Motion& motion) {
+  const MotionPath path(motion);
+  Eigen::MatrixX2d range(static_cast<Eigen::Index>(path.joints()), 2);
+  const auto samples = static_cast<std::size_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
+  for (std::size_t i = 0; i < path.joints(); ++i) {
+    double low = path.position(i, 0), high = low;
+    for (std::size_t k = 1; k < samples; ++k) {
+      const double q = path.position(i, static_cast<double>(k) / motion.sample_rate);
+      low = std::min(low, q);
+      high = std::max(high, q);
+    }
+    range.row(static_cast<Eigen::Index>(i)) << low, high;
+  }
+  return range;
+}
+
+}  // namespace qerr
