@@ -47,7 +47,7 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   return motion;
 }
 
-const EffectKind& effect_kind(const Field& f) {
+const EffectKind& kind_of(const Field& f) {
   std::vector<std::string> known;
   for (const EffectKind& kind : effect_kinds()) known.emplace_back(kind.name);
   if (f.node->type != Node::Type::mapping)
@@ -64,7 +64,7 @@ const EffectKind& effect_kind(const Field& f) {
 }
 
 Effect read_effect(const Field& f, const RobotModel& robot, const Spec& spec) {
-  const EffectKind& kind = effect_kind(f);
+  const EffectKind& kind = kind_of(f);
   std::vector<Parameter> format = spec_format::effect();
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);

@@ -1,0 +1,55 @@
+#include <cmath>
+#include <numbers>
+
+#include "effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// How far the edges of the second channel are displaced [rad or m].
+double displacement(const Effect& e, const Encoder& encoder) {
+  return e.number("phase") / (2 * std::numbers::pi) * encoder.resolution * encoder.counts_per_period;
+}
+
+/// Edges lie at (k - 1/2) Delta; those with odd k belong to the second channel. Between two edges the
+/// position is stretched, so that the ideal quantizer that follows switches where the displaced edges are.
+Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
+  const double step = encoder.resolution, shift = displacement(e, encoder) / step;
+  if (shift == 0) return [](double x, const Moment&) { return x; };
+  return [=](double x, const Moment&) {
+    // Two counts make a period of the pattern: an edge of the first channel at 0, of the second at 1 + shift,
+    // in units of the step.
+    const double position = x / step + 0.5, base = 2 * std::floor(position / 2);
+    const double within = position - base;
+    const double stretched =
+        within < 1 + shift ? within / (1 + shift) : 1 + (within - 1 - shift) / (1 - shift);
+    return (base + stretched - 0.5) * step;
+  };
+}
+
+/// Two states of widths Delta + s and Delta - s: E e^2 = ((Delta + s)^3 + (Delta - s)^3)/(24 Delta)
+/// = Delta^2/12 + s^2/4 about the middles of the states, which lie s/2 off.
+Share share(const Effect& e, const Encoder& encoder, const Usage&) {
+  const double s = std::abs(displacement(e, encoder));
+  return {0, s, s / 2};
+}
+
+}  // namespace
+
+EffectKind state_width_effect() {
+  return {"state_width",
+          "unequal quadrature states",
+          "tens of electrical degrees on cheap discs",
+          Stage::line,
+          {{.name = "phase",
+            .dimension = dimension::angle,
+            .meaning = "quadrature error, electrical",
+            .required = true,
+            .least = -1.5,
+            .most = 1.5}},
+          action,
+          share};
+}
+
+}  // namespace qerr

@@ -1,0 +1,63 @@
+#include "run_statistics.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/students_t.hpp>
+#include <cmath>
+
+namespace qerr {
+
+RunStatistics::RunStatistics(Eigen::Index channels, std::uint64_t blocks)
+    : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels)}),
+      peak_(Eigen::ArrayXd::Zero(channels)) {}
+
+void RunStatistics::add(const Eigen::ArrayXd& values, std::uint64_t block) {
+  Sums& s = blocks_[block];
+  s.count += 1;
+  s.values += values;
+  s.squares += values.square();
+  peak_ = peak_.max(values.abs());
+}
+
+void RunStatistics::append(const RunStatistics& later) {
+  // The empty one that a sum starts with has blocks without samples.
+  std::erase_if(blocks_, [](const Sums& s) { return s.count == 0; });
+  blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
+  peak_ = peak_.max(later.peak_);
+}
+
+double RunStatistics::mean(Eigen::Index channel) const {
+  double sum = 0, count = 0;
+  for (const Sums& s : blocks_) {
+    sum += s.values[channel];
+    count += s.count;
+  }
+  return count > 0 ? sum / count : 0;
+}
+
+double RunStatistics::variance(Eigen::Index channel) const {
+  double squares = 0, count = 0;
+  for (const Sums& s : blocks_) {
+    squares += s.squares[channel];
+    count += s.count;
+  }
+  const double m = mean(channel);
+  return count > 0 ? std::max(0.0, squares / count - m * m) : 0;
+}
+
+RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
+  const double m = mean(channel), pooled = variance(channel);
+  double sum = 0, squares = 0, n = 0;
+  for (const Sums& s : blocks_) {
+    if (s.count == 0) continue;
+    const double v = s.squares[channel] / s.count - 2 * m * s.values[channel] / s.count + m * m;
+    sum += v;
+    squares += v * v;
+    n += 1;
+  }
+  if (n < 2) return {0, std::sqrt(pooled)};
+  const double spread = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)) / n);
+  const double t = quantile(boost::math::students_t(n - 1), 0.975);
+  return {std::sqrt(std::max(0.0, pooled - t * spread)), std::sqrt(pooled + t * spread)};
+}
+
+}  // namespace qerr

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+namespace qerr {
+
+/// Mean, variance and peak of many channels, and how far the variance of the first ones scatters between blocks of
+/// the record: that gives the interval of sigma without a word about the error's spectrum.
+class RunStatistics {
+ public:
+  struct Interval {
+    double lower = 0, upper = 0;
+  };
+
+  RunStatistics(Eigen::Index channels, std::uint64_t blocks);
+
+  void add(const Eigen::ArrayXd& values, std::uint64_t block);
+
+  /// Adds the blocks of a later run.
+  void append(const RunStatistics& later);
+
+  double mean(Eigen::Index channel) const;
+  double variance(Eigen::Index channel) const;  ///< about the mean of all
+  double peak(Eigen::Index channel) const { return peak_[channel]; }
+
+  /// 95 % interval of sigma: Student's t over the blocks' mean squares.
+  Interval sigma_interval(Eigen::Index channel) const;
+
+ private:
+  struct Sums {
+    double count = 0;
+    Eigen::ArrayXd values, squares;
+  };
+  std::vector<Sums> blocks_;
+  Eigen::ArrayXd peak_;
+};
+
+}  // namespace qerr

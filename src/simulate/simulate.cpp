@@ -1,0 +1,186 @@
+#include "qerr/simulate/simulate.hpp"
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <mutex>
+
+#include "qerr/core/error.hpp"
+#include "qerr/core/parallel.hpp"
+#include "qerr/core/quantity.hpp"
+#include "qerr/core/random.hpp"
+#include "qerr/filter/filter_bank.hpp"
+#include "run_statistics.hpp"
+#include "theory_along_path.hpp"
+#include "tip_error.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::uint64_t displacement_stream = 0x6c61646465720000;
+
+/// Channels of one coordinate: the exact error, its linear part, and the part of every encoder in that.
+struct Channels {
+  Eigen::Index coordinates, encoders;
+  Eigen::Index count() const { return coordinates * (2 + encoders); }
+};
+
+/// One filter with its rate against the motion's, and what has come out of it.
+struct Branch {
+  FilterBank bank;
+  std::uint64_t every;
+  RunStatistics statistics;
+};
+
+std::uint64_t divisor(const Filter& filter, const Motion& motion) {
+  const double ratio = motion.sample_rate / filter.sample_rate, whole = std::round(ratio);
+  if (whole < 1 || std::abs(ratio - whole) > 1e-9 * whole)
+    throw Error({{},
+                 "motion.sample_rate",
+                 "the rate of a filter must divide the rate of the motion",
+                 shortest(filter.sample_rate) + " Hz of " + shortest(motion.sample_rate) + " Hz",
+                 "give both the same rate, or the motion a multiple"});
+  return static_cast<std::uint64_t>(whole);
+}
+
+/// Samples until transients have died to 1e-3, at the rate of the motion.
+double settled_after(const Filter& filter, std::uint64_t every) {
+  const double modulus = poles_max_modulus(filter);
+  const double decay = modulus > 0 ? std::log(1e-3) / std::log(modulus) : 0;
+  const auto order = static_cast<double>(2 * filter.sections.size() + filter.taps.size());
+  return (1.5 * decay + order) * static_cast<double>(every);
+}
+
+struct Job {
+  const OperationalModel& model;
+  const std::vector<Filter>& filters;
+  const Motion& motion;
+  const std::vector<Effect>& effects;
+  const SimulationOptions& options;
+  std::uint64_t samples, settling, blocks;
+};
+
+Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
+  const Eigen::VectorXd steps = resolutions(job.model.transmission);
+  Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
+  if (job.options.runs == 1) return d;
+  for (Eigen::Index i = 0; i < d.size(); ++i)
+    d[i] = steps[i] * (unit_interval(random_bits(job.options.seed, run,
+                                                 displacement_stream + static_cast<std::uint64_t>(i))) -
+                       0.5);
+  return d;
+}
+
+/// All statistics of one run: position first, then the filters.
+std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
+  const Channels channels{static_cast<Eigen::Index>(job.model.coordinates.size()),
+                          static_cast<Eigen::Index>(job.model.transmission.encoders.size())};
+  Sensing sensing(job.model, job.motion, job.effects, displacement(job, index),
+                  random_bits(job.options.seed, index, 0));
+  std::vector<Branch> branches;
+  for (const Filter& filter : job.filters)
+    branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion),
+                        RunStatistics(channels.count(), job.blocks)});
+  RunStatistics position(channels.count(), job.blocks);
+  Eigen::ArrayXd inputs(channels.count()), signals(channels.count());
+  for (std::uint64_t k = 0; k < job.samples; ++k) {
+    const Reading& reading = sensing.read(k);
+    if (index == 0 && job.options.visit) job.options.visit(reading);
+    Eigen::Isometry3d truth;
+    const Jacobian joints = joint_jacobian(job.model.chain, reading.joint, &truth);
+    const Eigen::MatrixXd sensed =
+        to_independent(job.model.chain, coordinate_rows(job.model.coordinates, joints, truth.linear())) *
+        job.model.transmission.coupling;
+    const Eigen::MatrixXd parts = sensed * (reading.measured - reading.encoder).asDiagonal();
+    const Eigen::Index m = channels.coordinates;
+    inputs.head(m) = tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), truth);
+    inputs.segment(m, m) = parts.rowwise().sum();
+    inputs.tail(m * channels.encoders) = parts.reshaped();
+    const bool counts = k >= job.settling;
+    const std::uint64_t block = counts ? (k - job.settling) * job.blocks / (job.samples - job.settling) : 0;
+    if (counts) position.add(inputs, block);
+    for (Branch& branch : branches) {
+      if (k % branch.every != 0) continue;
+      signals = inputs;
+      branch.bank.step(signals);
+      if (counts) branch.statistics.add(signals, block);
+    }
+    if (k % 4096 == 0) tick();
+  }
+  std::vector<RunStatistics> all{std::move(position)};
+  for (Branch& branch : branches) all.push_back(std::move(branch.statistics));
+  return all;
+}
+
+double ratio(double over, double under) { return under > 0 ? over / under : 1; }
+
+SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal& theory, Eigen::Index coordinate,
+                          const Channels& channels) {
+  SimulatedSignal r;
+  const Eigen::Index m = channels.coordinates;
+  const double exact = s.variance(coordinate), linear = s.variance(m + coordinate);
+  double parts = 0;
+  for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(m * (2 + i) + coordinate);
+  const RunStatistics::Interval interval = s.sigma_interval(coordinate);
+  r.sigma_simulated = std::sqrt(exact);
+  r.sigma_lower = interval.lower;
+  r.sigma_upper = interval.upper;
+  r.mean_simulated = s.mean(coordinate);
+  r.peak_simulated = s.peak(coordinate);
+  r.sigma_ipqn = theory.ipqn;
+  r.sigma_ipqn_path = theory.ipqn_path;
+  r.sigma_exact = theory.exact;
+  r.worst_case = theory.worst_case;
+  r.worst_case_path = theory.worst_case_path;
+  r.ladder = {ratio(theory.ipqn_path, theory.ipqn), ratio(std::sqrt(parts), theory.ipqn_path),
+              ratio(std::sqrt(linear), std::sqrt(parts)), ratio(std::sqrt(exact), std::sqrt(linear))};
+  return r;
+}
+
+}  // namespace
+
+Simulation simulate(const OperationalModel& model, const std::vector<Filter>& filters,
+                    const std::vector<Norms>& norms, const Motion& motion, const std::vector<Effect>& effects,
+                    const SimulationOptions& options) {
+  const auto samples = static_cast<std::uint64_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
+  double settling = 0;
+  for (const Filter& filter : filters) settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
+  settling = std::min(settling, 0.5 * static_cast<double>(samples));
+  if (motion.settling) settling = *motion.settling * motion.sample_rate;
+  Job job{model,   filters, motion,
+          effects, options, std::max<std::uint64_t>(samples, 1),
+          std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
+          std::max<std::uint64_t>(1, (20 + options.runs - 1) / options.runs)};
+  const Channels channels{static_cast<Eigen::Index>(model.coordinates.size()),
+                          static_cast<Eigen::Index>(model.transmission.encoders.size())};
+
+  // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
+  constexpr std::uint64_t wave = 64;
+  std::mutex guard;
+  std::uint64_t done = 0;
+  const auto tick = [&] {
+    const std::lock_guard lock(guard);
+    done += std::min<std::uint64_t>(4096, job.samples);
+    if (options.progress) options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
+  };
+  std::vector<RunStatistics> all(filters.size() + 1, RunStatistics(channels.count(), job.blocks));
+  for (std::uint64_t first = 0; first < options.runs; first += wave) {
+    std::vector<std::vector<RunStatistics>> runs(std::min(wave, options.runs - first));
+    parallel_for(runs.size(), options.threads, [&](std::size_t i) { runs[i] = run(job, first + i, tick); });
+    for (const auto& one : runs)
+      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one[f]);
+  }
+
+  const TheoryAlongPath theory(model, filters, norms, motion, job.samples, job.settling);
+  Simulation result{options.runs, job.samples, job.settling, {}};
+  for (std::size_t f = 0; f < all.size(); ++f) {
+    auto& row = result.results.emplace_back();
+    for (Eigen::Index c = 0; c < channels.coordinates; ++c)
+      row.push_back(signal_of(all[f], theory.of(f, c), c, channels));
+  }
+  return result;
+}
+
+}  // namespace qerr
