@@ -34,6 +34,7 @@
 
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
+#include "qerr/filter/filter_bank.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
 
@@ -46,6 +47,9 @@
 #include "qerr/bound/workspace.hpp"
 
 #include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/noise_along_motion.hpp"
+#include "qerr/simulate/sensing.hpp"
+#include "qerr/simulate/simulate.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"

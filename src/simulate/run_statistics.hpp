@@ -6,8 +6,8 @@
 
 namespace qerr {
 
-/// Mean, variance and peak of many channels, and how far the variance of the first ones scatters between blocks of
-/// the record: that gives the interval of sigma without a word about the error's spectrum.
+/// Mean, variance and peak of many channels, and how far the variance of the first ones scatters between
+/// blocks of the record: that gives the interval of sigma without a word about the error's spectrum.
 class RunStatistics {
  public:
   struct Interval {

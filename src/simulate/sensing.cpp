@@ -36,12 +36,12 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       if (static_cast<int>(kind.stage) != stage) continue;
       const std::size_t joint = index_of(model.chain, effects[i].joint);
       Actions& a = actions_[joint];
-      auto& list = kind.stage == Stage::clock                                    ? a.clock
-                   : kind.stage == Stage::link || kind.stage == Stage::gear      ? a.motion
-                   : kind.stage == Stage::decoder                                ? a.decoder
-                   : kind.stage == Stage::log                                    ? a.log
-                   : kind.stage == Stage::reference                              ? a.reference
-                                                                                 : a.encoder;
+      auto& list = kind.stage == Stage::clock                               ? a.clock
+                   : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
+                   : kind.stage == Stage::decoder                           ? a.decoder
+                   : kind.stage == Stage::log                               ? a.log
+                   : kind.stage == Stage::reference                         ? a.reference
+                                                                            : a.encoder;
       list.push_back(kind.action(effects[i], transmission_.encoders[joint], seed * 64 + i));
     }
   }

@@ -95,7 +95,8 @@ std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::f
         job.model.transmission.coupling;
     const Eigen::MatrixXd parts = sensed * (reading.measured - reading.encoder).asDiagonal();
     const Eigen::Index m = channels.coordinates;
-    inputs.head(m) = tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), truth);
+    inputs.head(m) =
+        tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), truth);
     inputs.segment(m, m) = parts.rowwise().sum();
     inputs.tail(m * channels.encoders) = parts.reshaped();
     const bool counts = k >= job.settling;
@@ -116,8 +117,8 @@ std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::f
 
 double ratio(double over, double under) { return under > 0 ? over / under : 1; }
 
-SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal& theory, Eigen::Index coordinate,
-                          const Channels& channels) {
+SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal& theory,
+                          Eigen::Index coordinate, const Channels& channels) {
   SimulatedSignal r;
   const Eigen::Index m = channels.coordinates;
   const double exact = s.variance(coordinate), linear = s.variance(m + coordinate);
@@ -146,11 +147,16 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
                     const SimulationOptions& options) {
   const auto samples = static_cast<std::uint64_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
   double settling = 0;
-  for (const Filter& filter : filters) settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
+  for (const Filter& filter : filters)
+    settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
   settling = std::min(settling, 0.5 * static_cast<double>(samples));
   if (motion.settling) settling = *motion.settling * motion.sample_rate;
-  Job job{model,   filters, motion,
-          effects, options, std::max<std::uint64_t>(samples, 1),
+  Job job{model,
+          filters,
+          motion,
+          effects,
+          options,
+          std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           std::max<std::uint64_t>(1, (20 + options.runs - 1) / options.runs)};
   const Channels channels{static_cast<Eigen::Index>(model.coordinates.size()),
@@ -163,7 +169,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   const auto tick = [&] {
     const std::lock_guard lock(guard);
     done += std::min<std::uint64_t>(4096, job.samples);
-    if (options.progress) options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
+    if (options.progress)
+      options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
   std::vector<RunStatistics> all(filters.size() + 1, RunStatistics(channels.count(), job.blocks));
   for (std::uint64_t first = 0; first < options.runs; first += wave) {

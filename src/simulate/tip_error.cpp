@@ -24,7 +24,9 @@ Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& r) {
 
 Eigen::VectorXd tip_error(const std::vector<Coordinate>& coordinates, const Eigen::Isometry3d& estimate,
                           const Eigen::Isometry3d& truth) {
-  const auto any = [&](auto property) { return std::any_of(coordinates.begin(), coordinates.end(), property); };
+  const auto any = [&](auto property) {
+    return std::any_of(coordinates.begin(), coordinates.end(), property);
+  };
   Eigen::Matrix<double, 9, 1> all = Eigen::Matrix<double, 9, 1>::Zero();
   all.head<3>() = estimate.translation() - truth.translation();
   if (any(is_rotation_vector))

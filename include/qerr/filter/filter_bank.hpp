@@ -9,8 +9,8 @@ namespace qerr {
 
 /// One filter on many channels, sample by sample, in double precision.
 ///
-/// Every section runs as trapezoidal integrators (1/w), solved for its highest derivative: a high-pass output is
-/// never the difference of two large low-pass ones, so that low cut-offs keep their digits.
+/// Every section runs as trapezoidal integrators (1/w), solved for its highest derivative: a high-pass output
+/// is never the difference of two large low-pass ones, so that low cut-offs keep their digits.
 class FilterBank {
  public:
   FilterBank(const Filter&, Eigen::Index channels);

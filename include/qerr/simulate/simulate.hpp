@@ -11,15 +11,15 @@ namespace qerr {
 /// The gap between IPQN at the centre of the motion and the simulation, in factors:
 /// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated.
 struct Ladder {
-  double varying_jacobian = 1;   ///< IPQN with the Jacobian along the path, over IPQN at the centre
-  double joint_error = 1;        ///< each encoder's simulated error through J(t) and filter, summed in variance
+  double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
+  double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
   double correlated_joints = 1;  ///< their sum, as it is
   double nonlinear = 1;          ///< exact kinematics instead of J
 };
 
 /// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
 struct SimulatedSignal {
-  double sigma_simulated = 0;  ///< about the mean, over samples and runs
+  double sigma_simulated = 0;               ///< about the mean, over samples and runs
   double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it
   double mean_simulated = 0;
   double peak_simulated = 0;
@@ -33,8 +33,8 @@ struct SimulatedSignal {
 
 struct Simulation {
   std::uint64_t runs = 0;
-  std::uint64_t samples = 0;   ///< of one run
-  std::uint64_t settling = 0;  ///< samples of each run left out of the statistics
+  std::uint64_t samples = 0;                          ///< of one run
+  std::uint64_t settling = 0;                         ///< samples of each run left out of the statistics
   std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
 };
 
