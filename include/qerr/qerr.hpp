@@ -33,6 +33,7 @@
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
+#include "qerr/filter/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/filter_bank.hpp"
@@ -43,7 +44,9 @@
 
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/bound/workspace.hpp"
 
