@@ -37,9 +37,11 @@
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
+#include "qerr/filter/transient.hpp"
 
 #include "qerr/effect/effect.hpp"
 
+#include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/noise_in_motion.hpp"
