@@ -22,7 +22,7 @@ FLOORS = {
     "cli": 6,
 }
 # Floor mates that know each other all the same: (who, whom).
-ACQUAINTED = {("report", "input")}
+ACQUAINTED = {("report", "input"), ("simulate", "bound")}
 
 # Libraries that a single module names, in its own sources: public headers do not pass them on.
 LIBRARIES = [

@@ -33,20 +33,26 @@
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
+#include "qerr/filter/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
+#include "qerr/filter/transient.hpp"
 
 #include "qerr/effect/effect.hpp"
 
+#include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/bound/workspace.hpp"
 
 #include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/noise_along_motion.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <span>
+
+#include "qerr/filter/autocorrelation.hpp"
+
+namespace qerr {
+
+/// Standard deviation of an encoder's filtered quantization error in motion: what IPQN only assumes.
+///
+/// In units of Delta: the results times Delta are the sigma of the filter's output [rad/s, m/s, ...].
+///
+/// Two samples of the error whose positions differ by s quanta have, over a uniformly random position of the
+/// encoder's zero, the covariance Delta^2/12 - Delta^2 {s}(1 - {s})/2, {.} the fractional part. Hence,
+/// exactly,
+///
+///   sigma^2 / Delta^2 = H(1)^2/12 - sum_{n>=1} r_n E {s_n}(1 - {s_n}),
+///
+/// r the autocorrelation of the impulse response and s_n what the joint moves in n samples. That is one
+/// formula for every speed: for an irrational number V of quanta per sample it is sum_k |H(e^{2 pi i k
+/// V})|^2/(2 pi^2 k^2), for V = p/q it is sum_{m=1}^{q-1} |H(e^{2 pi i m p/q})|^2/(4 q^2 sin^2(pi m/q)), both
+/// with the squared constant error H(1)^2/(12 q^2) (none at irrational V), and it is continuous in V: no
+/// decision about the rationality of a double has to be made. For H(1) = 0 the result holds for every zero,
+/// else it is the root mean square over the zero's position. `rounding: down` shifts the error by -Delta/2:
+/// the deviation from that mean, whose share behind the filter is H(1), is the same.
+///
+/// The error of each result is that of r: |sigma^2 error| <= tail/4 + rounding, far below 1e-6 relative
+/// unless sigma itself nearly vanishes.
+/// @pre the filter has settled
+
+/// At a constant speed of V quanta per sample (V = v/(Delta f)); even in V, with period 1. Exactly
+/// |H(1)|/sqrt(12) at whole V, so zero for derivatives.
+///
+/// Depends on V mod 1 only: no constant speed is so high that IPQN holds; it is the root mean square over V.
+double constant_speed_sigma(const Autocorrelation&, double quanta_per_sample);
+double constant_speed_sigma(const Filter&, double quanta_per_sample);
+
+/// Along a sine of the given amplitude [quanta] and frequency [cycles per sample], over random zero and
+/// phase.
+///
+/// Exact, not quasi-stationary: s_n is a sine of amplitude 2 A |sin(pi n f_i/f)|.
+double sine_sigma(const Autocorrelation&, double amplitude, double cycles_per_sample);
+
+/// The limit of `sine_sigma` for slow sines of a given peak speed, V = 2 pi A f_i/f: s_n has the amplitude n
+/// V.
+double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
+
+/// Along any path of the joint, sampled at the filter's rate, over random zero: E s_n is over the pairs of
+/// samples n apart. Lags beyond half the path count as uncorrelated, so the path should be longer than twice
+/// the filter's memory. Very long work (2e8 pairs) is thinned out evenly.
+/// @param positions  [quanta], at least two
+double path_sigma(const Autocorrelation&, std::span<const double> positions);
+
+/// The same from speeds [quanta per sample], each taken as constant over the filter's memory: the root mean
+/// square of `constant_speed_sigma`.
+double speeds_sigma(const Autocorrelation&, std::span<const double> quanta_per_sample);
+
+/// sigma under IPQN, ||H||_2/sqrt(12).
+double ipqn_sigma(const Autocorrelation&);
+
+/// The peak speed of slow sines [quanta per sample] above which `slow_sine_sigma` stays within a fraction
+/// `tolerance` of IPQN; 0 when it always does.
+///
+/// For fast sines sigma^2/sigma_IPQN^2 - 1 is a function of V mod 1 over sqrt(V), which locates the last
+/// crossing; it is then found on the exact function, on a grid that is finest at whole V. Of constant speeds
+/// there is no such threshold.
+/// @pre 0 < tolerance < 1
+double ipqn_threshold(const Autocorrelation&, double tolerance);
+
+}  // namespace qerr

@@ -1,0 +1,137 @@
+#include "qerr/bound/quantized_sine.hpp"
+
+#include <array>
+#include <boost/math/special_functions/gamma.hpp>
+#include <boost/math/special_functions/zeta.hpp>
+#include <cmath>
+#include <cstdlib>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+constexpr double pi = std::numbers::pi;
+constexpr double large = 10;  // quanta: from here on (2 pi A)^-9 is below 1e-15
+
+/// Sum over the thresholds t > 0 of both sides, in the distance from the mean: visit(t, side), t < amplitude.
+template <class Visit>
+void each_threshold(double offset, double amplitude, Visit visit) {
+  const double within = offset - std::floor(offset + 0.5);
+  for (double t = 0.5 - within; t < amplitude; t += 1) visit(t, +1.0);
+  for (double t = 0.5 + within; t < amplitude; t += 1) visit(t, -1.0);
+}
+
+double root(double amplitude, double t) { return std::sqrt((amplitude - t) * (amplitude + t)); }
+
+/// sum_m a_m(nu) (2 pi A)^-m Re[e^{i phase} i^m F(x, s + m)], F(x, s) = sum_k e^{2 pi i k x} k^-s.
+///
+/// a_m: Hankel's coefficients (DLMF 10.17.1). F near x = 0 (DLMF 25.12.12): Gamma(1 - s)(-2 pi i x)^(s - 1) +
+/// sum_k zeta(s - k)(2 pi i x)^k/k!. For the phases used here the first term is real for x > 0 and vanishes
+/// for x < 0: it is the sine's turning point passing a threshold.
+class HankelSum {
+ public:
+  HankelSum(double s, double phase) {
+    for (std::size_t m = 0; m < orders; ++m) {
+      const double order = s + static_cast<double>(m);
+      power_[m] = order - 1;
+      turning_[m] = -boost::math::tgamma(1 - order) * std::pow(2 * pi, order - 1);
+      double factor = 1;
+      for (std::size_t k = 0; k < terms; ++k) {
+        const double degree = static_cast<double>(k);
+        smooth_[m][k] = std::cos(phase + 0.5 * pi * static_cast<double>(m + k)) *
+                        boost::math::zeta(order - degree) * factor;
+        factor *= 2 * pi / (degree + 1);
+      }
+    }
+  }
+
+  double operator()(int bessel_order, double x, double amplitude) const {
+    x -= std::floor(x + 0.5);
+    double sum = 0, weight = 1;
+    for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
+      // The weight spares the higher orders digits, 2^-k the higher terms.
+      double value = 0;
+      for (std::size_t k = terms - 5 * m; k-- > 0;) value = value * x + smooth_[m][k];
+      if (x > 0) value += turning_[m] * std::pow(x, power_[m]);
+      sum += weight * value;
+      const double odd = 2 * static_cast<double>(m) + 1;
+      weight *= (4.0 * bessel_order * bessel_order - odd * odd) /
+                (8 * (static_cast<double>(m) + 1) * 2 * pi * amplitude);
+    }
+    return sum;
+  }
+
+ private:
+  static constexpr std::size_t orders = 9, terms = 52;
+  std::array<double, orders> power_{}, turning_{};
+  std::array<std::array<double, terms>, orders> smooth_{};
+};
+
+const HankelSum& first_power() {
+  static const HankelSum sum(1.5, -0.75 * pi);
+  return sum;
+}
+
+const HankelSum& second_power() {
+  static const HankelSum sum(2.5, -0.25 * pi);
+  return sum;
+}
+
+}  // namespace
+
+double quantized_sine_mean(double offset, double amplitude) {
+  if (amplitude < large) {
+    double sum = std::floor(offset + 0.5) - offset;
+    each_threshold(offset, amplitude,
+                   [&](double t, double side) { sum += side * std::acos(t / amplitude) / pi; });
+    return sum;
+  }
+  const double v = offset + 0.5;
+  const HankelSum& sum = first_power();
+  return (sum(0, amplitude + v, amplitude) - sum(0, amplitude - v, amplitude)) /
+         (2 * pi * pi * std::sqrt(amplitude));
+}
+
+double quantized_sine_mean_square(double offset, double amplitude) {
+  if (amplitude < large) {
+    // e^2 = (x - n)^2 - 2 sum (|x - n| beyond each threshold), n the nearest count of the offset.
+    const double within = offset - std::floor(offset + 0.5);
+    double sum = 0.5 * amplitude * amplitude + within * within;
+    each_threshold(offset, amplitude, [&](double t, double) {
+      sum -= 2 * (root(amplitude, t) - t * std::acos(t / amplitude)) / pi;
+    });
+    return sum;
+  }
+  const double v = offset + 0.5;
+  const HankelSum& sum = second_power();
+  const double ahead = sum(0, amplitude + v, amplitude);
+  // At offset 1/2, where the correlations of motion ask, both sides are alike.
+  const double behind = v == 1 ? ahead : sum(0, amplitude - v, amplitude);
+  return 1.0 / 12 + (ahead + behind) / (2 * pi * pi * pi * std::sqrt(amplitude));
+}
+
+double quantized_sine_correlation(double offset, double amplitude) {
+  if (amplitude < large) {
+    double sum = -0.5 * amplitude * amplitude;
+    each_threshold(offset, amplitude, [&](double t, double) { sum += root(amplitude, t) / pi; });
+    return sum;
+  }
+  const double v = offset + 0.5;
+  const HankelSum& sum = first_power();
+  return std::sqrt(amplitude) * (sum(1, amplitude + v, amplitude) + sum(1, amplitude - v, amplitude)) /
+         (2 * pi * pi);
+}
+
+double quantized_sine_autocorrelation(double amplitude, double cycles_per_sample, double lag) {
+  const double swing = 2 * amplitude * std::abs(std::sin(pi * std::remainder(cycles_per_sample * lag, 1.0)));
+  // {s}(1 - {s}) is 1/4 - e^2 of s + 1/2.
+  return 6 * quantized_sine_mean_square(0.5, swing) - 0.5;
+}
+
+SineEnvelope quantized_sine_envelope(double amplitude) {
+  const double root_of_amplitude = std::sqrt(amplitude);
+  return {0.135 / root_of_amplitude, -0.029 / root_of_amplitude, 0.038 / root_of_amplitude};
+}
+
+}  // namespace qerr
