@@ -34,6 +34,14 @@ TEST(EstimatorReport, ComparesEveryEncoderAroundOneCountPerSample) {
   }
 }
 
+TEST(EstimatorReport, ShowsBothSidesOfTheCrossingForAnyClock) {
+  for (const double clock : {1e-3, 5., 999., 1e6, 1e15})
+    for (const EncoderEstimators& e : estimator_report(spec(), clock).encoders) {
+      EXPECT_LT(e.rows.front().speed, e.crossing_speed) << clock;
+      EXPECT_GT(e.rows.back().speed, e.crossing_speed) << clock;
+    }
+}
+
 TEST(EstimatorReport, HasTheSameFiguresInJsonAndCsv) {
   const FilterReport r = report(1e6);
   const auto json = nlohmann::json::parse(write(r, "json", {}));

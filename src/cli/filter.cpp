@@ -46,7 +46,13 @@ FilterQuestions questions(const Arguments& a) {
                 Trouble::usage);
   q.coefficients = a.coefficients;
   q.estimators = a.estimators;
-  if (!a.clock.empty()) q.clock = frequency(a.clock, "--clock");
+  if (!a.clock.empty()) {
+    q.clock = frequency(a.clock, "--clock");
+    if (*q.clock < 1e-3 || *q.clock > 1e15)
+      throw Error(
+          {{"", 0, 0}, "--clock", "must lie between 1 mHz and 1e15 Hz", "'" + a.clock + "'", "e.g. 1MHz"},
+          Trouble::usage);
+  }
   return q;
 }
 

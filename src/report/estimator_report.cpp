@@ -19,9 +19,11 @@ double rate_of(const Spec& spec) {
   return (derivative == spec.filters.end() ? spec.filters.front() : *derivative).filter.sample_rate;
 }
 
-std::vector<double> speeds_to(double last) {
+/// Counts per sample from 0.015, or from below the crossing, to 7.5, or to above it.
+std::vector<double> speeds_around(double crossing) {
   std::vector<double> speeds;
-  for (double decade = 0.01; speeds.empty() || speeds.back() < last; decade *= 10)
+  const double first = std::pow(10, std::min(-2.0, std::floor(std::log10(crossing / 2))));
+  for (double decade = first; speeds.empty() || speeds.back() < std::max(5.0, 2 * crossing); decade *= 10)
     for (const double digit : {1.5, 3.5, 7.5}) speeds.push_back(digit * decade);
   return speeds;
 }
@@ -65,7 +67,7 @@ EstimatorReport estimator_report(const Spec& spec, std::optional<double> clock) 
                         delta,
                         estimator_crossing(delta, report.sample_rate, report.clock),
                         {}};
-    for (const double counts : speeds_to(std::max(5.0, 2 * e.crossing_speed / one)))
+    for (const double counts : speeds_around(e.crossing_speed / one))
       e.rows.push_back({counts * one, counts,
                         finite_difference_error(delta, report.sample_rate, counts * one),
                         inverse_time_error(delta, report.clock, counts * one)});

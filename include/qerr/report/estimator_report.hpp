@@ -37,7 +37,7 @@ struct EstimatorReport {
 ///
 /// The sample rate is that of the first filter that estimates a derivative (of the first filter when none
 /// does).
-/// @param clock  [Hz], above 0; the sample rate when empty, as in the paper
+/// @param clock  [Hz], between 1e-3 and 1e15; the sample rate when empty, as in the paper
 /// @pre the spec has a filter
 EstimatorReport estimator_report(const Spec&, std::optional<double> clock = {});
 
