@@ -221,11 +221,11 @@ TEST(SineSigma, TendsToTheMeanOfConstantSpeedsForSlowSines) {
 }
 
 TEST(SineSigma, ReproducesTheSineAveragedTheoryOfThePapersExperiment) {
-  // 4.11 quanta per sample at the peak, f0 = 50 Hz: predicted ratios to IPQN.
+  // 4.1123 quanta per sample at the peak, f0 = 50 Hz: predicted ratios to IPQN.
   const double predicted[] = {0.984, 1.068, 1.109};
   for (int n = 1; n <= 3; ++n) {
     const Autocorrelation a = autocorrelation(cascade(1, n));
-    EXPECT_NEAR(slow_sine_sigma(a, 4.11) / ipqn_sigma(a), predicted[n - 1], 0.004) << n;
+    EXPECT_NEAR(slow_sine_sigma(a, 4.1123) / ipqn_sigma(a), predicted[n - 1], 0.0011) << n;
   }
 }
 

@@ -49,6 +49,7 @@
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
+#include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/bound/workspace.hpp"
 
 #include "qerr/simulate/motion.hpp"
@@ -63,6 +64,7 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"

@@ -15,6 +15,8 @@ struct Arguments {
   std::string response;
   std::string impulse;
   bool coefficients = false;
+  bool estimators = false;
+  std::string clock;
 };
 
 double frequency(const std::string& text, const std::string& option) {
@@ -43,6 +45,14 @@ FilterQuestions questions(const Arguments& a) {
                  "e.g. --motion-band 0.5Hz 5Hz"},
                 Trouble::usage);
   q.coefficients = a.coefficients;
+  q.estimators = a.estimators;
+  if (!a.clock.empty()) {
+    q.clock = frequency(a.clock, "--clock");
+    if (*q.clock < 1e-3 || *q.clock > 1e15)
+      throw Error(
+          {{"", 0, 0}, "--clock", "must lie between 1 mHz and 1e15 Hz", "'" + a.clock + "'", "e.g. 1MHz"},
+          Trouble::usage);
+  }
   return q;
 }
 
@@ -84,6 +94,12 @@ std::function<int()> declare_filter(CLI::App& app, Options& o) {
   app.add_option("--response", a->response, "write the frequency response as CSV")->type_name("FILE.csv");
   app.add_option("--impulse", a->impulse, "write the impulse response as CSV")->type_name("FILE.csv");
   app.add_flag("--coefficients", a->coefficients, "show the realised sections");
+  auto* estimators =
+      app.add_flag("--estimators", a->estimators,
+                   "velocity by finite differences against the time between edges, per encoder");
+  app.add_option("--clock", a->clock, "of the time between edges; default: the sample rate")
+      ->type_name("F")
+      ->needs(estimators);
   add_spec_options(app, o);
   add_output_options(app, o);
   return [=, &o] { return run(*a, o); };

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator_json.hpp"
 #include "qerr/report/write.hpp"
 #include "text_table.hpp"
 
@@ -139,18 +140,20 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
                   Trouble::usage);
     report.filters.push_back(figures_of(named, q));
   }
+  if (q.estimators) report.estimators = estimator_report(spec, q.clock);
   return report;
 }
 
 std::string write(const FilterReport& report, std::string_view format, const Style& style) {
-  if (format == "table") return table(report, style);
-  if (format == "csv") return csv(report);
+  const auto& estimators = report.estimators;
+  if (format == "table") return table(report, style) + (estimators ? estimator_table(*estimators) : "");
+  if (format == "csv") return estimators ? estimator_csv(*estimators) : csv(report);
   Json list = Json::array();
   for (const FilterFigures& f : report.filters) list.push_back(to_json(f, report.questions.coefficients));
-  return Json{
-             {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}}
-             .dump(2) +
-         "\n";
+  Json all = {
+      {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}};
+  if (estimators) all["estimators"] = estimator_json(*estimators);
+  return all.dump(2) + "\n";
 }
 
 std::string response_csv(const FilterReport& report) {
