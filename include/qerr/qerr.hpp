@@ -66,6 +66,7 @@
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "qerr/report/noise_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

@@ -12,6 +12,7 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr std::size_t longest_search = 20000;  // [samples of memory]
 
 /// {s}(1 - {s}), for |s| < 2^51. The addition rounds to the nearest integer and, unlike floor, in a vector.
 double loss(double s) {
@@ -194,7 +195,8 @@ class ThresholdSearch {
 
 }  // namespace
 
-double ipqn_threshold(const Autocorrelation& a, double tolerance) {
+std::optional<double> ipqn_threshold(const Autocorrelation& a, double tolerance) {
+  if (a.r.size() > longest_search) return std::nullopt;
   return ThresholdSearch(a, tolerance).find();
 }
 

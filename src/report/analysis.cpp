@@ -18,23 +18,15 @@ constexpr double rounding = 1e-24;
 /// it.
 constexpr double near_gimbal_lock = 0.0872;
 
-std::optional<Autocorrelation> followed(const Filter& filter) {
-  try {
-    return autocorrelation(filter);
-  } catch (const Error& e) {
-    if (e.trouble() != Trouble::input) throw;
-    return std::nullopt;  // a memory of millions of samples
-  }
-}
-
 /// What IPQN is worth without a motion, in one sentence.
 std::string warning_of_ipqn(const Spec& spec) {
   std::string thresholds;
   for (const NamedFilter& f : spec.filters) {
     if (f.filter.derivative == 0) continue;
-    if (const auto memory = followed(f.filter))
-      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") +
-                    shortest_of(ipqn_threshold(*memory, 0.1), 2);
+    const auto memory = followed(f.filter);
+    const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
+    if (threshold)
+      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + shortest_of(*threshold, 2);
   }
   return "sigma of a derivative assumes white noise (IPQN): right on average over speeds, at no constant "
          "speed "
