@@ -98,6 +98,14 @@ TEST(QuantizedSine, StaysInThePapersEnvelopeWhichIsTight) {
   EXPECT_LT(below, 1.01);
 }
 
+TEST(QuantizedSine, NearsTheUniformErrorFromTheSmallestAmplitudes) {
+  // What `ipqn_threshold` takes as proven, at the offset it asks for.
+  for (double amplitude = 1e-4; amplitude < 1000; amplitude *= 1.002)
+    EXPECT_LE(std::abs(quantized_sine_mean_square(0.5, amplitude) - 1.0 / 12),
+              std::min(1.0 / 6, 0.0381 / std::sqrt(amplitude)))
+        << amplitude;
+}
+
 TEST(QuantizedSine, OutputVarianceIsFarOutsideThePapersEnvelope) {
   // Var x_hat - Var x = Var e + 2 E e(x - mean): Eq. 56 is about the error, not about the signal.
   double lowest = 0, highest = 0;

@@ -39,15 +39,18 @@
 #include "qerr/filter/filter_bank.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
+#include "qerr/filter/transient.hpp"
 
 #include "qerr/effect/effect.hpp"
 
+#include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
+#include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/bound/workspace.hpp"
 
 #include "qerr/simulate/motion.hpp"
@@ -64,7 +67,9 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "qerr/report/noise_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

@@ -12,6 +12,7 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
+constexpr std::size_t longest_search = 20000;  // [samples of memory]
 
 /// {s}(1 - {s}), for |s| < 2^51. The addition rounds to the nearest integer and, unlike floor, in a vector.
 double loss(double s) {
@@ -93,19 +94,21 @@ class ThresholdSearch {
       a_.r.pop_back();
     }
     ipqn_ = ipqn_sigma(a_);
-    constexpr int steps = 200;
+    constexpr int steps = 150;
     const double finest = 0.1 / static_cast<double>(a_.r.size());
     for (int i = 0; i <= steps; ++i) grid_.push_back(0.5 * std::pow(2 * finest, i / double{steps}));
     for (int i = steps; i >= 0; --i) grid_.push_back(-grid_[static_cast<std::size_t>(i)]);
   }
 
   double find() {
-    const double asymptotic = find_asymptotically();
-    if (asymptotic > first_intervals)
-      for (int p = static_cast<int>(1.02 * asymptotic) + 2; p > first_intervals; --p)
+    const double ceiling = proven_ceiling();
+    if (ceiling > first_intervals) {
+      const double asymptotic = find_asymptotically();
+      for (int p = static_cast<int>(std::min(1.0001 * asymptotic + 3, ceiling + 1)); p > first_intervals; --p)
         if (const double v = last_crossing(p, near_limit(p)); v > 0) return v;
-    for (int p = first_intervals; p >= 0; --p)
-      if (const double v = last_crossing(p, grid_); v > 0) return v;
+    }
+    for (int p = static_cast<int>(std::min(ceiling + 1, double{first_intervals})); p >= 0; --p)
+      if (const double v = last_crossing(p, up_to(ceiling - p)); v > 0) return v;
     return 0;
   }
 
@@ -113,23 +116,59 @@ class ThresholdSearch {
   double ratio(double v) const { return slow_sine_sigma(a_, v) / ipqn_; }
   bool outside(double v) const { return std::abs(ratio(v) - 1) > tolerance_; }
 
-  /// How far sigma^2 is off at far + grid, over what the tolerance allows; times sqrt(far/V) elsewhere.
-  double find_asymptotically() {
-    double largest = 0;
-    for (const double part : grid_) {
-      const double x = std::pow(ratio(far + part), 2) - 1;
-      const double allowed = x > 0 ? tolerance_ * (2 + tolerance_) : tolerance_ * (2 - tolerance_);
-      excess_.push_back(std::abs(x) / allowed);
-      largest = std::max(largest, excess_.back());
+  /// What sigma^2/sigma_IPQN^2 - 1 may be, over what it is allowed: |E {s}(1 - {s}) - 1/6| of a sine of
+  /// amplitude u is at most 1/6 and at most 0.0381/sqrt(u).
+  bool within_for_certain(double v) const {
+    double sum = 0;
+    for (std::size_t n = 1; n < a_.r.size(); ++n)
+      sum += std::abs(a_.r[n]) * std::min(1.0 / 6, 0.0381 / std::sqrt(static_cast<double>(n) * v));
+    return 12 * sum <= tolerance_ * (2 - tolerance_) * a_.r[0];
+  }
+
+  /// A speed from which on the bound holds.
+  double proven_ceiling() const {
+    double low = 1e-9, high = 1e9;
+    for (int i = 0; i < 30; ++i) {
+      const double middle = std::sqrt(low * high);
+      (within_for_certain(middle) ? high : low) = middle;
     }
-    return std::min(far * largest * largest, 1e9);
+    return high;
+  }
+
+  /// |sigma^2/sigma_IPQN^2 - 1| over what the tolerance allows.
+  double excess(double v) const {
+    const double x = std::pow(ratio(v), 2) - 1;
+    return std::abs(x) / (x > 0 ? tolerance_ * (2 + tolerance_) : tolerance_ * (2 - tolerance_));
+  }
+
+  /// The excess at far + grid, which is sqrt(far/V) times that elsewhere, and the V at which its peak is 1.
+  double find_asymptotically() {
+    for (const double part : grid_) excess_.push_back(excess(far + part));
+    const auto peak = std::max_element(excess_.begin(), excess_.end());
+    const auto at = std::clamp<std::ptrdiff_t>(peak - excess_.begin(), 1, std::ssize(grid_) - 2);
+    // The grid is refined about its peak, by golden sections.
+    double above = grid_[static_cast<std::size_t>(at - 1)], below = grid_[static_cast<std::size_t>(at + 1)];
+    for (int i = 0; i < 20; ++i) {
+      const double a = below + 0.382 * (above - below), b = below + 0.618 * (above - below);
+      (excess(far + a) < excess(far + b) ? below : above) = excess(far + a) < excess(far + b) ? a : b;
+    }
+    const double part = 0.5 * (above + below), refined = excess(far + part);
+    const auto place = std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g < part; });
+    excess_.insert(excess_.begin() + (place - grid_.begin()), refined);
+    grid_.insert(place, part);
+    const double largest = *std::max_element(excess_.begin(), excess_.end());
+    return far * largest * largest;
   }
 
   std::vector<double> near_limit(int p) const {
     std::vector<double> parts;
     for (std::size_t i = 0; i < grid_.size(); ++i)
-      if (excess_[i] * std::sqrt(far / p) > 0.9) parts.push_back(grid_[i]);
+      if (excess_[i] * std::sqrt(far / p) > 0.9995 - 1.0 / p) parts.push_back(grid_[i]);
     return parts;
+  }
+
+  std::vector<double> up_to(double part) const {
+    return {std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g <= part; }), grid_.end()};
   }
 
   /// The last V = p + part outside the tolerance, followed to the crossing beyond it; 0 when there is none.
@@ -156,7 +195,8 @@ class ThresholdSearch {
 
 }  // namespace
 
-double ipqn_threshold(const Autocorrelation& a, double tolerance) {
+std::optional<double> ipqn_threshold(const Autocorrelation& a, double tolerance) {
+  if (a.r.size() > longest_search) return std::nullopt;
   return ThresholdSearch(a, tolerance).find();
 }
 

@@ -31,10 +31,9 @@ double root(double amplitude, double t) { return std::sqrt((amplitude - t) * (am
 /// for x < 0: it is the sine's turning point passing a threshold.
 class HankelSum {
  public:
-  HankelSum(double s, double phase) {
+  HankelSum(double s, double phase) : lowest_power_(s - 1) {
     for (std::size_t m = 0; m < orders; ++m) {
       const double order = s + static_cast<double>(m);
-      power_[m] = order - 1;
       turning_[m] = -boost::math::tgamma(1 - order) * std::pow(2 * pi, order - 1);
       double factor = 1;
       for (std::size_t k = 0; k < terms; ++k) {
@@ -48,13 +47,17 @@ class HankelSum {
 
   double operator()(int bessel_order, double x, double amplitude) const {
     x -= std::floor(x + 0.5);
-    double sum = 0, weight = 1;
+    double sum = 0, weight = 1, power = x > 0 ? std::sqrt(x) * (lowest_power_ > 1 ? x : 1) : 0;
     for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
       // The weight spares the higher orders digits, 2^-k the higher terms.
-      double value = 0;
-      for (std::size_t k = terms - 5 * m; k-- > 0;) value = value * x + smooth_[m][k];
-      if (x > 0) value += turning_[m] * std::pow(x, power_[m]);
-      sum += weight * value;
+      // Even and odd terms apart, two chains that run side by side.
+      double even = 0, odd_terms = 0;
+      for (std::size_t k = terms - 6 * m; k > 0; k -= 2) {
+        odd_terms = odd_terms * x * x + smooth_[m][k - 1];
+        even = even * x * x + smooth_[m][k - 2];
+      }
+      sum += weight * (even + x * odd_terms + turning_[m] * power);
+      power *= x;
       const double odd = 2 * static_cast<double>(m) + 1;
       weight *= (4.0 * bessel_order * bessel_order - odd * odd) /
                 (8 * (static_cast<double>(m) + 1) * 2 * pi * amplitude);
@@ -64,7 +67,8 @@ class HankelSum {
 
  private:
   static constexpr std::size_t orders = 9, terms = 52;
-  std::array<double, orders> power_{}, turning_{};
+  double lowest_power_;  // 1/2 or 3/2
+  std::array<double, orders> turning_{};
   std::array<std::array<double, terms>, orders> smooth_{};
 };
 

@@ -15,16 +15,19 @@ constexpr std::uint64_t blocks_per_wave = 128;
 struct Sums {
   std::vector<Accumulator> worst, rigorous, sigma;  // [coordinate]
   std::vector<std::vector<Accumulator>>
-      filtered_worst;  // [filter][coordinate]; only where a mean error exists
+      filtered_worst;                               // [filter][coordinate]; only where a mean error exists
+  std::vector<std::vector<Accumulator>> in_motion;  // [filter][coordinate]; only where the noise is known
   Eigen::MatrixXd share, share_worst, variance_parts, covariance, covariance_at_largest;
   Eigen::VectorXd largest_at;
   double largest_trace = -1, largest_arm = 0, smallest_cosine = 1;
 
-  Sums(std::size_t coordinates, std::size_t encoders, std::size_t filters, std::uint64_t expected)
+  Sums(std::size_t coordinates, std::size_t encoders, std::size_t filters, std::size_t moving,
+       std::uint64_t expected)
       : worst(coordinates, Accumulator(expected)),
         rigorous(worst),
         sigma(worst),
         filtered_worst(filters, worst),
+        in_motion(moving, worst),
         share(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(coordinates),
                                     static_cast<Eigen::Index>(encoders))),
         share_worst(share),
@@ -39,6 +42,7 @@ struct Sums {
       sigma[i].append(later.sigma[i]);
       for (std::size_t f = 0; f < filtered_worst.size(); ++f)
         filtered_worst[f][i].append(later.filtered_worst[f][i]);
+      for (std::size_t f = 0; f < in_motion.size(); ++f) in_motion[f][i].append(later.in_motion[f][i]);
     }
     share += later.share;
     share_worst += later.share_worst;
@@ -69,14 +73,15 @@ void add_shares(const Eigen::MatrixXd& weighted, double negligible, Sums& sums) 
 
 class Job {
  public:
-  Job(const OperationalModel& model, const std::vector<Norms>& filters, const Configurations& c)
-      : model_(model), filters_(filters), configurations_(c), delta_(resolutions(model.transmission)) {
+  Job(const OperationalModel& model, const std::vector<Norms>& filters,
+      const std::vector<Eigen::VectorXd>& noise_in_motion)
+      : model_(model), filters_(filters), noise_(noise_in_motion), delta_(resolutions(model.transmission)) {
     has_mean_ = !mean_errors(model.transmission).isZero(0);
   }
 
   Sums empty(std::uint64_t expected) const {
     return Sums(model_.coordinates.size(), model_.transmission.encoders.size(),
-                has_mean_ ? filters_.size() : 0, expected);
+                has_mean_ ? filters_.size() : 0, noise_.size(), expected);
   }
 
   bool has_mean() const { return has_mean_; }
@@ -99,6 +104,8 @@ class Job {
       for (std::size_t f = 0; f < sums.filtered_worst.size(); ++f)
         sums.filtered_worst[f][i].add(
             derivative_error(e.half_width[row], e.mean[row], e.sigma[row], filters_[f]).worst_case, q);
+      for (std::size_t f = 0; f < noise_.size(); ++f)
+        if (noise_[f].size() > 0) sums.in_motion[f][i].add(sigma_in_motion(e, row, noise_[f]), q);
       if (is_position(model_.coordinates[i]))
         sums.largest_arm = std::max(
             sums.largest_arm, e.weighted.row(row).cwiseAbs().cwiseQuotient(delta_.transpose()).maxCoeff());
@@ -133,13 +140,13 @@ class Job {
 
   const OperationalModel& model_;
   const std::vector<Norms>& filters_;
-  const Configurations& configurations_;
+  const std::vector<Eigen::VectorXd>& noise_;
   Eigen::VectorXd delta_;
   bool has_mean_ = false;
 };
 
-Workspace finish(const OperationalModel& model, const std::vector<Norms>& filters, const Job& job,
-                 const Sums& sums, std::uint64_t count) {
+Workspace finish(const OperationalModel& model, const std::vector<Norms>& filters,
+                 const WorkspaceOptions& options, const Job& job, const Sums& sums, std::uint64_t count) {
   Workspace w;
   w.count = count;
   w.exact_percentiles = sums.sigma.empty() || sums.sigma.front().percentiles_are_exact();
@@ -151,10 +158,14 @@ Workspace finish(const OperationalModel& model, const std::vector<Norms>& filter
   }
   for (std::size_t f = 0; f < filters.size(); ++f) {
     std::vector<DerivativeStatistics>& of_filter = w.derivatives.emplace_back();
-    for (std::size_t i = 0; i < model.coordinates.size(); ++i)
+    for (std::size_t i = 0; i < model.coordinates.size(); ++i) {
       of_filter.push_back({job.has_mean() ? sums.filtered_worst[f][i].result()
                                           : scaled(w.coordinates[i].worst_case, filters[f].l1.upper),
-                           scaled(w.coordinates[i].sigma, filters[f].h2)});
+                           scaled(w.coordinates[i].sigma, filters[f].h2),
+                           {}});
+      if (f < options.noise_in_motion.size() && options.noise_in_motion[f].size() > 0)
+        of_filter.back().sigma_in_motion = sums.in_motion[f][i].result();
+    }
   }
   w.mean_variance_parts = sums.variance_parts / n;
   w.mean_covariance = sums.covariance / n;
@@ -167,6 +178,10 @@ Workspace finish(const OperationalModel& model, const std::vector<Norms>& filter
 
 }  // namespace
 
+double sigma_in_motion(const OperationalError& e, Eigen::Index coordinate, const Eigen::VectorXd& noise) {
+  return e.weighted.row(coordinate).cwiseProduct(noise.transpose()).norm();
+}
+
 Statistic scaled(const Statistic& s, double factor) {
   return {s.min * factor, s.mean * factor, s.max * factor, s.p50 * factor,
           s.p95 * factor, s.p99 * factor,  s.at_max};
@@ -174,7 +189,7 @@ Statistic scaled(const Statistic& s, double factor) {
 
 Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
                     const Configurations& configurations, const WorkspaceOptions& options) {
-  const Job job(model, filters, configurations);
+  const Job job(model, filters, options.noise_in_motion);
   const std::uint64_t total = size(configurations);
   Sums sums = job.empty(total);
   for (std::uint64_t wave = 0; wave < total; wave += block_size * blocks_per_wave) {
@@ -195,7 +210,7 @@ Workspace workspace(const OperationalModel& model, const std::vector<Norms>& fil
     }
     if (options.progress) options.progress(wave + in_wave, total);
   }
-  return finish(model, filters, job, sums, total);
+  return finish(model, filters, options, job, sums, total);
 }
 
 }  // namespace qerr

@@ -19,13 +19,15 @@ int run(const Arguments& arguments, const Options& o) {
   WorkspaceOptions options;
   options.threads = o.threads;
   options.progress = progress(o);
+  options.noise_in_motion = noise_in_motion(spec);
   if (!arguments.per_configuration.empty()) {
     rows = std::make_unique<OutputFile>(arguments.per_configuration);
-    rows->write(per_configuration_header(spec));
+    rows->write(per_configuration_header(spec, options.noise_in_motion));
     options.visit = [&](std::uint64_t, const Eigen::MatrixXd& points,
                         const std::vector<OperationalError>& errors) {
       for (std::size_t i = 0; i < errors.size(); ++i)
-        rows->write(per_configuration_row(spec, points.col(static_cast<Eigen::Index>(i)), errors[i]));
+        rows->write(per_configuration_row(spec, options.noise_in_motion,
+                                          points.col(static_cast<Eigen::Index>(i)), errors[i]));
     };
   }
   const Analysis analysis = analyze(spec, options);

@@ -1,5 +1,7 @@
 #include "qerr/design/requirement.hpp"
 
+#include <limits>
+
 namespace qerr {
 
 double value_of(const Statistic& s, Requirement::Stat stat) {
@@ -21,15 +23,20 @@ double value_of(const Statistic& s, Requirement::Stat stat) {
 }
 
 RequirementResult evaluate(const Requirement& r, const Workspace& w) {
+  using Bound = Requirement::Bound;
   const auto& position = w.coordinates[r.coordinate];
   const Statistic* statistic = nullptr;
   if (r.filter >= 0) {
     const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
-    statistic = r.bound == Requirement::Bound::sigma ? &d.sigma : &d.worst_case;
-  } else if (r.bound == Requirement::Bound::worst_case_rigorous) {
+    if (r.bound == Bound::sigma_in_motion && !d.sigma_in_motion)
+      return {std::numeric_limits<double>::infinity(), false};
+    statistic = r.bound == Bound::sigma             ? &d.sigma
+                : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
+                                                    : &d.worst_case;
+  } else if (r.bound == Bound::worst_case_rigorous) {
     statistic = &position.worst_case_rigorous;
   } else {
-    statistic = r.bound == Requirement::Bound::sigma ? &position.sigma : &position.worst_case;
+    statistic = r.bound == Bound::sigma ? &position.sigma : &position.worst_case;
   }
   const double value = value_of(*statistic, r.stat);
   return {value, value <= r.at_most};

@@ -88,4 +88,13 @@ Autocorrelation autocorrelation(const Filter& filter) {
   return a;
 }
 
+std::optional<Autocorrelation> followed(const Filter& filter) {
+  try {
+    return autocorrelation(filter);
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
+    return std::nullopt;
+  }
+}
+
 }  // namespace qerr

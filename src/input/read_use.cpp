@@ -45,10 +45,15 @@ void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
   using Bound = Requirement::Bound;
   std::vector<std::pair<std::string, Bound>> bounds{{"worst_case", Bound::worst_case},
                                                     {"sigma", Bound::sigma}};
-  if (signal == "position") bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
+  if (signal == "position")
+    bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
+  else
+    bounds.emplace_back("sigma_in_motion", Bound::sigma_in_motion);
   r.filter = pick(f, signal, "filter", signals);
   r.coordinate = pick(f, r.quantity.substr(first + 1, second - first - 1), "coordinate", coordinates);
   r.bound = pick(f, r.quantity.substr(second + 1), "bound", bounds);
+  if (r.bound == Bound::sigma_in_motion && !spec.motion)
+    throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or ask for sigma"));
 }
 
 Dimension dimension_of(const Requirement& r, const Spec& spec) {

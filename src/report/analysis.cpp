@@ -4,6 +4,9 @@
 #include <cmath>
 #include <numbers>
 
+#include "qerr/simulate/noise_along_motion.hpp"
+#include "text_table.hpp"
+
 namespace qerr {
 
 namespace {
@@ -15,7 +18,39 @@ constexpr double rounding = 1e-24;
 /// it.
 constexpr double near_gimbal_lock = 0.0872;
 
-std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w) {
+/// What IPQN is worth without a motion, in one sentence.
+std::string warning_of_ipqn(const Spec& spec) {
+  std::string thresholds;
+  for (const NamedFilter& f : spec.filters) {
+    if (f.filter.derivative == 0) continue;
+    const auto memory = followed(f.filter);
+    const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
+    if (threshold)
+      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + shortest_of(*threshold, 2);
+  }
+  return "sigma of a derivative assumes white noise (IPQN): right on average over speeds, at no constant "
+         "speed "
+         "exactly, and within 10 % along slow sines only above a peak speed" +
+         (thresholds.empty() ? "" : " of " + thresholds + " counts a sample") +
+         "; add `motion:` to get sigma at your speeds";
+}
+
+/// @param known  what was found of it
+std::vector<std::string> warnings_of_derivatives(const Spec& spec,
+                                                 const std::vector<Eigen::VectorXd>& known) {
+  std::vector<std::string> warnings;
+  if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
+  for (std::size_t f = 0; f < known.size(); ++f)
+    if (known[f].size() == 0)
+      warnings.push_back("filter '" + spec.filters[f].name +
+                         "' remembers too many samples for sigma in motion: only IPQN is given");
+  warnings.push_back(
+      "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
+  return warnings;
+}
+
+std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
+                                     const std::vector<Eigen::VectorXd>& noise) {
   std::vector<std::string> warnings = spec.warnings;
   const auto& coordinates = spec.model.coordinates;
   const bool euler = std::any_of(coordinates.begin(), coordinates.end(),
@@ -27,14 +62,8 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w) {
         " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
   warnings.push_back(
       "quantization only: backlash, calibration, compliance and noise are not in these figures");
-  if (!spec.filters.empty()) {
-    warnings.push_back(
-        "sigma of a derivative assumes white quantization noise (IPQN): true on average over speeds, at no "
-        "constant "
-        "speed exactly, and false below about one count per sample");
-    warnings.push_back(
-        "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
-  }
+  if (!spec.filters.empty())
+    for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
   for (const NamedFilter& f : spec.filters)
     if (f.filter.derivative > 0 && std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
       warnings.push_back(
@@ -51,12 +80,27 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w) {
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
   std::vector<Norms> norms;
   for (const NamedFilter& filter : spec.filters) norms.push_back(filter.norms);
+  WorkspaceOptions all = options;
+  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
   Analysis a{spec,
              joint_error(spec.model.transmission),
-             workspace(spec.model, norms, spec.configurations, options),
+             workspace(spec.model, norms, spec.configurations, all),
+             all.noise_in_motion,
              {}};
-  a.warnings = warnings_of(spec, a.workspace);
+  a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion);
   return a;
+}
+
+std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec) {
+  std::vector<Eigen::VectorXd> noise;
+  if (!spec.motion) return noise;
+  for (const NamedFilter& f : spec.filters) {
+    Eigen::VectorXd& of_filter = noise.emplace_back();
+    if (const auto memory = followed(f.filter))
+      of_filter = noise_along_motion(spec.model.transmission, *spec.motion, *memory, f.filter.sample_rate,
+                                     spec.motion->settling.value_or(0));
+  }
+  return noise;
 }
 
 std::string derivative_unit(Coordinate c, int derivative) {

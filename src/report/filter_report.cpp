@@ -4,6 +4,8 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "estimator_json.hpp"
+#include "noise_json.hpp"
 #include "qerr/report/write.hpp"
 #include "text_table.hpp"
 
@@ -120,13 +122,22 @@ std::string csv(const FilterReport& report) {
     row("noise_bandwidth", "Hz", f.noise_bandwidth);
     row("settling_time", "s", f.settling_time);
   }
+  for (const FilterNoise& f : report.noise) {
+    const auto row = [&](const char* quantity, const char* unit, const std::optional<double>& value) {
+      out +=
+          csv_cell(f.filter) + ',' + quantity + ',' + unit + ',' + (value ? shortest(*value) : "") + "\r\n";
+    };
+    row("ipqn_within_10_percent_above", "counts/sample", f.within_10_percent);
+    row("ipqn_within_1_percent_above", "counts/sample", f.within_1_percent);
+    row("noise_rise_time", "s", f.rise_time);
+  }
   return out;
 }
 
 }  // namespace
 
 FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
-  FilterReport report{spec.file, q, {}};
+  FilterReport report{spec.file, q, {}, noise_report(spec, q.motions)};
   for (const NamedFilter& named : spec.filters) {
     double highest = q.motion_band ? q.motion_band->second : 0;
     for (const double f : q.frequencies) highest = std::max(highest, f);
@@ -139,18 +150,28 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
                   Trouble::usage);
     report.filters.push_back(figures_of(named, q));
   }
+  if (q.estimators) report.estimators = estimator_report(spec, q.clock);
   return report;
 }
 
 std::string write(const FilterReport& report, std::string_view format, const Style& style) {
-  if (format == "table") return table(report, style);
-  if (format == "csv") return csv(report);
+  const auto& estimators = report.estimators;
+  if (format == "table")
+    return table(report, style) + noise_table(report.noise) +
+           (estimators ? estimator_table(*estimators) : "");
+  if (format == "csv")
+    return estimators                         ? estimator_csv(*estimators)
+           : report.questions.motions.empty() ? csv(report)
+                                              : noise_csv(report.noise);
   Json list = Json::array();
-  for (const FilterFigures& f : report.filters) list.push_back(to_json(f, report.questions.coefficients));
-  return Json{
-             {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}}
-             .dump(2) +
-         "\n";
+  for (std::size_t i = 0; i < report.filters.size(); ++i) {
+    list.push_back(to_json(report.filters[i], report.questions.coefficients));
+    add_noise(list.back(), report.noise[i]);
+  }
+  Json all = {
+      {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}};
+  if (estimators) all["estimators"] = estimator_json(*estimators);
+  return all.dump(2) + "\n";
 }
 
 std::string response_csv(const FilterReport& report) {

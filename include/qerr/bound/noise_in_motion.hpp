@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <span>
 
 #include "qerr/filter/autocorrelation.hpp"
@@ -59,12 +60,15 @@ double speeds_sigma(const Autocorrelation&, std::span<const double> quanta_per_s
 double ipqn_sigma(const Autocorrelation&);
 
 /// The peak speed of slow sines [quanta per sample] above which `slow_sine_sigma` stays within a fraction
-/// `tolerance` of IPQN; 0 when it always does.
+/// `tolerance` of IPQN; 0 when it always does, empty when the filter remembers more than 20000 samples, where
+/// the search would take seconds.
 ///
-/// For fast sines sigma^2/sigma_IPQN^2 - 1 is a function of V mod 1 over sqrt(V), which locates the last
-/// crossing; it is then found on the exact function, on a grid that is finest at whole V. Of constant speeds
-/// there is no such threshold.
+/// A bound of the Bessel series gives a speed above which there is none outside. Below, sigma^2/sigma_IPQN^2
+/// - 1 of fast sines is a function of V mod 1 over sqrt(V), which locates the last crossing; it is then found
+/// on the exact function, on a grid that is finest at whole V, where the narrow excursions are. Takes
+/// milliseconds for a memory of 100 samples and seconds for 1e5. Of constant speeds there is no such
+/// threshold.
 /// @pre 0 < tolerance < 1
-double ipqn_threshold(const Autocorrelation&, double tolerance);
+std::optional<double> ipqn_threshold(const Autocorrelation&, double tolerance);
 
 }  // namespace qerr

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <functional>
+#include <optional>
 #include <vector>
 
 #include "qerr/bound/derivative_error.hpp"
@@ -22,6 +23,7 @@ struct CoordinateStatistics {
 /// A filtered coordinate's bounds over the configurations [m/s, rad/s, ...].
 struct DerivativeStatistics {
   Statistic worst_case, sigma;
+  std::optional<Statistic> sigma_in_motion;  ///< with the encoders' speeds instead of IPQN
 };
 
 /// Everything that `analyze` says about the sampled configurations.
@@ -47,12 +49,19 @@ struct WorkspaceOptions {
   unsigned threads = 0;  ///< 0: one per core; the result does not depend on it
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
   BlockVisitor visit = {};
+  /// [filter]: sigma of each encoder's error behind the filter in a motion, in quantization intervals
+  /// (noise_along_motion.hpp); empty where it is not known.
+  std::vector<Eigen::VectorXd> noise_in_motion = {};
 };
 
 /// Statistics of all bounds over the configurations; summed in fixed blocks in a fixed order.
 /// @param filters  norms of the derivative filters, one set of derivative statistics each
 Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
                     const WorkspaceOptions& = {});
+
+/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), j = coordinate: IPQN with each encoder's own noise behind a
+/// filter.
+double sigma_in_motion(const OperationalError&, Eigen::Index coordinate, const Eigen::VectorXd& noise);
 
 /// A statistic times a non-negative factor.
 Statistic scaled(const Statistic&, double factor);

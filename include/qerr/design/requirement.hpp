@@ -10,7 +10,7 @@ namespace qerr {
 
 /// `requirements:` of a spec: a statistic of a bound must not exceed a figure.
 struct Requirement {
-  enum class Bound { worst_case, worst_case_rigorous, sigma };
+  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
   enum class Stat { min, mean, max, p50, p95, p99 };
 
   std::string quantity;        ///< as written: `velocity.x.sigma`
@@ -26,7 +26,7 @@ struct Requirement {
 
 /// A requirement held against the figures.
 struct RequirementResult {
-  double value = 0;  ///< +inf where the quantity has no bound
+  double value = 0;  ///< +inf where the quantity has no bound, or is not known
   bool met = false;  ///< value <= at_most
 };
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "qerr/filter/filter.hpp"
@@ -24,5 +25,8 @@ inline constexpr std::size_t longest_autocorrelation = std::size_t{1} << 21;
 /// @throws Error (input; key `cutoff`) when the memory exceeds `longest_autocorrelation`: a cut-off below
 /// about 4e-6 of the sample rate
 Autocorrelation autocorrelation(const Filter&);
+
+/// The same, empty instead of that error.
+std::optional<Autocorrelation> followed(const Filter&);
 
 }  // namespace qerr

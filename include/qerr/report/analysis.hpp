@@ -14,11 +14,16 @@ struct Analysis {
   Spec spec;
   JointError joints;
   Workspace workspace;
+  std::vector<Eigen::VectorXd> noise_in_motion;  ///< [filter][encoder], in quantization intervals
   std::vector<std::string> warnings;
 };
 
 /// The main job: every bound of the spec over its configurations.
 Analysis analyze(const Spec&, const WorkspaceOptions& = {});
+
+/// For every filter the noise of each encoder along the spec's motion (noise_along_motion.hpp), for
+/// WorkspaceOptions; empty without a motion, and for a filter whose memory is too long to be followed.
+std::vector<Eigen::VectorXd> noise_in_motion(const Spec&);
 
 /// Unit of a coordinate behind a filter of the given derivative: "m", "rad/s", "m/s^2", ...
 std::string derivative_unit(Coordinate, int derivative);

@@ -7,6 +7,8 @@
 
 #include "qerr/filter/quality.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/report/estimator_report.hpp"
+#include "qerr/report/noise_report.hpp"
 
 namespace qerr {
 
@@ -15,6 +17,9 @@ struct FilterQuestions {
   std::vector<double> frequencies;                       ///< fidelity at these [Hz]
   std::optional<std::pair<double, double>> motion_band;  ///< tracking error over this [Hz]
   bool coefficients = false;                             ///< print the realised sections
+  bool estimators = false;                               ///< compare FDM and ITM of every encoder
+  std::optional<double> clock;                           ///< of ITM [Hz]; empty: the sample rate
+  std::vector<MotionQuestion> motions;                   ///< noise of every encoder in these
 };
 
 /// One filter's figures.
@@ -36,12 +41,16 @@ struct FilterReport {
   std::string file;
   FilterQuestions questions;
   std::vector<FilterFigures> filters;
+  std::vector<FilterNoise> noise;  ///< one per filter
+  std::optional<EstimatorReport> estimators = {};
 };
 
 /// @throws Error (usage) for a frequency above half a filter's sample rate
 FilterReport filter_report(const Spec&, const FilterQuestions&);
 
 struct Style;
+
+/// With estimators CSV is `estimator_csv` alone, with motions `noise_csv` alone: one file, one table.
 std::string write(const FilterReport&, std::string_view format, const Style&);
 
 /// Frequency response as CSV, `filter,frequency [Hz],magnitude,phase [rad]`: logarithmic from 1e-5 of the

@@ -50,7 +50,9 @@ std::string json_schema();
 std::string csv_cell(const std::string&);
 
 /// Header of the per-configuration CSV, and the row of one configuration.
-std::string per_configuration_header(const Spec&);
-std::string per_configuration_row(const Spec&, const Eigen::VectorXd& q, const OperationalError&);
+/// @param noise  of `noise_in_motion`
+std::string per_configuration_header(const Spec&, const std::vector<Eigen::VectorXd>& noise);
+std::string per_configuration_row(const Spec&, const std::vector<Eigen::VectorXd>& noise,
+                                  const Eigen::VectorXd& q, const OperationalError&);
 
 }  // namespace qerr

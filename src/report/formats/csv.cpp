@@ -16,6 +16,10 @@ void add_statistic(std::string& out, const std::string& prefix, const Statistic&
   for (const auto& [name, value] : rows) out += prefix + ',' + name + ',' + number(value) + "\r\n";
 }
 
+bool known(const std::vector<Eigen::VectorXd>& noise, std::size_t filter) {
+  return filter < noise.size() && noise[filter].size() > 0;
+}
+
 std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prismatic() ? " [m]" : " [rad]"; }
 
 }  // namespace
@@ -45,6 +49,8 @@ std::string to_csv(const Analysis& a) {
                                  derivative_unit(c, a.spec.filters[f].filter.derivative) + ',';
       add_statistic(out, prefix + "worst_case", a.workspace.derivatives[f][i].worst_case);
       add_statistic(out, prefix + "sigma", a.workspace.derivatives[f][i].sigma);
+      if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
+        add_statistic(out, prefix + "sigma_in_motion", *moving);
     }
   return out;
 }
@@ -85,30 +91,33 @@ std::string rows_csv(const std::vector<ListRow>& rows) {
   return out;
 }
 
-std::string per_configuration_header(const Spec& spec) {
+std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   std::string out;
   for (const IndependentJoint& joint : spec.model.chain.independent)
     out += (out.empty() ? "" : ",") + csv_cell(joint.name + unit_in_brackets(joint));
   for (const Coordinate c : spec.model.coordinates)
     for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
       out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
-  for (const NamedFilter& f : spec.filters)
+  for (std::size_t f = 0; f < spec.filters.size(); ++f)
     for (const Coordinate c : spec.model.coordinates)
-      for (const char* bound : {"worst_case", "sigma"})
-        out += ',' + csv_cell(f.name + '.' + std::string(info(c).name) + '.' + bound + " [" +
-                              derivative_unit(c, f.filter.derivative) + ']');
+      for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
+        if (bound != std::string("sigma_in_motion") || known(noise, f))
+          out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +
+                                derivative_unit(c, spec.filters[f].filter.derivative) + ']');
   return out + "\r\n";
 }
 
-std::string per_configuration_row(const Spec& spec, const Eigen::VectorXd& q, const OperationalError& e) {
+std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                  const Eigen::VectorXd& q, const OperationalError& e) {
   std::string out;
   for (Eigen::Index j = 0; j < q.size(); ++j) out += (j ? "," : "") + number(q[j]);
   for (Eigen::Index i = 0; i < e.sigma.size(); ++i)
     out += ',' + number(e.worst_case[i]) + ',' + number(e.rigorous[i]) + ',' + number(e.sigma[i]);
-  for (const NamedFilter& f : spec.filters)
+  for (std::size_t f = 0; f < spec.filters.size(); ++f)
     for (Eigen::Index i = 0; i < e.sigma.size(); ++i) {
-      const Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], f.norms);
+      const Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], spec.filters[f].norms);
       out += ',' + number(b.worst_case) + ',' + number(b.sigma);
+      if (known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f]));
     }
   return out + "\r\n";
 }

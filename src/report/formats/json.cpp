@@ -114,6 +114,7 @@ Json derivatives(const Analysis& a) {
                              {"unit", derivative_unit(a.spec.model.coordinates[i], filter.filter.derivative)},
                              {"worst_case", statistic(a.spec, d.worst_case)},
                              {"sigma", statistic(a.spec, d.sigma)}});
+      if (d.sigma_in_motion) coordinates.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
     }
     list.push_back({{"filter", filter.name},
                     {"derivative", filter.filter.derivative},
@@ -121,6 +122,9 @@ Json derivatives(const Analysis& a) {
                     {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
                     {"coordinates", coordinates},
                     {"covariance", covariance(a, filter.norms.h2 * filter.norms.h2)}});
+    if (f < a.noise_in_motion.size() && a.noise_in_motion[f].size() > 0)
+      list.back()["noise_in_motion_over_ipqn"] =
+          by_joint(a.spec, a.noise_in_motion[f] * (std::sqrt(12.0) / filter.norms.h2));
   }
   return list;
 }

@@ -103,6 +103,8 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
     const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
     rows.push_back(
         figures(std::string(info(c).name) + "  sigma (IPQN)", a.workspace.derivatives[f][i].sigma, unit));
+    if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
+      rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
     rows.push_back(
         figures(std::string(info(c).name) + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
   }

@@ -1,0 +1,43 @@
+#pragma once
+
+namespace qerr {
+
+/// Largest |error| of a velocity computed from an encoder's counts [rad/s or m/s]; infinite where there is
+/// none.
+///
+/// The error is against the mean velocity over the interval measured (paper, Eqs. 47 and 50).
+struct EstimatorError {
+  double printed = 0;   ///< the paper's bound, Eq. 48 (with its sign mended) or Eq. 52
+  double varying = 0;   ///< least bound for any motion (FDM), any monotone one up to the speed (ITM)
+  double constant = 0;  ///< least bound for a constant speed; 0 where the counts come out even
+};
+
+/// Fixed time, FDM: (x_k - x_{k-1}) f. A sample of V = v/(Delta f) counts sees floor(V) or ceil(V) of them:
+/// constant Delta f max({V}, 1 - {V}), 0 for whole V; printed and varying Delta f.
+/// @param resolution   Delta [rad or m], > 0
+/// @param sample_rate  f [Hz], > 0
+/// @param speed        v [rad/s or m/s]; its sign does not matter
+EstimatorError finite_difference_error(double resolution, double sample_rate, double speed);
+
+/// Fixed distance, ITM: Delta over the time between two edges, which is measured in n whole ticks of a clock.
+///
+/// With alpha = Delta f_c/v ticks between edges (Eq. 51; v the largest speed between them) and m =
+/// floor(alpha), a true duration tau >= alpha is measured as floor(tau) or ceil(tau): constant Delta f_c
+/// max(1/m - 1/alpha, 1/alpha - 1/(m + 1)), 0 for whole alpha; varying Delta f_c/(m (m + 1)), a supremum;
+/// printed Delta f_c/m, loose by m + 1. Infinite for alpha < 1, where two edges may share a tick.
+/// @param clock  f_c [Hz]: the paper's is the sample rate; a hardware timer is faster
+/// @pre the velocity keeps its sign between the edges. Against the instantaneous velocity, which changes
+/// while the joint moves on by Delta, no such bound holds.
+EstimatorError inverse_time_error(double resolution, double clock, double speed);
+
+/// The highest speed up to which ITM's error is never larger than FDM's, `varying` bounds [rad/s or m/s]:
+/// Delta f_c/m, m the least integer with m (m + 1) >= f_c/f. With the clock at the sample rate this is Delta
+/// f, the paper's Eqs. 45 and 46; with a fast one about Delta sqrt(f f_c).
+double estimator_crossing(double resolution, double sample_rate, double clock);
+
+/// Worst-case signal-to-noise ratio, 20 log10(|v|/error) (Eqs. 49 and 53) [dB]; plus infinity
+/// for no error, minus infinity for an infinite one.
+/// @pre v != 0
+double worst_case_snr_db(double speed, double error);
+
+}  // namespace qerr

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+
+#include "qerr/report/noise_report.hpp"
+
+namespace qerr {
+
+/// The keys that a filter's noise adds to its JSON object.
+void add_noise(nlohmann::ordered_json& filter, const FilterNoise&);
+
+}  // namespace qerr
