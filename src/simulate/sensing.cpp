@@ -46,7 +46,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
     }
   }
   const auto n = static_cast<Eigen::Index>(actions_.size());
-  for (Eigen::VectorXd* v : {&reading_.joint, &reading_.counts, &reading_.measured, &reading_.reference})
+  for (Eigen::VectorXd* v :
+       {&reading_.joint, &reading_.counts, &reading_.measured, &reading_.logged, &reading_.reference})
     v->resize(n);
 }
 
@@ -54,7 +55,7 @@ double Sensing::position(std::size_t joint, double time) const {
   return path_.position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
 }
 
-const Reading& Sensing::read(std::uint64_t index) {
+Reading& Sensing::read(std::uint64_t index) {
   Reading& r = reading_;
   r.index = index;
   r.time = static_cast<double>(index) / sample_rate_;
@@ -86,7 +87,7 @@ const Reading& Sensing::read(std::uint64_t index) {
   for (std::size_t i = 0; i < n; ++i) {
     const auto row = static_cast<Eigen::Index>(i);
     const Moment moment{index, r.time, r.joint[row], 0, 0};
-    r.estimate[row] = through(actions_[i].log, r.estimate[row], moment);
+    r.logged[row] = through(actions_[i].log, r.estimate[row], moment);
     r.reference[row] = through(actions_[i].log, r.reference[row], moment);
   }
   return r;

@@ -19,7 +19,7 @@ namespace qerr {
 
 namespace {
 
-constexpr std::uint64_t displacement_stream = 0x6c61646465720000;
+constexpr std::uint64_t displacement_stream = 0x7068617365;
 
 /// Channels of one coordinate: the exact error, its linear part, and the part of every encoder in that.
 struct Channels {
@@ -62,14 +62,23 @@ struct Job {
   std::uint64_t samples, settling, blocks;
 };
 
+/// Part of a count by which each encoder's path is displaced: uniform for every run, and spread evenly over
+/// the runs, so that their mean converges faster than that of independent ones.
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
   if (job.options.runs == 1) return d;
-  for (Eigen::Index i = 0; i < d.size(); ++i)
-    d[i] = steps[i] * (unit_interval(random_bits(job.options.seed, run,
-                                                 displacement_stream + static_cast<std::uint64_t>(i))) -
-                       0.5);
+  // x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
+  double x = 1.5;
+  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(d.size() + 1));
+  double step = 1;
+  for (Eigen::Index i = 0; i < d.size(); ++i) {
+    step /= x;
+    const double start =
+        unit_interval(random_bits(job.options.seed, static_cast<std::uint64_t>(i), displacement_stream));
+    const double phase = start + static_cast<double>(run) * step;
+    d[i] = steps[i] * (phase - std::floor(phase) - 0.5);
+  }
   return d;
 }
 
@@ -86,10 +95,11 @@ std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::f
   RunStatistics position(channels.count(), job.blocks);
   Eigen::ArrayXd inputs(channels.count()), signals(channels.count());
   for (std::uint64_t k = 0; k < job.samples; ++k) {
-    const Reading& reading = sensing.read(k);
-    if (index == 0 && job.options.visit) job.options.visit(reading);
+    Reading& reading = sensing.read(k);
     Eigen::Isometry3d truth;
     const Jacobian joints = joint_jacobian(job.model.chain, reading.joint, &truth);
+    reading.tip = truth.translation();
+    if (index == 0 && job.options.visit) job.options.visit(reading);
     const Eigen::MatrixXd sensed =
         to_independent(job.model.chain, coordinate_rows(job.model.coordinates, joints, truth.linear())) *
         job.model.transmission.coupling;

@@ -13,13 +13,15 @@ namespace qerr {
 /// What a controller and a better sensor record at one sample.
 struct Reading {
   std::uint64_t index = 0;
-  double time = 0;            ///< the stamp [s]
-  Eigen::VectorXd joint;      ///< true positions of the independent joints at the stamp [rad or m]
-  Eigen::VectorXd counts;     ///< of the encoders, whole numbers
-  Eigen::VectorXd encoder;    ///< true encoder coordinates C^-1 q at the stamp [rad or m]
-  Eigen::VectorXd measured;   ///< encoder coordinates as read, counts * Delta [rad or m]
-  Eigen::VectorXd estimate;   ///< joint positions as read, C * measured [rad or m]
-  Eigen::VectorXd reference;  ///< joint positions by the better sensor [rad or m]
+  double time = 0;               ///< the stamp [s]
+  Eigen::VectorXd joint;         ///< true positions of the independent joints at the stamp [rad or m]
+  Eigen::VectorXd counts;        ///< of the encoders, whole numbers
+  Eigen::VectorXd encoder;       ///< true encoder coordinates C^-1 q at the stamp [rad or m]
+  Eigen::VectorXd measured;      ///< encoder coordinates as read, counts * Delta [rad or m]
+  Eigen::VectorXd estimate;      ///< joint positions as read, C * measured [rad or m]
+  Eigen::VectorXd logged;        ///< the estimate as a file with a grid of its own has it [rad or m]
+  Eigen::Vector3d tip{0, 0, 0};  ///< true position of the tip, filled in by `simulate` [m]
+  Eigen::VectorXd reference;     ///< joint positions by the better sensor [rad or m]
 };
 
 /// One run of the robot's encoders along a motion, sample by sample and in order.
@@ -38,7 +40,7 @@ class Sensing {
 
   /// The sample `index` at time index / sample_rate.
   /// @pre called with 0, 1, 2, ...
-  const Reading& read(std::uint64_t index);
+  Reading& read(std::uint64_t index);
 
  private:
   struct Actions {

@@ -1,0 +1,57 @@
+#include <memory>
+
+#include "command.hpp"
+#include "qerr/core/output_file.hpp"
+#include "qerr/report/simulation_report.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+struct Arguments {
+  std::string spec;
+  std::string log;
+  std::uint64_t runs = 1;
+};
+
+int run(const Arguments& arguments, const Options& o) {
+  const Spec spec = load(arguments.spec, o);
+  OutputFile out(o.output);
+  std::unique_ptr<OutputFile> log;
+  LogWriter rows(spec);
+  SimulationOptions options;
+  options.runs = arguments.runs;
+  options.seed = spec.configurations.seed;
+  options.threads = o.threads;
+  options.progress = progress(o);
+  if (!arguments.log.empty()) {
+    log = std::make_unique<OutputFile>(arguments.log);
+    log->write(rows.header());
+    options.visit = [&](const Reading& reading) { log->write(rows.row(reading)); };
+  }
+  const SimulationReport report = simulation_report(spec, options);
+  if (log) log->close();
+  out.write(write(report, chosen_format(o), style(o)));
+  out.close();
+  warn(report.warnings, o);
+  return 0;
+}
+
+}  // namespace
+
+std::function<int()> declare_simulate(CLI::App& app, Options& o) {
+  auto arguments = std::make_shared<Arguments>();
+  app.add_option("SPEC", arguments->spec, "the spec (YAML) with its motion; '-' reads standard input")
+      ->required();
+  app.add_option("--log", arguments->log, "write the first run's log as CSV; '-' is standard output")
+      ->type_name("FILE.csv");
+  app.add_option("--runs", arguments->runs,
+                 "Monte-Carlo runs with random sub-count phases (default: 1, phase 0)")
+      ->type_name("N")
+      ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100'000'000}));
+  add_spec_options(app, o);
+  add_output_options(app, o);
+  return [=, &o] { return run(*arguments, o); };
+}
+
+}  // namespace qerr::cli

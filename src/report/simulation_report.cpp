@@ -1,0 +1,141 @@
+#include "qerr/report/simulation_report.hpp"
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "qerr/report/write.hpp"
+#include "text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string filter_name(const SimulationReport& r, std::size_t output) {
+  return output == 0 ? "position" : r.spec.filters[output - 1].name;
+}
+
+std::string unit_of(const SimulationReport& r, std::size_t output, std::size_t coordinate) {
+  return derivative_unit(r.spec.model.coordinates[coordinate],
+                         output == 0 ? 0 : r.spec.filters[output - 1].filter.derivative);
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::string json(const SimulationReport& r) {
+  Json results = Json::array();
+  for (std::size_t o = 0; o < r.simulation.results.size(); ++o)
+    for (std::size_t c = 0; c < r.simulation.results[o].size(); ++c) {
+      const SimulatedSignal& s = r.simulation.results[o][c];
+      results.push_back({{"filter", filter_name(r, o)},
+                         {"coordinate", info(r.spec.model.coordinates[c]).name},
+                         {"unit", unit_of(r, o, c)},
+                         {"sigma_simulated", s.sigma_simulated},
+                         {"sigma_lower", s.sigma_lower},
+                         {"sigma_upper", s.sigma_upper},
+                         {"mean_simulated", s.mean_simulated},
+                         {"peak_simulated", s.peak_simulated},
+                         {"sigma_ipqn", number(s.sigma_ipqn)},
+                         {"sigma_ipqn_path", number(s.sigma_ipqn_path)},
+                         {"sigma_exact", number(s.sigma_exact)},
+                         {"worst_case", number(s.worst_case)},
+                         {"worst_case_path", number(s.worst_case_path)},
+                         {"ladder",
+                          {{"varying_jacobian", number(s.ladder.varying_jacobian)},
+                           {"joint_error", number(s.ladder.joint_error)},
+                           {"correlated_joints", number(s.ladder.correlated_joints)},
+                           {"nonlinear", number(s.ladder.nonlinear)}}}});
+    }
+  return Json{{"qerr", version()},
+              {"command", "simulate"},
+              {"spec", {{"file", r.spec.file}, {"sha256", r.spec.sha256}}},
+              {"runs", r.simulation.runs},
+              {"samples", r.simulation.samples},
+              {"settling_samples", r.simulation.settling},
+              {"results", results},
+              {"warnings", r.warnings}}
+             .dump(2) +
+         "\n";
+}
+
+std::string csv(const SimulationReport& r) {
+  std::string out =
+      "filter,coordinate,unit,sigma_simulated,sigma_lower,sigma_upper,mean_simulated,peak_simulated,sigma_"
+      "ipqn,"
+      "sigma_ipqn_path,sigma_exact,worst_case,worst_case_path,varying_jacobian,joint_error,correlated_joints,"
+      "nonlinear\r\n";
+  for (std::size_t o = 0; o < r.simulation.results.size(); ++o)
+    for (std::size_t c = 0; c < r.simulation.results[o].size(); ++c) {
+      const SimulatedSignal& s = r.simulation.results[o][c];
+      out += csv_cell(filter_name(r, o)) + ',' + std::string(info(r.spec.model.coordinates[c]).name) + ',' +
+             unit_of(r, o, c);
+      for (const double value :
+           {s.sigma_simulated, s.sigma_lower, s.sigma_upper, s.mean_simulated, s.peak_simulated, s.sigma_ipqn,
+            s.sigma_ipqn_path, s.sigma_exact, s.worst_case, s.worst_case_path, s.ladder.varying_jacobian,
+            s.ladder.joint_error, s.ladder.correlated_joints, s.ladder.nonlinear})
+        out += ',' + (std::isfinite(value) ? shortest(value) : std::string());
+      out += "\r\n";
+    }
+  return out;
+}
+
+std::string ratio(double over, double under) {
+  return under > 0 && std::isfinite(under) ? shortest_of(over / under, 3) : "";
+}
+
+std::string table(const SimulationReport& r) {
+  std::vector<std::vector<std::string>> sigma{
+      {"", "simulated", "95 %", "IPQN", "sim/IPQN", "sim/path", "sim/exact", "peak", "worst case", "used"}};
+  std::vector<std::vector<std::string>> ladder{
+      {"", "sim/IPQN", "=", "varying Jacobian", "joint error", "correlated joints", "non-linear"}};
+  for (std::size_t o = 0; o < r.simulation.results.size(); ++o)
+    for (std::size_t c = 0; c < r.simulation.results[o].size(); ++c) {
+      const SimulatedSignal& s = r.simulation.results[o][c];
+      const std::string unit = unit_of(r, o, c);
+      const std::string label =
+          escaped(filter_name(r, o), 40) + ' ' + std::string(info(r.spec.model.coordinates[c]).name);
+      const double half = 0.5 * (s.sigma_upper - s.sigma_lower);
+      sigma.push_back(
+          {label, readable(s.sigma_simulated, unit),
+           "+-" + shortest_of(s.sigma_simulated > 0 ? 100 * half / s.sigma_simulated : 0, 2) + " %",
+           readable(s.sigma_ipqn, unit), ratio(s.sigma_simulated, s.sigma_ipqn),
+           ratio(s.sigma_simulated, s.sigma_ipqn_path), ratio(s.sigma_simulated, s.sigma_exact),
+           readable(s.peak_simulated, unit), readable(s.worst_case_path, unit),
+           shortest_of(s.worst_case_path > 0 ? 100 * s.peak_simulated / s.worst_case_path : 0, 2) + " %"});
+      ladder.push_back({label, ratio(s.sigma_simulated, s.sigma_ipqn), "=",
+                        shortest_of(s.ladder.varying_jacobian, 4), shortest_of(s.ladder.joint_error, 4),
+                        shortest_of(s.ladder.correlated_joints, 4), shortest_of(s.ladder.nonlinear, 5)});
+    }
+  return "qerr simulate  robot '" + escaped(r.spec.robot_name, 60) + "', " +
+         std::to_string(r.simulation.runs) + (r.simulation.runs == 1 ? " run of " : " runs of ") +
+         std::to_string(r.simulation.samples) + " samples, the first " +
+         std::to_string(r.simulation.settling) + " left out\n\nSigma: simulation beside theory " +
+         "(IPQN at the centre of the motion, along its path, exact at its speeds), peak beside the worst "
+         "case\n" +
+         aligned(sigma) + "\nWhere the gap to IPQN comes from, in factors\n" + aligned(ladder);
+}
+
+}  // namespace
+
+SimulationReport simulation_report(const Spec& spec, const SimulationOptions& options) {
+  if (!spec.motion)
+    throw Error(Fault{{spec.file, 1, 1},
+                      "motion",
+                      "the spec has no motion to simulate",
+                      "",
+                      "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}"});
+  std::vector<Filter> filters;
+  std::vector<Norms> norms;
+  for (const NamedFilter& f : spec.filters) {
+    filters.push_back(f.filter);
+    norms.push_back(f.norms);
+  }
+  return {spec, simulate(spec.model, filters, norms, *spec.motion, spec.effects, options), spec.warnings};
+}
+
+std::string write(const SimulationReport& r, std::string_view format, const Style&) {
+  return format == "json" ? json(r) : format == "csv" ? csv(r) : table(r);
+}
+
+}  // namespace qerr
