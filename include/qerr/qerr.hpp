@@ -12,6 +12,7 @@
 /// A whole report takes two calls, `read_spec` and `analyze`; each step is also a free function of its own.
 /// All values are in SI units. Errors are thrown as qerr::Error; nothing is printed.
 
+#include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/output_file.hpp"
 #include "qerr/core/parallel.hpp"

@@ -1,19 +1,27 @@
 #include "cascade.hpp"
 
 namespace qerr {
+namespace {
+
+template <class Scalar>
+Scalar to(Wide x) {
+  return static_cast<Scalar>(x);
+}
+
+}  // namespace
 
 template <class Scalar>
 BasicCascade<Scalar>::BasicCascade(const Filter& filter)
-    : taps_(filter.taps), past_(filter.taps.size()), gain_(filter.gain) {
+    : taps_(filter.taps), past_(filter.taps.size()), gain_(to<Scalar>(filter.gain)) {
   for (const Section& s : filter.sections) {
     Stage stage;
     stage.second = s.a[2] != 0;
-    stage.b0 = s.b[0];
-    stage.b1 = s.b[1];
-    stage.b2 = s.b[2];
-    stage.a0 = s.a[0];
-    stage.a01 = Scalar(s.a[0]) + Scalar(s.a[1]);
-    stage.inverse = Scalar(1) / (stage.a01 + Scalar(s.a[2]));
+    stage.b0 = to<Scalar>(s.b[0]);
+    stage.b1 = to<Scalar>(s.b[1]);
+    stage.b2 = to<Scalar>(s.b[2]);
+    stage.a0 = to<Scalar>(s.a[0]);
+    stage.a01 = to<Scalar>(s.a[0] + s.a[1]);
+    stage.inverse = to<Scalar>(Wide(1) / (s.a[0] + s.a[1] + s.a[2]));
     stages_.push_back(stage);
   }
 }

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "double_double.hpp"
+#include "qerr/core/double_double.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

@@ -93,11 +93,11 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   return result;
 }
 
-/// Divides by the lowest coefficient that is not 0, so that the gain is left to one exact number.
-std::array<double, 3> scaled(const Polynomial& p) {
+/// Divides by the lowest coefficient that is not 0, so that the gain is left to one number.
+std::array<Wide, 3> scaled(const Polynomial& p) {
   const auto lowest = std::find_if(p.begin(), p.end(), [](const Wide& c) { return c.hi != 0; });
-  std::array<double, 3> result{};
-  for (std::size_t i = 0; i < 3; ++i) result[i] = static_cast<double>(p[i] / *lowest);
+  std::array<Wide, 3> result{};
+  for (std::size_t i = 0; i < 3; ++i) result[i] = p[i] / *lowest;
   return result;
 }
 
@@ -118,7 +118,8 @@ Filter filter_from_coefficients(const std::vector<double>& numerator, const std:
   filter.derivative = derivative;
   if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
     if (a.size() > 1) stable_poles(a);
-    for (const double c : b) filter.taps.push_back(c / a[0]);
+    filter.taps = b;
+    filter.gain = Wide(1) / Wide(a[0]);
     return filter;
   }
   if (std::max(a.size(), b.size()) > max_coefficients) {
@@ -132,7 +133,7 @@ Filter filter_from_coefficients(const std::vector<double>& numerator, const std:
   for (const WideComplex& r : stable_poles(a)) below.push_back(factor_of_root(r));
   Deflated zeros = divide_out_dc_zeros(b);
   const Wide slope = sum(zeros.rest);
-  filter.gain = std::ldexp(static_cast<double>(slope / sum({a.begin(), a.end()})), zeros.zeros);
+  filter.gain = slope / sum({a.begin(), a.end()}) * Wide(std::ldexp(1.0, zeros.zeros));
   for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
   while (zeros.rest.front().hi == 0) {
     zeros.rest.erase(zeros.rest.begin());

@@ -13,7 +13,9 @@ namespace {
 
 using Complex = std::complex<double>;
 
-Complex section_response(const Section& s, Complex w) {
+Complex section_response(const Section& section, Complex w) {
+  const auto doubles = [](const std::array<Wide, 3>& c) { return std::array{c[0].hi, c[1].hi, c[2].hi}; };
+  const struct { std::array<double, 3> b, a; } s{doubles(section.b), doubles(section.a)};
   if (std::abs(w) <= 1) return (s.b[0] + w * (s.b[1] + w * s.b[2])) / (s.a[0] + w * (s.a[1] + w * s.a[2]));
   // Near the Nyquist frequency in v = 1/w, which vanishes there.
   const Complex v = 1.0 / w;
@@ -43,36 +45,45 @@ double taps_delay(const std::vector<double>& taps) {
 }
 
 /// c1/c0 after the zeros at w = 0 are left out.
-double relative_slope(const std::array<double, 3>& c) {
+Wide relative_slope(const std::array<Wide, 3>& c) {
   if (c[0] != 0) return c[1] / c[0];
-  return c[1] != 0 ? c[2] / c[1] : 0;
+  return c[1] != 0 ? c[2] / c[1] : Wide(0);
 }
 
 }  // namespace
 
+Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>& a) {
+  const auto in_w = [second = b[2] != 0 || a[2] != 0](const std::array<double, 3>& c) {
+    const Wide c0 = c[0], c1 = c[1], c2 = c[2];
+    return second ? std::array<Wide, 3>{c0 + c1 + c2, Wide(2) * (c0 - c2), c0 - c1 + c2}
+                  : std::array<Wide, 3>{c0 + c1, c0 - c1, 0};
+  };
+  return {in_w(b), in_w(a)};
+}
+
 Complex response(const Filter& filter, double frequency_hz) {
   const double turns = std::remainder(frequency_hz / filter.sample_rate, 1.0);
   const Complex w(0, std::tan(std::numbers::pi * turns));
-  Complex h = filter.gain;
+  Complex h = static_cast<double>(filter.gain);
   for (const Section& s : filter.sections) h *= section_response(s, w);
   if (!filter.taps.empty()) h *= taps_response(filter.taps, turns, w);
   return h;
 }
 
 double dc_gain(const Filter& filter) {
-  double h = filter.gain;
+  Wide h = filter.gain;
   for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
   if (!filter.taps.empty()) {
     const Deflated d = divide_out_dc_zeros(filter.taps);
-    h *= d.zeros > 0 ? 0 : static_cast<double>(sum(d.rest));
+    h *= d.zeros > 0 ? Wide(0) : sum(d.rest);
   }
-  return h;
+  return static_cast<double>(h);
 }
 
 double group_delay(const Filter& filter) {
   Wide samples;
   for (const Section& s : filter.sections) {
-    samples += (Wide(relative_slope(s.a)) - Wide(relative_slope(s.b))) * Wide(0.5);
+    samples += (relative_slope(s.a) - relative_slope(s.b)) * Wide(0.5);
   }
   const double total = static_cast<double>(samples) + (filter.taps.empty() ? 0 : taps_delay(filter.taps));
   return total / filter.sample_rate;

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "double_double.hpp"
+#include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
 
@@ -10,10 +10,10 @@ namespace {
 
 using Polynomial = std::vector<Wide>;  // ascending in w
 
-Polynomial multiplied(const Polynomial& p, const std::array<double, 3>& c, std::size_t order) {
+Polynomial multiplied(const Polynomial& p, const std::array<Wide, 3>& c, std::size_t order) {
   Polynomial r(p.size() + order);
   for (std::size_t i = 0; i < p.size(); ++i) {
-    for (std::size_t j = 0; j <= order; ++j) r[i + j] += p[i] * Wide(c[j]);
+    for (std::size_t j = 0; j <= order; ++j) r[i + j] += p[i] * c[j];
   }
   return r;
 }
@@ -61,10 +61,10 @@ void stretch(Polynomial& p, int shift) {
   }
 }
 
-double taps_norm(const std::vector<double>& taps, double gain) {
+double taps_norm(const std::vector<double>& taps, Wide gain) {
   Wide total;
   for (const double h : taps) total += Wide(h) * Wide(h);
-  return static_cast<double>(sqrt(total)) * std::abs(gain);
+  return static_cast<double>(sqrt(total) * abs(gain));
 }
 
 }  // namespace
@@ -92,7 +92,7 @@ double h2_norm(const Filter& filter) {
                       ""},
                 Trouble::internal);
   }
-  return static_cast<double>(sqrt(squared)) * std::abs(filter.gain);
+  return static_cast<double>(sqrt(squared) * abs(filter.gain));
 }
 
 Norms norms(const Filter& filter) { return {h2_norm(filter), l1_norm(filter), dc_gain(filter)}; }

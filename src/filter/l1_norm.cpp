@@ -183,15 +183,14 @@ Interval by_runs(const Filter& filter, double h2) {
 
 /// The coefficients in w of c(q/r), where c(q) is (1 + q)^order times the polynomial c in w = (1 - q)/(1 +
 /// q).
-std::array<double, 3> weighted(const std::array<double, 3>& c, bool second, double r) {
+std::array<Wide, 3> weighted(const std::array<Wide, 3>& c, bool second, double r) {
   if (!second) {
     const Wide q0 = Wide(c[0]) + c[1], q1 = (Wide(c[0]) - c[1]) / r;
-    return {static_cast<double>(q0 + q1), static_cast<double>(q0 - q1), 0};
+    return {q0 + q1, q0 - q1, 0};
   }
   const Wide q0 = Wide(c[0]) + c[1] + c[2], q1 = Wide(2) * (Wide(c[0]) - c[2]) / r;
   const Wide q2 = (Wide(c[0]) - c[1] + c[2]) / (Wide(r) * r);
-  return {static_cast<double>(q0 + q1 + q2), static_cast<double>(Wide(2) * (q0 - q2)),
-          static_cast<double>(q0 - q1 + q2)};
+  return {q0 + q1 + q2, Wide(2) * (q0 - q2), q0 - q1 + q2};
 }
 
 /// ||H(r z)||_2: the impulse response of H(r z) is h_k r^-k.
@@ -230,7 +229,7 @@ Interval l1_norm(const Filter& filter) {
   if (!filter.taps.empty()) {
     Wide total;
     for (const double h : filter.taps) total += abs(Wide(h));
-    return around(filter, total * Wide(std::abs(filter.gain)), 0, 0);
+    return around(filter, total * abs(filter.gain), 0, 0);
   }
   const double h2 = h2_norm(filter);
   if (h2 == 0) return {0, 0};

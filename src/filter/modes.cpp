@@ -80,7 +80,7 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
   series[0] = WideComplex(filter.gain);
   for (const Section& s : filter.sections) {
     series = multiplied(series, numerator(s, w0));
-    const double lead = s.a[2] != 0 ? s.a[2] : s.a[1];
+    const Wide lead = s.a[2] != 0 ? s.a[2] : s.a[1];
     if (lead != 0) {
       for (WideComplex& x : series) x = x / WideComplex(lead);
     }

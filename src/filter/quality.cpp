@@ -96,15 +96,16 @@ std::vector<std::array<double, 6>> second_order_sections(const Filter& filter) {
   for (const Section& s : filter.sections) {
     // w = (1 - q)/(1 + q), numerator and denominator times (1 + q) to the section's order.
     const bool second = s.a[2] != 0 || s.b[2] != 0;
-    const auto in_z = [&](const std::array<double, 3>& c) {
-      return second ? std::array{c[0] + c[1] + c[2], 2 * (c[0] - c[2]), c[0] - c[1] + c[2]}
-                    : std::array{c[0] + c[1], c[0] - c[1], 0.0};
+    const auto in_z = [&](const std::array<Wide, 3>& c) {
+      return second ? std::array<Wide, 3>{c[0] + c[1] + c[2], Wide(2) * (c[0] - c[2]), c[0] - c[1] + c[2]}
+                    : std::array<Wide, 3>{c[0] + c[1], c[0] - c[1], 0};
     };
     const auto b = in_z(s.b), a = in_z(s.a);
-    sections.push_back({b[0] / a[0], b[1] / a[0], b[2] / a[0], 1, a[1] / a[0], a[2] / a[0]});
+    const auto over = [&](Wide c) { return static_cast<double>(c / a[0]); };
+    sections.push_back({over(b[0]), over(b[1]), over(b[2]), 1, over(a[1]), over(a[2])});
   }
   if (sections.empty()) sections.push_back({1, 0, 0, 1, 0, 0});
-  for (std::size_t i = 0; i < 3; ++i) sections.front()[i] *= filter.gain;
+  for (std::size_t i = 0; i < 3; ++i) sections.front()[i] *= static_cast<double>(filter.gain);
   return sections;
 }
 

@@ -53,7 +53,7 @@ Json to_json(const FilterFigures& f, bool coefficients) {
                        {"tracking_error", at.tracking_error}});
   if (f.tracking) j["motion_band"] = {{"largest", f.tracking->largest}, {"rms", f.tracking->rms}};
   if (coefficients && f.filter.taps.empty()) j["sections"] = second_order_sections(f.filter);
-  if (coefficients && !f.filter.taps.empty()) j["taps"] = f.filter.taps;
+  if (coefficients && !f.filter.taps.empty()) j["taps"] = impulse_response(f.filter, f.filter.taps.size());
   return j;
 }
 
@@ -90,7 +90,8 @@ std::string table(const FilterReport& report, const Style&) {
     if (!report.questions.coefficients) continue;
     out += "\n" + escaped(f.name, 40) + ": sections b0 b1 b2 / 1 a1 a2 in ascending powers of z^-1\n";
     if (!f.filter.taps.empty()) {
-      for (const double tap : f.filter.taps) out += "  " + shortest(tap) + "\n";
+      for (const double tap : impulse_response(f.filter, f.filter.taps.size()))
+        out += "  " + shortest(tap) + "\n";
       continue;
     }
     for (const auto& s : second_order_sections(f.filter)) {

@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "qerr/core/double_double.hpp"
+
 namespace qerr {
 
 /// A section of order one or two in w = (1 - z^-1)/(1 + z^-1): (b0 + b1 w + b2 w^2)/(a0 + a1 w + a2 w^2).
@@ -12,12 +14,19 @@ namespace qerr {
 /// In w the point z = 1 lies at w = 0 (and w is (T/2) d/dt for slow signals), so slow poles keep their digits
 /// however small the cut-off is against the sample rate; the section is stable if and only if a0, a1 and, for
 /// second order, a2 have one sign. First order: a2 = b2 = 0. The order of the numerator is at most that of
-/// the denominator.
+/// the denominator. Coefficients are double-double, so that a section in z^-1 keeps its digits
+/// (section_in_w).
 struct Section {
-  std::array<double, 3> b{};
-  std::array<double, 3> a{};
+  std::array<Wide, 3> b{};
+  std::array<Wide, 3> a{};
   bool operator==(const Section&) const = default;
 };
+
+/// The section (b0 + b1 q + b2 q^2)/(a0 + a1 q + a2 q^2), q = z^-1, in w: c0 + c1 q + c2 q^2 is
+/// [(c0 + c1 + c2) + 2 (c0 - c2) w + (c0 - c1 + c2) w^2]/(1 + w)^2, every sum to a relative 2^-100.
+///
+/// With a2 = b2 = 0 a section of first order. Does not check that it is stable.
+Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>& a);
 
 /// A digital filter H = gain * taps * product of the sections; unit of the output over unit of the input is
 /// 1/s^derivative.
@@ -25,11 +34,10 @@ struct Section {
 /// All functions below assume a stable filter, which the families and `filter_from_coefficients` guarantee.
 struct Filter {
   std::vector<Section> sections;
-  double gain = 1;
-  double sample_rate = 0;  ///< [Hz]
-  int derivative = 0;      ///< what the output estimates; only names its unit
-  std::vector<double> taps =
-      {};  ///< h_0, h_1, ... of a user's filter without poles (sections are then empty); else empty
+  Wide gain = 1;
+  double sample_rate = 0;         ///< [Hz]
+  int derivative = 0;             ///< what the output estimates; only names its unit
+  std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy also for tiny f, where derivatives vanish as (j

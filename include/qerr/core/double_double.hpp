@@ -51,6 +51,7 @@ inline Wide operator/(Wide x, Wide y) {
   return quick_two_sum(q1, q2) + Wide(q3);
 }
 
+inline Wide& operator-=(Wide& x, Wide y) { return x = x - y; }
 inline Wide& operator+=(Wide& x, Wide y) { return x = x + y; }
 inline Wide& operator*=(Wide& x, Wide y) { return x = x * y; }
 inline bool operator<(Wide x, Wide y) { return x.hi < y.hi || (x.hi == y.hi && x.lo < y.lo); }
