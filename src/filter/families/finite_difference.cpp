@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../double_double.hpp"
 #include "families.hpp"
+#include "qerr/core/double_double.hpp"
 
 namespace qerr {
 namespace {
@@ -44,7 +44,7 @@ Filter design(const FilterDesign& wanted) {
   for (std::size_t j = 0; j < c.size(); ++j) {
     filter.taps[j * static_cast<std::size_t>(span)] = static_cast<double>(points[j]);
   }
-  for (int i = 0; i < wanted.derivative; ++i) filter.gain *= wanted.sample_rate / span;
+  for (int i = 0; i < wanted.derivative; ++i) filter.gain *= Wide(wanted.sample_rate) / Wide(span);
   return filter;
 }
 

@@ -35,7 +35,9 @@ FilterFamily kalman_family() {
       "kalman",
       "estimates the derivative itself: of the updated estimate x_hat(k|k) of a steady-state Kalman filter; "
       "no "
-      "lag for motion as in the model, (T/2)(c1/c0 - 1) for the model's highest derivative while it changes",
+      "lag for motion as in the model; its highest derivative, while that changes, is late by (alpha/beta - "
+      "1/2) "
+      "T (velocity) or (2 beta/gamma - 1/2) T (acceleration)",
       {{.name = "model",
         .kind = Kind::choice,
         .meaning = "what is constant but for the process noise",

@@ -7,10 +7,9 @@ namespace qerr {
 
 Section section_of_pole(WideComplex p, double slope) {
   const Wide scale = slope;
-  if (p.im == Wide(0)) return {{1, 0, 0}, {1, static_cast<double>(-scale / p.re), 0}};
+  if (p.im == Wide(0)) return {{1, 0, 0}, {1, -scale / p.re, 0}};
   const Wide n = norm(p);
-  return {{1, 0, 0},
-          {1, static_cast<double>(Wide(-2) * p.re / n * scale), static_cast<double>(scale * scale / n)}};
+  return {{1, 0, 0}, {1, Wide(-2) * p.re / n * scale, scale * scale / n}};
 }
 
 Filter bilinear_lowpass(const FilterDesign& wanted, const Prototype& prototype) {
@@ -20,9 +19,9 @@ Filter bilinear_lowpass(const FilterDesign& wanted, const Prototype& prototype) 
   std::size_t zeros = 0;
   for (const WideComplex& p : prototype.poles) {
     Section section = section_of_pole(p, slope);
-    if (section.a[2] != 0 && zeros < prototype.zeros.size()) {
+    if (section.a[2].hi != 0 && zeros < prototype.zeros.size()) {
       const Wide over = Wide(slope) / prototype.zeros[zeros++];
-      section.b[2] = static_cast<double>(over * over);
+      section.b[2] = over * over;
     }
     filter.sections.push_back(section);
   }

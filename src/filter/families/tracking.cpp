@@ -11,7 +11,7 @@ namespace {
 
 /// s times the section of a numerator.
 Section with(Section s, Wide b0, Wide b1, Wide b2) {
-  s.b = {static_cast<double>(b0), static_cast<double>(b1), static_cast<double>(b2)};
+  s.b = {b0, b1, b2};
   return s;
 }
 
@@ -66,7 +66,7 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
   const Wide first = c[0], one = 1;
   for (Wide& x : c) x = x / first;
   if (states == 2) {
-    const Section pair{{}, {1, static_cast<double>(c[1]), static_cast<double>(c[2])}};
+    const Section pair{{}, {1, c[1], c[2]}};
     filter.sections = {wanted.derivative == 0 ? with(pair, 1, c[1], c[1] - one) : with(pair, 0, 1, 1)};
     return filter;
   }
@@ -79,7 +79,7 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
   Section pair;
   if (upper.empty()) {
     const Wide u = one / real[0].re, v = one / real[1].re;
-    pair.a = {1, static_cast<double>(-u - v), static_cast<double>(u * v)};
+    pair.a = {1, -u - v, u * v};
   } else {
     pair = section_of_pole(upper[0], 1);
   }

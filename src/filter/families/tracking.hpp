@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "../double_double.hpp"
+#include "qerr/core/double_double.hpp"
 #include "families.hpp"
 
 namespace qerr {

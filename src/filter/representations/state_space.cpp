@@ -1,0 +1,250 @@
+#include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <limits>
+
+#include "representations.hpp"
+#include "roots_in_w.hpp"
+
+namespace qerr {
+namespace {
+
+using Real =
+    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<400>, boost::multiprecision::et_off>;
+using Vector = std::vector<Real>;
+using Matrix = std::vector<Vector>;
+
+constexpr std::size_t max_states = 20;
+
+struct Complex {
+  Real re, im;
+  friend Complex operator+(const Complex& x, const Complex& y) { return {x.re + y.re, x.im + y.im}; }
+  friend Complex operator-(const Complex& x, const Complex& y) { return {x.re - y.re, x.im - y.im}; }
+  friend Complex operator*(const Complex& x, const Complex& y) {
+    return {x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re};
+  }
+  friend Complex operator/(const Complex& x, const Complex& y) {
+    const Real n = y.re * y.re + y.im * y.im;
+    return {(x.re * y.re + x.im * y.im) / n, (x.im * y.re - x.re * y.im) / n};
+  }
+  Real square() const { return re * re + im * im; }
+};
+
+Wide to_wide(const Real& x) {
+  const double high = static_cast<double>(x);
+  return {high, static_cast<double>(Real(x - high))};
+}
+
+/// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
+/// p_(k-1) = -tr(A M_k)/(n - k + 1), M_(k-1) = A M_k + p_(k-1) I, numerator_(k-1) = C M_k B + D p_(k-1).
+struct TransferFunction {
+  Vector b, a;
+};
+
+TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Real& d) {
+  const std::size_t n = rows.size();
+  Matrix m(n, Vector(n));
+  for (std::size_t i = 0; i < n; ++i) m[i][i] = 1;
+  TransferFunction h{Vector(n + 1), Vector(n + 1)};
+  h.a[n] = 1;
+  h.b[n] = d;
+  for (std::size_t k = n; k > 0; --k) {
+    Matrix next(n, Vector(n));
+    Real trace = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        h.b[k - 1] += c[i] * m[i][j] * b[j];
+        for (std::size_t l = 0; l < n; ++l) {
+          if (rows[i][l] != 0) next[i][j] += rows[i][l] * m[l][j];
+        }
+      }
+      trace += next[i][i];
+    }
+    h.a[k - 1] = -trace / static_cast<double>(n - k + 1);
+    h.b[k - 1] += d * h.a[k - 1];
+    for (std::size_t i = 0; i < n; ++i) next[i][i] += h.a[k - 1];
+    m = std::move(next);
+  }
+  return h;
+}
+
+/// sum p_k z^k at z = (1 + w)/(1 - w), times (1 - w)^n, in ascending powers of w.
+Vector in_w(const Vector& p) {
+  Vector sum{p.back()}, power{1};  // Horner: sum <- sum (1 + w) + p_k (1 - w)^(n - k)
+  const auto times = [](const Vector& x, int sign) {
+    Vector r(x.size() + 1);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      r[i] += x[i];
+      r[i + 1] += sign * x[i];
+    }
+    return r;
+  };
+  for (std::size_t k = p.size() - 1; k-- > 0;) {
+    sum = times(sum, 1);
+    power = times(power, -1);
+    for (std::size_t i = 0; i < power.size(); ++i) sum[i] += p[k] * power[i];
+  }
+  return sum;
+}
+
+/// Coefficients that only rounding of the 400 digits keeps from 0 are 0, or they would be roots of their own.
+void clean(Vector& p) {
+  Real largest = 0;
+  for (const Real& c : p) largest = std::max(largest, Real(abs(c)));
+  for (Real& c : p) {
+    if (abs(c) <= largest * Real("1e-340")) c = 0;
+  }
+}
+
+/// All roots of a polynomial whose ends are not 0, by Aberth's iteration.
+std::vector<Complex> roots(const Vector& ascending) {
+  const std::size_t n = ascending.size() - 1;
+  if (n == 0) return {};
+  const Real radius = pow(Real(abs(ascending[0] / ascending[n])), Real(1) / static_cast<double>(n));
+  std::vector<Complex> z(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const double angle = 6.283185307179586 * static_cast<double>(k) / static_cast<double>(n) + 0.4;
+    z[k] = {radius * std::cos(angle), radius * std::sin(angle)};
+  }
+  const Real enough("1e-80");  // its square: 40 digits
+  for (int sweep = 0; sweep < 600; ++sweep) {
+    Real largest = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      Complex value{0, 0}, slope{0, 0};
+      for (std::size_t k = n + 1; k-- > 0;) {
+        slope = slope * z[i] + value;
+        value = value * z[i] + Complex{ascending[k], 0};
+      }
+      if (value.square() == 0 || slope.square() == 0) continue;
+      Complex others{0, 0};
+      for (std::size_t j = 0; j < n; ++j) {
+        const Complex gap = z[i] - z[j];
+        if (j != i && gap.square() != 0) others = others + Complex{1, 0} / gap;
+      }
+      const Complex newton = value / slope, brake = Complex{1, 0} - newton * others;
+      const Complex step = brake.square() != 0 ? newton / brake : newton;
+      z[i] = z[i] - step;
+      largest = std::max(largest, Real(step.square() / z[i].square()));
+    }
+    if (largest < enough) break;
+  }
+  return z;
+}
+
+/// The factors 1 - w/r of a polynomial: real ones and one of each conjugate pair; roots that agree to 28
+/// digits are one multiple root.
+std::vector<LinearFactor> factors(Vector p, Wide& gain, std::vector<Complex>& found) {
+  std::vector<LinearFactor> list;
+  clean(p);
+  while (p.back() == 0) p.pop_back();
+  std::size_t at_zero = 0;
+  while (p[at_zero] == 0) ++at_zero;
+  p.erase(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(at_zero));
+  gain = to_wide(p.front());
+  list.assign(at_zero, {0.0, 1.0});
+  found = roots(p);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    for (std::size_t j = 0; j < i; ++j) {
+      if (Complex(found[i] - found[j]).square() < found[i].square() * Real("1e-56")) found[i] = found[j];
+    }
+    Complex r = found[i];
+    if (abs(r.im) < abs(r.re) * Real("1e-30")) r.im = 0;
+    if (r.im < 0) continue;
+    const Complex v = Complex{-1, 0} / r;
+    list.push_back({1.0, {to_wide(v.re), to_wide(v.im)}});
+  }
+  return list;
+}
+
+/// The largest |z| of the roots in w; `stable` is false where one is not inside by more than `doubt`.
+double largest_modulus(const std::vector<Complex>& roots_in_w, double doubt, bool& stable) {
+  Real largest = 0;
+  stable = true;
+  for (const Complex& w : roots_in_w) {
+    const Complex z = Complex{1 + w.re, w.im} / Complex{1 - w.re, -w.im};
+    // 1 - |z|^2 = -4 Re w/|1 - w|^2
+    const Real inside = -4 * w.re / Complex{1 - w.re, -w.im}.square();
+    if (!(inside > 2 * doubt)) stable = false;
+    largest = std::max(largest, Real(sqrt(z.square())));
+  }
+  return static_cast<double>(largest);
+}
+
+Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
+  return Error(Fault{{},
+                     key,
+                     rule,
+                     std::to_string(found.size()) + " rows, the first of " +
+                         std::to_string(found.empty() ? 0 : found[0].size()),
+                     "write {A: [[a11, a12], [a21, a22]], B: [b1, b2], C: [c1, c2], D: d}"});
+}
+
+/// A column, or a row, of n numbers.
+Vector vector_of(const Rows& rows, std::size_t n, const char* key) {
+  Vector v;
+  const bool row = rows.size() == 1 && rows[0].size() == n;
+  const bool column =
+      rows.size() == n && std::all_of(rows.begin(), rows.end(), [](const auto& r) { return r.size() == 1; });
+  if (!row && !column) throw wrong_shape(key, "needs one number per state: one input, one output", rows);
+  for (const auto& r : rows) v.insert(v.end(), r.begin(), r.end());
+  return v;
+}
+
+Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
+  const Rows d = values.contains("D") ? values.at("D") : Rows{{0.0}};
+  return filter_from_state_space(values.at("A"), values.at("B"), values.at("C"), d, sample_rate, derivative);
+}
+
+}  // namespace
+
+Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, const Rows& d, double sample_rate,
+                               int derivative) {
+  difference_filter(sample_rate, derivative);  // checks both
+  check_finite(a, "A");
+  check_finite(b, "B");
+  check_finite(c, "C");
+  check_finite(d, "D");
+  const std::size_t n = a.size();
+  if (n == 0 || n > max_states)
+    throw wrong_shape("A", "must have 1 to " + std::to_string(max_states) + " rows", a);
+  double size = 1;  // the largest absolute row sum
+  for (const auto& row : a) {
+    if (row.size() != n) throw wrong_shape("A", "must be square", a);
+    double sum = 0;
+    for (const double x : row) sum += std::abs(x);
+    size = std::max(size, sum);
+  }
+  if (size > 1e10) throw Error(Fault{{}, "A", "the numbers are too large", figure(size), "scale the states"});
+  const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
+  const TransferFunction h = transfer_function(a, input, output, through[0]);
+  const Vector below_w = in_w(h.a);
+  Wide above_gain, below_gain;
+  bool stable = false;
+  std::vector<Complex> poles, zeros;
+  Real scale = 0;
+  for (const Real& x : below_w) scale = std::max(scale, Real(abs(x)));
+  if (abs(below_w[0]) <= scale * Real("1e-340")) throw unstable("A", 1);  // a pole at z = 1
+  if (abs(below_w[n]) <= scale * Real("1e-340")) throw unstable("A", 1);  // at z = -1
+  const std::vector<LinearFactor> below = factors(below_w, below_gain, poles);
+  const double modulus = largest_modulus(poles, std::numeric_limits<double>::epsilon() * size, stable);
+  if (!stable) throw unstable("A", modulus);
+  const Vector above_w = in_w(h.b);
+  if (std::all_of(above_w.begin(), above_w.end(), [](const Real& x) { return x == 0; }))
+    return {{}, 1, sample_rate, derivative, {0}};
+  const std::vector<LinearFactor> above = factors(above_w, above_gain, zeros);
+  return filter_from_factors(above_gain / below_gain, above, below, sample_rate, derivative);
+}
+
+FilterRepresentation state_space_representation() {
+  return {"state_space",
+          "in place of lowpass: x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k",
+          {.name = "state_space", .kind = Kind::object, .meaning = "one input, one output"},
+          {{.name = "A", .kind = Kind::matrix, .meaning = "rows of the state matrix", .required = true},
+           {.name = "B", .kind = Kind::matrix, .meaning = "one number per state", .required = true},
+           {.name = "C", .kind = Kind::matrix, .meaning = "one number per state", .required = true},
+           {.name = "D", .kind = Kind::matrix, .meaning = "direct path; default: 0"}},
+          {},
+          build};
+}
+
+}  // namespace qerr
