@@ -1,39 +1,23 @@
 #include <algorithm>
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <limits>
 
+#include "many_digits.hpp"
 #include "representations.hpp"
 #include "roots_in_w.hpp"
 
 namespace qerr {
 namespace {
 
-using Real =
-    boost::multiprecision::number<boost::multiprecision::cpp_bin_float<400>, boost::multiprecision::et_off>;
-using Vector = std::vector<Real>;
+using many_digits::Complex;
+using many_digits::Real;
+using many_digits::to_wide;
+using many_digits::Vector;
 using Matrix = std::vector<Vector>;
 
 constexpr std::size_t max_states = 20;
-
-struct Complex {
-  Real re, im;
-  friend Complex operator+(const Complex& x, const Complex& y) { return {x.re + y.re, x.im + y.im}; }
-  friend Complex operator-(const Complex& x, const Complex& y) { return {x.re - y.re, x.im - y.im}; }
-  friend Complex operator*(const Complex& x, const Complex& y) {
-    return {x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re};
-  }
-  friend Complex operator/(const Complex& x, const Complex& y) {
-    const Real n = y.re * y.re + y.im * y.im;
-    return {(x.re * y.re + x.im * y.im) / n, (x.im * y.re - x.re * y.im) / n};
-  }
-  Real square() const { return re * re + im * im; }
-};
-
-Wide to_wide(const Real& x) {
-  const double high = static_cast<double>(x);
-  return {high, static_cast<double>(Real(x - high))};
-}
+const Real negligible("1e-340");  // rounding of the 400 digits
+constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 /// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
 /// p_(k-1) = -tr(A M_k)/(n - k + 1), M_(k-1) = A M_k + p_(k-1) I, numerator_(k-1) = C M_k B + D p_(k-1).
@@ -92,43 +76,8 @@ void clean(Vector& p) {
   Real largest = 0;
   for (const Real& c : p) largest = std::max(largest, Real(abs(c)));
   for (Real& c : p) {
-    if (abs(c) <= largest * Real("1e-340")) c = 0;
+    if (abs(c) <= largest * negligible) c = 0;
   }
-}
-
-/// All roots of a polynomial whose ends are not 0, by Aberth's iteration.
-std::vector<Complex> roots(const Vector& ascending) {
-  const std::size_t n = ascending.size() - 1;
-  if (n == 0) return {};
-  const Real radius = pow(Real(abs(ascending[0] / ascending[n])), Real(1) / static_cast<double>(n));
-  std::vector<Complex> z(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    const double angle = 6.283185307179586 * static_cast<double>(k) / static_cast<double>(n) + 0.4;
-    z[k] = {radius * std::cos(angle), radius * std::sin(angle)};
-  }
-  const Real enough("1e-80");  // its square: 40 digits
-  for (int sweep = 0; sweep < 600; ++sweep) {
-    Real largest = 0;
-    for (std::size_t i = 0; i < n; ++i) {
-      Complex value{0, 0}, slope{0, 0};
-      for (std::size_t k = n + 1; k-- > 0;) {
-        slope = slope * z[i] + value;
-        value = value * z[i] + Complex{ascending[k], 0};
-      }
-      if (value.square() == 0 || slope.square() == 0) continue;
-      Complex others{0, 0};
-      for (std::size_t j = 0; j < n; ++j) {
-        const Complex gap = z[i] - z[j];
-        if (j != i && gap.square() != 0) others = others + Complex{1, 0} / gap;
-      }
-      const Complex newton = value / slope, brake = Complex{1, 0} - newton * others;
-      const Complex step = brake.square() != 0 ? newton / brake : newton;
-      z[i] = z[i] - step;
-      largest = std::max(largest, Real(step.square() / z[i].square()));
-    }
-    if (largest < enough) break;
-  }
-  return z;
 }
 
 /// The factors 1 - w/r of a polynomial: real ones and one of each conjugate pair; roots that agree to 28
@@ -142,7 +91,7 @@ std::vector<LinearFactor> factors(Vector p, Wide& gain, std::vector<Complex>& fo
   p.erase(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(at_zero));
   gain = to_wide(p.front());
   list.assign(at_zero, {0.0, 1.0});
-  found = roots(p);
+  found = many_digits::roots(p);
   for (std::size_t i = 0; i < found.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (Complex(found[i] - found[j]).square() < found[i].square() * Real("1e-56")) found[i] = found[j];
@@ -170,6 +119,50 @@ double largest_modulus(const std::vector<Complex>& roots_in_w, double doubt, boo
   return static_cast<double>(largest);
 }
 
+/// x of (I - A) x = b, by elimination with row pivots.
+Vector solved(const Rows& a, Vector b) {
+  const std::size_t n = a.size();
+  Matrix m(n, Vector(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Real(a[i][j]);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t top = k;
+    for (std::size_t i = k; i < n; ++i) {
+      if (abs(m[i][k]) > abs(m[top][k])) top = i;
+    }
+    std::swap(m[k], m[top]);
+    std::swap(b[k], b[top]);
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const Real factor = m[i][k] / m[k][k];
+      for (std::size_t j = k; j < n; ++j) m[i][j] -= factor * m[k][j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t j = k + 1; j < n; ++j) b[k] -= m[k][j] * b[j];
+    b[k] /= m[k][k];
+  }
+  return b;
+}
+
+/// How many zeros at z = 1 the rounding of C and D hides: with R = (I - A)^-1 the filter is D + C R B - C R^2
+/// B (z - 1) + ..., and a sum that cancels to its last digits is meant to be 0.
+std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Real& d) {
+  std::size_t zeros = 0;
+  Vector v = b;
+  for (; zeros <= max_derivative; ++zeros) {
+    v = solved(a, v);
+    Real sum = zeros == 0 ? d : Real(0), size = abs(sum);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      sum += c[i] * v[i];
+      size += abs(c[i] * v[i]);
+    }
+    if (size == 0 || abs(sum) > size * (static_cast<double>(v.size() + 1) * 2 * half_unit)) break;
+  }
+  return zeros;
+}
+
 Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
   return Error(Fault{{},
                      key,
@@ -177,6 +170,22 @@ Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
                      std::to_string(found.size()) + " rows, the first of " +
                          std::to_string(found.empty() ? 0 : found[0].size()),
                      "write {A: [[a11, a12], [a21, a22]], B: [b1, b2], C: [c1, c2], D: d}"});
+}
+
+/// The largest sum of absolute values in a row of A.
+/// @throws Error (input; key `A`) unless A is square, of 1 to max_states rows, and of reasonable numbers
+double largest_row_sum(const Rows& a) {
+  if (a.empty() || a.size() > max_states)
+    throw wrong_shape("A", "must have 1 to " + std::to_string(max_states) + " rows", a);
+  double size = 1;
+  for (const auto& row : a) {
+    if (row.size() != a.size()) throw wrong_shape("A", "must be square", a);
+    double sum = 0;
+    for (const double x : row) sum += std::abs(x);
+    size = std::max(size, sum);
+  }
+  if (size > 1e10) throw Error(Fault{{}, "A", "the numbers are too large", figure(size), "scale the states"});
+  return size;
 }
 
 /// A column, or a row, of n numbers.
@@ -205,30 +214,23 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   check_finite(c, "C");
   check_finite(d, "D");
   const std::size_t n = a.size();
-  if (n == 0 || n > max_states)
-    throw wrong_shape("A", "must have 1 to " + std::to_string(max_states) + " rows", a);
-  double size = 1;  // the largest absolute row sum
-  for (const auto& row : a) {
-    if (row.size() != n) throw wrong_shape("A", "must be square", a);
-    double sum = 0;
-    for (const double x : row) sum += std::abs(x);
-    size = std::max(size, sum);
-  }
-  if (size > 1e10) throw Error(Fault{{}, "A", "the numbers are too large", figure(size), "scale the states"});
+  const double size = largest_row_sum(a);
   const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
   const TransferFunction h = transfer_function(a, input, output, through[0]);
   const Vector below_w = in_w(h.a);
+  Real scale = 0;
+  for (const Real& x : below_w) scale = std::max(scale, Real(abs(x)));
+  // The ends are 0 with a pole at z = 1, or at z = -1.
+  const bool on_circle = std::min(Real(abs(below_w[0])), Real(abs(below_w[n]))) <= scale * negligible;
   Wide above_gain, below_gain;
   bool stable = false;
   std::vector<Complex> poles, zeros;
-  Real scale = 0;
-  for (const Real& x : below_w) scale = std::max(scale, Real(abs(x)));
-  if (abs(below_w[0]) <= scale * Real("1e-340")) throw unstable("A", 1);  // a pole at z = 1
-  if (abs(below_w[n]) <= scale * Real("1e-340")) throw unstable("A", 1);  // at z = -1
   const std::vector<LinearFactor> below = factors(below_w, below_gain, poles);
-  const double modulus = largest_modulus(poles, std::numeric_limits<double>::epsilon() * size, stable);
-  if (!stable) throw unstable("A", modulus);
-  const Vector above_w = in_w(h.b);
+  const double modulus = largest_modulus(poles, 2 * half_unit * size, stable);
+  if (!stable || on_circle) throw unstable("A", on_circle ? std::max(1.0, modulus) : modulus);
+  Vector above_w = in_w(h.b);
+  const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
+  std::fill_n(above_w.begin(), blocked, Real(0));
   if (std::all_of(above_w.begin(), above_w.end(), [](const Real& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
   const std::vector<LinearFactor> above = factors(above_w, above_gain, zeros);
