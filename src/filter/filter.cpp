@@ -25,7 +25,7 @@ Complex section_response(const Section& section, Complex w) {
 
 /// Zeros at z = 1 stay factored, or a tiny frequency would see the difference of equal taps.
 Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
-  const Deflated d = divide_out_dc_zeros(taps);
+  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
   Complex sum = 0;
   for (std::size_t k = 0; k < d.rest.size(); ++k) {
     const double part = std::remainder(turns * static_cast<double>(k), 1.0);
@@ -37,7 +37,7 @@ Complex taps_response(const std::vector<double>& taps, double turns, Complex w) 
 }
 
 double taps_delay(const std::vector<double>& taps) {
-  const Deflated d = divide_out_dc_zeros(taps);
+  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
   Wide weighted;
   for (std::size_t k = 0; k < d.rest.size(); ++k) weighted += Wide(static_cast<double>(k)) * d.rest[k];
   const Wide total = sum(d.rest);
@@ -74,7 +74,7 @@ double dc_gain(const Filter& filter) {
   Wide h = filter.gain;
   for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
   if (!filter.taps.empty()) {
-    const Deflated d = divide_out_dc_zeros(filter.taps);
+    const Deflated<Wide> d = divide_out_dc_zeros<Wide>(filter.taps);
     h *= d.zeros > 0 ? Wide(0) : sum(d.rest);
   }
   return static_cast<double>(h);
