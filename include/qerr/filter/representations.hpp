@@ -33,8 +33,8 @@ const std::vector<FilterRepresentation>& filter_representations();
 
 /// Second-order sections [b0, b1, b2, a0, a1, a2] in ascending powers of z^-1 (scipy, with any a0).
 ///
-/// The coefficients are taken as exact, and their sums in w keep 2^-100. A numerator that sums to 0 but for
-/// the rounding of its coefficients gets its zero at z = 1.
+/// The coefficients are taken as exact, and so are their sums in w, or `Filter::deviation` says how far they
+/// are off. A numerator that sums to 0 but for the rounding of its coefficients gets its zero at z = 1.
 /// @throws Error (input; key `sos` or `sos[i]`) when there are none or over 100, a row has not six finite
 /// numbers, a0 = 0, or a pole is on or outside the unit circle, or nearer than the rounding of the
 /// coefficients can tell
@@ -50,7 +50,7 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
 /// x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k: H = D + C (z I - A)^-1 B, single input, single output.
 ///
 /// The matrices are taken as exact: the transfer function by Faddeev and Le Verrier, its change to w and its
-/// roots are computed in 400 digits.
+/// roots are computed with 1024 bits. A constant D + C (I - A)^-1 B that cancels to its last digits is 0.
 /// @param b, c  a column or a row of as many numbers as A has rows
 /// @throws Error (input; key `A`, `B`, `C` or `D`) when a shape is wrong, a number is not finite, A has over
 /// 20 rows, or an eigenvalue of A is on or outside the unit circle, or nearer to it than the rounding of A

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "../polynomial.hpp"
+#include "../roots.hpp"
 #include "prototype.hpp"
 
 namespace qerr {
@@ -32,7 +32,10 @@ Filter design(const FilterDesign& wanted) {
   const int order = whole_number(wanted, "order", 2, 1, max_order);
   const std::string normalization = checked_choice(wanted, "normalization", {"phase", "delay", "magnitude"});
   const std::vector<Wide> polynomial = reverse_bessel_polynomial(order);
-  std::vector<WideComplex> all = roots(polynomial);
+  std::vector<Long> descending;
+  for (const Wide& c : polynomial) descending.push_back(to_long(c));
+  std::vector<WideComplex> all;
+  for (const LongComplex& p : roots(descending)) all.push_back({to_wide(p.re), to_wide(p.im)});
   Wide scale = 1;
   if (normalization == "phase") scale = std::pow(static_cast<double>(polynomial.back()), -1.0 / order);
   if (normalization == "magnitude") scale = Wide(1) / half_power_frequency(all);

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "qerr/core/double_double.hpp"
+#include "../complex.hpp"
 #include "families.hpp"
 
 namespace qerr {

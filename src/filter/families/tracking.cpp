@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "../polynomial.hpp"
+#include "../roots.hpp"
 #include "prototype.hpp"
 
 namespace qerr {
@@ -71,9 +71,9 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
     return filter;
   }
   std::vector<WideComplex> real, upper;
-  for (const WideComplex& r : roots({c[3], c[2], c[1], c[0]})) {
-    if (r.im == Wide(0)) real.push_back(r);
-    if (Wide(0) < r.im) upper.push_back(r);
+  for (const LongComplex& r : roots({to_long(c[3]), to_long(c[2]), to_long(c[1]), to_long(c[0])})) {
+    if (r.im == 0) real.push_back(to_wide(r.re));
+    if (r.im > 0) upper.push_back({to_wide(r.re), to_wide(r.im)});
   }
   const Section single = section_of_pole(real.back(), 1);
   Section pair;

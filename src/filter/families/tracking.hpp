@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "qerr/core/double_double.hpp"
 #include "families.hpp"
+#include "qerr/core/double_double.hpp"
 
 namespace qerr {
 

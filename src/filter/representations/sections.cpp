@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "factors.hpp"
 #include "representations.hpp"
 
 namespace qerr {
@@ -41,7 +42,18 @@ void put_zeros_at_dc(Section& s, const Triple& b) {
   if (std::abs(s.b[1].hi) <= 2 * doubt && s.b[2].hi != 0) s.b[1] = 0;
 }
 
-Section section_of(const std::vector<double>& row, const std::string& key) {
+/// True when the section in w is the stated one without any rounding.
+bool exact(const std::array<Wide, 3>& c, const Triple& stated, bool second) {
+  const Long c0 = stated[0], c1 = stated[1], c2 = stated[2];
+  if (!second) return to_long(c[0]) == c0 + c1 && to_long(c[1]) == c0 - c1;
+  return to_long(c[0]) == c0 + c1 + c2 && to_long(c[1]) == 2 * (c0 - c2) && to_long(c[2]) == c0 - c1 + c2;
+}
+
+struct Stated {
+  Triple b, a;
+};
+
+Stated stated_by(const std::vector<double>& row, const std::string& key) {
   if (row.size() != 6) {
     throw Error(Fault{{},
                       key,
@@ -51,12 +63,29 @@ Section section_of(const std::vector<double>& row, const std::string& key) {
   }
   const Triple b{row[0], row[1], row[2]}, a{row[3], row[4], row[5]};
   if (a[0] == 0) throw Error(Fault{{}, key, "a0 must not be 0", "0", "write [b0, b1, b2, 1, a1, a2]"});
-  // A numerator longer than its denominator: the poles that are missing lie at z = 0.
-  Section s = section_in_w(b, a);
-  if (!stable(s, a)) throw unstable(key, largest_modulus(a));
-  if (b[2] == 0 && a[2] == 0 && b[1] == 0 && a[1] == 0) s = {{b[0], 0, 0}, {a[0], 0, 0}};
-  put_zeros_at_dc(s, b);
-  return s;
+  if (!stable(section_in_w(b, a), a)) throw unstable(key, largest_modulus(a));
+  return {b, a};
+}
+
+/// The cascade; `is_exact` tells whether nothing was rounded.
+Filter cascade(const std::vector<Stated>& stated, double sample_rate, int derivative, bool zeros_at_dc,
+               bool& is_exact) {
+  Filter filter{{}, 1, sample_rate, derivative};
+  is_exact = true;
+  for (const auto& [b, a] : stated) {
+    if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a number
+      filter.gain = filter.gain * Wide(b[0]) / Wide(a[0]);
+      is_exact = false;
+      continue;
+    }
+    Section s = section_in_w(b, a);
+    if (zeros_at_dc) put_zeros_at_dc(s, b);
+    const bool second = b[2] != 0 || a[2] != 0;
+    is_exact = is_exact && exact(s.b, b, second) && exact(s.a, a, second);
+    filter.sections.push_back(s);
+  }
+  if (filter.sections.empty()) filter.taps = {1};
+  return filter;
 }
 
 Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
@@ -66,9 +95,7 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 }  // namespace
 
 Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative) {
-  Filter filter = difference_filter(sample_rate, derivative);  // checks both
-  filter.sections.clear();
-  filter.gain = 1;
+  difference_filter(sample_rate, derivative);  // checks both
   if (sos.empty() || sos.size() > max_sections) {
     throw Error(Fault{{},
                       "sos",
@@ -77,15 +104,23 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
                       "write [[b0, b1, b2, a0, a1, a2], ...]"});
   }
   check_finite(sos, "sos");
+  std::vector<Stated> stated;
+  std::vector<Long> b{1}, a{1};
+  double modulus = 0;
   for (std::size_t i = 0; i < sos.size(); ++i) {
-    Section s = section_of(sos[i], "sos[" + std::to_string(i) + ']');
-    if (s.a[1].hi == 0) {  // a number
-      filter.gain = filter.gain * s.b[0] / s.a[0];
-    } else {
-      filter.sections.push_back(s);
-    }
+    stated.push_back(stated_by(sos[i], "sos[" + std::to_string(i) + ']'));
+    b = times(b, {stated[i].b.begin(), stated[i].b.end()});
+    a = times(a, {stated[i].a.begin(), stated[i].a.end()});
+    modulus = std::max(modulus, largest_modulus(stated[i].a));
   }
-  if (filter.sections.empty()) filter.taps = {1};
+  // A filter that blocks 0 Hz but for the rounding of its numbers is meant to block it; not where that
+  // matters.
+  Filter filter;
+  for (const bool zeros_at_dc : {true, false}) {
+    bool is_exact = false;
+    filter = cascade(stated, sample_rate, derivative, zeros_at_dc, is_exact);
+    if (is_exact || prove(filter, b, a, modulus, "sos")) break;
+  }
   return filter;
 }
 

@@ -2,21 +2,17 @@
 #include <cmath>
 #include <limits>
 
-#include "many_digits.hpp"
+#include "factors.hpp"
 #include "representations.hpp"
-#include "roots_in_w.hpp"
 
 namespace qerr {
 namespace {
 
-using many_digits::Complex;
-using many_digits::Real;
-using many_digits::to_wide;
-using many_digits::Vector;
+using Vector = std::vector<Long>;
 using Matrix = std::vector<Vector>;
 
 constexpr std::size_t max_states = 20;
-const Real negligible("1e-340");  // rounding of the 400 digits
+const Long negligible("1e-290");  // rounding of 1024 bits
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 /// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
@@ -25,7 +21,7 @@ struct TransferFunction {
   Vector b, a;
 };
 
-TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Real& d) {
+TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Long& d) {
   const std::size_t n = rows.size();
   Matrix m(n, Vector(n));
   for (std::size_t i = 0; i < n; ++i) m[i][i] = 1;
@@ -34,7 +30,7 @@ TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vect
   h.b[n] = d;
   for (std::size_t k = n; k > 0; --k) {
     Matrix next(n, Vector(n));
-    Real trace = 0;
+    Long trace = 0;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j < n; ++j) {
         h.b[k - 1] += c[i] * m[i][j] * b[j];
@@ -71,50 +67,51 @@ Vector in_w(const Vector& p) {
   return sum;
 }
 
-/// Coefficients that only rounding of the 400 digits keeps from 0 are 0, or they would be roots of their own.
+/// Coefficients that only rounding of the 1024 bits keeps from 0 are 0, or they would be roots of their own.
 void clean(Vector& p) {
-  Real largest = 0;
-  for (const Real& c : p) largest = std::max(largest, Real(abs(c)));
-  for (Real& c : p) {
+  Long largest = 0;
+  for (const Long& c : p) largest = std::max(largest, Long(abs(c)));
+  for (Long& c : p) {
     if (abs(c) <= largest * negligible) c = 0;
   }
 }
 
-/// The factors 1 - w/r of a polynomial: real ones and one of each conjugate pair; roots that agree to 28
-/// digits are one multiple root.
-std::vector<LinearFactor> factors(Vector p, Wide& gain, std::vector<Complex>& found) {
-  std::vector<LinearFactor> list;
+/// A polynomial in w as lead w^k prod(1 - w/r): real factors and one of each conjugate pair; roots that agree
+/// to 28 digits are one multiple root.
+struct Factored {
+  Long lead;
+  std::vector<LinearFactor> factors;
+  std::vector<LongComplex> roots;
+};
+
+Factored factored(Vector p) {
   clean(p);
   while (p.back() == 0) p.pop_back();
-  std::size_t at_zero = 0;
-  while (p[at_zero] == 0) ++at_zero;
-  p.erase(p.begin(), p.begin() + static_cast<std::ptrdiff_t>(at_zero));
-  gain = to_wide(p.front());
-  list.assign(at_zero, {0.0, 1.0});
-  found = many_digits::roots(p);
-  for (std::size_t i = 0; i < found.size(); ++i) {
+  const auto start = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
+  Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
+  std::reverse(p.begin(), p.end());
+  while (p.back() == 0) p.pop_back();
+  f.roots = roots(p);
+  for (std::size_t i = 0; i < f.roots.size(); ++i) {
+    LongComplex& r = f.roots[i];
     for (std::size_t j = 0; j < i; ++j) {
-      if (Complex(found[i] - found[j]).square() < found[i].square() * Real("1e-56")) found[i] = found[j];
+      if (magnitude(r - f.roots[j]) < 1e-28L * magnitude(r)) r = f.roots[j];
     }
-    Complex r = found[i];
-    if (abs(r.im) < abs(r.re) * Real("1e-30")) r.im = 0;
-    if (r.im < 0) continue;
-    const Complex v = Complex{-1, 0} / r;
-    list.push_back({1.0, {to_wide(v.re), to_wide(v.im)}});
+    if (abs(r.im) < abs(r.re) * Long("1e-30")) r.im = 0;
+    if (r.im >= 0) f.factors.push_back({1.0, LongComplex(-1.0) / r});
   }
-  return list;
+  return f;
 }
 
 /// The largest |z| of the roots in w; `stable` is false where one is not inside by more than `doubt`.
-double largest_modulus(const std::vector<Complex>& roots_in_w, double doubt, bool& stable) {
-  Real largest = 0;
+double largest_modulus(const std::vector<LongComplex>& roots_in_w, double doubt, bool& stable) {
+  Long largest = 0;
   stable = true;
-  for (const Complex& w : roots_in_w) {
-    const Complex z = Complex{1 + w.re, w.im} / Complex{1 - w.re, -w.im};
+  for (const LongComplex& w : roots_in_w) {
+    const LongComplex up{1 + w.re, w.im}, down{1 - w.re, -w.im};
     // 1 - |z|^2 = -4 Re w/|1 - w|^2
-    const Real inside = -4 * w.re / Complex{1 - w.re, -w.im}.square();
-    if (!(inside > 2 * doubt)) stable = false;
-    largest = std::max(largest, Real(sqrt(z.square())));
+    if (!(-4 * w.re > 2 * doubt * norm(down))) stable = false;
+    largest = std::max(largest, Long(sqrt(Long(norm(up) / norm(down)))));
   }
   return static_cast<double>(largest);
 }
@@ -124,7 +121,7 @@ Vector solved(const Rows& a, Vector b) {
   const std::size_t n = a.size();
   Matrix m(n, Vector(n));
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Real(a[i][j]);
+    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Long(a[i][j]);
   }
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t top = k;
@@ -134,7 +131,7 @@ Vector solved(const Rows& a, Vector b) {
     std::swap(m[k], m[top]);
     std::swap(b[k], b[top]);
     for (std::size_t i = k + 1; i < n; ++i) {
-      const Real factor = m[i][k] / m[k][k];
+      const Long factor = m[i][k] / m[k][k];
       for (std::size_t j = k; j < n; ++j) m[i][j] -= factor * m[k][j];
       b[i] -= factor * b[k];
     }
@@ -148,12 +145,12 @@ Vector solved(const Rows& a, Vector b) {
 
 /// How many zeros at z = 1 the rounding of C and D hides: with R = (I - A)^-1 the filter is D + C R B - C R^2
 /// B (z - 1) + ..., and a sum that cancels to its last digits is meant to be 0.
-std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Real& d) {
+std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Long& d) {
   std::size_t zeros = 0;
   Vector v = b;
   for (; zeros <= max_derivative; ++zeros) {
     v = solved(a, v);
-    Real sum = zeros == 0 ? d : Real(0), size = abs(sum);
+    Long sum = zeros == 0 ? d : Long(0), size = abs(sum);
     for (std::size_t i = 0; i < v.size(); ++i) {
       sum += c[i] * v[i];
       size += abs(c[i] * v[i]);
@@ -218,23 +215,31 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
   const TransferFunction h = transfer_function(a, input, output, through[0]);
   const Vector below_w = in_w(h.a);
-  Real scale = 0;
-  for (const Real& x : below_w) scale = std::max(scale, Real(abs(x)));
+  Long scale = 0;
+  for (const Long& x : below_w) scale = std::max(scale, Long(abs(x)));
   // The ends are 0 with a pole at z = 1, or at z = -1.
-  const bool on_circle = std::min(Real(abs(below_w[0])), Real(abs(below_w[n]))) <= scale * negligible;
-  Wide above_gain, below_gain;
+  const bool on_circle = std::min(Long(abs(below_w[0])), Long(abs(below_w[n]))) <= scale * negligible;
+  const Factored below = factored(below_w);
   bool stable = false;
-  std::vector<Complex> poles, zeros;
-  const std::vector<LinearFactor> below = factors(below_w, below_gain, poles);
-  const double modulus = largest_modulus(poles, 2 * half_unit * size, stable);
-  if (!stable || on_circle) throw unstable("A", on_circle ? std::max(1.0, modulus) : modulus);
+  double modulus = largest_modulus(below.roots, 2 * half_unit * size, stable);
+  if (on_circle) modulus = std::max(1.0, modulus);
+  if (!stable || on_circle) throw unstable("A", modulus);
   Vector above_w = in_w(h.b);
-  const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
-  std::fill_n(above_w.begin(), blocked, Real(0));
-  if (std::all_of(above_w.begin(), above_w.end(), [](const Real& x) { return x == 0; }))
+  if (std::all_of(above_w.begin(), above_w.end(), [](const Long& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
-  const std::vector<LinearFactor> above = factors(above_w, above_gain, zeros);
-  return filter_from_factors(above_gain / below_gain, above, below, sample_rate, derivative);
+  // A filter that blocks 0 Hz but for the rounding of C and D is meant to block it; not where that matters.
+  Filter filter;
+  const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
+  for (const std::size_t zeros : {blocked, std::size_t(0)}) {
+    Vector numerator = above_w;
+    std::fill_n(numerator.begin(), zeros, Long(0));
+    const Factored above = factored(numerator);
+    filter =
+        filter_from_factors(above.lead / below.lead, above.factors, below.factors, sample_rate, derivative);
+    // Reversed: ascending in z^-1.
+    if (prove(filter, {h.b.rbegin(), h.b.rend()}, {h.a.rbegin(), h.a.rend()}, modulus, "A")) break;
+  }
+  return filter;
 }
 
 FilterRepresentation state_space_representation() {

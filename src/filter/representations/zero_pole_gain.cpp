@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
+#include "factors.hpp"
 #include "representations.hpp"
-#include "roots_in_w.hpp"
 
 namespace qerr {
 namespace {
@@ -52,14 +52,25 @@ std::vector<Root> paired(const Rows& rows, const std::string& key) {
 
 /// z - r over 1/(1 - w): (1 - r) + (1 + r) w.
 LinearFactor factor_of(const Root& r) {
-  return {{Wide(1) - Wide(r[0]), -r[1]}, {Wide(1) + Wide(r[0]), r[1]}};
+  return {{Long(1) - r[0], Long(-r[1])}, {Long(1) + r[0], Long(r[1])}};
 }
 
 Wide distance_from_circle(const Root& r) {  // 1 - |r|^2
   return Wide(1) - Wide(r[0]) * Wide(r[0]) - Wide(r[1]) * Wide(r[1]);
 }
 
-void check_stable(const Rows& poles) {
+/// prod(1 - r z^-1), ascending.
+std::vector<Long> expanded(const std::vector<Root>& roots) {
+  std::vector<Long> p{1};
+  for (const auto& [re, im] : roots) {
+    const Long x = re, y = im;
+    p = times(p, im == 0 ? std::vector<Long>{1, -x} : std::vector<Long>{1, -2 * x, x * x + y * y});
+  }
+  return p;
+}
+
+/// The largest modulus.
+double check_stable(const Rows& poles) {
   double largest = 0;
   std::size_t worst = 0;
   bool bad = false;
@@ -71,6 +82,7 @@ void check_stable(const Rows& poles) {
     largest = std::max(largest, modulus);
   }
   if (bad) throw unstable("poles[" + std::to_string(worst) + ']', largest);
+  return largest;
 }
 
 Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
@@ -95,14 +107,19 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
                       std::to_string(zeros.size()) + " zeros, " + std::to_string(poles.size()) + " poles",
                       many ? "use at most " + std::to_string(max_poles) : "poles at z = 0 are written as 0"});
   }
-  check_stable(poles);
+  const double largest = check_stable(poles);
   if (gain == 0) return {{}, 1, sample_rate, derivative, {0}};
+  const std::vector<Root> zero_roots = paired(zeros, "zeros"), pole_roots = paired(poles, "poles");
   std::vector<LinearFactor> above, below;
-  for (const Root& r : paired(zeros, "zeros")) above.push_back(factor_of(r));
-  for (const Root& r : paired(poles, "poles")) below.push_back(factor_of(r));
+  for (const Root& r : zero_roots) above.push_back(factor_of(r));
+  for (const Root& r : pole_roots) below.push_back(factor_of(r));
   // The zeros that are missing lie at z = infinity: z^-1 = (1 - w)/(1 + w).
   for (std::size_t i = zeros.size(); i < poles.size(); ++i) above.push_back({1.0, -1.0});
-  return filter_from_factors(gain, above, below, sample_rate, derivative);
+  Filter filter = filter_from_factors(gain, above, below, sample_rate, derivative);
+  std::vector<Long> delay(poles.size() - zeros.size() + 1);
+  delay.back() = gain;
+  prove(filter, times(delay, expanded(zero_roots)), expanded(pole_roots), largest, "poles");
+  return filter;
 }
 
 FilterRepresentation zero_pole_gain_representation() {
