@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "cascade.hpp"
@@ -39,7 +40,14 @@ Complex taps_response(const std::vector<double>& taps, double turns, Complex w) 
 double taps_delay(const std::vector<double>& taps) {
   const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
   Wide weighted;
-  for (std::size_t k = 0; k < d.rest.size(); ++k) weighted += Wide(static_cast<double>(k)) * d.rest[k];
+  double size = 0;
+  for (std::size_t k = 0; k < d.rest.size(); ++k) {
+    const Wide part = Wide(static_cast<double>(k)) * d.rest[k];
+    weighted += part;
+    size += std::abs(part.hi);
+  }
+  // What the rounding of the taps leaves of a filter without delay is none.
+  if (std::abs(weighted.hi) <= std::numeric_limits<double>::epsilon() * size) weighted = 0;
   const Wide total = sum(d.rest);
   return 0.5 * d.zeros + (total.hi == 0 ? 0 : static_cast<double>(weighted / total));
 }
@@ -82,9 +90,13 @@ double dc_gain(const Filter& filter) {
 
 double group_delay(const Filter& filter) {
   Wide samples;
+  double size = 0;
   for (const Section& s : filter.sections) {
-    samples += (relative_slope(s.a) - relative_slope(s.b)) * Wide(0.5);
+    const Wide below = relative_slope(s.a), above = relative_slope(s.b);
+    samples += (below - above) * Wide(0.5);
+    size += std::abs(below.hi) + std::abs(above.hi);
   }
+  if (std::abs(samples.hi) <= 1e-27 * size) samples = 0;  // an estimate without lag
   const double total = static_cast<double>(samples) + (filter.taps.empty() ? 0 : taps_delay(filter.taps));
   return total / filter.sample_rate;
 }
