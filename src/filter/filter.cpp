@@ -46,10 +46,12 @@ double taps_delay(const std::vector<double>& taps) {
     weighted += part;
     size += std::abs(part.hi);
   }
-  // What the rounding of the taps leaves of a filter without delay is none.
-  if (std::abs(weighted.hi) <= std::numeric_limits<double>::epsilon() * size) weighted = 0;
   const Wide total = sum(d.rest);
-  return 0.5 * d.zeros + (total.hi == 0 ? 0 : static_cast<double>(weighted / total));
+  if (total.hi == 0) return 0.5 * d.zeros;
+  const double delay = 0.5 * d.zeros + static_cast<double>(weighted / total);
+  // What the rounding of the taps leaves of an estimate without delay is none.
+  const double doubt = std::numeric_limits<double>::epsilon() * static_cast<double>(d.rest.size());
+  return std::abs(delay) <= doubt * (0.5 * d.zeros + size / std::abs(total.hi)) ? 0 : delay;
 }
 
 /// c1/c0 after the zeros at w = 0 are left out.
