@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "qerr/filter/norms.hpp"
+#include "rational.hpp"
 #include "runs.hpp"
 #include "terms.hpp"
 #include "turns.hpp"
@@ -12,13 +13,12 @@ namespace qerr {
 namespace {
 
 constexpr double fast_modulus = 0.95;  // poles inside: direct summation needs a few thousand terms at most
-constexpr std::int64_t most_exact_terms = 40'000;     // of a direct sum in double-double
-constexpr std::int64_t most_quick_terms = 2'000'000;  // and in double
-constexpr std::int64_t most_turns = 20'000;           // of a pair of poles, before its runs are too many
+constexpr std::int64_t most_exact = 1'000'000;  // terms times sections of a direct sum in double-double
+constexpr std::int64_t most_quick = 6'000'000;  // and in double: both about 0.1 s
+constexpr double most_turns = 20'000;           // of a pair of poles, before its runs are too many
 constexpr std::int64_t longest = std::int64_t{1} << 50;
 constexpr double negligible = 1e-18;  // of the norm: the tail that is left out and bounded
 constexpr double narrow = 1e-13;      // relative width with which the search for a better interval ends
-constexpr double narrow_enough = 1e-10;
 // Per section, for the filter that a family means: its coefficients are doubles, a few roundings from the
 // ideal.
 constexpr double rounding = 1e-15;
@@ -48,8 +48,12 @@ Interval around(const Sure& value, double below, double above) {
 class Search {
  public:
   Search(const Filter& filter, double h2)
-      : poles_(poles(filter)), modulus_(largest_modulus()), h2_(h2), terms_(filter, lift()) {
-    if (modulus_ < fast_modulus) return;
+      : stages_(static_cast<std::int64_t>(filter.sections.size())),
+        poles_(poles(filter)),
+        modulus_(largest_modulus()),
+        h2_(h2),
+        terms_(filter, lift()) {
+    if (fast()) return;
     modes_ = partial_fractions(filter, poles_.list);
     powers_.emplace(modes_.modes);
     whole_.emplace(modes_.modes, *powers_);
@@ -58,42 +62,44 @@ class Search {
   /// The norm is never below the H2 norm, and by Cauchy and Schwarz not above `tail(0)`.
   Interval by_size() const { return {h2_ * (1 - 1e-12), terms_.tail(0)}; }
 
-  /// Directly, as far as `most` terms go.
-  Interval by_terms(std::int64_t most, bool exact) const {
+  /// Directly, in double-double where that is not too much work, else in double and as far as that goes.
+  Interval by_terms() const {
     const double fall = std::log(terms_.tail(0) / (negligible * h2_)) / std::log1p(lift());
-    const auto count = static_cast<std::int64_t>(std::clamp(std::ceil(fall), 8.0, static_cast<double>(most)));
-    const Partial p = exact ? terms_.in_double_double(count) : terms_.in_double(count);
+    const auto count = static_cast<std::int64_t>(
+        std::clamp(std::ceil(fall), 8.0, static_cast<double>(most_quick / stages_)));
+    const Partial p = summed(count);
     return around(p.sum, p.error, p.error + terms_.tail(count));
   }
 
   /// By runs of one sign: O(1) per change of sign.
   Interval by_runs() const {
-    if (modulus_ < fast_modulus || !whole_->trusted()) return anything();
-    for (const Mode& m : modes_.modes) {
-      if (turns(m) > static_cast<double>(most_turns)) return anything();
-    }
+    if (fast() || !whole_->trusted()) return anything();
+    if (std::any_of(modes_.modes.begin(), modes_.modes.end(),
+                    [](const Mode& m) { return turns(m) > most_turns; }))
+      return anything();
     const Partial head = terms_.in_double_double(first());
     const Stretch s = sum_of_runs(*whole_, h2_, first(), horizon(*whole_, first()));
     const double error = s.error + head.error;
     return moved(around(s.sum + Sure(head.sum), error, error + whole_->tail(s.next)));
   }
 
-  /// Head directly, then the one pair of poles that is left, by its turns.
-  Interval by_turns() const {
-    if (modulus_ < fast_modulus || !whole_->trusted()) return anything();
+  /// Head directly, then the one pair of poles that is left, by its turns; what others are left too only
+  /// widens the interval. Empty where the slowest poles are not such a pair.
+  std::optional<Interval> by_turns() const {
+    if (fast() || !whole_->trusted()) return std::nullopt;
     const auto slowest =
         std::min_element(modes_.modes.begin(), modes_.modes.end(),
                          [](const Mode& x, const Mode& y) { return distance(x) < distance(y); });
-    if (!slowest->pair || slowest->c.size() != 1) return anything();
+    if (!slowest->pair || slowest->c.size() != 1) return std::nullopt;
     const std::vector<Mode> pair{*slowest};
     std::vector<Mode> rest(modes_.modes.begin(), slowest);
     rest.insert(rest.end(), slowest + 1, modes_.modes.end());
     const Powers of_pair(pair), of_rest(rest);
     const Sequence others(rest, of_rest), left(pair, of_pair);
     std::int64_t from = first();
-    while (from < most_quick_terms && others.tail(from) > 1e-16 * h2_) from += from / 4 + 1;
-    // Few terms go in double-double, so that a short head costs no digits.
-    const Partial head = from <= most_exact_terms ? terms_.in_double_double(from) : terms_.in_double(from);
+    while (others.tail(from) > 1e-16 * h2_ && from < most_quick / stages_) from += from / 4 + 1;
+    from = std::max(first(), std::min(from, most_quick / stages_));
+    const Partial head = summed(from);
     const std::int64_t end = horizon(left, from);
     const double error = head.error + others.tail(from);
     return moved(around(sum_of_turns(*slowest, from, end) + Sure(head.sum), error, error + left.tail(end)));
@@ -102,6 +108,9 @@ class Search {
   bool fast() const { return modulus_ < fast_modulus; }
 
  private:
+  Partial summed(std::int64_t count) const {
+    return count <= most_exact / stages_ ? terms_.in_double_double(count) : terms_.in_double(count);
+  }
   static double distance(const Mode& m) { return one_minus_modulus(m.one_minus_z); }
   static double turns(const Mode& m) {
     return std::abs(std::atan2(m.z.im.mid().hi, m.z.re.mid().hi)) / distance(m);
@@ -133,6 +142,7 @@ class Search {
     return end;
   }
 
+  std::int64_t stages_ = 1;
   Poles poles_;
   double gap_ = 0;
   double modulus_ = 0;
@@ -143,17 +153,38 @@ class Search {
   std::optional<Sequence> whole_;
 };
 
+/// H(-z), whose impulse response is (-1)^k h_k: 1/w for w, which brings poles near z = -1 to z = 1.
+Filter reflected(Filter filter) {
+  for (Section& s : filter.sections) {
+    const auto order = static_cast<std::ptrdiff_t>(order_of(s));
+    std::reverse(s.b.begin(), s.b.begin() + order + 1);
+    std::reverse(s.a.begin(), s.a.begin() + order + 1);
+  }
+  return filter;
+}
+
+bool slowest_turns_most(const Filter& filter) {
+  WideComplex slowest;
+  for (const Pole& p : poles(filter).list) {
+    if (norm(slowest) < norm(p.z())) slowest = p.z();
+  }
+  return slowest.re < Wide(0);
+}
+
 Interval best(const Filter& filter) {
   const double h2 = h2_norm(filter);
   if (h2 == 0) return {0, 0};
-  const Search search(filter, h2);
+  if (filter.sections.empty()) {
+    const double gain = std::abs(filter.gain.hi);
+    return around(gain, 0x1p-50 * gain, 0x1p-50 * gain);
+  }
+  const Search search(slowest_turns_most(filter) ? reflected(filter) : filter, h2);
   Interval i = search.by_size();
-  if (search.fast()) return both(i, search.by_terms(most_exact_terms, true));
+  if (search.fast()) return both(i, search.by_terms());
   i = both(i, search.by_runs());
-  if (width(i) > narrow) i = both(i, search.by_turns());
-  if (width(i) > narrow) i = both(i, search.by_terms(most_exact_terms, true));
-  if (width(i) > narrow_enough) i = both(i, search.by_terms(most_quick_terms, false));
-  return i;
+  if (width(i) <= narrow) return i;
+  const auto turns = search.by_turns();
+  return both(i, turns ? *turns : search.by_terms());
 }
 
 Interval of_taps(const Filter& filter) {
