@@ -105,7 +105,7 @@ double group_delay(const Filter& filter) {
 
 double poles_max_modulus(const Filter& filter) {
   double largest = 0;
-  for (const Pole& pole : poles(filter)) {
+  for (const Pole& pole : poles(filter).list) {
     largest = std::max(largest, static_cast<double>(sqrt(norm(pole.z()))));
   }
   return largest;
