@@ -132,6 +132,12 @@ Norms norms_of(const Filter& filter) {
   } catch (const Error& e) {
     throw out_of_range(e.faults().front().found);
   }
+  if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
+    throw Error({{},
+                 "",
+                 "the l1 norm of the filter cannot be bounded: its poles lie too near the unit circle",
+                 "largest pole modulus " + shortest(poles_max_modulus(filter)),
+                 "damp the filter, or lower its order"});
   if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
     throw out_of_range("H2 norm " + shortest(n.h2));
   return n;

@@ -35,7 +35,7 @@ const std::vector<FilterRepresentation>& filter_representations();
 ///
 /// The coefficients are taken as exact, and so are their sums in w, or `Filter::deviation` says how far they
 /// are off. A numerator that sums to 0 but for the rounding of its coefficients gets its zero at z = 1.
-/// @throws Error (input; key `sos` or `sos[i]`) when there are none or over 100, a row has not six finite
+/// @throws Error (input; key `sos` or `sos[i]`) when there are none or over 50, a row has not six finite
 /// numbers, a0 = 0, or a pole is on or outside the unit circle, or nearer than the rounding of the
 /// coefficients can tell
 Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative);

@@ -9,7 +9,7 @@
 namespace qerr {
 namespace {
 
-constexpr std::size_t max_sections = 100;
+constexpr std::size_t max_sections = 50;
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 using Triple = std::array<double, 3>;
