@@ -2,10 +2,10 @@
 """Writes filters.json: H2 norms and impulse responses of filters, independent of qerr's sources.
 
 Every filter is built in the z plane by mpmath with 400 digits: textbook prototypes and the bilinear transform, Riccati
-equations by doubling, fits by their normal equations, state space as it stands. Where scipy.signal has the design, its response must agree to
+equations by doubling, fits by their normal equations. Where scipy.signal has the design, its response must agree to
 1e-8, so that the names mean what they mean there. H2 is by Astrom's recursion on the coefficients in z, or by a Lyapunov equation.
 
-    /usr/bin/python3 make_filters.py > filters.json        (Debian's python3-scipy, python3-mpmath; about a minute)
+    /usr/bin/python3 make_filters.py > filters.json        (Debian's python3-scipy, python3-mpmath; some seconds)
 """
 import json
 import random
