@@ -38,6 +38,7 @@
 #include "qerr/filter/filter.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
+#include "qerr/filter/representations.hpp"
 #include "qerr/filter/transient.hpp"
 
 #include "qerr/effect/effect.hpp"

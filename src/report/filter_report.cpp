@@ -41,6 +41,7 @@ Json to_json(const FilterFigures& f, bool coefficients) {
             {"derivative", f.filter.derivative},
             {"sample_rate", f.filter.sample_rate},
             {"h2_norm", f.norms.h2},
+            {"h2_error", f.norms.h2_error},
             {"l1_norm", {{"lower", f.norms.l1.lower}, {"upper", f.norms.l1.upper}}},
             {"dc_gain", f.norms.dc_gain},
             {"group_delay_s", f.group_delay},
@@ -67,12 +68,15 @@ std::string table(const FilterReport& report, const Style&) {
   for (const FilterFigures& f : report.filters) {
     const int d = f.filter.derivative;
     const std::string unit = d == 0 ? "" : d == 1 ? "/s" : "/s^" + std::to_string(d);
-    rows.push_back({escaped(f.name, 40), shortest_of(f.norms.h2, 6) + unit,
-                    shortest_of(f.norms.l1.upper, 6) + unit, shortest_of(f.norms.dc_gain, 4),
-                    readable(f.group_delay, "s"), f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
-                    readable(f.noise_bandwidth, "Hz"),
-                    f.settling_time ? readable(*f.settling_time, "s") : "does not",
-                    shortest_of(f.poles_max_modulus, 6)});
+    // Only coefficients that hardly determine their filter leave more than rounding.
+    const bool doubtful = f.norms.h2_error > 1e-12 * f.norms.h2;
+    rows.push_back(
+        {escaped(f.name, 40),
+         shortest_of(f.norms.h2, 6) + (doubtful ? " +- " + shortest_of(f.norms.h2_error, 2) : "") + unit,
+         shortest_of(f.norms.l1.upper, 6) + unit, shortest_of(f.norms.dc_gain, 4),
+         readable(f.group_delay, "s"), f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
+         readable(f.noise_bandwidth, "Hz"), f.settling_time ? readable(*f.settling_time, "s") : "does not",
+         shortest_of(f.poles_max_modulus, 6)});
   }
   std::string out = aligned(rows);
   for (const FilterFigures& f : report.filters) {
@@ -113,6 +117,7 @@ std::string csv(const FilterReport& report) {
       out += csv_cell(f.name) + ',' + quantity + ',' + unit + ',' + (value ? shortest(*value) : "") + "\r\n";
     };
     row("h2_norm", d, f.norms.h2);
+    row("h2_error", d, f.norms.h2_error);
     row("l1_norm.lower", d, f.norms.l1.lower);
     row("l1_norm.upper", d, f.norms.l1.upper);
     row("dc_gain", d, f.norms.dc_gain);
