@@ -60,7 +60,7 @@ class Search {
   }
 
   /// The norm is never below the H2 norm, and by Cauchy and Schwarz not above `tail(0)`.
-  Interval by_size() const { return {h2_ * (1 - 1e-12), terms_.tail(0)}; }
+  Interval by_size() const { return {h2_ * (1 - 1e-12), terms_.tail(0)}; }  // h2_ is exact but for 1e-15
 
   /// Directly, in double-double where that is not too much work, else in double and as far as that goes.
   Interval by_terms() const {
@@ -180,6 +180,9 @@ Interval best(const Filter& filter) {
   }
   const Search search(slowest_turns_most(filter) ? reflected(filter) : filter, h2);
   Interval i = search.by_size();
+  // |H| is never above the norm: quotients of double-double at z = 1 and, reflected, at z = -1.
+  for (const Filter& f : {filter, reflected(filter)})
+    i.lower = std::max(i.lower, std::abs(dc_gain(f)) * (1 - 1e-12));
   if (search.fast()) return both(i, search.by_terms());
   i = both(i, search.by_runs());
   if (width(i) <= narrow) return i;

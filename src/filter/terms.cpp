@@ -1,5 +1,6 @@
 #include "terms.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "ball.hpp"
@@ -28,6 +29,11 @@ std::array<Wide, 3> halved(Wide c0, Wide c1) {
   return {c0 * half, (c1 - c0) * half, -c1 * half};
 }
 
+/// Small for a section with a slow pole.
+double slow_share(const Section& s) {
+  return std::abs(s.a[0].hi) / (std::abs(s.a[0].hi) + std::abs(s.a[1].hi) + std::abs(s.a[2].hi));
+}
+
 double size(double x) { return std::abs(x); }
 double size(const Wide& x) { return std::abs(x.hi); }
 
@@ -40,10 +46,13 @@ double size(const Wide& x) { return std::abs(x.hi); }
 //   a0]/a,
 // and a disturbance e of `high` is one of x by (a0 + a1 + a2) e. First order is the same with a single state:
 // a1 high + a0 low = x, low = high + s1, which gives (1 - w)/2 [b0 a1 - b1 a0]/a.
-Terms::Terms(const Filter& filter, double lift) : gain_(filter.gain), lift_(lift) {
-  Filter plain = filter;
-  plain.taps.clear();
-  lifted_ = lifted_norm(plain, lift);
+Terms::Terms(const Filter& given, double lift)
+    : gain_(given.gain), lift_(lift), lifted_(lifted_norm(given, lift)) {
+  // Low-passes first: differences first would pass on the rounding of numbers that the low-passes then
+  // reduce.
+  Filter filter = given;
+  std::stable_sort(filter.sections.begin(), filter.sections.end(),
+                   [](const Section& x, const Section& y) { return slow_share(x) < slow_share(y); });
   for (std::size_t i = 0; i < filter.sections.size(); ++i) {
     const Section& s = filter.sections[i];
     Stage t;

@@ -15,6 +15,7 @@ struct Partial {
 /// What one rounding in the recursion of a filter can do to sum |h_k|: found once, used for both precisions.
 class Terms {
  public:
+  /// @pre no taps
   /// @param lift  (1 + lift) times the largest pole modulus is below 1
   Terms(const Filter&, double lift);
 

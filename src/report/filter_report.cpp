@@ -62,6 +62,12 @@ Json to_json(const FilterFigures& f, bool coefficients) {
 
 std::string percent(double value) { return shortest_of(100 * value, 3) + " %"; }
 
+/// The upper end, and the lower one where they can be told apart.
+std::string l1_of(const Interval& l1) {
+  const std::string upper = shortest_of(l1.upper, 6);
+  return l1.upper - l1.lower > 1e-6 * l1.upper ? shortest_of(l1.lower, 3) + ".." + upper : upper;
+}
+
 std::string table(const FilterReport& report, const Style&) {
   std::vector<std::vector<std::string>> rows{{"filter", "H2 norm", "l1 norm", "H(1)", "delay", "-3 dB",
                                               "noise band", "settles (2 %)", "largest pole"}};
@@ -73,9 +79,9 @@ std::string table(const FilterReport& report, const Style&) {
     rows.push_back(
         {escaped(f.name, 40),
          shortest_of(f.norms.h2, 6) + (doubtful ? " +- " + shortest_of(f.norms.h2_error, 2) : "") + unit,
-         shortest_of(f.norms.l1.upper, 6) + unit, shortest_of(f.norms.dc_gain, 4),
-         readable(f.group_delay, "s"), f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
-         readable(f.noise_bandwidth, "Hz"), f.settling_time ? readable(*f.settling_time, "s") : "does not",
+         l1_of(f.norms.l1) + unit, shortest_of(f.norms.dc_gain, 4), readable(f.group_delay, "s"),
+         f.bandwidth ? readable(*f.bandwidth, "Hz") : "none", readable(f.noise_bandwidth, "Hz"),
+         f.settling_time ? readable(*f.settling_time, "s") : "does not",
          shortest_of(f.poles_max_modulus, 6)});
   }
   std::string out = aligned(rows);

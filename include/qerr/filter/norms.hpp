@@ -32,20 +32,26 @@ struct Norms {
 /// exact norm rounded to double; the error bounds what is left, for the stated filter. Of coefficients given
 /// by the user the bound also holds what their factoring into sections rounded (`Filter::deviation`).
 /// @pre every section is stable
-/// @throws Error (internal) when a section is not, or only after 1e-1000
+/// @throws Error (internal) when that is not so, or out of range
 Estimate h2_estimate(const Filter&);
 
 /// The value of `h2_estimate`.
 double h2_norm(const Filter&);
 
-/// An interval that contains ||H||_1 = sum |h_k| [1/s^derivative], of relative width below 1e-12 except for
-/// extreme filters.
+/// An interval that is proven to contain ||H||_1 = sum |h_k| [1/s^derivative], rounding included.
 ///
-/// Partial fractions in double-double. Where h keeps its sign its sum is a difference of two values of the
-/// step response; the sign changes are found by bounds on the differences of h, so the work grows with their
-/// number and not with the filter's memory. The interval holds the proven tail and a bound on the rounding.
-/// Filters with fast poles are summed directly, with the tail of Cauchy and Schwarz. The work is bounded:
-/// past it the interval is wider, and valid.
+/// Fast filters are summed directly, in double-double with a running error bound. Of slow ones the partial
+/// fractions are taken: where h keeps its sign its sum is a difference of two values of the step response, so
+/// the work grows with the changes of sign and not with the filter's memory; and the turns of a resonance, of
+/// which there may be billions, are summed by Euclid's algorithm on their signs. What is left out is bounded
+/// by Cauchy and Schwarz: sum_{k>=K} |h_k| <= r^K (1 - r^2)^(-1/2) ||H(rz)||_2.
+///
+/// The relative width is below 1e-12 where the memory 1/(1 - |z|) is below some ten thousand samples, for
+/// real poles and few oscillations however slow (all families), and for one resonance however slow, once the
+/// other modes have died within about a million samples. It is not where several resonances, or repeated
+/// ones, or a resonance and a real pole share a memory of more than that, or poles near z = 1 and z = -1 do:
+/// there only the order of magnitude may be known. The time stays about a second at most. A family's interval
+/// also covers the rounding of its design's coefficients, 1e-15 a section.
 /// @pre every section is stable
 Interval l1_norm(const Filter&);
 
