@@ -148,7 +148,8 @@ std::string csv(const FilterReport& report) {
 }  // namespace
 
 FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
-  FilterReport report{spec.file, q, {}, noise_report(spec, q.motions)};
+  FilterReport report{spec.file, q, {}, {}};
+  if (q.noise || !q.motions.empty()) report.noise = noise_report(spec, q.motions);
   for (const NamedFilter& named : spec.filters) {
     double highest = q.motion_band ? q.motion_band->second : 0;
     for (const double f : q.frequencies) highest = std::max(highest, f);
@@ -177,7 +178,7 @@ std::string write(const FilterReport& report, std::string_view format, const Sty
   Json list = Json::array();
   for (std::size_t i = 0; i < report.filters.size(); ++i) {
     list.push_back(to_json(report.filters[i], report.questions.coefficients));
-    add_noise(list.back(), report.noise[i]);
+    if (i < report.noise.size()) add_noise(list.back(), report.noise[i]);
   }
   Json all = {
       {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}};
