@@ -13,7 +13,7 @@ packages=(
   liburdfdom-dev        # URDF
   libexpat1-dev         # URDF: line and column of every element
   libyaml-cpp-dev       # specs
-  libboost-dev          # headers only: Sobol sequence
+  libboost-dev          # headers only: Sobol sequence, multiprecision
   nlohmann-json3-dev    # reports
   libcli11-dev          # command line
 )

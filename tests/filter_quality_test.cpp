@@ -74,6 +74,25 @@ TEST(SettlingTime, OfAFirstOrderLowPassIsFourTimeConstants) {
   EXPECT_NEAR(*settling_time(design("first_order", 2, rate, 1, cutoff)), samples / rate, 1.01 / rate);
 }
 
+/// a^(k+1) <= 0.02, a = exp(-x), for the first-order low-pass and, as the ramp lags by the same, its
+/// derivative.
+TEST(SettlingTime, OfASlowFilterComesFromItsModes) {
+  for (const double cutoff : {30.0, 1.0, 0.1}) {
+    const double rate = 1e6, samples = std::log(50.0) / (2 * std::numbers::pi * cutoff / rate);
+    for (const int derivative : {0, 1})
+      EXPECT_NEAR(*settling_time(design("first_order", derivative, rate, 1, cutoff)) * rate / samples, 1,
+                  1e-4)
+          << cutoff << ' ' << derivative;
+  }
+  // Slower by ten, longer by ten; also where it oscillates.
+  for (const char* family : {"butterworth", "first_order"})
+    for (const int order : {2, 3, 5}) {
+      const double fast = *settling_time(design(family, 1, 1e5, order, 50));  // by terms
+      const double slow = *settling_time(design(family, 1, 1e5, order, 5));   // by modes
+      EXPECT_NEAR(slow / fast, 10, 0.02) << family << order;
+    }
+}
+
 TEST(SettlingTime, IsEmptyForAFilterThatDoesNotEstimateItsDerivative) {
   EXPECT_FALSE(settling_time(filter_from_coefficients({3}, {1, -0.5}, 1000, 1)));
 }

@@ -39,6 +39,7 @@
 #include "qerr/filter/filter_bank.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
+#include "qerr/filter/representations.hpp"
 #include "qerr/filter/transient.hpp"
 
 #include "qerr/effect/effect.hpp"

@@ -12,7 +12,6 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::size_t longest_search = 20000;  // [samples of memory]
 
 /// {s}(1 - {s}), for |s| < 2^51. The addition rounds to the nearest integer and, unlike floor, in a vector.
 double loss(double s) {
@@ -196,7 +195,7 @@ class ThresholdSearch {
 }  // namespace
 
 std::optional<double> ipqn_threshold(const Autocorrelation& a, double tolerance) {
-  if (a.r.size() > longest_search) return std::nullopt;
+  if (a.r.size() > longest_threshold_search) return std::nullopt;
   return ThresholdSearch(a, tolerance).find();
 }
 

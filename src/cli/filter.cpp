@@ -16,6 +16,7 @@ struct Arguments {
   std::string response;
   std::string impulse;
   bool coefficients = false;
+  bool noise = false;
   bool estimators = false;
   std::string clock;
   std::vector<std::string> speeds;
@@ -70,6 +71,7 @@ FilterQuestions questions(const Arguments& a) {
     q.motions.push_back(motion(a.sine[0], "--sine", true));
     q.motions.back().frequency = frequency(a.sine[1], "--sine");
   }
+  q.noise = a.noise;
   q.coefficients = a.coefficients;
   q.estimators = a.estimators;
   if (!a.clock.empty()) {
@@ -122,6 +124,8 @@ std::function<int()> declare_filter(CLI::App& app, Options& o) {
   app.add_option("--impulse", a->impulse, "write the impulse response as CSV")->type_name("FILE.csv");
   app.add_option("--transient", a->transient, "write the noise after switching on as CSV")
       ->type_name("FILE.csv");
+  app.add_flag("--noise", a->noise,
+               "from which speed on IPQN can be believed, and when the noise has built up");
   app.add_option("--speed", a->speeds,
                  "noise of every encoder at constant speeds: counts per sample, or with a unit")
       ->type_name("V[,V...]")

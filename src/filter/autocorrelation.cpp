@@ -88,13 +88,10 @@ Autocorrelation autocorrelation(const Filter& filter) {
   return a;
 }
 
-std::optional<Autocorrelation> followed(const Filter& filter) {
-  try {
-    return autocorrelation(filter);
-  } catch (const Error& e) {
-    if (e.trouble() != Trouble::input) throw;
+std::optional<Autocorrelation> followed(const Filter& filter, std::size_t longest) {
+  if (!(expected_memory(filter) <= static_cast<double>(std::min(longest, longest_autocorrelation))))
     return std::nullopt;
-  }
+  return autocorrelation(filter);
 }
 
 }  // namespace qerr

@@ -1,27 +1,34 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
 #include <limits>
+#include <optional>
 
+#include "deviation.hpp"
 #include "families/families.hpp"
 #include "polynomial.hpp"
+#include "qerr/filter/norms.hpp"
+#include "roots.hpp"
 
 namespace qerr {
 namespace {
 
 constexpr std::size_t max_coefficients = 256;
+constexpr double negligible = 1e-13;  // of the H2 norm
 
 /// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
 struct Factor {
-  WideComplex u;
-  WideComplex v;
+  LongComplex u;
+  LongComplex v;
 };
 
-Factor factor_of_root(WideComplex r) { return {WideComplex(1.0) - r, WideComplex(1.0) + r}; }
+Factor factor_of_root(const LongComplex& r) { return {LongComplex(1.0) - r, LongComplex(1.0) + r}; }
 const Factor delay{1.0, -1.0};  // z^-1 = (1 - w)/(1 + w)
 const Factor unit{1.0, 1.0};    // (1 + w)/(1 + w)
 
-using Polynomial = std::array<Wide, 3>;
+using Polynomial = std::array<Long, 3>;
+using List = std::vector<double>;
 
 void check_list(const std::vector<double>& list, const char* key) {
   if (list.empty())
@@ -36,35 +43,43 @@ void trim(std::vector<double>& list) {
 }
 
 /// How far the rounding of the coefficients may move a root, to first order.
-double doubt(const std::vector<double>& a, WideComplex root) {
-  const double m = magnitude(root);
+double doubt(const List& a, std::complex<double> root) {
+  const double m = std::abs(root);
   double scale = 0;
-  WideComplex value, slope;
+  std::complex<double> value, slope;
   for (const double c : a) {
     slope = slope * root + value;
-    value = value * root + WideComplex(c);
+    value = value * root + c;
     scale = scale * m + std::abs(c);
   }
-  const double moved = std::numeric_limits<double>::epsilon() * scale / std::max(magnitude(slope), 1e-300);
+  const double moved = std::numeric_limits<double>::epsilon() * scale / std::max(std::abs(slope), 1e-300);
   // A multiple root has no first order; beyond this the coefficients are taken at their word.
   return std::min(moved, 1e-10);
 }
 
-std::vector<WideComplex> stable_poles(const std::vector<double>& a) {
-  std::vector<WideComplex> found = roots({a.begin(), a.end()});
-  double largest = 0;
-  bool unstable = false;
-  for (const WideComplex& r : found) {
-    const double modulus = std::sqrt(static_cast<double>(norm(r)));
-    if (modulus >= 1 - doubt(a, r)) unstable = true;
-    largest = std::max(largest, modulus);
+Error unstable(double largest) {
+  return Error(Fault{{},
+                     "denominator",
+                     "the filter is not stable: a pole lies on or outside the unit circle",
+                     "largest pole modulus " + figure(largest),
+                     "all poles must lie inside; the coefficients ascend in z^-1"});
+}
+
+struct Poles {
+  std::vector<LongComplex> z;
+  double largest = 0;  // modulus
+};
+
+Poles stable_poles(const List& a) {
+  Poles poles{roots({a.begin(), a.end()})};
+  bool stable = true;
+  for (const LongComplex& r : poles.z) {
+    const double modulus = static_cast<double>(magnitude(r));
+    if (modulus >= 1 - doubt(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
+    poles.largest = std::max(poles.largest, modulus);
   }
-  if (!unstable) return found;
-  throw Error(Fault{{},
-                    "denominator",
-                    "the filter is not stable: a pole lies on or outside the unit circle",
-                    "largest pole modulus " + figure(largest),
-                    "all poles must lie inside; the coefficients ascend in z^-1"});
+  if (!stable) throw unstable(poles.largest);
+  return poles;
 }
 
 /// Pairs the factors into polynomials in w, slow ones first: conjugates together, real ones two by two, one
@@ -73,7 +88,7 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   std::vector<std::array<Factor, 2>> pairs;
   std::vector<Factor> real;
   for (std::size_t i = 0; i < factors.size(); ++i) {
-    if (factors[i].u.im == Wide(0)) {
+    if (factors[i].u.im == 0) {
       real.push_back(factors[i]);
     } else {
       pairs.push_back({factors[i], factors[i + 1]});
@@ -89,29 +104,49 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   for (const auto& [x, y] : pairs) {
     result.push_back({(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re});
   }
-  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Wide(0)});
+  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Long(0)});
   return result;
 }
 
 /// Divides by the lowest coefficient that is not 0, so that the gain is left to one number.
 std::array<Wide, 3> scaled(const Polynomial& p) {
-  const auto lowest = std::find_if(p.begin(), p.end(), [](const Wide& c) { return c.hi != 0; });
-  std::array<Wide, 3> result{};
-  for (std::size_t i = 0; i < 3; ++i) result[i] = p[i] / *lowest;
+  const auto lowest = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
+  std::array<Wide, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = to_wide(p[i] / *lowest);
   return result;
+}
+
+/// The sections of b/a: zeros at z = 1, as `zeros` tells, and the roots of the rest.
+Filter factored(Filter filter, Deflated<Long> zeros, const List& a, const Poles& poles) {
+  std::vector<Factor> below, above;
+  for (const LongComplex& r : poles.z) below.push_back(factor_of_root(r));
+  const Long slope = sum(zeros.rest);
+  filter.gain = to_wide(ldexp(slope / sum(std::vector<Long>(a.begin(), a.end())), zeros.zeros));
+  for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
+  while (zeros.rest.front() == 0) {
+    zeros.rest.erase(zeros.rest.begin());
+    above.push_back(delay);
+  }
+  for (const LongComplex& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
+  while (above.size() < below.size()) above.push_back(unit);
+  while (below.size() < above.size()) below.push_back(unit);
+  const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
+  for (std::size_t i = 0; i < lower.size(); ++i)
+    filter.sections.push_back({scaled(upper[i]), scaled(lower[i])});
+  return filter;
 }
 
 }  // namespace
 
-Filter filter_from_coefficients(const std::vector<double>& numerator, const std::vector<double>& denominator,
-                                double sample_rate, int derivative) {
+Filter filter_from_coefficients(const List& numerator, const List& denominator, double sample_rate,
+                                int derivative) {
   check_list(numerator, "numerator");
   check_list(denominator, "denominator");
   if (denominator[0] == 0) {
     throw Error(
         Fault{{}, "denominator", "the first coefficient a0 must not be 0", "0", "leave out leading zeros"});
   }
-  std::vector<double> b = numerator, a = denominator;
+  List b = numerator, a = denominator;
   trim(a);
   trim(b);
   Filter filter = difference_filter(sample_rate, 0);  // checks the rate
@@ -120,6 +155,8 @@ Filter filter_from_coefficients(const std::vector<double>& numerator, const std:
     if (a.size() > 1) stable_poles(a);
     filter.taps = b;
     filter.gain = Wide(1) / Wide(a[0]);
+    for (const double c : b) filter.deviation.l1 += Rounding<Wide>::unit * std::abs(c / a[0]);
+    filter.deviation.h2 = filter.deviation.l1;
     return filter;
   }
   if (std::max(a.size(), b.size()) > max_coefficients) {
@@ -129,23 +166,19 @@ Filter filter_from_coefficients(const std::vector<double>& numerator, const std:
                       std::to_string(std::max(a.size(), b.size())),
                       "use at most " + std::to_string(max_coefficients)});
   }
-  std::vector<Factor> below, above;
-  for (const WideComplex& r : stable_poles(a)) below.push_back(factor_of_root(r));
-  Deflated zeros = divide_out_dc_zeros(b);
-  const Wide slope = sum(zeros.rest);
-  filter.gain = slope / sum({a.begin(), a.end()}) * Wide(std::ldexp(1.0, zeros.zeros));
-  for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
-  while (zeros.rest.front().hi == 0) {
-    zeros.rest.erase(zeros.rest.begin());
-    above.push_back(delay);
+  const Poles poles = stable_poles(a);
+  Filter result;
+  std::optional<Deviation> deviation;
+  // A filter that blocks 0 Hz but for the rounding of its coefficients is meant to block it; but not where a
+  // slow pole makes that rounding matter.
+  for (const double doubt_of_one : {0.5 * std::numeric_limits<double>::epsilon(), 0.0}) {
+    result = factored(filter, divide_out_dc_zeros<Long>(b, doubt_of_one), a, poles);
+    deviation = deviation_of(result, b, a, poles.largest);
+    if (!deviation) throw unstable(poles.largest);
+    if (deviation->h2 <= negligible * h2_norm(result)) break;
   }
-  for (const WideComplex& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
-  while (above.size() < below.size()) above.push_back(unit);
-  while (below.size() < above.size()) below.push_back(unit);
-  const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
-  for (std::size_t i = 0; i < lower.size(); ++i)
-    filter.sections.push_back({scaled(upper[i]), scaled(lower[i])});
-  return filter;
+  result.deviation = *deviation;
+  return result;
 }
 
 }  // namespace qerr

@@ -1,6 +1,5 @@
 #include "qerr/filter/family.hpp"
 
-#include <array>
 #include <cmath>
 
 #include "families/families.hpp"
@@ -11,48 +10,19 @@ const std::vector<FilterFamily>& filter_families() {
   static const std::vector<FilterFamily> list{
       first_order_family(),
       butterworth_family(),
+      bessel_family(),
+      chebyshev1_family(),
+      chebyshev2_family(),
+      elliptic_family(),
+      exponential_moving_average_family(),
+      finite_difference_family(),
+      savitzky_golay_family(),
+      least_squares_family(),
+      kalman_family(),
+      alpha_beta_family(),
+      alpha_beta_gamma_family(),
   };
   return list;
-}
-
-std::string figure(double value) {
-  std::array<char, 64> text{};
-  const auto end =
-      std::to_chars(text.data(), text.data() + text.size(), value, std::chars_format::general, 12);
-  return {text.data(), end.ptr};
-}
-
-int whole_number(const FilterDesign& design, const std::string& key, int fallback, int least, int most) {
-  const auto entry = design.numbers.find(key);
-  if (entry == design.numbers.end()) return fallback;
-  const double value = entry->second;
-  if (!(value >= least && value <= most) || value != std::floor(value)) {
-    throw Error(Fault{{},
-                      key,
-                      "must be a whole number in range",
-                      figure(value),
-                      "use " + std::to_string(least) + " to " + std::to_string(most)});
-  }
-  return static_cast<int>(value);
-}
-
-double checked_cutoff(const FilterDesign& design) {
-  const auto entry = design.numbers.find("cutoff");
-  if (entry == design.numbers.end()) {
-    throw Error(Fault{{}, "cutoff", "the filter needs a cut-off", "none", "add e.g. `cutoff: 50 Hz`"});
-  }
-  const double cutoff = entry->second;
-  if (!(cutoff > 0)) {
-    throw Error(Fault{{}, "cutoff", "the cut-off must be above 0 Hz", figure(cutoff) + " Hz", ""});
-  }
-  if (!(cutoff < design.sample_rate / 2)) {
-    throw Error(Fault{{},
-                      "cutoff",
-                      "the cut-off must lie below half the sample rate",
-                      figure(cutoff) + " Hz at " + figure(design.sample_rate) + " Hz",
-                      "use less than " + figure(design.sample_rate / 2) + " Hz, or sample faster"});
-  }
-  return cutoff;
 }
 
 Filter difference_filter(double sample_rate, int derivative) {

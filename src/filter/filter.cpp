@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "cascade.hpp"
@@ -25,7 +26,7 @@ Complex section_response(const Section& section, Complex w) {
 
 /// Zeros at z = 1 stay factored, or a tiny frequency would see the difference of equal taps.
 Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
-  const Deflated d = divide_out_dc_zeros(taps);
+  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
   Complex sum = 0;
   for (std::size_t k = 0; k < d.rest.size(); ++k) {
     const double part = std::remainder(turns * static_cast<double>(k), 1.0);
@@ -37,11 +38,20 @@ Complex taps_response(const std::vector<double>& taps, double turns, Complex w) 
 }
 
 double taps_delay(const std::vector<double>& taps) {
-  const Deflated d = divide_out_dc_zeros(taps);
+  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
   Wide weighted;
-  for (std::size_t k = 0; k < d.rest.size(); ++k) weighted += Wide(static_cast<double>(k)) * d.rest[k];
+  double size = 0;
+  for (std::size_t k = 0; k < d.rest.size(); ++k) {
+    const Wide part = Wide(static_cast<double>(k)) * d.rest[k];
+    weighted += part;
+    size += std::abs(part.hi);
+  }
   const Wide total = sum(d.rest);
-  return 0.5 * d.zeros + (total.hi == 0 ? 0 : static_cast<double>(weighted / total));
+  if (total.hi == 0) return 0.5 * d.zeros;
+  const double delay = 0.5 * d.zeros + static_cast<double>(weighted / total);
+  // What the rounding of the taps leaves of an estimate without delay is none.
+  const double doubt = std::numeric_limits<double>::epsilon() * static_cast<double>(d.rest.size());
+  return std::abs(delay) <= doubt * (0.5 * d.zeros + size / std::abs(total.hi)) ? 0 : delay;
 }
 
 /// c1/c0 after the zeros at w = 0 are left out.
@@ -74,7 +84,7 @@ double dc_gain(const Filter& filter) {
   Wide h = filter.gain;
   for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
   if (!filter.taps.empty()) {
-    const Deflated d = divide_out_dc_zeros(filter.taps);
+    const Deflated<Wide> d = divide_out_dc_zeros<Wide>(filter.taps);
     h *= d.zeros > 0 ? Wide(0) : sum(d.rest);
   }
   return static_cast<double>(h);
@@ -82,16 +92,20 @@ double dc_gain(const Filter& filter) {
 
 double group_delay(const Filter& filter) {
   Wide samples;
+  double size = 0;
   for (const Section& s : filter.sections) {
-    samples += (relative_slope(s.a) - relative_slope(s.b)) * Wide(0.5);
+    const Wide below = relative_slope(s.a), above = relative_slope(s.b);
+    samples += (below - above) * Wide(0.5);
+    size += std::abs(below.hi) + std::abs(above.hi);
   }
+  if (std::abs(samples.hi) <= 1e-27 * size) samples = 0;  // an estimate without lag
   const double total = static_cast<double>(samples) + (filter.taps.empty() ? 0 : taps_delay(filter.taps));
   return total / filter.sample_rate;
 }
 
 double poles_max_modulus(const Filter& filter) {
   double largest = 0;
-  for (const Pole& pole : poles(filter)) {
+  for (const Pole& pole : poles(filter).list) {
     largest = std::max(largest, static_cast<double>(sqrt(norm(pole.z()))));
   }
   return largest;

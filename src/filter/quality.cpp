@@ -5,13 +5,15 @@
 #include <numbers>
 
 #include "cascade.hpp"
+#include "sequence.hpp"
 
 namespace qerr {
 
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr std::size_t most_samples = 20'000'000;
+constexpr double long_memory = 20000;  // [samples] beyond, modes are quicker than terms
+constexpr double most_samples = 2e6;
 
 /// H / (j 2 pi f)^d.
 std::complex<double> normalised(const Filter& filter, double f) {
@@ -23,6 +25,55 @@ std::complex<double> normalised(const Filter& filter, double f) {
 /// |H|/(2 pi f)^d near 0 Hz: 1 for a filter that estimates its derivative.
 double low_frequency_gain(const Filter& filter) {
   return std::abs(normalised(filter, 1e-9 * filter.sample_rate));
+}
+
+/// The last sample at which the estimate is off by more than `fraction`, sample by sample.
+std::optional<double> last_unsettled_by_terms(const Filter& filter, double fraction, double samples) {
+  BasicCascade<double> cascade(filter);
+  // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
+  std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1);
+  double settled = 0;
+  for (double k = 0; k < samples; ++k) {
+    double value = cascade.step(k == 0 ? 1.0 : 0.0);
+    for (std::size_t i = 0; i < sums.size(); ++i)
+      value = sums[i] += i == 0 ? value : value / filter.sample_rate;
+    if (!(std::abs(value - 1) <= fraction)) settled = k + 1;
+  }
+  if (settled + 1 >= samples) return std::nullopt;
+  return settled;
+}
+
+/// The same for slow filters, from their modes: what the estimate still lacks is the (d + 1)-fold sum of the
+/// impulse response from k on, itself a sum of modes. Empty when an oscillation is too fast to be followed in
+/// 2e5 steps.
+std::optional<double> last_unsettled_by_modes(const Filter& filter, double fraction) {
+  const Modes modes = partial_fractions(filter, poles(filter).list);
+  const Powers powers(modes.modes);
+  Sequence lacking(modes.modes, powers);
+  for (int i = 0; i <= filter.derivative; ++i) lacking = lacking.transient_of_sum();
+  const double unit = std::pow(filter.sample_rate, filter.derivative);
+  const double wrong = std::abs(low_frequency_gain(filter) - 1);
+  if (wrong > fraction) return std::nullopt;
+  std::int64_t end = 64;
+  while (lacking.bound(end, end) > (fraction - wrong) * unit && end < (std::int64_t{1} << 48)) end *= 2;
+  double fastest = 0;
+  for (const Mode& mode : modes.modes)
+    fastest =
+        std::max(fastest, std::abs(std::arg(std::complex<double>(mode.z.re.mid().hi, mode.z.im.mid().hi))));
+  // A hundredth of a turn of the fastest oscillation; modes that only decay are smooth over the whole.
+  const double length = static_cast<double>(end);
+  const double wanted = std::min(length / 2000, 0.06 / std::max(fastest, 1e-300));
+  if (length > 2e5 * wanted) return std::nullopt;
+  const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted));
+  const auto outside = [&](std::int64_t k) {
+    return !(std::abs(static_cast<double>(lacking.at(k).mid())) <= fraction * unit);
+  };
+  std::int64_t k = end;
+  while (k > 0 && !outside(k)) k -= step;
+  if (k <= 0) return 0;
+  std::int64_t low = k, high = k + step;
+  while (high - low > 1) (outside((low + high) / 2) ? low : high) = (low + high) / 2;
+  return static_cast<double>(high);
 }
 
 }  // namespace
@@ -72,23 +123,15 @@ double noise_bandwidth(const Filter& filter, double h2) {
 
 std::optional<double> settling_time(const Filter& filter, double fraction) {
   const double modulus = poles_max_modulus(filter);
-  // All transients have decayed by exp(-40) after this many samples, up to polynomial factors of repeated
+  // All transients have decayed by exp(-60) after this many samples, up to polynomial factors of repeated
   // poles.
-  const double wanted = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
-                        (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
-  const auto samples = static_cast<std::size_t>(std::min(wanted, static_cast<double>(most_samples)));
-  BasicCascade<double> cascade(filter);
-  // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
-  std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1);
-  std::size_t settled = 0;
-  for (std::size_t k = 0; k < samples; ++k) {
-    double value = cascade.step(k == 0 ? 1.0 : 0.0);
-    for (std::size_t i = 0; i < sums.size(); ++i)
-      value = sums[i] += i == 0 ? value : value / filter.sample_rate;
-    if (!(std::abs(value - 1) <= fraction)) settled = k + 1;
-  }
-  if (settled + 1 >= samples) return std::nullopt;
-  return static_cast<double>(settled) / filter.sample_rate;
+  const double samples = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
+                         (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
+  std::optional<double> settled;
+  if (samples > long_memory) settled = last_unsettled_by_modes(filter, fraction);
+  if (!settled && samples <= most_samples) settled = last_unsettled_by_terms(filter, fraction, samples);
+  if (!settled) return std::nullopt;
+  return *settled / filter.sample_rate;
 }
 
 std::vector<std::array<double, 6>> second_order_sections(const Filter& filter) {

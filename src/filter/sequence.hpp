@@ -12,13 +12,13 @@ namespace qerr {
 class Powers {
  public:
   explicit Powers(const std::vector<Mode>& modes);
-  WideComplex wide(std::size_t mode, std::int64_t k) const;
+  SureComplex sure(std::size_t mode, std::int64_t k) const;
   std::complex<double> quick(std::size_t mode, std::int64_t k) const;
   double modulus(std::size_t mode, std::int64_t k) const;  ///< an upper bound of |z|^k
   double one_minus_modulus(std::size_t mode) const;
 
  private:
-  std::vector<std::vector<WideComplex>> wide_;
+  std::vector<std::vector<SureComplex>> sure_;
   std::vector<std::vector<std::complex<double>>> quick_;
   std::vector<double> decay_;  // -log |z|, from below
 };
@@ -27,12 +27,14 @@ class Powers {
 class Sequence {
  public:
   Sequence(const std::vector<Mode>& modes, const Powers& powers) : modes_(modes), powers_(&powers) {}
-  Wide at(std::int64_t k) const;
-  double quick_at(std::int64_t k) const;                      ///< to about 1e-13 of bound(k, k)
+  Sure at(std::int64_t k) const;
+  double quick_at(std::int64_t k) const;                      ///< to 1e-12 of bound(k, k), if `trusted`
   double bound(std::int64_t first, std::int64_t last) const;  ///< of |.| over first..last
   double tail(std::int64_t first) const;  ///< of sum |.| over k >= first; infinite where not yet decaying
-  Sequence difference() const;            ///< x_k - x_{k-1}
-  Sequence transient_of_sum() const;      ///< U with U_k - U_{k-1} = x_k, U -> 0
+  /// Whether the coefficients are known to 1e-14 of their share of `bound`, as `quick_at` needs.
+  bool trusted() const;
+  Sequence difference() const;        ///< x_k - x_{k-1}
+  Sequence transient_of_sum() const;  ///< U with U_k - U_{k-1} = x_k, U -> 0
 
  private:
   std::vector<Mode> modes_;

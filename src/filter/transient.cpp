@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "cascade.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -18,11 +19,13 @@ std::vector<double> noise_transient(const Filter& filter, std::size_t count) {
 }
 
 std::optional<double> noise_rise_time(const Filter& filter, double fraction) {
-  const double level = fraction * h2_norm(filter);
-  for (std::size_t count = 1024; count <= std::size_t{1} << 22; count *= 4) {
-    const std::vector<double> sigma = noise_transient(filter, count);
-    const auto reached = std::lower_bound(sigma.begin(), sigma.end(), level);
-    if (reached != sigma.end()) return static_cast<double>(reached - sigma.begin()) / filter.sample_rate;
+  const double level = std::pow(fraction * h2_norm(filter), 2);
+  BasicCascade<double> cascade(filter);
+  double sum = 0;
+  for (std::size_t k = 0; k < std::size_t{1} << 22; ++k) {
+    const double h = cascade.step(k == 0 ? 1.0 : 0.0);
+    sum += h * h;
+    if (sum >= level) return static_cast<double>(k) / filter.sample_rate;
   }
   return std::nullopt;
 }

@@ -3,6 +3,7 @@
 
 #include "qerr/core/suggest.hpp"
 #include "qerr/filter/family.hpp"
+#include "qerr/filter/representations.hpp"
 #include "qerr/input/spec_format.hpp"
 #include "read_sections.hpp"
 
@@ -24,33 +25,83 @@ const FilterFamily& family_of(const Field& f) {
   throw Error(field.fault("no such filter family", did_you_mean(text, known)));
 }
 
-std::vector<double> read_coefficients(const Object& o, const std::string& key) {
-  std::vector<double> values;
-  for (const Field& item : read_list(o.at(key))) values.push_back(read_number(item, {.name = key}));
-  return values;
+/// One number, or a row of them.
+std::vector<double> read_row(const Field& f, const Parameter& p) {
+  if (f.node->type != Node::Type::sequence) return {read_number(f, {.name = p.name})};
+  std::vector<double> row;
+  for (const Field& item : read_list(f)) row.push_back(read_number(item, {.name = p.name}));
+  return row;
+}
+
+Rows read_rows(const Field& f, const Parameter& p) {
+  if (p.kind == Kind::number) return {{read_number(f, p)}};
+  if (p.kind == Kind::matrix && f.node->type == Node::Type::scalar) return {read_row(f, p)};
+  Rows rows;
+  for (const Field& item : read_list(f)) {
+    if (p.kind == Kind::numbers)
+      rows.push_back({read_number(item, {.name = p.name})});
+    else
+      rows.push_back(read_row(item, p));
+  }
+  return rows;
+}
+
+void read_values(const Object& o, const std::vector<Parameter>& rows, std::map<std::string, Rows>& values) {
+  for (const Parameter& p : rows) {
+    if (!o.has(p.name)) continue;
+    const std::string name(p.name);
+    if (p.kind == Kind::choice)
+      read_choice(o.at(p.name), p);
+    else if (p.kind == Kind::text)
+      read_text_value(o.at(p.name));
+    else
+      values[name] = read_rows(o.at(p.name), p);
+  }
+}
+
+/// True when the filter has the key of the representation, or one that goes with it.
+bool uses(const Object& o, const FilterRepresentation& r) {
+  return o.has(r.key.name) ||
+         std::any_of(r.beside.begin(), r.beside.end(), [&](const Parameter& p) { return o.has(p.name); });
+}
+
+Filter represented(const Object& o, const FilterRepresentation& r, const FilterDesign& d) {
+  std::vector<Parameter> needed{r.key};
+  needed.front().required = true;
+  needed.insert(needed.end(), r.beside.begin(), r.beside.end());
+  for (const Parameter& p : needed)
+    if (p.required && !o.has(p.name))
+      throw Error({o.self().node->place, o.self().path + '.' + std::string(p.name), "missing key", "",
+                   "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
+  std::map<std::string, Rows> values;
+  read_values(o, r.beside, values);
+  if (r.inside.empty())
+    read_values(o, {r.key}, values);
+  else
+    read_values(Object(o.at(r.key.name), r.inside), r.inside, values);
+  return r.build(values, d.sample_rate, d.derivative);
 }
 
 Filter design(const Object& o) {
   FilterDesign d;
   d.derivative = static_cast<int>(*o.number("derivative"));
   d.sample_rate = *o.number("sample_rate");
-  if (o.has("numerator") || o.has("denominator")) {
-    if (o.has("lowpass"))
-      throw Error(o.at("lowpass").fault("a filter is given by coefficients or by a low-pass, not by both",
-                                        "keep one"));
-    if (!o.has("numerator"))
-      throw Error(
-          {o.self().node->place, o.self().path + ".numerator", "missing key", "", "add 'numerator: [...]'"});
-    d.lists["numerator"] = read_coefficients(o, "numerator");
-    d.lists["denominator"] =
-        o.has("denominator") ? read_coefficients(o, "denominator") : std::vector<double>{1.0};
-    return filter_from_coefficients(d.lists["numerator"], d.lists["denominator"], d.sample_rate,
-                                    d.derivative);
+  const FilterRepresentation* chosen = nullptr;
+  for (const FilterRepresentation& r : filter_representations()) {
+    if (!uses(o, r)) continue;
+    const std::string_view other = o.has("lowpass") ? "lowpass" : chosen ? chosen->key.name : "";
+    if (!other.empty())
+      throw Error(o.at(o.has(other) ? other : r.key.name)
+                      .fault("a filter is given in one way, not by " + std::string(r.key.name) + " and " +
+                                 std::string(other),
+                             "keep one"));
+    chosen = &r;
   }
+  if (chosen) return represented(o, *chosen, d);
   if (!o.has("lowpass")) {
     if (!o.has("derivative"))
       throw Error({o.self().node->place, o.self().path, "the filter does nothing", described(*o.self().node),
-                   "give derivative, lowpass, or numerator and denominator"});
+                   "give derivative, lowpass, numerator and denominator, sos, zpk or state_space"});
     return difference_filter(d.sample_rate, d.derivative);
   }
   const Field lowpass = o.at("lowpass");
@@ -81,26 +132,49 @@ Norms norms_of(const Filter& filter) {
   } catch (const Error& e) {
     throw out_of_range(e.faults().front().found);
   }
+  if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
+    throw Error({{},
+                 "",
+                 "the l1 norm of the filter cannot be bounded: its poles lie too near the unit circle",
+                 "largest pole modulus " + shortest(poles_max_modulus(filter)),
+                 "damp the filter, or lower its order"});
   if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
     throw out_of_range("H2 norm " + shortest(n.h2));
   return n;
 }
 
+/// The value that a designer's key names, such as `cutoff` or `sos[2]`, in a mapping; null when it is not
+/// there.
+const Node* named(const Node& holder, const std::string& key) {
+  const std::size_t bracket = key.find('[');
+  const Node* value = holder.find(key.substr(0, bracket));
+  if (!value || bracket == std::string::npos || value->type != Node::Type::sequence) return value;
+  const auto index = static_cast<std::size_t>(std::stoul(key.substr(bracket + 1)));
+  return index < value->items.size() ? &value->items[index] : value;
+}
+
 /// The designers speak of their own parameters; this puts file, line and path before what they say.
 Error placed(const Error& e, const Field& f) {
+  std::vector<std::pair<const Node*, std::string>> holders{{f.node, f.path + '.'}};
+  std::vector<std::string_view> inner{"lowpass"};
+  for (const FilterRepresentation& r : filter_representations())
+    if (!r.inside.empty()) inner.push_back(r.key.name);
+  for (const std::string_view key : inner)
+    if (const Node* node = f.node->find(key); node && node->type == Node::Type::mapping)
+      holders.emplace_back(node, f.path + '.' + std::string(key) + '.');
   std::vector<Fault> faults = e.faults();
   for (Fault& fault : faults) {
     if (!fault.place.file.empty()) continue;
-    const Node* lowpass = f.node->find("lowpass");
-    for (const Node* holder : {f.node, lowpass})
-      if (const Node* value = holder ? holder->find(fault.key) : nullptr) {
+    for (const auto& [holder, path] : holders)
+      if (const Node* value = named(*holder, fault.key)) {
         fault.place = value->place;
-        fault.key = f.path + (holder == lowpass ? ".lowpass." : ".") + fault.key;
+        fault.key = path + fault.key;
         break;
       }
     if (fault.place.file.empty()) {
-      fault.place = f.node->place;
-      fault.key = f.path + (fault.key.empty() ? "" : '.' + fault.key);
+      const auto& [holder, path] = holders.back();
+      fault.place = holder->place;
+      fault.key = fault.key.empty() ? f.path : path + fault.key;
     }
   }
   return Error(faults, e.trouble());

@@ -1,6 +1,25 @@
 #include "qerr/input/spec_format.hpp"
 
+#include "qerr/filter/representations.hpp"
+
 namespace qerr::spec_format {
+
+namespace {
+
+/// The keys of a filter, and those by which one is handed over that exists already; there they are required
+/// or not together, which the reader checks.
+std::vector<Parameter> with_representations(std::vector<Parameter> rows) {
+  for (const FilterRepresentation& r : filter_representations()) {
+    rows.push_back(r.key);
+    for (Parameter p : r.beside) {
+      p.required = false;
+      rows.push_back(p);
+    }
+  }
+  return rows;
+}
+
+}  // namespace
 
 const std::vector<Parameter>& top() {
   static const std::vector<Parameter> rows{
@@ -45,7 +64,7 @@ const std::vector<Parameter>& robot() {
 }
 
 const std::vector<Parameter>& filter() {
-  static const std::vector<Parameter> rows{
+  static const std::vector<Parameter> rows = with_representations({
       {.name = "derivative",
        .kind = Kind::integer,
        .meaning = "order of the derivative it estimates",
@@ -59,9 +78,7 @@ const std::vector<Parameter>& filter() {
        .least = 0,
        .open_below = true},
       {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass behind the back differences"},
-      {.name = "numerator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
-      {.name = "denominator", .kind = Kind::numbers, .meaning = "coefficients in ascending powers of z^-1"},
-  };
+  });
   return rows;
 }
 

@@ -23,7 +23,7 @@ std::string warning_of_ipqn(const Spec& spec) {
   std::string thresholds;
   for (const NamedFilter& f : spec.filters) {
     if (f.filter.derivative == 0) continue;
-    const auto memory = followed(f.filter);
+    const auto memory = followed(f.filter, 2 * longest_threshold_search);
     const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
     if (threshold)
       thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + shortest_of(*threshold, 2);

@@ -41,6 +41,7 @@ Json to_json(const FilterFigures& f, bool coefficients) {
             {"derivative", f.filter.derivative},
             {"sample_rate", f.filter.sample_rate},
             {"h2_norm", f.norms.h2},
+            {"h2_error", f.norms.h2_error},
             {"l1_norm", {{"lower", f.norms.l1.lower}, {"upper", f.norms.l1.upper}}},
             {"dc_gain", f.norms.dc_gain},
             {"group_delay_s", f.group_delay},
@@ -61,18 +62,27 @@ Json to_json(const FilterFigures& f, bool coefficients) {
 
 std::string percent(double value) { return shortest_of(100 * value, 3) + " %"; }
 
+/// The upper end, and the lower one where they can be told apart.
+std::string l1_of(const Interval& l1) {
+  const std::string upper = shortest_of(l1.upper, 6);
+  return l1.upper - l1.lower > 1e-6 * l1.upper ? shortest_of(l1.lower, 3) + ".." + upper : upper;
+}
+
 std::string table(const FilterReport& report, const Style&) {
   std::vector<std::vector<std::string>> rows{{"filter", "H2 norm", "l1 norm", "H(1)", "delay", "-3 dB",
                                               "noise band", "settles (2 %)", "largest pole"}};
   for (const FilterFigures& f : report.filters) {
     const int d = f.filter.derivative;
     const std::string unit = d == 0 ? "" : d == 1 ? "/s" : "/s^" + std::to_string(d);
-    rows.push_back({escaped(f.name, 40), shortest_of(f.norms.h2, 6) + unit,
-                    shortest_of(f.norms.l1.upper, 6) + unit, shortest_of(f.norms.dc_gain, 4),
-                    readable(f.group_delay, "s"), f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
-                    readable(f.noise_bandwidth, "Hz"),
-                    f.settling_time ? readable(*f.settling_time, "s") : "does not",
-                    shortest_of(f.poles_max_modulus, 6)});
+    // Only coefficients that hardly determine their filter leave more than rounding.
+    const bool doubtful = f.norms.h2_error > 1e-12 * f.norms.h2;
+    rows.push_back(
+        {escaped(f.name, 40),
+         shortest_of(f.norms.h2, 6) + (doubtful ? " +- " + shortest_of(f.norms.h2_error, 2) : "") + unit,
+         l1_of(f.norms.l1) + unit, shortest_of(f.norms.dc_gain, 4), readable(f.group_delay, "s"),
+         f.bandwidth ? readable(*f.bandwidth, "Hz") : "none", readable(f.noise_bandwidth, "Hz"),
+         f.settling_time ? readable(*f.settling_time, "s") : "does not",
+         shortest_of(f.poles_max_modulus, 6)});
   }
   std::string out = aligned(rows);
   for (const FilterFigures& f : report.filters) {
@@ -113,6 +123,7 @@ std::string csv(const FilterReport& report) {
       out += csv_cell(f.name) + ',' + quantity + ',' + unit + ',' + (value ? shortest(*value) : "") + "\r\n";
     };
     row("h2_norm", d, f.norms.h2);
+    row("h2_error", d, f.norms.h2_error);
     row("l1_norm.lower", d, f.norms.l1.lower);
     row("l1_norm.upper", d, f.norms.l1.upper);
     row("dc_gain", d, f.norms.dc_gain);
@@ -137,7 +148,8 @@ std::string csv(const FilterReport& report) {
 }  // namespace
 
 FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
-  FilterReport report{spec.file, q, {}, noise_report(spec, q.motions)};
+  FilterReport report{spec.file, q, {}, {}};
+  if (q.noise || !q.motions.empty()) report.noise = noise_report(spec, q.motions);
   for (const NamedFilter& named : spec.filters) {
     double highest = q.motion_band ? q.motion_band->second : 0;
     for (const double f : q.frequencies) highest = std::max(highest, f);
@@ -166,7 +178,7 @@ std::string write(const FilterReport& report, std::string_view format, const Sty
   Json list = Json::array();
   for (std::size_t i = 0; i < report.filters.size(); ++i) {
     list.push_back(to_json(report.filters[i], report.questions.coefficients));
-    add_noise(list.back(), report.noise[i]);
+    if (i < report.noise.size()) add_noise(list.back(), report.noise[i]);
   }
   Json all = {
       {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}};

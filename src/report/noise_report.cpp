@@ -69,6 +69,7 @@ std::vector<FilterNoise> noise_report(const Spec& spec, const std::vector<Motion
 }
 
 std::string noise_table(const std::vector<FilterNoise>& report) {
+  if (report.empty()) return {};
   std::vector<std::vector<std::string>> rows{
       {"filter", "IPQN within 10 % above", "within 1 % above", "noise reaches 99 % after"}};
   for (const FilterNoise& f : report)

@@ -3,6 +3,7 @@
 
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
+#include "qerr/filter/representations.hpp"
 #include "qerr/input/spec_format.hpp"
 #include "writers.hpp"
 
@@ -47,6 +48,13 @@ Json of_row(const Parameter& p) {
       break;
     case Kind::numbers:
       s = {{"type", "array"}, {"items", number_or_quantity}, {"minItems", 1}};
+      break;
+    case Kind::matrix:
+      s = {{"anyOf",
+            {number_or_quantity,
+             {{"type", "array"},
+              {"items",
+               {{"anyOf", {number_or_quantity, {{"type", "array"}, {"items", number_or_quantity}}}}}}}}}};
       break;
     case Kind::object:
     case Kind::map:
@@ -103,9 +111,21 @@ Json filter() {
   }
   Json s = object_of(spec_format::filter());
   s["properties"]["lowpass"] = {{"oneOf", families}};
-  s["dependencies"] = {{"denominator", {"numerator"}}};
-  s["anyOf"] = {{{"required", {"derivative"}}}, {{"required", {"lowpass"}}}, {{"required", {"numerator"}}}};
-  s["not"] = {{"required", {"lowpass", "numerator"}}};
+  s["anyOf"] = {{{"required", {"derivative"}}}, {{"required", {"lowpass"}}}};
+  Json ways = {{{"required", {"lowpass"}}}};
+  for (const FilterRepresentation& r : filter_representations()) {
+    const std::string key(r.key.name);
+    if (!r.inside.empty()) s["properties"][key] = object_of(r.inside);
+    Json way = {{"required", {key}}};
+    s["anyOf"].push_back(way);
+    for (const Parameter& p : r.beside) {
+      s["dependencies"][std::string(p.name)] = {key};
+      if (p.required) s["dependencies"][key].push_back(p.name);
+    }
+    // Two ways at once are none.
+    for (const Json& other : ways) s["not"]["anyOf"].push_back({{"allOf", {way, other}}});
+    ways.push_back(way);
+  }
   return s;
 }
 

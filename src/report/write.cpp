@@ -4,6 +4,7 @@
 
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
+#include "qerr/filter/representations.hpp"
 #include "text_table.hpp"
 #include "writers.hpp"
 
@@ -65,9 +66,15 @@ std::string xml(const std::string& text) {
 
 std::vector<ListRow> rows_of(std::string_view kind) {
   std::vector<ListRow> rows;
-  if (kind == "filters")
+  if (kind == "filters") {
     for (const FilterFamily& f : filter_families())
       rows.push_back({std::string(f.name), std::string(f.summary), f.parameters});
+    for (const FilterRepresentation& r : filter_representations()) {
+      rows.push_back({std::string(r.name), std::string(r.summary), {r.key}});
+      for (const auto& more : {r.inside, r.beside})
+        rows.back().parameters.insert(rows.back().parameters.end(), more.begin(), more.end());
+    }
+  }
   if (kind == "encoders")
     for (const EncoderKind& e : encoder_kinds()) {
       rows.push_back({std::string(e.name), std::string(e.summary), e.parameters});

@@ -59,9 +59,12 @@ double speeds_sigma(const Autocorrelation&, std::span<const double> quanta_per_s
 /// sigma under IPQN, ||H||_2/sqrt(12).
 double ipqn_sigma(const Autocorrelation&);
 
+/// The longest memory with which `ipqn_threshold` searches [samples].
+inline constexpr std::size_t longest_threshold_search = 20000;
+
 /// The peak speed of slow sines [quanta per sample] above which `slow_sine_sigma` stays within a fraction
-/// `tolerance` of IPQN; 0 when it always does, empty when the filter remembers more than 20000 samples, where
-/// the search would take seconds.
+/// `tolerance` of IPQN; 0 when it always does, empty when the filter remembers more than
+/// `longest_threshold_search` samples, where the search would take seconds.
 ///
 /// A bound of the Bessel series gives a speed above which there is none outside. Below, sigma^2/sigma_IPQN^2
 /// - 1 of fast sines is a function of V mod 1 over sqrt(V), which locates the last crossing; it is then found

@@ -65,29 +65,4 @@ inline Wide sqrt(Wide x) {
   return Wide(r) + (x - Wide(r) * Wide(r)) / Wide(2 * r);
 }
 
-/// A complex Wide.
-struct WideComplex {
-  Wide re;
-  Wide im;
-  WideComplex() = default;
-  WideComplex(Wide real, Wide imaginary = {}) : re(real), im(imaginary) {}  // NOLINT
-  WideComplex(double real) : re(real) {}                                    // NOLINT
-};
-
-inline WideComplex operator+(WideComplex x, WideComplex y) { return {x.re + y.re, x.im + y.im}; }
-inline WideComplex operator-(WideComplex x, WideComplex y) { return {x.re - y.re, x.im - y.im}; }
-inline WideComplex operator-(WideComplex x) { return {-x.re, -x.im}; }
-inline WideComplex operator*(WideComplex x, WideComplex y) {
-  return {x.re * y.re - x.im * y.im, x.re * y.im + x.im * y.re};
-}
-inline Wide norm(WideComplex x) { return x.re * x.re + x.im * x.im; }
-inline WideComplex conj(WideComplex x) { return {x.re, -x.im}; }
-inline WideComplex operator/(WideComplex x, WideComplex y) {
-  const Wide n = norm(y);
-  const WideComplex p = x * conj(y);
-  return {p.re / n, p.im / n};
-}
-inline bool operator==(WideComplex x, WideComplex y) { return x.re == y.re && x.im == y.im; }
-inline double magnitude(WideComplex x) { return std::hypot(x.re.hi, x.im.hi); }
-
 }  // namespace qerr

@@ -12,7 +12,9 @@
 namespace qerr {
 
 /// What a value of the spec looks like in YAML.
-enum class Kind { number, integer, boolean, text, choice, numbers, object, objects, map, any };
+///
+/// `numbers` is a list of numbers; `matrix` a number, a list of numbers or a list of rows of numbers.
+enum class Kind { number, integer, boolean, text, choice, numbers, matrix, object, objects, map, any };
 
 /// One key that the spec, a filter family, an encoder kind or an effect knows: the row that the strict
 /// reader, the JSON Schema and `qerr list` all read.

@@ -27,6 +27,7 @@ inline constexpr std::size_t longest_autocorrelation = std::size_t{1} << 21;
 Autocorrelation autocorrelation(const Filter&);
 
 /// The same, empty instead of that error.
-std::optional<Autocorrelation> followed(const Filter&);
+/// @param longest  memory that is followed [samples]
+std::optional<Autocorrelation> followed(const Filter&, std::size_t longest = longest_autocorrelation);
 
 }  // namespace qerr

@@ -23,10 +23,17 @@ struct Section {
 };
 
 /// The section (b0 + b1 q + b2 q^2)/(a0 + a1 q + a2 q^2), q = z^-1, in w: c0 + c1 q + c2 q^2 is
-/// [(c0 + c1 + c2) + 2 (c0 - c2) w + (c0 - c1 + c2) w^2]/(1 + w)^2, every sum to a relative 2^-100.
+/// [(c0 + c1 + c2) + 2 (c0 - c2) w + (c0 - c1 + c2) w^2]/(1 + w)^2, exact where the bits of c0, c1, c2 span
+/// fewer than 106 places, else to a relative 2^-100.
 ///
 /// With a2 = b2 = 0 a section of first order. Does not check that it is stable.
 Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>& a);
+
+/// Bounds of ||H_stated - H||: of a filter that was stated otherwise than by its sections [1/s^derivative].
+struct Deviation {
+  double h2 = 0;
+  double l1 = 0;
+};
 
 /// A digital filter H = gain * taps * product of the sections; unit of the output over unit of the input is
 /// 1/s^derivative.
@@ -38,6 +45,7 @@ struct Filter {
   double sample_rate = 0;         ///< [Hz]
   int derivative = 0;             ///< what the output estimates; only names its unit
   std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
+  Deviation deviation = {};       ///< of a user's coefficients, by factoring them into sections
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy also for tiny f, where derivatives vanish as (j

@@ -41,7 +41,8 @@ std::optional<double> bandwidth(const Filter&);
 double noise_bandwidth(const Filter&, double h2_norm);
 
 /// Time after which the estimate of a derivative that is switched on stays within `fraction` of it [s]: the
-/// response to the d-fold sum of a unit step. Empty when it does not settle there, or not within 2e7 samples.
+/// response to the d-fold sum of a unit step. Empty when it does not settle there, or cannot be followed (2e6
+/// samples, or 2e5 steps of a slow filter).
 std::optional<double> settling_time(const Filter&, double fraction = 0.02);
 
 /// The filter as second-order sections {b0, b1, b2, 1, a1, a2} in ascending powers of z^-1, the gain in the

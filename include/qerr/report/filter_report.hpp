@@ -19,6 +19,7 @@ struct FilterQuestions {
   bool coefficients = false;                             ///< print the realised sections
   bool estimators = false;                               ///< compare FDM and ITM of every encoder
   std::optional<double> clock;                           ///< of ITM [Hz]; empty: the sample rate
+  bool noise = false;                                    ///< how far IPQN can be believed
   std::vector<MotionQuestion> motions;                   ///< noise of every encoder in these
 };
 
@@ -41,7 +42,7 @@ struct FilterReport {
   std::string file;
   FilterQuestions questions;
   std::vector<FilterFigures> filters;
-  std::vector<FilterNoise> noise;  ///< one per filter
+  std::vector<FilterNoise> noise;  ///< one per filter where it is asked for, else empty
   std::optional<EstimatorReport> estimators = {};
 };
 

@@ -6,8 +6,6 @@
 namespace qerr {
 namespace {
 
-constexpr int max_order = 20;
-
 /// prod 1/(1 + 2 sin(theta_i) (w/rho) + (w/rho)^2), theta_i = pi (2i + 1)/(2n), rho = tan(pi f0 T): -3 dB
 /// exactly at f0.
 Filter design(const FilterDesign& wanted) {
@@ -27,19 +25,7 @@ Filter design(const FilterDesign& wanted) {
 FilterFamily butterworth_family() {
   return {"butterworth",
           "back differences, then a Butterworth low-pass (bilinear, pre-warped)",
-          {{.name = "order",
-            .kind = Kind::integer,
-            .meaning = "order of the low-pass",
-            .fallback = 2,
-            .least = 1,
-            .most = max_order},
-           {.name = "cutoff",
-            .kind = Kind::number,
-            .dimension = dimension::frequency,
-            .meaning = "-3 dB frequency of the low-pass, below half the sample rate",
-            .required = true,
-            .least = 0,
-            .open_below = true}},
+          {order_row(2), cutoff_row("-3 dB frequency of the low-pass, below half the sample rate")},
           design};
 }
 

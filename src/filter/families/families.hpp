@@ -1,7 +1,9 @@
 #pragma once
 
 #include <charconv>
+#include <optional>
 #include <string>
+#include <vector>
 
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
@@ -11,6 +13,17 @@ namespace qerr {
 // One line per member of this folder; src/filter/family.cpp lists them.
 FilterFamily first_order_family();
 FilterFamily butterworth_family();
+FilterFamily bessel_family();
+FilterFamily chebyshev1_family();
+FilterFamily chebyshev2_family();
+FilterFamily elliptic_family();
+FilterFamily exponential_moving_average_family();
+FilterFamily finite_difference_family();
+FilterFamily savitzky_golay_family();
+FilterFamily least_squares_family();
+FilterFamily kalman_family();
+FilterFamily alpha_beta_family();
+FilterFamily alpha_beta_gamma_family();
 
 /// A number for a message, 12 digits at most.
 std::string figure(double value);
@@ -22,5 +35,30 @@ int whole_number(const FilterDesign&, const std::string& key, int fallback, int 
 /// The cut-off of a design [Hz].
 /// @throws Error (input; key `cutoff`) unless 0 < cutoff < sample_rate/2
 double checked_cutoff(const FilterDesign&);
+
+/// The highest order of a low-pass.
+inline constexpr int max_order = 20;
+
+/// Rows that several families share.
+Parameter order_row(int fallback);
+Parameter cutoff_row(std::string_view meaning);
+
+/// The number `key` of a design.
+/// @throws Error (input; key) unless it is given (or `fallback` is) and lies above `above` and at most `most`
+double checked_number(const FilterDesign&, const std::string& key, double above, double most,
+                      std::optional<double> fallback = {});
+
+/// The word `key` of a design, the first of `choices` where absent.
+/// @throws Error (input; key) unless it is one of them
+std::string checked_choice(const FilterDesign&, const std::string& key,
+                           const std::vector<std::string>& choices);
+
+/// Which of several ways to give a filter's parameters the design uses.
+/// @returns the index of the one group whose keys are given, all of them and no key of another group
+/// @throws Error (input; a key) that lists the ways
+std::size_t chosen_way(const FilterDesign&, const std::vector<std::vector<std::string>>& ways);
+
+/// @throws Error (input; key `derivative`) when the family cannot estimate the wanted derivative
+void check_derivative(const FilterDesign&, int most, const std::string& rule);
 
 }  // namespace qerr

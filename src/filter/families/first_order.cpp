@@ -6,8 +6,6 @@
 namespace qerr {
 namespace {
 
-constexpr int max_order = 20;
-
 /// 1/rho of the low-pass pole w = -rho, x = 2 pi f0 T.
 ///
 /// matched a = exp(-x): rho = tanh(x/2); Tustin rho = x/2, pre-warped tan(x/2); backward Euler a = 1/(1 + x).

@@ -1,0 +1,122 @@
+#pragma once
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+
+#include "qerr/core/double_double.hpp"
+
+namespace qerr {
+
+/// A binary number of so many bits, every operation correctly rounded; its exponent does not overflow here.
+template <unsigned bits>
+using Binary = boost::multiprecision::number<
+    boost::multiprecision::cpp_bin_float<bits, boost::multiprecision::digit_base_2>,
+    boost::multiprecision::et_off>;
+using Long = Binary<1024>;
+
+/// What a number type rounds: each operation is off by `unit` of its result and `tiny` at most.
+template <class T>
+struct Rounding;
+
+/// Joldes, Muller, Popescu (2017), Tight and rigorous error bounds for double-word arithmetic: the algorithms
+/// of double_double.hpp are off by at most 10 2^-106, barring underflow of a low word.
+template <>
+struct Rounding<Wide> {
+  using Radius = double;
+  static constexpr Radius unit = 0x1p-102;
+  static constexpr Radius tiny = 1e-285;
+  static Radius magnitude(const Wide& x) { return std::abs(x.hi) * (1 + 0x1p-50); }
+  static Wide scaled(const Wide& x, int by) { return {std::ldexp(x.hi, by), std::ldexp(x.lo, by)}; }
+};
+
+template <unsigned bits>
+struct Rounding<Binary<bits>> {
+  using Radius = long double;
+  static inline const Radius unit = std::ldexp(1.0L, -static_cast<int>(bits) + 1);
+  static constexpr Radius tiny = 0;
+  static Radius magnitude(const Binary<bits>& x) {
+    return static_cast<Radius>(abs(x)) * (1 + 0x1p-50L) + std::numeric_limits<Radius>::min();
+  }
+  static Binary<bits> scaled(const Binary<bits>& x, int by) { return ldexp(x, by); }
+};
+
+inline Long to_long(Wide x) { return Long(x.hi) + Long(x.lo); }
+
+template <unsigned bits>
+Wide to_wide(const Binary<bits>& x) {
+  const double hi = static_cast<double>(x);
+  return {hi, static_cast<double>(x - Binary<bits>(hi))};
+}
+inline Wide to_wide(Wide x) { return x; }
+
+/// A number known to a radius: |x - mid| <= rad whatever the roundings (midpoint-radius arithmetic).
+///
+/// The operations bound their own rounding, so whatever is computed in balls is proven. Radii are rounded up
+/// by the factor `up`, far more than the few roundings of one radius. A NaN anywhere makes every `above_zero`
+/// false.
+template <class T>
+class Ball {
+ public:
+  using Radius = typename Rounding<T>::Radius;
+
+  Ball() = default;
+  Ball(double exact) : mid_(exact) {}  // NOLINT: a double is a ball, exactly
+  explicit Ball(T mid, Radius rad = 0) : mid_(mid), rad_(rad) {}
+  static Ball exactly(Wide x) {
+    if constexpr (std::is_same_v<T, Wide>) {
+      return Ball(x);
+    } else {
+      return Ball(T(x.hi) + T(x.lo));
+    }
+  }
+
+  const T& mid() const { return mid_; }
+  Radius rad() const { return rad_; }
+  Radius largest() const { return (magnitude() + rad_) * up; }                 ///< of |x|
+  Radius smallest() const { return magnitude() * (1 - 0x1p-48) - rad_ * up; }  ///< of |x|; may be below 0
+  bool above_zero() const { return T(0) < mid_ && smallest() > 0; }
+  bool below_zero() const { return mid_ < T(0) && smallest() > 0; }
+  Ball scaled(int by) const {
+    return Ball(Rounding<T>::scaled(mid_, by), std::ldexp(rad_, by) + Rounding<T>::tiny);
+  }
+
+  friend Ball operator-(const Ball& x) { return Ball(-x.mid_, x.rad_); }
+  friend Ball operator+(const Ball& x, const Ball& y) { return rounded(x.mid_ + y.mid_, x.rad_ + y.rad_); }
+  friend Ball operator-(const Ball& x, const Ball& y) { return rounded(x.mid_ - y.mid_, x.rad_ + y.rad_); }
+  friend Ball operator*(const Ball& x, const Ball& y) {
+    const Radius spread =
+        x.rad_ == 0 && y.rad_ == 0 ? 0 : x.magnitude() * y.rad_ + y.magnitude() * x.rad_ + x.rad_ * y.rad_;
+    return rounded(x.mid_ * y.mid_, spread);
+  }
+  friend Ball operator/(const Ball& x, const Ball& y) {
+    Ball q(x.mid_ / y.mid_);
+    const Radius room = y.smallest();
+    const Radius spread = (x.rad_ + q.magnitude() * y.rad_) / room;
+    return rounded(q.mid_, room > 0 ? spread : std::numeric_limits<Radius>::infinity());
+  }
+  Ball& operator+=(const Ball& y) { return *this = *this + y; }
+  Ball& operator-=(const Ball& y) { return *this = *this - y; }
+  Ball& operator*=(const Ball& y) { return *this = *this * y; }
+
+  /// @pre x >= 0, though its ball may reach below
+  friend Ball sqrt(const Ball& x) {
+    using std::sqrt;
+    if (!x.above_zero()) return Ball(T(0), sqrt(x.largest()) * up);
+    const T root = sqrt(x.mid_);
+    return rounded(root, x.rad_ / Ball(root).smallest());
+  }
+  friend Ball abs(const Ball& x) { return x.mid_ < T(0) ? -x : x; }
+
+ private:
+  static constexpr double up = 1 + 0x1p-45;
+  Radius magnitude() const { return Rounding<T>::magnitude(mid_); }
+  static Ball rounded(T mid, Radius spread) {
+    const Radius own = Rounding<T>::unit * Rounding<T>::magnitude(mid);
+    return Ball(mid, (spread + own) * up + Rounding<T>::tiny);
+  }
+
+  T mid_{};
+  Radius rad_ = 0;
+};
+
+}  // namespace qerr
