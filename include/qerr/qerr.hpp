@@ -30,6 +30,7 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 

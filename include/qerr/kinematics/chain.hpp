@@ -20,6 +20,8 @@ struct ChainJoint {
   std::size_t coordinate = 0;  ///< index of the independent joint that moves it
   double multiplier = 1;       ///< mimic multiplier; 1 for the joint's own coordinate
   double offset = 0;           ///< [rad or m]
+  Inertia load =
+      {};  ///< of everything that moves with it as far as the next moving joint, in its moved frame
 };
 
 /// A joint whose coordinate is free: what has an encoder, what configurations and logs speak of.
@@ -43,7 +45,8 @@ struct Chain {
 
 /// The chain from `base` (empty: the root) to `tip` (empty: the only leaf).
 ///
-/// A mimic joint moves with its master's coordinate.
+/// A mimic joint moves with its master's coordinate. Links beside the chain load it as they hang at their
+/// zero.
 /// @throws Error (input; keys `robot.base`, `robot.tip`) for unknown links, several leaves, a tip that is not
 /// beyond the base; for a floating
 ///   or planar joint on the way, by its name; when nothing moves

@@ -24,6 +24,13 @@ struct Mimic {
   double offset = 0;
 };
 
+/// Mass of a link and how it is spread.
+struct Inertia {
+  double mass = 0;                                         ///< [kg]
+  Eigen::Vector3d center = Eigen::Vector3d::Zero();        ///< of mass, in the frame at hand [m]
+  Eigen::Matrix3d about_center = Eigen::Matrix3d::Zero();  ///< [kg m^2], axes of the frame at hand
+};
+
 /// A joint of the tree; the child frame is `origin` times the motion about or along `axis` (unit, in the
 /// joint frame).
 struct Joint {
@@ -43,7 +50,9 @@ struct RobotModel {
   std::string name;
   std::string file;
   std::vector<std::string> links;  ///< in file order
-  std::vector<Joint> joints;       ///< in file order
+  std::vector<Inertia>
+      inertias;               ///< one per link, in its frame; empty or without mass where the file gives none
+  std::vector<Joint> joints;  ///< in file order
   std::vector<std::string> warnings;
 };
 
