@@ -74,6 +74,27 @@ TEST(SettlingTime, OfAFirstOrderLowPassIsFourTimeConstants) {
   EXPECT_NEAR(*settling_time(design("first_order", 2, rate, 1, cutoff)), samples / rate, 1.01 / rate);
 }
 
+/// The response to t^d/d!, convolved term by term here.
+TEST(SettlingTime, IsThatOfTheSampledRamp) {
+  for (int d = 0; d <= 4; ++d)
+    for (const int order : {d + 1, d + 2}) {
+      const double rate = 200;
+      const Filter f = design("first_order", d, rate, order, 10);
+      const std::vector<double> h = impulse_response(f, 400);
+      int settled = 0;
+      for (int k = 0; k < 400; ++k) {
+        double y = 0;
+        for (int i = 0; i <= k; ++i) {
+          double ramp = 1;
+          for (int j = 1; j <= d; ++j) ramp *= (k - i) / rate / j;
+          y += h[static_cast<std::size_t>(i)] * ramp;
+        }
+        if (std::abs(y - 1) > 0.02) settled = k + 1;
+      }
+      EXPECT_NEAR(*settling_time(f) * rate, settled, 1e-9) << d << ' ' << order;
+    }
+}
+
 /// a^(k+1) <= 0.02, a = exp(-x), for the first-order low-pass and, as the ramp lags by the same, its
 /// derivative.
 TEST(SettlingTime, OfASlowFilterComesFromItsModes) {

@@ -30,7 +30,7 @@ TEST_F(FilterReportTest, GivesEveryEncoderItsNoiseAtASpeed) {
       EXPECT_NEAR(row.sigma_ipqn, spec.filters[f].norms.h2 * resolution / std::sqrt(12.0),
                   1e-9 * row.sigma_ipqn);
       if (row.motion.in_counts) {
-        EXPECT_NEAR(row.sigma, 0, 1e-6 * row.sigma_ipqn);
+        EXPECT_NEAR(*row.sigma, 0, 1e-6 * row.sigma_ipqn);
       }
       if (!row.motion.in_counts && !row.motion.sine) {
         EXPECT_NEAR(row.counts_per_sample, 0.5 / (resolution * spec.filters[f].filter.sample_rate), 1e-12);

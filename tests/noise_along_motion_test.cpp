@@ -10,6 +10,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/filter_report.hpp"
 
 namespace qerr {
 namespace {
@@ -82,6 +83,18 @@ TEST(NoiseAlongMotion, IsZeroAtRestAndAtWholeCountsASample) {
   EXPECT_NEAR(noise[1], 0, 1e-4);
 }
 
+/// A motion much shorter than the filter's memory: the constant speed has always been there.
+TEST(NoiseAlongMotion, OfAShortMotionIsThatOfItsSpeed) {
+  const Autocorrelation memory = autocorrelation(cascade(1, 2));
+  for (const double duration : {0.002, 0.005, 0.05, 0.5}) {
+    const Motion motion{
+        1000, duration, {}, {{0, 0.3, {}, {}}, {0, 4.3, {}, {}}}, {}};  // 0.3 and 2 counts a sample
+    const Eigen::VectorXd noise = noise_along_motion(differential(), motion, memory, 1000);
+    EXPECT_NEAR(noise[0] / constant_speed_sigma(memory, 0.3), 1, 1e-6) << duration;
+    EXPECT_NEAR(noise[1], 0, 1e-3) << duration;
+  }
+}
+
 TEST(NoiseAlongMotion, ALongMotionIsLookedAtInStretches) {
   Motion motion{1000, 100, {}, {{0, 0, {{0.5, 0.37, 0}}, {}}, {0, 0, {{0.3, 0.53, 0}}, {}}}, {}};
   const Autocorrelation memory = autocorrelation(cascade(1, 2));
@@ -117,6 +130,29 @@ TEST(Analysis, WarnsOfIpqnInOneSentenceWhereItHasNone) {
       EXPECT_NE(warning.find("motion:"), std::string::npos);
     }
   EXPECT_EQ(sentences, 1);
+}
+
+TEST(Analysis, GivesNoVerdictOnARequirementThatCannotBeDecided) {
+  Spec spec = read_spec(QERR_SOURCE_DIR "/configs/phantom_premium/experiment.yaml");
+  Requirement r;
+  r.quantity = "velocity_1.x.sigma_in_motion";
+  r.filter = 0;
+  r.bound = Requirement::Bound::sigma_in_motion;
+  spec.requirements = {r};
+  EXPECT_NO_THROW(analyze(spec));
+  spec.filters[0].filter.sections[0].a[1] = 1e9;
+  EXPECT_THROW(analyze(spec), Error);
+}
+
+TEST(Analysis, WarnsOfADerivativeThatIsNotScaled) {
+  Spec spec = read_spec(QERR_SOURCE_DIR "/configs/phantom_premium/experiment.yaml");
+  const auto suspicious = [&] { return filter_warnings(spec).size(); };
+  EXPECT_EQ(suspicious(), 0u);
+  for (const std::vector<double>& numerator : {std::vector<double>{1, -1}, {1e6, -2e6, 1e6}, {1e3, -500}}) {
+    spec.filters[0].filter = filter_from_coefficients(numerator, {1}, 1000, 1);
+    spec.filters[0].norms = norms(spec.filters[0].filter);
+    EXPECT_EQ(suspicious(), 1u) << numerator[0];
+  }
 }
 
 TEST(Analysis, AnswersAFilterWhoseMemoryIsTooLongWithIpqnAlone) {

@@ -277,5 +277,22 @@ TEST(IpqnThreshold, HasNoSpeedOutsideAboveIt) {
   }
 }
 
+/// Too long a memory for the autocorrelation: harmonics, set beside it where both can be had, and against the
+/// scaling of slow filters, whose noise at V = p/q is that of the response at the multiples of 1/q.
+TEST(ConstantSpeed, OfAVerySlowFilterComesFromItsHarmonics) {
+  const Filter slow = cascade(1, 2, 1e-4);  // 1e-7 of the sample rate
+  ASSERT_FALSE(followed(slow));
+  EXPECT_NEAR(constant_speed_sigma(slow, 3), 0, 1e-12 * h2_norm(slow));
+  for (const int q : {2, 3, 10}) {
+    double sum = 0;
+    for (int m = 1; m < q; ++m)
+      sum += std::norm(response(slow, 1000.0 * m / q)) / std::pow(2 * q * std::sin(pi * m / q), 2);
+    EXPECT_NEAR(constant_speed_sigma(slow, 5 + 1.0 / q) / std::sqrt(sum), 1, 1e-9) << q;
+  }
+  const double irrational = constant_speed_sigma(slow, phi), ipqn = h2_norm(slow) / std::sqrt(12.0);
+  EXPECT_GT(irrational, 0);
+  EXPECT_LT(irrational, 0.1 * ipqn);  // far from a whole number little passes
+}
+
 }  // namespace
 }  // namespace qerr

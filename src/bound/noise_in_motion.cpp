@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 #include <vector>
 
 #include "qerr/bound/quantized_sine.hpp"
+#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 
@@ -38,8 +40,41 @@ double constant_speed_sigma(const Autocorrelation& a, double v) {
   return sigma_of(a, [&](std::size_t n) { return loss(static_cast<double>(n) * speed); });
 }
 
+namespace {
+
+/// |H|^2 at `part` of a turn per sample.
+double power(const Filter& filter, double part) {
+  return std::norm(response(filter, std::remainder(part, 1.0) * filter.sample_rate));
+}
+
+/// The fraction p/q nearest to v with q <= most, if v is that fraction but for its rounding: its q, else 0.
+int denominator_of(double v, int most) {
+  for (int q = 1; q <= most; ++q)
+    if (std::abs(std::remainder(q * v, 1.0)) <= 4 * q * std::numeric_limits<double>::epsilon()) return q;
+  return 0;
+}
+
+/// By harmonics: sum_k |H(k V)|^2/(2 pi^2 k^2), or for V = p/q sum_m |H(m p/q)|^2/(4 q^2 sin^2(pi m/q)) and
+/// H(1)^2/(12 q^2). What is left out beyond k is put in at its mean over V.
+double sigma_by_harmonics(const Filter& filter, double v) {
+  constexpr int most = 500000;
+  double sum = 0;
+  if (const int q = denominator_of(v, 2000); q > 0) {
+    const double p = std::round(q * v), parts = q;
+    for (int m = 1; m < q; ++m)
+      sum +=
+          power(filter, std::fmod(m * p, parts) / parts) / std::pow(2 * parts * std::sin(pi * m / parts), 2);
+    return std::sqrt(sum + std::pow(dc_gain(filter) / parts, 2) / 12);
+  }
+  for (int k = most; k > 0; --k) sum += power(filter, k * v) / (2 * pi * pi * k * static_cast<double>(k));
+  return std::sqrt(sum + std::pow(h2_norm(filter), 2) / (2 * pi * pi * (most + 0.5)));
+}
+
+}  // namespace
+
 double constant_speed_sigma(const Filter& filter, double v) {
-  return constant_speed_sigma(autocorrelation(filter), v);
+  if (const auto memory = followed(filter)) return constant_speed_sigma(*memory, v);
+  return sigma_by_harmonics(filter, std::remainder(v, 1.0));
 }
 
 double sine_sigma(const Autocorrelation& a, double amplitude, double cycles) {
@@ -53,16 +88,16 @@ double slow_sine_sigma(const Autocorrelation& a, double peak) {
   return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak)); });
 }
 
-double path_sigma(const Autocorrelation& a, std::span<const double> x) {
+double path_sigma(const Autocorrelation& a, std::span<const double> x, std::size_t first) {
   constexpr double most_pairs = 2e8;
-  const std::size_t lags = std::min(a.r.size(), x.size() / 2 + 1);
-  const double pairs = static_cast<double>(lags) * static_cast<double>(x.size());
+  const double pairs = static_cast<double>(a.r.size()) * static_cast<double>(x.size() - first);
   const auto step = static_cast<std::size_t>(1 + pairs / most_pairs);
   return sigma_of(a, [&](std::size_t n) {
-    if (n >= lags) return 1.0 / 6;
+    const std::size_t from = std::max(first, n);
+    if (from >= x.size()) return 1.0 / 6;
     double sum = 0;
-    for (std::size_t k = 0; k + n < x.size(); k += step) sum += loss(x[k + n] - x[k]);
-    return sum / static_cast<double>((x.size() - n + step - 1) / step);
+    for (std::size_t k = from; k < x.size(); k += step) sum += loss(x[k] - x[k - n]);
+    return sum / static_cast<double>((x.size() - from + step - 1) / step);
   });
 }
 

@@ -104,6 +104,9 @@ int run(const Arguments& a, const Options& o) {
   if (!a.transient.empty()) write_file(a.transient, transient_csv(spec));
   if (!a.impulse.empty()) write_file(a.impulse, impulse_csv(report));
   write_file(o.output, write(report, chosen_format(o), style(o)));
+  std::vector<std::string> warnings = spec.warnings;
+  for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
+  warn(warnings, o);
   return 0;
 }
 

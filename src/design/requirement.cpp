@@ -1,7 +1,5 @@
 #include "qerr/design/requirement.hpp"
 
-#include <limits>
-
 namespace qerr {
 
 double value_of(const Statistic& s, Requirement::Stat stat) {
@@ -29,7 +27,7 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
   if (r.filter >= 0) {
     const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
     if (r.bound == Bound::sigma_in_motion && !d.sigma_in_motion)
-      return {std::numeric_limits<double>::infinity(), false};
+      throw Error(Fault{r.place, "requirements", "sigma in motion is not known", "'" + r.quantity + "'", ""});
     statistic = r.bound == Bound::sigma             ? &d.sigma
                 : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
                                                     : &d.worst_case;

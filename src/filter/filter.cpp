@@ -111,10 +111,18 @@ double poles_max_modulus(const Filter& filter) {
   return largest;
 }
 
-std::vector<double> impulse_response(const Filter& filter, std::size_t count) {
-  Cascade cascade(filter);
+std::vector<double> impulse_response(const Filter& filter, std::size_t count, std::size_t every) {
   std::vector<double> h(count);
-  for (std::size_t k = 0; k < count; ++k) h[k] = static_cast<double>(cascade.step(k == 0 ? 1.0 : 0.0));
+  const auto run = [&](auto cascade) {
+    for (std::size_t k = 0; k < count * every; ++k) {
+      const auto value = cascade.step(k == 0 ? 1.0 : 0.0);
+      if (k % every == 0) h[k / every] = static_cast<double>(value);
+    }
+  };
+  if (every == 1)
+    run(Cascade(filter));
+  else
+    run(BasicCascade<double>(filter));
   return h;
 }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "cascade.hpp"
 #include "sequence.hpp"
@@ -22,22 +23,37 @@ std::complex<double> normalised(const Filter& filter, double f) {
   return h;
 }
 
-/// |H|/(2 pi f)^d near 0 Hz: 1 for a filter that estimates its derivative.
-double low_frequency_gain(const Filter& filter) {
-  return std::abs(normalised(filter, 1e-9 * filter.sample_rate));
+/// (k T)^d/d! over T^d as a sum of binomials C(k - j + d, d), j = 0..d, which repeated sums of a step make:
+/// Euler's numbers over d!.
+std::vector<double> ramp_weights(int derivative) {
+  std::vector<double> weights{1};
+  for (int d = 1; d <= derivative; ++d) {
+    std::vector<double> next(static_cast<std::size_t>(d) + 1);
+    for (std::size_t j = 1; j < next.size(); ++j) {
+      const double m = static_cast<double>(j);
+      if (j < weights.size()) next[j] += m * weights[j] / d;
+      next[j] += (d + 1 - m) * weights[j - 1] / d;
+    }
+    weights = next;
+  }
+  return weights;
 }
 
-/// The last sample at which the estimate is off by more than `fraction`, sample by sample.
-std::optional<double> last_unsettled_by_terms(const Filter& filter, double fraction, double samples) {
+/// The first sample from which on the estimate is right to `fraction`, sample by sample.
+std::optional<double> settled_by_terms(const Filter& filter, double fraction, double samples) {
   BasicCascade<double> cascade(filter);
+  const std::vector<double> weights = ramp_weights(filter.derivative);
   // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
-  std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1);
+  std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1), last(weights.size());
   double settled = 0;
   for (double k = 0; k < samples; ++k) {
     double value = cascade.step(k == 0 ? 1.0 : 0.0);
     for (std::size_t i = 0; i < sums.size(); ++i)
       value = sums[i] += i == 0 ? value : value / filter.sample_rate;
-    if (!(std::abs(value - 1) <= fraction)) settled = k + 1;
+    std::rotate(last.begin(), last.end() - 1, last.end());
+    last.front() = value;
+    const double estimate = std::inner_product(weights.begin(), weights.end(), last.begin(), 0.0);
+    if (!(std::abs(estimate - 1) <= fraction)) settled = k + 1;
   }
   if (settled + 1 >= samples) return std::nullopt;
   return settled;
@@ -46,7 +62,7 @@ std::optional<double> last_unsettled_by_terms(const Filter& filter, double fract
 /// The same for slow filters, from their modes: what the estimate still lacks is the (d + 1)-fold sum of the
 /// impulse response from k on, itself a sum of modes. Empty when an oscillation is too fast to be followed in
 /// 2e5 steps.
-std::optional<double> last_unsettled_by_modes(const Filter& filter, double fraction) {
+std::optional<double> settled_by_modes(const Filter& filter, double fraction) {
   const Modes modes = partial_fractions(filter, poles(filter).list);
   const Powers powers(modes.modes);
   Sequence lacking(modes.modes, powers);
@@ -65,8 +81,14 @@ std::optional<double> last_unsettled_by_modes(const Filter& filter, double fract
   const double wanted = std::min(length / 2000, 0.06 / std::max(fastest, 1e-300));
   if (length > 2e5 * wanted) return std::nullopt;
   const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted));
+  const std::vector<double> weights = ramp_weights(filter.derivative);
   const auto outside = [&](std::int64_t k) {
-    return !(std::abs(static_cast<double>(lacking.at(k).mid())) <= fraction * unit);
+    double error = 0;
+    for (std::size_t j = 0; j < weights.size(); ++j)
+      error +=
+          weights[j] *
+          static_cast<double>(lacking.at(std::max<std::int64_t>(0, k - static_cast<std::int64_t>(j))).mid());
+    return !(std::abs(error) <= fraction * unit);
   };
   std::int64_t k = end;
   while (k > 0 && !outside(k)) k -= step;
@@ -77,6 +99,15 @@ std::optional<double> last_unsettled_by_modes(const Filter& filter, double fract
 }
 
 }  // namespace
+
+double low_frequency_gain(const Filter& filter) {
+  return std::abs(normalised(filter, 1e-9 * filter.sample_rate));
+}
+
+bool estimates_its_derivative(const Filter& filter) {
+  const double gain = low_frequency_gain(filter);
+  return gain > 0.5 && gain < 2;
+}
 
 Fidelity fidelity(const Filter& filter, double f) {
   const std::complex<double> h = normalised(filter, f);
@@ -98,7 +129,7 @@ BandTracking band_tracking(const Filter& filter, double from, double to) {
 
 std::optional<double> bandwidth(const Filter& filter) {
   const double reference = low_frequency_gain(filter);
-  if (!(reference > 1e-6) || !(reference < 1e6)) return std::nullopt;
+  if (!estimates_its_derivative(filter)) return std::nullopt;
   const double level = reference / std::numbers::sqrt2;
   const auto above = [&](double f) { return std::abs(normalised(filter, f)) > level; };
   // Steps of 1 % in frequency see any crossing of a realistic filter; bisection then makes it exact.
@@ -128,8 +159,8 @@ std::optional<double> settling_time(const Filter& filter, double fraction) {
   const double samples = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
                          (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
   std::optional<double> settled;
-  if (samples > long_memory) settled = last_unsettled_by_modes(filter, fraction);
-  if (!settled && samples <= most_samples) settled = last_unsettled_by_terms(filter, fraction, samples);
+  if (samples > long_memory) settled = settled_by_modes(filter, fraction);
+  if (!settled && samples <= most_samples) settled = settled_by_terms(filter, fraction, samples);
   if (!settled) return std::nullopt;
   return *settled / filter.sample_rate;
 }

@@ -8,13 +8,20 @@
 
 namespace qerr {
 
-std::vector<double> noise_transient(const Filter& filter, std::size_t count) {
-  std::vector<double> sigma = impulse_response(filter, count);
+std::vector<double> noise_transient(const Filter& filter, std::size_t count, std::size_t every) {
+  std::vector<double> sigma(count);
   double sum = 0;
-  for (double& s : sigma) {
-    sum += s * s;
-    s = std::sqrt(sum);
-  }
+  const auto run = [&](auto cascade) {
+    for (std::size_t k = 0; k < count * every; ++k) {
+      const double h = static_cast<double>(cascade.step(k == 0 ? 1.0 : 0.0));
+      sum += h * h;
+      if (k % every == 0) sigma[k / every] = std::sqrt(sum);
+    }
+  };
+  if (every == 1)
+    run(Cascade(filter));
+  else
+    run(BasicCascade<double>(filter));
   return sigma;
 }
 

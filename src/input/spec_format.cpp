@@ -1,5 +1,6 @@
 #include "qerr/input/spec_format.hpp"
 
+#include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
 
 namespace qerr::spec_format {
@@ -70,7 +71,7 @@ const std::vector<Parameter>& filter() {
        .meaning = "order of the derivative it estimates",
        .fallback = 0.0,
        .least = 0,
-       .most = 4},
+       .most = max_derivative},
       {.name = "sample_rate",
        .dimension = dimension::frequency,
        .meaning = "sample rate",
@@ -157,8 +158,7 @@ const std::vector<Parameter>& motion() {
        .open_below = true},
       {.name = "settling",
        .dimension = dimension::time,
-       .meaning =
-           "start of the motion that is left out of statistics; default: until the filters have settled",
+       .meaning = "start of the motion that is left out of statistics",
        .least = 0},
       {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others rest at 0"},
       {.name = "file", .kind = Kind::text, .meaning = "CSV with time and one column per joint"},

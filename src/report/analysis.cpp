@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "qerr/report/filter_report.hpp"
 #include "qerr/simulate/noise_along_motion.hpp"
 #include "text_table.hpp"
 
@@ -49,6 +50,17 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec,
   return warnings;
 }
 
+/// A requirement that cannot be decided is no verdict.
+void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  for (const Requirement& r : spec.requirements) {
+    if (r.bound != Requirement::Bound::sigma_in_motion) continue;
+    const auto f = static_cast<std::size_t>(r.filter);
+    if (f < noise.size() && noise[f].size() > 0) continue;
+    throw Error({r.place, "requirements", "the filter remembers too many samples for sigma_in_motion",
+                 "'" + r.quantity + "'", "raise its cut-off, lower its sample rate, or ask for sigma"});
+  }
+}
+
 std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
                                      const std::vector<Eigen::VectorXd>& noise) {
   std::vector<std::string> warnings = spec.warnings;
@@ -64,11 +76,7 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
       "quantization only: backlash, calibration, compliance and noise are not in these figures");
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
-  for (const NamedFilter& f : spec.filters)
-    if (f.filter.derivative > 0 && std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
-      warnings.push_back(
-          "filter '" + f.name +
-          "' is said to estimate a derivative and passes constants: H(1) = " + shortest(f.norms.dc_gain));
+  for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
   if (!spec.effects.empty())
     warnings.push_back("the spec's effects are not in these figures: they are of the ideal encoders");
   if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1.3e-4 relative");
@@ -82,6 +90,7 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
   for (const NamedFilter& filter : spec.filters) norms.push_back(filter.norms);
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
+  require_answers(spec, all.noise_in_motion);
   Analysis a{spec,
              joint_error(spec.model.transmission),
              workspace(spec.model, norms, spec.configurations, all),

@@ -8,6 +8,8 @@ namespace qerr {
 
 namespace {
 
+constexpr double most_points = 1e6;  // of a motion, for its extent
+
 /// A point-to-point motion in its three times: jerk phase, constant acceleration, cruise; the rest is
 /// symmetry.
 struct Profile {
@@ -147,11 +149,13 @@ Eigen::VectorXd MotionPath::velocity(double time) const {
 Eigen::MatrixX2d extent(const Motion& motion) {
   const MotionPath path(motion);
   Eigen::MatrixX2d range(static_cast<Eigen::Index>(path.joints()), 2);
-  const auto samples = static_cast<std::size_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
+  const double samples = std::floor(motion.duration * motion.sample_rate + 0.5);
+  const double points = std::min(samples, most_points), step = samples / std::max(points, 1.0);
   for (std::size_t i = 0; i < path.joints(); ++i) {
     double low = path.position(i, 0), high = low;
-    for (std::size_t k = 1; k < samples; ++k) {
-      const double q = path.position(i, static_cast<double>(k) / motion.sample_rate);
+    for (double k = 1; k <= points; ++k) {
+      const double sample = k == points ? std::max(0.0, samples - 1) : std::floor(k * step);
+      const double q = path.position(i, sample / motion.sample_rate);
       low = std::min(low, q);
       high = std::max(high, q);
     }

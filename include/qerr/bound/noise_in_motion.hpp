@@ -34,6 +34,9 @@ namespace qerr {
 ///
 /// Depends on V mod 1 only: no constant speed is so high that IPQN holds; it is the root mean square over V.
 double constant_speed_sigma(const Autocorrelation&, double quanta_per_sample);
+
+/// The same for any filter: one that remembers too many samples is answered by half a million harmonics, to
+/// 1e-6 of the variance of IPQN.
 double constant_speed_sigma(const Filter&, double quanta_per_sample);
 
 /// Along a sine of the given amplitude [quanta] and frequency [cycles per sample], over random zero and
@@ -46,11 +49,12 @@ double sine_sigma(const Autocorrelation&, double amplitude, double cycles_per_sa
 /// V.
 double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
 
-/// Along any path of the joint, sampled at the filter's rate, over random zero: E s_n is over the pairs of
-/// samples n apart. Lags beyond half the path count as uncorrelated, so the path should be longer than twice
-/// the filter's memory. Very long work (2e8 pairs) is thinned out evenly.
-/// @param positions  [quanta], at least two
-double path_sigma(const Autocorrelation&, std::span<const double> positions);
+/// Along any path of the joint, sampled at the filter's rate, over random zero: the root mean square over the
+/// samples from `first` on, E s_n being over the pairs of such a sample and the one n before it. Exact when
+/// `first` is at least the filter's memory; lags that reach back beyond the path count as uncorrelated. Very
+/// long work (2e8 pairs) is thinned out evenly.
+/// @param positions  [quanta], more than `first`
+double path_sigma(const Autocorrelation&, std::span<const double> positions, std::size_t first = 0);
 
 /// The same from speeds [quanta per sample], each taken as constant over the filter's memory: the root mean
 /// square of `constant_speed_sigma`.

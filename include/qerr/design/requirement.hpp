@@ -26,7 +26,7 @@ struct Requirement {
 
 /// A requirement held against the figures.
 struct RequirementResult {
-  double value = 0;  ///< +inf where the quantity has no bound, or is not known
+  double value = 0;  ///< +inf where the quantity has no bound
   bool met = false;  ///< value <= at_most
 };
 

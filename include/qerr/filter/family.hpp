@@ -37,7 +37,7 @@ const std::vector<FilterFamily>& filter_families();
 Filter difference_filter(double sample_rate, int derivative);
 
 /// The highest derivative that qerr estimates.
-inline constexpr int max_derivative = 4;
+inline constexpr int max_derivative = 8;
 
 /// A filter from coefficients in ascending powers of z^-1, normalised by a0 (contract: `numerator`,
 /// `denominator`).

@@ -65,6 +65,7 @@ double group_delay(const Filter&);
 double poles_max_modulus(const Filter&);
 
 /// h_0 .. h_{count-1} [1/s^derivative], computed in double-double and in a form that does not cancel.
-std::vector<double> impulse_response(const Filter&, std::size_t count);
+/// @param every  of a slow filter only h_0, h_every, h_2every, ..., then in double precision
+std::vector<double> impulse_response(const Filter&, std::size_t count, std::size_t every = 1);
 
 }  // namespace qerr

@@ -8,6 +8,13 @@
 
 namespace qerr {
 
+/// |H|/(2 pi f)^derivative near 0 Hz: 1 for a filter that estimates its derivative; huge when it passes a
+/// lower one, tiny when it only passes higher ones.
+double low_frequency_gain(const Filter&);
+
+/// Whether that gain is 1 within a factor of two: ripple is allowed, a forgotten 1/T is not.
+bool estimates_its_derivative(const Filter&);
+
 /// How a filter estimates its derivative at one frequency, against the ideal (j 2 pi f)^derivative.
 struct Fidelity {
   double frequency = 0;    ///< [Hz]
@@ -41,8 +48,8 @@ std::optional<double> bandwidth(const Filter&);
 double noise_bandwidth(const Filter&, double h2_norm);
 
 /// Time after which the estimate of a derivative that is switched on stays within `fraction` of it [s]: the
-/// response to the d-fold sum of a unit step. Empty when it does not settle there, or cannot be followed (2e6
-/// samples, or 2e5 steps of a slow filter).
+/// response to t^d/d!, t >= 0, d the derivative. Empty when it does not settle there, or cannot be followed
+/// (2e6 samples, or 2e5 steps of a slow filter).
 std::optional<double> settling_time(const Filter&, double fraction = 0.02);
 
 /// The filter as second-order sections {b0, b1, b2, 1, a1, a2} in ascending powers of z^-1, the gain in the

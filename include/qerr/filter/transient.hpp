@@ -14,7 +14,8 @@ namespace qerr {
 /// The recursion of the state's covariance from zero (paper, Eqs. 31 to 35 and 38; y_k = C x_k + D e_k, the
 /// index of Eq. 30 corrected) sums to sigma_k^2 = sum_{i<=k} h_i^2: it never falls, and tends to ||H||_2. The
 /// input must be white, not only zero mean: that is what removes the cross terms between Eqs. 34 and 35.
-std::vector<double> noise_transient(const Filter&, std::size_t count);
+/// @param every  of a slow filter only samples 0, every, 2 every, ...
+std::vector<double> noise_transient(const Filter&, std::size_t count, std::size_t every = 1);
 
 /// Time after switching on at which sigma reaches the fraction of ||H||_2 [s]; empty when that takes more
 /// than 2^22 samples.

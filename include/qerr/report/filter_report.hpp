@@ -30,9 +30,9 @@ struct FilterFigures {
   Norms norms;
   double group_delay = 0;  ///< [s]
   double poles_max_modulus = 0;
-  std::optional<double> bandwidth;      ///< -3 dB [Hz]
-  double noise_bandwidth = 0;           ///< [Hz]
-  std::optional<double> settling_time;  ///< to 2 % [s]
+  std::optional<double> bandwidth;        ///< -3 dB [Hz]
+  std::optional<double> noise_bandwidth;  ///< [Hz]; empty for a filter that does not estimate its derivative
+  std::optional<double> settling_time;    ///< to 2 % [s]
   std::vector<Fidelity> fidelity;
   std::optional<BandTracking> tracking;
 };
@@ -43,8 +43,13 @@ struct FilterReport {
   FilterQuestions questions;
   std::vector<FilterFigures> filters;
   std::vector<FilterNoise> noise;  ///< one per filter where it is asked for, else empty
+  std::vector<SineErrorRow> sine_errors = {};
   std::optional<EstimatorReport> estimators = {};
 };
+
+/// What is suspicious about the spec's filters: a derivative that passes constants, or is far from its own
+/// gain.
+std::vector<std::string> filter_warnings(const Spec&);
 
 /// @throws Error (usage) for a frequency above half a filter's sample rate
 FilterReport filter_report(const Spec&, const FilterQuestions&);
@@ -55,10 +60,15 @@ struct Style;
 std::string write(const FilterReport&, std::string_view format, const Style&);
 
 /// Frequency response as CSV, `filter,frequency [Hz],magnitude,phase [rad]`: logarithmic from 1e-5 of the
-/// sample rate, and linear near half of it.
+/// sample rate, or from a thousandth of the bandwidth where that is lower, to half the sample rate.
 std::string response_csv(const FilterReport&);
 
-/// Impulse response as CSV, `filter,time [s],value`: until it has decayed, at most 100000 samples a filter.
+/// Impulse response as CSV, `filter,time [s],value`: until it has decayed; of a long one every n-th sample,
+/// so that at most 100000 are written.
 std::string impulse_csv(const FilterReport&);
+
+/// Noise after switching on as CSV, `filter,time [s],sigma_over_input,steady_state`: until it has
+/// reached 99.99 % of its steady state ||H||_2; of a slow filter every n-th sample.
+std::string transient_csv(const Spec&);
 
 }  // namespace qerr

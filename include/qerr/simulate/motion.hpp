@@ -40,10 +40,9 @@ struct MotionTable {
 
 /// `motion:` of the spec: what every independent joint does from time 0 to `duration`.
 struct Motion {
-  double sample_rate = 0;  ///< of the controller that reads the encoders [Hz]
-  double duration = 0;     ///< [s]
-  std::optional<double>
-      settling;  ///< start of the motion left out of statistics [s]; else until filters settle
+  double sample_rate = 0;           ///< of the controller that reads the encoders [Hz]
+  double duration = 0;              ///< [s]
+  std::optional<double> settling;   ///< start of the motion that is left out of statistics [s]
   std::vector<JointMotion> joints;  ///< one per independent joint; empty when a table gives the motion
   MotionTable table;                ///< its time 0 is its first row
   std::string file = {};            ///< the table's, "" without
@@ -52,7 +51,8 @@ struct Motion {
 /// A motion made ready to be evaluated at any time.
 ///
 /// A table is interpolated by cubic Hermite polynomials with central slopes: exact in its rows, continuous in
-/// velocity. Before time 0 and after the end of a table the joints rest.
+/// velocity. Before time 0 moves and
+/// tables rest, and so do tables after their end; sines and constant velocities have no end.
 class MotionPath {
  public:
   explicit MotionPath(const Motion&);

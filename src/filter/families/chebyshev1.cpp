@@ -29,15 +29,7 @@ FilterFamily chebyshev1_family() {
   return {"chebyshev1",
           "back differences, then a Chebyshev low-pass with ripple below the cut-off (bilinear, "
           "pre-warped); even orders start at -ripple, as in scipy and MATLAB",
-          {order_row(3),
-           cutoff_row("end of the ripple, below half the sample rate"),
-           {.name = "ripple",
-            .kind = Kind::number,
-            .meaning = "peak to peak below the cut-off, in dB",
-            .fallback = 1.0,
-            .least = 0,
-            .most = 60,
-            .open_below = true}},
+          {order_row(3), cutoff_row("end of the ripple, below half the sample rate"), ripple_row()},
           design};
 }
 

@@ -31,13 +31,7 @@ FilterFamily chebyshev2_family() {
           {order_row(3),
            cutoff_row(
                "where the attenuation is first reached (the stop band's edge), below half the sample rate"),
-           {.name = "attenuation",
-            .kind = Kind::number,
-            .meaning = "beyond the cut-off, in dB",
-            .fallback = 40.0,
-            .least = 0,
-            .most = 300,
-            .open_below = true}},
+           attenuation_row("beyond the cut-off, in dB")},
           design};
 }
 

@@ -102,22 +102,8 @@ FilterFamily elliptic_family() {
   return {"elliptic",
           "back differences, then an elliptic (Cauer) low-pass with ripple on both sides (bilinear, "
           "pre-warped); even orders start at -ripple, as in scipy and MATLAB",
-          {order_row(3),
-           cutoff_row("end of the ripple, below half the sample rate"),
-           {.name = "ripple",
-            .kind = Kind::number,
-            .meaning = "peak to peak below the cut-off, in dB",
-            .fallback = 1.0,
-            .least = 0,
-            .most = 60,
-            .open_below = true},
-           {.name = "attenuation",
-            .kind = Kind::number,
-            .meaning = "in the stop band, in dB, above the ripple",
-            .fallback = 40.0,
-            .least = 0,
-            .most = 300,
-            .open_below = true}},
+          {order_row(3), cutoff_row("end of the ripple, below half the sample rate"), ripple_row(),
+           attenuation_row("in the stop band, in dB, above the ripple")},
           design};
 }
 

@@ -42,6 +42,8 @@ inline constexpr int max_order = 20;
 /// Rows that several families share.
 Parameter order_row(int fallback);
 Parameter cutoff_row(std::string_view meaning);
+Parameter ripple_row();
+Parameter attenuation_row(std::string_view meaning);
 
 /// The number `key` of a design.
 /// @throws Error (input; key) unless it is given (or `fallback` is) and lies above `above` and at most `most`

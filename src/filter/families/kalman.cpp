@@ -34,10 +34,10 @@ FilterFamily kalman_family() {
   return {
       "kalman",
       "estimates the derivative itself: of the updated estimate x_hat(k|k) of a steady-state Kalman filter; "
-      "no "
-      "lag for motion as in the model; its highest derivative, while that changes, is late by (alpha/beta - "
-      "1/2) "
-      "T (velocity) or (2 beta/gamma - 1/2) T (acceleration)",
+      "no lag for "
+      "motion as in the model; its highest derivative is late by (alpha/beta - 1/2) T (velocity) or (2 "
+      "beta/gamma - "
+      "1/2) T (acceleration) while that changes",
       {{.name = "model",
         .kind = Kind::choice,
         .meaning = "what is constant but for the process noise",

@@ -19,12 +19,7 @@ FilterFamily least_squares_family() {
   return {"least_squares",
           "estimates the derivative itself: of the line or polynomial fitted to the window, at its newest "
           "sample; late by (window - 1) T/2 where the order equals the derivative 1, by nothing above it",
-          {{.name = "window",
-            .kind = Kind::integer,
-            .meaning = "samples in the window",
-            .required = true,
-            .least = 1,
-            .most = max_window},
+          {window_row(),
            {.name = "polynomial_order",
             .kind = Kind::integer,
             .meaning = "of the fit; default: the derivative, and a line for derivative 0",

@@ -56,6 +56,26 @@ Parameter order_row(int fallback) {
           .most = max_order};
 }
 
+Parameter ripple_row() {
+  return {.name = "ripple",
+          .kind = Kind::number,
+          .meaning = "peak to peak below the cut-off, in dB",
+          .fallback = 1.0,
+          .least = 0,
+          .most = 60,
+          .open_below = true};
+}
+
+Parameter attenuation_row(std::string_view meaning) {
+  return {.name = "attenuation",
+          .kind = Kind::number,
+          .meaning = meaning,
+          .fallback = 40.0,
+          .least = 0,
+          .most = 300,
+          .open_below = true};
+}
+
 Parameter cutoff_row(std::string_view meaning) {
   return {.name = "cutoff",
           .kind = Kind::number,

@@ -3,6 +3,15 @@
 #include <boost/multiprecision/cpp_bin_float.hpp>
 
 namespace qerr {
+
+Parameter window_row() {
+  return {.name = "window",
+          .kind = Kind::integer,
+          .meaning = "samples in the window",
+          .required = true,
+          .least = 1,
+          .most = max_window};
+}
 namespace {
 
 using Real = boost::multiprecision::cpp_bin_float_50;

@@ -7,6 +7,8 @@ namespace qerr {
 inline constexpr int max_window = 10000;
 inline constexpr int max_polynomial_order = 20;
 
+Parameter window_row();
+
 /// The filter whose output is the derivative of the polynomial that fits the newest `window` samples best
 /// (least squares; Savitzky and Golay 1964), `back` samples before the newest one.
 ///

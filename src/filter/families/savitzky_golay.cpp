@@ -18,12 +18,7 @@ FilterFamily savitzky_golay_family() {
       "savitzky_golay",
       "estimates the derivative itself, of a polynomial fitted to the window, late by (window - 1) T/2 at "
       "its center, by nothing at its end (scipy.signal.savgol_coeffs)",
-      {{.name = "window",
-        .kind = Kind::integer,
-        .meaning = "samples in the window",
-        .required = true,
-        .least = 1,
-        .most = max_window},
+      {window_row(),
        {.name = "polynomial_order",
         .kind = Kind::integer,
         .meaning = "at least the derivative, below the window",

@@ -25,6 +25,24 @@ Parameter tracking_index_row() {
           .open_below = true};
 }
 
+Parameter position_gain_row() {
+  return {.name = "alpha",
+          .kind = Kind::number,
+          .meaning = "gain of the position",
+          .least = 0,
+          .most = 2,
+          .open_below = true};
+}
+
+Parameter velocity_gain_row() {
+  return {.name = "beta",
+          .kind = Kind::number,
+          .meaning = "gain of the velocity; 2 alpha + beta < 4",
+          .least = 0,
+          .most = 4,
+          .open_below = true};
+}
+
 std::vector<Wide> spectral_factor(const std::vector<Wide>& p) {
   if (p.size() == 3) {
     const Wide c0 = sqrt(p[0]), c2 = sqrt(p[2]);

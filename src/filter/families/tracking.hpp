@@ -9,6 +9,8 @@ namespace qerr {
 
 /// Rows that the tracking filters share.
 Parameter tracking_index_row();
+Parameter position_gain_row();
+Parameter velocity_gain_row();
 
 /// The denominator c0 + c1 w + ... of a steady-state Kalman filter for two (constant velocity) or three
 /// (constant acceleration) integrators, c0 > 0.

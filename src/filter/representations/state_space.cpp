@@ -11,6 +11,7 @@ namespace {
 using Vector = std::vector<Long>;
 using Matrix = std::vector<Vector>;
 
+constexpr int most_dc_zeros = 4;  // that rounding may have hidden
 constexpr std::size_t max_states = 20;
 const Long negligible("1e-290");  // rounding of 1024 bits
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
@@ -148,7 +149,7 @@ Vector solved(const Rows& a, Vector b) {
 std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Long& d) {
   std::size_t zeros = 0;
   Vector v = b;
-  for (; zeros <= max_derivative; ++zeros) {
+  for (; zeros <= most_dc_zeros; ++zeros) {
     v = solved(a, v);
     Long sum = zeros == 0 ? d : Long(0), size = abs(sum);
     for (std::size_t i = 0; i < v.size(); ++i) {

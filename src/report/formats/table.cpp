@@ -137,6 +137,10 @@ std::string to_table(const Analysis& a, const Style& style) {
     out += heading("Filter '" + escaped(a.spec.filters[f].name, 60) + "': " + norm_text(a.spec.filters[f]),
                    style) +
            derivative_table(a, f);
+  if (a.spec.motion && !a.spec.filters.empty())
+    out +=
+        "\n  sigma in motion: the encoders move as in `motion:`, the Jacobians are those of the "
+        "configurations\n";
   return out;
 }
 
