@@ -8,6 +8,7 @@
 #include <numbers>
 #include <set>
 
+#include "design_filter.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
@@ -17,17 +18,6 @@ namespace qerr {
 namespace {
 
 using Json = nlohmann::json;
-
-template <typename Action>
-Fault refusal(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.faults().at(0);
-  }
-  ADD_FAILURE() << "nothing was refused";
-  return {};
-}
 
 /// tests/golden/filters.json, by make_filters.py: mpmath and scipy, nothing of qerr's.
 Json golden() {

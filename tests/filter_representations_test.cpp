@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <numbers>
 
+#include "design_filter.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
@@ -13,17 +14,6 @@
 
 namespace qerr {
 namespace {
-
-template <typename Action>
-Fault refusal(Action action) {
-  try {
-    action();
-  } catch (const Error& error) {
-    return error.faults().at(0);
-  }
-  ADD_FAILURE() << "nothing was refused";
-  return {};
-}
 
 Rows column(const std::vector<double>& list) {
   Rows rows;

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <random>
 
+#include "design_filter.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
@@ -16,15 +17,6 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-
-/// One-pole cascade behind back differences, from the library; the simulation below writes it out for itself.
-Filter cascade(int derivative, int order) {
-  for (const FilterFamily& family : filter_families())
-    if (family.name == "first_order")
-      return family.design(
-          {derivative, 1000, {{"order", order}, {"cutoff", 50.0}}, {{"discretization", "matched"}}, {}});
-  throw std::runtime_error("no such family");
-}
 
 /// Root mean square of the filtered error of a quantizer along x(k), over 400 random positions of its zero.
 template <class Path>

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "design_filter.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/random.hpp"
 #include "qerr/filter/family.hpp"
@@ -15,15 +16,6 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi, phi = std::numbers::phi;
-
-/// The paper's cascade: f = 1000 Hz, matched poles.
-Filter cascade(int derivative, int order, double cutoff = 50) {
-  for (const FilterFamily& family : filter_families())
-    if (family.name == "first_order")
-      return family.design(
-          {derivative, 1000, {{"order", order}, {"cutoff", cutoff}}, {{"discretization", "matched"}}, {}});
-  throw std::runtime_error("no such family");
-}
 
 /// Quantizes the path x(k) and filters the error sample by sample, as the paper writes the filter; the mean
 /// square of the output from sample `settled` on.
