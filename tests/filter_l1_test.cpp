@@ -132,7 +132,8 @@ TEST(L1Norm, OfTwoResonancesThatDieWithinAMillionSamplesHoldsTheDirectSum) {
 }
 
 TEST(L1Norm, OfAnEllipticLowpassOfHighOrderIsNarrowAndDoesNotDependOnASlowCutoff) {
-  // In time over the cut-off the impulse response has a limit, from which it is off by (f0/f)^2.
+  // In units of the cut-off the impulse response tends to the analog one as (f0/f)^2; for odd orders only,
+  // for even ones pass some of the input on at once.
   const auto norm = [](int order, double cutoff) {
     for (const FilterFamily& f : filter_families()) {
       if (f.name == "elliptic")
@@ -140,7 +141,7 @@ TEST(L1Norm, OfAnEllipticLowpassOfHighOrderIsNarrowAndDoesNotDependOnASlowCutoff
     }
     throw std::runtime_error("no elliptic family");
   };
-  for (const int order : {16, 18}) {
+  for (const int order : {15, 17}) {
     const Interval slow = norm(order, 5), faster = norm(order, 20);
     for (const Interval& i : {slow, faster}) EXPECT_LE(i.upper - i.lower, 1e-12 * i.upper) << order;
     EXPECT_NEAR(slow.lower / faster.lower, 1, 1e-8) << order;
