@@ -53,10 +53,10 @@ double h2_norm(const Filter&);
 /// real poles and where all modes but the slowest die within some hundred thousand changes of sign or a
 /// million samples, however slow they are: so for all families but slow elliptic low-passes of order 17 and
 /// more (1 dB of ripple) or 19 and more (0.1 dB), whose two slowest resonances both ring for 10^4 turns and
-/// more. It is not there, nor where several resonances, or repeated ones, or a resonance and a real pole share
-/// such a memory, or poles near z = 1 and z = -1 do: there only the order of magnitude may be known. The time
-/// stays about two seconds at most. A family's interval also covers the rounding of its coefficients, 1e-15 a
-/// section.
+/// more. It is not there, nor where several resonances, or repeated ones, or a resonance and a real pole
+/// share such a memory, or poles near z = 1 and z = -1 do: there only the order of magnitude may be known.
+/// The time stays about two seconds at most. A family's interval also covers the rounding of its
+/// coefficients, 1e-15 a section.
 /// @pre every section is stable
 Interval l1_norm(const Filter&);
 
