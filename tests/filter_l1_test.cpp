@@ -112,6 +112,42 @@ TEST(L1Norm, OfSeveralSlowResonancesOfEqualDampingIsWideAndValid) {
   EXPECT_LT(i.upper, 0x1p34);
 }
 
+TEST(L1Norm, OfTwoResonancesThatDieWithinAMillionSamplesHoldsTheDirectSum) {
+  const double a[2][2] = {{1.2927509377453863, 0.9999835304283305}, {-1.999990621743669, 0.9999906602697118}};
+  Filter filter{{}, 1, 1, 0};
+  for (const auto& s : a) filter.sections.push_back(section_in_w({1, 0, 0}, {1, s[0], s[1]}));
+  const Interval i = l1_norm(filter);
+  EXPECT_LE(i.upper - i.lower, 1e-12 * i.upper);
+  long double total = 0, y[2][2] = {};
+  for (int k = 0; k < 8'000'000; ++k) {  // 37 e-folds of the slower one
+    long double x = k == 0 ? 1 : 0;
+    for (int j = 0; j < 2; ++j) {
+      x -= a[j][0] * y[j][0] + a[j][1] * y[j][1];
+      y[j][1] = y[j][0];
+      y[j][0] = x;
+    }
+    total += std::abs(x);
+  }
+  EXPECT_NEAR(static_cast<double>(total / i.lower), 1, 1e-11);  // as far as extended precision carries
+}
+
+TEST(L1Norm, OfAnEllipticLowpassOfHighOrderIsNarrowAndDoesNotDependOnASlowCutoff) {
+  // In units of the cut-off the impulse response tends to the analog one as (f0/f)^2; for odd orders only,
+  // for even ones pass some of the input on at once.
+  const auto norm = [](int order, double cutoff) {
+    for (const FilterFamily& f : filter_families()) {
+      if (f.name == "elliptic")
+        return l1_norm(f.design({0, 1e6, {{"order", order}, {"cutoff", cutoff}, {"ripple", 0.1}}, {}, {}}));
+    }
+    throw std::runtime_error("no elliptic family");
+  };
+  for (const int order : {15, 17}) {
+    const Interval slow = norm(order, 5), faster = norm(order, 20);
+    for (const Interval& i : {slow, faster}) EXPECT_LE(i.upper - i.lower, 1e-12 * i.upper) << order;
+    EXPECT_NEAR(slow.lower / faster.lower, 1, 1e-8) << order;
+  }
+}
+
 TEST(L1Norm, OfAPoleOneTrillionthFromTheCircleIsItsReciprocal) {
   const double a = 1 - 0x1p-40;
   for (const double sign : {1.0, -1.0})

@@ -71,7 +71,12 @@ void expect_exact(const std::vector<Row>& rows) {
   for (const Row& row : rows) {
     const Norms n = norms(row.filter);
     EXPECT_LT(std::abs(n.h2 / row.h2 - 1), 1e-13) << row.name;
-    EXPECT_LT(n.h2_error, 3e-16 * n.h2) << row.name;
+    EXPECT_LE(std::abs(n.h2 - row.h2), n.h2_error + 1e-19L * row.h2) << row.name;  // row.h2 is rounded too
+    // What a family's design rounds, and the rounding to double.
+    const double allowed =
+        row.filter.designed ? 1e-15 * static_cast<double>(1 + row.filter.sections.size()) : 0;
+    EXPECT_LT(n.h2_error, (allowed + 3e-16) * n.h2) << row.name;
+    EXPECT_GE(n.h2_error, allowed * n.h2) << row.name;
     EXPECT_LE(n.l1.lower, row.l1) << row.name;
     EXPECT_GE(n.l1.upper, row.l1) << row.name;
     EXPECT_LT(n.l1.upper - n.l1.lower, 1e-12 * n.l1.lower) << row.name;
@@ -84,7 +89,7 @@ void expect_exact(const std::vector<Row>& rows) {
 
 TEST(Norms, OfTheFamiliesAreTheGoldenOnes) {
   const std::vector<Row> rows = golden();
-  ASSERT_EQ(rows.size(), 197u);
+  ASSERT_EQ(rows.size(), 237u);
   expect_exact(rows);
 }
 

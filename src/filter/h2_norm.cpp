@@ -1,6 +1,7 @@
 #include <cmath>
 #include <limits>
 
+#include "design_rounding.hpp"
 #include "lifted_norm.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
@@ -58,7 +59,7 @@ Estimate h2_estimate(const Filter& filter) {
                       ""},
                 Trouble::internal);
   }
-  e.error += filter.deviation.h2;
+  e.error += filter.deviation.h2 + design_rounding(filter) * e.value;
   return e;
 }
 

@@ -1,12 +1,14 @@
 #include "runs.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace qerr {
 namespace {
 
-constexpr int max_visits = 20000;  // blocks looked at before the rest is left
 constexpr int taylor_order = 12;
+// Where |x| is so small a part of its bound, halving blocks until the bound says enough takes too many.
+constexpr double cancelled = 0.01;
 
 /// Sum of |x_k| over a stretch where the sign of x is followed exactly: each run of one sign is a difference
 /// of U.
@@ -15,7 +17,8 @@ constexpr int taylor_order = 12;
 /// spoil the lower end, and moves the upper end by twice that value only.
 class Runs {
  public:
-  Runs(const Sequence& x, double scale) : x_(x), sum_(x.transient_of_sum()), scale_(scale) {
+  Runs(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
+      : x_(x), sum_(x.transient_of_sum()), powers_(powers), scale_(scale), visits_(visits) {
     differences_.push_back(x);
     for (int j = 0; j < taylor_order; ++j) differences_.push_back(differences_.back().difference());
   }
@@ -23,17 +26,19 @@ class Runs {
   /// Goes through first..end-1; stops early when the budget is spent.
   void cover(std::int64_t first, std::int64_t end) {
     start_ = next_ = first;
+    sum_before_ = sum_.at(first - 1);
     visit(first, end);
     close(next_);
   }
-  Stretch result() const { return {total_, 2 * error_, next_}; }
+  Stretch result() const { return {total_, 2 * error_, next_, std::max<std::int64_t>(visits_, 0)}; }
 
  private:
-  bool spent() { return ++visits_ > max_visits; }
+  bool spent() { return --visits_ < 0; }
 
   /// The sign of x_k; where it cannot be told, of `count` values no larger, these are charged as errors.
   int sign_at(std::int64_t k, std::int64_t count) {
-    const double quick = x_.quick_at(k);
+    powers_.quick(k, turned_);
+    const double quick = x_.quick_at(k, turned_);
     if (std::abs(quick) > 1e-12 * x_.bound(k, k)) return quick < 0 ? -1 : 1;
     const Sure x = x_.at(k);
     if (!x.above_zero() && !x.below_zero()) error_ += x.largest() * static_cast<double>(count);
@@ -49,18 +54,20 @@ class Runs {
     }
     const std::int64_t middle = first + (end - first) / 2;
     const double reach = static_cast<double>(std::max(middle - first, end - 1 - middle)) * 1.001;
-    const double x = x_.quick_at(middle);
-    if (std::abs(x) > reach * differences_[1].bound(first, end - 1) + 1e-12 * x_.bound(middle, middle)) {
+    powers_.quick(middle, turned_);
+    powers_.moduli(first, moduli_);
+    const double x = x_.quick_at(middle, turned_), size = x_.bound(moduli_, middle);
+    const double steepest = differences_[1].bound(moduli_, end - 1);
+    if (std::abs(x) > reach * steepest + 1e-12 * size) {
       extend(end, x < 0 ? -1 : 1);
       return;
     }
-    const double slope = differences_[1].quick_at(middle);
-    if (std::abs(slope) >
-        reach * differences_[2].bound(first, end - 1) + 1e-12 * differences_[1].bound(middle, middle)) {
+    const double slope = differences_[1].quick_at(middle, turned_);
+    if (std::abs(slope) > reach * differences_[2].bound(moduli_, end - 1) + 1e-12 * steepest) {
       monotone(first, end);
       return;
     }
-    if (std::abs(x) < 1e-3 * x_.bound(middle, middle) && settled_by_taylor(first, end, middle)) return;
+    if (std::abs(x) < cancelled * size && settled_by_taylor(first, end, middle)) return;
     visit(first, middle);
     visit(middle, end);
   }
@@ -114,26 +121,32 @@ class Runs {
 
   void close(std::int64_t end) {
     if (end <= start_) return;
-    const Sure run = sum_.at(end - 1) - sum_.at(start_ - 1);
+    const Sure sum = sum_.at(end - 1), run = sum - sum_before_;
+    sum_before_ = sum;
     total_ += sign_ < 0 ? -run : run;
     start_ = end;
   }
 
   Sequence x_, sum_;
   std::vector<Sequence> differences_;
+  const Powers& powers_;
+  std::vector<std::complex<double>> turned_;  // the powers at the place looked at
+  std::vector<double> moduli_;
   double scale_;
   Sure total_;
+  Sure sum_before_;  // of the run at hand
   double error_ = 0;
   std::int64_t start_ = 0;
   std::int64_t next_ = 0;
   int sign_ = 0;
-  int visits_ = 0;
+  std::int64_t visits_;  // blocks that may still be looked at
 };
 
 }  // namespace
 
-Stretch sum_of_runs(const Sequence& x, double scale, std::int64_t first, std::int64_t end) {
-  Runs runs(x, scale);
+Stretch sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
+                    std::int64_t end, std::int64_t visits) {
+  Runs runs(x, powers, scale, visits);
   runs.cover(first, end);
   return runs.result();
 }

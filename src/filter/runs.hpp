@@ -12,12 +12,15 @@ struct Stretch {
   Sure sum;
   double error = 0;
   std::int64_t next = 0;
+  std::int64_t visits = 0;  ///< what is left of them
 };
 
 /// Sums |x_k| over first..end-1 by its runs of one sign, each a difference of the sum of x: work grows with
-/// the number of sign changes and not with the length. Stops early when that is too much.
+/// the number of sign changes and not with the length. Stops early when `visits` blocks were looked at.
+/// @param powers  of the modes of x
 /// @param scale  a lower bound of the whole norm, against which a block can be negligible
 /// @pre x.trusted()
-Stretch sum_of_runs(const Sequence& x, double scale, std::int64_t first, std::int64_t end);
+Stretch sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
+                    std::int64_t end, std::int64_t visits);
 
 }  // namespace qerr

@@ -8,12 +8,20 @@ namespace qerr {
 namespace {
 
 constexpr int bits = 52;
+constexpr std::size_t base = 16;  // of the table of quick powers
 // A bound in doubles takes a few hundred operations, each off by 2^-53; this is far more. The other part
 // keeps a bound above 0 where the powers vanish.
 constexpr double slack = 1.001;
 constexpr double least = 1e-290;
 
-std::complex<double> rounded(const SureComplex& x) { return {x.re.mid().hi, x.im.mid().hi}; }
+using Quick = std::complex<double>;
+
+/// Without the care of std::complex for infinities.
+Quick times(const Quick& x, const Quick& y) {
+  return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
+}
+
+Quick rounded(const SureComplex& x) { return {x.re.mid().hi, x.im.mid().hi}; }
 
 /// C(k + m - 1, m - 1) for the next m, from the one before.
 double next_binomial(double binomial, std::int64_t k, std::size_t m) {
@@ -26,8 +34,11 @@ Powers::Powers(const std::vector<Mode>& modes) {
   for (const Mode& mode : modes) {
     std::vector<SureComplex> table{mode.z};
     for (int i = 1; i < bits; ++i) table.push_back(table.back() * table.back());
-    std::vector<std::complex<double>> quick;
-    for (const SureComplex& z : table) quick.push_back(rounded(z));
+    std::vector<Quick> quick;
+    for (std::size_t i = 0; i < bits; i += 4) {
+      quick.emplace_back(1.0);
+      for (std::size_t j = 1; j < base; ++j) quick.push_back(times(quick.back(), rounded(table[i])));
+    }
     sure_.push_back(std::move(table));
     quick_.push_back(std::move(quick));
     // 1 - |z|^2 without cancellation: 2 Re(1 - z) - |1 - z|^2.
@@ -45,16 +56,18 @@ SureComplex Powers::sure(std::size_t mode, std::int64_t k) const {
   return r;
 }
 
-std::complex<double> Powers::quick(std::size_t mode, std::int64_t k) const {
-  double re = 1, im = 0;
-  for (std::size_t i = 0; k > 0; ++i, k >>= 1) {
-    if ((k & 1) == 0) continue;
-    const double x = quick_[mode][i].real(), y = quick_[mode][i].imag();
-    const double turned = re * x - im * y;
-    im = re * y + im * x;
-    re = turned;
+void Powers::quick(std::int64_t k, std::vector<Quick>& powers) const {
+  powers.assign(quick_.size(), 1.0);
+  for (std::size_t row = 0; k > 0; row += base, k /= static_cast<std::int64_t>(base)) {
+    const std::size_t digit = row + static_cast<std::size_t>(k) % base;
+    if (digit == row) continue;
+    for (std::size_t i = 0; i < powers.size(); ++i) powers[i] = times(powers[i], quick_[i][digit]);
   }
-  return {re, im};
+}
+
+void Powers::moduli(std::int64_t k, std::vector<double>& moduli) const {
+  moduli.resize(decay_.size());
+  for (std::size_t i = 0; i < moduli.size(); ++i) moduli[i] = modulus(i, k);
 }
 
 double Powers::modulus(std::size_t mode, std::int64_t k) const {
@@ -62,6 +75,17 @@ double Powers::modulus(std::size_t mode, std::int64_t k) const {
 }
 
 double Powers::one_minus_modulus(std::size_t mode) const { return -std::expm1(-decay_[mode]); }
+
+Sequence::Sequence(std::vector<Mode> modes, const Powers& powers)
+    : modes_(std::move(modes)), powers_(&powers) {
+  for (const Mode& mode : modes_) {
+    const double count = mode.pair ? 2 : 1;
+    std::vector<Coefficient> row;
+    for (const SureComplex& c : mode.c)
+      row.push_back({count * c.re.mid().hi, count * c.im.mid().hi, count * largest(c)});
+    rounded_.push_back(std::move(row));
+  }
+}
 
 Sure Sequence::at(std::int64_t k) const {
   Sure total;
@@ -80,32 +104,35 @@ Sure Sequence::at(std::int64_t k) const {
   return total;
 }
 
-double Sequence::quick_at(std::int64_t k) const {
+double Sequence::quick_at(std::int64_t k, const std::vector<Quick>& powers) const {
   double total = 0;
-  for (std::size_t i = 0; i < modes_.size(); ++i) {
-    const Mode& mode = modes_[i];
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
     double re = 0, im = 0, binomial = 1;
-    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      re += mode.c[m - 1].re.mid().hi * binomial;
-      im += mode.c[m - 1].im.mid().hi * binomial;
-      binomial = next_binomial(binomial, k, m);
+    for (std::size_t m = 1; m <= rounded_[i].size(); ++m) {
+      re += rounded_[i][m - 1].re * binomial;
+      im += rounded_[i][m - 1].im * binomial;
+      if (m < rounded_[i].size()) binomial = next_binomial(binomial, k, m);
     }
-    const std::complex<double> power = powers_->quick(i, k);
-    total += (mode.pair ? 2 : 1) * (re * power.real() - im * power.imag());
+    total += re * powers[i].real() - im * powers[i].imag();
   }
   return total;
 }
 
 double Sequence::bound(std::int64_t first, std::int64_t last) const {
+  std::vector<double> moduli;
+  powers_->moduli(first, moduli);
+  return bound(moduli, last);
+}
+
+double Sequence::bound(const std::vector<double>& moduli, std::int64_t last) const {
   double total = 0;
-  for (std::size_t i = 0; i < modes_.size(); ++i) {
-    const Mode& mode = modes_[i];
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
     double sum = 0, binomial = 1;
-    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      sum += largest(mode.c[m - 1]) * binomial;
-      binomial = next_binomial(binomial, last, m);
+    for (std::size_t m = 1; m <= rounded_[i].size(); ++m) {
+      sum += rounded_[i][m - 1].size * binomial;
+      if (m < rounded_[i].size()) binomial = next_binomial(binomial, last, m);
     }
-    total += (mode.pair ? 2 : 1) * sum * powers_->modulus(i, first);
+    total += sum * moduli[i];
   }
   return total * slack + least;
 }
@@ -142,26 +169,26 @@ bool Sequence::trusted() const {
 }
 
 Sequence Sequence::difference() const {
-  Sequence result = *this;  // 1 - q = ((1 - z q) - (1 - z))/z
-  for (Mode& mode : result.modes_) {
+  std::vector<Mode> result = modes_;  // 1 - q = ((1 - z q) - (1 - z))/z
+  for (Mode& mode : result) {
     for (std::size_t m = 0; m < mode.c.size(); ++m) {
       const SureComplex above = m + 1 < mode.c.size() ? mode.c[m + 1] : SureComplex();
       mode.c[m] = (above - mode.one_minus_z * mode.c[m]) / mode.z;
     }
   }
-  return result;
+  return {std::move(result), *powers_};
 }
 
 Sequence Sequence::transient_of_sum() const {
-  Sequence result = *this;  // 1/((1-q)(1-zq)^m) = [1/((1-q)(1-zq)^(m-1)) - z/(1-zq)^m]/(1-z)
-  for (Mode& mode : result.modes_) {
+  std::vector<Mode> result = modes_;  // 1/((1-q)(1-zq)^m) = [1/((1-q)(1-zq)^(m-1)) - z/(1-zq)^m]/(1-z)
+  for (Mode& mode : result) {
     SureComplex carry;
     for (std::size_t m = mode.c.size(); m-- > 0;) {
       carry = (mode.c[m] + carry) / mode.one_minus_z;
       mode.c[m] = -(mode.z * carry);
     }
   }
-  return result;
+  return {std::move(result), *powers_};
 }
 
 }  // namespace qerr

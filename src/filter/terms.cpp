@@ -34,7 +34,6 @@ double slow_share(const Section& s) {
   return std::abs(s.a[0].hi) / (std::abs(s.a[0].hi) + std::abs(s.a[1].hi) + std::abs(s.a[2].hi));
 }
 
-double size(double x) { return std::abs(x); }
 double size(const Wide& x) { return std::abs(x.hi); }
 
 }  // namespace
@@ -88,48 +87,45 @@ double Terms::tail(std::int64_t from) const {
 /// two products, two sums, and the inverse with its product, 6 (|x| + |u| + |v|) at most. The rounding of
 /// band goes to the first state once and to the second twice, to the output by b0 and b1; that of low to the
 /// second state and to the output by b0. The output takes up to 5 of each product.
-template <class Scalar>
-Partial Terms::run(std::int64_t count, double unit) const {
+Partial Terms::sum(std::int64_t count) const {
+  constexpr double unit = Rounding<Wide>::unit;
   struct State {
     bool second;
-    Scalar b0, b1, b2, a0, a01, inverse, s1{}, s2{};
+    Wide b0, b1, b2, a0, a01, inverse, s1{}, s2{};
     double high_size = 0, first_size = 0, second_size = 0, output_size = 0;
   };
   std::vector<State> states;
-  const auto to = [](const Wide& x) { return static_cast<Scalar>(x); };
-  for (const Stage& t : stages_)
-    states.push_back({t.second, to(t.b0), to(t.b1), to(t.b2), to(t.a0), to(t.a01), to(t.inverse)});
-  Scalar total{}, x = to(gain_);
+  for (const Stage& t : stages_) states.push_back({t.second, t.b0, t.b1, t.b2, t.a0, t.a01, t.inverse});
+  Wide total{}, x = gain_;
   double total_size = 0;
-  using std::abs;
   for (std::int64_t k = 0; k < count; ++k) {
     for (State& s : states) {
       if (s.second) {
-        const Scalar u = s.a01 * s.s1, v = s.a0 * s.s2;
-        const Scalar high = (x - u - v) * s.inverse;
+        const Wide u = s.a01 * s.s1, v = s.a0 * s.s2;
+        const Wide high = (x - u - v) * s.inverse;
         s.high_size += size(x) + size(u) + size(v);
-        const Scalar band = high + s.s1, low = band + s.s2;
+        const Wide band = high + s.s1, low = band + s.s2;
         s.s1 = band + high;
         s.s2 = low + band;
         s.first_size += size(band) + size(s.s1);
         s.second_size += 2 * size(band) + size(low) + size(s.s2);
-        const Scalar y0 = s.b0 * low, y1 = s.b1 * band, y2 = s.b2 * high;
+        const Wide y0 = s.b0 * low, y1 = s.b1 * band, y2 = s.b2 * high;
         s.output_size += size(y0) + size(y1) + size(y2) + size(s.b0) * size(band);
         x = y0 + y1 + y2;
       } else {
-        const Scalar u = s.a0 * s.s1;
-        const Scalar high = (x - u) * s.inverse, low = high + s.s1;
+        const Wide u = s.a0 * s.s1;
+        const Wide high = (x - u) * s.inverse, low = high + s.s1;
         s.high_size += size(x) + size(u);
         s.s1 = low + high;
         s.first_size += size(low) + size(s.s1);
-        const Scalar y0 = s.b0 * low, y1 = s.b1 * high;
+        const Wide y0 = s.b0 * low, y1 = s.b1 * high;
         s.output_size += size(y0) + size(y1);
         x = y0 + y1;
       }
     }
     total += abs(x);
     total_size += size(total);
-    x = Scalar(0);
+    x = Wide(0);
   }
   double error = total_size;
   for (std::size_t i = 0; i < states.size(); ++i) {
@@ -138,14 +134,8 @@ Partial Terms::run(std::int64_t count, double unit) const {
     error += 8 * s.high_size * t.from_input + s.first_size * t.from_first + s.second_size * t.from_second +
              5 * s.output_size * t.from_output;
   }
-  return {static_cast<double>(total), unit * error * 1.01 + unit * static_cast<double>(total) + 1e-290};
-}
-
-Partial Terms::in_double(std::int64_t count) const { return run<double>(count, 0x1p-53); }
-Partial Terms::in_double_double(std::int64_t count) const {
-  Partial p = run<Wide>(count, Rounding<Wide>::unit);
-  p.error += 0x1p-53 * p.sum;  // the sum is handed on as a double
-  return p;
+  const auto rounded = static_cast<double>(total);
+  return {rounded, unit * error * 1.01 + (unit + 0x1p-53) * rounded + 1e-290};
 }
 
 }  // namespace qerr

@@ -12,15 +12,15 @@ struct Partial {
   double error = 0;
 };
 
-/// What one rounding in the recursion of a filter can do to sum |h_k|: found once, used for both precisions.
+/// What one rounding in the recursion of a filter can do to sum |h_k|, found once.
 class Terms {
  public:
   /// @pre no taps
   /// @param lift  (1 + lift) times the largest pole modulus is below 1
   Terms(const Filter&, double lift);
 
-  Partial in_double(std::int64_t count) const;
-  Partial in_double_double(std::int64_t count) const;
+  /// In double-double.
+  Partial sum(std::int64_t count) const;
   /// Upper bound of sum |h_k| over k >= from (Cauchy and Schwarz).
   double tail(std::int64_t from) const;
 
@@ -31,9 +31,6 @@ class Terms {
     // ||.||_1 from the stage's input, its two states and its output to the filter's output.
     double from_input = 0, from_first = 0, from_second = 0, from_output = 0;
   };
-  template <class Scalar>
-  Partial run(std::int64_t count, double unit) const;
-
   std::vector<Stage> stages_;
   Wide gain_;
   double lift_ = 0;

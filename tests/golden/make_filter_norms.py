@@ -182,6 +182,12 @@ def main():
                 for rate, cutoff in [settings[(d + n) % 4], settings[(d + n + 1) % 4]]:
                     b, a, m = first_order(kind, d, n, rate, cutoff)
                     row("first_order", kind, d, n, rate, cutoff, norms_of_multiple_pole(b, a, m))
+    for n in range(13, 21):  # slow, of high order: cut-offs that are doubles
+        for d in range(5):
+            kind = ["matched", "tustin", "backward_euler"][(d + n) % 3]
+            rate, cutoff = [(1000000, "5"), (400000, "0.96875"), (300000, "1.75"), (1000, "20")][(d + 2 * n) % 4]
+            b, a, m = first_order(kind, d, n, rate, cutoff)
+            row("first_order", kind, d, n, rate, cutoff, norms_of_multiple_pole(b, a, m))
     for d in range(4):
         for n in range(1, 9):
             rate, cutoff = [(2000, "20"), (500, "170"), (10000, "40"), (100, "49")][(d + n) % 4]

@@ -46,6 +46,7 @@ struct Filter {
   int derivative = 0;             ///< what the output estimates; only names its unit
   std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
   Deviation deviation = {};       ///< of a user's coefficients, by factoring them into sections
+  bool designed = false;  ///< by a family, which rounds the coefficients; else they are meant as stated
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy also for tiny f, where derivatives vanish as (j

@@ -11,6 +11,7 @@ namespace {
 Filter design(const FilterDesign& wanted) {
   const int order = whole_number(wanted, "order", 2, 1, max_order);
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  filter.designed = true;
   const double slope = 1 / std::tan(std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate);
   if (order % 2 == 1) filter.sections.push_back({{1, 0, 0}, {1, slope, 0}});
   for (int i = 0; i < order / 2; ++i) {

@@ -28,6 +28,7 @@ Wide slope_of(const FilterDesign& wanted) {
 
 Filter design(const FilterDesign& wanted) {
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  filter.designed = true;
   const Wide slope = slope_of(wanted);
   // The zero at z = 0, w = -1, cancels the pole of a difference.
   if (filter.sections.empty()) filter.sections.push_back({{1, 1, 0}, {1, 1, 0}});

@@ -40,6 +40,7 @@ Filter design(const FilterDesign& wanted) {
     }
   }
   Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
+  filter.designed = true;
   filter.taps.resize((c.size() - 1) * static_cast<std::size_t>(span) + 1);
   for (std::size_t j = 0; j < c.size(); ++j) {
     filter.taps[j * static_cast<std::size_t>(span)] = static_cast<double>(points[j]);

@@ -26,6 +26,7 @@ Filter design(const FilterDesign& wanted) {
   const auto choice = wanted.choices.find("discretization");
   const std::string discretization = choice == wanted.choices.end() ? "matched" : choice->second;
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  filter.designed = order > 0;
   const double x = 2 * std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate;
   const double slope = inverse_pole(discretization, x);
   const bool bilinear = discretization == "tustin" || discretization == "prewarped";

@@ -59,6 +59,7 @@ Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double 
     weights[static_cast<std::size_t>(k)] /= norm;
     norm *= (Real(window) * window - Real(k + 1) * (k + 1)) * (2 * k + 1) / (2 * k + 3);
   }
+  filter.designed = true;
   filter.sections.clear();
   filter.gain = 1;
   for (int i = 0; i < wanted.derivative; ++i) filter.gain *= wanted.sample_rate;

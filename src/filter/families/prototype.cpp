@@ -14,6 +14,7 @@ Section section_of_pole(WideComplex p, double slope) {
 
 Filter bilinear_lowpass(const FilterDesign& wanted, const Prototype& prototype) {
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  filter.designed = true;
   const double slope = 1 / std::tan(std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate);
   filter.gain *= prototype.gain;
   std::size_t zeros = 0;

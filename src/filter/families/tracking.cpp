@@ -80,6 +80,7 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
                                : "three states are position, velocity and acceleration");
   Filter filter =
       difference_filter(wanted.sample_rate, wanted.derivative);  // checks the rate; its gain (2f)^d
+  filter.designed = true;
   filter.sections.clear();
   const Wide first = c[0], one = 1;
   for (Wide& x : c) x = x / first;
