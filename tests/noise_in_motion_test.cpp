@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 #include <vector>
 
@@ -269,17 +270,26 @@ TEST(IpqnThreshold, HasNoSpeedOutsideAboveIt) {
   }
 }
 
-/// Too long a memory for the autocorrelation: harmonics, set beside it where both can be had, and against the
-/// scaling of slow filters, whose noise at V = p/q is that of the response at the multiples of 1/q.
+/// Too long a memory for the autocorrelation. At V = p/q the error of an explicit quantizer repeats every q
+/// samples; its Fourier coefficients and the response give the output without a formula for sigma.
 TEST(ConstantSpeed, OfAVerySlowFilterComesFromItsHarmonics) {
   const Filter slow = cascade(1, 2, 1e-4);  // 1e-7 of the sample rate
   ASSERT_FALSE(followed(slow));
   EXPECT_NEAR(constant_speed_sigma(slow, 3), 0, 1e-12 * h2_norm(slow));
-  for (const int q : {2, 3, 10}) {
+  for (const auto& [p, q] : {std::pair{1, 2}, {2, 3}, {3, 10}, {17, 64}}) {
+    std::vector<double> error;
+    for (int k = 0; k < q; ++k) {
+      const double x = 0.123 / q + k * static_cast<double>(p) / q;
+      error.push_back(std::floor(x + 0.5) - x);
+    }
     double sum = 0;
-    for (int m = 1; m < q; ++m)
-      sum += std::norm(response(slow, 1000.0 * m / q)) / std::pow(2 * q * std::sin(pi * m / q), 2);
-    EXPECT_NEAR(constant_speed_sigma(slow, 5 + 1.0 / q) / std::sqrt(sum), 1, 1e-9) << q;
+    for (int m = 1; m < q; ++m) {
+      std::complex<double> c = 0;
+      for (int k = 0; k < q; ++k)
+        c += error[static_cast<std::size_t>(k)] * std::polar(1.0 / q, -2 * pi * m * k / q);
+      sum += std::norm(c * response(slow, 1000.0 * m / q));
+    }
+    EXPECT_NEAR(constant_speed_sigma(slow, 5 + static_cast<double>(p) / q) / std::sqrt(sum), 1, 1e-9) << q;
   }
   const double irrational = constant_speed_sigma(slow, phi), ipqn = h2_norm(slow) / std::sqrt(12.0);
   EXPECT_GT(irrational, 0);

@@ -105,7 +105,7 @@ class Job {
         sums.filtered_worst[f][i].add(
             derivative_error(e.half_width[row], e.mean[row], e.sigma[row], filters_[f]).worst_case, q);
       for (std::size_t f = 0; f < noise_.size(); ++f)
-        if (noise_[f].size() > 0) sums.in_motion[f][i].add(sigma_in_motion(e, row, noise_[f]), q);
+        if (is_known(noise_, f)) sums.in_motion[f][i].add(sigma_in_motion(e, row, noise_[f]), q);
       if (is_position(model_.coordinates[i]))
         sums.largest_arm = std::max(
             sums.largest_arm, e.weighted.row(row).cwiseAbs().cwiseQuotient(delta_.transpose()).maxCoeff());
@@ -163,7 +163,7 @@ Workspace finish(const OperationalModel& model, const std::vector<Norms>& filter
                                           : scaled(w.coordinates[i].worst_case, filters[f].l1.upper),
                            scaled(w.coordinates[i].sigma, filters[f].h2),
                            {}});
-      if (f < options.noise_in_motion.size() && options.noise_in_motion[f].size() > 0)
+      if (is_known(options.noise_in_motion, f))
         of_filter.back().sigma_in_motion = sums.in_motion[f][i].result();
     }
   }

@@ -42,7 +42,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec,
   std::vector<std::string> warnings;
   if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
   for (std::size_t f = 0; f < known.size(); ++f)
-    if (known[f].size() == 0)
+    if (!is_known(known, f))
       warnings.push_back("filter '" + spec.filters[f].name +
                          "' remembers too many samples for sigma in motion: only IPQN is given");
   warnings.push_back(
@@ -54,8 +54,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec,
 void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   for (const Requirement& r : spec.requirements) {
     if (r.bound != Requirement::Bound::sigma_in_motion) continue;
-    const auto f = static_cast<std::size_t>(r.filter);
-    if (f < noise.size() && noise[f].size() > 0) continue;
+    if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
     throw Error({r.place, "requirements", "the filter remembers too many samples for sigma_in_motion",
                  "'" + r.quantity + "'", "raise its cut-off, lower its sample rate, or ask for sigma"});
   }

@@ -35,8 +35,9 @@ namespace qerr {
 /// Depends on V mod 1 only: no constant speed is so high that IPQN holds; it is the root mean square over V.
 double constant_speed_sigma(const Autocorrelation&, double quanta_per_sample);
 
-/// The same for any filter: one that remembers too many samples is answered by half a million harmonics, to
-/// 1e-6 of the variance of IPQN.
+/// The same for any filter: one that remembers too many samples is answered by its harmonics. Exact at speeds
+/// p/q with q <= 2000; at others the first half million are summed and the rest is put in at its mean over V,
+/// about 1e-6 of the variance of IPQN, which is an estimate and no bound.
 double constant_speed_sigma(const Filter&, double quanta_per_sample);
 
 /// Along a sine of the given amplitude [quanta] and frequency [cycles per sample], over random zero and

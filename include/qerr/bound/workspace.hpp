@@ -59,6 +59,11 @@ struct WorkspaceOptions {
 Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
                     const WorkspaceOptions& = {});
 
+/// Whether the noise of a filter's encoders is among those of WorkspaceOptions::noise_in_motion.
+inline bool is_known(const std::vector<Eigen::VectorXd>& noise_in_motion, std::size_t filter) {
+  return filter < noise_in_motion.size() && noise_in_motion[filter].size() > 0;
+}
+
 /// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), j = coordinate: IPQN with each encoder's own noise behind a
 /// filter.
 double sigma_in_motion(const OperationalError&, Eigen::Index coordinate, const Eigen::VectorXd& noise);

@@ -46,7 +46,7 @@ struct SineErrorRow {
 /// How far IPQN can be believed behind one filter.
 struct FilterNoise {
   std::string filter;
-  bool followed = true;  ///< false: a memory of millions of samples; nothing below is known
+  bool followed = true;  ///< false: a memory of millions of samples; no thresholds, no sigma along sines
   std::optional<double>
       within_10_percent;  ///< peak speed of slow sines from which on sigma is within 10 % of IPQN
   std::optional<double> within_1_percent;  ///< [counts per sample]; empty: not searched, the memory is long

@@ -16,10 +16,6 @@ void add_statistic(std::string& out, const std::string& prefix, const Statistic&
   for (const auto& [name, value] : rows) out += prefix + ',' + name + ',' + number(value) + "\r\n";
 }
 
-bool known(const std::vector<Eigen::VectorXd>& noise, std::size_t filter) {
-  return filter < noise.size() && noise[filter].size() > 0;
-}
-
 std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prismatic() ? " [m]" : " [rad]"; }
 
 }  // namespace
@@ -101,7 +97,7 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
   for (std::size_t f = 0; f < spec.filters.size(); ++f)
     for (const Coordinate c : spec.model.coordinates)
       for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
-        if (bound != std::string("sigma_in_motion") || known(noise, f))
+        if (bound != std::string("sigma_in_motion") || is_known(noise, f))
           out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +
                                 derivative_unit(c, spec.filters[f].filter.derivative) + ']');
   return out + "\r\n";
@@ -117,7 +113,7 @@ std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::Vec
     for (Eigen::Index i = 0; i < e.sigma.size(); ++i) {
       const Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], spec.filters[f].norms);
       out += ',' + number(b.worst_case) + ',' + number(b.sigma);
-      if (known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f]));
+      if (is_known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f]));
     }
   return out + "\r\n";
 }

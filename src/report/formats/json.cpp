@@ -122,7 +122,7 @@ Json derivatives(const Analysis& a) {
                     {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
                     {"coordinates", coordinates},
                     {"covariance", covariance(a, filter.norms.h2 * filter.norms.h2)}});
-    if (f < a.noise_in_motion.size() && a.noise_in_motion[f].size() > 0)
+    if (is_known(a.noise_in_motion, f))
       list.back()["noise_in_motion_over_ipqn"] =
           by_joint(a.spec, a.noise_in_motion[f] * (std::sqrt(12.0) / filter.norms.h2));
   }
