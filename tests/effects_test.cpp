@@ -111,8 +111,10 @@ TEST(Effects, EccentricityIsThatOfADiscOffItsCentre) {
   for (std::size_t k = 0; k < r.time.size(); k += 7) {
     const double shaft = 20 * r.truth[k];
     // Head on the x axis at distance 1; the disc's centre at ratio (cos b, sin b), turning with the shaft.
-    const double b = shaft + phase + pi;  // so that the reading is late where the sine is negative
-    const double x = 1 - ratio * std::cos(-b), y = -ratio * std::sin(-b);
+    // The head stands in direction -atan2(y, x) from that centre, and the disc has turned by the shaft's
+    // angle.
+    const double b = shaft + phase;
+    const double x = 1 - ratio * std::cos(b), y = ratio * std::sin(b);
     const double seen = (shaft + std::atan2(y, x)) / 20;
     EXPECT_NEAR(r.measured[k], seen, 0.5 * delta + 1.1 * ratio * ratio / 20);
   }
