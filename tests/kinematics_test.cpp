@@ -198,7 +198,7 @@ Joint link_joint(const std::string& name, JointType type, const std::string& par
 
 /// base -a-> one -b-> two -c-> left, two -d-> right: every joint 1 m from the one before, about z.
 RobotModel fork() {
-  RobotModel robot{"fork", "fork.urdf", {"base", "one", "two", "left", "right"}, {}, {}, {}};
+  RobotModel robot{"fork", "fork.urdf", {"base", "one", "two", "left", "right"}, {}, {}};
   robot.joints = {link_joint("a", JointType::revolute, "base", "one"),
                   link_joint("b", JointType::revolute, "one", "two"),
                   link_joint("c", JointType::revolute, "two", "left"),

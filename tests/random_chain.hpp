@@ -56,7 +56,7 @@ struct ChainMix {
 /// A robot with one leaf "tip": skew axes, fixed joints in between, mimics of joints before and after, mimics
 /// of mimics.
 inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
-  RobotModel robot{"random", "random.urdf", {"base"}, {}, {}, {}};
+  RobotModel robot{"random", "random.urdf", {"base"}, {}, {}};
   const auto extend = [&](std::string name, JointType type) -> Joint& {
     const std::string child = "link_" + std::to_string(robot.links.size());
     robot.joints.push_back({std::move(name),

@@ -50,10 +50,9 @@ struct RobotModel {
   std::string name;
   std::string file;
   std::vector<std::string> links;  ///< in file order
-  std::vector<Inertia>
-      inertias;               ///< one per link, in its frame; empty or without mass where the file gives none
-  std::vector<Joint> joints;  ///< in file order
+  std::vector<Joint> joints;       ///< in file order
   std::vector<std::string> warnings;
+  std::vector<Inertia> inertias = {};  ///< one per link, in its frame; without mass where the file gives none
 };
 
 }  // namespace qerr
