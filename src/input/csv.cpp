@@ -22,14 +22,12 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// What the bytes are when they are no table, "" when they may be one.
-std::string no_text(const char* data, std::size_t size) {
-  const std::string_view head(data, std::min<std::size_t>(size, 8));
+/// What a file is that begins so, when it is no table; "" when it may be one.
+std::string no_text(std::string_view head) {
   if (head.starts_with("\x1F\x8B")) return "this is a gzip archive: unpack it";
   if (head.starts_with("PK\x03\x04")) return "this is a zip archive or a spreadsheet: export it as CSV";
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
     return "this looks like UTF-16: save the file as UTF-8";
-  if (std::memchr(data, '\0', std::min<std::size_t>(size, 4096))) return "is this a text file?";
   return {};
 }
 
@@ -46,7 +44,7 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
   while (end_ < 8 && fill()) {
   }
   if (end_ == 0) throw Error({{file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers"});
-  const std::string why = no_text(buffer_.data(), end_);
+  const std::string why = no_text({buffer_.data(), end_});
   if (!why.empty()) throw Error({{file(), 1, 1}, "", "the table must be UTF-8 text", "", why});
   if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) at_ = 3;
   read_header();
@@ -104,10 +102,10 @@ void CsvReader::read_header() {
   }
   for (std::size_t i = 0; i < header_.size(); ++i)
     for (std::size_t k = 0; k < header_[i].size();) {
-      const std::size_t length = utf8_length(header_[i], k);
+      const std::size_t length = header_[i][k] == '\0' ? 0 : utf8_length(header_[i], k);
       if (length == 0)
-        throw Error({header_places_[i], "", "the header must be UTF-8", "'" + header_[i] + "'",
-                     "save the file as UTF-8"});
+        throw Error({header_places_[i], "", "the header must be UTF-8 text", "'" + header_[i] + "'",
+                     header_[i][k] == '\0' ? "is this a text file?" : "save the file as UTF-8"});
       k += length;
     }
   if (std::all_of(header_.begin(), header_.end(), [](const auto& h) { return parse_number(h).has_value(); }))

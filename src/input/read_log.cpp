@@ -58,9 +58,9 @@ class LogReader::Rows {
       if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
       const double turn = turn_of(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
-      if (turn > 0 && !time_ && column.signal == LogSignal::reference &&
-          is_measured(log, transmission_, column.index))
-        tables_.push_back({index, turn});
+      const bool follows = column.signal == LogSignal::reference || column.signal == LogSignal::command;
+      if (turn > 0 && follows && is_measured(log, transmission_, column.index))
+        followers_.push_back({index, turn});
     }
   }
 
@@ -82,12 +82,12 @@ class LogReader::Rows {
   Log log;
 
  private:
-  /// A reference in a table without time.
-  struct TableTurns {
+  /// A reference, or a command, beside a measured position.
+  struct Follower {
     Eigen::Index column;
     double turn;
-    double last = 0;  // difference to the measured position, turns taken out
-    std::int64_t turns = 0;
+    std::int64_t turns = 0;  // added
+    double last = 0;         // difference to the measured position
   };
   struct ColumnUnwrap {
     Eigen::Index column;
@@ -132,21 +132,33 @@ class LogReader::Rows {
       }
       wraps.contradicted = unwrap.contradicted();
     }
-    for (TableTurns& t : tables_) {
-      LogColumn& column = log.columns[static_cast<std::size_t>(t.column)];
-      const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
-      for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-        double& reference = rows(i, t.column);
-        const double difference = reference - measured[i];
-        const std::uint64_t row = log.rows + static_cast<std::uint64_t>(i);
-        if (row > 0) {
-          const int turns = turns_after(difference + static_cast<double>(t.turns) * t.turn - t.last, t.turn);
-          t.turns += turns;
-          if (turns != 0) note(column.wraps, row, 0);
-        }
-        t.last = difference + static_cast<double>(t.turns) * t.turn;
-        reference += static_cast<double>(t.turns) * t.turn;
-      }
+    for (Follower& f : followers_) follow(f, rows);
+  }
+
+  /// Whole turns between a reference and the measured position: those at the start, and in a table all.
+  void follow(Follower& f, Eigen::ArrayXXd& rows) {
+    LogColumn& column = log.columns[static_cast<std::size_t>(f.column)];
+    const bool first = log.rows == 0;
+    if (!first && time_) {
+      rows.col(f.column) += static_cast<double>(f.turns) * f.turn;
+      return;
+    }
+    const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
+    if (first) {
+      const double apart = (measured[0] - rows(0, f.column)) / f.turn;
+      if (std::abs(apart - std::round(apart)) < 0.25 && std::abs(apart) < 1e9)
+        column.wraps.start = f.turns = std::llround(apart);
+      f.last = -(apart - static_cast<double>(f.turns)) * f.turn;
+    }
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      double& reference = rows(i, f.column);
+      reference += static_cast<double>(f.turns) * f.turn;
+      if (time_) continue;
+      const int turns = turns_after(reference - measured[i] - f.last, f.turn);
+      reference += turns * f.turn;
+      f.turns += turns;
+      f.last = reference - measured[i];
+      if (turns != 0) note(column.wraps, log.rows + static_cast<std::uint64_t>(i), 0);
     }
   }
 
@@ -157,7 +169,7 @@ class LogReader::Rows {
   double last_time_ = 0;
   std::vector<Eigen::Index> counts_, scaled_;
   std::vector<ColumnUnwrap> unwraps_;
-  std::vector<TableTurns> tables_;
+  std::vector<Follower> followers_;
 };
 
 LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)

@@ -28,9 +28,10 @@ struct LogOptions {
 ///
 /// Whole turns are taken out (`Unwrap`) of `reference`, `measured` and `command` of joints that turn, and of
 /// `counts` of an absolute encoder: one given by bits, or with one signal period a revolution. An incremental
-/// counter that jumps is left as it is, as that is a fault to be found. In a table without time, whose rows
-/// have no order, the reference follows the measured position instead: where their difference has a step of
-/// about a turn.
+/// counter that jumps is left as it is, as that is a fault to be found. Where a reference or command begins a
+/// whole number of turns (less than a quarter of one more or less) from the measured position, these are
+/// taken out of all its rows. In a table without time, whose rows have no order, the reference follows the
+/// measured position instead: where their difference has a step of about a turn.
 class LogReader {
  public:
   /// Reads the header. `-` is standard input.

@@ -38,7 +38,8 @@ struct DecimalText {
 
 /// Whole turns that were taken out of a column.
 struct Wraps {
-  std::uint64_t count = 0;
+  std::int64_t start = 0;       ///< turns added to every row: it began that far from the measured position
+  std::uint64_t count = 0;      ///< wraps within the log
   std::uint64_t first_row = 0;  ///< from 0
   double first_time = 0;        ///< [s]
   bool contradicted = false;    ///< later rows span more than a turn: what was taken out were no wraps
