@@ -1,0 +1,73 @@
+#include "qerr/diagnose/evidence.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "smooth_path.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// The encoder's own coordinate by the references of all joints that it feels; empty where one is missing.
+Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen::Index encoder,
+                            double& grid) {
+  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
+  for (Eigen::Index j = 0; j < to_encoders.cols(); ++j) {
+    if (std::abs(to_encoders(encoder, j)) < 1e-12) continue;
+    const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
+    if (!column) return {};
+    x += to_encoders(encoder, j) * log.values.col(*column);
+    grid = std::max(
+        grid, std::abs(to_encoders(encoder, j)) * log.columns[static_cast<std::size_t>(*column)].step());
+  }
+  return x;
+}
+
+}  // namespace
+
+std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
+  std::vector<Evidence> all;
+  const auto& joints = model.chain.independent;
+  const Eigen::Index rows = log.values.rows();
+  const auto stamps = log.find(LogSignal::time);
+  Eigen::ArrayXd time =
+      Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
+  if (stamps) time = log.values.col(*stamps) - log.values(0, *stamps);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    Evidence e;
+    e.reference = reference_of(model, log, static_cast<Eigen::Index>(i), e.grid);
+    const auto counts = log.find(LogSignal::counts, i), measured = log.find(LogSignal::measured, i);
+    const bool uncoupled =
+        model.transmission.coupling.row(static_cast<Eigen::Index>(i)).cwiseAbs().sum() == 1;
+    if (e.reference.size() == 0 || (!counts && !(measured && uncoupled))) continue;
+    e.joint = joints[i].name;
+    e.prismatic = joints[i].prismatic();
+    e.encoder = model.transmission.encoders[i];
+    e.ordered = stamps.has_value();
+    e.time = time;
+    e.counted = counts.has_value();
+    e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * e.encoder.resolution)
+                        : Eigen::ArrayXd(log.values.col(*measured));
+    if (e.ordered) {
+      const SmoothPath smooth = smooth_path(time, e.reference, e.grid);
+      e.path = smooth.position;
+      e.velocity = smooth.velocity;
+      e.noise = smooth.noise;
+      e.side = side_of_motion(e.path, std::max(4 * e.noise, 0.02 * e.encoder.resolution));
+    } else {
+      e.path = e.reference;
+      e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
+      e.noise = e.grid / std::sqrt(12.0);
+    }
+    if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
+    if (const auto warm = log.find(LogSignal::temperature, i))
+      e.temperature = log.values.col(*warm) - log.values(0, *warm);
+    all.push_back(std::move(e));
+  }
+  return all;
+}
+
+}  // namespace qerr

@@ -1,0 +1,67 @@
+#include "interval_likelihood.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+constexpr double log_root_two_pi = 0.91893853320467274178;
+
+/// log of the Gaussian's tail beyond z.
+double log_tail(double z) {
+  if (z < 20) return std::log(0.5 * std::erfc(z / std::numbers::sqrt2));
+  const double r = 1 / (z * z);
+  return -0.5 * z * z - std::log(z) - log_root_two_pi + std::log1p(-r * (1 - r * (3 - 15 * r)));
+}
+
+/// log(Phi(b) - Phi(a)), a < b, by the tail on the side where both lie.
+double log_between(double a, double b) {
+  if (a + b < 0) {
+    const double mirrored = -a;
+    a = -b;
+    b = mirrored;
+  }
+  if (a <= 0) {
+    const double inside =
+        1 - 0.5 * (std::erfc(-a / std::numbers::sqrt2) + std::erfc(b / std::numbers::sqrt2));
+    return std::log(std::max(inside, 1e-300));
+  }
+  const double near = log_tail(a), far = log_tail(b);
+  return near + std::log1p(-std::exp(far - near));
+}
+
+double density_over(double z, double log_p) { return std::exp(-0.5 * z * z - log_root_two_pi - log_p); }
+
+}  // namespace
+
+IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::ArrayXd& x,
+                                       const Eigen::ArrayXd& sigma) {
+  IntervalLikelihood l;
+  l.score.resize(x.size());
+  l.curvature.resize(x.size());
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const double s = sigma[sigma.size() == 1 ? 0 : k];
+    const double a = (intervals.lower[k] - x[k]) / s, b = (intervals.upper[k] - x[k]) / s;
+    const double log_p = log_between(a, b);
+    const double at_a = density_over(a, log_p), at_b = density_over(b, log_p);
+    const double score = at_a - at_b, spread = b * at_b - a * at_a;
+    l.log_likelihood += log_p;
+    l.score[k] = score / s;
+    l.curvature[k] = std::max(0.0, (score * score + spread) / (s * s));
+    l.scale_score -= spread;
+  }
+  return l;
+}
+
+double log_likelihood(const Intervals& intervals, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma) {
+  double sum = 0;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const double s = sigma[sigma.size() == 1 ? 0 : k];
+    sum += log_between((intervals.lower[k] - x[k]) / s, (intervals.upper[k] - x[k]) / s);
+  }
+  return sum;
+}
+
+}  // namespace qerr

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace qerr {
+
+/// A recorded path without its noise.
+struct SmoothPath {
+  Eigen::ArrayXd position, velocity;  ///< [unit], [unit/s]
+  double noise = 0;                   ///< standard deviation of what was taken out [unit]
+};
+
+/// Local cubic fits (Savitzky and Golay) over the widest window whose residual is still no more than the
+/// noise that fourth differences show: a wider one would bend the path, and a bent path is found to be an
+/// error of the encoder.
+/// @param time  increasing [s]
+/// @param grid  step of the recorded numbers, the least noise there is [unit]
+SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid);
+
+/// Side on which a joint was last pushed, -1 or +1, 0 before its first motion: reversals smaller than
+/// `threshold` are noise.
+Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold);
+
+}  // namespace qerr

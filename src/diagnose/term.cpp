@@ -1,0 +1,109 @@
+#include "term.hpp"
+
+#include <cmath>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+void fill_periodic(Effect& e, const Eigen::VectorXd& c) {
+  // amplitude sin(angle + phase) = c0 sin(angle) + c1 cos(angle).
+  e.numbers["amplitude"] = std::hypot(c[0], c[1]);
+  e.numbers["phase"] = std::atan2(c[1], c[0]);
+}
+
+Term linear(const Evidence& e, const char* type, const Eigen::ArrayXd& column,
+            void (*fill)(Effect&, const Eigen::VectorXd&)) {
+  Term t;
+  t.effect = {type, e.joint, {}, {}};
+  t.columns = column;
+  t.fill = fill;
+  return t;
+}
+
+void add_drifts(const Evidence& e, std::vector<Term>& terms) {
+  const double duration = e.time[e.rows() - 1];
+  for (const double part : {0.1, 0.3, 1.0}) {
+    terms.push_back(linear(e, "drift", 1 - (-e.time / (part * duration)).exp(),
+                           [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c[0]; }));
+    terms.back().effect.numbers["time_constant"] = part * duration;
+  }
+  if (e.temperature.size() > 0)
+    terms.push_back(linear(e, "drift", e.temperature,
+                           [](Effect& x, const Eigen::VectorXd& c) { x.numbers["coefficient"] = c[0]; }));
+}
+
+/// Offsets, gain and phase of sine and cosine, to first order (Heydemann): atan2 of what they make of the
+/// angle.
+Term subdivision_term(const Evidence& e) {
+  const double unit = e.encoder.counts_per_period * e.step() / (2 * std::numbers::pi);
+  const Eigen::ArrayXd angle = e.path / unit;
+  Term t;
+  t.effect = {"subdivision_error", e.joint, {{"clipping", 1.0}}, {}};
+  t.columns.resize(e.rows(), 4);
+  t.columns.col(0) = unit * angle.cos();
+  t.columns.col(1) = -unit * angle.sin();
+  t.columns.col(2) = 0.5 * unit * (2 * angle).sin();
+  t.columns.col(3) = 0.5 * unit * (1 + (2 * angle).cos());
+  t.fill = [](Effect& x, const Eigen::VectorXd& c) {
+    x.numbers["offset_sin"] = c[0];
+    x.numbers["offset_cos"] = c[1];
+    x.numbers["gain"] = c[2];
+    x.numbers["phase"] = c[3];
+  };
+  return t;
+}
+
+}  // namespace
+
+Term periodic_term(const Evidence& e, const char* type, double order, bool of_encoder) {
+  const Eigen::ArrayXd angle = order * (of_encoder ? e.encoder.shaft_ratio : 1) * e.path;
+  Term t;
+  t.effect = {type, e.joint, {{"order", order}}, {{"shaft", of_encoder ? "encoder" : "joint"}}};
+  t.columns.resize(e.rows(), 2);
+  t.columns.col(0) = angle.sin();
+  t.columns.col(1) = angle.cos();
+  t.fill = fill_periodic;
+  return t;
+}
+
+Term step_term(const Evidence& e, double time) {
+  Term t = linear(e, "missed_counts", (e.time >= time).cast<double>() * e.step(),
+                  [](Effect& x, const Eigen::VectorXd& c) { x.numbers["counts"] = c[0]; });
+  t.effect.numbers["time"] = time;
+  return t;
+}
+
+std::vector<Term> named_terms(const Evidence& e) {
+  std::vector<Term> terms;
+  const bool geared = std::abs(std::abs(e.encoder.shaft_ratio) - 1) > 1e-9;
+  if (e.encoder.zero_known)
+    terms.push_back(linear(e, "offset", Eigen::ArrayXd::Ones(e.rows()),
+                           [](Effect& x, const Eigen::VectorXd& c) { x.numbers["offset"] = c[0]; }));
+  terms.push_back(
+      linear(e, "scale", e.path, [](Effect& x, const Eigen::VectorXd& c) { x.numbers["scale"] = c[0]; }));
+  terms.push_back(periodic_term(e, "eccentricity", 1, true));
+  for (const double order : {2.0, 3.0, 4.0, 6.0, 8.0})
+    terms.push_back(periodic_term(e, "transmission_error", order, true));
+  if (geared && !e.prismatic) {
+    terms.push_back(periodic_term(e, "eccentricity", 1, false));
+    for (const double order : {2.0, 3.0, 4.0})
+      terms.push_back(periodic_term(e, "transmission_error", order, false));
+  }
+  if (e.encoder.counts_per_period > 4) terms.push_back(subdivision_term(e));
+  if (e.effort.size() > 0)
+    terms.push_back(linear(e, "compliance", e.effort,
+                           [](Effect& x, const Eigen::VectorXd& c) { x.numbers["compliance"] = c[0]; }));
+  if (!e.ordered) return terms;
+  terms.push_back(linear(e, "latency", -e.velocity,
+                         [](Effect& x, const Eigen::VectorXd& c) { x.numbers["delay"] = c[0]; }));
+  terms.push_back(linear(e, "backlash", 0.5 * e.side,
+                         [](Effect& x, const Eigen::VectorXd& c) { x.numbers["gap"] = c[0]; }));
+  terms.push_back(linear(e, "clock_drift", e.time * e.velocity,
+                         [](Effect& x, const Eigen::VectorXd& c) { x.numbers["rate"] = c[0]; }));
+  add_drifts(e, terms);
+  return terms;
+}
+
+}  // namespace qerr
