@@ -56,7 +56,7 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
       e.path = smooth.position;
       e.velocity = smooth.velocity;
       e.noise = smooth.noise;
-      e.side = side_of_motion(e.path, std::max(4 * e.noise, 0.02 * e.encoder.resolution));
+      e.side = side_of_motion(e.path, std::max(10 * e.noise, 0.1 * e.encoder.resolution));
     } else {
       e.path = e.reference;
       e.velocity = e.side = Eigen::ArrayXd::Zero(rows);

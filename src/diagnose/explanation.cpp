@@ -1,9 +1,7 @@
 #include "explanation.hpp"
 
 #include <Eigen/Cholesky>
-#include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
 #include <cmath>
 
 namespace qerr {
@@ -11,6 +9,7 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_blocks = 64;
+constexpr double outlier_part = 0.01;
 
 Eigen::ArrayXd constant(double value) { return Eigen::ArrayXd::Constant(1, value); }
 
@@ -23,7 +22,7 @@ Explanation::Explanation(const Evidence& e) : evidence_(&e), x_(e.reference) {
   base_.resize(e.rows(), e.encoder.zero_known ? 0 : 1);
   base_.setOnes();
   beta_ = Eigen::VectorXd::Zero(base_.cols());
-  sigma_ = std::max(std::sqrt((e.measured - e.reference).square().mean()), e.step());
+  spread_ = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
   fit();
 }
 
@@ -62,25 +61,52 @@ Eigen::VectorXd Explanation::coefficients(std::size_t term) const {
   return beta_.segment(at, terms_[term].size());
 }
 
-void Explanation::place() { likelihood_ = interval_likelihood(intervals_, x_, constant(sigma_)); }
+IntervalLikelihood Explanation::at(double sigma, double outliers) const {
+  return interval_likelihood(intervals_, x_, constant(sigma), outliers, spread_);
+}
 
-/// One step on log sigma towards where the likelihood is largest, by bisection of its slope.
-void Explanation::fit_noise() {
-  const double least = std::max({0.5 * evidence_->noise, 0.3 * evidence_->grid, 1e-3 * evidence_->step()});
-  double low = std::log(least), high = std::log(std::max(4 * sigma_, 4 * least));
-  const auto slope = [&](double log_sigma) {
-    return interval_likelihood(intervals_, x_, constant(std::exp(log_sigma))).scale_score;
+/// The least noise there can be: what the reference has, or the grid of the file.
+double Explanation::least_noise() const {
+  return std::max({0.5 * evidence_->noise, 0.3 * evidence_->grid, 1e-3 * evidence_->step()});
+}
+
+/// From the present sigma uphill: with outliers there may be several optima, and the one with little noise
+/// and a crowd of outliers is not meant.
+void Explanation::climb_noise(double outliers) {
+  likelihood_ = at(sigma_, outliers);
+  for (double factor = 2; factor > 1.01; factor = std::sqrt(factor))
+    for (const double by : {1 / factor, factor})
+      while (sigma_ * by >= least_noise() && sigma_ * by <= spread_) {
+        IntervalLikelihood next = at(sigma_ * by, outliers);
+        if (next.log_likelihood <= likelihood_.log_likelihood) break;
+        sigma_ *= by;
+        likelihood_ = std::move(next);
+      }
+}
+
+/// Newton's method on the coefficients, climbing in sigma between the steps.
+void Explanation::maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& b, double outliers) {
+  const auto moved = [&](const Eigen::VectorXd& coefficients) -> Eigen::ArrayXd {
+    return evidence_->reference + (unit * coefficients).array();
   };
-  if (slope(low) <= 0) {
-    sigma_ = least;
-  } else {
-    for (int i = 0; i < 12; ++i) {
-      const double middle = 0.5 * (low + high);
-      (slope(middle) > 0 ? low : high) = middle;
+  x_ = moved(b);
+  climb_noise(outliers);
+  for (int i = 0; i < 30 && unit.cols() > 0; ++i) {
+    const double before = likelihood_.log_likelihood;
+    const Eigen::VectorXd gradient = unit.transpose() * likelihood_.score.matrix();
+    Eigen::MatrixXd hessian = unit.transpose() * likelihood_.curvature.matrix().asDiagonal() * unit;
+    hessian.diagonal().array() += 1e-9 * hessian.diagonal().mean() + 1e-12;
+    const Eigen::VectorXd step = hessian.ldlt().solve(gradient);
+    double length = 1;
+    for (; length > 1e-3; length /= 2) {
+      x_ = moved(b + length * step);
+      if (at(sigma_, outliers).log_likelihood >= before - 1e-9) break;
     }
-    sigma_ = std::exp(0.5 * (low + high));
+    b += length * step;
+    x_ = moved(b);
+    climb_noise(outliers);
+    if (likelihood_.log_likelihood - before < 1e-2) break;
   }
-  place();
 }
 
 void Explanation::fit() {
@@ -89,37 +115,17 @@ void Explanation::fit() {
   for (double& s : scale) s = s > 0 ? s : 1;
   const Eigen::MatrixXd unit = columns * scale.cwiseInverse().asDiagonal();
   Eigen::VectorXd b = beta_.cwiseProduct(scale);
-  const auto moved = [&](const Eigen::VectorXd& at) -> Eigen::ArrayXd {
-    return evidence_->reference + (unit * at).array();
-  };
-  x_ = moved(b);
-  fit_noise();
-  for (int i = 0; i < 40 && unit.cols() > 0; ++i) {
-    const double before = likelihood_.log_likelihood;
-    const Eigen::VectorXd gradient = unit.transpose() * likelihood_.score.matrix();
-    Eigen::MatrixXd hessian = unit.transpose() * likelihood_.curvature.matrix().asDiagonal() * unit;
-    hessian.diagonal().array() += 1e-9 * hessian.diagonal().mean() + 1e-12;
-    const Eigen::VectorXd step = hessian.ldlt().solve(gradient);
-    double length = 1;
-    Eigen::VectorXd next = b + step;
-    while (length > 1e-3) {
-      next = b + length * step;
-      if (qerr::log_likelihood(intervals_, moved(next), constant(sigma_)) >= before - 1e-9) break;
-      length /= 2;
-    }
-    b = next;
-    x_ = moved(b);
-    fit_noise();
-    if (likelihood_.log_likelihood - before < 1e-3) break;
-  }
+  sigma_ = spread_ / 4;
+  maximize(unit, b, 0);
+  plain_ = likelihood_;
+  maximize(unit, b, outlier_part);
   beta_ = b.cwiseQuotient(scale);
 }
 
-ScoreTest Explanation::test(const Eigen::ArrayXXd& columns) const {
+double Explanation::gain(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd present = all_columns().matrix();
-  const Eigen::VectorXd weights = likelihood_.curvature.matrix();
+  const Eigen::VectorXd weights = plain_.curvature.matrix();
   Eigen::MatrixXd extra = columns.matrix();
-  const Eigen::Index p = extra.cols();
   if (present.cols() > 0) {
     const Eigen::MatrixXd weighted = weights.asDiagonal() * present;
     Eigen::MatrixXd normal = present.transpose() * weighted;
@@ -127,32 +133,23 @@ ScoreTest Explanation::test(const Eigen::ArrayXXd& columns) const {
     extra -= present * normal.ldlt().solve(weighted.transpose() * extra);
   }
   // Nothing is left of a column that the model already has.
-  const Eigen::VectorXd before = columns.matrix().colwise().norm(), after = extra.colwise().norm();
-  for (Eigen::Index c = 0; c < p; ++c)
-    if (!(after[c] > 1e-6 * before[c])) return {};
-  const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * extra;
-  const Eigen::VectorXd sum = scores.colwise().sum().transpose();
+  if (((extra.colwise().norm().array()) <= 1e-6 * columns.matrix().colwise().norm().array()).any()) return 0;
+  const Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
   Eigen::MatrixXd information = extra.transpose() * weights.asDiagonal() * extra;
   information.diagonal().array() *= 1 + 1e-10;
-  ScoreTest test;
-  test.gain = 0.5 * sum.dot(information.ldlt().solve(sum));
+  return 0.5 * score.dot(information.ldlt().solve(score));
+}
 
+double Explanation::inflation(const Eigen::ArrayXXd& columns) const {
+  const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
-  if (blocks <= p + 2) return test;
-  Eigen::MatrixXd by_block(blocks, p);
+  if (blocks < 4) return 1;
+  Eigen::MatrixXd by_block(blocks, scores.cols());
   for (Eigen::Index i = 0; i < blocks; ++i) {
     const Eigen::Index first = i * scores.rows() / blocks, last = (i + 1) * scores.rows() / blocks;
     by_block.row(i) = scores.middleRows(first, last - first).colwise().sum();
   }
-  by_block.rowwise() -= by_block.colwise().mean();
-  const Eigen::MatrixXd covariance = by_block.transpose() * by_block;
-  // Hotelling's T^2 of the blocks' scores.
-  const double dof = static_cast<double>(blocks - p);
-  const double f = sum.dot(covariance.completeOrthogonalDecomposition().solve(sum)) * dof /
-                   static_cast<double>(p * blocks);
-  if (std::isfinite(f))
-    test.p_value = cdf(complement(boost::math::fisher_f(static_cast<double>(p), dof), std::max(0.0, f)));
-  return test;
+  return std::max(1.0, by_block.squaredNorm() / std::max(scores.squaredNorm(), 1e-300));
 }
 
 }  // namespace qerr

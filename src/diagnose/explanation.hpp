@@ -8,12 +8,6 @@
 
 namespace qerr {
 
-/// How strongly the evidence asks for a term that a model does not have.
-struct ScoreTest {
-  double gain = 0;     ///< of the log-likelihood, by one Newton step
-  double p_value = 1;  ///< of no such effect, with errors that are correlated within a block
-};
-
 /// A model of one encoder's readings: terms whose sum lies between the edges of the readings but for a
 /// Gaussian.
 ///
@@ -27,19 +21,26 @@ class Explanation {
   void remove(std::size_t term);
   void fit();
 
-  ScoreTest test(const Eigen::ArrayXXd& columns) const;
+  /// What further columns would gain in log-likelihood, by one Newton step.
+  double gain(const Eigen::ArrayXXd& columns) const;
+
+  /// How much more the score of columns scatters than it would if what is left were independent from reading
+  /// to reading.
+  double inflation(const Eigen::ArrayXXd& columns) const;
 
   const std::vector<Term>& terms() const { return terms_; }
   Eigen::VectorXd coefficients(std::size_t term) const;
   Eigen::ArrayXd addition() const { return x_ - evidence_->reference; }  ///< what all terms add
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
-  const IntervalLikelihood& likelihood() const { return likelihood_; }
+  const IntervalLikelihood& plain() const { return plain_; }
 
  private:
   Eigen::ArrayXXd all_columns() const;
-  void place();
-  void fit_noise();
+  IntervalLikelihood at(double sigma, double outliers) const;
+  double least_noise() const;
+  void climb_noise(double outliers);
+  void maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& coefficients, double outliers);
 
   const Evidence* evidence_;
   Intervals intervals_;
@@ -47,8 +48,10 @@ class Explanation {
   std::vector<Term> terms_;
   Eigen::VectorXd beta_;
   Eigen::ArrayXd x_;
+  double spread_ = 0;
   double sigma_ = 0;
-  IntervalLikelihood likelihood_;
+  IntervalLikelihood likelihood_;  ///< some readings being outliers
+  IntervalLikelihood plain_;       ///< none being: what looks like outliers may be what is to be found
 };
 
 }  // namespace qerr

@@ -37,31 +37,31 @@ double density_over(double z, double log_p) { return std::exp(-0.5 * z * z - log
 }  // namespace
 
 IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::ArrayXd& x,
-                                       const Eigen::ArrayXd& sigma) {
+                                       const Eigen::ArrayXd& sigma, double outliers, double spread) {
   IntervalLikelihood l;
   l.score.resize(x.size());
   l.curvature.resize(x.size());
+  const double log_kept = std::log1p(-outliers);
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const double s = sigma[sigma.size() == 1 ? 0 : k];
     const double a = (intervals.lower[k] - x[k]) / s, b = (intervals.upper[k] - x[k]) / s;
     const double log_p = log_between(a, b);
+    double kept = 1, log_mixed = log_p;
+    if (outliers > 0) {
+      const double log_other =
+          std::log(outliers * std::min(1.0, (intervals.upper[k] - intervals.lower[k]) / spread));
+      const double more = std::max(log_kept + log_p, log_other);
+      log_mixed = more + std::log(std::exp(log_kept + log_p - more) + std::exp(log_other - more));
+      kept = std::exp(log_kept + log_p - log_mixed);
+    }
     const double at_a = density_over(a, log_p), at_b = density_over(b, log_p);
-    const double score = at_a - at_b, spread = b * at_b - a * at_a;
-    l.log_likelihood += log_p;
-    l.score[k] = score / s;
-    l.curvature[k] = std::max(0.0, (score * score + spread) / (s * s));
-    l.scale_score -= spread;
+    const double score = at_a - at_b, spread_score = b * at_b - a * at_a;
+    l.log_likelihood += log_mixed;
+    l.score[k] = kept * score / s;
+    l.curvature[k] = kept * std::max(0.0, (score * score + spread_score) / (s * s));
+    l.scale_score -= kept * spread_score;
   }
   return l;
-}
-
-double log_likelihood(const Intervals& intervals, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma) {
-  double sum = 0;
-  for (Eigen::Index k = 0; k < x.size(); ++k) {
-    const double s = sigma[sigma.size() == 1 ? 0 : k];
-    sum += log_between((intervals.lower[k] - x[k]) / s, (intervals.upper[k] - x[k]) / s);
-  }
-  return sum;
 }
 
 }  // namespace qerr

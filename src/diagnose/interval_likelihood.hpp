@@ -22,12 +22,12 @@ struct IntervalLikelihood {
   double scale_score = 0;    ///< d log-likelihood / d log sigma
 };
 
-/// @param x      positions
-/// @param sigma  one per reading, or one for all
-IntervalLikelihood interval_likelihood(const Intervals&, const Eigen::ArrayXd& x,
-                                       const Eigen::ArrayXd& sigma);
-
-/// Only the sum of log P.
-double log_likelihood(const Intervals&, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma);
+/// @param x         positions
+/// @param sigma     one per reading, or one for all
+/// @param outliers  part of the readings that may be anything within `spread`, which then has
+///   P = (1 - outliers) P + outliers * width/spread: some samples about a reversal, say, of which the path
+///   does not tell on which side they were
+IntervalLikelihood interval_likelihood(const Intervals&, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma,
+                                       double outliers = 0, double spread = 1);
 
 }  // namespace qerr
