@@ -26,7 +26,32 @@ Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen
   return x;
 }
 
+/// Means of a column over groups of rows that begin at `starts`.
+Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<Eigen::Index>& starts) {
+  if (column.size() == 0) return column;
+  Eigen::ArrayXd out(static_cast<Eigen::Index>(starts.size()));
+  for (std::size_t g = 0; g < starts.size(); ++g) {
+    const Eigen::Index end = g + 1 < starts.size() ? starts[g + 1] : column.size();
+    out[static_cast<Eigen::Index>(g)] = column.segment(starts[g], end - starts[g]).mean();
+  }
+  return out;
+}
+
 }  // namespace
+
+Evidence independent(const Evidence& e) {
+  const double apart = std::max(e.noise, 0.05 * e.step());
+  std::vector<Eigen::Index> starts{0};
+  for (Eigen::Index k = 1; k < e.rows(); ++k)
+    if (e.measured[k] != e.measured[starts.back()] || std::abs(e.path[k] - e.path[starts.back()]) > apart ||
+        e.side[k] != e.side[starts.back()])
+      starts.push_back(k);
+  Evidence few = e;
+  for (Eigen::ArrayXd* column : {&few.time, &few.reference, &few.measured, &few.path, &few.velocity,
+                                 &few.side, &few.effort, &few.temperature})
+    *column = means(*column, starts);
+  return few;
+}
 
 std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
   std::vector<Evidence> all;

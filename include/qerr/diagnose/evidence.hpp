@@ -32,6 +32,11 @@ struct Evidence {
   double step() const { return encoder.resolution; }
 };
 
+/// The same with one row in place of many that say the same: as long as a joint rests, its reading and its
+/// true position stay what they are, and only the reference's noise changes. Taken for independent readings
+/// they would make certainty out of one coincidence.
+Evidence independent(const Evidence&);
+
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values
 std::vector<Evidence> evidence(const OperationalModel&, const Log& log);
