@@ -45,7 +45,7 @@ struct Record {
 
 Record record(const std::vector<Effect>& effects, double seconds = 4, std::uint64_t seed = 1,
               const OperationalModel& model = one_joint()) {
-  Sensing sensing(model, motion(seconds), effects, Eigen::VectorXd::Zero(1), seed);
+  Sensing sensing(model, motion(seconds), effects, {Eigen::VectorXd::Zero(1), seed});
   Record r;
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(1000 * seconds); ++k) {
     const Reading& reading = sensing.read(k);

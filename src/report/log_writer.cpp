@@ -56,7 +56,7 @@ std::string_view LogWriter::row(const Reading& r) {
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     text_ += ',';
-    append(text_, r.tip[i]);
+    append(text_, r.tip.translation()[i]);
   }
   text_ += '\n';
   return text_;

@@ -6,6 +6,12 @@
 
 namespace qerr {
 
+namespace {
+
+constexpr std::size_t most_blocks = 512;
+
+}  // namespace
+
 RunStatistics::RunStatistics(Eigen::Index channels, std::uint64_t blocks)
     : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels)}),
       peak_(Eigen::ArrayXd::Zero(channels)) {}
@@ -23,6 +29,22 @@ void RunStatistics::append(const RunStatistics& later) {
   std::erase_if(blocks_, [](const Sums& s) { return s.count == 0; });
   blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
   peak_ = peak_.max(later.peak_);
+  while (blocks_.size() > most_blocks) join_neighbours();
+}
+
+/// Memory stays the same however many runs there are; blocks of several runs serve the interval as well.
+void RunStatistics::join_neighbours() {
+  for (std::size_t i = 0; 2 * i < blocks_.size(); ++i) {
+    Sums joined = blocks_[2 * i];
+    if (2 * i + 1 < blocks_.size()) {
+      const Sums& next = blocks_[2 * i + 1];
+      joined.count += next.count;
+      joined.values += next.values;
+      joined.squares += next.squares;
+    }
+    blocks_[i] = std::move(joined);
+  }
+  blocks_.resize((blocks_.size() + 1) / 2);
 }
 
 double RunStatistics::mean(Eigen::Index channel) const {

@@ -33,6 +33,8 @@ class RunStatistics {
     double count = 0;
     Eigen::ArrayXd values, squares;
   };
+  void join_neighbours();
+
   std::vector<Sums> blocks_;
   Eigen::ArrayXd peak_;
 };

@@ -1,10 +1,9 @@
 #include "qerr/simulate/simulate.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <limits>
 #include <mutex>
+#include <optional>
 
 #include "qerr/core/error.hpp"
 #include "qerr/core/parallel.hpp"
@@ -27,11 +26,10 @@ struct Channels {
   Eigen::Index count() const { return coordinates * (2 + encoders); }
 };
 
-/// One filter with its rate against the motion's, and what has come out of it.
+/// One filter, and of how many samples of the motion it takes one.
 struct Branch {
   FilterBank bank;
   std::uint64_t every;
-  RunStatistics statistics;
 };
 
 std::uint64_t divisor(const Filter& filter, const Motion& motion) {
@@ -82,53 +80,56 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   return d;
 }
 
-/// All statistics of one run: position first, then the filters.
-std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
+/// What one run gives: statistics of the position, then of the filters, and theory at its samples.
+struct Result {
+  std::vector<RunStatistics> outputs;
+  AlongPath path;
+};
+
+Result run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
   const Channels channels{static_cast<Eigen::Index>(job.model.coordinates.size()),
                           static_cast<Eigen::Index>(job.model.transmission.encoders.size())};
-  Sensing sensing(job.model, job.motion, job.effects, displacement(job, index),
-                  random_bits(job.options.seed, index, 0));
+  Sensing sensing(
+      job.model, job.motion, job.effects,
+      {displacement(job, index), random_bits(job.options.seed, index, 0), index == 0 && job.options.visit});
+  Result result{{RunStatistics(channels.count(), job.blocks)}, {channels.coordinates, channels.encoders}};
   std::vector<Branch> branches;
-  for (const Filter& filter : job.filters)
-    branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion),
-                        RunStatistics(channels.count(), job.blocks)});
-  RunStatistics position(channels.count(), job.blocks);
+  for (const Filter& filter : job.filters) {
+    branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion)});
+    result.outputs.emplace_back(channels.count(), job.blocks);
+  }
+  const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::ArrayXd inputs(channels.count()), signals(channels.count());
   for (std::uint64_t k = 0; k < job.samples; ++k) {
-    Reading& reading = sensing.read(k);
-    Eigen::Isometry3d truth;
-    const Jacobian joints = joint_jacobian(job.model.chain, reading.joint, &truth);
-    reading.tip = truth.translation();
+    const Reading& reading = sensing.read(k);
     if (index == 0 && job.options.visit) job.options.visit(reading);
-    const Eigen::MatrixXd sensed =
-        to_independent(job.model.chain, coordinate_rows(job.model.coordinates, joints, truth.linear())) *
-        job.model.transmission.coupling;
-    const Eigen::MatrixXd parts = sensed * (reading.measured - reading.encoder).asDiagonal();
-    const Eigen::Index m = channels.coordinates;
-    inputs.head(m) =
-        tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), truth);
-    inputs.segment(m, m) = parts.rowwise().sum();
-    inputs.tail(m * channels.encoders) = parts.reshaped();
     const bool counts = k >= job.settling;
     const std::uint64_t block = counts ? (k - job.settling) * job.blocks / (job.samples - job.settling) : 0;
-    if (counts) position.add(inputs, block);
-    for (Branch& branch : branches) {
-      if (k % branch.every != 0) continue;
+    const OperationalError theory = operational_error(job.model, reading.joint);
+    result.path.add(theory, counts);
+    const Eigen::MatrixXd parts =
+        theory.weighted * (reading.measured - reading.encoder).cwiseQuotient(steps).asDiagonal();
+    const Eigen::Index m = channels.coordinates;
+    inputs.head(m) =
+        tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), reading.tip);
+    inputs.segment(m, m) = parts.rowwise().sum();
+    inputs.tail(m * channels.encoders) = parts.reshaped();
+    if (counts) result.outputs[0].add(inputs, block);
+    for (std::size_t f = 0; f < branches.size(); ++f) {
+      if (k % branches[f].every != 0) continue;
       signals = inputs;
-      branch.bank.step(signals);
-      if (counts) branch.statistics.add(signals, block);
+      branches[f].bank.step(signals);
+      if (counts) result.outputs[f + 1].add(signals, block);
     }
     if (k % 4096 == 0) tick();
   }
-  std::vector<RunStatistics> all{std::move(position)};
-  for (Branch& branch : branches) all.push_back(std::move(branch.statistics));
-  return all;
+  return result;
 }
 
 double ratio(double over, double under) { return under > 0 ? over / under : 1; }
 
-SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal& theory,
-                          Eigen::Index coordinate, const Channels& channels) {
+SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Eigen::Index coordinate,
+                          const Channels& channels) {
   SimulatedSignal r;
   const Eigen::Index m = channels.coordinates;
   const double exact = s.variance(coordinate), linear = s.variance(m + coordinate);
@@ -183,19 +184,22 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
       options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
   std::vector<RunStatistics> all(filters.size() + 1, RunStatistics(channels.count(), job.blocks));
+  AlongPath path(channels.coordinates, channels.encoders);
   for (std::uint64_t first = 0; first < options.runs; first += wave) {
-    std::vector<std::vector<RunStatistics>> runs(std::min(wave, options.runs - first));
+    std::vector<std::optional<Result>> runs(std::min(wave, options.runs - first));
     parallel_for(runs.size(), options.threads, [&](std::size_t i) { runs[i] = run(job, first + i, tick); });
-    for (const auto& one : runs)
-      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one[f]);
+    for (const auto& one : runs) {
+      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one->outputs[f]);
+      path.append(one->path);
+    }
   }
 
-  const TheoryAlongPath theory(model, filters, norms, motion, job.samples, job.settling);
+  const auto theory = theory_along_path(model, filters, norms, motion, job.settling, path);
   Simulation result{options.runs, job.samples, job.settling, {}};
   for (std::size_t f = 0; f < all.size(); ++f) {
     auto& row = result.results.emplace_back();
     for (Eigen::Index c = 0; c < channels.coordinates; ++c)
-      row.push_back(signal_of(all[f], theory.of(f, c), c, channels));
+      row.push_back(signal_of(all[f], theory[f][static_cast<std::size_t>(c)], c, channels));
   }
   return result;
 }

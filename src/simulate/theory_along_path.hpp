@@ -8,23 +8,32 @@
 
 namespace qerr {
 
-/// What theory says of a motion: at its centre, along its path, and with the encoders' true speeds.
-class TheoryAlongPath {
+/// What the Jacobian says at the samples of a motion, gathered while they are simulated.
+class AlongPath {
  public:
-  struct Signal {
-    double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
-  };
+  AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
 
-  TheoryAlongPath(const OperationalModel&, const std::vector<Filter>&, const std::vector<Norms>&,
-                  const Motion&, std::uint64_t samples, std::uint64_t settling);
+  /// @param counts  whether the sample is part of the statistics; a filter remembers what was before them
+  void add(const OperationalError&, bool counts);
+  void append(const AlongPath& later);
 
-  /// @param output  0: the position itself, then the filters
-  Signal of(std::size_t output, Eigen::Index coordinate) const {
-    return signals_[output][static_cast<std::size_t>(coordinate)];
-  }
+  Eigen::MatrixXd mean_squares() const;                          ///< of (J C Delta), coordinates x encoders
+  const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
 
  private:
-  std::vector<std::vector<Signal>> signals_;
+  double counted_ = 0;
+  Eigen::MatrixXd squares_;
+  Eigen::VectorXd rigorous_;
 };
+
+/// Theory of one coordinate behind one filter (SimulatedSignal says what each is).
+struct SignalTheory {
+  double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
+};
+
+/// @returns [0: the position itself, then the filters][coordinate]
+std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&, const std::vector<Filter>&,
+                                                         const std::vector<Norms>&, const Motion&,
+                                                         std::uint64_t settling, const AlongPath&);
 
 }  // namespace qerr
