@@ -104,9 +104,11 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     const Reading& reading = sensing.read(k);
     if (index == 0 && job.options.visit) job.options.visit(reading);
     const bool counts = k >= job.settling;
-    const std::uint64_t block = counts ? (k - job.settling) * job.blocks / (job.samples - job.settling) : 0;
+    const double progress = (static_cast<double>(k) - static_cast<double>(job.settling)) /
+                            static_cast<double>(job.samples - job.settling);
+    const auto block = counts ? static_cast<std::uint64_t>(progress * static_cast<double>(job.blocks)) : 0;
     const OperationalError theory = operational_error(job.model, reading.joint);
-    result.path.add(theory, counts);
+    result.path.add(theory, progress);
     const Eigen::MatrixXd parts =
         theory.weighted * (reading.measured - reading.encoder).cwiseQuotient(steps).asDiagonal();
     const Eigen::Index m = channels.coordinates;

@@ -7,22 +7,34 @@
 namespace qerr {
 
 AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
-    : squares_(Eigen::MatrixXd::Zero(coordinates, encoders)), rigorous_(Eigen::VectorXd::Zero(coordinates)) {}
+    : squares_(stretches, Eigen::MatrixXd::Zero(coordinates, encoders)),
+      rigorous_(Eigen::VectorXd::Zero(coordinates)) {}
 
-void AlongPath::add(const OperationalError& e, bool counts) {
+void AlongPath::add(const OperationalError& e, double progress) {
   rigorous_ = rigorous_.cwiseMax(e.rigorous);
-  if (!counts) return;
-  squares_ += e.weighted.cwiseAbs2();
+  if (progress < 0) return;
+  squares_[static_cast<std::size_t>(progress * stretches)] += e.weighted.cwiseAbs2();
   counted_ += 1;
 }
 
 void AlongPath::append(const AlongPath& later) {
   counted_ += later.counted_;
-  squares_ += later.squares_;
+  for (std::size_t s = 0; s < stretches; ++s) squares_[s] += later.squares_[s];
   rigorous_ = rigorous_.cwiseMax(later.rigorous_);
 }
 
-Eigen::MatrixXd AlongPath::mean_squares() const { return counted_ > 0 ? squares_ / counted_ : squares_; }
+Eigen::MatrixXd AlongPath::mean_squares() const {
+  return mean_squares(Eigen::MatrixXd::Ones(1, squares_[0].cols()));
+}
+
+Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(squares_[0].rows(), squares_[0].cols());
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const auto row = static_cast<Eigen::Index>(s) * weights.rows() / static_cast<Eigen::Index>(stretches);
+    sum += squares_[s] * weights.row(row).asDiagonal();
+  }
+  return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
+}
 
 std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel& model,
                                                          const std::vector<Filter>& filters,
@@ -37,16 +49,15 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&
     Norms n;
     n.h2 = n.dc_gain = n.l1.lower = n.l1.upper = 1;
     if (f > 0) n = norms[f - 1];
-    Eigen::VectorXd noise = Eigen::VectorXd::Constant(squares.cols(), n.h2 / std::sqrt(12.0));
-    if (f > 0)
-      noise = noise_along_motion(model.transmission, motion, autocorrelation(filters[f - 1]),
-                                 filters[f - 1].sample_rate, start);
+    const Eigen::MatrixXd noise = f == 0 ? Eigen::MatrixXd(squares / 12)
+                                         : path.mean_squares(noise_power_along_motion(
+                                               model.transmission, motion, autocorrelation(filters[f - 1]),
+                                               filters[f - 1].sample_rate, start, AlongPath::stretches));
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
-      row.push_back({b.sigma, n.h2 * std::sqrt(squares.row(c).sum() / 12),
-                     std::sqrt(squares.row(c).dot(noise.cwiseAbs2().transpose())), b.worst_case,
-                     n.l1.upper * path.rigorous()[c]});
+      row.push_back({b.sigma, n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()),
+                     b.worst_case, n.l1.upper * path.rigorous()[c]});
     }
   }
   return all;

@@ -8,21 +8,29 @@
 
 namespace qerr {
 
-/// What the Jacobian says at the samples of a motion, gathered while they are simulated.
+/// What the Jacobian says at the samples of a motion, gathered while they are simulated: in stretches, since
+/// where a joint moves slowly its error is another than where it moves fast.
 class AlongPath {
  public:
+  static constexpr std::size_t stretches = 512;
+
   AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
 
-  /// @param counts  whether the sample is part of the statistics; a filter remembers what was before them
-  void add(const OperationalError&, bool counts);
+  /// @param progress  of the sample through the part that counts, in [0, 1); negative before it: a filter
+  ///   remembers what was there
+  void add(const OperationalError&, double progress);
   void append(const AlongPath& later);
 
-  Eigen::MatrixXd mean_squares() const;                          ///< of (J C Delta), coordinates x encoders
+  /// Mean of (J C Delta)^2, coordinates x encoders: over the whole, and with weights for the parts.
+  Eigen::MatrixXd mean_squares() const;
+  /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
+  Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
+
   const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
 
  private:
   double counted_ = 0;
-  Eigen::MatrixXd squares_;
+  std::vector<Eigen::MatrixXd> squares_;
   Eigen::VectorXd rigorous_;
 };
 

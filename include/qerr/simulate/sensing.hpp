@@ -41,8 +41,8 @@ class Sensing {
   struct Options {
     Eigen::VectorXd displacement;  ///< of the encoder coordinates during the whole motion [rad or m]: less
                                    ///< than a count shifts the phase of the quantizer and nothing else
-    std::uint64_t seed = 0;  ///< of this run's random effects
-    bool effort = false;     ///< read it, where the robot has masses; effects that need it have it anyway
+    std::uint64_t seed = 0;        ///< of this run's random effects
+    bool effort = false;  ///< read it, where the robot has masses; effects that need it have it anyway
   };
   Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&);
 
