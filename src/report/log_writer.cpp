@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 
@@ -23,7 +24,7 @@ void append_count(std::string& text, double count) {
 
 }  // namespace
 
-LogWriter::LogWriter(const Spec& spec) : spec_(spec) {
+LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.model.chain)) {
   for (const IndependentJoint& joint : spec.model.chain.independent)
     rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
@@ -53,12 +54,15 @@ std::string_view LogWriter::row(const Reading& r) {
       append_count(text_, r.counts[row]);
     text_ += ',';
     append(text_, r.reference[row]);
+    if (!efforts_) continue;
+    text_ += ',';
+    append(text_, r.effort[row]);
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     text_ += ',';
     append(text_, r.tip.translation()[i]);
   }
-  text_ += '\n';
+  text_ += "\r\n";
   return text_;
 }
 

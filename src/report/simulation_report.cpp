@@ -3,6 +3,7 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/report/write.hpp"
 #include "text_table.hpp"
 
@@ -125,6 +126,12 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
                       "the spec has no motion to simulate",
                       "",
                       "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}"});
+  if (needs_effort(spec.effects) && !has_masses(spec.model.chain))
+    throw Error(Fault{{spec.file, 1, 1},
+                      "effects",
+                      "compliance winds up under a load that the URDF does not tell",
+                      "no <inertial> between base and tip",
+                      "give the links their masses"});
   std::vector<Filter> filters;
   std::vector<Norms> norms;
   for (const NamedFilter& f : spec.filters) {

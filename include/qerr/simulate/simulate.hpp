@@ -25,7 +25,7 @@ struct SimulatedSignal {
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
   double sigma_ipqn_path = 0;  ///< the same, root mean square along the path
-  double sigma_exact = 0;      ///< with the encoders' speeds along the path (constant_speed.hpp)
+  double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
   double worst_case = 0;       ///< bound (26) at the centre
   double worst_case_path = 0;  ///< largest along the path, with the second-order remainder: never exceeded
   Ladder ladder;
@@ -39,7 +39,8 @@ struct Simulation {
 };
 
 struct SimulationOptions {
-  std::uint64_t runs = 1;  ///< one run has phase 0; of several each is displaced by a random part of a count
+  std::uint64_t runs = 1;
+  bool random_phase = false;  ///< every run is displaced by a random part of each encoder's count
   std::uint64_t seed = 1;
   unsigned threads = 0;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
