@@ -20,10 +20,21 @@ namespace {
 
 constexpr std::uint64_t displacement_stream = 0x7068617365;
 
-/// Channels of one coordinate: the exact error, its linear part, and the part of every encoder in that.
+/// What is filtered of every coordinate: the exact error, its linear part, the part of every encoder in that,
+/// and, where errors have a mean, what the Jacobian makes of it along the path.
 struct Channels {
   Eigen::Index coordinates, encoders;
-  Eigen::Index count() const { return coordinates * (2 + encoders); }
+  bool biased;
+
+  explicit Channels(const OperationalModel& model)
+      : coordinates(static_cast<Eigen::Index>(model.coordinates.size())),
+        encoders(static_cast<Eigen::Index>(model.transmission.encoders.size())),
+        biased((mean_errors(model.transmission).array() != 0).any()) {}
+
+  Eigen::Index count() const { return coordinates * (2 + encoders + (biased ? 1 : 0)); }
+  Eigen::Index linear() const { return coordinates; }
+  Eigen::Index part(Eigen::Index encoder) const { return coordinates * (2 + encoder); }
+  Eigen::Index mean() const { return coordinates * (2 + encoders); }
 };
 
 /// One filter, and of how many samples of the motion it takes one.
@@ -87,8 +98,7 @@ struct Result {
 };
 
 Result run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
-  const Channels channels{static_cast<Eigen::Index>(job.model.coordinates.size()),
-                          static_cast<Eigen::Index>(job.model.transmission.encoders.size())};
+  const Channels channels(job.model);
   Sensing sensing(
       job.model, job.motion, job.effects,
       {displacement(job, index), random_bits(job.options.seed, index, 0), index == 0 && job.options.visit});
@@ -114,8 +124,9 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     const Eigen::Index m = channels.coordinates;
     inputs.head(m) =
         tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), reading.tip);
-    inputs.segment(m, m) = parts.rowwise().sum();
-    inputs.tail(m * channels.encoders) = parts.reshaped();
+    inputs.segment(channels.linear(), m) = parts.rowwise().sum();
+    inputs.segment(channels.part(0), m * channels.encoders) = parts.reshaped();
+    if (channels.biased) inputs.segment(channels.mean(), m) = theory.mean;
     if (counts) result.outputs[0].add(inputs, block);
     for (std::size_t f = 0; f < branches.size(); ++f) {
       if (k % branches[f].every != 0) continue;
@@ -133,10 +144,12 @@ double ratio(double over, double under) { return under > 0 ? over / under : 1; }
 SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Eigen::Index coordinate,
                           const Channels& channels) {
   SimulatedSignal r;
-  const Eigen::Index m = channels.coordinates;
-  const double exact = s.variance(coordinate), linear = s.variance(m + coordinate);
+  const double exact = s.variance(coordinate), linear = s.variance(channels.linear() + coordinate);
   double parts = 0;
-  for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(m * (2 + i) + coordinate);
+  for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(channels.part(i) + coordinate);
+  // A mean that the Jacobian carries along the path is part of what theory knows.
+  const double carried = channels.biased ? std::sqrt(s.variance(channels.mean() + coordinate)) : 0;
+  const double ipqn_path = std::hypot(theory.ipqn_path, carried);
   const RunStatistics::Interval interval = s.sigma_interval(coordinate);
   r.sigma_simulated = std::sqrt(exact);
   r.sigma_lower = interval.lower;
@@ -144,11 +157,11 @@ SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Ei
   r.mean_simulated = s.mean(coordinate);
   r.peak_simulated = s.peak(coordinate);
   r.sigma_ipqn = theory.ipqn;
-  r.sigma_ipqn_path = theory.ipqn_path;
-  r.sigma_exact = theory.exact;
+  r.sigma_ipqn_path = ipqn_path;
+  r.sigma_exact = std::hypot(theory.exact, carried);
   r.worst_case = theory.worst_case;
   r.worst_case_path = theory.worst_case_path;
-  r.ladder = {ratio(theory.ipqn_path, theory.ipqn), ratio(std::sqrt(parts), theory.ipqn_path),
+  r.ladder = {ratio(ipqn_path, theory.ipqn), ratio(std::sqrt(parts), ipqn_path),
               ratio(std::sqrt(linear), std::sqrt(parts)), ratio(std::sqrt(exact), std::sqrt(linear))};
   return r;
 }
@@ -172,8 +185,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
           std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           std::max<std::uint64_t>(1, (20 + options.runs - 1) / options.runs)};
-  const Channels channels{static_cast<Eigen::Index>(model.coordinates.size()),
-                          static_cast<Eigen::Index>(model.transmission.encoders.size())};
+  const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
   constexpr std::uint64_t wave = 64;
