@@ -39,7 +39,7 @@ std::string LogWriter::header() const {
     text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
             csv_cell(joint.name + ".reference" + unit);
   }
-  return text + ",tip.x [m],tip.y [m],tip.z [m]\n";
+  return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
 }
 
 std::string_view LogWriter::row(const Reading& r) {
