@@ -87,6 +87,11 @@ std::string ratio(double over, double under) {
   return under > 0 && std::isfinite(under) ? shortest_of(over / under, 3) : "";
 }
 
+std::string percent(double part) {
+  return std::abs(part) < 0.995 ? shortest_of(100 * part, 2) + " %"
+                                : shortest_of(std::round(100 * part), 6) + " %";
+}
+
 std::string label_of(const SimulationReport& r, std::size_t output, std::size_t coordinate) {
   return escaped(filter_name(r, output), 40) + ' ' +
          std::string(info(r.spec.model.coordinates[coordinate]).name);
@@ -104,13 +109,12 @@ std::string sigma_table(const SimulationReport& r) {
       {"", "simulated", "95 %", "IPQN", "sim/IPQN", "sim/path", "sim/exact", "peak", "worst case", "used"}};
   for_each_signal(r, [&](const SimulatedSignal& s, const std::string& label, const std::string& unit) {
     const double half = 0.5 * (s.sigma_upper - s.sigma_lower);
-    rows.push_back(
-        {label, readable(s.sigma_simulated, unit),
-         "+-" + shortest_of(s.sigma_simulated > 0 ? 100 * half / s.sigma_simulated : 0, 2) + " %",
-         readable(s.sigma_ipqn, unit), ratio(s.sigma_simulated, s.sigma_ipqn),
-         ratio(s.sigma_simulated, s.sigma_ipqn_path), ratio(s.sigma_simulated, s.sigma_exact),
-         readable(s.peak_simulated, unit), readable(s.worst_case_path, unit),
-         shortest_of(s.worst_case_path > 0 ? 100 * s.peak_simulated / s.worst_case_path : 0, 2) + " %"});
+    rows.push_back({label, readable(s.sigma_simulated, unit),
+                    "+-" + percent(s.sigma_simulated > 0 ? half / s.sigma_simulated : 0),
+                    readable(s.sigma_ipqn, unit), ratio(s.sigma_simulated, s.sigma_ipqn),
+                    ratio(s.sigma_simulated, s.sigma_ipqn_path), ratio(s.sigma_simulated, s.sigma_exact),
+                    readable(s.peak_simulated, unit), readable(s.worst_case_path, unit),
+                    percent(s.worst_case_path > 0 ? s.peak_simulated / s.worst_case_path : 0)});
   });
   return aligned(rows);
 }
@@ -142,7 +146,7 @@ std::string causes(const SimulationReport& r) {
       return std::abs(std::log(a)) < std::abs(std::log(b));
     });
     found[static_cast<std::size_t>(worst - factors.begin())].push_back(label + (off > 0 ? " (+" : " (") +
-                                                                       shortest_of(100 * off, 2) + " %)");
+                                                                       percent(off) + ')');
   });
   std::string text;
   for (std::size_t i = 0; i < found.size(); ++i) {

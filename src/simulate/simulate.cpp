@@ -102,11 +102,12 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
   Sensing sensing(
       job.model, job.motion, job.effects,
       {displacement(job, index), random_bits(job.options.seed, index, 0), index == 0 && job.options.visit});
-  Result result{{RunStatistics(channels.count(), job.blocks)}, {channels.coordinates, channels.encoders}};
+  Result result{{RunStatistics(channels.count(), channels.coordinates, job.blocks)},
+                {channels.coordinates, channels.encoders}};
   std::vector<Branch> branches;
   for (const Filter& filter : job.filters) {
     branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion)});
-    result.outputs.emplace_back(channels.count(), job.blocks);
+    result.outputs.push_back(result.outputs.front());
   }
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::ArrayXd inputs(channels.count()), signals(channels.count());
@@ -127,12 +128,12 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     inputs.segment(channels.linear(), m) = parts.rowwise().sum();
     inputs.segment(channels.part(0), m * channels.encoders) = parts.reshaped();
     if (channels.biased) inputs.segment(channels.mean(), m) = theory.mean;
-    if (counts) result.outputs[0].add(inputs, block);
+    if (counts) result.outputs[0].add(inputs, theory.sigma.array().square(), block);
     for (std::size_t f = 0; f < branches.size(); ++f) {
       if (k % branches[f].every != 0) continue;
       signals = inputs;
       branches[f].bank.step(signals);
-      if (counts) result.outputs[f + 1].add(signals, block);
+      if (counts) result.outputs[f + 1].add(signals, theory.sigma.array().square(), block);
     }
     if (k % 4096 == 0) tick();
   }
@@ -197,7 +198,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     if (options.progress)
       options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
-  std::vector<RunStatistics> all(filters.size() + 1, RunStatistics(channels.count(), job.blocks));
+  std::vector<RunStatistics> all(filters.size() + 1,
+                                 RunStatistics(channels.count(), channels.coordinates, job.blocks));
   AlongPath path(channels.coordinates, channels.encoders);
   for (std::uint64_t first = 0; first < options.runs; first += wave) {
     std::vector<std::optional<Result>> runs(std::min(wave, options.runs - first));
