@@ -131,6 +131,8 @@ std::string to_table(const Analysis& a, const Style& style) {
                     " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
   out += heading("Encoders: which one to upgrade first", style) + encoder_table(a, style);
+  if (!a.effects.empty())
+    out += heading("Effects: what they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=
       heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
