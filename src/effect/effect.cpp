@@ -72,7 +72,8 @@ std::string_view stage_name(Stage stage) {
 std::optional<Share> proportional(double factor, const std::optional<Spread>& quantity) {
   if (factor == 0) return Share{};
   if (!quantity) return std::nullopt;
-  return Share{factor * quantity->middle(), std::abs(factor) * quantity->half(),
+  // A zero is kept from being a negative one.
+  return Share{0.0 + factor * quantity->middle(), std::abs(factor) * quantity->half(),
                std::abs(factor) * quantity->stray(), Course::motion};
 }
 
