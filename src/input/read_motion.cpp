@@ -82,7 +82,7 @@ const EffectKind& kind_of(const Field& f) {
     if (kind.name == name) return kind;
   for (const NoEffect& cause : causes_without_effect())
     if (cause.name == name)
-      throw Error(field.fault("no signal of a joint shows it, `qerr diagnose` may name it: " +
+      throw Error(field.fault("is no effect on a joint's signal but a cause that `qerr diagnose` may name: " +
                                   std::string(cause.what),
                               std::string(cause.remedy)));
   throw Error(field.fault("no such effect", did_you_mean(name, known)));

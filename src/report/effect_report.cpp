@@ -63,6 +63,18 @@ std::string parameters_text(const Spec& spec, const Effect& effect) {
   return text;
 }
 
+/// A text of any length behind each line.
+std::string with_texts(const std::string& lines, const std::vector<std::string>& texts) {
+  std::string out;
+  std::size_t at = 0;
+  for (const std::string& text : texts) {
+    const std::size_t end = lines.find('\n', at);
+    out += lines.substr(at, end - at) + (text.empty() ? "" : "  " + text) + '\n';
+    at = end + 1;
+  }
+  return out;
+}
+
 }  // namespace
 
 RobotUsage usage_of(const Spec& spec) {
@@ -125,8 +137,8 @@ std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& e
 }
 
 std::string effect_table(const Spec& spec, const std::vector<EffectShare>& shares) {
-  std::vector<std::vector<std::string>> rows{
-      {"effect", "joint", "mean", "worst case", "sigma", "parameters"}};
+  std::vector<std::vector<std::string>> rows{{"effect", "joint", "mean", "worst case", "sigma"}};
+  std::vector<std::string> parameters{"parameters"};
   bool unknown = false, elsewhere = false;
   for (const EffectShare& s : shares) {
     const std::string unit = effect_unit(spec, s);
@@ -142,10 +154,11 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
                              readable(std::abs(s.share->mean) + s.share->half_width, unit),
                              readable(s.share->sigma, unit)});
     }
-    row.push_back(parameters_text(spec, s.effect));
+    parameters.push_back(parameters_text(spec, s.effect));
     rows.push_back(std::move(row));
   }
-  return aligned(rows) + (unknown ? "  ?: not known, and not in the figures below\n" : "") +
+  return with_texts(aligned(rows), parameters) +
+         (unknown ? "  ?: not known, and not in the figures below\n" : "") +
          (elsewhere ? "  -: in the log or the reference alone, no error of the robot\n" : "") +
          (spec.motion ? "  positions, speeds and loads as in `motion:`\n"
                       : "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n");

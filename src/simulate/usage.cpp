@@ -36,12 +36,30 @@ std::vector<double> thinned(const std::vector<double>& values) {
   return few;
 }
 
+void widen(Spread& s, double by) {
+  s.lower -= by;
+  s.upper += by;
+}
+
+/// Peaks lie between the instants: of a position with bounded acceleration by at most a quarter of a step's
+/// change of velocity times the step, of a velocity that bends by half of the largest second difference.
+void reach_between(Usage& u, const std::vector<double>& velocity, double step) {
+  double change = 0, bend = 0;
+  for (std::size_t k = 1; k < velocity.size(); ++k) {
+    change = std::max(change, std::abs(velocity[k] - velocity[k - 1]));
+    if (k > 1) bend = std::max(bend, std::abs(velocity[k] - 2 * velocity[k - 1] + velocity[k - 2]));
+  }
+  widen(*u.position, 0.25 * change * step);
+  widen(*u.velocity, 0.5 * bend);
+}
+
 std::vector<Usage> usages(const Rows& positions, const Rows& velocities, const Motion& motion) {
   std::vector<Usage> all;
   for (std::size_t i = 0; i < positions.size(); ++i) {
     Usage& u = all.emplace_back();
     u.position = spread_of(positions[i]);
     u.velocity = spread_of(velocities[i]);
+    reach_between(u, velocities[i], motion.duration / static_cast<double>(positions[i].size()));
     u.duration = motion.duration;
     u.speeds = thinned(velocities[i]);
   }
