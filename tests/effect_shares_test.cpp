@@ -148,6 +148,32 @@ TEST(EffectShares, AreReached) {
   }
 }
 
+/// Mean square of estimate - true about the share's mean: that of the quantization, and sigma^2.
+TEST(EffectShares, HaveTheSigmaOfTheSimulation) {
+  Dice dice(19);
+  for (const char* type : {"offset", "scale", "transmission_error", "subdivision_error", "state_width",
+                           "missed_counts", "truncation", "backlash", "latency", "timing_jitter", "noise"}) {
+    OperationalModel model = one_joint();
+    Encoder& encoder = model.transmission.encoders[0];
+    if (std::string(type) == "subdivision_error") encoder.counts_per_period = 64;
+    const Motion motion = random_motion(dice, 1, 40);
+    Effect effect = random_effect(dice, effect_kind(type), "elbow", encoder);
+    if (effect.numbers.contains("order")) effect.numbers["order"] = 31.7;  // many turns of the sine
+    const Share share = *effect_shares(model, {effect}, usage_in_motion(model, motion))[0].share;
+    double squares = 0;
+    std::uint64_t count = 0;
+    SimulationOptions options;
+    options.threads = 1;
+    options.visit = [&](const Reading& r) {
+      squares += std::pow(r.estimate[0] - r.joint[0] - share.mean, 2);
+      ++count;
+    };
+    simulate(model, {}, {}, motion, {effect}, options);
+    const double found = std::sqrt(squares / static_cast<double>(count));
+    EXPECT_NEAR(found / std::hypot(encoder.resolution / std::sqrt(12.0), share.sigma), 1, 0.03) << type;
+  }
+}
+
 TEST(EffectShares, AreZeroAtZeroSizeWhateverIsKnown) {
   Encoder encoder;
   encoder.resolution = 1e-4;

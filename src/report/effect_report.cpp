@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "qerr/core/text.hpp"
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/simulate/usage.hpp"
 #include "text_table.hpp"
 
@@ -160,8 +161,10 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
   return with_texts(aligned(rows), parameters) +
          (unknown ? "  ?: not known, and not in the figures below\n" : "") +
          (elsewhere ? "  -: in the log or the reference alone, no error of the robot\n" : "") +
-         (spec.motion ? "  positions, speeds and loads as in `motion:`\n"
-                      : "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n");
+         (!spec.motion ? "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n"
+          : has_masses(spec.model.chain)
+              ? "  positions, speeds and loads as in `motion:`\n"
+              : "  positions and speeds as in `motion:`, loads up to the URDF's limits: it has no masses\n");
 }
 
 }  // namespace qerr
