@@ -67,7 +67,8 @@ std::string encoder_table(const Analysis& a, const Style& style) {
     if (i == 0) line += "  of the tip's variance";
     if (i > 0) line += "  " + bar(budget[i - 1], bar_width);
     if (i == largest + 1 && budget[largest] > 0 && budget.size() > 1)
-      line = painted(line + "  <- upgrade first", "1;33", style);
+      line = painted(line + (a.spec.model.sources.empty() ? "  <- upgrade first" : "  <- improve first"),
+                     "1;33", style);
     out += line + '\n';
   }
   return out;
@@ -134,7 +135,10 @@ std::string to_table(const Analysis& a, const Style& style) {
                     counted(chain.independent.size(), "encoder") + ", " + std::to_string(a.workspace.count) +
                     " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
-  out += heading("Encoders: which one to upgrade first", style) + encoder_table(a, style);
+  out += heading(a.spec.model.sources.empty() ? "Encoders: which one to upgrade first"
+                                              : "Encoders, with the effects at their joints",
+                 style) +
+         encoder_table(a, style);
   if (!a.effects.empty())
     out += heading("Effects: what they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=
