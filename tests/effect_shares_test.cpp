@@ -392,6 +392,23 @@ TEST(PassedBy, FollowsLatencyScaleAndBacklashAlongASine) {
   }
 }
 
+/// Two sines of which neither rules: mean frequencies stand for both.
+TEST(PassedBy, IsNearTheFilterRunOnMotionsOfTwoSines) {
+  Dice dice(20);
+  for (int trial = 0; trial < 20; ++trial) {
+    Motion motion = random_motion(dice, 1, 40);
+    motion.sample_rate = 1000;
+    for (const Effect& effect :
+         {Effect{"latency", "elbow", {{"delay", 1e-3}}, {}}, Effect{"scale", "elbow", {{"scale", 1e-3}}, {}},
+          Effect{"backlash", "elbow", {{"gap", 1e-3}}, {}},
+          Effect{"transmission_error", "elbow", {{"amplitude", 1e-3}, {"order", 20}}, {}}}) {
+      const Passed p = passed(effect, motion, velocity_filter());
+      const double ratio = p.simulated / p.said;
+      EXPECT_NEAR(ratio, 1, 0.1) << effect.type;
+    }
+  }
+}
+
 TEST(PassedBy, TakesJitterAndNoiseAsWhiteAndNothingOfConstants) {
   const Motion motion{1000, 200, {}, {{0.4, 0, {{0.3, 0.5, 0.1}}, {}}}, {}};
   for (const Effect& effect : {Effect{"noise", "elbow", {{"sigma", 1e-3}}, {}},
@@ -438,7 +455,8 @@ TEST(Usage, FromLimitsIsSpreadEvenlyOverThem) {
   EXPECT_DOUBLE_EQ(u.velocity->rms(), 2 / std::sqrt(3.0));
   EXPECT_FALSE(u.effort);
   EXPECT_FALSE(u.duration);
-  EXPECT_DOUBLE_EQ(*u.rate(), 1);
+  EXPECT_DOUBLE_EQ(*u.position->rate, 1);
+  EXPECT_DOUBLE_EQ(*u.velocity->rate, 1);
 }
 
 /// Sources that are nothing leave every figure of the workspace as it was, to the last bit.

@@ -54,6 +54,14 @@ Spread even(double lower, double upper) {
   return {lower, upper, mean, mean * mean + half * half / 3};
 }
 
+/// Limits say nothing of how velocity and effort change: as the position does.
+void set_rates(Usage& u) {
+  if (!u.position || !u.velocity || u.position->stray() == 0) return;
+  const double rate = u.velocity->rms() / u.position->stray();
+  u.position->rate = u.velocity->rate = u.reversals = rate;
+  if (u.effort) u.effort->rate = rate;
+}
+
 /// Values that are spread evenly over a range.
 std::vector<double> evenly(const std::optional<Spread>& s) {
   constexpr int count = 256;
@@ -87,6 +95,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     if (joint.velocity_limit) u.velocity = even(-*joint.velocity_limit, *joint.velocity_limit);
     if (joint.effort_limit) u.effort = even(-*joint.effort_limit, *joint.effort_limit);
     u.speeds = evenly(u.velocity);
+    set_rates(u);
   }
   const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -95,6 +104,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     u.position = combined(weights, usage.joints, &Usage::position);
     u.velocity = combined(weights, usage.joints, &Usage::velocity);
     u.speeds = evenly(u.velocity);
+    set_rates(u);
     usage.encoders.push_back(std::move(u));
   }
   return usage;
@@ -158,17 +168,15 @@ double of_waves(const Filter& filter, const Norms& norms, const Share& share, co
 }  // namespace
 
 double passed_by(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
-  const auto rate = usage.rate();
   switch (share.course) {
     case Course::constant:
       return std::abs(norms.dc_gain);
     case Course::motion:
-      return rate ? magnitude(filter, *rate) : norms.h2;
+      return share.rate ? magnitude(filter, *share.rate) : norms.h2;
     case Course::reversals:
-      // A joint that never moves never turns.
-      return rate && *rate > 0 ? of_square_wave(filter, norms, *rate)
-             : rate            ? std::abs(norms.dc_gain)
-                               : norms.h2;
+      if (!usage.reversals) return norms.h2;
+      // A joint that never turns stays on one side.
+      return *usage.reversals > 0 ? of_square_wave(filter, norms, *usage.reversals) : std::abs(norms.dc_gain);
     case Course::travel:
       return usage.speeds.empty() ? norms.h2 : of_waves(filter, norms, share, usage);
     case Course::white:

@@ -73,8 +73,12 @@ std::optional<Share> proportional(double factor, const std::optional<Spread>& qu
   if (factor == 0) return Share{};
   if (!quantity) return std::nullopt;
   // A zero is kept from being a negative one.
-  return Share{0.0 + factor * quantity->middle(), std::abs(factor) * quantity->half(),
-               std::abs(factor) * quantity->stray(), Course::motion};
+  return Share{0.0 + factor * quantity->middle(),
+               std::abs(factor) * quantity->half(),
+               std::abs(factor) * quantity->stray(),
+               Course::motion,
+               {},
+               quantity->rate};
 }
 
 double normal(std::uint64_t seed, std::uint64_t index) {

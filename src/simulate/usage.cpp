@@ -3,6 +3,8 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
+#include <optional>
 
 #include "qerr/kinematics/inverse_dynamics.hpp"
 
@@ -53,29 +55,63 @@ void reach_between(Usage& u, const std::vector<double>& velocity, double step) {
   widen(*u.velocity, 0.5 * bend);
 }
 
-std::vector<Usage> usages(const Rows& positions, const Rows& velocities, const Motion& motion) {
+/// pi times the changes of direction per second.
+double turning(const std::vector<double>& velocity, double seconds) {
+  double changes = 0, last = 0;
+  for (const double v : velocity) {
+    if (v * last < 0) ++changes;
+    if (v != 0) last = v;
+  }
+  return std::numbers::pi * changes / seconds;
+}
+
+std::optional<double> rate_of(const std::vector<double>& derivative, const Spread& s) {
+  if (s.stray() == 0) return std::nullopt;
+  return spread_of(derivative).rms() / s.stray();
+}
+
+/// Position, velocity and acceleration of every coordinate at the instants.
+struct Path {
+  Rows position, velocity, acceleration;
+  explicit Path(std::size_t count) : position(count), velocity(count), acceleration(count) {}
+};
+
+std::vector<Usage> usages(const Path& path, const Motion& motion) {
   std::vector<Usage> all;
-  for (std::size_t i = 0; i < positions.size(); ++i) {
+  for (std::size_t i = 0; i < path.position.size(); ++i) {
     Usage& u = all.emplace_back();
-    u.position = spread_of(positions[i]);
-    u.velocity = spread_of(velocities[i]);
-    reach_between(u, velocities[i], motion.duration / static_cast<double>(positions[i].size()));
+    u.position = spread_of(path.position[i]);
+    u.velocity = spread_of(path.velocity[i]);
+    u.position->rate = rate_of(path.velocity[i], *u.position);
+    u.velocity->rate = rate_of(path.acceleration[i], *u.velocity);
+    reach_between(u, path.velocity[i], motion.duration / static_cast<double>(path.position[i].size()));
     u.duration = motion.duration;
-    u.speeds = thinned(velocities[i]);
+    u.reversals = turning(path.velocity[i], motion.duration);
+    u.speeds = thinned(path.velocity[i]);
   }
   return all;
 }
 
+Eigen::VectorXd acceleration(const MotionPath& path, double time, double step) {
+  return (path.velocity(time + step) - path.velocity(time - step)) / (2 * step);
+}
+
 void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motion,
                  std::vector<Usage>& joints) {
-  Rows efforts(joints.size());
-  // Half a sample to either side: steps of the acceleration at the ends of moves are met by their mean.
+  Rows efforts(joints.size()), changes(joints.size());
   const double step = 0.5 / motion.sample_rate;
+  const auto effort = [&](double t) {
+    return inverse_dynamics(chain, path.position(t), path.velocity(t), acceleration(path, t, step));
+  };
   for (const double t : instants(motion, most_efforts)) {
-    const Eigen::VectorXd acceleration = (path.velocity(t + step) - path.velocity(t - step)) / (2 * step);
-    append(efforts, inverse_dynamics(chain, path.position(t), path.velocity(t), acceleration));
+    const Eigen::VectorXd now = effort(t);
+    append(efforts, now);
+    append(changes, (effort(t + 2 * step) - now) / (2 * step));
   }
-  for (std::size_t i = 0; i < joints.size(); ++i) joints[i].effort = spread_of(efforts[i]);
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i].effort = spread_of(efforts[i]);
+    joints[i].effort->rate = rate_of(changes[i], *joints[i].effort);
+  }
 }
 
 }  // namespace
@@ -83,15 +119,18 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
 RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion) {
   const MotionPath path(motion);
   const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
-  Rows q(path.joints()), v(path.joints()), encoder_q(path.joints()), encoder_v(path.joints());
+  Path joints(path.joints()), encoders(path.joints());
   for (const double t : instants(motion, most_samples)) {
-    const Eigen::VectorXd position = path.position(t), velocity = path.velocity(t);
-    append(q, position);
-    append(v, velocity);
-    append(encoder_q, to_encoders * position);
-    append(encoder_v, to_encoders * velocity);
+    const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
+    const Eigen::VectorXd a = acceleration(path, t, 0.5 / motion.sample_rate);
+    append(joints.position, q);
+    append(joints.velocity, v);
+    append(joints.acceleration, a);
+    append(encoders.position, to_encoders * q);
+    append(encoders.velocity, to_encoders * v);
+    append(encoders.acceleration, to_encoders * a);
   }
-  RobotUsage usage{usages(q, v, motion), usages(encoder_q, encoder_v, motion)};
+  RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
   if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
   return usage;
 }

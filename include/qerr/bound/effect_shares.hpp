@@ -41,8 +41,9 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
 
 /// sigma of an error behind a filter over its sigma before it, by how it comes and goes.
 ///
-/// white: ||H||_2. constant: |H(1)|. motion: |H(e^{j w T})| at the motion's mean angular frequency w, as if
-/// it were one sine. reversals: the square wave of that frequency, sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w
+/// white: ||H||_2. constant: |H(1)|. motion: |H(e^{j w T})| at the mean angular frequency w of what it is
+/// proportional to, as if that were one sine. reversals: the square wave that turns as often as the motion,
+/// sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w
 /// T})|^2). travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave k, which is exact at
 /// constant speed and otherwise takes the speed as constant over the filter's memory. Where the usage does
 /// not know w or v all frequencies count alike, which is ||H||_2.

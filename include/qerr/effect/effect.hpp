@@ -58,6 +58,8 @@ using Action = std::function<double(double signal, const Moment&)>;
 /// What a quantity does over a motion: its range, its mean and its mean square.
 struct Spread {
   double lower = 0, upper = 0, mean = 0, mean_square = 0;
+  /// Mean angular frequency of its changes, rms of its derivative over `stray` [rad/s]; empty: not known.
+  std::optional<double> rate = {};
 
   double middle() const { return 0.5 * (lower + upper); }
   double half() const { return 0.5 * (upper - lower); }
@@ -76,13 +78,8 @@ struct Usage {
   std::optional<Spread> effort;       ///< [N m or N]
   std::optional<Spread> temperature;  ///< rise since the start [K]
   std::optional<double> duration;     ///< [s]
+  std::optional<double> reversals;    ///< pi times the turns per second, a mean angular frequency [rad/s]
   std::vector<double> speeds;  ///< velocities that occur equally often; empty: not known [rad/s or m/s]
-
-  /// Mean angular frequency of the motion, rms speed over rms excursion [rad/s]; empty: not known.
-  std::optional<double> rate() const {
-    if (!position || !velocity || position->stray() == 0) return std::nullopt;
-    return velocity->rms() / position->stray();
-  }
 };
 
 /// What a share needs to know of the usage.
@@ -91,7 +88,7 @@ enum class Need { nothing, position, velocity, effort, temperature, duration };
 /// How an error comes and goes, which decides what of it a filter lets through.
 enum class Course {
   constant,   ///< not within the filter's memory
-  motion,     ///< as the motion itself, a sine of its mean angular frequency
+  motion,     ///< as the quantity it is proportional to, a sine of that one's mean angular frequency
   reversals,  ///< changes sign when the motion turns
   travel,     ///< periodic in the position
   white       ///< anew at every sample
@@ -110,7 +107,8 @@ struct Wave {
 struct Share {
   double mean = 0, half_width = 0, sigma = 0;
   Course course = Course::constant;
-  std::vector<Wave> waves = {};  ///< of `travel`; what their parts leave of 1 counts as white
+  std::vector<Wave> waves = {};     ///< of `travel`; what their parts leave of 1 counts as white
+  std::optional<double> rate = {};  ///< of `motion` [rad/s]; empty: not known
 };
 
 /// A row of the list of effects: what a real robot adds to the ideal model.

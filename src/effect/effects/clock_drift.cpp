@@ -19,8 +19,12 @@ EffectKind clock_drift_effect() {
             if (!u.duration || !u.velocity) return std::nullopt;
             // rate t v(t): t is spread evenly, and has nothing to do with v.
             const double latest = std::abs(e.number("rate")) * *u.duration;
-            return Share{0, latest * u.velocity->largest(), latest * u.velocity->rms() / std::numbers::sqrt3,
-                         Course::motion};
+            return Share{0,
+                         latest * u.velocity->largest(),
+                         latest * u.velocity->rms() / std::numbers::sqrt3,
+                         Course::motion,
+                         {},
+                         u.velocity->rate};
           },
           Need::duration};
 }

@@ -19,7 +19,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double half = 0.5 * (high - low) * span;
   // A position that is spread evenly loses any number of spans alike; few spans may be lost half of the time.
   return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
-               Course::motion};
+               Course::reversals};
 }
 
 }  // namespace
