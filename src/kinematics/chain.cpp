@@ -120,7 +120,8 @@ class Builder {
     auto found = std::find_if(chain_.independent.begin(), chain_.independent.end(),
                               [&](const IndependentJoint& j) { return j.name == master.name; });
     if (found == chain_.independent.end()) {
-      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index});
+      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index,
+                                    master.velocity_limit, master.effort_limit});
       found = std::prev(chain_.independent.end());
     }
     if (drive.master == index) found->on_chain = true;

@@ -27,9 +27,9 @@ Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
   Chain built = chain;
   for (const Effect& effect : effects) {
     if (effect_kind(effect.type).stage != Stage::kinematics) continue;
-    const std::size_t coordinate = index_of(chain, effect.joint);
     const auto moved = std::find_if(built.joints.begin(), built.joints.end(),
-                                    [&](const ChainJoint& j) { return j.coordinate == coordinate; });
+                                    [&](const ChainJoint& j) { return j.name == effect.joint; });
+    if (moved == built.joints.end()) continue;  // a master beside the chain does not carry the tip
     const std::string& axis = effect.choices.at("axis");
     moved->origin.pretranslate(effect.number("length") * moved->parent_axes.col(axis == "x"   ? 0
                                                                                 : axis == "y" ? 1

@@ -31,7 +31,9 @@ struct IndependentJoint {
   std::string name;
   JointType type = JointType::revolute;
   std::optional<Limits> limits;
-  bool on_chain = true;  ///< false: only its mimics are
+  bool on_chain = true;                       ///< false: only its mimics are
+  std::optional<double> velocity_limit = {};  ///< of the URDF [rad/s or m/s]
+  std::optional<double> effort_limit = {};    ///< of the URDF [N m or N]
 
   bool prismatic() const { return type == JointType::prismatic; }
 };
