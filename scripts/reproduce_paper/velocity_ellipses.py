@@ -101,7 +101,7 @@ def _plot(configurations, covariances, out):
                       zorder=4, label=f"order {n}: full covariance")
         axis.text(base[0], -0.62, f"$q_2$ = {math.degrees(q[1]):.0f}°, $q_3$ = {math.degrees(q[2]):.0f}°",
                   ha="center")
-    axis.set(xlabel="x [l], ellipses in l/s (k = 75)", ylabel="y [l]", ylim=(-0.9, 3.6), aspect="equal")
+    axis.set(xlabel="x [l], ellipses in l/s (k = 75)", ylabel="y [l]", xlim=(-1.7, 11.2), ylim=(-0.9, 3.6), aspect="equal")
     axis.set_title("Fig. 5: error of the tip's velocity, planar PRR, f = 1 kHz, f0 = 50 Hz")
     style.legend(fig, axis)
     style.save(fig, out / "figure_5.png")
