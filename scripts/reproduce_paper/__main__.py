@@ -18,7 +18,7 @@ from tool import ROOT, Qerr, write_csv  # noqa: E402
 
 # Modules in the order of the paper; those that simulate for long stand apart, so that --check may leave them out.
 QUICK = ["tables", "velocity_ellipses", "linear_bound", "filters", "estimators", "quantized_sine"]
-SLOW = ["experiment", "against_simulation"]
+SLOW = ["experiment", "time_domain"]
 
 
 def main():

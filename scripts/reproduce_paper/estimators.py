@@ -111,5 +111,5 @@ def _plot(itm, fdm, out):
     axis.set(xlabel=r"velocity in units of $\Delta f$", ylabel="worst-case signal-to-noise ratio", xscale="log",
              yscale="log", xlim=(0.05, 5), ylim=(0.05, 30))
     axis.set_title("Fig. 14: worst-case SNR of a velocity estimate")
-    style.legend(fig, axis)
+    style.legend(axis)
     style.save(fig, out / "figure_14.png")

@@ -68,7 +68,7 @@ def figure_7(qerr, out):
         _marks(axis, [1e3 * r[1] for r in mine], [1e3 * r[3] for r in mine], n)
     axis.set(xlabel=r"$\sigma_x$ [mm]", ylabel=r"$\sigma_v$ [mm/s]", xlim=(0, None), ylim=(0, None))
     axis.set_title("Fig. 7: velocity error against position error")
-    style.legend(fig, axis)
+    style.legend(axis)
     style.save(fig, out / "figure_7.png")
     slopes = {n: {r[2] / r[1] for r in rows if r[0] == n} for n in ORDERS}
     straight = all(max(s) / min(s) - 1 < 1e-6 for s in slopes.values())
@@ -96,7 +96,7 @@ def figure_8(qerr, out):
             _marks(axis, SIMULATED_CUTOFFS, [1e3 * found[f][f"d1n{n}"]["sigma_simulated"] for f in SIMULATED_CUTOFFS], n)
         axis.set(xlabel=r"cut-off $f_0$ [Hz]", ylabel=r"$\sigma_v$ [mm/s]", xscale=scale, yscale=scale)
         axis.set_title(f"Fig. 8: velocity error against cut-off ({scale} axes)")
-    style.legend(fig, axes[-1])
+    style.legend(axes[-1])
     style.save(fig, out / "figure_8.png")
 
     low, high = cutoffs[0], cutoffs[10]
@@ -143,7 +143,7 @@ def figure_9(qerr, out):
             _marks(axis, SIMULATED_RATES, [factor * found[f][f"d{d}n{n}"]["sigma_simulated"] for f in SIMULATED_RATES], n)
         axis.set(xlabel="sample rate f [Hz]", ylabel=unit, xscale="log", yscale="log")
         axis.set_title(f"Fig. 9: {('velocity', 'acceleration')[d - 1]} error against sample rate")
-    style.legend(fig, axes[-1])
+    style.legend(axes[-1])
     style.save(fig, out / "figure_9.png")
     top = SIMULATED_RATES[-1]
     ratio = {f: found[f]["d1n2"]["sigma_simulated"] / found[f]["d1n2"]["sigma_ipqn"] for f in SIMULATED_RATES}
@@ -177,15 +177,14 @@ def figure_10(qerr, out):
         nearest = min(range(len(omega)), key=lambda i: abs(math.log(omega[i] / 50)))
         gains[n] = float(mine[nearest]["magnitude"]) / omega[nearest] ** 2
     goal = [1, 50]
-    axes[0].plot(goal, [w * w for w in goal], color="0.75", linewidth=6, solid_capstyle="butt", zorder=1,
-                 label="goal: $\\omega^2$,\nthen nothing")
+    axes[0].plot(goal, [w * w for w in goal], color="0.75", linewidth=6, solid_capstyle="butt", zorder=1)
     axes[0].plot([50, 50], [2500, 1], color="0.75", linewidth=6, zorder=1)
     axes[0].set(xlabel=r"$\omega$ [rad/s]", ylabel="magnitude [1/s²]", xscale="log", yscale="log", ylim=(1, 2e6))
     axes[1].set(xlabel=r"$\omega$ [rad/s]", ylabel="phase [°]", xscale="log")
     axes[0].set_title("Fig. 10: acceleration filters, cut-off 50 rad/s")
     axes[1].set_title("Fig. 10: their phase")
-    handles = axes[0].get_legend_handles_labels()
-    axes[1].legend(*handles, loc="upper left", bbox_to_anchor=(1.02, 1), borderaxespad=0, handlelength=3)
+    axes[1].plot([], [], color="0.75", linewidth=6, label="goal: $\\omega^2$,\nthen nothing")
+    style.legend(axes[1])
     style.save(fig, out / "figure_10.png")
     return [Claim("Fig. 10", "Cut-off of 50 rad/s; 50 Hz everywhere else", "50 rad/s",
                   f"gain over omega^2 at 50 rad/s, n = 1..4: {numbers(gains[n] for n in ORDERS)}, that is 2^(-n/2); "

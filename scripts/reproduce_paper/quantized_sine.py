@@ -182,6 +182,5 @@ def _plot(rows, out):
         axis.text(10.08, value, f"{value}".replace("-", "−"), va="center", fontsize=9, color=style.theory(n)["color"])
     axis.set(xlabel=r"amplitude $A$ [$\Delta$]", ylabel=r"times $\sqrt{A/\Delta}$", xlim=(2, 10), ylim=(-0.06, 0.16))
     axis.set_title("Appendix B: error of a quantized sine, over all offsets; printed constants at the right")
-    handles, labels = axis.get_legend_handles_labels()
-    axis.legend(handles, labels, loc="upper left", bbox_to_anchor=(1.1, 1), borderaxespad=0, handlelength=3)
+    style.legend(axis, right=1.1)
     style.save(fig, out / "appendix_b.png")

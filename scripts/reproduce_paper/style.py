@@ -48,11 +48,12 @@ def figure(columns=1, width=None, height=3.8):
     return fig, axes[0]
 
 
-def legend(fig, axis, title=None):
-    """Beside the axes, never over the data."""
+def legend(axis, title=None, right=1.02):
+    """Beside the axes, never over the data; bars, then points, then lines, each label once."""
     handles, labels = axis.get_legend_handles_labels()
     unique = dict(zip(labels, handles))
-    axis.legend(unique.values(), unique.keys(), title=title, loc="upper left", bbox_to_anchor=(1.02, 1.0),
+    bars_first = sorted(unique, key=lambda label: not hasattr(unique[label], "patches"))
+    axis.legend([unique[label] for label in bars_first], bars_first, title=title, loc="upper left", bbox_to_anchor=(right, 1.0),
                 borderaxespad=0.0, handlelength=3.0, alignment="left")
 
 

@@ -103,5 +103,5 @@ def _plot(configurations, covariances, out):
                   ha="center")
     axis.set(xlabel="x [l], ellipses in l/s (k = 75)", ylabel="y [l]", xlim=(-1.7, 11.2), ylim=(-0.9, 3.6), aspect="equal")
     axis.set_title("Fig. 5: error of the tip's velocity, planar PRR, f = 1 kHz, f0 = 50 Hz")
-    style.legend(fig, axis)
+    style.legend(axis)
     style.save(fig, out / "figure_5.png")
