@@ -91,3 +91,23 @@ def prr_tip(q1, q2, q3):
 def ipqn_sigma(jacobian, resolutions):
     """sqrt(diag(J diag(Delta^2/12) J^T)) (paper, Eqs. 9 and 19)."""
     return np.sqrt(((jacobian * np.asarray(resolutions)) ** 2).sum(axis=1) / 12)
+
+
+def premium_period_power(offsets, amplitude, step, samples=400):
+    """Power spectrum of the error of x over one period of the experiment (400 samples, the same sine in t1, t2, t3),
+    quantized by rounding, averaged over offsets of the three angles [m^2 per line]."""
+    sine = amplitude * np.sin(2 * math.pi * np.arange(samples) / samples)
+    power = np.zeros(samples)
+    for offset in offsets:
+        angles = np.asarray(offset) + sine[:, None]
+        error = premium_tip(np.rint(angles / step) * step) - premium_tip(angles)
+        power += np.abs(np.fft.fft(error[:, 0]) / samples) ** 2
+    return power / len(offsets)
+
+
+def filtered_sigma(power, d, n, cutoff, rate):
+    """sqrt of the sum of a periodic signal's power behind the filter, its mean apart."""
+    delay = np.exp(-2j * math.pi * np.arange(len(power)) / len(power))
+    a = math.exp(-2 * math.pi * cutoff / rate)
+    gain = np.abs(((1 - delay) * rate) ** d * ((1 - a) / (1 - a * delay)) ** n) ** 2
+    return math.sqrt((power * gain)[1:].sum())

@@ -16,14 +16,23 @@ def cells(claim):
     return [claim.where, claim.claim, claim.printed, claim.ours, claim.verdict, claim.why, claim.command]
 
 
-def _row(claim):
-    *words, command = cells(claim)
-    return "| " + " | ".join(words) + f" | `{command}` |"
+def _row(index, claim):
+    judged = f"**{claim.verdict}**" + (f": {claim.why}" if claim.why else "")
+    words = [claim.where, claim.claim, claim.printed, claim.ours, judged]
+    return f"| {index} | " + " | ".join(word.replace("|", "\\|") for word in words) + " |"
+
+
+def _command(index, claim):
+    return f"{index}. `{claim.command}`"
 
 
 def _table(claims):
-    head = "| " + " | ".join(COLUMNS) + " |\n|" + "---|" * len(COLUMNS)
-    return "\n".join([head, *map(_row, claims)])
+    numbered = list(enumerate(claims, start=1))
+    return "\n".join([
+        "| | where | claim | printed | ours | verdict |", "|---|---|---|---|---|---|",
+        *(_row(i, claim) for i, claim in numbered),
+        "", "What to run for each, from the project's root:", "",
+        *(_command(i, claim) for i, claim in numbered)])
 
 
 def _parts():
@@ -41,26 +50,29 @@ def write(claims):
 
 
 def same(old, new):
-    """The same words, and figures within the tolerance (rounding errors, such as 3e-16, within a factor)."""
+    """The same words, and figures within the tolerance (rounding errors, below 1e-6, are only that)."""
     if _FIGURE.sub("#", old) != _FIGURE.sub("#", new):
         return False
     for a, b in zip(map(float, _FIGURE.findall(old)), map(float, _FIGURE.findall(new))):
-        tiny = max(abs(a), abs(b)) < 1e-8
+        tiny = max(abs(a), abs(b)) < 1e-6
         if not tiny and abs(a - b) > TOLERANCE * max(abs(a), abs(b)):
             return False
     return True
 
 
 def check(claims, complete):
-    """Every fresh row must stand in the page. @returns the number of rows that do not"""
-    page_rows = _parts()[1].splitlines()[2:]
+    """Every fresh row and command must stand in the page, whatever its number. @returns 1 when one does not"""
+    lines = {re.sub(r"^(\| \d+ \||\d+\.) ", "", line) for line in _parts()[1].splitlines()}
     faults = 0
     for claim in claims:
-        if not any(same(row, _row(claim)) for row in page_rows):
-            faults += 1
-            print(f"not in {PAGE.relative_to(ROOT)} (or otherwise):\n  {_row(claim)}", file=sys.stderr)
-    if complete and len(page_rows) != len(claims):
+        for fresh in (_row(0, claim), _command(0, claim)):
+            bare = re.sub(r"^(\| \d+ \||\d+\.) ", "", fresh)
+            if not any(same(line, bare) for line in lines):
+                faults += 1
+                print(f"{PAGE.relative_to(ROOT)}: not as it comes out now, which is:\n  {bare}", file=sys.stderr)
+    rows = sum(line.count("**") >= 2 for line in lines)
+    if complete and rows != len(claims):
         faults += 1
-        print(f"{len(page_rows)} rows in the page, {len(claims)} claims", file=sys.stderr)
-    print(f"{len(claims)} claims compared with the page, {faults} differ", file=sys.stderr)
+        print(f"{PAGE.relative_to(ROOT)}: {rows} claims, and {len(claims)} are judged now", file=sys.stderr)
+    print(f"{len(claims)} claims compared with the page, {faults} differences", file=sys.stderr)
     return 1 if faults else 0

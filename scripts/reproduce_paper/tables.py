@@ -47,7 +47,7 @@ def table_2(qerr, out):
     return [
         Claim("Table II; (16)-(28), (37), (38)",
               "Joint, operational and derivative error: worst cases and sigmas", "formulas",
-              f"Premium, zero position: qerr, and an own Jacobian with (37) solved and sum \\|h\\| taken, agree to "
+              f"Premium, zero position: qerr, and an own Jacobian with (37) solved and sum |h| taken, agree to "
               f"{gap:.0e}",
               confirmed_if(gap < 1e-9), str(command), "Its caption, \"nominal filter parameters\", is another table's"),
         Claim("Sec. IV-C", "In controller canonical form the state holds the last positions", "in words",

@@ -72,7 +72,7 @@ def _claims(qerr, command, first, second, gap):
         Claim("(39)", "The covariance matrix would have non-zero diagonal entries", "in words",
               f"off the diagonal, in the right configuration: correlation {number(first[5] / first[3] / first[4])}",
               LOOSE, str(command), "Off-diagonal is meant; and with one filter the full covariance is "
-              "\\|\\|H\\|\\|_2^2 J Sigma J^T, no need to leave it out"),
+              "||H||_2^2 J Sigma J^T, no need to leave it out"),
         Claim("(40)", "k = 75 l/s", "75 l/s", f"semi-axes {number(math.sqrt(LEVEL))} sigma: {numbers([first[3] * math.sqrt(LEVEL)])} l/s",
               "wrong", str(command), "k has no unit"),
     ]
