@@ -12,6 +12,7 @@ class Claim:
     `ours` is text with the fresh figures in it; `why` says what is loose or wrong, "" when nothing is.
     `slow` marks those that need long simulations.
     """
+
     where: str
     claim: str
     printed: str

@@ -1,4 +1,4 @@
-"""The same quantities by other means: nothing here comes from qerr, so that the two can be set side by side."""
+"""The same quantities by other means: nothing here comes from qerr."""
 import math
 
 import numpy as np
@@ -10,7 +10,7 @@ def impulse_response(d, n, cutoff, rate):
     length = d + 1 + (0 if a == 0 else int(math.ceil((45 + 12 * n) / -math.log(a))))
     h = np.zeros(length)
     for k in range(d + 1):
-        h[k] = (-1) ** k * math.comb(d, k) * rate ** d
+        h[k] = (-1) ** k * math.comb(d, k) * rate**d
     for _ in range(n):
         state = 0.0
         for k in range(length):
@@ -31,7 +31,7 @@ def l1_by_sum(d, n, cutoff, rate):
 def controller_form(d, n, cutoff, rate):
     """A, B, C, D of the transfer function in controller canonical form (paper, Eqs. 29 and 30)."""
     a = math.exp(-2 * math.pi * cutoff / rate)
-    numerator, denominator = np.array([rate ** d * (1 - a) ** n]), np.array([1.0])
+    numerator, denominator = np.array([rate**d * (1 - a) ** n]), np.array([1.0])
     for _ in range(d):
         numerator = np.convolve(numerator, [1.0, -1.0])
     for _ in range(n):
@@ -55,7 +55,7 @@ def steady_covariance(a, b):
 def h2_by_lyapunov(d, n, cutoff, rate):
     """The paper's own recipe, Eqs. 37 and 38."""
     a, b, c, direct = controller_form(d, n, cutoff, rate)
-    return math.sqrt((c @ steady_covariance(a, b) @ c.T).item() + direct ** 2)
+    return math.sqrt((c @ steady_covariance(a, b) @ c.T).item() + direct**2)
 
 
 def premium_tip(angles):
@@ -63,8 +63,9 @@ def premium_tip(angles):
     t1, t2, t3 = np.asarray(angles, dtype=float).T
     l1, l2 = 0.210, 0.180
     reach = l1 * np.cos(t2) + l2 * np.sin(t3)
-    return np.column_stack([reach * np.sin(t1), l2 - l2 * np.cos(t3) + l1 * np.sin(t2),
-                            reach * np.cos(t1) - l1])
+    return np.column_stack(
+        [reach * np.sin(t1), l2 - l2 * np.cos(t3) + l1 * np.sin(t2), reach * np.cos(t1) - l1]
+    )
 
 
 def premium_jacobian(angles):
@@ -72,16 +73,23 @@ def premium_jacobian(angles):
     t1, t2, t3 = angles
     l1, l2 = 0.210, 0.180
     reach = l1 * math.cos(t2) + l2 * math.sin(t3)
-    return np.array([
-        [reach * math.cos(t1), -l1 * math.sin(t2) * math.sin(t1), l2 * math.cos(t3) * math.sin(t1)],
-        [0.0, l1 * math.cos(t2), l2 * math.sin(t3)],
-        [-reach * math.sin(t1), -l1 * math.sin(t2) * math.cos(t1), l2 * math.cos(t3) * math.cos(t1)]])
+    return np.array(
+        [
+            [reach * math.cos(t1), -l1 * math.sin(t2) * math.sin(t1), l2 * math.cos(t3) * math.sin(t1)],
+            [0.0, l1 * math.cos(t2), l2 * math.sin(t3)],
+            [-reach * math.sin(t1), -l1 * math.sin(t2) * math.cos(t1), l2 * math.cos(t3) * math.cos(t1)],
+        ]
+    )
 
 
 def prr_jacobian(q2, q3):
     """d (x, y) / d (q1, q2, q3) of the planar PRR, l = 1 m."""
-    return np.array([[1.0, -2 * math.sin(q2) - math.sin(q2 + q3), -math.sin(q2 + q3)],
-                     [0.0, 2 * math.cos(q2) + math.cos(q2 + q3), math.cos(q2 + q3)]])
+    return np.array(
+        [
+            [1.0, -2 * math.sin(q2) - math.sin(q2 + q3), -math.sin(q2 + q3)],
+            [0.0, 2 * math.cos(q2) + math.cos(q2 + q3), math.cos(q2 + q3)],
+        ]
+    )
 
 
 def prr_tip(q1, q2, q3):
@@ -94,7 +102,7 @@ def ipqn_sigma(jacobian, resolutions):
 
 
 def premium_period_power(offsets, amplitude, step, samples=400):
-    """Power spectrum of the error of x over one period of the experiment (400 samples, the same sine in t1, t2, t3),
+    """Power spectrum of the error of x over one period of the experiment, the same sine in t1, t2 and t3,
     quantized by rounding, averaged over offsets of the three angles [m^2 per line]."""
     sine = amplitude * np.sin(2 * math.pi * np.arange(samples) / samples)
     power = np.zeros(samples)

@@ -7,7 +7,9 @@ from tool import ROOT
 PAGE = ROOT / "configs" / "paper" / "README.md"
 BEGIN, END = "<!-- claims: written by scripts/reproduce_paper.sh --write-page -->", "<!-- end of claims -->"
 COLUMNS = ["where", "claim", "printed", "ours", "verdict", "why", "command"]
-TOLERANCE = 0.02  # of a figure between machines: compilers round differently, and counts then fall differently
+TOLERANCE = (
+    0.02  # of a figure between machines: compilers round differently, and counts then fall differently
+)
 
 _FIGURE = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w])")
 
@@ -28,11 +30,17 @@ def _command(index, claim):
 
 def _table(claims):
     numbered = list(enumerate(claims, start=1))
-    return "\n".join([
-        "| | where | claim | printed | ours | verdict |", "|---|---|---|---|---|---|",
-        *(_row(i, claim) for i, claim in numbered),
-        "", "What to run for each, from the project's root:", "",
-        *(_command(i, claim) for i, claim in numbered)])
+    return "\n".join(
+        [
+            "| | where | claim | printed | ours | verdict |",
+            "|---|---|---|---|---|---|",
+            *(_row(i, claim) for i, claim in numbered),
+            "",
+            "What to run for each, from the project's root:",
+            "",
+            *(_command(i, claim) for i, claim in numbered),
+        ]
+    )
 
 
 def _parts():
@@ -61,7 +69,7 @@ def same(old, new):
 
 
 def check(claims, complete):
-    """Every fresh row and command must stand in the page, whatever its number. @returns 1 when one does not"""
+    """Every fresh row and command must stand in the page, whatever its number. @returns 1 if not"""
     lines = {re.sub(r"^(\| \d+ \||\d+\.) ", "", line) for line in _parts()[1].splitlines()}
     faults = 0
     for claim in claims:
@@ -69,7 +77,9 @@ def check(claims, complete):
             bare = re.sub(r"^(\| \d+ \||\d+\.) ", "", fresh)
             if not any(same(line, bare) for line in lines):
                 faults += 1
-                print(f"{PAGE.relative_to(ROOT)}: not as it comes out now, which is:\n  {bare}", file=sys.stderr)
+                print(
+                    f"{PAGE.relative_to(ROOT)}: not as it comes out now, which is:\n  {bare}", file=sys.stderr
+                )
     rows = sum(line.count("**") >= 2 for line in lines)
     if complete and rows != len(claims):
         faults += 1

@@ -1,4 +1,4 @@
-"""Runs qerr and reads what it prints. Every figure of the reproduction that is called ours comes through here."""
+"""Runs qerr and reads what it prints. Every figure that is called ours comes through here."""
 import csv
 import io
 import json
@@ -35,7 +35,9 @@ class Command:
 
     def text(self, *more):
         """Standard output; a failure of qerr ends the reproduction with qerr's own message."""
-        done = subprocess.run([self._path, *self._words, "-q", *more], cwd=ROOT, capture_output=True, text=True)
+        done = subprocess.run(
+            [self._path, *self._words, "-q", *more], cwd=ROOT, capture_output=True, text=True
+        )
         if done.returncode != 0:
             sys.exit(f"reproduce_paper: {self} failed:\n{done.stderr.strip()}")
         return done.stdout
