@@ -14,7 +14,7 @@ import time
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 
 import page  # noqa: E402
-from tool import ROOT, Qerr, write_csv  # noqa: E402
+from tool import ROOT, Output, Qerr, write_csv  # noqa: E402
 
 # In the order of the paper; --quick leaves out those that simulate for long.
 QUICK = [
@@ -45,17 +45,16 @@ def main():
     )
     action.add_argument("--write-page", action="store_true", help="write fresh figures into that page")
     arguments = parser.parse_args()
+    if arguments.write_page and arguments.quick:
+        parser.error("--write-page needs all claims; leave out --quick")
 
     with tempfile.TemporaryDirectory() as scratch:
-        out = pathlib.Path(scratch if arguments.check else arguments.out)
-        out.mkdir(parents=True, exist_ok=True)
+        out = Output(scratch if arguments.check else arguments.out, draws=not arguments.check)
         claims = []
         for name in QUICK + ([] if arguments.quick else SLOW):
             start = time.monotonic()
             part = importlib.import_module(name)
             found = part.make(Qerr(arguments.qerr), out)
-            for claim in found:
-                claim.slow = name in SLOW
             claims += found
             print(f"{name}: {len(found)} claims, {time.monotonic() - start:.1f} s", file=sys.stderr)
         write_csv(out / "claims.csv", page.COLUMNS, [page.cells(claim) for claim in claims])

@@ -10,7 +10,6 @@ class Claim:
     """One row of the page.
 
     `ours` is text with the fresh figures in it; `why` says what is loose or wrong, "" when nothing is.
-    `slow` marks those that need long simulations.
     """
 
     where: str
@@ -20,7 +19,6 @@ class Claim:
     verdict: str
     command: str
     why: str = ""
-    slow: bool = False
 
 
 def rounds_to(value, printed):

@@ -15,8 +15,6 @@ def make(qerr, out):
 
 
 def figure_7(qerr, out):
-    import style
-
     rows, gap = [], 0
     for sigma_x in (2e-5, 4e-5, 6e-5, 8e-5, 1e-4, 1.2e-4, 1.4e-4, 1.6e-4, 1.8e-4, 2e-4):
         step = sigma_x * math.sqrt(12)
@@ -40,15 +38,7 @@ def figure_7(qerr, out):
         ],
         rows,
     )
-    fig, (axis,) = style.figure(1)
-    for n in ORDERS:
-        mine = [r for r in rows if r[0] == n]
-        line(axis, [1e3 * r[1] for r in mine], [1e3 * r[2] for r in mine], n)
-        marks(axis, [1e3 * r[1] for r in mine], [1e3 * r[3] for r in mine], n)
-    axis.set(xlabel=r"$\sigma_x$ [mm]", ylabel=r"$\sigma_v$ [mm/s]", xlim=(0, None), ylim=(0, None))
-    axis.set_title("Fig. 7: velocity error against position error")
-    style.legend(axis)
-    style.save(fig, out / "figure_7.png")
+    out.draw(_plot_7, rows)
     slopes = {n: {r[2] / r[1] for r in rows if r[0] == n} for n in ORDERS}
     straight = all(max(s) / min(s) - 1 < 1e-6 for s in slopes.values())
     falling = all(max(slopes[n + 1]) < min(slopes[n]) for n in ORDERS[:-1])
@@ -68,9 +58,21 @@ def figure_7(qerr, out):
     ]
 
 
-def figure_8(qerr, out):
+def _plot_7(rows, out):
     import style
 
+    fig, (axis,) = style.figure(1)
+    for n in ORDERS:
+        mine = [r for r in rows if r[0] == n]
+        line(axis, [1e3 * r[1] for r in mine], [1e3 * r[2] for r in mine], n)
+        marks(axis, [1e3 * r[1] for r in mine], [1e3 * r[3] for r in mine], n)
+    axis.set(xlabel=r"$\sigma_x$ [mm]", ylabel=r"$\sigma_v$ [mm/s]", xlim=(0, None), ylim=(0, None))
+    axis.set_title("Fig. 7: velocity error against position error")
+    style.legend(axis)
+    style.save(fig, out / "figure_7.png")
+
+
+def figure_8(qerr, out):
     cutoffs = spaced(0.5, 499, 60)
     theory = {f: norms(qerr("filter", SPEC, set=cutoff(f))) for f in cutoffs}
     found = {f: simulation(qerr("simulate", SPEC, "--runs", 10, set=cutoff(f))) for f in SIMULATED}
@@ -85,15 +87,7 @@ def figure_8(qerr, out):
         ["order", "cutoff [Hz]", "sigma_v theory [m/s]", "sigma_v simulated [m/s]"],
         rows,
     )
-    fig, axes = style.figure(2)
-    for axis, scale in zip(axes, ("linear", "log")):
-        for n in ORDERS:
-            line(axis, cutoffs, [1e3 * SIGMA_X * theory[f][f"d1n{n}"] for f in cutoffs], n)
-            marks(axis, SIMULATED, [1e3 * found[f][f"d1n{n}"]["sigma_simulated"] for f in SIMULATED], n)
-        axis.set(xlabel=r"cut-off $f_0$ [Hz]", ylabel=r"$\sigma_v$ [mm/s]", xscale=scale, yscale=scale)
-        axis.set_title(f"Fig. 8: velocity error against cut-off ({scale} axes)")
-    style.legend(axes[-1])
-    style.save(fig, out / "figure_8.png")
+    out.draw(_plot_8, cutoffs, theory, found)
 
     low, high = cutoffs[0], cutoffs[10]
     slopes = [
@@ -131,3 +125,17 @@ def figure_8(qerr, out):
             "True of a prewarped bilinear low-pass, which vanishes at f/2; half the sample rate is meant",
         ),
     ]
+
+
+def _plot_8(cutoffs, theory, found, out):
+    import style
+
+    fig, axes = style.figure(2)
+    for axis, scale in zip(axes, ("linear", "log")):
+        for n in ORDERS:
+            line(axis, cutoffs, [1e3 * SIGMA_X * theory[f][f"d1n{n}"] for f in cutoffs], n)
+            marks(axis, SIMULATED, [1e3 * found[f][f"d1n{n}"]["sigma_simulated"] for f in SIMULATED], n)
+        axis.set(xlabel=r"cut-off $f_0$ [Hz]", ylabel=r"$\sigma_v$ [mm/s]", xscale=scale, yscale=scale)
+        axis.set_title(f"Fig. 8: velocity error against cut-off ({scale} axes)")
+    style.legend(axes[-1])
+    style.save(fig, out / "figure_8.png")

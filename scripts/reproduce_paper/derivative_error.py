@@ -75,7 +75,7 @@ def make(qerr, out):
         ],
         rows,
     )
-    _plot(rows[1:], out)
+    out.draw(_plot, rows[1:])
     return _claims(
         _periodic_gap(rows),
         str(qerr("simulate", SPEC, "--runs", AVERAGED)) + " --set filters.velocity_1.lowpass.cutoff=10Hz ...",

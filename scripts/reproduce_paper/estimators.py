@@ -32,7 +32,7 @@ def make(qerr, out):
         for v, error in sorted(table[bound].items())
     ]
     write_csv(out / "figure_14.csv", ["estimator", "bound", "v/(Delta f)", "error/(Delta f)", "SNR"], rows)
-    _plot(itm, fdm, out)
+    out.draw(_plot, itm, fdm)
     return _claims(qerr, itm, fdm)
 
 

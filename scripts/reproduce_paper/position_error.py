@@ -62,7 +62,7 @@ def make(qerr, out):
         ],
         rows,
     )
-    _plot(rows, out)
+    out.draw(_plot, rows)
     ratio, path = [r[7] / r[5] for r in rows], [r[7] / r[6] for r in rows]
     low, high = min(r[8] / r[5] for r in rows), max(r[9] / r[5] for r in rows)
     steps = [r[10] / r[5] for r in rows if r[0] == "D"]

@@ -52,7 +52,7 @@ def _envelopes(qerr, out):
         ],
         rows,
     )
-    _plot(rows, out)
+    out.draw(_plot, rows)
     far = [r for r in rows if r[0] >= 1000]
     ours = [max(r[1] for r in far), min(r[2] for r in far), max(r[3] for r in far)]
     near = [max(r[1] for r in rows), min(r[2] for r in rows), max(r[3] for r in rows)]

@@ -14,8 +14,6 @@ def make(qerr, out):
 
 
 def figure_9(qerr, out):
-    import style
-
     rates = spaced(120, 60_000, 40)
     theory = {f: norms(qerr("filter", SPEC, set=rate(f))) for f in rates}
     found = {}
@@ -49,15 +47,7 @@ def figure_9(qerr, out):
         ],
         rows,
     )
-    fig, axes = style.figure(2)
-    for axis, d, unit, factor in zip(axes, (1, 2), ("$\\sigma_v$ [mm/s]", "$\\sigma_a$ [m/s²]"), (1e3, 1)):
-        for n in ORDERS:
-            line(axis, rates, [factor * SIGMA_X * theory[f][f"d{d}n{n}"] for f in rates], n)
-            marks(axis, SIMULATED, [factor * found[f][f"d{d}n{n}"]["sigma_simulated"] for f in SIMULATED], n)
-        axis.set(xlabel="sample rate f [Hz]", ylabel=unit, xscale="log", yscale="log")
-        axis.set_title(f"Fig. 9: {('velocity', 'acceleration')[d - 1]} error against sample rate")
-    style.legend(axes[-1])
-    style.save(fig, out / "figure_9.png")
+    out.draw(_plot_9, rates, theory, found)
     top = SIMULATED[-1]
     ratio = {f: found[f]["d1n2"]["sigma_simulated"] / found[f]["d1n2"]["sigma_ipqn"] for f in SIMULATED}
     return [
@@ -82,57 +72,40 @@ def figure_9(qerr, out):
     ]
 
 
-def figure_10(qerr, out):
+def _plot_9(rates, theory, found, out):
     import style
 
+    fig, axes = style.figure(2)
+    for axis, d, unit, factor in zip(axes, (1, 2), ("$\\sigma_v$ [mm/s]", "$\\sigma_a$ [m/s²]"), (1e3, 1)):
+        for n in ORDERS:
+            line(axis, rates, [factor * SIGMA_X * theory[f][f"d{d}n{n}"] for f in rates], n)
+            marks(axis, SIMULATED, [factor * found[f][f"d{d}n{n}"]["sigma_simulated"] for f in SIMULATED], n)
+        axis.set(xlabel="sample rate f [Hz]", ylabel=unit, xscale="log", yscale="log")
+        axis.set_title(f"Fig. 9: {('velocity', 'acceleration')[d - 1]} error against sample rate")
+    style.legend(axes[-1])
+    style.save(fig, out / "figure_9.png")
+
+
+def figure_10(qerr, out):
     corner = 50 / (2 * math.pi)  # the caption's 50 rad/s [Hz]
     command = qerr("filter", SPEC, set=cutoff(corner))
-    rows = [r for r in command.file("--response") if r["filter"] in {f"d2n{n}" for n in ORDERS}]
-    write_csv(
-        out / "figure_10.csv",
-        ["order", "frequency [rad/s]", "magnitude [1/s^2]", "phase [rad]"],
+    rows = [
         [
-            [
-                int(r["filter"][-1]),
-                2 * math.pi * float(r["frequency [Hz]"]),
-                float(r["magnitude"]),
-                float(r["phase [rad]"]),
-            ]
-            for r in rows
-        ],
-    )
-    fig, axes = style.figure(2)
+            int(r["filter"][-1]),
+            2 * math.pi * float(r["frequency [Hz]"]),
+            float(r["magnitude"]),
+            float(r["phase [rad]"]),
+        ]
+        for r in command.file("--response")
+        if r["filter"] in {f"d2n{n}" for n in ORDERS}
+    ]
+    header = ["order", "frequency [rad/s]", "magnitude [1/s^2]", "phase [rad]"]
+    write_csv(out / "figure_10.csv", header, rows)
+    out.draw(_plot_10, rows)
     gains = {}
     for n in ORDERS:
-        mine = [r for r in rows if r["filter"] == f"d2n{n}"]
-        omega = [2 * math.pi * float(r["frequency [Hz]"]) for r in mine]
-        keep = [i for i, w in enumerate(omega) if w >= 1]
-        axes[0].plot(
-            [omega[i] for i in keep],
-            [float(mine[i]["magnitude"]) for i in keep],
-            **style.theory(n),
-            label=f"n = {n}",
-        )
-        axes[1].plot(
-            [omega[i] for i in keep],
-            [math.degrees(float(mine[i]["phase [rad]"])) for i in keep],
-            **style.theory(n),
-            label=f"n = {n}",
-        )
-        nearest = min(range(len(omega)), key=lambda i: abs(math.log(omega[i] / 50)))
-        gains[n] = float(mine[nearest]["magnitude"]) / omega[nearest] ** 2
-    goal = [1, 50]
-    axes[0].plot(goal, [w * w for w in goal], color="0.75", linewidth=6, solid_capstyle="butt", zorder=1)
-    axes[0].plot([50, 50], [2500, 1], color="0.75", linewidth=6, zorder=1)
-    axes[0].set(
-        xlabel=r"$\omega$ [rad/s]", ylabel="magnitude [1/s²]", xscale="log", yscale="log", ylim=(1, 2e6)
-    )
-    axes[1].set(xlabel=r"$\omega$ [rad/s]", ylabel="phase [°]", xscale="log")
-    axes[0].set_title("Fig. 10: acceleration filters, cut-off 50 rad/s")
-    axes[1].set_title("Fig. 10: their phase")
-    axes[1].plot([], [], color="0.75", linewidth=6, label="goal: $\\omega^2$,\nthen nothing")
-    style.legend(axes[1])
-    style.save(fig, out / "figure_10.png")
+        _, omega, gain, _ = min((r for r in rows if r[0] == n), key=lambda r: abs(math.log(r[1] / 50)))
+        gains[n] = gain / omega**2
     return [
         Claim(
             "Fig. 10",
@@ -155,3 +128,26 @@ def figure_10(qerr, out):
             "Either figure can be meant; the plot here is as captioned",
         )
     ]
+
+
+def _plot_10(rows, out):
+    import style
+
+    fig, axes = style.figure(2)
+    for n in ORDERS:
+        mine = [r for r in rows if r[0] == n and r[1] >= 1]
+        omega = [r[1] for r in mine]
+        axes[0].plot(omega, [r[2] for r in mine], **style.theory(n), label=f"n = {n}")
+        axes[1].plot(omega, [math.degrees(r[3]) for r in mine], **style.theory(n), label=f"n = {n}")
+    goal = {"color": "0.75", "linewidth": 6, "zorder": 1}
+    axes[0].plot([1, 50], [1, 2500], solid_capstyle="butt", **goal)
+    axes[0].plot([50, 50], [2500, 1], **goal)
+    axes[1].plot([], [], label="goal: $\\omega^2$,\nthen nothing", **goal)
+    axes[0].set(ylabel="magnitude [1/s²]", yscale="log", ylim=(1, 2e6))
+    axes[1].set(ylabel="phase [°]")
+    axes[0].set_title("Fig. 10: acceleration filters, cut-off 50 rad/s")
+    axes[1].set_title("Fig. 10: their phase")
+    for axis in axes:
+        axis.set(xlabel=r"$\omega$ [rad/s]", xscale="log")
+    style.legend(axes[1])
+    style.save(fig, out / "figure_10.png")

@@ -64,7 +64,7 @@ def _record(qerr, out):
             for k in range(2000)
         ],
     )
-    _plot(series, path, center, out)
+    out.draw(_plot, series, path, center)
     beyond = (np.abs(error) > center).mean()
     inside = (np.abs(error) <= path * (1 + 1e-3)).mean()
     return Claim(

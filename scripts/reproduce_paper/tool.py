@@ -65,3 +65,18 @@ def write_csv(path, header, rows):
         out.writerow(header)
         for row in rows:
             out.writerow([f"{cell:.9g}" if isinstance(cell, float) else cell for cell in row])
+
+
+class Output:
+    """Where the files go. Plots are drawn when asked for only: they alone need matplotlib."""
+
+    def __init__(self, folder, draws):
+        self.folder, self.draws = pathlib.Path(folder), draws
+        self.folder.mkdir(parents=True, exist_ok=True)
+
+    def __truediv__(self, name):
+        return self.folder / name
+
+    def draw(self, plot, *figures):
+        if self.draws:
+            plot(*figures, self.folder)

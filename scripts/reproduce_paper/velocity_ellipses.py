@@ -62,7 +62,7 @@ def make(qerr, out):
         ],
         rows,
     )
-    _plot(configurations, covariances, out)
+    out.draw(_plot, configurations, covariances)
     first, second = (next(r for r in reversed(rows) if r[2] == n) for n in (1, 2))
     return _claims(qerr, command, first, second, gap)
 
