@@ -137,7 +137,7 @@ def _plot(rows, out):
             place,
             [1e6 * r[5] for r in mine],
             width=0.24,
-            color=("0.45", "0.65", "0.85")[i],
+            color=("0.62", "0.76", "0.9")[i],
             edgecolor="0.2",
             linewidth=0.6,
             label=f"{c}, theory (19)",
