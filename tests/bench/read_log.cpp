@@ -1,11 +1,14 @@
 // Reading a measured log beside what one would write by hand, in one run: bytes per second, and the ratio.
 //
-//   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_read_log && build/tests/bench_read_log
+//   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_read_log &&
+//   build/tests/bench_read_log
 //
 // The log has 15 columns (time; counts and reference of six joints; two of the tip), with 8 decimals as a
 // recorder writes them, or with all digits of a double as `qerr simulate` does. Both baselines read the same
-// file into memory of the same shape: std::getline and operator>>, and std::getline and strtod. `python3
-// scripts/compare_pandas.py` sets pandas.read_csv beside this program's answer.
+// file into memory of the same shape: std::getline and operator>>, and std::getline and strtod. Where
+// Debian's python3-pandas is installed, its read_csv reads the same files in the same run.
+
+#include "qerr/input/read_log.hpp"
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>
@@ -18,8 +21,6 @@
 #include <filesystem>
 #include <fstream>
 #include <sstream>
-
-#include "qerr/input/read_log.hpp"
 
 namespace {
 
@@ -37,8 +38,9 @@ struct Files {
 
   Files() {
     std::filesystem::create_directories(folder);
-    std::ofstream(folder / "spec.yaml") << "qerr: 1\nrobot: {urdf: '" QERR_SOURCE_DIR
-                                           "/configs/ur5e.urdf'}\nencoders: {'*': {counts_per_rev: 8192}}\n";
+    std::ofstream(folder / "spec.yaml")
+        << "qerr: 1\nrobot: {urdf: '" QERR_SOURCE_DIR
+           "/configs/puma560/puma560.urdf'}\nencoders: {'*': {counts_per_rev: 8192}}\n";
     spec = read_spec((folder / "spec.yaml").string());
     for (const int kind : {0, 1}) write(kind);
   }
@@ -138,17 +140,43 @@ void by_strtod(benchmark::State& state) {
   });
 }
 
+/// pandas' default reader, rounding to the last digit or so, in its processor time.
+void by_pandas(benchmark::State& state) {
+  const std::string command =
+      "/usr/bin/python3 -c \"import pandas, time; t = time.process_time(); pandas.read_csv('" +
+      log_of(state) + "'); print(time.process_time() - t)\" 2>/dev/null";
+  for (auto _ : state) {
+    FILE* const answer = ::popen(command.c_str(), "r");
+    double seconds = 0;
+    const bool read = answer && std::fscanf(answer, "%lf", &seconds) == 1;
+    if (answer) ::pclose(answer);
+    if (!read) {
+      state.SkipWithError("python3-pandas is not installed");
+      break;
+    }
+    state.SetIterationTime(seconds);
+  }
+  report(state);
+}
+
 /// Prints what the console reporter does, then how many times faster the reader is than each baseline.
 class Ratios : public benchmark::ConsoleReporter {
  public:
+  Ratios() : ConsoleReporter(OO_Tabular) {}
+
   void ReportRuns(const std::vector<Run>& runs) override {
     ConsoleReporter::ReportRuns(runs);
-    for (const Run& run : runs) times_.push_back({run.benchmark_name(), run.GetAdjustedCPUTime()});
+    for (const Run& run : runs) {
+      const std::string name = run.benchmark_name();
+      const bool manual = name.ends_with("manual_time");
+      if (!run.error_occurred)
+        times_.push_back({name, manual ? run.GetAdjustedRealTime() : run.GetAdjustedCPUTime()});
+    }
   }
   void Finalize() override {
     for (const auto& [name, time] : times_)
       for (const auto& [own, own_time] : times_)
-        if (own.starts_with("log_reader") && name != own && name.substr(name.find('/')) == own.substr(own.find('/')))
+        if (own.starts_with("log_reader") && name != own && name[name.find('/') + 1] == own.back())
           GetOutputStream() << name << " takes " << time / own_time << " times as long as " << own << '\n';
   }
 
@@ -159,11 +187,13 @@ class Ratios : public benchmark::ConsoleReporter {
 BENCHMARK(log_reader)->DenseRange(0, 1)->Unit(benchmark::kMillisecond);
 BENCHMARK(by_strtod)->DenseRange(0, 1)->Unit(benchmark::kMillisecond);
 BENCHMARK(by_streams)->DenseRange(0, 1)->Unit(benchmark::kMillisecond);
+BENCHMARK(by_pandas)->DenseRange(0, 1)->Unit(benchmark::kMillisecond)->UseManualTime();
 
 }  // namespace
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
+  files();  // written before any clock runs
   Ratios ratios;
   benchmark::RunSpecifiedBenchmarks(&ratios);
   benchmark::Shutdown();
