@@ -22,6 +22,7 @@
 #include "qerr/core/sha256.hpp"
 #include "qerr/core/suggest.hpp"
 #include "qerr/core/text.hpp"
+#include "qerr/core/unit.hpp"
 
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -57,15 +58,18 @@
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/bound/workspace.hpp"
 
+#include "qerr/simulate/log.hpp"
 #include "qerr/simulate/motion.hpp"
 #include "qerr/simulate/noise_along_motion.hpp"
 #include "qerr/simulate/sensing.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "qerr/simulate/usage.hpp"
+#include "qerr/simulate/unwrap.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 
+#include "qerr/input/read_log.hpp"
 #include "qerr/input/read_text.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/input/spec.hpp"

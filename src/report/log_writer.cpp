@@ -38,6 +38,7 @@ std::string LogWriter::header() const {
     const std::string unit = joint.prismatic() ? " [m]" : " [rad]";
     text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
             csv_cell(joint.name + ".reference" + unit);
+    if (efforts_) text += ',' + csv_cell(joint.name + (joint.prismatic() ? ".effort [N]" : ".effort [N m]"));
   }
   return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
 }

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include "qerr/kinematics/inverse_dynamics.hpp"
+#include "qerr/report/effect_report.hpp"
 #include "qerr/report/write.hpp"
 #include "text_table.hpp"
 
@@ -133,9 +134,13 @@ std::string ladder_table(const SimulationReport& r) {
 /// Where IPQN misleads, under the factor that is most to blame.
 std::string causes(const SimulationReport& r) {
   constexpr double noteworthy = 0.05;
-  constexpr std::array<const char*, 4> names{"the Jacobian varies along the path",
-                                             "the errors of the encoders are not white or not uniform",
-                                             "joints err together", "the kinematics are not linear"};
+  const bool ideal = r.spec.effects.empty();
+  const std::array<const char*, 4> names{
+      ideal ? "the Jacobian varies along the path"
+            : "the Jacobian varies along the path, with constant errors too",
+      ideal ? "the errors of the encoders are not white or not uniform" : "the joints err as the effects say",
+      "joints err together",
+      ideal ? "the kinematics are not linear" : "the kinematics are not linear, or not as built"};
   std::array<std::vector<std::string>, 4> found;
   for_each_signal(r, [&](const SimulatedSignal& s, const std::string& label, const std::string&) {
     const double off = s.sigma_ipqn > 0 ? s.sigma_simulated / s.sigma_ipqn - 1 : 0;
@@ -192,7 +197,8 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
     filters.push_back(f.filter);
     norms.push_back(f.norms);
   }
-  return {spec, simulate(spec.model, filters, norms, *spec.motion, spec.effects, options), spec.warnings};
+  return {spec, simulate(model_with_effects(spec), filters, norms, *spec.motion, spec.effects, options),
+          spec.warnings};
 }
 
 std::string write(const SimulationReport& r, std::string_view format, const Style&) {

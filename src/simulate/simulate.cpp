@@ -29,7 +29,9 @@ struct Channels {
   explicit Channels(const OperationalModel& model)
       : coordinates(static_cast<Eigen::Index>(model.coordinates.size())),
         encoders(static_cast<Eigen::Index>(model.transmission.encoders.size())),
-        biased((mean_errors(model.transmission).array() != 0).any()) {}
+        biased((mean_errors(model.transmission).array() != 0).any() ||
+               std::any_of(model.sources.begin(), model.sources.end(),
+                           [](const ErrorSource& source) { return source.mean != 0; })) {}
 
   Eigen::Index count() const { return coordinates * (2 + encoders + (biased ? 1 : 0)); }
   Eigen::Index linear() const { return coordinates; }
@@ -120,6 +122,7 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     const auto block = counts ? static_cast<std::uint64_t>(progress * static_cast<double>(job.blocks)) : 0;
     const OperationalError theory = operational_error(job.model, reading.joint);
     result.path.add(theory, progress);
+    const Eigen::ArrayXd variance = theory.weighted.rowwise().squaredNorm().array() / 12;
     const Eigen::MatrixXd parts =
         theory.weighted * (reading.measured - reading.encoder).cwiseQuotient(steps).asDiagonal();
     const Eigen::Index m = channels.coordinates;
@@ -128,12 +131,12 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     inputs.segment(channels.linear(), m) = parts.rowwise().sum();
     inputs.segment(channels.part(0), m * channels.encoders) = parts.reshaped();
     if (channels.biased) inputs.segment(channels.mean(), m) = theory.mean;
-    if (counts) result.outputs[0].add(inputs, theory.sigma.array().square(), block);
+    if (counts) result.outputs[0].add(inputs, variance, block);
     for (std::size_t f = 0; f < branches.size(); ++f) {
       if (k % branches[f].every != 0) continue;
       signals = inputs;
       branches[f].bank.step(signals);
-      if (counts) result.outputs[f + 1].add(signals, theory.sigma.array().square(), block);
+      if (counts) result.outputs[f + 1].add(signals, variance, block);
     }
     if (k % 4096 == 0) tick();
   }

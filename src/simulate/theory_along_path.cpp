@@ -56,8 +56,9 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
-      row.push_back({b.sigma, n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()),
-                     b.worst_case, n.l1.upper * path.rigorous()[c]});
+      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0),
+                     n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()), b.worst_case,
+                     n.l1.upper * path.rigorous()[c]});
     }
   }
   return all;

@@ -14,7 +14,7 @@ struct Ladder {
   double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
   double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
   double correlated_joints = 1;  ///< their sum, as it is
-  double nonlinear = 1;          ///< exact kinematics instead of J
+  double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
 };
 
 /// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
@@ -48,6 +48,10 @@ struct SimulationOptions {
 };
 
 /// Explicit quantizers along a motion, exact kinematics, and the filters on what comes out.
+///
+/// What the model says of effects (`sources`) enters the bounds and the means that the Jacobian carries along
+/// the path; sigma_ipqn and its kin stay those of quantization alone, so that the ladder shows what the
+/// effects add.
 ///
 /// A filter of a lower rate takes every n-th sample; its rate must divide the motion's.
 /// @throws Error (input; key `motion.sample_rate`) when a filter's rate does not
