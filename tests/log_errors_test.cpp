@@ -98,7 +98,7 @@ TEST_F(LogErrors, HavePlaceRuleFoundAndRemedyWhereverABlockEnds) {
     EXPECT_EQ(message.substr(0, 9 + f.place.size()), "log.csv:" + f.place + ':') << message << '\n' << f.text;
     EXPECT_NE(message.find(f.fragment), std::string::npos) << message << '\n' << f.text;
     for (std::size_t block = 1; block <= f.text.size() + 1; block += 1 + block / 16)
-      ASSERT_EQ(refusal(f.text, {.block_bytes = block}), message) << block << '\n' << f.text;
+      ASSERT_EQ(refused_again({.block_bytes = block, .block_rows = 10}), message) << block << '\n' << f.text;
   }
 }
 

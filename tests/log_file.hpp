@@ -42,7 +42,13 @@ class LogFile : public ::testing::Test {
 
   /// The whole log through blocks of a given size.
   Log read(const std::string& text, const LogOptions& options) {
-    LogReader reader(write(text), spec, options);
+    write(text);
+    return reread(options);
+  }
+
+  /// The same of what was written last.
+  Log reread(const LogOptions& options) {
+    LogReader reader((folder / "log.csv").string(), spec, options);
     Eigen::ArrayXXd all(0, static_cast<Eigen::Index>(reader.log().columns.size()));
     for (Eigen::ArrayXXd rows; reader.next(rows);) {
       EXPECT_LE(rows.rows(), options.block_rows);
@@ -56,8 +62,12 @@ class LogFile : public ::testing::Test {
 
   /// What is wrong with a log, from its file's name on; "accepted" when nothing is.
   std::string refusal(const std::string& text, const LogOptions& options = {}) {
+    write(text);
+    return refused_again(options);
+  }
+  std::string refused_again(const LogOptions& options) {
     try {
-      read(text, options);
+      reread(options);
     } catch (const Error& e) {
       EXPECT_EQ(e.trouble(), Trouble::input);
       const std::string what = e.what();

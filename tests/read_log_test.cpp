@@ -153,7 +153,7 @@ TEST_F(ReadLog, ReadsTheSameWhereverABlockEnds) {
   EXPECT_EQ(values(whole, LogSignal::counts)[2], 333);
   EXPECT_EQ(values(whole, LogSignal::reference)[2], 0.7);
   for (std::size_t block = 1; block <= text.size() + 1; ++block) {
-    const Log log = read(text, {.block_bytes = block, .block_rows = 3});
+    const Log log = reread({.block_bytes = block, .block_rows = 3});
     ASSERT_EQ(log.rows, 4u) << block;
     ASSERT_TRUE((log.values == whole.values).all()) << block;
     for (std::size_t i = 0; i < log.columns.size(); ++i) {
@@ -192,6 +192,7 @@ TEST_F(ReadLog, GivesBackWhatSimulateWroteToTheLastBit) {
                   "motion: {sample_rate: 1 kHz, duration: 1 s, joints: {shoulder: {sines: [{amplitude: 1.1, "
                   "frequency: 1.3}]}, elbow: {velocity: 2}, lift: {center: 1 cm}, wrist: {velocity: -9}}}\n" +
                       effects);
+    if (!effects.empty()) spec.model.chain.joints[1].load.mass = 2;
     LogWriter writer(spec);
     std::string text = writer.header();
     std::vector<Reading> readings;
@@ -213,6 +214,10 @@ TEST_F(ReadLog, GivesBackWhatSimulateWroteToTheLastBit) {
       for (std::size_t j = 0; j < 4; ++j) {
         const auto row = static_cast<Eigen::Index>(j);
         ASSERT_EQ(values(log, LogSignal::reference, j)[i], r.reference[row]);
+        EXPECT_EQ(log.find(LogSignal::effort, j).has_value(), !effects.empty());
+        if (!effects.empty()) {
+          ASSERT_EQ(values(log, LogSignal::effort, j)[i], r.effort[row]);
+        }
         if (log.find(LogSignal::counts, j)) {
           ASSERT_EQ(values(log, LogSignal::counts, j)[i], r.counts[row]);
         }
@@ -221,7 +226,7 @@ TEST_F(ReadLog, GivesBackWhatSimulateWroteToTheLastBit) {
         ASSERT_EQ(log.values(i, *rounded), r.logged[1]);
       }
       for (std::size_t k = 0; k < 3; ++k)
-        ASSERT_EQ(values(log, LogSignal::tip, k)[i], r.tip[static_cast<Eigen::Index>(k)]);
+        ASSERT_EQ(values(log, LogSignal::tip, k)[i], r.tip.translation()[static_cast<Eigen::Index>(k)]);
     }
   }
 }
@@ -258,7 +263,7 @@ TEST_F(ReadLog, RandomBytesAreReadOrRefused) {
   const std::string sound = shoulder("0.000,1,0.5\n\"0.001\",-2,1e-3\r\n0.002,3,.25\n");
   const std::string spice = "\",\n\r#+-.eE0\xEF\xBB\xBF \t[";
   int accepted = 0;
-  for (int i = 0; i < 4000; ++i) {
+  for (int i = 0; i < 2500; ++i) {
     std::string text = i % 10 ? sound : "";
     for (std::size_t k = 0; k < 40 && text.size() < 40; ++k) text += static_cast<char>(dice());
     for (std::size_t k = dice() % 6; k > 0; --k) {
@@ -270,12 +275,12 @@ TEST_F(ReadLog, RandomBytesAreReadOrRefused) {
         text.insert(at, 1, c);
     }
     if (dice() % 4 == 0) text.resize(dice() % text.size());
-    const std::string by_blocks = refusal(text, {.block_bytes = 1 + dice() % 30});
-    ASSERT_EQ(by_blocks, refusal(text)) << text;
+    const std::string by_blocks = refusal(text, {.block_bytes = 1 + dice() % 30, .block_rows = 10});
+    ASSERT_EQ(by_blocks, refused_again({.block_bytes = 4096, .block_rows = 10})) << text;
     accepted += by_blocks == "accepted";
   }
-  EXPECT_GT(accepted, 400);
-  EXPECT_LT(accepted, 3000);
+  EXPECT_GT(accepted, 250);
+  EXPECT_LT(accepted, 1900);
 }
 
 TEST_F(ReadLog, ReadsTheSharedExamples) {

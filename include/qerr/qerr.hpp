@@ -48,6 +48,8 @@
 
 #include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/effect_shares.hpp"
+#include "qerr/bound/error_source.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
@@ -61,7 +63,11 @@
 #include "qerr/simulate/noise_along_motion.hpp"
 #include "qerr/simulate/sensing.hpp"
 #include "qerr/simulate/simulate.hpp"
+#include "qerr/simulate/usage.hpp"
 #include "qerr/simulate/unwrap.hpp"
+
+#include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/diagnose/evidence.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
@@ -73,6 +79,7 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/effect_report.hpp"
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/noise_report.hpp"

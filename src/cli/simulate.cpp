@@ -12,15 +12,21 @@ struct Arguments {
   std::string spec;
   std::string log;
   std::uint64_t runs = 1;
+  bool random_phase = false;
 };
 
 int run(const Arguments& arguments, const Options& o) {
+  if (arguments.log == "-" && o.output == "-")
+    throw Error(
+        {{}, "--log", "log and report cannot both go to standard output", "", "add -o FILE for the report"},
+        Trouble::usage);
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
   std::unique_ptr<OutputFile> log;
   LogWriter rows(spec);
   SimulationOptions options;
   options.runs = arguments.runs;
+  options.random_phase = arguments.random_phase || arguments.runs > 1;
   options.seed = spec.configurations.seed;
   options.threads = o.threads;
   options.progress = progress(o);
@@ -49,6 +55,9 @@ std::function<int()> declare_simulate(CLI::App& app, Options& o) {
                  "Monte-Carlo runs with random sub-count phases (default: 1, phase 0)")
       ->type_name("N")
       ->check(CLI::Range(std::uint64_t{1}, std::uint64_t{100'000'000}));
+  app.add_flag(
+      "--random-phase", arguments->random_phase,
+      "where in a count each encoder stands at the joint's zero is drawn by the seed, for one run too");
   add_spec_options(app, o);
   add_output_options(app, o);
   return [=, &o] { return run(*arguments, o); };

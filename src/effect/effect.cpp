@@ -43,6 +43,44 @@ const EffectKind& effect_kind(std::string_view name) {
   return *found;
 }
 
+std::string_view stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::clock:
+      return "clock";
+    case Stage::link:
+      return "link";
+    case Stage::gear:
+      return "gear";
+    case Stage::disc:
+      return "disc";
+    case Stage::line:
+      return "line";
+    case Stage::comparator:
+      return "comparator";
+    case Stage::decoder:
+      return "decoder";
+    case Stage::log:
+      return "log";
+    case Stage::reference:
+      return "reference";
+    case Stage::kinematics:
+      return "kinematics";
+  }
+  return "";
+}
+
+std::optional<Share> proportional(double factor, const std::optional<Spread>& quantity) {
+  if (factor == 0) return Share{};
+  if (!quantity) return std::nullopt;
+  // A zero is kept from being a negative one.
+  return Share{0.0 + factor * quantity->middle(),
+               std::abs(factor) * quantity->half(),
+               std::abs(factor) * quantity->stray(),
+               Course::motion,
+               {},
+               quantity->rate};
+}
+
 double normal(std::uint64_t seed, std::uint64_t index) {
   // Box and Muller; 1 - u is never 0.
   const double u = unit_interval(random_bits(seed, index, 0)), v = unit_interval(random_bits(seed, index, 1));

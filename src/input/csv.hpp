@@ -21,7 +21,7 @@ struct ColumnName {
 ColumnName column_name(const std::string& cell);
 
 struct CsvLimits {
-  std::size_t block = 1 << 20;        ///< bytes that are asked for at once
+  std::size_t block = 1 << 18;        ///< bytes that are asked for at once
   std::size_t longest_row = 1 << 20;  ///< [bytes]
 };
 

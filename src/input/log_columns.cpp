@@ -106,10 +106,6 @@ bool means_time(const std::string& name) {
          lower.starts_with("t [");
 }
 
-}  // namespace
-
-namespace {
-
 /// The columns in one pass over the header; the rest is what they must have together.
 class Finder {
  public:

@@ -226,6 +226,9 @@ void UrdfReader::read_limit(const UrdfElement& element, Joint& joint) {
     if (value && *value < 0)
       fault(*limit->attribute(name), key, "'" + std::string(name) + "' of <limit> must not be negative",
             quoted(shortest(*value)), "");
+    // Exporters write 0 where they know nothing; no joint is built to stand still.
+    if (value && *value > 0)
+      (std::string_view(name) == "effort" ? joint.effort_limit : joint.velocity_limit) = *value;
   }
   if (!ranged || (!lower && !upper)) return;
   joint.limits = Limits{lower.value_or(0), upper.value_or(0)};  // URDF: one that is absent is 0

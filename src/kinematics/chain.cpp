@@ -100,8 +100,9 @@ class Builder {
                         "a joint between base and tip must be revolute, continuous, prismatic or fixed",
                         joint.type == JointType::floating ? "a floating joint" : "a planar joint",
                         "choose robot.base and robot.tip so that it is not between them"});
+    const Eigen::Matrix3d parent_axes = pending_.linear();
     pending_ = pending_ * joint.origin;
-    if (joint.type != JointType::fixed) add_moving(index);
+    if (joint.type != JointType::fixed) add_moving(index, parent_axes);
   }
 
   Chain finish(std::string base, std::string tip) {
@@ -112,20 +113,27 @@ class Builder {
   }
 
  private:
-  void add_moving(std::size_t index) {
+  void add_moving(std::size_t index, const Eigen::Matrix3d& parent_axes) {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
     auto found = std::find_if(chain_.independent.begin(), chain_.independent.end(),
                               [&](const IndependentJoint& j) { return j.name == master.name; });
     if (found == chain_.independent.end()) {
-      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index});
+      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index,
+                                    master.velocity_limit, master.effort_limit});
       found = std::prev(chain_.independent.end());
     }
     if (drive.master == index) found->on_chain = true;
-    chain_.joints.push_back({joint.name, joint.type == JointType::prismatic, pending_, joint.axis,
-                             static_cast<std::size_t>(found - chain_.independent.begin()), drive.multiplier,
-                             drive.offset});
+    chain_.joints.push_back({joint.name,
+                             joint.type == JointType::prismatic,
+                             pending_,
+                             joint.axis,
+                             static_cast<std::size_t>(found - chain_.independent.begin()),
+                             drive.multiplier,
+                             drive.offset,
+                             {},
+                             parent_axes});
     pending_ = Eigen::Isometry3d::Identity();
   }
 

@@ -2,6 +2,7 @@
 #include <array>
 #include <charconv>
 
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 
@@ -23,7 +24,7 @@ void append_count(std::string& text, double count) {
 
 }  // namespace
 
-LogWriter::LogWriter(const Spec& spec) : spec_(spec) {
+LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.model.chain)) {
   for (const IndependentJoint& joint : spec.model.chain.independent)
     rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
@@ -37,8 +38,9 @@ std::string LogWriter::header() const {
     const std::string unit = joint.prismatic() ? " [m]" : " [rad]";
     text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
             csv_cell(joint.name + ".reference" + unit);
+    if (efforts_) text += ',' + csv_cell(joint.name + (joint.prismatic() ? ".effort [N]" : ".effort [N m]"));
   }
-  return text + ",tip.x [m],tip.y [m],tip.z [m]\n";
+  return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
 }
 
 std::string_view LogWriter::row(const Reading& r) {
@@ -53,12 +55,15 @@ std::string_view LogWriter::row(const Reading& r) {
       append_count(text_, r.counts[row]);
     text_ += ',';
     append(text_, r.reference[row]);
+    if (!efforts_) continue;
+    text_ += ',';
+    append(text_, r.effort[row]);
   }
   for (Eigen::Index i = 0; i < 3; ++i) {
     text_ += ',';
-    append(text_, r.tip[i]);
+    append(text_, r.tip.translation()[i]);
   }
-  text_ += '\n';
+  text_ += "\r\n";
   return text_;
 }
 

@@ -6,15 +6,23 @@
 
 namespace qerr {
 
-RunStatistics::RunStatistics(Eigen::Index channels, std::uint64_t blocks)
-    : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels)}),
+namespace {
+
+constexpr std::size_t most_blocks = 512;
+
+}  // namespace
+
+RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::uint64_t blocks)
+    : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels),
+                           Eigen::ArrayXd::Zero(expected)}),
       peak_(Eigen::ArrayXd::Zero(channels)) {}
 
-void RunStatistics::add(const Eigen::ArrayXd& values, std::uint64_t block) {
+void RunStatistics::add(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variance, std::uint64_t block) {
   Sums& s = blocks_[block];
   s.count += 1;
   s.values += values;
   s.squares += values.square();
+  s.expected += variance;
   peak_ = peak_.max(values.abs());
 }
 
@@ -23,6 +31,23 @@ void RunStatistics::append(const RunStatistics& later) {
   std::erase_if(blocks_, [](const Sums& s) { return s.count == 0; });
   blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
   peak_ = peak_.max(later.peak_);
+  while (blocks_.size() > most_blocks) join_neighbours();
+}
+
+/// Memory stays the same however many runs there are; blocks of several runs serve the interval as well.
+void RunStatistics::join_neighbours() {
+  for (std::size_t i = 0; 2 * i < blocks_.size(); ++i) {
+    Sums joined = blocks_[2 * i];
+    if (2 * i + 1 < blocks_.size()) {
+      const Sums& next = blocks_[2 * i + 1];
+      joined.count += next.count;
+      joined.values += next.values;
+      joined.squares += next.squares;
+      joined.expected += next.expected;
+    }
+    blocks_[i] = std::move(joined);
+  }
+  blocks_.resize((blocks_.size() + 1) / 2);
 }
 
 double RunStatistics::mean(Eigen::Index channel) const {
@@ -46,12 +71,19 @@ double RunStatistics::variance(Eigen::Index channel) const {
 
 RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
   const double m = mean(channel), pooled = variance(channel);
+  double expected = 0, count = 0;
+  for (const Sums& s : blocks_) {
+    expected += s.expected[channel];
+    count += s.count;
+  }
+  const double ratio = expected > 0 ? pooled * count / expected : 0;
   double sum = 0, squares = 0, n = 0;
   for (const Sums& s : blocks_) {
     if (s.count == 0) continue;
     const double v = s.squares[channel] / s.count - 2 * m * s.values[channel] / s.count + m * m;
-    sum += v;
-    squares += v * v;
+    const double off = v - ratio * s.expected[channel] / s.count;
+    sum += off;
+    squares += off * off;
     n += 1;
   }
   if (n < 2) return {0, std::sqrt(pooled)};

@@ -14,9 +14,11 @@ class RunStatistics {
     double lower = 0, upper = 0;
   };
 
-  RunStatistics(Eigen::Index channels, std::uint64_t blocks);
+  /// @param expected  of the channels, the first ones: how many have a variance that is known in shape
+  RunStatistics(Eigen::Index channels, Eigen::Index expected, std::uint64_t blocks);
 
-  void add(const Eigen::ArrayXd& values, std::uint64_t block);
+  /// @param variance  that theory expects here of the first channels, up to a factor
+  void add(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variance, std::uint64_t block);
 
   /// Adds the blocks of a later run.
   void append(const RunStatistics& later);
@@ -25,14 +27,17 @@ class RunStatistics {
   double variance(Eigen::Index channel) const;  ///< about the mean of all
   double peak(Eigen::Index channel) const { return peak_[channel]; }
 
-  /// 95 % interval of sigma: Student's t over the blocks' mean squares.
+  /// 95 % interval of sigma: Student's t over the blocks' mean squares, of which what theory expects to vary
+  /// from block to block is no uncertainty (a ratio estimator).
   Interval sigma_interval(Eigen::Index channel) const;
 
  private:
   struct Sums {
     double count = 0;
-    Eigen::ArrayXd values, squares;
+    Eigen::ArrayXd values, squares, expected;
   };
+  void join_neighbours();
+
   std::vector<Sums> blocks_;
   Eigen::ArrayXd peak_;
 };

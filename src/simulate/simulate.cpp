@@ -1,10 +1,9 @@
 #include "qerr/simulate/simulate.hpp"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
-#include <limits>
 #include <mutex>
+#include <optional>
 
 #include "qerr/core/error.hpp"
 #include "qerr/core/parallel.hpp"
@@ -21,17 +20,29 @@ namespace {
 
 constexpr std::uint64_t displacement_stream = 0x7068617365;
 
-/// Channels of one coordinate: the exact error, its linear part, and the part of every encoder in that.
+/// What is filtered of every coordinate: the exact error, its linear part, the part of every encoder in that,
+/// and, where errors have a mean, what the Jacobian makes of it along the path.
 struct Channels {
   Eigen::Index coordinates, encoders;
-  Eigen::Index count() const { return coordinates * (2 + encoders); }
+  bool biased;
+
+  explicit Channels(const OperationalModel& model)
+      : coordinates(static_cast<Eigen::Index>(model.coordinates.size())),
+        encoders(static_cast<Eigen::Index>(model.transmission.encoders.size())),
+        biased((mean_errors(model.transmission).array() != 0).any() ||
+               std::any_of(model.sources.begin(), model.sources.end(),
+                           [](const ErrorSource& source) { return source.mean != 0; })) {}
+
+  Eigen::Index count() const { return coordinates * (2 + encoders + (biased ? 1 : 0)); }
+  Eigen::Index linear() const { return coordinates; }
+  Eigen::Index part(Eigen::Index encoder) const { return coordinates * (2 + encoder); }
+  Eigen::Index mean() const { return coordinates * (2 + encoders); }
 };
 
-/// One filter with its rate against the motion's, and what has come out of it.
+/// One filter, and of how many samples of the motion it takes one.
 struct Branch {
   FilterBank bank;
   std::uint64_t every;
-  RunStatistics statistics;
 };
 
 std::uint64_t divisor(const Filter& filter, const Motion& motion) {
@@ -67,7 +78,7 @@ struct Job {
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
-  if (job.options.runs == 1) return d;
+  if (!job.options.random_phase) return d;
   // x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
   double x = 1.5;
   for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(d.size() + 1));
@@ -82,58 +93,67 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   return d;
 }
 
-/// All statistics of one run: position first, then the filters.
-std::vector<RunStatistics> run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
-  const Channels channels{static_cast<Eigen::Index>(job.model.coordinates.size()),
-                          static_cast<Eigen::Index>(job.model.transmission.encoders.size())};
-  Sensing sensing(job.model, job.motion, job.effects, displacement(job, index),
-                  random_bits(job.options.seed, index, 0));
+/// What one run gives: statistics of the position, then of the filters, and theory at its samples.
+struct Result {
+  std::vector<RunStatistics> outputs;
+  AlongPath path;
+};
+
+Result run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
+  const Channels channels(job.model);
+  Sensing sensing(
+      job.model, job.motion, job.effects,
+      {displacement(job, index), random_bits(job.options.seed, index, 0), index == 0 && job.options.visit});
+  Result result{{RunStatistics(channels.count(), channels.coordinates, job.blocks)},
+                {channels.coordinates, channels.encoders}};
   std::vector<Branch> branches;
-  for (const Filter& filter : job.filters)
-    branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion),
-                        RunStatistics(channels.count(), job.blocks)});
-  RunStatistics position(channels.count(), job.blocks);
+  for (const Filter& filter : job.filters) {
+    branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion)});
+    result.outputs.push_back(result.outputs.front());
+  }
+  const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::ArrayXd inputs(channels.count()), signals(channels.count());
   for (std::uint64_t k = 0; k < job.samples; ++k) {
-    Reading& reading = sensing.read(k);
-    Eigen::Isometry3d truth;
-    const Jacobian joints = joint_jacobian(job.model.chain, reading.joint, &truth);
-    reading.tip = truth.translation();
+    const Reading& reading = sensing.read(k);
     if (index == 0 && job.options.visit) job.options.visit(reading);
-    const Eigen::MatrixXd sensed =
-        to_independent(job.model.chain, coordinate_rows(job.model.coordinates, joints, truth.linear())) *
-        job.model.transmission.coupling;
-    const Eigen::MatrixXd parts = sensed * (reading.measured - reading.encoder).asDiagonal();
+    const bool counts = k >= job.settling;
+    const double progress = (static_cast<double>(k) - static_cast<double>(job.settling)) /
+                            static_cast<double>(job.samples - job.settling);
+    const auto block = counts ? static_cast<std::uint64_t>(progress * static_cast<double>(job.blocks)) : 0;
+    const OperationalError theory = operational_error(job.model, reading.joint);
+    result.path.add(theory, progress);
+    const Eigen::ArrayXd variance = theory.weighted.rowwise().squaredNorm().array() / 12;
+    const Eigen::MatrixXd parts =
+        theory.weighted * (reading.measured - reading.encoder).cwiseQuotient(steps).asDiagonal();
     const Eigen::Index m = channels.coordinates;
     inputs.head(m) =
-        tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), truth);
-    inputs.segment(m, m) = parts.rowwise().sum();
-    inputs.tail(m * channels.encoders) = parts.reshaped();
-    const bool counts = k >= job.settling;
-    const std::uint64_t block = counts ? (k - job.settling) * job.blocks / (job.samples - job.settling) : 0;
-    if (counts) position.add(inputs, block);
-    for (Branch& branch : branches) {
-      if (k % branch.every != 0) continue;
+        tip_error(job.model.coordinates, forward_kinematics(job.model.chain, reading.estimate), reading.tip);
+    inputs.segment(channels.linear(), m) = parts.rowwise().sum();
+    inputs.segment(channels.part(0), m * channels.encoders) = parts.reshaped();
+    if (channels.biased) inputs.segment(channels.mean(), m) = theory.mean;
+    if (counts) result.outputs[0].add(inputs, variance, block);
+    for (std::size_t f = 0; f < branches.size(); ++f) {
+      if (k % branches[f].every != 0) continue;
       signals = inputs;
-      branch.bank.step(signals);
-      if (counts) branch.statistics.add(signals, block);
+      branches[f].bank.step(signals);
+      if (counts) result.outputs[f + 1].add(signals, variance, block);
     }
     if (k % 4096 == 0) tick();
   }
-  std::vector<RunStatistics> all{std::move(position)};
-  for (Branch& branch : branches) all.push_back(std::move(branch.statistics));
-  return all;
+  return result;
 }
 
 double ratio(double over, double under) { return under > 0 ? over / under : 1; }
 
-SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal& theory,
-                          Eigen::Index coordinate, const Channels& channels) {
+SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Eigen::Index coordinate,
+                          const Channels& channels) {
   SimulatedSignal r;
-  const Eigen::Index m = channels.coordinates;
-  const double exact = s.variance(coordinate), linear = s.variance(m + coordinate);
+  const double exact = s.variance(coordinate), linear = s.variance(channels.linear() + coordinate);
   double parts = 0;
-  for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(m * (2 + i) + coordinate);
+  for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(channels.part(i) + coordinate);
+  // A mean that the Jacobian carries along the path is part of what theory knows.
+  const double carried = channels.biased ? std::sqrt(s.variance(channels.mean() + coordinate)) : 0;
+  const double ipqn_path = std::hypot(theory.ipqn_path, carried);
   const RunStatistics::Interval interval = s.sigma_interval(coordinate);
   r.sigma_simulated = std::sqrt(exact);
   r.sigma_lower = interval.lower;
@@ -141,11 +161,11 @@ SimulatedSignal signal_of(const RunStatistics& s, const TheoryAlongPath::Signal&
   r.mean_simulated = s.mean(coordinate);
   r.peak_simulated = s.peak(coordinate);
   r.sigma_ipqn = theory.ipqn;
-  r.sigma_ipqn_path = theory.ipqn_path;
-  r.sigma_exact = theory.exact;
+  r.sigma_ipqn_path = ipqn_path;
+  r.sigma_exact = std::hypot(theory.exact, carried);
   r.worst_case = theory.worst_case;
   r.worst_case_path = theory.worst_case_path;
-  r.ladder = {ratio(theory.ipqn_path, theory.ipqn), ratio(std::sqrt(parts), theory.ipqn_path),
+  r.ladder = {ratio(ipqn_path, theory.ipqn), ratio(std::sqrt(parts), ipqn_path),
               ratio(std::sqrt(linear), std::sqrt(parts)), ratio(std::sqrt(exact), std::sqrt(linear))};
   return r;
 }
@@ -169,8 +189,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
           std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           std::max<std::uint64_t>(1, (20 + options.runs - 1) / options.runs)};
-  const Channels channels{static_cast<Eigen::Index>(model.coordinates.size()),
-                          static_cast<Eigen::Index>(model.transmission.encoders.size())};
+  const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
   constexpr std::uint64_t wave = 64;
@@ -182,20 +201,24 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     if (options.progress)
       options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
-  std::vector<RunStatistics> all(filters.size() + 1, RunStatistics(channels.count(), job.blocks));
+  std::vector<RunStatistics> all(filters.size() + 1,
+                                 RunStatistics(channels.count(), channels.coordinates, job.blocks));
+  AlongPath path(channels.coordinates, channels.encoders);
   for (std::uint64_t first = 0; first < options.runs; first += wave) {
-    std::vector<std::vector<RunStatistics>> runs(std::min(wave, options.runs - first));
+    std::vector<std::optional<Result>> runs(std::min(wave, options.runs - first));
     parallel_for(runs.size(), options.threads, [&](std::size_t i) { runs[i] = run(job, first + i, tick); });
-    for (const auto& one : runs)
-      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one[f]);
+    for (const auto& one : runs) {
+      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one->outputs[f]);
+      path.append(one->path);
+    }
   }
 
-  const TheoryAlongPath theory(model, filters, norms, motion, job.samples, job.settling);
+  const auto theory = theory_along_path(model, filters, norms, motion, job.settling, path);
   Simulation result{options.runs, job.samples, job.settling, {}};
   for (std::size_t f = 0; f < all.size(); ++f) {
     auto& row = result.results.emplace_back();
     for (Eigen::Index c = 0; c < channels.coordinates; ++c)
-      row.push_back(signal_of(all[f], theory.of(f, c), c, channels));
+      row.push_back(signal_of(all[f], theory[f][static_cast<std::size_t>(c)], c, channels));
   }
   return result;
 }

@@ -8,23 +8,40 @@
 
 namespace qerr {
 
-/// What theory says of a motion: at its centre, along its path, and with the encoders' true speeds.
-class TheoryAlongPath {
+/// What the Jacobian says at the samples of a motion, gathered while they are simulated: in stretches, since
+/// where a joint moves slowly its error is another than where it moves fast.
+class AlongPath {
  public:
-  struct Signal {
-    double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
-  };
+  static constexpr std::size_t stretches = 512;
 
-  TheoryAlongPath(const OperationalModel&, const std::vector<Filter>&, const std::vector<Norms>&,
-                  const Motion&, std::uint64_t samples, std::uint64_t settling);
+  AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
 
-  /// @param output  0: the position itself, then the filters
-  Signal of(std::size_t output, Eigen::Index coordinate) const {
-    return signals_[output][static_cast<std::size_t>(coordinate)];
-  }
+  /// @param progress  of the sample through the part that counts, in [0, 1); negative before it: a filter
+  ///   remembers what was there
+  void add(const OperationalError&, double progress);
+  void append(const AlongPath& later);
+
+  /// Mean of (J C Delta)^2, coordinates x encoders: over the whole, and with weights for the parts.
+  Eigen::MatrixXd mean_squares() const;
+  /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
+  Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
+
+  const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
 
  private:
-  std::vector<std::vector<Signal>> signals_;
+  double counted_ = 0;
+  std::vector<Eigen::MatrixXd> squares_;
+  Eigen::VectorXd rigorous_;
 };
+
+/// Theory of one coordinate behind one filter (SimulatedSignal says what each is).
+struct SignalTheory {
+  double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
+};
+
+/// @returns [0: the position itself, then the filters][coordinate]
+std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&, const std::vector<Filter>&,
+                                                         const std::vector<Norms>&, const Motion&,
+                                                         std::uint64_t settling, const AlongPath&);
 
 }  // namespace qerr

@@ -10,9 +10,9 @@
 namespace qerr {
 
 struct LogOptions {
-  std::size_t block_bytes = 1 << 20;  ///< of the file that are read at once
+  std::size_t block_bytes = 1 << 18;  ///< of the file that are read at once
   std::size_t longest_row = 1 << 20;  ///< [bytes]
-  Eigen::Index block_rows = 8192;     ///< of values that `next` gives at once
+  Eigen::Index block_rows = 4096;     ///< of values that `next` gives at once
 };
 
 /// Reads a measured log (CSV) in blocks, in memory that does not grow with the file.

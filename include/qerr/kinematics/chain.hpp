@@ -20,8 +20,10 @@ struct ChainJoint {
   std::size_t coordinate = 0;  ///< index of the independent joint that moves it
   double multiplier = 1;       ///< mimic multiplier; 1 for the joint's own coordinate
   double offset = 0;           ///< [rad or m]
-  Inertia load =
-      {};  ///< of everything that moves with it as far as the next moving joint, in its moved frame
+  /// Of everything that moves with it as far as the next moving joint, in its moved frame.
+  Inertia load = {};
+  /// Axes of the parent link's frame, in which the URDF states the joint's origin, in the frame before.
+  Eigen::Matrix3d parent_axes = Eigen::Matrix3d::Identity();
 };
 
 /// A joint whose coordinate is free: what has an encoder, what configurations and logs speak of.
@@ -29,7 +31,9 @@ struct IndependentJoint {
   std::string name;
   JointType type = JointType::revolute;
   std::optional<Limits> limits;
-  bool on_chain = true;  ///< false: only its mimics are
+  bool on_chain = true;                       ///< false: only its mimics are
+  std::optional<double> velocity_limit = {};  ///< of the URDF [rad/s or m/s]
+  std::optional<double> effort_limit = {};    ///< of the URDF [N m or N]
 
   bool prismatic() const { return type == JointType::prismatic; }
 };

@@ -42,6 +42,8 @@ struct Joint {
   std::optional<Limits> limits;  ///< empty: the URDF gives none (always so for a continuous joint)
   std::optional<Mimic> mimic;
   Place place;
+  std::optional<double> velocity_limit = {};  ///< of <limit>; empty where it gives none, or 0 [rad/s or m/s]
+  std::optional<double> effort_limit = {};    ///< the same [N m or N]
 };
 
 /// A kinematic tree, checked: one root, every link reachable, one parent a link, unit axes, ordered finite

@@ -23,7 +23,9 @@ SimulationReport simulation_report(const Spec&, const SimulationOptions&);
 struct Style;
 std::string write(const SimulationReport&, std::string_view format, const Style&);
 
-/// Header and rows of the log (contract: Logs): time, counts and reference of every joint, the tip.
+/// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts (or what
+/// a file with a grid of its own has instead, `measured`), the reference, and the effort where the URDF has
+/// masses; the tip.
 class LogWriter {
  public:
   explicit LogWriter(const Spec&);
@@ -34,6 +36,7 @@ class LogWriter {
 
  private:
   const Spec& spec_;
+  bool efforts_;
   std::vector<bool> rounded_;  // joints whose file has a grid of its own: measured instead of counts
   std::string text_;
 };

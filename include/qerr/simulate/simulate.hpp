@@ -14,7 +14,7 @@ struct Ladder {
   double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
   double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
   double correlated_joints = 1;  ///< their sum, as it is
-  double nonlinear = 1;          ///< exact kinematics instead of J
+  double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
 };
 
 /// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
@@ -24,8 +24,8 @@ struct SimulatedSignal {
   double mean_simulated = 0;
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
-  double sigma_ipqn_path = 0;  ///< the same, root mean square along the path
-  double sigma_exact = 0;      ///< with the encoders' speeds along the path (constant_speed.hpp)
+  double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
+  double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
   double worst_case = 0;       ///< bound (26) at the centre
   double worst_case_path = 0;  ///< largest along the path, with the second-order remainder: never exceeded
   Ladder ladder;
@@ -39,7 +39,8 @@ struct Simulation {
 };
 
 struct SimulationOptions {
-  std::uint64_t runs = 1;  ///< one run has phase 0; of several each is displaced by a random part of a count
+  std::uint64_t runs = 1;
+  bool random_phase = false;  ///< every run is displaced by a random part of each encoder's count
   std::uint64_t seed = 1;
   unsigned threads = 0;
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
@@ -47,6 +48,10 @@ struct SimulationOptions {
 };
 
 /// Explicit quantizers along a motion, exact kinematics, and the filters on what comes out.
+///
+/// What the model says of effects (`sources`) enters the bounds and the means that the Jacobian carries along
+/// the path; sigma_ipqn and its kin stay those of quantization alone, so that the ladder shows what the
+/// effects add.
 ///
 /// A filter of a lower rate takes every n-th sample; its rate must divide the motion's.
 /// @throws Error (input; key `motion.sample_rate`) when a filter's rate does not

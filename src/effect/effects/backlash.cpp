@@ -25,8 +25,9 @@ EffectKind backlash_effect() {
           Stage::gear,
           {{.name = "gap", .meaning = "full width", .required = true, .least = 0, .coordinate = true}},
           action,
-          [](const Effect& e, const Encoder&, const Usage&) {
-            return Share{0, 0.5 * e.number("gap"), 0.5 * e.number("gap")};
+          [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+            const double half = 0.5 * e.number("gap");
+            return Share{0, half, half, Course::reversals};
           }};
 }
 

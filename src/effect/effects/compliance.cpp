@@ -18,9 +18,9 @@ EffectKind compliance_effect() {
             return [c = e.number("compliance")](double x, const Moment& m) { return x + c * m.effort; };
           },
           [](const Effect& e, const Encoder&, const Usage& u) {
-            const double c = e.number("compliance");
-            return Share{0, c * u.largest_effort, c * u.rms_effort};
-          }};
+            return proportional(e.number("compliance"), u.effort);
+          },
+          Need::effort};
 }
 
 }  // namespace qerr

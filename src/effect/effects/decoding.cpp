@@ -4,6 +4,28 @@
 
 namespace qerr {
 
+namespace {
+
+/// (factor - 1) times what was counted, and the rounding of what factor times a count leaves.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
+  const double factor = e.number("factor"), more = factor - 1, step = encoder.resolution;
+  if (more == 0) return Share{};
+  if (!u.position) return std::nullopt;
+  const bool whole = factor == std::floor(factor);
+  const double rounding = whole ? 0 : step;
+  // The counted position differs from the true one by up to half a step (a whole one where it is truncated).
+  const double counted = encoder.rounding == Rounding::nearest ? 0.5 * step : step;
+  return Share{
+      more * u.position->middle(),
+      std::abs(more) * (u.position->half() + counted) + 0.5 * rounding,
+      std::hypot(more * u.position->stray(), more * step / std::sqrt(12.0), rounding / std::sqrt(12.0)),
+      Course::motion,
+      {},
+      u.position->rate};
+}
+
+}  // namespace
+
 EffectKind decoding_effect() {
   return {
       "decoding",
@@ -15,10 +37,8 @@ EffectKind decoding_effect() {
         return
             [factor = e.number("factor")](double x, const Moment&) { return std::floor(factor * x + 0.5); };
       },
-      [](const Effect& e, const Encoder&, const Usage& u) {
-        const double part = std::abs(e.number("factor") - 1);
-        return Share{0, part * u.largest_position, part * u.rms_position};
-      }};
+      share,
+      Need::position};
 }
 
 }  // namespace qerr

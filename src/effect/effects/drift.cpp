@@ -15,10 +15,18 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
   };
 }
 
-/// Spread evenly between nothing and all of it: when is not known.
-Share share(const Effect& e, const Encoder&, const Usage&) {
+/// Spread evenly between nothing and all of it, as nobody knows when; with no time constant it is an offset.
+std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   const double amplitude = e.number("amplitude");
-  return {0.5 * amplitude, 0.5 * std::abs(amplitude), std::abs(amplitude) / std::sqrt(12.0)};
+  Share s{amplitude, 0, 0};
+  if (e.number("time_constant") > 0)
+    s = {0.5 * amplitude, 0.5 * std::abs(amplitude), std::abs(amplitude) / std::sqrt(12.0)};
+  const auto by_temperature = proportional(e.number("coefficient"), u.temperature);
+  if (!by_temperature) return std::nullopt;
+  s.mean += by_temperature->mean;
+  s.half_width += by_temperature->half_width;
+  s.sigma += by_temperature->sigma;  // both rise with time: not independent
+  return s;
 }
 
 }  // namespace
@@ -39,7 +47,8 @@ EffectKind drift_effect() {
             .meaning = "change per kelvin, with a temperature column",
             .fallback = 0.0}},
           action,
-          share};
+          share,
+          Need::temperature};
 }
 
 }  // namespace qerr

@@ -26,6 +26,9 @@ EffectKind geometry_effect();
 EffectKind reference_error_effect();
 EffectKind log_rounding_effect();
 
+/// The share of an error that is `factor` times a quantity of the motion; empty where that is not known.
+std::optional<Share> proportional(double factor, const std::optional<Spread>&);
+
 /// A standard normal number that depends on (seed, index) alone.
 double normal(std::uint64_t seed, std::uint64_t index);
 

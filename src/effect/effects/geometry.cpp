@@ -16,7 +16,10 @@ EffectKind geometry_effect() {
             .meaning = "added to the joint's origin",
             .required = true}},
           nullptr,
-          [](const Effect&, const Encoder&, const Usage&) { return Share{}; }};
+          [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+            // The model believes the joint where it is not: estimate - true is against the displacement.
+            return Share{0.0 - e.number("length"), 0, 0};
+          }};
 }
 
 }  // namespace qerr

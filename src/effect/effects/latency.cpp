@@ -15,9 +15,9 @@ EffectKind latency_effect() {
         return [delay = e.number("delay")](double t, const Moment&) { return t - delay; };
       },
       [](const Effect& e, const Encoder&, const Usage& u) {
-        const double delay = std::abs(e.number("delay"));
-        return Share{0, delay * u.largest_speed, delay * u.rms_speed};
-      }};
+        return proportional(-e.number("delay"), u.velocity);
+      },
+      Need::velocity};
 }
 
 }  // namespace qerr

@@ -15,9 +15,9 @@ EffectKind log_rounding_effect() {
               return step == 0 ? x : step * std::floor(x / step + 0.5);
             };
           },
-          [](const Effect& e, const Encoder&, const Usage&) {
+          [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             const double step = e.number("step");
-            return Share{0, step / 2, step / std::sqrt(12.0)};
+            return Share{0, step / 2, step / std::sqrt(12.0), Course::white};
           }};
 }
 

@@ -1,3 +1,5 @@
+#include <cmath>
+
 #include "effects.hpp"
 
 namespace qerr {
@@ -19,8 +21,10 @@ EffectKind missed_counts_effect() {
               return m.time >= time ? x + counts : x;
             };
           },
-          [](const Effect& e, const Encoder& encoder, const Usage&) {
-            return Share{e.number("counts") * encoder.resolution, 0, 0};
+          [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
+            // Nothing before, all after: half of it about half of it, whenever that is.
+            const double middle = 0.5 * e.number("counts") * encoder.resolution;
+            return Share{middle, std::abs(middle), std::abs(middle)};
           }};
 }
 

@@ -14,8 +14,8 @@ EffectKind noise_effect() {
           return sigma == 0 ? x : x + sigma * normal(seed, m.index);
         };
       },
-      [](const Effect& e, const Encoder&, const Usage&) {
-        return Share{0, 4 * e.number("sigma"), e.number("sigma")};
+      [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
+        return Share{0, 4 * e.number("sigma"), e.number("sigma"), Course::white};
       }};
 }
 

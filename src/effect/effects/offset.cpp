@@ -11,7 +11,7 @@ EffectKind offset_effect() {
           [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [offset = e.number("offset")](double x, const Moment&) { return x + offset; };
           },
-          [](const Effect& e, const Encoder&, const Usage&) {
+          [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             return Share{e.number("offset"), 0, 0};
           }};
 }

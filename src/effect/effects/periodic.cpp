@@ -27,18 +27,31 @@ Parameter periodic_shaft() {
           .choices = "encoder|joint"};
 }
 
-Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
+namespace {
+
+bool counts_joint_turns(const Effect& e) {
   const auto shaft = e.choices.find("shaft");
-  const bool of_joint = shaft != e.choices.end() && shaft->second == "joint";
-  const double order = e.number("order") * (of_joint ? 1 : encoder.shaft_ratio);
+  return shaft != e.choices.end() && shaft->second == "joint";
+}
+
+/// Phase of the sine per joint coordinate [rad/rad or rad/m].
+double wave_number(const Effect& e, const Encoder& encoder) {
+  return e.number("order") * (counts_joint_turns(e) ? 1 : encoder.shaft_ratio);
+}
+
+}  // namespace
+
+Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
+  const bool of_joint = counts_joint_turns(e);
+  const double order = wave_number(e, encoder);
   return [=, amplitude = e.number("amplitude"), phase = e.number("phase")](double x, const Moment& m) {
     return x + amplitude * std::sin(order * (of_joint ? m.joint : x) + phase);
   };
 }
 
-Share periodic_share(const Effect& e, const Encoder&, const Usage&) {
+std::optional<Share> periodic_share(const Effect& e, const Encoder& encoder, const Usage&) {
   const double amplitude = e.number("amplitude");
-  return {0, amplitude, amplitude / std::numbers::sqrt2};
+  return Share{0, amplitude, amplitude / std::numbers::sqrt2, Course::travel, {{wave_number(e, encoder), 1}}};
 }
 
 }  // namespace qerr

@@ -9,6 +9,6 @@ Parameter periodic_amplitude();
 Parameter periodic_phase();
 Parameter periodic_shaft();
 Action periodic_action(const Effect&, const Encoder&, std::uint64_t seed);
-Share periodic_share(const Effect&, const Encoder&, const Usage&);
+std::optional<Share> periodic_share(const Effect&, const Encoder&, const Usage&);
 
 }  // namespace qerr

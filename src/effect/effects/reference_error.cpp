@@ -21,7 +21,7 @@ EffectKind reference_error_effect() {
             return [amplitude = e.number("amplitude"), phase = e.number("phase"), order = e.number("order")](
                        double x, const Moment&) { return x + amplitude * std::sin(order * x + phase); };
           },
-          [](const Effect&, const Encoder&, const Usage&) { return Share{}; }};
+          [](const Effect&, const Encoder&, const Usage&) -> std::optional<Share> { return Share{}; }};
 }
 
 }  // namespace qerr

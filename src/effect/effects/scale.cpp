@@ -18,9 +18,9 @@ EffectKind scale_effect() {
             return [scale = e.number("scale")](double x, const Moment&) { return x + scale * x; };
           },
           [](const Effect& e, const Encoder&, const Usage& u) {
-            const double scale = std::abs(e.number("scale"));
-            return Share{0, scale * u.largest_position, scale * u.rms_position};
-          }};
+            return proportional(e.number("scale"), u.position);
+          },
+          Need::position};
 }
 
 }  // namespace qerr

@@ -28,11 +28,12 @@ Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   };
 }
 
-/// Two states of widths Delta + s and Delta - s: E e^2 = ((Delta + s)^3 + (Delta - s)^3)/(24 Delta)
-/// = Delta^2/12 + s^2/4 about the middles of the states, which lie s/2 off.
-Share share(const Effect& e, const Encoder& encoder, const Usage&) {
-  const double s = std::abs(displacement(e, encoder));
-  return {0, s, s / 2};
+/// Two states of widths Delta + s and Delta - s, whose middles lie s/2 beyond the counts' positions: mean
+/// -s/2, variance ((Delta + s)^3 + (Delta - s)^3)/(24 Delta) = Delta^2/12 + s^2/4, never beyond -Delta/2 - s.
+/// It changes with every count, as the quantization does, and is taken as white with it.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
+  const double s = displacement(e, encoder);
+  return Share{0.0 - 0.5 * s, 0.5 * std::abs(s), 0.5 * std::abs(s), Course::white};
 }
 
 }  // namespace

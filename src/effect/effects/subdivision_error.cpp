@@ -37,20 +37,42 @@ class Distortion {
 
 double period(const Encoder& encoder) { return encoder.resolution * encoder.counts_per_period; }
 
-Share share(const Effect& e, const Encoder& encoder, const Usage&) {
-  constexpr int points = 4096;
+constexpr int points = 4096, harmonics = 24;
+
+/// Parts of the variance at 1, 2, ... periods per period of the lines.
+std::vector<Wave> waves(const std::vector<double>& errors, double variance, double unit) {
+  std::vector<Wave> found;
+  for (int k = 1; k <= harmonics; ++k) {
+    double sine = 0, cosine = 0;
+    for (int i = 0; i < points; ++i) {
+      const double angle = turn * ((k * i) % points) / points;
+      sine += errors[static_cast<std::size_t>(i)] * std::sin(angle);
+      cosine += errors[static_cast<std::size_t>(i)] * std::cos(angle);
+    }
+    const double power = 2 * (sine * sine + cosine * cosine) / (double{points} * points);
+    if (power > 1e-6 * variance) found.push_back({k / unit, power / variance});
+  }
+  return found;
+}
+
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
   const Distortion distortion(e);
-  double sum = 0, squares = 0, low = 0, high = 0;
+  std::vector<double> errors;
+  double sum = 0, squares = 0, low = 0, high = 0, between = 0;
   for (int i = 0; i < points; ++i) {
-    const double error = distortion(turn * i / points);
+    const double before = i == 0 ? distortion(0) : errors.back();
+    const double error = errors.emplace_back(distortion(turn * i / points));
+    between = std::max(between, 0.5 * std::abs(error - before));  // a peak may lie between two points
     sum += error;
     squares += error * error;
     low = std::min(low, error);
     high = std::max(high, error);
   }
+  if (squares == 0) return Share{};
   const double unit = period(encoder) / turn, mean = sum / points;
-  return {mean * unit, std::max(high - mean, mean - low) * unit,
-          std::sqrt(std::max(0.0, squares / points - mean * mean)) * unit};
+  const double variance = std::max(0.0, squares / points - mean * mean);
+  return Share{mean * unit, (std::max(high - mean, mean - low) + between) * unit, std::sqrt(variance) * unit,
+               Course::travel, waves(errors, variance, unit)};
 }
 
 }  // namespace

@@ -17,10 +17,13 @@ EffectKind timing_jitter_effect() {
               return sigma == 0 ? t : t + sigma * normal(seed, m.index);
             };
           },
-          [](const Effect& e, const Encoder&, const Usage& u) {
+          [](const Effect& e, const Encoder&, const Usage& u) -> std::optional<Share> {
             const double sigma = e.number("sigma");
-            return Share{0, 4 * sigma * u.largest_speed, sigma * u.rms_speed};
-          }};
+            if (sigma == 0) return Share{};
+            if (!u.velocity) return std::nullopt;
+            return Share{0, 4 * sigma * u.velocity->largest(), sigma * u.velocity->rms(), Course::white};
+          },
+          Need::velocity};
 }
 
 }  // namespace qerr

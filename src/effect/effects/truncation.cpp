@@ -12,7 +12,7 @@ EffectKind truncation_effect() {
             const double half = encoder.rounding == Rounding::nearest ? 0.5 * encoder.resolution : 0;
             return [half](double x, const Moment&) { return x - half; };
           },
-          [](const Effect&, const Encoder& encoder, const Usage&) {
+          [](const Effect&, const Encoder& encoder, const Usage&) -> std::optional<Share> {
             return Share{encoder.rounding == Rounding::nearest ? -0.5 * encoder.resolution : 0.0, 0, 0};
           }};
 }
