@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 
 #include "qerr/diagnose/evidence.hpp"
 #include "select.hpp"
+#include "tip.hpp"
 
 namespace qerr {
 
@@ -64,7 +66,13 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
     }
   }
   if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
-  d.verdict = all.empty()                                 ? Verdict::cannot_judge
+  TipDiagnosis tip = diagnose_tip(model, log);
+  if (all.empty()) d.gain = tip.gain;
+  std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
+  std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
+  std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));
+  std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
+  d.verdict = all.empty() && !tip.judged                  ? Verdict::cannot_judge
               : !d.alternatives.empty()                   ? Verdict::ambiguous
               : d.causes.empty() && d.unexplained.empty() ? Verdict::nothing_wrong
               : d.causes.empty()                          ? Verdict::unexplained

@@ -1,0 +1,89 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "tip_term.hpp"
+
+namespace qerr {
+
+/// Coefficients that maximize the likelihood of entries y = X theta + Gaussian of the variances
+/// known + sigma^2.
+struct TipSolution {
+  Eigen::VectorXd theta;
+  Eigen::MatrixXd covariance;  ///< of theta; along directions that the entries do not tell, 0
+  Eigen::VectorXd rest;        ///< y - X theta [m]
+  Eigen::VectorXd weight;      ///< 1/(known + sigma^2) [1/m^2]
+  double sigma = 0;            ///< what is left beside the quantization [m]
+  double log_likelihood = 0;
+  Eigen::Index rank = 0;  ///< of X
+};
+
+/// A model of where a tracker sees the tip, given what the joints' encoders read.
+///
+/// tip = FK(true joints, links as built) + white noise of the tracker, true joints = as read - what causes
+/// add - quantization. The encoders' quantization is carried to the tip as in the bounds, with the covariance
+/// (J C) diag(Delta^2/12) (J C)^T of every row, known exactly; all else that is white is one free sigma. In
+/// the axes of each row's covariance the entries are independent, and the fit is a weighted least squares,
+/// linearized anew where the belief has moved.
+class TipModel {
+ public:
+  /// @param frames  whether the tracker's frame and its target are unknown: 9 numbers that are nobody's fault
+  TipModel(const OperationalModel&, const TipEvidence&, bool frames);
+
+  void add(TipTerm, const Eigen::VectorXd& coefficients);
+  void remove(std::size_t term);
+  void exchange(std::size_t term, TipTerm, const Eigen::VectorXd& coefficients);
+
+  /// Newton and Gauss: until the belief rests.
+  void fit();
+
+  /// A term's columns at the present belief, in the rows' axes: entries x size.
+  Eigen::MatrixXd columns(const TipTerm&) const;
+
+  /// The fit with further columns in place of some terms (no new linearization). The nuisance comes first in
+  /// theta, then the terms that are kept, then the extra columns.
+  TipSolution trial(const std::vector<std::size_t>& without, const Eigen::MatrixXd& extra) const;
+
+  /// Columns less what nuisance and terms (but those without) can make of them; zero where nothing is left.
+  Eigen::MatrixXd beyond(const std::vector<std::size_t>& without, const Eigen::MatrixXd& columns) const;
+
+  /// How much more scores of columns scatter than they would if what is left were independent from row to
+  /// row.
+  static double inflation(const TipSolution&, const Eigen::MatrixXd& columns, Eigen::Index coordinates);
+
+  /// log-likelihood less what coefficients cost by Bayes' criterion (Schwarz).
+  double value(const TipSolution&, Eigen::Index coefficients) const;
+
+  const TipEvidence& evidence() const { return *evidence_; }
+  const TipBelief& belief() const { return belief_; }
+  const std::vector<TipTerm>& terms() const { return terms_; }
+  Eigen::Index size() const;  ///< coefficients of all terms
+  Eigen::VectorXd coefficients(std::size_t term) const;
+  Eigen::Index position(std::size_t term) const;  ///< of its first coefficient in theta
+  bool frames() const { return frames_; }
+  const TipSolution& solution() const { return solution_; }
+  const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true with no term taken off [m]
+  Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}) const;  ///< nuisance and terms
+  Eigen::Index nuisance() const { return nuisance_.cols(); }
+
+ private:
+  void believe();
+  void linearize();
+  void align();
+
+  const OperationalModel* model_;
+  const TipEvidence* evidence_;
+  bool frames_;
+  TipBelief belief_;
+  std::vector<TipTerm> terms_;
+  Eigen::VectorXd theta_;  ///< of the terms
+  std::shared_ptr<const std::vector<TipPose>> poses_;
+  std::vector<Eigen::MatrixXd> turn_;  ///< from base axes to the row's own, coordinates x 3
+  Eigen::VectorXd y_, known_;
+  Eigen::MatrixXd nuisance_;
+  std::vector<Eigen::MatrixXd> term_columns_;
+  TipSolution solution_;
+};
+
+}  // namespace qerr
