@@ -72,7 +72,9 @@ class Machine:
         q = paths.at(t)[0]
         for e in self.of("backlash"):
             grid = np.linspace(t[0], t[-1], FINE * (len(t) - 1) + 1)
-            q[e.joint] = np.interp(t, grid, play(paths.joints[e.joint].at(grid)[0], e.p["gap"]))
+            plan = paths.joints[e.joint].at(grid)[0]
+            start = plan[0] - e.p.get("side", 0) * e.p["gap"] / 2  # mid-gap unless it was pushed to a side before
+            q[e.joint] = np.interp(t, grid, play(plan, e.p["gap"], start))
         return q
 
     def clock(self, joint, t, chance=None):
