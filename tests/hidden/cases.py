@@ -118,6 +118,22 @@ def recorded(case, rng, paths, rows):
     return record
 
 
+# What the spec's motion shows again, whatever the record was.
+REPEATABLE = {"offset", "scale", "eccentricity", "transmission_error", "subdivision_error", "state_width", "backlash",
+              "compliance", "latency", "noise", "timing_jitter", "clock_drift"}
+
+
+def simulated_rms(case):
+    """rms of measured - joint along the spec's own motion: what `qerr simulate` with the extended model should find.
+    None where the flaw belongs to the record (an event, a temperature) or the URDF does not know the load."""
+    names = {d.effect.name for d in case.drawn}
+    if not names <= REPEATABLE or ("compliance" in names and case.payload):
+        return None
+    t = np.arange(int(5 * case.rate)) / case.rate
+    r = case.machine(chance=False).record(case.spec_motion, t, np.random.default_rng(1))
+    return dict(zip(case.robot.joints, np.sqrt(np.mean((r.measured - r.link) ** 2, axis=1)).tolist()))
+
+
 def truth_of(case, machine, expected_verdict):
     joints, step = case.robot.joints, machine.resolution
     effects, tolerated = [], []
@@ -131,7 +147,8 @@ def truth_of(case, machine, expected_verdict):
         if e.name == "geometry":
             size = abs(e.p["length"]) / d.tip_per_count * step[e.joint]
         effects.append({"effect": e.name, "joint": joints[e.joint], "amplitude_counts": float(size / step[e.joint]),
-                        "parameters": d.parameters, "also_accept": d.also_accept, "physical": e.p})
+                        "parameters": d.parameters, "also_accept": d.also_accept,
+                        "physical": {k: v for k, v in e.p.items() if not callable(v)}})
         tolerated += [{"effect": n, "joint": joints[e.joint]} for n in ["offset"] + d.tolerated]
     out = {"id": None, "kind": case.kind, "sub": case.sub, "verdict": expected_verdict, "effects": effects,
            "tolerated": tolerated, "gain": machine.gain(case.record), "reference": case.reference,
@@ -140,6 +157,8 @@ def truth_of(case, machine, expected_verdict):
            "tip_noise": case.tip_noise or None}
     if case.record2 is not None:
         out["log2"] = machine.gain(case.record2)
+    if case.kind in "bc" and (simulated := simulated_rms(case)):
+        out["simulate_rms"] = simulated
     if case.pairs:
         out["pair"], out["why"] = case.pairs, case.why
     return out

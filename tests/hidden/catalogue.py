@@ -228,7 +228,7 @@ def log_rounding(s, size):
 def controller_droop(s, size):
     """The set point as `reference`, and a `load` that is the controller's gain times the servo error."""
     j, path = s.joint, s.paths.joints[s.joint]
-    top = s.peak(s.v[j]) + s.peak(s.a[j]) * 0.05
+    top = s.peak(s.v[j] + 0.05 * s.a[j])
     droop = lambda t: -size / top * (path.at(t)[1] + 0.05 * path.at(t)[2])
     return Drawn(Effect("controller_droop", j, {"droop": droop, "gain": -float(s.rng.uniform(20, 300)) / size}),
                  tolerated=["latency"])

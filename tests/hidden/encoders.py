@@ -70,7 +70,7 @@ class Encoder:
         A down, B down: a quadrature error [electrical rad] moves both edges of B, a duty error (share of a line) one of each.
         """
         step = self.resolution
-        k = np.arange(math.floor(low / step) - 2 * PERIOD, math.ceil(high / step) + 2 * PERIOD)
+        k = np.arange(math.floor(low / step) - 3 * PERIOD, math.ceil(high / step) + 3 * PERIOD)
         ideal = (k if self.rounding == "down" else k - 0.5) * step
         shift = np.zeros(len(k))
         shift[k % 2 == 1] += self.flaws.get("quadrature", 0.0) / (2 * math.pi) * PERIOD
@@ -115,10 +115,12 @@ class Encoder:
         seen = self.on_disc(x)
         if self.kind == "sincos":
             return self.interpolated(seen)
-        _, ideal, actual = self.edges(seen.min(), seen.max())
-        if self.flaws.get("counts_every", 1) == 1 and np.array_equal(ideal, actual):
-            return seen
-        return np.interp(seen, actual, ideal) / self.flaws.get("counts_every", 1)
+        k, ideal, actual = self.edges(seen.min(), seen.max())
+        per = self.flaws.get("counts_every", 1)
+        if per > 1:  # edge k of the pair is edge k/per of what is counted
+            used = k % per == 0
+            return np.interp(seen, actual[used], (k[used] / per - 0.5) * self.resolution)
+        return seen if np.array_equal(ideal, actual) else np.interp(seen, actual, ideal)
 
 
 def random_encoder(rng, prismatic=False, kind=None):

@@ -3,7 +3,6 @@
 Each maker fills a case and returns (effect, names that fit, why). The truth is one of the names, by the toss of a coin where
 either can be built.
 """
-
 import math
 
 import numpy as np
@@ -135,6 +134,7 @@ def inseparable(rng, name=None):
     case = base(rng, "e", name, shape, seconds, probe, verdict="ambiguous")
     case.columns -= {"temperature"}
     effect, case.pairs, case.why = PAIRS[name](rng, case)
-    case.drawn = [catalogue.Drawn(effect)]
+    chance = {"noise": lambda p: p["sigma"], "timing_jitter": lambda p: p["sigma"] * np.abs(case.paths.at(case.time)[1][0]).max()}
+    case.drawn = [catalogue.Drawn(effect, chance=float(chance.get(effect.name, lambda p: 0.0)(effect.p)))]
     case.reference_noise = rng.uniform(0.02, 0.1) * np.array([e.resolution for e in case.encoders])
     return finish(case, rng, second=False)
