@@ -3,7 +3,7 @@ import numpy as np
 
 import catalogue
 import motions
-from cases import base, finish
+from case import base, finish
 from encoders import Encoder, random_encoder
 from machine import Effect
 

@@ -9,7 +9,8 @@ import numpy as np
 
 import catalogue
 import motions
-from cases import base, finish, size_in_counts
+from case import base, finish
+from cases import size_in_counts
 from encoders import Encoder, random_encoder
 from machine import Effect
 

@@ -63,17 +63,22 @@ def simulated_rms(qerr, model, truth, folder, limit):
     _, _, fault = run([*qerr, "simulate", model, "--format", "json", "--log", log, "--quiet"], limit)
     if fault or not log.exists():
         return math.inf
-    with open(log, encoding="utf-8") as f:
-        rows = csv.DictReader(line for line in f if not line.startswith("#"))
-        sums, samples = {}, 0
-        joints = {e["joint"] for e in truth["effects"]}
-        for row in rows:
-            samples += 1
-            for j in joints:
-                reference = next(float(v) for k, v in row.items() if k.startswith(j + ".reference"))
-                sums[j] = sums.get(j, 0.0) + (float(row[j + ".counts"]) * truth["resolution"][j] - reference) ** 2
-    log.unlink()
-    ratios = [math.sqrt(sums[j] / samples) / truth["simulate_rms"][j] for j in joints]
+    joints, samples = sorted({e["joint"] for e in truth["effects"]}), 0
+    sums = dict.fromkeys(joints, 0.0)
+    try:
+        with open(log, encoding="utf-8") as f:
+            for row in csv.DictReader((line for line in f if not line.startswith("#")), strict=True):
+                if None in row or None in row.values():
+                    return math.inf  # a ragged row: the columns cannot be told apart
+                samples += 1
+                for j in joints:
+                    reference = next(float(v) for k, v in row.items() if k.startswith(j + ".reference"))
+                    sums[j] += (float(row[j + ".counts"]) * truth["resolution"][j] - reference) ** 2
+        ratios = [math.sqrt(sums[j] / samples) / truth["simulate_rms"][j] for j in joints]
+    except (KeyError, ValueError, StopIteration, ZeroDivisionError, csv.Error):
+        return math.inf
+    finally:
+        log.unlink()
     return max(ratios, key=lambda x: abs(x - 1))
 
 
