@@ -121,9 +121,7 @@ def size_in_counts(rng, name=None):
     return float(rng.uniform(0.5, 0.93)) if name == "state_width" else math.exp(rng.uniform(*np.log([0.5, 10])))
 
 
-def one_effect(rng, name=None):
-    weights = np.array(list(catalogue.WEIGHT.values()), float)
-    name = name or str(rng.choice(list(catalogue.WEIGHT), p=weights / weights.sum()))
+def one_effect(rng, name):
     return with_effects(rng, "b", [name], [size_in_counts(rng, name)])
 
 
@@ -132,9 +130,8 @@ def two_effects(rng):
     return with_effects(rng, "c", names, [math.exp(rng.uniform(*np.log([1, 10]))) for _ in names])
 
 
-def outside(rng, name=None, tries=300):
+def outside(rng, name, tries=300):
     """One effect that the catalogue does not have, and that is unlike those that it has."""
-    name = name or str(rng.choice(list(FOREIGN)))
     for _ in range(tries):
         case = base(rng, "d", name, seconds=(2.5, 16), verdict="unexplained")
         j = int(rng.choice([k for k, p in enumerate(case.robot.prismatic) if not p]))

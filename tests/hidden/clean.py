@@ -105,8 +105,7 @@ CLEAN = {f.__name__: f for f in (multisine, stops, slow, standstill, constant_sp
                                  free_zero, uneven_stamps, all_columns, tracker, coupled, rounding_down, fine_encoders)}
 
 
-def clean(rng, name=None):
-    name = name or str(rng.choice(list(CLEAN)))
+def clean(rng, name):
     case = base(rng, "a", name, verdict="nothing_wrong")
     CLEAN[name](rng, case)
     case = finish(case, rng, second=False)

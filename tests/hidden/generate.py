@@ -8,6 +8,7 @@ record, one foreign effect or one pair (`--list` shows them). Case i of seed S i
 """
 import argparse
 import json
+import math
 import multiprocessing
 import pathlib
 import sys
@@ -31,6 +32,15 @@ def kind_of(index, kinds):
     return kinds[int(np.searchsorted(np.cumsum(weight) / weight.sum(), (index * 0.6180339887 + 0.5) % 1.0, side="right"))]
 
 
+def name_of(seed, index, kind):
+    """An effect, record or pair of this kind in its share, evenly through the sequence too; two effects are left to chance."""
+    if kind not in NAMES:
+        return None
+    weight = np.array([catalogue.WEIGHT[n] if kind == "b" else 1 for n in NAMES[kind]], float)
+    place = np.searchsorted(np.cumsum(weight) / weight.sum(), (index * math.sqrt(2) + seed * math.pi) % 1.0, side="right")
+    return list(NAMES[kind])[min(int(place), len(weight) - 1)]
+
+
 def make(seed, index, kinds, name=None):
     """Case number `index` of this seed; a draw that finds no distinct motion is drawn anew."""
     for attempt in range(20):
@@ -38,9 +48,10 @@ def make(seed, index, kinds, name=None):
         kind = kind_of(index, kinds)
         if name:
             kind = next((k for k in kinds if name in NAMES.get(k, {})), kind)
-        case = {"a": lambda: clean.clean(rng, name), "b": lambda: cases.one_effect(rng, name),
-                "c": lambda: cases.two_effects(rng), "d": lambda: cases.outside(rng, name),
-                "e": lambda: pairs.inseparable(rng, name)}[kind]()
+        which = name or name_of(seed, index, kind)
+        case = {"a": lambda: clean.clean(rng, which), "b": lambda: cases.one_effect(rng, which),
+                "c": lambda: cases.two_effects(rng), "d": lambda: cases.outside(rng, which),
+                "e": lambda: pairs.inseparable(rng, which)}[kind]()
         if case is not None:
             case.truth["id"] = f"c{index:04d}"
             return case

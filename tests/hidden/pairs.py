@@ -124,8 +124,7 @@ PAIRS = {f.__name__: f for f in (offset_truncation, latency_backlash, backlash_o
                                  compliance_or_order_1, scale_or_clock, noise_or_jitter, encoder_or_reference)}
 
 
-def inseparable(rng, name=None):
-    name = name or str(rng.choice(list(PAIRS)))
+def inseparable(rng, name):
     shape = {"compliance_or_order_1": "swing_arm"}.get(name) or str(rng.choice(["turntable", "swing_arm", "two_links"]))
     if name == "compliance_or_order_1":
         seconds = (6.0, 16.0)
