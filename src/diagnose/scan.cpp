@@ -1,15 +1,18 @@
 #include "scan.hpp"
 
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 namespace qerr {
 
 namespace {
 
+constexpr Eigen::Index most_rows = 8192;
+
 /// |sum of scores e^{i rate argument}|^2 over an even part of the rows.
 double power(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double rate) {
-  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / 8192);
+  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows);
   double sine = 0, cosine = 0;
   for (Eigen::Index k = 0; k < score.size(); k += stride) {
     sine += score[k] * std::sin(rate * argument[k]);
@@ -24,12 +27,20 @@ double strongest_rate(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argumen
   const double range = argument.maxCoeff() - argument.minCoeff();
   if (!(range > 0)) return 0;
   const double spacing = 0.5 * std::numbers::pi / range;
+  // Rates step by step: every row's e^{i rate argument} turns by the same angle each time.
+  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows), rows = score.size() / stride;
+  Eigen::ArrayXcd phasor(rows), turn(rows);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    turn[k] = std::polar(1.0, spacing * argument[k * stride]);
+    phasor[k] = score[k * stride] * turn[k];
+  }
   double best = 0, rate = 0;
   for (int i = 2; i < scanned_hypotheses; ++i) {
+    phasor *= turn;
     const double here = i * spacing;
     if (here < least) continue;
     if (here > most) break;
-    if (const double p = power(score, argument, here); p > best) best = p, rate = here;
+    if (const double p = std::norm(phasor.sum()); p > best) best = p, rate = here;
   }
   for (double step = spacing / 2; step > spacing / 200; step /= 2)
     for (const double here : {rate - step, rate + step})
