@@ -66,7 +66,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
   }
   if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
   TipDiagnosis tip = diagnose_tip(model, log);
-  if (all.empty()) d.gain = tip.gain;
+  if (all.empty() && tip.judged) d.gain = tip.gain, d.prismatic = true;
   std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
   std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
   std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));

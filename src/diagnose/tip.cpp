@@ -137,12 +137,9 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
     const Eigen::VectorXd c = m.coefficients(i);
     Effect effect = t.term.effect;
     t.term.fill(effect, c);
-    if (!t.term.named) {
-      d.unexplained.push_back({effect.joint,
-                               "periodic in the joint angle",
-                               effect.number("order"),
-                               {},
-                               effect.number("amplitude")});
+    if (!t.term.named()) {
+      d.unexplained.push_back(
+          {effect.joint, t.term.unnamed, effect.number("order"), {}, effect.number("amplitude")});
       continue;
     }
     const double inflation = TipModel::inflation(m.solution(), m.columns(t), coordinates);
@@ -184,7 +181,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& model, const Log& log) {
   tell_frames(s.model, d);
   for (std::size_t i = 0; i < s.tilts.size(); ++i)
     d.unexplained.push_back(
-        {s.tilts[i].term.effect.joint, "the axis of the joint is askew", {}, {}, s.tilt_sizes[i].norm()});
+        {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return c.effect.type == "geometry" && c.effect.joint == model.chain.joints.front().name;
   });

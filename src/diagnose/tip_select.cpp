@@ -51,7 +51,7 @@ std::optional<Term> likeliest_step(const Evidence& e, const Eigen::VectorXd& sco
     if (gain > best) best = gain, at = k;
   }
   if (at == 0) return std::nullopt;
-  return step_term(e, e.time[at]);
+  return step_term(e, 0.5 * (e.time[at] + e.time[at - 1]));
 }
 
 /// The strongest free order of the joint, over what its range of motion resolves.
@@ -74,9 +74,7 @@ std::optional<Term> strongest_order(const Evidence& e, const Eigen::VectorXd& sc
   for (double step = spacing / 2; step > spacing / 100; step /= 2)
     for (const double order : {best_order - step, best_order + step})
       if (const double here = power(order); here > best) best = here, best_order = order;
-  Term t = periodic_term(e, "transmission_error", best_order, false);
-  t.named = false;
-  return t;
+  return free_order_term(e, best_order);
 }
 
 bool same(const TipTerm& a, const TipTerm& b) {
@@ -122,13 +120,27 @@ double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
   return 0.5 * score.dot(information.ldlt().solve(score));
 }
 
-double p_value(const TipModel& model, const TipSolution& without, const TipSolution& with,
-               const Eigen::MatrixXd& columns) {
+/// Rows per run of equal readings. While a reading stays, its quantization error goes where the motion goes:
+/// a run tells little more than one row.
+double rows_per_run(const Evidence& e) {
+  Eigen::Index runs = 1;
+  for (Eigen::Index k = 1; k < e.rows(); ++k)
+    runs += std::abs(e.measured[k] - e.measured[k - 1]) > 0.5 * e.step();
+  return static_cast<double>(e.rows()) / static_cast<double>(runs);
+}
+
+/// How many rows say together what one would, were they independent.
+double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns,
+                 const TipTerm& t) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
-  const double ratio =
-      2 * (with.log_likelihood - without.log_likelihood) / TipModel::inflation(with, columns, coordinates);
-  return ratio > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(columns.cols())), ratio))
-                   : 1;
+  const double blocks = TipModel::inflation(with, columns, coordinates);
+  if (t.way != TipTerm::Way::encoder || !model.evidence().ordered) return blocks;
+  return std::max(blocks, rows_per_run(model.evidence().encoders[t.where]));
+}
+
+double p_value(double gain, Eigen::Index coefficients) {
+  return gain > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(coefficients)), 2 * gain))
+                  : 1;
 }
 
 /// Rms of what columns add, over the rms of all noise.
@@ -139,8 +151,20 @@ double loudness(const TipSolution& s, const Eigen::MatrixXd& columns, const Eige
 
 /// What a term must gain beyond a named dimension's.
 double penalty(const TipModel& model, const TipTerm& t) {
-  if (!t.term.named) return without_name;
+  if (!t.term.named()) return without_name;
   return t.kinematic() || model.evidence().ordered ? 0 : without_name;
+}
+
+/// Quantization at slow speeds is not white, and looks a little like anything that follows the motion: a
+/// dimension it resembles least, the best of many orders most.
+double times_as_loud(const TipTerm& t) {
+  if (t.kinematic()) return 1;
+  return t.term.named() ? 1.5 : 2.5;
+}
+
+/// What coefficients cost by Bayes' criterion (Schwarz).
+double price(const TipModel& model, Eigen::Index coefficients) {
+  return 0.5 * static_cast<double>(coefficients) * std::log(static_cast<double>(model.entries().size()));
 }
 
 struct Step {
@@ -165,16 +189,47 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
   for (const auto& [gain, i] : passing) {
     const TipSolution s = model.trial({}, columns[i]);
     const Eigen::VectorXd theta = s.theta.tail(columns[i].cols());
-    if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude) continue;
+    if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude * times_as_loud(all[i]))
+      continue;
+    // Counts are lost whole.
+    if (all[i].term.effect.type == "missed_counts" && std::abs(theta[0]) < 0.7) continue;
     const double value = model.value(s, model.size() + columns[i].cols()) - penalty(model, all[i]);
     if (value < best_value + better) continue;
-    const bool scanned = !all[i].term.named || all[i].term.effect.type == "missed_counts";
+    const double gained =
+        (s.log_likelihood - model.solution().log_likelihood) / inflation(model, s, columns[i], all[i]);
+    if (gained < price(model, columns[i].cols()) + penalty(model, all[i]) + better) continue;
+    const bool scanned = !all[i].term.named() || all[i].term.effect.type == "missed_counts";
     const double tests = static_cast<double>(all.size()) * (scanned ? most_orders : 1);
-    if (p_value(model, model.solution(), s, columns[i]) * tests > options.alpha) continue;
+    if (p_value(gained, columns[i].cols()) * tests > options.alpha) continue;
     best_value = value;
     best = Step{std::move(all[i]), theta, value};
   }
   return best;
+}
+
+/// Moves a term's order or time constant to where the likelihood is largest.
+void reshape(TipModel& model, std::size_t term) {
+  TipTerm best = model.terms()[term];
+  if (!best.term.reshaped) return;
+  const Evidence own = believed(model.evidence(), model.belief(), best.where);
+  TipSolution solution = model.solution();
+  bool moved = false;
+  for (double step = 0.5 * best.term.reach; step > 0.02 * best.term.reach; step /= 2)
+    for (const double by : {-step, step})
+      for (int i = 0; i < 4; ++i) {
+        TipTerm next = best;
+        next.term = best.term.reshaped(own, best.term, best.term.shape + by);
+        if (!(next.term.shape > 0)) break;
+        const TipSolution s = model.trial({term}, model.columns(next));
+        if (s.log_likelihood <= solution.log_likelihood + 1e-3) break;
+        best = std::move(next);
+        solution = s;
+        moved = true;
+      }
+  if (!moved) return;
+  const Eigen::VectorXd theta = solution.theta.tail(best.size());
+  model.exchange(term, std::move(best), theta);
+  model.fit();
 }
 
 /// Drops the terms that the model is hardly worse without.
@@ -196,6 +251,7 @@ TipModel grown(TipModel model, const TipSelectOptions& options) {
     const std::size_t before = model.terms().size();
     model.add(std::move(step->term), step->theta);
     model.fit();
+    reshape(model, model.terms().size() - 1);
     prune(model);
     if (model.terms().size() < before) break;  // it goes in circles
   }
@@ -302,7 +358,11 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
       wider << extra, columns;
       const TipSolution with = m.trial({}, wider);
       const double value = m.value(with, m.size() + wider.cols()) - without_name;
-      if (value < best_value + better || p_value(m, now, with, columns) * tests > options.alpha) continue;
+      const double gained = (with.log_likelihood - now.log_likelihood) / inflation(m, with, columns, all[i]);
+      if (value < best_value + better || gained < price(m, columns.cols()) + without_name + better ||
+          p_value(gained, columns.cols()) * tests > options.alpha ||
+          loudness(with, m.beyond({}, columns), with.theta.tail(columns.cols())) < options.least_amplitude)
+        continue;
       best_value = value;
       best = i;
       best_solution = with;
@@ -320,14 +380,17 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
 }
 
 /// Whether the tracker's frame and target, taken as unknown, explain more than 9 numbers do by chance.
-bool asks_for_frames(const TipModel& model) {
+bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
   TipTerm base{TipTerm::Way::base, {}, 0, 0}, tool{TipTerm::Way::tool, {}, 0, 0};
   Eigen::MatrixXd columns(model.entries().size(), 9);
   columns << model.columns(base), model.columns(tool);
   const TipSolution with = model.trial({}, columns);
   const Eigen::Index more = with.rank - model.solution().rank;
-  return more > 0 &&
-         model.value(with, model.size() + more) > model.value(model.solution(), model.size()) + without_name;
+  if (more <= 0) return false;
+  const double gained =
+      (with.log_likelihood - model.solution().log_likelihood) / inflation(model, with, columns, base);
+  return gained > price(model, more) + without_name && p_value(gained, more) < options.alpha &&
+         loudness(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
 }
 
 }  // namespace
@@ -335,7 +398,7 @@ bool asks_for_frames(const TipModel& model) {
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
                         const TipSelectOptions& options) {
   TipModel found = grown(TipModel(model, e, false), options);
-  if (asks_for_frames(found)) {
+  if (asks_for_frames(found, options)) {
     TipModel framed = grown(TipModel(model, e, true), options);
     const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
     if (framed.value(framed.solution(), framed.size() + free) >
@@ -344,9 +407,12 @@ TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
   }
   TipSelection s{std::move(found), {}, {}, {}, {}};
   try_others(model, s);
-  for (std::size_t i = 0; i < s.model.terms().size(); ++i)
+  for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
+    const TipTerm& t = s.model.terms()[i];
+    const double gained = s.model.solution().log_likelihood - s.model.trial({i}, {}).log_likelihood;
     s.p_values.push_back(
-        p_value(s.model, s.model.trial({i}, {}), s.model.solution(), s.model.columns(s.model.terms()[i])));
+        p_value(gained / inflation(s.model, s.model.solution(), s.model.columns(t), t), t.size()));
+  }
   find_tilts(s, options);
   return s;
 }

@@ -139,7 +139,7 @@ std::vector<TipTerm> tilt_terms(const Chain& chain) {
     TipTerm t{TipTerm::Way::tilt, {}, j, 0};
     t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
     t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
-    t.term.named = false;
+    t.term.unnamed = "the axis of the joint is askew";
     if (!chain.joints[j].prismatic) terms.push_back(std::move(t));
   }
   return terms;
@@ -153,8 +153,8 @@ void renew(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const Tip
     if (c[0] > own.step()) t.term.columns = play(own.measured, c[0]);
   } else if (effect.type == "missed_counts") {
     return;  // a matter of time alone
-  } else if (!t.term.named) {
-    t.term.columns = periodic_term(own, "transmission_error", effect.number("order"), false).columns;
+  } else if (t.term.reshaped) {
+    t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {
     for (Term& fresh : named_terms(own))
       if (alike(fresh.effect, effect)) t.term.columns = std::move(fresh.columns);
