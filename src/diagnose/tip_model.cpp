@@ -7,6 +7,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "qerr/core/random.hpp"
 #include "qerr/simulate/sensing.hpp"
 
 namespace qerr {
@@ -14,6 +15,7 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_blocks = 64;
+constexpr Eigen::Index draws = 40;        // of quantization along the path
 constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix: a condition of 1e6
 constexpr double nothing_left = 1e-5;
 
@@ -90,6 +92,7 @@ TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, b
   theta_.resize(0);
   if (frames_) align();
   fit();
+  draw_surrogates();
 }
 
 /// Rotation and translation that bring the model's tip upon the tracked one, where it is far off: a start for
@@ -285,6 +288,38 @@ double TipModel::inflation(const TipSolution& s, const Eigen::MatrixXd& columns,
     }
   }
   return std::max(1.0, together / std::max(within, 1e-300));
+}
+
+void TipModel::draw_surrogates() {
+  surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
+    if (!evidence_->judged(i)) continue;
+    const Evidence& e = evidence_->encoders[i];
+    TipTerm unit{TipTerm::Way::encoder, {}, i, 0};
+    unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
+    const Eigen::VectorXd column = columns(unit);
+    for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
+      const double phase = e.step() * unit_interval(random_bits(2, i, static_cast<std::uint64_t>(d)));
+      for (Eigen::Index k = 0; k < e.rows(); ++k) {
+        const double x = e.path[k] + phase;
+        surrogates_.col(d).segment(k * coordinates, coordinates) +=
+            (quantize(e.encoder, x) - x - mean_error(e.encoder)) *
+            column.segment(k * coordinates, coordinates);
+      }
+    }
+  }
+}
+
+double TipModel::quantization_inflation(const Eigen::MatrixXd& beyond) const {
+  if (surrogates_.cols() == 0) return 1;
+  const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * beyond;
+  const Normal normal(beyond.transpose() * weighted);
+  if (normal.rank == 0) return 1;
+  const Eigen::MatrixXd scores = weighted.transpose() * surrogates_;
+  const double explained = (scores.array() * (normal.inverse * scores).array()).sum() /
+                           static_cast<double>(surrogates_.cols() * normal.rank);
+  return explained + std::pow(solution_.sigma, 2) * solution_.weight.mean();
 }
 
 double TipModel::value(const TipSolution& s, Eigen::Index coefficients) const {

@@ -52,6 +52,12 @@ class TipModel {
   /// row.
   static double inflation(const TipSolution&, const Eigen::MatrixXd& columns, Eigen::Index coordinates);
 
+  /// How much more of the encoders' quantization columns would explain than of white noise of its size, on
+  /// average over encoders that go the same way and begin at other parts of a count. At less than about a
+  /// count per row quantization follows the motion, as what columns describe does.
+  /// @param beyond  what the model cannot make of the columns
+  double quantization_inflation(const Eigen::MatrixXd& beyond) const;
+
   /// log-likelihood less what coefficients cost by Bayes' criterion (Schwarz).
   double value(const TipSolution&, Eigen::Index coefficients) const;
 
@@ -71,6 +77,7 @@ class TipModel {
   void believe();
   void linearize();
   void align();
+  void draw_surrogates();
 
   const OperationalModel* model_;
   const TipEvidence* evidence_;
@@ -84,6 +91,7 @@ class TipModel {
   Eigen::MatrixXd nuisance_;
   std::vector<Eigen::MatrixXd> term_columns_;
   TipSolution solution_;
+  Eigen::MatrixXd surrogates_;  ///< quantization errors at the tip, one column a draw [m]
 };
 
 }  // namespace qerr

@@ -120,22 +120,20 @@ double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
   return 0.5 * score.dot(information.ldlt().solve(score));
 }
 
-/// Rows per run of equal readings. While a reading stays, its quantization error goes where the motion goes:
-/// a run tells little more than one row.
-double rows_per_run(const Evidence& e) {
-  Eigen::Index runs = 1;
-  for (Eigen::Index k = 1; k < e.rows(); ++k)
-    runs += std::abs(e.measured[k] - e.measured[k - 1]) > 0.5 * e.step();
-  return static_cast<double>(e.rows()) / static_cast<double>(runs);
+/// How many rows say together what one would, were they independent: as blocks of the record say, and as the
+/// encoders' quantization along the path says.
+double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {
+  const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
+  return std::max(TipModel::inflation(with, columns, coordinates),
+                  model.quantization_inflation(model.beyond({}, columns)));
 }
 
-/// How many rows say together what one would, were they independent.
-double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns,
-                 const TipTerm& t) {
+/// The same of a term that the model has.
+double inflation(const TipModel& model, std::size_t term) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
-  const double blocks = TipModel::inflation(with, columns, coordinates);
-  if (t.way != TipTerm::Way::encoder || !model.evidence().ordered) return blocks;
-  return std::max(blocks, rows_per_run(model.evidence().encoders[t.where]));
+  const Eigen::MatrixXd columns = model.columns(model.terms()[term]);
+  return std::max(TipModel::inflation(model.solution(), columns, coordinates),
+                  model.quantization_inflation(model.beyond({term}, columns)));
 }
 
 double p_value(double gain, Eigen::Index coefficients) {
@@ -196,7 +194,7 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
     const double value = model.value(s, model.size() + columns[i].cols()) - penalty(model, all[i]);
     if (value < best_value + better) continue;
     const double gained =
-        (s.log_likelihood - model.solution().log_likelihood) / inflation(model, s, columns[i], all[i]);
+        (s.log_likelihood - model.solution().log_likelihood) / inflation(model, s, columns[i]);
     if (gained < price(model, columns[i].cols()) + penalty(model, all[i]) + better) continue;
     const bool scanned = !all[i].term.named() || all[i].term.effect.type == "missed_counts";
     const double tests = static_cast<double>(all.size()) * (scanned ? most_orders : 1);
@@ -232,30 +230,60 @@ void reshape(TipModel& model, std::size_t term) {
   model.fit();
 }
 
-/// Drops the terms that the model is hardly worse without.
+double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
+
+/// Drops the terms that the model is hardly worse without, the least useful first.
 void prune(TipModel& model) {
-  for (std::size_t i = model.terms().size(); i-- > 0;) {
-    const TipSolution without = model.trial({i}, {});
-    if (model.value(without, model.size() - model.terms()[i].size()) <
-        model.value(model.solution(), model.size()) - better)
-      continue;
-    model.remove(i);
+  for (;;) {
+    std::optional<std::size_t> least;
+    double best = value_of(model) - better;
+    for (std::size_t i = 0; i < model.terms().size(); ++i) {
+      const double value = model.value(model.trial({i}, {}), model.size() - model.terms()[i].size());
+      if (value > best) best = value, least = i;
+    }
+    if (!least) return;
+    model.remove(*least);
     model.fit();
   }
 }
 
+/// Term by term, as long as it pays.
 TipModel grown(TipModel model, const TipSelectOptions& options) {
   while (model.terms().size() < options.most_terms) {
     std::optional<Step> step = next_step(model, options);
     if (!step) break;
-    const std::size_t before = model.terms().size();
-    model.add(std::move(step->term), step->theta);
-    model.fit();
-    reshape(model, model.terms().size() - 1);
-    prune(model);
-    if (model.terms().size() < before) break;  // it goes in circles
+    TipModel next = model;
+    next.add(std::move(step->term), step->theta);
+    next.fit();
+    reshape(next, next.terms().size() - 1);
+    prune(next);
+    if (value_of(next) < value_of(model) + 0.5 * better) break;
+    model = std::move(next);
   }
   return model;
+}
+
+/// The same with all dimensions at once, then less and less of them: where many are off, no single one may
+/// show alone.
+TipModel with_all_dimensions(TipModel model) {
+  for (TipTerm& t : tip_terms(model.evidence(), model.belief())) {
+    if (!t.kinematic() || chosen(model, t)) continue;
+    // What the others can make already would only be one more name for it.
+    if (model.beyond({}, model.columns(t)).isZero(0)) continue;
+    model.add(std::move(t), Eigen::VectorXd::Zero(1));
+    model.fit();
+  }
+  prune(model);
+  return model;
+}
+
+TipModel best_model(TipModel start, const TipSelectOptions& options) {
+  TipModel model = grown(std::move(start), options);
+  const auto dimensions = std::count_if(model.terms().begin(), model.terms().end(),
+                                        [](const TipTerm& t) { return t.kinematic(); });
+  if (dimensions < 3) return model;
+  TipModel other = with_all_dimensions(model);
+  return value_of(other) > value_of(model) + better ? std::move(other) : std::move(model);
 }
 
 /// Poses anywhere, in place of those of the record: what even they cannot tell apart, no record can.
@@ -358,7 +386,7 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
       wider << extra, columns;
       const TipSolution with = m.trial({}, wider);
       const double value = m.value(with, m.size() + wider.cols()) - without_name;
-      const double gained = (with.log_likelihood - now.log_likelihood) / inflation(m, with, columns, all[i]);
+      const double gained = (with.log_likelihood - now.log_likelihood) / inflation(m, with, columns);
       if (value < best_value + better || gained < price(m, columns.cols()) + without_name + better ||
           p_value(gained, columns.cols()) * tests > options.alpha ||
           loudness(with, m.beyond({}, columns), with.theta.tail(columns.cols())) < options.least_amplitude)
@@ -388,7 +416,7 @@ bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
   const Eigen::Index more = with.rank - model.solution().rank;
   if (more <= 0) return false;
   const double gained =
-      (with.log_likelihood - model.solution().log_likelihood) / inflation(model, with, columns, base);
+      (with.log_likelihood - model.solution().log_likelihood) / inflation(model, with, columns);
   return gained > price(model, more) + without_name && p_value(gained, more) < options.alpha &&
          loudness(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
 }
@@ -397,9 +425,9 @@ bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
 
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
                         const TipSelectOptions& options) {
-  TipModel found = grown(TipModel(model, e, false), options);
+  TipModel found = best_model(TipModel(model, e, false), options);
   if (asks_for_frames(found, options)) {
-    TipModel framed = grown(TipModel(model, e, true), options);
+    TipModel framed = best_model(TipModel(model, e, true), options);
     const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
     if (framed.value(framed.solution(), framed.size() + free) >
         found.value(found.solution(), found.size()) + without_name)
@@ -410,8 +438,7 @@ TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const TipTerm& t = s.model.terms()[i];
     const double gained = s.model.solution().log_likelihood - s.model.trial({i}, {}).log_likelihood;
-    s.p_values.push_back(
-        p_value(gained / inflation(s.model, s.model.solution(), s.model.columns(t), t), t.size()));
+    s.p_values.push_back(p_value(gained / inflation(s.model, i), t.size()));
   }
   find_tilts(s, options);
   return s;
