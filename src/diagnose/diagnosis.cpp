@@ -34,8 +34,8 @@ double rms(const Eigen::ArrayXd& x) { return x.size() ? std::sqrt(x.square().mea
 
 }  // namespace
 
-Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, const std::vector<Effect>&,
-                   const Log& log, const DiagnoseOptions&) {
+Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&,
+                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions&) {
   Diagnosis d;
   const std::vector<Evidence> all = evidence(model, log);
   double before = 0, after = 0, rows = 0;
@@ -65,7 +65,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
     }
   }
   if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
-  TipDiagnosis tip = diagnose_tip(model, log);
+  TipDiagnosis tip = diagnose_tip(model, present, log);
   if (all.empty() && tip.judged) d.gain = tip.gain, d.prismatic = true;
   std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
   std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "qerr/core/random.hpp"
+#include "qerr/simulate/sensing.hpp"
 #include "tip_select.hpp"
 
 namespace qerr {
@@ -170,8 +171,10 @@ void tell_frames(const TipModel& m, TipDiagnosis& d) {
 
 }  // namespace
 
-TipDiagnosis diagnose_tip(const OperationalModel& model, const Log& log) {
+TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log) {
   TipDiagnosis d;
+  OperationalModel model = ideal;
+  model.chain = as_built(ideal.chain, present);
   const std::optional<TipEvidence> e = tip_evidence(model, log);
   if (!e) return d;
   d.judged = true;

@@ -1,11 +1,9 @@
 #include "tip_model.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "qerr/core/random.hpp"
 #include "qerr/simulate/sensing.hpp"
@@ -15,73 +13,8 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_blocks = 64;
-constexpr Eigen::Index draws = 40;        // of quantization along the path
-constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix: a condition of 1e6
+constexpr Eigen::Index draws = 40;  // of quantization along the path
 constexpr double nothing_left = 1e-5;
-
-/// Pseudo-inverse of a normal matrix, scaled so that units do not decide what is small.
-struct Normal {
-  Eigen::MatrixXd inverse;
-  Eigen::Index rank = 0;
-
-  explicit Normal(const Eigen::MatrixXd& matrix) {
-    if (matrix.cols() == 0) return;
-    Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
-    for (double& s : scale) s = s > 0 ? 1 / s : 0;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * matrix *
-                                                               scale.asDiagonal());
-    Eigen::VectorXd inverted = eigen.eigenvalues();
-    const double least = rank_tolerance * std::max(1.0, inverted.maxCoeff());
-    rank = (inverted.array() > least).count();
-    for (double& v : inverted) v = v > least ? 1 / v : 0;
-    const Eigen::MatrixXd vectors = scale.asDiagonal() * eigen.eigenvectors();
-    inverse = vectors * inverted.asDiagonal() * vectors.transpose();
-  }
-};
-
-double log_likelihood(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma) {
-  const Eigen::ArrayXd variance = known.array() + sigma * sigma;
-  return -0.5 * (variance.log() + rest.array().square() / variance).sum() -
-         0.5 * static_cast<double>(rest.size()) * std::log(2 * std::numbers::pi);
-}
-
-/// Uphill in sigma, by smaller and smaller factors.
-double climb(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma, double least) {
-  double best = log_likelihood(rest, known, sigma);
-  for (double factor = 4; factor > 1.005; factor = std::sqrt(factor))
-    for (const double by : {1 / factor, factor})
-      while (sigma * by >= least) {
-        const double next = log_likelihood(rest, known, sigma * by);
-        if (next <= best) break;
-        sigma *= by;
-        best = next;
-      }
-  return sigma;
-}
-
-TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
-                  double least) {
-  TipSolution s;
-  s.rest = y;
-  s.theta = Eigen::VectorXd::Zero(x.cols());
-  s.sigma = std::max(least, std::sqrt(y.squaredNorm() / static_cast<double>(y.size())));
-  for (int i = 0; i < 12; ++i) {
-    s.weight = (known.array() + s.sigma * s.sigma).inverse().matrix();
-    if (x.cols() > 0) {
-      const Eigen::MatrixXd weighted = s.weight.asDiagonal() * x;
-      const Normal normal(x.transpose() * weighted);
-      s.theta = normal.inverse * (weighted.transpose() * y);
-      s.covariance = normal.inverse;
-      s.rank = normal.rank;
-      s.rest = y - x * s.theta;
-    }
-    const double before = s.sigma;
-    s.sigma = climb(s.rest, known, s.sigma, least);
-    if (std::abs(s.sigma - before) < 0.01 * before) break;
-  }
-  s.log_likelihood = log_likelihood(s.rest, known, s.sigma);
-  return s;
-}
 
 }  // namespace
 
@@ -264,7 +197,7 @@ Eigen::MatrixXd TipModel::beyond(const std::vector<std::size_t>& without,
   const Eigen::MatrixXd present = all_columns(without);
   if (present.cols() == 0) return columns;
   const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * present;
-  const Normal normal(present.transpose() * weighted);
+  const NormalInverse normal(present.transpose() * weighted);
   Eigen::MatrixXd left = columns - present * (normal.inverse * (weighted.transpose() * columns));
   const Eigen::VectorXd root = solution_.weight.cwiseSqrt();
   for (Eigen::Index i = 0; i < left.cols(); ++i)
@@ -314,7 +247,7 @@ void TipModel::draw_surrogates() {
 double TipModel::quantization_inflation(const Eigen::MatrixXd& beyond) const {
   if (surrogates_.cols() == 0) return 1;
   const Eigen::MatrixXd weighted = solution_.weight.asDiagonal() * beyond;
-  const Normal normal(beyond.transpose() * weighted);
+  const NormalInverse normal(beyond.transpose() * weighted);
   if (normal.rank == 0) return 1;
   const Eigen::MatrixXd scores = weighted.transpose() * surrogates_;
   const double explained = (scores.array() * (normal.inverse * scores).array()).sum() /

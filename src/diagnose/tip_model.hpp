@@ -3,21 +3,10 @@
 #include <memory>
 #include <vector>
 
+#include "tip_solution.hpp"
 #include "tip_term.hpp"
 
 namespace qerr {
-
-/// Coefficients that maximize the likelihood of entries y = X theta + Gaussian of the variances
-/// known + sigma^2.
-struct TipSolution {
-  Eigen::VectorXd theta;
-  Eigen::MatrixXd covariance;  ///< of theta; along directions that the entries do not tell, 0
-  Eigen::VectorXd rest;        ///< y - X theta [m]
-  Eigen::VectorXd weight;      ///< 1/(known + sigma^2) [1/m^2]
-  double sigma = 0;            ///< what is left beside the quantization [m]
-  double log_likelihood = 0;
-  Eigen::Index rank = 0;  ///< of X
-};
 
 /// A model of where a tracker sees the tip, given what the joints' encoders read.
 ///
