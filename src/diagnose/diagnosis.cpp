@@ -1,5 +1,6 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
+#include "found_parameters.hpp"
 #include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "select.hpp"
@@ -35,6 +36,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
     const Selection s = select(e);
     held.push_back(hold_out(full, e, starts, s.model));
     const Gain joint_gain = gain({held.back()}, options.seed);
+    const auto parameters = found_parameters(e, s.model);
     for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
       const Term& t = s.model.terms()[i];
       Effect effect = t.effect;
@@ -43,8 +45,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
         d.unexplained.push_back({e.joint, t.unnamed, effect.number("order"), {}, effect.number("amplitude")});
         continue;
       }
-      Cause cause{effect, {}, s.p_values[i], joint_gain};
-      for (const auto& [key, value] : effect.numbers) cause.parameters.push_back({key, value, value, value});
+      Cause cause{effect, parameters[i], s.p_values[i], joint_gain};
       d.causes.push_back(std::move(cause));
       for (const Alternative& a : s.alternatives)
         if (a.term == i) d.alternatives.push_back({effect.type, a.effect.type, e.joint, ""});
