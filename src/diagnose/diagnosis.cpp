@@ -1,5 +1,6 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
+#include "comparison.hpp"
 #include "found_parameters.hpp"
 #include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
@@ -25,10 +26,11 @@ std::string_view name(Verdict v) {
   return "";
 }
 
-Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, const std::vector<Effect>&,
-                   const Log& log, const DiagnoseOptions& options) {
+Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
+                   const std::vector<Effect>&, const Log& log, const DiagnoseOptions& options) {
   Diagnosis d;
   const std::vector<Evidence> all = evidence(model, log);
+  d.simulation = comparison(all, filters, options);
   std::vector<HeldOut> held;
   for (const Evidence& full : all) {
     const std::vector<Eigen::Index> starts = independent_rows(full);
