@@ -5,8 +5,6 @@
 #include <cmath>
 #include <vector>
 
-#include "local_fit.hpp"
-
 namespace qerr {
 
 namespace {
@@ -61,12 +59,6 @@ Eigen::ArrayXd apply(const std::vector<double>& weights, const Eigen::ArrayXd& x
   return out;
 }
 
-/// The same of uneven stamps.
-double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x) {
-  const Eigen::ArrayXd each = roughness_at(time, x).abs();
-  return median(std::vector<double>(each.begin(), each.end())) / 0.6745;
-}
-
 double rms(const Eigen::ArrayXd& x) { return x.size() == 0 ? 0 : std::sqrt(x.square().mean()); }
 
 }  // namespace
@@ -75,26 +67,19 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
   const Eigen::Index n = recorded.size();
   SmoothPath best{recorded, Eigen::ArrayXd::Zero(n), 0};
   if (n < 8) return best;
-  const bool uneven = is_uneven(time);
-  const double noise =
-      std::max(uneven ? roughness(time, recorded) : roughness(recorded), grid / std::sqrt(12.0));
+  const double noise = std::max(roughness(recorded), grid / std::sqrt(12.0));
   const double interval = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
   bool first = true;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
     const Window window(h);
-    LocalFit fit;
-    if (uneven)
-      fit = local_fit(time, recorded, h);
-    else
-      fit = {apply(window.value, recorded, h), apply(window.slope, recorded, h) / interval, window.kept};
-    Eigen::ArrayXd& smooth = fit.value;
+    Eigen::ArrayXd smooth = apply(window.value, recorded, h);
     // At the ends the middle's value would stand for all: keep what was recorded.
     smooth.head(h) = recorded.head(h);
     smooth.tail(h) = recorded.tail(h);
     const double left = rms((recorded - smooth).segment(h, n - 2 * h));
-    if (!first && left > 1.15 * noise * std::sqrt(fit.kept)) break;
-    best.velocity = fit.slope;
+    if (!first && left > 1.15 * noise * std::sqrt(window.kept)) break;
+    best.velocity = apply(window.slope, recorded, h) / interval;
     best.position = first ? recorded : smooth;
     first = false;
   }
