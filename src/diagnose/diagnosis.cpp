@@ -5,6 +5,7 @@
 #include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "select.hpp"
+#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -27,9 +28,10 @@ std::string_view name(Verdict v) {
 }
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
-                   const std::vector<Effect>&, const Log& log, const DiagnoseOptions& options) {
+                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
   Diagnosis d;
-  const std::vector<Evidence> all = evidence(model, log);
+  std::vector<Evidence> all = evidence(model, log);
+  for (Evidence& e : all) e = with_effects(std::move(e), present);
   d.simulation = comparison(all, filters, options);
   std::vector<HeldOut> held;
   for (const Evidence& full : all) {
