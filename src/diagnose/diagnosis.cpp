@@ -12,6 +12,7 @@
 #include "record_advice.hpp"
 #include "select.hpp"
 #include "spread.hpp"
+#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -71,9 +72,10 @@ std::vector<std::string> twins(const Effect& effect, const Evidence& e) {
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
-                   const std::vector<Effect>&, const Log& log, const DiagnoseOptions& options) {
+                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
   Diagnosis d;
-  const std::vector<Evidence> all = evidence(model, log);
+  std::vector<Evidence> all = evidence(model, log);
+  for (Evidence& e : all) e = with_effects(std::move(e), present);
   d.simulation = comparison(all, filters, options);
   std::vector<HeldOut> held;
   for (const Evidence& full : all) {

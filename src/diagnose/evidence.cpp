@@ -54,7 +54,7 @@ Evidence independent(const Evidence& e) { return independent(e, independent_rows
 Evidence independent(const Evidence& e, const std::vector<Eigen::Index>& starts) {
   Evidence few = e;
   for (Eigen::ArrayXd* column : {&few.time, &few.reference, &few.measured, &few.path, &few.velocity,
-                                 &few.side, &few.effort, &few.temperature})
+                                 &few.side, &few.effort, &few.temperature, &few.chance})
     *column = means(*column, starts);
   return few;
 }

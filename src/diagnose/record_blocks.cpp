@@ -30,7 +30,7 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
   Evidence part = e;
   for (Eigen::ArrayXd* column : {&part.time, &part.reference, &part.measured, &part.path, &part.velocity,
-                                 &part.side, &part.effort, &part.temperature})
+                                 &part.side, &part.effort, &part.temperature, &part.chance})
     if (column->size() > 0) *column = Eigen::ArrayXd((*column)(rows));
   return part;
 }

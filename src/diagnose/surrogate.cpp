@@ -107,13 +107,17 @@ void Surrogate::find_rests(double part) {
 }
 
 /// One step of SplitMix64 a lane.
-void Surrogate::draw() {
+void Surrogate::draw_numbers() {
   for (std::size_t i = 0; i < state_.size(); ++i) {
     std::uint64_t z = (state_[i] += 0x9E3779B97F4A7C15u);
     z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
     z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
     drawn_[static_cast<Eigen::Index>(i)] = normal_like(z ^ (z >> 31));
   }
+}
+
+void Surrogate::draw() {
+  draw_numbers();
   first_ = pole_ * first_ + (1 - pole_) * noise_ * drawn_;
   second_ = pole_ * second_ + (1 - pole_) * first_;
 }
@@ -131,9 +135,15 @@ void Surrogate::read(Eigen::Index row, Eigen::ArrayXd& residual, Eigen::ArrayXi&
   if (rest_[row] > 0 && (resting_ == 0 || path_[row] != path_[row - 1]))
     level_ = noise_ / std::sqrt(static_cast<double>(rest_[row])) * drawn_;
   resting_ = rest_[row];
+  x_ = resting_ > 0 ? level_ : second_;
+  if (e_.chance.size() > 0) {
+    // What the model itself leaves to chance comes before the quantizer.
+    draw_numbers();
+    x_ += e_.chance[row] / e_.step() * drawn_;
+  }
   // The whole counts are taken off first, so that rounding keeps its digits far from zero.
   const double whole = std::floor(path_[row]);
-  x_ = (path_[row] - whole - below_) + phase_ + (resting_ > 0 ? level_ : second_);
+  x_ += (path_[row] - whole - below_) + phase_;
   residual = (x_ + rounds_off) - rounds_off;
   const int whole_state = static_cast<int>(std::fmod(whole, 4.0)) + 4;
   for (Eigen::Index i = 0; i < x_.size(); ++i) state[i] = (whole_state + static_cast<int>(residual[i])) & 3;

@@ -39,6 +39,7 @@ class Surrogate {
   void read(Eigen::Index row, Eigen::ArrayXd& residual, Eigen::ArrayXi& state);
 
  private:
+  void draw_numbers();
   void draw();
   void find_rests(double part);
 
