@@ -80,6 +80,7 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/effect_report.hpp"
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/input/spec.hpp"
+
+namespace qerr {
+
+/// The answer of `qerr diagnose`.
+struct DiagnosisReport {
+  Spec spec;
+  Log log;  ///< with its values
+  Diagnosis diagnosis;
+  std::string extended_model;  ///< the file that --write-model wrote, "" for none
+  std::vector<std::string> warnings;
+};
+
+/// Holds a log against its spec.
+/// @throws Error (input) for what the log lacks
+DiagnosisReport diagnosis_report(const Spec&, Log, const DiagnoseOptions&);
+
+/// The parameters of a cause in the order of the effect's row: what was fitted, with its interval, and what
+/// was not (an order, a shaft's side), with an interval of no width.
+struct ReportedParameter {
+  FoundParameter figure;
+  std::string unit;    ///< SI, "" for a pure number
+  bool fixed = false;  ///< not fitted
+};
+std::vector<ReportedParameter> reported_parameters(const Spec&, const Cause&);
+
+/// `m` for a prismatic joint and for a coordinate of the tip, `rad` otherwise.
+std::string coordinate_unit(const Spec&, const std::string& joint_or_coordinate);
+
+struct Style;
+std::string write(const DiagnosisReport&, std::string_view format, const Style&);
+
+}  // namespace qerr
