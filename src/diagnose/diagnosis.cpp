@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/sanity.hpp"
 #include "select.hpp"
 
 namespace qerr {
@@ -28,19 +29,34 @@ std::string_view name(Verdict v) {
 
 namespace {
 
+/// What a joint's residual was before its readings were repaired; empty where they were not.
+std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
+  for (const Cause& c : sane.causes)
+    if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
+      for (std::size_t i = 0; i < sane.rms_before.size(); ++i)
+        if (sane.model.chain.independent[i].name == joint && sane.rms_before[i] > 0)
+          return sane.rms_before[i];
+  return std::nullopt;
+}
+
 double rms(const Eigen::ArrayXd& x) { return x.size() ? std::sqrt(x.square().mean()) : 0; }
 
 }  // namespace
 
-Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, const std::vector<Effect>&,
-                   const Log& log, const DiagnoseOptions&) {
+Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
+                   const std::vector<Effect>&, const Log& log, const DiagnoseOptions&) {
+  Sanity sane = check_sanity(model, filters, log);
   Diagnosis d;
-  const std::vector<Evidence> all = evidence(model, log);
+  d.causes = sane.causes;
+  d.unexplained = std::move(sane.unexplained);
+  d.warnings = std::move(sane.warnings);
+  d.reason = std::move(sane.cannot_judge);
+  const std::vector<Evidence> all = evidence(sane.model, sane.log);
   double before = 0, after = 0, rows = 0;
   for (const Evidence& full : all) {
     const Evidence e = independent(full);
     const Selection s = select(e);
-    const double joint_before = rms(e.measured - e.reference);
+    const double joint_before = before_repair(sane, e.joint).value_or(rms(e.measured - e.reference));
     const double joint_after = rms(e.measured - e.reference - s.model.addition());
     before += joint_before * joint_before * static_cast<double>(e.rows());
     after += joint_after * joint_after * static_cast<double>(e.rows());
@@ -63,12 +79,15 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
     }
   }
   if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
-  d.verdict = all.empty()                                 ? Verdict::cannot_judge
-              : !d.alternatives.empty()                   ? Verdict::ambiguous
-              : d.causes.empty() && d.unexplained.empty() ? Verdict::nothing_wrong
-              : d.causes.empty()                          ? Verdict::unexplained
-              : d.unexplained.empty()                     ? Verdict::explained
-                                                          : Verdict::partly_explained;
+  for (const AlternativeCause& a : sane.alternatives)
+    for (const Cause& c : d.causes)
+      if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
+  d.verdict = all.empty() && d.causes.empty() && d.unexplained.empty() ? Verdict::cannot_judge
+              : !d.alternatives.empty()                                ? Verdict::ambiguous
+              : d.causes.empty() && d.unexplained.empty()              ? Verdict::nothing_wrong
+              : d.causes.empty()                                       ? Verdict::unexplained
+              : d.unexplained.empty()                                  ? Verdict::explained
+                                                                       : Verdict::partly_explained;
   return d;
 }
 

@@ -41,7 +41,6 @@ Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<s
             double p_value, double rms_before, double rms_after) {
   Cause c;
   c.effect = {effect, s.model.chain.independent[encoder].name, std::move(numbers), {}};
-  for (const auto& [key, value] : c.effect.numbers) c.parameters.push_back({key, value, value, value});
   c.p_value = std::max(p_value, 1e-300);
   c.gain.rms_before = rms_before;
   c.gain.rms_after = rms_after;

@@ -101,8 +101,7 @@ bool name_jitter(Sanity& s, const Record& r, const Eigen::ArrayXd& time, std::si
   const double wide = 1.96 * sigma / std::sqrt(2 * samples);
   Cause c = cause(s, joint, "timing_jitter", {{"sigma", sigma}},
                   std::exp(-samples * std::log(before / after)), before, after);
-  c.parameters[0].lower = sigma - wide;
-  c.parameters[0].upper = sigma + wide;
+  c.parameters = {{"sigma", sigma, sigma - wide, sigma + wide}};
   s.causes.push_back(std::move(c));
   s.warnings.push_back(
       s.model.chain.independent[joint].name +
