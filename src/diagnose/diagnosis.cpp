@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
@@ -82,6 +83,10 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
+  if (rows == 0 && !d.causes.empty()) {
+    d.gain = d.causes.front().gain;
+    d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
+  }
   d.verdict = all.empty() && d.causes.empty() && d.unexplained.empty() ? Verdict::cannot_judge
               : !d.alternatives.empty()                                ? Verdict::ambiguous
               : d.causes.empty() && d.unexplained.empty()              ? Verdict::nothing_wrong

@@ -96,12 +96,42 @@ double simple_ratio(double slope) {
   return slope < 0 ? -best : best;
 }
 
+/// Where the interval of true counts that one reading stands for has its middle, less reading/factor
+/// [counts]: as the effect has it, reading = floor(factor count + 1/2), counts rounded to nearest or down.
+double middle_of_reading(double factor, Rounding rounding) {
+  const double every = 1 / std::abs(factor);
+  if (every != std::round(every)) return 0;
+  const bool even = every == 2 * std::floor(every / 2);
+  const double below = std::floor(every / 2) - (factor < 0 && even ? 1 : 0);
+  return -below + (rounding == Rounding::nearest ? 0.5 * (every - 1) : 0);
+}
+
 /// The greatest number that all differences of whole counts are multiples of.
 double common_step(const Eigen::ArrayXd& counts) {
   std::int64_t step = 0;
   for (const double c : counts) step = std::gcd(step, std::llround(c - counts[0]));
   return static_cast<double>(std::max<std::int64_t>(step, 1));
 }
+
+}  // namespace
+
+namespace {
+
+/// The counter as it would have gone on, and where it wrapped.
+struct Unwrapped {
+  Eigen::ArrayXd counts, turns;
+  Boundary boundary;
+
+  Unwrapped(const Eigen::ArrayXd& read, const Eigen::ArrayXd& jump, double modulus)
+      : counts(read), turns(Eigen::ArrayXd::Zero(read.size())) {
+    for (Eigen::Index k = 1; k < counts.size(); ++k) {
+      const double more = -std::round(jump[k] / modulus);
+      turns[k] = turns[k - 1] + more;
+      counts[k] += turns[k] * modulus;
+      if (more != 0) boundary.cross(counts[k - 1], counts[k], modulus);
+    }
+  }
+};
 
 }  // namespace
 
@@ -112,32 +142,30 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
   const Eigen::ArrayXd jump = jumps(read->counts, reference);
   bool power = false;
-  const double modulus = modulus_of(jump, power);
+  double modulus = modulus_of(jump, power);
   // Beyond its own range no counter counts.
   if (modulus == 0 || range(read->counts) > modulus + slack) return;
-  Eigen::ArrayXd whole = read->counts;
-  Boundary boundary;
-  double turns = 0;
-  for (Eigen::Index k = 1; k < whole.size(); ++k) {
-    const double more = -std::round(jump[k] / modulus);
-    turns += more;
-    whole[k] += turns * modulus;
-    if (more != 0) boundary.cross(whole[k - 1], whole[k], modulus);
-  }
+  Unwrapped whole(read->counts, jump, modulus);
+  const Boundary& boundary = whole.boundary;
   if (boundary.crossings == 0 || boundary.low > boundary.high) return;
   // One jump anywhere may be lost counts; not where counters end, nor by 2^15 to the count.
   if (!boundary.at_usual_place(modulus) && boundary.crossings < 5 && !(power && modulus >= 32768)) return;
   double before = 0, after = 0;
   if (reference.size() > 0) {
-    const double apart = (reference - whole).mean();
-    if (s.model.transmission.encoders[encoder].zero_known) whole += modulus * std::round(apart / modulus);
+    if (!power) {  // each jump is a count or so off, their levels are not
+      modulus = std::round(-Line(whole.turns, read->counts - reference).slope);
+      whole = Unwrapped(read->counts, jump, modulus);
+    }
+    const double apart = (reference - whole.counts).mean();
+    if (s.model.transmission.encoders[encoder].zero_known)
+      whole.counts += modulus * std::round(apart / modulus);
     before = rms(read->counts - reference) * step;
-    after = rms(whole - reference) * step;
+    after = rms(whole.counts - reference) * step;
   }
   const double chance = std::min(1.0, 2 * (boundary.high - boundary.low) / modulus);
   s.causes.push_back(cause(s, encoder, "rollover", {{"modulus", modulus}},
                            std::min(1e-6, std::pow(chance, boundary.crossings)), before, after));
-  read->counts = std::move(whole);
+  read->counts = std::move(whole.counts);
   write_back(s, *read, encoder);
 }
 
@@ -152,12 +180,11 @@ void check_decoding(Sanity& s, std::size_t encoder) {
   if (factor == 1 || line.rest > 0.1 * moved) return;
   const double every = read->whole ? common_step(read->counts) : 1;
   const double before = rms(read->counts - reference) * model.resolution;
-  const double scale = model.resolution / factor;
-  // The counter's own step, and where it is zero within one of them, nobody has said.
+  const double middle = every == 1 ? middle_of_reading(factor, model.rounding) : 0;
+  const Eigen::ArrayXd position = (read->counts / factor + middle) * model.resolution;
   model.resolution *= every / std::abs(factor);
   model.counts_per_period = std::max(1.0, model.counts_per_period * std::abs(factor) / every);
-  model.zero_known = model.zero_known && std::abs(factor) >= 1;
-  read->counts *= scale / model.resolution;
+  read->counts = position / model.resolution;
   write_back(s, *read, encoder);
   const double after = rms(read->counts * model.resolution - encoder_reference(s, encoder));
   const double tail = moved / std::max(line.rest, 1e-12);

@@ -57,7 +57,7 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
     s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
     read.counts = counts;
     write_back(s, read, encoder);
-  } else if (!on_counts && grid >= 0.5 && range(read.counts) > 32) {
+  } else if (grid >= 0.5 && rms(off) > 0.04 && range(read.counts) > 32) {
     name_rounding(s, encoder, grid * model.resolution);
   }
 }
