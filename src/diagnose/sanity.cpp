@@ -37,6 +37,13 @@ Eigen::ArrayXd encoder_reference(const Sanity& s, std::size_t encoder) {
   return x;
 }
 
+double ideal_sigma(const Sanity& s, std::size_t joint) {
+  const Transmission& t = s.model.transmission;
+  const Eigen::VectorXd steps =
+      resolutions(t).cwiseProduct(t.coupling.row(static_cast<Eigen::Index>(joint)).transpose());
+  return steps.norm() / std::sqrt(12.0);
+}
+
 Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
             double p_value, double rms_before, double rms_after) {
   Cause c;

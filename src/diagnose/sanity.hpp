@@ -24,6 +24,9 @@ void write_back(Sanity&, const Readings&, std::size_t encoder);
 /// missing.
 Eigen::ArrayXd encoder_reference(const Sanity&, std::size_t encoder);
 
+/// Standard deviation of a joint's own quantization error, by all encoders that it is made of [rad or m].
+double ideal_sigma(const Sanity&, std::size_t joint);
+
 /// A cause of the encoder's joint whose numbers are exact; the gain is of all rows.
 Cause cause(const Sanity&, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
             double p_value, double rms_before, double rms_after);

@@ -60,22 +60,20 @@ void drop_effort(Sanity& s, std::size_t joint, const char* why) {
 
 void check_droop(Sanity& s, std::size_t joint) {
   const auto column = s.log.find(LogSignal::effort, joint);
-  auto read = readings(s, joint);
-  const Encoder& model = s.model.transmission.encoders[joint];
-  if (!column || !read) return;
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  if (!column || !measured) return;
   const Eigen::ArrayXd effort = s.log.values.col(*column);
   if (deviation(effort) == 0) return;
-  const Eigen::ArrayXd measured = read->counts * model.resolution;
-  const double ideal = sigma(model);
+  const double ideal = ideal_sigma(s, joint);
   if (const auto command = s.log.find(LogSignal::command, joint)) {
-    const Eigen::ArrayXd error = s.log.values.col(*command) - measured;
+    const Eigen::ArrayXd error = s.log.values.col(*command) - *measured;
     const Line line(error, effort);
     if (line.rest < 0.1 * deviation(effort) && deviation(error) > 2 * ideal)
       return drop_effort(s, joint, "a multiple of command - measured");
   }
-  const Eigen::ArrayXd reference = encoder_reference(s, joint);
-  if (reference.size() == 0) return;
-  const Eigen::ArrayXd error = measured - reference;
+  const auto reference = s.log.find(LogSignal::reference, joint);
+  if (!reference) return;
+  const Eigen::ArrayXd error = *measured - s.log.values.col(*reference);
   const Line line(effort, error);
   const double explained = std::abs(line.slope) * deviation(effort);
   if (explained < 0.5 * ideal || line.rest > 1.5 * ideal) return;
@@ -88,22 +86,21 @@ void check_droop(Sanity& s, std::size_t joint) {
                               "a load that is measured, or the same motion with another payload"});
     return;
   }
-  const double tail = explained / std::max(line.rest, 1e-12);
-  const double share = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
+  const double tail = explained / std::max(line.rest, 1e-12 * explained);
+  const double chance = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
   const Eigen::ArrayXd droop = line.slope * effort;
-  s.causes.push_back(cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, share, rms(error),
-                           rms(exact ? Eigen::ArrayXd(error - error.mean()) - droop + droop.mean()
-                                     : Eigen::ArrayXd(error - droop))));
-  drop_effort(s, joint, "a multiple of measured - reference");
+  s.causes.push_back(cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, chance, rms(error),
+                           rms(error - droop)));
   if (exact) {
     // The reference is the set point, and the effort has the counts' own rounding in it: nothing is left.
     s.warnings.push_back(name +
                          ": the reference is the set point of the controller: the joint is not judged");
-    if (const auto set_point = s.log.find(LogSignal::reference, joint)) drop_column(s.log, *set_point);
-    return;
+    drop_column(s.log, *reference);
+  } else if (auto read = readings(s, joint); read && ideal == sigma(s.model.transmission.encoders[joint])) {
+    read->counts -= droop / s.model.transmission.encoders[joint].resolution;
+    write_back(s, *read, joint);
   }
-  read->counts -= droop / model.resolution;
-  write_back(s, *read, joint);
+  drop_effort(s, joint, "a multiple of measured - reference");
 }
 
 }  // namespace qerr::sanity

@@ -18,13 +18,18 @@ std::string number(double x) {
   return text;
 }
 
-void name_rounding(Sanity& s, std::size_t encoder, double step) {
-  const Encoder& model = s.model.transmission.encoders[encoder];
-  const auto read = readings(s, encoder);
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  const double now = reference.size() > 0 ? rms(read->counts * model.resolution - reference) : 0;
-  // The file's rounding is one of the error's parts; where the counts are not known it stays.
-  s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, now, now));
+/// The file's rounding is one of the error's parts, and stays where the counts are not known. It is named
+/// when it is more than a hundredth of the residual's variance.
+void name_rounding(Sanity& s, std::size_t joint, double step) {
+  const auto column = s.log.find(LogSignal::reference, joint);
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  double now = 0;
+  if (column && measured) {
+    const Eigen::ArrayXd residual = *measured - s.log.values.col(*column);
+    if (step / std::sqrt(12.0) < 0.1 * deviation(residual)) return;
+    now = rms(residual);
+  }
+  s.causes.push_back(cause(s, joint, "log_rounding", {{"step", step}}, 1e-300, now, now));
 }
 
 /// Counts of which most never occur: a counter with fewer edges than the spec says, brought to its counts.
@@ -119,7 +124,14 @@ void check_dead(Sanity& s, std::size_t encoder) {
 
 void check_grids(Sanity& s, std::size_t encoder) {
   auto read = readings(s, encoder);
-  if (!read) return;
+  if (!read) {  // a joint of several encoders: their counts cannot be told from its position
+    const auto measured = s.log.find(LogSignal::measured, encoder);
+    if (!measured) return;
+    const double grid = s.log.columns[static_cast<std::size_t>(*measured)].step();
+    if (grid / std::sqrt(12.0) > ideal_sigma(s, encoder) && range(s.log.values.col(*measured)) > 32 * grid)
+      name_rounding(s, encoder, grid);
+    return;
+  }
   // A counter that was decoded wrongly has been brought to its own counts already.
   const std::string& joint = s.model.chain.independent[encoder].name;
   const bool decoded = std::any_of(s.causes.begin(), s.causes.end(), [&](const Cause& c) {

@@ -114,17 +114,14 @@ bool name_jitter(Sanity& s, const Record& r, const Eigen::ArrayXd& time, std::si
 
 void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t joint) {
   const auto column = s.log.find(LogSignal::velocity, joint), stamps = s.log.find(LogSignal::time);
-  const auto read = readings(s, joint);
-  if (!column || !stamps || !read || s.log.values.rows() < 200) return;
+  const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
+  if (!column || !stamps || !measured || s.log.values.rows() < 200) return;
   const Eigen::ArrayXd time = s.log.values.col(*stamps);
   const Eigen::Index n = time.size();
-  Record r{read->counts * s.model.transmission.encoders[joint].resolution, s.log.values.col(*column),
-           (time[n - 1] - time[0]) / static_cast<double>(n - 1), 0};
+  Record r{*measured, s.log.values.col(*column), (time[n - 1] - time[0]) / static_cast<double>(n - 1), 0};
   const LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
   r.written = head.step() / std::sqrt(12.0);
-  if (rms(r.velocity) < 10 * r.written ||
-      range(r.position) < 64 * s.model.transmission.encoders[joint].resolution)
-    return;
+  if (rms(r.velocity) < 10 * r.written || range(r.position) < 200 * ideal_sigma(s, joint)) return;
   double stated = 1e300, rate = 0;
   for (const Filter& f : filters)
     if (f.derivative == 1) {
