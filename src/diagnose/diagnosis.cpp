@@ -4,11 +4,13 @@
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 #include "comparison.hpp"
 #include "found_parameters.hpp"
 #include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/sanity.hpp"
 #include "record_advice.hpp"
 #include "select.hpp"
 #include "spread.hpp"
@@ -69,12 +71,99 @@ std::vector<std::string> twins(const Effect& effect, const Evidence& e) {
   return {};
 }
 
+/// What a joint's residual was before its readings were repaired; empty where they were not.
+std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
+  for (const Cause& c : sane.causes)
+    if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
+      for (std::size_t i = 0; i < sane.rms_before.size(); ++i)
+        if (sane.model.chain.independent[i].name == joint && sane.rms_before[i] > 0)
+          return sane.rms_before[i];
+  return std::nullopt;
+}
+
+/// The residual as it was recorded, where the gain has seen repaired readings: the squares of all blocks are
+/// scaled, so that they add up to it.
+void undo_repair(HeldOut& held, double rms_before) {
+  double squares = 0, rows = 0;
+  for (const HeldOut::Block& b : held.blocks) squares += b.before, rows += b.rows;
+  if (squares <= 0) return;
+  const double factor = rms_before * rms_before * rows / squares;
+  for (HeldOut::Block& b : held.blocks) b.before *= factor;
+}
+
+/// One encoder's causes, alternatives and remainders.
+class Account {
+ public:
+  Account(Diagnosis& d, const Evidence& e, const Gain& gain) : d_(d), e_(e), gain_(gain) {}
+
+  void of_terms(const Selection& s, const Spread& scatter) {
+    const auto parameters = found_parameters(e_, s.model);
+    for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
+      const Term& t = s.model.terms()[i];
+      Effect effect = t.effect;
+      t.fill(effect, s.model.coefficients(i));
+      if (!t.named()) {
+        d_.unexplained.push_back(
+            {e_.joint, t.unnamed, order_of(effect), frequency_of(effect), size_of(s.model, i)});
+        continue;
+      }
+      // Unequal states have a mean of their own.
+      if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
+      std::vector<std::string> others = twins(effect, e_);
+      for (const Alternative& other : s.alternatives)
+        if (other.term == i) others.push_back(other.effect.type);
+      add({effect, parameters[i], s.p_values[i], gain_}, others);
+    }
+  }
+
+  void of_scatter(const Spread& scatter) {
+    if (scatter.effect) {
+      Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
+      for (const auto& [name, value] : scatter.effect->numbers)
+        cause.parameters.push_back({name, value, value, value});
+      std::vector<std::string> others;
+      if (scatter.alternative) others.push_back(scatter.alternative->type);
+      add(std::move(cause), others);
+    } else if (scatter.structured && scatter.size > 0.1 * e_.step()) {
+      d_.unexplained.push_back(
+          {e_.joint, "structure without a period or a known shape", {}, {}, scatter.size});
+    }
+  }
+
+ private:
+  void add(Cause cause, const std::vector<std::string>& others) {
+    std::set<std::string> told{cause.effect.type};
+    for (const std::string& other : others)
+      if (told.insert(other).second)
+        d_.alternatives.push_back(
+            {cause.effect.type, other, e_.joint, record_advice(cause.effect.type, other)});
+    d_.causes.push_back(std::move(cause));
+  }
+
+  Diagnosis& d_;
+  const Evidence& e_;
+  const Gain& gain_;
+};
+
+Verdict verdict_of(const Diagnosis& d, bool judged) {
+  const bool found = !d.causes.empty(), left = !d.unexplained.empty();
+  if (!judged && !found && !left) return Verdict::cannot_judge;
+  if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
+  if (!d.alternatives.empty()) return Verdict::ambiguous;
+  return left ? Verdict::partly_explained : Verdict::explained;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
                    const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
+  Sanity sane = check_sanity(model, filters, log);
   Diagnosis d;
-  std::vector<Evidence> all = evidence(model, log);
+  d.causes = sane.causes;
+  d.unexplained = std::move(sane.unexplained);
+  d.warnings = std::move(sane.warnings);
+  d.reason = std::move(sane.cannot_judge);
+  std::vector<Evidence> all = evidence(sane.model, sane.log);
   for (Evidence& e : all) e = with_effects(std::move(e), present);
   d.simulation = comparison(all, filters, options);
   std::vector<HeldOut> held;
@@ -83,49 +172,28 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Evidence e = independent(full, starts);
     const Selection s = select(e);
     held.push_back(hold_out(full, e, starts, s.model));
-    const Gain joint_gain = gain({held.back()}, options.seed);
-    const auto parameters = found_parameters(e, s.model);
+    if (const auto before = before_repair(sane, e.joint)) undo_repair(held.back(), *before);
+    const Gain of_joint = gain({held.back()}, options.seed);
+    for (Cause& cause : d.causes)
+      if (cause.effect.joint == e.joint) cause.gain = of_joint;
     const Spread scatter = spread(e, s.model);
-    for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
-      const Term& t = s.model.terms()[i];
-      Effect effect = t.effect;
-      t.fill(effect, s.model.coefficients(i));
-      if (!t.named()) {
-        d.unexplained.push_back(
-            {e.joint, t.unnamed, order_of(effect), frequency_of(effect), size_of(s.model, i)});
-        continue;
-      }
-      if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
-      d.causes.push_back({effect, parameters[i], s.p_values[i], joint_gain});
-      std::set<std::string> told{effect.type};
-      const auto tell = [&](const std::string& other) {
-        if (told.insert(other).second)
-          d.alternatives.push_back({effect.type, other, e.joint, record_advice(effect.type, other)});
-      };
-      for (const Alternative& other : s.alternatives)
-        if (other.term == i) tell(other.effect.type);
-      for (const std::string& twin : twins(effect, e)) tell(twin);
-    }
-    if (scatter.effect) {
-      d.causes.push_back({*scatter.effect, {}, scatter.p_value, joint_gain});
-      for (const auto& [name, value] : scatter.effect->numbers)
-        d.causes.back().parameters.push_back({name, value, value, value});
-      if (scatter.alternative)
-        d.alternatives.push_back({scatter.effect->type, scatter.alternative->type, e.joint,
-                                  record_advice(scatter.effect->type, scatter.alternative->type)});
-    } else if (scatter.structured && scatter.size > 0.1 * e.step()) {
-      d.unexplained.push_back({e.joint, "structure without a period or a known shape", {}, {}, scatter.size});
-    }
+    Account account(d, e, of_joint);
+    account.of_terms(s, scatter);
+    account.of_scatter(scatter);
   }
   d.gain = gain(held, options.seed);
-  std::stable_sort(d.causes.begin(), d.causes.end(),
-                   [](const Cause& a, const Cause& b) { return a.gain.rms_before > b.gain.rms_before; });
-  d.verdict = all.empty()                                 ? Verdict::cannot_judge
-              : !d.alternatives.empty()                   ? Verdict::ambiguous
-              : d.causes.empty() && d.unexplained.empty() ? Verdict::nothing_wrong
-              : d.causes.empty()                          ? Verdict::unexplained
-              : d.unexplained.empty()                     ? Verdict::explained
-                                                          : Verdict::partly_explained;
+  for (const AlternativeCause& a : sane.alternatives)
+    for (const Cause& c : d.causes)
+      if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
+  if (all.empty() && !d.causes.empty()) {
+    d.gain = d.causes.front().gain;
+    d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
+  }
+  std::stable_sort(d.causes.begin(), d.causes.end(), [](const Cause& a, const Cause& b) {
+    return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
+           b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
+  });
+  d.verdict = verdict_of(d, !all.empty());
   return d;
 }
 
