@@ -122,18 +122,25 @@ TEST(Effects, EccentricityIsThatOfADiscOffItsCentre) {
 /// Quadrature from two channels as a counter sees them: A changes at whole half lines, B a quarter later and
 /// late by the phase error; every edge counts.
 TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
-  const double phase = 0.6;
-  const Record r = record({{"state_width", "elbow", {{"phase", phase}}, {}}});
-  const double line = 4 * delta, shift = phase / (2 * pi) * line;
-  // Edges between count k - 1 and k at (k - 1/2) delta; odd k belong to B and are displaced.
-  const auto edge = [&](long long k) {
-    return (static_cast<double>(k) - 0.5) * delta + (k % 2 != 0 ? shift : 0);
-  };
-  for (std::size_t i = 0; i < r.time.size(); ++i) {
-    auto k = static_cast<long long>(std::floor(r.truth[i] / delta)) - 3;
-    while (edge(k + 1) <= r.truth[i]) ++k;
-    if (std::abs(edge(k) - r.truth[i]) < 1e-12 || std::abs(edge(k + 1) - r.truth[i]) < 1e-12) continue;
-    EXPECT_EQ(r.counts[i], static_cast<double>(k)) << i;
+  const double phase = 0.6, line = 4 * delta, shift = phase / (2 * pi) * line;
+  OperationalModel down = one_joint();
+  down.transmission.encoders[0].rounding = Rounding::down;
+  const Effect width{"state_width", "elbow", {{"phase", phase}}, {}};
+  const std::vector<std::pair<Record, double>> records{
+      {record({width}), 0.5},
+      {record({width}, 4, 1, down), 0.0},
+      {record({width, {"truncation", "elbow", {}, {}}}), 0.0}};
+  for (const auto& [r, before] : records) {
+    // Edges between count k - 1 and k; those of odd k belong to B and are displaced.
+    const auto edge = [&, by = before](long long k) {
+      return (static_cast<double>(k) - by) * delta + (k % 2 != 0 ? shift : 0);
+    };
+    for (std::size_t i = 0; i < r.time.size(); ++i) {
+      auto k = static_cast<long long>(std::floor(r.truth[i] / delta)) - 3;
+      while (edge(k + 1) <= r.truth[i]) ++k;
+      if (std::abs(edge(k) - r.truth[i]) < 1e-12 || std::abs(edge(k + 1) - r.truth[i]) < 1e-12) continue;
+      EXPECT_EQ(r.counts[i], static_cast<double>(k)) << i;
+    }
   }
 }
 

@@ -68,6 +68,7 @@
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/sanity.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"

@@ -65,7 +65,7 @@ void add_spec_options(CLI::App& app, Options& o) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->take_all();
-  app.add_option("--seed", o.seed, "seed of the configurations")
+  app.add_option("--seed", o.seed, "seed of all that is drawn: configurations, phases, noise")
       ->type_name("N")
       ->check([](const std::string& text) {
         const auto seed = parse_number(text);

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 
 #include "command.hpp"
@@ -15,11 +16,23 @@ struct Arguments {
   bool random_phase = false;
 };
 
+bool same_file(const std::string& a, const std::string& b) {
+  std::error_code ignored;
+  return a != "-" && b != "-" && !a.empty() &&
+         (std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored));
+}
+
+Error usage(const std::string& rule, const std::string& found, const std::string& remedy) {
+  return Error({{}, "--log", rule, found, remedy}, Trouble::usage);
+}
+
 int run(const Arguments& arguments, const Options& o) {
   if (arguments.log == "-" && o.output == "-")
-    throw Error(
-        {{}, "--log", "log and report cannot both go to standard output", "", "add -o FILE for the report"},
-        Trouble::usage);
+    throw usage("log and report cannot both go to standard output", "", "add -o FILE for the report");
+  for (const std::string& other : {arguments.spec, o.output})
+    if (same_file(arguments.log, other))
+      throw usage("the log would overwrite another file of this command", "'" + other + "'",
+                  "give the log a name of its own");
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
   std::unique_ptr<OutputFile> log;

@@ -3,10 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <numbers>
+#include <set>
+#include <utility>
 
+#include "comparison.hpp"
+#include "found_parameters.hpp"
+#include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/sanity.hpp"
+#include "record_advice.hpp"
 #include "select.hpp"
+#include "spread.hpp"
 #include "tip.hpp"
+#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -30,53 +40,178 @@ std::string_view name(Verdict v) {
 
 namespace {
 
-double rms(const Eigen::ArrayXd& x) { return x.size() ? std::sqrt(x.square().mean()) : 0; }
+std::optional<double> order_of(const Effect& e) {
+  return e.numbers.count("order") ? std::optional(e.number("order")) : std::nullopt;
+}
 
-}  // namespace
+std::optional<double> frequency_of(const Effect& e) {
+  return e.numbers.count("frequency") ? std::optional(e.number("frequency")) : std::nullopt;
+}
 
-Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&,
-                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions&) {
-  Diagnosis d;
-  const std::vector<Evidence> all = evidence(model, log);
-  double before = 0, after = 0, rows = 0;
-  for (const Evidence& full : all) {
-    const Evidence e = independent(full);
-    const Selection s = select(e);
-    const double joint_before = rms(e.measured - e.reference);
-    const double joint_after = rms(e.measured - e.reference - s.model.addition());
-    before += joint_before * joint_before * static_cast<double>(e.rows());
-    after += joint_after * joint_after * static_cast<double>(e.rows());
-    rows += static_cast<double>(e.rows());
+/// Peak of what a term adds, taken for a sine.
+double size_of(const Explanation& m, std::size_t term) {
+  const Eigen::ArrayXd added = (m.terms()[term].columns.matrix() * m.coefficients(term)).array();
+  return std::sqrt(2 * (added - added.mean()).square().mean());
+}
+
+/// What is the same by its nature, whatever was recorded.
+std::vector<std::string> twins(const Effect& effect, const Evidence& e) {
+  const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
+  if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
+  const auto shaft = effect.choices.find("shaft");
+  const bool of_joint = shaft == effect.choices.end() || shaft->second == "joint" ||
+                        std::abs(std::abs(e.encoder.shaft_ratio) - 1) < 1e-9;
+  // Steppers, the usual references, err at 50 and 100 periods a turn.
+  if (effect.type == "transmission_error" && of_joint && std::fmod(effect.number("order"), 50) == 0)
+    return {"reference_error"};
+  // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
+  const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
+  const bool one_period =
+      e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
+  if (one_period && (effect.type == "eccentricity" || effect.type == "transmission_error"))
+    return {"subdivision_error"};
+  return {};
+}
+
+/// What a joint's residual was before its readings were repaired; empty where they were not.
+std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
+  for (const Cause& c : sane.causes)
+    if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
+      for (std::size_t i = 0; i < sane.rms_before.size(); ++i)
+        if (sane.model.chain.independent[i].name == joint && sane.rms_before[i] > 0)
+          return sane.rms_before[i];
+  return std::nullopt;
+}
+
+/// The residual as it was recorded, where the gain has seen repaired readings: the squares of all blocks are
+/// scaled, so that they add up to it.
+void undo_repair(HeldOut& held, double rms_before) {
+  double squares = 0, rows = 0;
+  for (const HeldOut::Block& b : held.blocks) squares += b.before, rows += b.rows;
+  if (squares <= 0) return;
+  const double factor = rms_before * rms_before * rows / squares;
+  for (HeldOut::Block& b : held.blocks) b.before *= factor;
+}
+
+/// One encoder's causes, alternatives and remainders.
+class Account {
+ public:
+  Account(Diagnosis& d, const Evidence& e, const Gain& gain) : d_(d), e_(e), gain_(gain) {}
+
+  void of_terms(const Selection& s, const Scatter& scatter) {
+    const auto parameters = found_parameters(e_, s.model);
     for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
       const Term& t = s.model.terms()[i];
       Effect effect = t.effect;
       t.fill(effect, s.model.coefficients(i));
       if (!t.named()) {
-        d.unexplained.push_back({e.joint, t.unnamed, effect.number("order"), {}, effect.number("amplitude")});
+        d_.unexplained.push_back(
+            {e_.joint, t.unnamed, order_of(effect), frequency_of(effect), size_of(s.model, i)});
         continue;
       }
-      Cause cause{effect, {}, s.p_values[i], {}};
-      cause.gain.rms_before = joint_before;
-      cause.gain.rms_after = joint_after;
-      for (const auto& [key, value] : effect.numbers) cause.parameters.push_back({key, value, value, value});
-      d.causes.push_back(std::move(cause));
-      for (const Alternative& a : s.alternatives)
-        if (a.term == i) d.alternatives.push_back({effect.type, a.effect.type, e.joint, ""});
+      // Unequal states have a mean of their own.
+      if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
+      std::vector<std::string> others = twins(effect, e_);
+      for (const Alternative& other : s.alternatives)
+        if (other.term == i) others.push_back(other.effect.type);
+      add({effect, parameters[i], s.p_values[i], gain_}, others);
     }
   }
-  if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
-  TipDiagnosis tip = diagnose_tip(model, present, log);
-  if (all.empty() && tip.judged) d.gain = tip.gain, d.prismatic = true;
+
+  void of_scatter(const Scatter& scatter) {
+    if (scatter.effect) {
+      Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
+      for (const auto& [name, value] : scatter.effect->numbers)
+        cause.parameters.push_back({name, value, value, value});
+      std::vector<std::string> others;
+      if (scatter.alternative) others.push_back(scatter.alternative->type);
+      add(std::move(cause), others);
+    } else if (scatter.structured && scatter.size > 0.1 * e_.step()) {
+      d_.unexplained.push_back(
+          {e_.joint, "structure without a period or a known shape", {}, {}, scatter.size});
+    }
+  }
+
+ private:
+  void add(Cause cause, const std::vector<std::string>& others) {
+    std::set<std::string> told{cause.effect.type};
+    for (const std::string& other : others)
+      if (told.insert(other).second)
+        d_.alternatives.push_back(
+            {cause.effect.type, other, e_.joint, record_advice(cause.effect.type, other)});
+    d_.causes.push_back(std::move(cause));
+  }
+
+  Diagnosis& d_;
+  const Evidence& e_;
+  const Gain& gain_;
+};
+
+/// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
+void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
+  if (tip.judged && !joints_judged) {
+    d.gain = tip.gain;
+    d.prismatic = true;
+    d.reason.clear();
+  }
   std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
   std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
   std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
-  d.verdict = all.empty() && !tip.judged                  ? Verdict::cannot_judge
-              : !d.alternatives.empty()                   ? Verdict::ambiguous
-              : d.causes.empty() && d.unexplained.empty() ? Verdict::nothing_wrong
-              : d.causes.empty()                          ? Verdict::unexplained
-              : d.unexplained.empty()                     ? Verdict::explained
-                                                          : Verdict::partly_explained;
+}
+
+Verdict verdict_of(const Diagnosis& d, bool judged) {
+  const bool found = !d.causes.empty(), left = !d.unexplained.empty();
+  if (!judged && !found && !left) return Verdict::cannot_judge;
+  if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
+  if (!d.alternatives.empty()) return Verdict::ambiguous;
+  return left ? Verdict::partly_explained : Verdict::explained;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
+                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
+  Sanity sane = check_sanity(model, filters, log);
+  Diagnosis d;
+  d.causes = sane.causes;
+  d.unexplained = std::move(sane.unexplained);
+  d.warnings = std::move(sane.warnings);
+  d.reason = std::move(sane.cannot_judge);
+  std::vector<Evidence> all = evidence(sane.model, sane.log);
+  for (Evidence& e : all) e = with_effects(std::move(e), present);
+  d.simulation = comparison(all, filters, options);
+  std::vector<HeldOut> held;
+  for (const Evidence& full : all) {
+    const std::vector<Eigen::Index> starts = independent_rows(full);
+    const Evidence e = independent(full, starts);
+    const Selection s = select(e);
+    held.push_back(hold_out(full, e, starts, s.model));
+    if (const auto before = before_repair(sane, e.joint)) undo_repair(held.back(), *before);
+    const Gain of_joint = gain({held.back()}, options.seed);
+    for (Cause& cause : d.causes)
+      if (cause.effect.joint == e.joint) cause.gain = of_joint;
+    const Scatter scatter = spread(e, s.model);
+    Account account(d, e, of_joint);
+    account.of_terms(s, scatter);
+    account.of_scatter(scatter);
+  }
+  d.gain = gain(held, options.seed);
+  for (const AlternativeCause& a : sane.alternatives)
+    for (const Cause& c : d.causes)
+      if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
+  TipDiagnosis tip = diagnose_tip(sane.model, present, sane.log);
+  const bool judged = !all.empty() || tip.judged;
+  if (!judged && !d.causes.empty()) {
+    d.gain = d.causes.front().gain;
+    d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
+  }
+  std::stable_sort(d.causes.begin(), d.causes.end(), [](const Cause& a, const Cause& b) {
+    return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
+           b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
+  });
+  add_tip(std::move(tip), !all.empty(), d);
+  d.verdict = verdict_of(d, judged);
   return d;
 }
 

@@ -72,9 +72,9 @@ double Explanation::least_noise() const {
 
 /// From the present sigma uphill: with outliers there may be several optima, and the one with little noise
 /// and a crowd of outliers is not meant.
-void Explanation::climb_noise(double outliers) {
+void Explanation::climb_noise(double outliers, double finest) {
   likelihood_ = at(sigma_, outliers);
-  for (double factor = 2; factor > 1.01; factor = std::sqrt(factor))
+  for (double factor = 2; factor > finest; factor = std::sqrt(factor))
     for (const double by : {1 / factor, factor})
       while (sigma_ * by >= least_noise() && sigma_ * by <= spread_) {
         IntervalLikelihood next = at(sigma_ * by, outliers);
@@ -90,7 +90,7 @@ void Explanation::maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& b, doub
     return evidence_->reference + (unit * coefficients).array();
   };
   x_ = moved(b);
-  climb_noise(outliers);
+  climb_noise(outliers, 1.3);
   for (int i = 0; i < 30 && unit.cols() > 0; ++i) {
     const double before = likelihood_.log_likelihood;
     const Eigen::VectorXd gradient = unit.transpose() * likelihood_.score.matrix();
@@ -104,9 +104,10 @@ void Explanation::maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& b, doub
     }
     b += length * step;
     x_ = moved(b);
-    climb_noise(outliers);
-    if (likelihood_.log_likelihood - before < 1e-2) break;
+    climb_noise(outliers, 1.3);
+    if (likelihood_.log_likelihood - before < 0.05) break;
   }
+  climb_noise(outliers, 1.02);
 }
 
 void Explanation::fit() {
@@ -121,6 +122,12 @@ void Explanation::fit() {
   plain_sigma_ = sigma_;
   maximize(unit, b, outlier_part);
   beta_ = b.cwiseQuotient(scale);
+}
+
+double Explanation::mean_offset() const {
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (terms_[i].effect.type == "offset") return coefficients(i)[0];
+  return 0;
 }
 
 double Explanation::gain(const Eigen::ArrayXXd& columns) const {

@@ -39,13 +39,14 @@ class Explanation {
   const IntervalLikelihood& likelihood() const { return likelihood_; }
   const Intervals& intervals() const { return intervals_; }
   const Eigen::ArrayXd& position() const { return x_; }
+  double mean_offset() const;  ///< what a term for the offset adds
   const IntervalLikelihood& plain() const { return plain_; }
 
  private:
   Eigen::ArrayXXd all_columns() const;
   IntervalLikelihood at(double sigma, double outliers) const;
   double least_noise() const;
-  void climb_noise(double outliers);
+  void climb_noise(double outliers, double finest);
   void maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& coefficients, double outliers);
 
   const Evidence* evidence_;

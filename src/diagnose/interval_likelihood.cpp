@@ -7,6 +7,7 @@ namespace qerr {
 
 namespace {
 
+constexpr double certain = 8.5;
 constexpr double log_root_two_pi = 0.91893853320467274178;
 
 /// log of the Gaussian's tail beyond z.
@@ -45,6 +46,11 @@ IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const double s = sigma[sigma.size() == 1 ? 0 : k];
     const double a = (intervals.lower[k] - x[k]) / s, b = (intervals.upper[k] - x[k]) / s;
+    if (a < -certain && b > certain) {  // well inside: P = 1 to the last bit
+      l.log_likelihood += log_kept;
+      l.score[k] = l.curvature[k] = 0;
+      continue;
+    }
     const double log_p = log_between(a, b);
     double kept = 1, log_mixed = log_p;
     if (outliers > 0) {

@@ -28,7 +28,8 @@ double strongest_rate(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argumen
   if (!(range > 0)) return 0;
   const double spacing = 0.5 * std::numbers::pi / range;
   // Rates step by step: every row's e^{i rate argument} turns by the same angle each time.
-  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows), rows = score.size() / stride;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows),
+                     rows = score.size() / stride;
   Eigen::ArrayXcd phasor(rows), turn(rows);
   for (Eigen::Index k = 0; k < rows; ++k) {
     turn[k] = std::polar(1.0, spacing * argument[k * stride]);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int tried_in_full = 6;
 constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
+constexpr double worth_refining = 200;   ///< behind the leading term at most
 constexpr double worth_no_name = 10;     ///< what has no name must be clearly better
 constexpr double cannot_be_told = 6;     ///< loss of an alternative
 constexpr double nearly_as_good = 0.96;  ///< of the variance that a cause explains
@@ -119,11 +120,17 @@ class Search {
       if (const double gain = model.gain(candidates[i].columns); gain > 8) gains.emplace_back(gain, i);
     std::sort(gains.rbegin(), gains.rend());
     if (gains.size() > tried_in_full) gains.resize(tried_in_full);
+    std::vector<Explanation> tried;
+    double leading = bayes(model, e_) + worth_a_term;
+    for (const auto& [gain, i] : gains) {
+      tried.push_back(with_term(model, candidates[i]));
+      leading = std::max(leading, bayes(tried.back(), e_));
+    }
     std::optional<Explanation> best;
     double value = bayes(model, e_) + worth_a_term;
-    for (const auto& [gain, i] : gains) {
-      Explanation next = with_term(model, candidates[i]);
-      if (next.terms().back().reshaped && bayes(next, e_) > value - 50)
+    for (Explanation& next : tried) {
+      // Only what could still lead is worth the search for its shape.
+      if (next.terms().back().reshaped && bayes(next, e_) > leading - worth_refining)
         next = settled(refined(std::move(next), e_), e_);
       const double here = bayes(next, e_) - (next.terms().back().named() ? 0 : worth_no_name);
       if (here < value || !passes(model, next)) continue;
@@ -203,8 +210,9 @@ Selection select(const Evidence& e, const SelectOptions& options) {
       return (e.measured - e.reference - m.addition()).square().mean();
     };
     const double removed = left(without) - left(s.model);
+    const double chosen = without.gain(s.model.terms()[i].columns);
     for (const Term& other : search.named()) {
-      if (has(s.model, other.effect)) continue;
+      if (has(s.model, other.effect) || without.gain(other.columns) < 0.5 * chosen) continue;
       Explanation swapped = with_term(without, other);
       const double loss = bayes(s.model, e) - bayes(swapped, e);
       const double part = removed > 0 ? (left(without) - left(swapped)) / removed : 0;

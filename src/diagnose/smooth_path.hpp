@@ -10,10 +10,10 @@ struct SmoothPath {
   double noise = 0;                   ///< standard deviation of what was taken out [unit]
 };
 
-/// Local cubic fits (Savitzky and Golay) over the widest window whose residual is still no more than the
-/// noise that fourth differences show: a wider one would bend the path, and a bent path is found to be an
-/// error of the encoder.
-/// @param time  increasing [s]
+/// Local cubic fits (Savitzky and Golay, at the actual stamps) over the widest window whose residual is still
+/// no more than the noise that divided differences of order 4, 6 and 8 show: a wider one would bend the path,
+/// and a bent path is found to be an error of the encoder.
+/// @param time  not decreasing, even or uneven [s]; samples of one stamp share what they have
 /// @param grid  step of the recorded numbers, the least noise there is [unit]
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid);
 

@@ -175,7 +175,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   TipDiagnosis d;
   OperationalModel model = ideal;
   model.chain = as_built(ideal.chain, present);
-  const std::optional<TipEvidence> e = tip_evidence(model, log);
+  const std::optional<TipEvidence> e = tip_evidence(model, present, log);
   if (!e) return d;
   d.judged = true;
   const TipSelection s = select_tip(model, *e);

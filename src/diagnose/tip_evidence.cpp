@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "smooth_path.hpp"
+#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -41,6 +42,16 @@ Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t
   if (const auto warm = log.find(LogSignal::temperature, i))
     e.temperature = log.values.col(*warm) - log.values(0, *warm);
   return e;
+}
+
+/// Moves the joints to where a model that has these effects expects them.
+void take_off(TipEvidence& e, const std::vector<Effect>& present) {
+  for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+    Evidence& own = e.encoders[i];
+    const Eigen::ArrayXd added = with_effects(own, present).reference - own.reference;
+    e.joints -= e.to_joints.col(static_cast<Eigen::Index>(i)) * added.matrix().transpose();
+    own.path -= added;
+  }
 }
 
 /// First rows of groups that say the same: no joint has been seen to move, nor has the tip.
@@ -98,7 +109,8 @@ void shorten(TipEvidence& e) {
 
 }  // namespace
 
-std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const Log& log) {
+std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std::vector<Effect>& present,
+                                        const Log& log) {
   TipEvidence e;
   std::vector<Eigen::Index> columns;
   for (std::size_t i = 0; i < 3; ++i)
@@ -138,6 +150,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const Log
   const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
   for (Eigen::Index i = 0; i < count; ++i)
     e.encoders.push_back(own_evidence(model, log, static_cast<std::size_t>(i), turned.row(i).array(), time));
+  take_off(e, present);
   shorten(e);
   return e;
 }

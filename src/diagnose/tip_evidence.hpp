@@ -6,6 +6,7 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/effect/effect.hpp"
 #include "qerr/simulate/log.hpp"
 
 namespace qerr {
@@ -31,7 +32,9 @@ struct TipEvidence {
 
 /// The evidence at the tip, rows that say the same taken together (see `independent`), and of long records
 /// every n-th of these.
+/// @param present  effects that the spec already has: the joints are where the model then expects them
 /// @returns empty when the log has no tip, or not every joint
-std::optional<TipEvidence> tip_evidence(const OperationalModel&, const Log&);
+std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
+                                        const Log&);
 
 }  // namespace qerr

@@ -20,6 +20,18 @@ FilterBank::FilterBank(const Filter& filter, Eigen::Index channels)
   if (!taps_.empty()) past_ = Eigen::ArrayXXd::Zero(channels, static_cast<Eigen::Index>(taps_.size()));
 }
 
+void FilterBank::settle(Eigen::ArrayXd x) {
+  x *= gain_;
+  for (Stage& s : stages_) {
+    // Nothing changes: the high-pass output is 0, and a0 times the low-pass state is the input.
+    Eigen::ArrayXd& low = s.second ? s.s2 : s.s1;
+    if (s.second) s.s1.setZero();
+    low = x / s.a0;
+    x = s.b0 * low;
+  }
+  for (Eigen::Index i = 0; i < past_.cols(); ++i) past_.col(i) = x;
+}
+
 void FilterBank::step(Eigen::ArrayXd& x) {
   x *= gain_;
   for (Stage& s : stages_) {

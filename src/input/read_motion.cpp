@@ -172,18 +172,20 @@ void read_table(const Field& f, const std::string& path, Spec& spec, Motion& mot
     throw Error({{path, table.lines.front(), 1}, "time", "a motion needs two rows", "one row", ""});
   const double length = table.time.back() - table.time.front();
   const double step = length / static_cast<double>(table.time.size() - 1);
-  if (motion.duration > (length + step) * (1 + 1e-9))
+  // The last row is a sample too: the motion ends one sample after it.
+  if (motion.sample_rate == 0) {
+    for (std::size_t i = 1; i < table.time.size(); ++i)
+      if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
+        throw Error({f.node->place, f.path + ".sample_rate",
+                     "the file's times are uneven, so that they give no sample rate",
+                     "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
+    motion.sample_rate = 1 / step;
+  }
+  const double whole = length + 1 / motion.sample_rate;
+  if (motion.duration > whole * (1 + 1e-9))
     throw Error({f.node->place, f.path + ".duration", "the motion is longer than its file",
-                 shortest(motion.duration) + " s of " + shortest(length + step) + " s",
-                 "leave the duration out"});
-  if (motion.duration == 0) motion.duration = length + step;
-  if (motion.sample_rate != 0) return;
-  for (std::size_t i = 1; i < table.time.size(); ++i)
-    if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
-      throw Error({f.node->place, f.path + ".sample_rate",
-                   "the file's times are uneven, so that they give no sample rate",
-                   "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
-  motion.sample_rate = 1 / step;
+                 shortest(motion.duration) + " s of " + shortest(length) + " s", "leave the duration out"});
+  if (motion.duration == 0) motion.duration = whole;
 }
 
 }  // namespace
@@ -222,6 +224,10 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
     }
     if (!sound) return;
   }
+  constexpr double most_samples = 1e15;
+  if (!(motion.duration * motion.sample_rate <= most_samples))
+    throw Error(f.fault("the motion has too many samples",
+                        "at most " + shortest(most_samples) + ": shorten the duration or lower the rate"));
   if (motion.settling.value_or(0) >= motion.duration)
     throw Error(o.at("settling")
                     .fault("nothing of the motion is left for statistics",

@@ -1,7 +1,9 @@
 #include "qerr/report/effect_report.hpp"
 
 #include <algorithm>
+#include <cmath>
 
+#include "qerr/core/error.hpp"
 #include "qerr/core/text.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/simulate/usage.hpp"
@@ -81,7 +83,9 @@ std::string with_texts(const std::string& lines, const std::vector<std::string>&
 RobotUsage usage_of(const Spec& spec) {
   const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
   if (!spec.motion) return limits;
-  RobotUsage usage = usage_in_motion(spec.model, *spec.motion);
+  double margin = 0;  // a late reading is one of before the motion
+  for (const Effect& effect : spec.effects) margin += std::abs(effect.number("delay"));
+  RobotUsage usage = usage_in_motion(spec.model, *spec.motion, std::min(margin, spec.motion->duration));
   for (std::size_t i = 0; i < usage.joints.size(); ++i)
     if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;
   return usage;
@@ -116,6 +120,13 @@ std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<Eff
                        "' is not in these figures: " + what + " is not known; " + remedy);
   }
   return warnings;
+}
+
+void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
+  const std::vector<std::string> unknown = effect_warnings(spec, shares);
+  if (spec.requirements.empty() || unknown.empty()) return;
+  throw Error(
+      {spec.requirements.front().place, "requirements", "cannot be decided: " + unknown.front(), "", ""});
 }
 
 std::string effect_unit(const Spec& spec, const EffectShare& s) {

@@ -51,9 +51,22 @@ std::string json(const SimulationReport& r) {
                            {"correlated_joints", number(s.ladder.correlated_joints)},
                            {"nonlinear", number(s.ladder.nonlinear)}}}});
     }
+  Json effects = Json::array();
+  for (const Effect& effect : r.spec.effects) {
+    Json row = {{"effect", effect.type}, {"joint", effect.joint}};
+    for (const EffectParameter& p : effect_parameters(r.spec, effect)) row[p.name] = p.value;
+    for (const auto& [name, choice] : effect.choices) row[name] = choice;
+    effects.push_back(row);
+  }
+  Json source = {{"file", r.spec.file}, {"sha256", r.spec.sha256}};
+  for (const auto& [key, value] : r.spec.overrides) source["set"].push_back({{"key", key}, {"value", value}});
+  const Chain& chain = r.spec.model.chain;
   return Json{{"qerr", version()},
               {"command", "simulate"},
-              {"spec", {{"file", r.spec.file}, {"sha256", r.spec.sha256}}},
+              {"spec", source},
+              {"seed", r.seed},
+              {"robot", {{"name", r.spec.robot_name}, {"base", chain.base}, {"tip", chain.tip}}},
+              {"effects", effects},
               {"runs", r.simulation.runs},
               {"samples", r.simulation.samples},
               {"settling_samples", r.simulation.settling},
@@ -85,13 +98,20 @@ std::string csv(const SimulationReport& r) {
 }
 
 std::string ratio(double over, double under) {
-  return under > 0 && std::isfinite(under) ? shortest_of(over / under, 3) : "";
+  if (!(under > 0) || !std::isfinite(under)) return "";
+  const double r = over / under;
+  return r < 1000 ? shortest_of(r, 3) : r < 1e6 ? shortest_of(std::round(r), 6) : ">1e6";
 }
 
 std::string percent(double part) {
+  if (!std::isfinite(part)) return "";
+  if (std::abs(part) > 100) return ">10000 %";
   return std::abs(part) < 0.995 ? shortest_of(100 * part, 2) + " %"
                                 : shortest_of(std::round(100 * part), 6) + " %";
 }
+
+/// What is left of a constant error is rounding of the computer, not of the encoder.
+bool is_nothing(const SimulatedSignal& s) { return s.sigma_simulated <= 1e-6 * s.sigma_ipqn_path; }
 
 std::string label_of(const SimulationReport& r, std::size_t output, std::size_t coordinate) {
   return escaped(filter_name(r, output), 40) + ' ' +
@@ -106,18 +126,32 @@ void for_each_signal(const SimulationReport& r, Visit visit) {
 }
 
 std::string sigma_table(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows{
-      {"", "simulated", "95 %", "IPQN", "sim/IPQN", "sim/path", "sim/exact", "peak", "worst case", "used"}};
+  bool has_means = false;
+  for_each_signal(r, [&](const SimulatedSignal& s, const std::string&, const std::string&) {
+    has_means |= std::abs(s.mean_simulated) > 0.5 * s.sigma_simulated && !is_nothing(s);
+  });
+  std::vector<std::vector<std::string>> rows{{"", "simulated", r.simulation.runs > 1 ? "95 %" : "within run",
+                                              "IPQN", "sim/IPQN", "sim/path", "sim/exact", "peak",
+                                              "worst case", "used"}};
+  if (has_means) rows[0].insert(rows[0].begin() + 1, "mean");
   for_each_signal(r, [&](const SimulatedSignal& s, const std::string& label, const std::string& unit) {
     const double half = 0.5 * (s.sigma_upper - s.sigma_lower);
-    rows.push_back({label, readable(s.sigma_simulated, unit),
-                    "+-" + percent(s.sigma_simulated > 0 ? half / s.sigma_simulated : 0),
-                    readable(s.sigma_ipqn, unit), ratio(s.sigma_simulated, s.sigma_ipqn),
-                    ratio(s.sigma_simulated, s.sigma_ipqn_path), ratio(s.sigma_simulated, s.sigma_exact),
-                    readable(s.peak_simulated, unit), readable(s.worst_case_path, unit),
-                    percent(s.worst_case_path > 0 ? s.peak_simulated / s.worst_case_path : 0)});
+    const bool nothing = is_nothing(s), bounded = std::isfinite(s.worst_case_path) && s.worst_case_path > 0;
+    rows.push_back({label, readable(nothing ? 0 : s.sigma_simulated, unit),
+                    nothing ? "" : "+-" + percent(half / s.sigma_simulated), readable(s.sigma_ipqn, unit),
+                    ratio(nothing ? 0 : s.sigma_simulated, s.sigma_ipqn),
+                    ratio(nothing ? 0 : s.sigma_simulated, s.sigma_ipqn_path),
+                    ratio(nothing ? 0 : s.sigma_simulated, s.sigma_exact), readable(s.peak_simulated, unit),
+                    readable(s.worst_case_path, unit),
+                    bounded ? percent(s.peak_simulated / s.worst_case_path) : ""});
+    if (has_means) rows.back().insert(rows.back().begin() + 1, readable(s.mean_simulated, unit));
   });
-  return aligned(rows);
+  const bool gaussian = std::any_of(r.spec.effects.begin(), r.spec.effects.end(), [](const Effect& e) {
+    return (e.type == "noise" || e.type == "timing_jitter") && e.number("sigma") > 0;
+  });
+  return aligned(rows) +
+         (gaussian ? "  (the worst case of noise and jitter is four sigma, which now and then they exceed)\n"
+                   : "");
 }
 
 std::string ladder_table(const SimulationReport& r) {
@@ -142,9 +176,14 @@ std::string causes(const SimulationReport& r) {
       "joints err together",
       ideal ? "the kinematics are not linear" : "the kinematics are not linear, or not as built"};
   std::array<std::vector<std::string>, 4> found;
+  std::vector<std::string> constant;
   for_each_signal(r, [&](const SimulatedSignal& s, const std::string& label, const std::string&) {
     const double off = s.sigma_ipqn > 0 ? s.sigma_simulated / s.sigma_ipqn - 1 : 0;
     if (!(std::abs(off) > noteworthy)) return;
+    if (is_nothing(s)) {
+      constant.push_back(label);
+      return;
+    }
     const std::array factors{s.ladder.varying_jacobian, s.ladder.joint_error, s.ladder.correlated_joints,
                              s.ladder.nonlinear};
     const auto worst = std::max_element(factors.begin(), factors.end(), [](double a, double b) {
@@ -154,14 +193,16 @@ std::string causes(const SimulationReport& r) {
                                                                        percent(off) + ')');
   });
   std::string text;
-  for (std::size_t i = 0; i < found.size(); ++i) {
-    if (found[i].empty()) continue;
-    text += std::string("  ") + names[i] + ": ";
-    for (std::size_t k = 0; k < std::min<std::size_t>(found[i].size(), 4); ++k)
-      text += (k ? ", " : "") + found[i][k];
-    if (found[i].size() > 4) text += " and " + std::to_string(found[i].size() - 4) + " more";
+  const auto line = [&](const std::string& why, const std::vector<std::string>& labels) {
+    if (labels.empty()) return;
+    text += "  " + why + ": ";
+    for (std::size_t k = 0; k < std::min<std::size_t>(labels.size(), 4); ++k)
+      text += (k ? ", " : "") + labels[k];
+    if (labels.size() > 4) text += " and " + std::to_string(labels.size() - 4) + " more";
     text += '\n';
-  }
+  };
+  for (std::size_t i = 0; i < found.size(); ++i) line(names[i], found[i]);
+  line("the error is constant: the robot rests, or passes whole counts a sample", constant);
   return text.empty() ? "\nIPQN at the centre of the motion is within 5 % everywhere.\n"
                       : "\nIPQN at the centre of the motion is off by more than 5 %, mostly because\n" + text;
 }
@@ -197,8 +238,13 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
     filters.push_back(f.filter);
     norms.push_back(f.norms);
   }
-  return {spec, simulate(model_with_effects(spec), filters, norms, *spec.motion, spec.effects, options),
-          spec.warnings};
+  const EffectReport effects = effect_report(spec);
+  OperationalModel model = spec.model;
+  model.sources = effects.sources;
+  SimulationReport report{spec, simulate(model, filters, norms, *spec.motion, spec.effects, options),
+                          options.seed, spec.warnings};
+  for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
+  return report;
 }
 
 std::string write(const SimulationReport& r, std::string_view format, const Style&) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
+#include <limits>
 
 namespace qerr {
 
@@ -20,10 +21,22 @@ RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::
 void RunStatistics::add(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variance, std::uint64_t block) {
   Sums& s = blocks_[block];
   s.count += 1;
-  s.values += values;
-  s.squares += values.square();
+  const Eigen::ArrayXd off = values - s.mean;
+  s.mean += off / s.count;
+  s.squares += off * (values - s.mean);
   s.expected += variance;
   peak_ = peak_.max(values.abs());
+}
+
+/// Two parts of a record as one: their squares, and what their means differ by.
+void RunStatistics::Sums::join(const Sums& other) {
+  const double both = count + other.count;
+  if (both == 0) return;
+  const Eigen::ArrayXd off = other.mean - mean;
+  squares += other.squares + off.square() * (count * other.count / both);
+  mean += off * (other.count / both);
+  expected += other.expected;
+  count = both;
 }
 
 void RunStatistics::append(const RunStatistics& later) {
@@ -38,13 +51,7 @@ void RunStatistics::append(const RunStatistics& later) {
 void RunStatistics::join_neighbours() {
   for (std::size_t i = 0; 2 * i < blocks_.size(); ++i) {
     Sums joined = blocks_[2 * i];
-    if (2 * i + 1 < blocks_.size()) {
-      const Sums& next = blocks_[2 * i + 1];
-      joined.count += next.count;
-      joined.values += next.values;
-      joined.squares += next.squares;
-      joined.expected += next.expected;
-    }
+    if (2 * i + 1 < blocks_.size()) joined.join(blocks_[2 * i + 1]);
     blocks_[i] = std::move(joined);
   }
   blocks_.resize((blocks_.size() + 1) / 2);
@@ -53,7 +60,7 @@ void RunStatistics::join_neighbours() {
 double RunStatistics::mean(Eigen::Index channel) const {
   double sum = 0, count = 0;
   for (const Sums& s : blocks_) {
-    sum += s.values[channel];
+    sum += s.mean[channel] * s.count;
     count += s.count;
   }
   return count > 0 ? sum / count : 0;
@@ -61,12 +68,12 @@ double RunStatistics::mean(Eigen::Index channel) const {
 
 double RunStatistics::variance(Eigen::Index channel) const {
   double squares = 0, count = 0;
+  const double m = mean(channel);
   for (const Sums& s : blocks_) {
-    squares += s.squares[channel];
+    squares += s.squares[channel] + s.count * std::pow(s.mean[channel] - m, 2);
     count += s.count;
   }
-  const double m = mean(channel);
-  return count > 0 ? std::max(0.0, squares / count - m * m) : 0;
+  return count > 0 ? squares / count : 0;
 }
 
 RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
@@ -80,13 +87,13 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
   double sum = 0, squares = 0, n = 0;
   for (const Sums& s : blocks_) {
     if (s.count == 0) continue;
-    const double v = s.squares[channel] / s.count - 2 * m * s.values[channel] / s.count + m * m;
+    const double v = s.squares[channel] / s.count + std::pow(s.mean[channel] - m, 2);
     const double off = v - ratio * s.expected[channel] / s.count;
     sum += off;
     squares += off * off;
     n += 1;
   }
-  if (n < 2) return {0, std::sqrt(pooled)};
+  if (n < 2) return {0, std::numeric_limits<double>::infinity()};
   const double spread = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)) / n);
   const double t = quantile(boost::math::students_t(n - 1), 0.975);
   return {std::sqrt(std::max(0.0, pooled - t * spread)), std::sqrt(pooled + t * spread)};

@@ -34,7 +34,9 @@ class RunStatistics {
  private:
   struct Sums {
     double count = 0;
-    Eigen::ArrayXd values, squares, expected;
+    Eigen::ArrayXd mean, squares, expected;  ///< squares about the mean: no digits are lost to a large one
+
+    void join(const Sums& other);
   };
   void join_neighbours();
 

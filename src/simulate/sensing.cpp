@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
 
 namespace qerr {
@@ -54,6 +56,9 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),
       effort_(has_masses(built_) && (options.effort || needs_effort(effects))) {
+  for (const Effect& effect : effects)
+    if (const auto rebuilt = effect_kind(effect.type).rebuilt)
+      rebuilt(transmission_.encoders[index_of(model.chain, effect.joint)]);
   // By stage, and within a stage in the order of the spec.
   for (int stage = 0; stage < static_cast<int>(Stage::kinematics); ++stage) {
     for (std::size_t i = 0; i < effects.size(); ++i) {
@@ -111,7 +116,14 @@ double Sensing::count(std::size_t encoder, double shaft) {
   const Moment moment{reading_.index, reading_.time, reading_.joint[static_cast<Eigen::Index>(encoder)], 0,
                       0};
   const double seen = through(a.encoder, shaft, moment);
-  return through(a.decoder, std::round(quantize(e, seen) / e.resolution), moment);
+  const double count = through(a.decoder, std::round(quantize(e, seen) / e.resolution), moment);
+  if (!(std::abs(count) <= 0x1p53))
+    throw Error({{},
+                 "effects",
+                 "a count must be a whole number within 2^53",
+                 "encoder " + std::to_string(encoder + 1) + " at " + shortest(reading_.time) + " s",
+                 "make the effects smaller"});
+  return count;
 }
 
 Reading& Sensing::read(std::uint64_t index) {

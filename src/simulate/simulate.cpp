@@ -71,6 +71,7 @@ struct Job {
   const std::vector<Effect>& effects;
   const SimulationOptions& options;
   std::uint64_t samples, settling, blocks;
+  Eigen::VectorXd mean;  ///< of the error at the centre of the motion
 };
 
 /// Part of a count by which each encoder's path is displaced: uniform for every run, and spread evenly over
@@ -105,7 +106,7 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
       job.model, job.motion, job.effects,
       {displacement(job, index), random_bits(job.options.seed, index, 0), index == 0 && job.options.visit});
   Result result{{RunStatistics(channels.count(), channels.coordinates, job.blocks)},
-                {channels.coordinates, channels.encoders}};
+                {job.mean, channels.encoders}};
   std::vector<Branch> branches;
   for (const Filter& filter : job.filters) {
     branches.push_back({FilterBank(filter, channels.count()), divisor(filter, job.motion)});
@@ -134,6 +135,8 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
     if (counts) result.outputs[0].add(inputs, variance, block);
     for (std::size_t f = 0; f < branches.size(); ++f) {
       if (k % branches[f].every != 0) continue;
+      // The first error stands for all before it: a constant one is no step.
+      if (k == 0) branches[f].bank.settle(inputs);
       signals = inputs;
       branches[f].bank.step(signals);
       if (counts) result.outputs[f + 1].add(signals, variance, block);
@@ -181,14 +184,11 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
   settling = std::min(settling, 0.5 * static_cast<double>(samples));
   if (motion.settling) settling = *motion.settling * motion.sample_rate;
-  Job job{model,
-          filters,
-          motion,
-          effects,
-          options,
-          std::max<std::uint64_t>(samples, 1),
+  Job job{model, filters, motion, effects, options, std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
-          std::max<std::uint64_t>(1, (20 + options.runs - 1) / options.runs)};
+          // Runs differ in their phases, parts of one run do not.
+          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
+          operational_error(model, center(motion)).mean};
   const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
@@ -203,7 +203,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   };
   std::vector<RunStatistics> all(filters.size() + 1,
                                  RunStatistics(channels.count(), channels.coordinates, job.blocks));
-  AlongPath path(channels.coordinates, channels.encoders);
+  AlongPath path(job.mean, channels.encoders);
   for (std::uint64_t first = 0; first < options.runs; first += wave) {
     std::vector<std::optional<Result>> runs(std::min(wave, options.runs - first));
     parallel_for(runs.size(), options.threads, [&](std::size_t i) { runs[i] = run(job, first + i, tick); });

@@ -6,12 +6,15 @@
 
 namespace qerr {
 
-AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
-    : squares_(stretches, Eigen::MatrixXd::Zero(coordinates, encoders)),
-      rigorous_(Eigen::VectorXd::Zero(coordinates)) {}
+AlongPath::AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders)
+    : squares_(stretches, Eigen::MatrixXd::Zero(mean.size(), encoders)),
+      mean_(mean),
+      rigorous_(Eigen::VectorXd::Zero(mean.size())),
+      deviation_(rigorous_) {}
 
 void AlongPath::add(const OperationalError& e, double progress) {
   rigorous_ = rigorous_.cwiseMax(e.rigorous);
+  deviation_ = deviation_.cwiseMax(e.rigorous - e.mean.cwiseAbs() + (e.mean - mean_).cwiseAbs());
   if (progress < 0) return;
   squares_[static_cast<std::size_t>(progress * stretches)] += e.weighted.cwiseAbs2();
   counted_ += 1;
@@ -21,6 +24,7 @@ void AlongPath::append(const AlongPath& later) {
   counted_ += later.counted_;
   for (std::size_t s = 0; s < stretches; ++s) squares_[s] += later.squares_[s];
   rigorous_ = rigorous_.cwiseMax(later.rigorous_);
+  deviation_ = deviation_.cwiseMax(later.deviation_);
 }
 
 Eigen::MatrixXd AlongPath::mean_squares() const {
@@ -58,7 +62,8 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
       row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0),
                      n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()), b.worst_case,
-                     n.l1.upper * path.rigorous()[c]});
+                     f == 0 ? path.rigorous()[c]
+                            : n.l1.upper * path.deviation()[c] + std::abs(n.dc_gain * middle.mean[c])});
     }
   }
   return all;

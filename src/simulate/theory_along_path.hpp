@@ -14,7 +14,9 @@ class AlongPath {
  public:
   static constexpr std::size_t stretches = 512;
 
-  AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
+  /// @param mean  of the error at the centre: a filter makes |H(1)| of it, and the l1 norm of what differs
+  /// from it
+  AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders);
 
   /// @param progress  of the sample through the part that counts, in [0, 1); negative before it: a filter
   ///   remembers what was there
@@ -26,12 +28,13 @@ class AlongPath {
   /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
   Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
 
-  const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
+  const Eigen::VectorXd& rigorous() const { return rigorous_; }    ///< largest bound of the position error
+  const Eigen::VectorXd& deviation() const { return deviation_; }  ///< and of its difference from the mean
 
  private:
   double counted_ = 0;
   std::vector<Eigen::MatrixXd> squares_;
-  Eigen::VectorXd rigorous_;
+  Eigen::VectorXd mean_, rigorous_, deviation_;
 };
 
 /// Theory of one coordinate behind one filter (SimulatedSignal says what each is).

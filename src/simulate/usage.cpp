@@ -92,6 +92,31 @@ std::vector<Usage> usages(const Path& path, const Motion& motion) {
   return all;
 }
 
+void reach_to(Spread& s, double value) {
+  s.lower = std::min(s.lower, value);
+  s.upper = std::max(s.upper, value);
+}
+
+/// What lies before and after the motion widens its ranges, and leaves its means as they are.
+void reach_into(const MotionPath& path, const Motion& motion, double margin,
+                const Eigen::MatrixXd& to_encoders, RobotUsage& usage) {
+  constexpr int steps = 512;
+  for (int k = 1; k <= steps; ++k) {
+    const double beyond = margin * k / steps;
+    for (const double t : {-beyond, motion.duration + beyond}) {
+      const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
+      const Eigen::VectorXd x = to_encoders * q, u = to_encoders * v;
+      for (Eigen::Index i = 0; i < q.size(); ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        reach_to(*usage.joints[row].position, q[i]);
+        reach_to(*usage.joints[row].velocity, v[i]);
+        reach_to(*usage.encoders[row].position, x[i]);
+        reach_to(*usage.encoders[row].velocity, u[i]);
+      }
+    }
+  }
+}
+
 Eigen::VectorXd acceleration(const MotionPath& path, double time, double step) {
   return (path.velocity(time + step) - path.velocity(time - step)) / (2 * step);
 }
@@ -116,7 +141,7 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
 
 }  // namespace
 
-RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion) {
+RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, double margin) {
   const MotionPath path(motion);
   const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
   Path joints(path.joints()), encoders(path.joints());
@@ -131,6 +156,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion) 
     append(encoders.acceleration, to_encoders * a);
   }
   RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
+  if (margin > 0) reach_into(path, motion, margin, to_encoders, usage);
   if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
   return usage;
 }

@@ -24,6 +24,7 @@ struct Evidence {
   Eigen::ArrayXd side;         ///< of the last motion: -1, +1, or 0 before the first
   Eigen::ArrayXd effort;       ///< empty where it is not known
   Eigen::ArrayXd temperature;  ///< rise since the start [K]; empty where it is not known
+  Eigen::ArrayXd chance;       ///< standard deviation of the random effects that the spec has; empty: none
   double noise = 0;            ///< standard deviation of the reference's own noise [rad or m]
   double grid = 0;             ///< step of the reference as it is written in the file [rad or m]
   bool counted = true;         ///< measured are whole counts
@@ -35,7 +36,12 @@ struct Evidence {
 /// The same with one row in place of many that say the same: as long as a joint rests, its reading and its
 /// true position stay what they are, and only the reference's noise changes. Taken for independent readings
 /// they would make certainty out of one coincidence.
+/// @param starts  where each one's rows begin, as independent_rows says
+Evidence independent(const Evidence&, const std::vector<Eigen::Index>& starts);
 Evidence independent(const Evidence&);
+
+/// First rows of groups that say the same.
+std::vector<Eigen::Index> independent_rows(const Evidence&);
 
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values

@@ -126,6 +126,8 @@ struct EffectKind {
   /// Empty where the usage lacks what the row needs. Of size zero it is zero, whatever is known.
   std::optional<Share> (*share)(const Effect&, const Encoder&, const Usage&);
   Need need = Need::nothing;
+  /// What it makes of the encoder itself, before any action; usually nothing.
+  void (*rebuilt)(Encoder&) = nullptr;
 };
 
 /// The name of a stage as people say it: "clock", ...

@@ -16,6 +16,9 @@ class FilterBank {
   FilterBank(const Filter&, Eigen::Index channels);
 
   /// Replaces the inputs by the outputs. @param signals  one per channel
+  /// As if x had always been the input: no transient of a constant remains.
+  void settle(Eigen::ArrayXd x);
+
   void step(Eigen::ArrayXd& signals);
 
  private:

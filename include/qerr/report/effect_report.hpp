@@ -27,6 +27,10 @@ OperationalModel model_with_effects(const Spec&);
 /// One for every effect whose size is not known: what is missing, and where it can be given.
 std::vector<std::string> effect_warnings(const Spec&, const std::vector<EffectShare>&);
 
+/// @throws Error (input; key `requirements`) when there are requirements and an effect whose size is not
+/// known: what cannot be decided is no verdict
+void require_known(const Spec&, const std::vector<EffectShare>&);
+
 /// Unit of what an effect adds: that of its joint, or metres where it displaces an origin.
 std::string effect_unit(const Spec&, const EffectShare&);
 

@@ -13,6 +13,7 @@ namespace qerr {
 struct SimulationReport {
   Spec spec;
   Simulation simulation;
+  std::uint64_t seed = 1;
   std::vector<std::string> warnings;
 };
 

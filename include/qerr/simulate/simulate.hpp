@@ -20,14 +20,15 @@ struct Ladder {
 /// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
 struct SimulatedSignal {
   double sigma_simulated = 0;               ///< about the mean, over samples and runs
-  double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it
+  double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it: between runs, or within a single one
   double mean_simulated = 0;
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
   double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
   double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
   double worst_case = 0;       ///< bound (26) at the centre
-  double worst_case_path = 0;  ///< largest along the path, with the second-order remainder: never exceeded
+  double worst_case_path =
+      0;  ///< largest along the path, with the second-order remainder: never exceeded but by Gaussians
   Ladder ladder;
 };
 

@@ -27,18 +27,22 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 }  // namespace
 
 EffectKind decoding_effect() {
-  return {
-      "decoding",
-      "counts read with the wrong decoding or counts per revolution",
-      "factors 1/4, 1/2, 2, 4, -1",
-      Stage::decoder,
-      {{.name = "factor", .meaning = "reading over right reading, such as 0.25, 2, -1", .required = true}},
-      [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
-        return
-            [factor = e.number("factor")](double x, const Moment&) { return std::floor(factor * x + 0.5); };
-      },
-      share,
-      Need::position};
+  return {"decoding",
+          "counts read with the wrong decoding or counts per revolution",
+          "factors 1/4, 1/2, 2, 4, -1",
+          Stage::decoder,
+          {{.name = "factor",
+            .meaning = "reading over right reading, such as 0.25, 2, -1",
+            .required = true,
+            .least = -1024,
+            .most = 1024}},
+          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+            return [factor = e.number("factor")](double x, const Moment&) {
+              return std::floor(factor * x + 0.5);
+            };
+          },
+          share,
+          Need::position};
 }
 
 }  // namespace qerr

@@ -29,7 +29,12 @@ EffectKind rollover_effect() {
           "the counter wraps",
           "2^16 or 2^32 counts at once",
           Stage::decoder,
-          {{.name = "modulus", .meaning = "counts at which it wraps", .required = true, .least = 1}},
+          {{.name = "modulus",
+            .kind = Kind::integer,
+            .meaning = "counts at which it wraps",
+            .required = true,
+            .least = 2,
+            .most = 0x1p53}},
           [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [modulus = e.number("modulus")](double x, const Moment&) { return wrapped(x, modulus); };
           },

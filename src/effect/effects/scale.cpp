@@ -1,5 +1,3 @@
-#include <cmath>
-
 #include "effects.hpp"
 
 namespace qerr {

@@ -12,19 +12,21 @@ double displacement(const Effect& e, const Encoder& encoder) {
   return e.number("phase") / (2 * std::numbers::pi) * encoder.resolution * encoder.counts_per_period;
 }
 
-/// Edges lie at (k - 1/2) Delta; those with odd k belong to the second channel. Between two edges the
-/// position is stretched, so that the ideal quantizer that follows switches where the displaced edges are.
+/// Edges lie at (k - 1/2) Delta, or at k Delta of an encoder that rounds down; those with odd k belong to the
+/// second channel. Between two edges the position is stretched, so that the ideal quantizer that follows
+/// switches where the displaced edges are.
 Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   const double step = encoder.resolution, shift = displacement(e, encoder) / step;
   if (shift == 0) return [](double x, const Moment&) { return x; };
+  const double edge = encoder.rounding == Rounding::down ? 0 : 0.5;
   return [=](double x, const Moment&) {
     // Two counts make a period of the pattern: an edge of the first channel at 0, of the second at 1 + shift,
     // in units of the step.
-    const double position = x / step + 0.5, base = 2 * std::floor(position / 2);
+    const double position = x / step + edge, base = 2 * std::floor(position / 2);
     const double within = position - base;
     const double stretched =
         within < 1 + shift ? within / (1 + shift) : 1 + (within - 1 - shift) / (1 - shift);
-    return (base + stretched - 0.5) * step;
+    return (base + stretched - edge) * step;
   };
 }
 
