@@ -201,6 +201,7 @@ TEST(DiagnoseTip, NamesTheJointThatSitsElsewhereAndByHowMuch) {
 
 TEST(DiagnoseTip, FindsNothingWrongWithACleanArm) {
   int alarms = 0;
+  std::string said;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
     Dice dice(1000 + seed);
     const std::size_t joints = 2 + dice.below(5);
@@ -213,9 +214,9 @@ TEST(DiagnoseTip, FindsNothingWrongWithACleanArm) {
         judge(arm.model(resolution), log_of(dice, arm, r, resolution, std::pow(10, dice.between(-6, -4))));
     if (d.verdict == Verdict::nothing_wrong) continue;
     ++alarms;
-    std::printf("seed %d: %s\n", static_cast<int>(seed), told(d).c_str());
+    said += std::to_string(seed) + ": " + told(d) + "; ";
   }
-  EXPECT_LE(alarms, 2);
+  EXPECT_LE(alarms, 2) << said;
 }
 
 TEST(DiagnoseTip, NamesWhatAnEncoderAddsByWhatItDoesToTheTip) {
@@ -301,32 +302,51 @@ TEST(DiagnoseTip, BlamesATrackerInAFrameOfItsOwnAndNotTheArm) {
   }
 }
 
-TEST(DiagnoseTip, HalvesWhatALaserTrackerSeesOfAnUncalibratedArm) {
+/// An arm of 6 joints as it comes from the workshop, seen by a laser tracker in 200 poses: every joint a few
+/// tenths of a millimetre and of a milliradian off, axes askew by `askew`, tracker and target not where they
+/// should be.
+Diagnosis uncalibrated(std::uint64_t seed, double askew) {
+  Dice dice(4000 + seed);
+  const Arm arm = random_arm(dice, 6);
+  const std::vector<double> resolution(6, 1e-5);
+  Arm built = arm;
+  for (Eigen::Vector3d& place : built.place)
+    place +=
+        Eigen::Vector3d(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.between(-0.3, 0.3)) * 1e-3;
+  Record r = poses(dice, 6, 200);
+  for (Eigen::Index j = 0; j < 6; ++j) r.additions.row(j).setConstant(dice.between(-4e-4, 4e-4));
+  for (Eigen::Vector3d& axis : built.axis) axis = (axis + askew * dice.direction()).normalized();
+  const Eigen::Vector3d shift = 1e-3 * dice.direction(), target = 2e-3 * dice.direction();
+  built.tool += target;
+  const Eigen::Matrix3d turn = rotation(dice.direction(), 1e-3);
+  return judge(arm.model(resolution),
+               log_of(dice, built, r, resolution, 2e-5,
+                      [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return shift + turn * p; }));
+}
+
+bool begins_with_a_dimension(const Diagnosis& d) {
+  return !d.causes.empty() && (d.causes[0].effect.type == "geometry" || d.causes[0].effect.type == "offset");
+}
+
+TEST(DiagnoseTip, BringsAnUncalibratedArmDownToTheNoiseOfALaserTracker) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
-    Dice dice(4000 + seed);
-    const Arm arm = random_arm(dice, 6);
-    const std::vector<double> resolution(6, 1e-5);
-    Arm built = arm;
-    for (Eigen::Vector3d& place : built.place)
-      place +=
-          Eigen::Vector3d(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.between(-0.3, 0.3)) * 1e-3;
-    Record r = poses(dice, 6, 200);
-    for (Eigen::Index j = 0; j < 6; ++j) r.additions.row(j).setConstant(dice.between(-4e-4, 4e-4));
-    const Eigen::Vector3d shift = 1e-3 * dice.direction(), target = 2e-3 * dice.direction();
-    built.tool += target;
-    const Eigen::Matrix3d turn = rotation(dice.direction(), 1e-3);
-    const Diagnosis d =
-        judge(arm.model(resolution),
-              log_of(dice, built, r, resolution, 2e-5,
-                     [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return shift + turn * p; }));
-    ASSERT_FALSE(d.causes.empty()) << seed;
-    EXPECT_TRUE(d.causes[0].effect.type == "geometry" || d.causes[0].effect.type == "offset") << told(d);
+    const Diagnosis d = uncalibrated(seed, 0);
+    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
     EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << told(d);
-    std::printf("seed %d: rms %.3g to %.3g mm (%.1f to %.1f times), %zu causes, %zu alternatives\n",
-                static_cast<int>(seed), 1e3 * d.gain.rms_before, 1e3 * d.gain.rms_after, d.gain.lower,
-                d.gain.upper, d.causes.size(), d.alternatives.size());
-    EXPECT_GT(d.gain.lower, 2) << told(d);
-    EXPECT_LT(d.gain.rms_after, 3e-5) << told(d);
+    EXPECT_GT(d.gain.lower, 5) << seed << ": " << told(d);
+    EXPECT_LT(d.gain.rms_after, 2.5e-5) << seed << ": " << told(d);
+  }
+}
+
+TEST(DiagnoseTip, LeavesUnexplainedThatAxesAreAskewAndStillNamesTheDimensions) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    const Diagnosis d = uncalibrated(seed, 2e-4);
+    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
+    EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << told(d);
+    EXPECT_TRUE(std::any_of(d.unexplained.begin(), d.unexplained.end(),
+                            [](const Unnamed& u) { return u.what == "the axis of the joint is askew"; }))
+        << seed << ": " << told(d);
+    EXPECT_GT(d.gain.lower, 1.5) << seed << ": " << told(d);
   }
 }
 

@@ -70,6 +70,7 @@ void try_others(const OperationalModel& model, TipSelection& s) {
     const std::vector<TipTerm> others = tip_terms(m.evidence(), m.belief());
     bool exchanged = false;
     for (std::size_t i = 0; i < m.terms().size() && !exchanged; ++i) {
+      const double correlated = inflation(m, i);
       const TipSolution without = m.trial({i}, {});
       TipSolution at_weights = without;
       at_weights.weight = m.solution().weight;
@@ -77,11 +78,11 @@ void try_others(const OperationalModel& model, TipSelection& s) {
       for (const TipTerm& other : others) {
         if (chosen(m, other)) continue;
         const Eigen::MatrixXd columns = m.columns(other);
-        if (gain_of(at_weights, m.beyond({i}, columns)) < own - 2 * as_good - 20) continue;
+        if (gain_of(at_weights, m.beyond({i}, columns)) < own - correlated * (2 * as_good + 20)) continue;
         const TipSolution swapped = m.trial({i}, columns);
-        const double loss = m.value(m.solution(), m.size()) -
-                            m.value(swapped, m.size() - m.terms()[i].size() + columns.cols()) +
-                            penalty(m, other) - penalty(m, m.terms()[i]);
+        const double loss = (m.solution().log_likelihood - swapped.log_likelihood) / correlated +
+                            price(m, columns.cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
+                            penalty(m, m.terms()[i]);
         if (loss < -better_by && round < 7) {
           const Eigen::VectorXd theta = swapped.theta.tail(columns.cols());
           m.exchange(i, other, theta);

@@ -17,7 +17,7 @@ constexpr int tried_in_full = 6;
 struct Step {
   TipTerm term;
   Eigen::VectorXd theta;  // of the term
-  double value = 0;
+  double log_likelihood = 0, cost = 0, correlated = 1;
 };
 
 std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& options) {
@@ -32,24 +32,26 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
   std::sort(passing.rbegin(), passing.rend());
   if (passing.size() > tried_in_full) passing.resize(tried_in_full);
   std::optional<Step> best;
-  double best_value = model.value(model.solution(), model.size());
   for (const auto& [gain, i] : passing) {
+    const Eigen::Index size = columns[i].cols();
     const TipSolution s = model.trial({}, columns[i]);
-    const Eigen::VectorXd theta = s.theta.tail(columns[i].cols());
+    const Eigen::VectorXd theta = s.theta.tail(size);
     if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude * times_as_loud(all[i]))
       continue;
     // Counts are lost whole.
     if (all[i].term.effect.type == "missed_counts" && std::abs(theta[0]) < 0.7) continue;
-    const double value = model.value(s, model.size() + columns[i].cols()) - penalty(model, all[i]);
-    if (value < best_value + better_by) continue;
-    const double gained =
-        (s.log_likelihood - model.solution().log_likelihood) / inflation(model, s, columns[i]);
-    if (gained < price(model, columns[i].cols()) + penalty(model, all[i]) + better_by) continue;
+    const double correlated = inflation(model, s, columns[i]);
+    const double gained = (s.log_likelihood - model.solution().log_likelihood) / correlated;
+    const double cost = price(model, size) + penalty(model, all[i]);
+    if (gained < cost + better_by) continue;
     const bool scanned = !all[i].term.named() || all[i].term.effect.type == "missed_counts";
     const double tests = static_cast<double>(all.size()) * (scanned ? scanned_at_tip : 1);
-    if (p_value(gained, columns[i].cols()) * tests > options.alpha) continue;
-    best_value = value;
-    best = Step{std::move(all[i]), theta, value};
+    if (p_value(gained, size) * tests > options.alpha) continue;
+    // Also between two candidates correlated rows say less than they are.
+    if (best && (s.log_likelihood - best->log_likelihood) / std::min(correlated, best->correlated) <
+                    cost - best->cost)
+      continue;
+    best = Step{std::move(all[i]), theta, s.log_likelihood, cost, correlated};
   }
   return best;
 }
@@ -85,10 +87,11 @@ double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
 void prune(TipModel& model) {
   for (;;) {
     std::optional<std::size_t> least;
-    double best = value_of(model) - better_by;
+    double lowest = better_by;
     for (std::size_t i = 0; i < model.terms().size(); ++i) {
-      const double value = model.value(model.trial({i}, {}), model.size() - model.terms()[i].size());
-      if (value > best) best = value, least = i;
+      const double lost = model.solution().log_likelihood - model.trial({i}, {}).log_likelihood;
+      const double worth = lost / inflation(model, i) - price(model, model.terms()[i].size());
+      if (worth < lowest) lowest = worth, least = i;
     }
     if (!least) return;
     model.remove(*least);

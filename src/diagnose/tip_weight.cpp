@@ -47,7 +47,7 @@ double penalty(const TipModel& model, const TipTerm& t) {
 
 double times_as_loud(const TipTerm& t) {
   if (t.kinematic()) return 1;
-  return t.term.named() ? 1.5 : 2.5;
+  return t.term.named() ? 1.7 : 2;
 }
 
 double price(const TipModel& model, Eigen::Index coefficients) {
