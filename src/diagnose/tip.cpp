@@ -7,6 +7,7 @@
 #include "qerr/core/random.hpp"
 #include "qerr/simulate/sensing.hpp"
 #include "tip_select.hpp"
+#include "tip_weight.hpp"
 
 namespace qerr {
 
@@ -131,7 +132,6 @@ std::string record(const TipAlternative& a, const TipTerm& chosen) {
 
 void name_causes(const TipSelection& s, TipDiagnosis& d) {
   const TipModel& m = s.model;
-  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
   std::vector<std::pair<double, Cause>> causes;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
     const TipTerm& t = m.terms()[i];
@@ -143,9 +143,8 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
           {effect.joint, t.term.unnamed, effect.number("order"), {}, effect.number("amplitude")});
       continue;
     }
-    const double inflation = TipModel::inflation(m.solution(), m.columns(t), coordinates);
     const Eigen::MatrixXd covariance =
-        inflation * m.solution().covariance.block(m.position(i), m.position(i), t.size(), t.size());
+        inflation(m, i) * m.solution().covariance.block(m.position(i), m.position(i), t.size(), t.size());
     Cause cause{effect, parameters(t.term, c, covariance), s.p_values[i], d.gain};
     causes.emplace_back(m.trial({i}, {}).rest.squaredNorm(), std::move(cause));
     for (const TipAlternative& a : s.alternatives)
