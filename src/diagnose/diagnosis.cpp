@@ -13,7 +13,7 @@
 #include "qerr/diagnose/sanity.hpp"
 #include "record_advice.hpp"
 #include "select.hpp"
-#include "spread.hpp"
+#include "scatter.hpp"
 #include "with_effects.hpp"
 
 namespace qerr {
@@ -96,7 +96,7 @@ class Account {
  public:
   Account(Diagnosis& d, const Evidence& e, const Gain& gain) : d_(d), e_(e), gain_(gain) {}
 
-  void of_terms(const Selection& s, const Spread& scatter) {
+  void of_terms(const Selection& s, const Scatter& scatter) {
     const auto parameters = found_parameters(e_, s.model);
     for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
       const Term& t = s.model.terms()[i];
@@ -116,7 +116,7 @@ class Account {
     }
   }
 
-  void of_scatter(const Spread& scatter) {
+  void of_scatter(const Scatter& scatter) {
     if (scatter.effect) {
       Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
       for (const auto& [name, value] : scatter.effect->numbers)
@@ -176,7 +176,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Gain of_joint = gain({held.back()}, options.seed);
     for (Cause& cause : d.causes)
       if (cause.effect.joint == e.joint) cause.gain = of_joint;
-    const Spread scatter = spread(e, s.model);
+    const Scatter scatter = scatter_of(e, s.model);
     Account account(d, e, of_joint);
     account.of_terms(s, scatter);
     account.of_scatter(scatter);

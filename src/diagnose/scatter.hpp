@@ -9,7 +9,7 @@
 namespace qerr {
 
 /// What scatters the readings about a model's path more than the reference's own noise can.
-struct Spread {
+struct Scatter {
   std::optional<Effect> effect;  ///< noise, timing_jitter or state_width; empty: none of them
   double p_value = 1;
   std::optional<Effect> alternative;  ///< fits as well
@@ -22,6 +22,6 @@ struct Spread {
 /// jitter of the sampling, sigma^2 = s_r^2 + (v s_t)^2; unequal quadrature states, edges of odd number
 /// displaced.
 /// @param m  its terms are fitted; an offset among them is set against unequal states
-Spread spread(const Evidence&, const Explanation& m);
+Scatter scatter_of(const Evidence&, const Explanation& m);
 
 }  // namespace qerr
