@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -14,6 +15,7 @@
 #include "record_advice.hpp"
 #include "select.hpp"
 #include "scatter.hpp"
+#include "tip.hpp"
 #include "with_effects.hpp"
 
 namespace qerr {
@@ -145,6 +147,19 @@ class Account {
   const Gain& gain_;
 };
 
+/// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
+void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
+  if (tip.judged && !joints_judged) {
+    d.gain = tip.gain;
+    d.prismatic = true;
+    d.reason.clear();
+  }
+  std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
+  std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
+  std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));
+  std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
+}
+
 Verdict verdict_of(const Diagnosis& d, bool judged) {
   const bool found = !d.causes.empty(), left = !d.unexplained.empty();
   if (!judged && !found && !left) return Verdict::cannot_judge;
@@ -185,7 +200,9 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
-  if (all.empty() && !d.causes.empty()) {
+  TipDiagnosis tip = diagnose_tip(sane.model, present, sane.log);
+  const bool judged = !all.empty() || tip.judged;
+  if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;
     d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
   }
@@ -193,7 +210,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
            b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
   });
-  d.verdict = verdict_of(d, !all.empty());
+  add_tip(std::move(tip), !all.empty(), d);
+  d.verdict = verdict_of(d, judged);
   return d;
 }
 
