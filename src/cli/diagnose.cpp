@@ -10,7 +10,7 @@ namespace qerr::cli {
 namespace {
 
 struct Arguments {
-  std::string spec, log;
+  std::string spec, log, model;
 };
 
 int run(const Arguments& arguments, const Options& o) {
@@ -18,13 +18,26 @@ int run(const Arguments& arguments, const Options& o) {
     throw Error(
         {{}, "SPEC LOG", "spec and log cannot both come from standard input", "", "name one as a file"},
         Trouble::usage);
+  if (arguments.model == "-" && o.output == "-")
+    throw Error({{},
+                 "--write-model",
+                 "model and report cannot both go to standard output",
+                 "",
+                 "add -o FILE for the report"},
+                Trouble::usage);
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
+  const auto model = arguments.model.empty() ? nullptr : std::make_unique<OutputFile>(arguments.model);
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = o.threads;
   options.progress = progress(o);
-  const DiagnosisReport report = diagnosis_report(spec, read_log(arguments.log, spec), options);
+  DiagnosisReport report = diagnosis_report(spec, read_log(arguments.log, spec), options);
+  if (model) {
+    model->write(extended_model(report, arguments.model));
+    model->close();
+    report.extended_model = arguments.model;
+  }
   out.write(write(report, chosen_format(o), style(o)));
   out.close();
   warn(report.warnings, o);
@@ -39,6 +52,9 @@ std::function<int()> declare_diagnose(CLI::App& app, Options& o) {
                  "the spec (YAML) of the robot as it should be; '-' reads standard input")
       ->required();
   app.add_option("LOG", arguments->log, "what was recorded (CSV); '-' reads standard input")->required();
+  app.add_option("--write-model", arguments->model,
+                 "write the spec with the found effects in it; '-' is standard output")
+      ->type_name("FILE.yaml");
   add_spec_options(app, o);
   add_output_options(app, o);
   return [=, &o] { return run(*arguments, o); };

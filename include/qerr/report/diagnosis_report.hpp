@@ -35,6 +35,10 @@ std::vector<ReportedParameter> reported_parameters(const Spec&, const Cause&);
 /// `m` for a prismatic joint and for a coordinate of the tip, `rad` otherwise.
 std::string coordinate_unit(const Spec&, const std::string& joint_or_coordinate);
 
+/// The spec with the found effects in it, ready to stand at `target` (see extended_spec); notes above each
+/// effect tell what was found, and how surely.
+std::string extended_model(const DiagnosisReport&, const std::string& target);
+
 struct Style;
 std::string write(const DiagnosisReport&, std::string_view format, const Style&);
 
