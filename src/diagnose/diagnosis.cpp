@@ -49,9 +49,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
       const Term& t = s.model.terms()[i];
       Effect effect = t.effect;
       t.fill(effect, s.model.coefficients(i));
-      if (!t.named) {
-        d.unexplained.push_back(
-            {e.joint, "periodic in the joint angle", effect.number("order"), {}, effect.number("amplitude")});
+      if (!t.named()) {
+        d.unexplained.push_back({e.joint, t.unnamed, effect.number("order"), {}, effect.number("amplitude")});
         continue;
       }
       Cause cause{effect, {}, s.p_values[i], {}};

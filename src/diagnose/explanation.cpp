@@ -118,6 +118,7 @@ void Explanation::fit() {
   sigma_ = spread_ / 4;
   maximize(unit, b, 0);
   plain_ = likelihood_;
+  plain_sigma_ = sigma_;
   maximize(unit, b, outlier_part);
   beta_ = b.cwiseQuotient(scale);
 }

@@ -33,6 +33,12 @@ class Explanation {
   Eigen::ArrayXd addition() const { return x_ - evidence_->reference; }  ///< what all terms add
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
+  double plain_noise() const { return plain_sigma_; }  ///< with nothing taken to be an outlier
+  /// Part of the readings that the model takes to be outliers.
+  double outliers() const { return likelihood_.outliers / static_cast<double>(evidence_->rows()); }
+  const IntervalLikelihood& likelihood() const { return likelihood_; }
+  const Intervals& intervals() const { return intervals_; }
+  const Eigen::ArrayXd& position() const { return x_; }
   const IntervalLikelihood& plain() const { return plain_; }
 
  private:
@@ -49,7 +55,7 @@ class Explanation {
   Eigen::VectorXd beta_;
   Eigen::ArrayXd x_;
   double spread_ = 0;
-  double sigma_ = 0;
+  double sigma_ = 0, plain_sigma_ = 0;
   IntervalLikelihood likelihood_;  ///< some readings being outliers
   IntervalLikelihood plain_;       ///< none being: what looks like outliers may be what is to be found
 };

@@ -56,6 +56,7 @@ IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::
     }
     const double at_a = density_over(a, log_p), at_b = density_over(b, log_p);
     const double score = at_a - at_b, spread_score = b * at_b - a * at_a;
+    l.outliers += 1 - kept;
     l.log_likelihood += log_mixed;
     l.score[k] = kept * score / s;
     l.curvature[k] = kept * std::max(0.0, (score * score + spread_score) / (s * s));

@@ -19,6 +19,7 @@ struct IntervalLikelihood {
   double log_likelihood = 0;
   Eigen::ArrayXd score;      ///< d log P / dx, per reading
   Eigen::ArrayXd curvature;  ///< -d^2 log P / dx^2 >= 0, per reading
+  double outliers = 0;       ///< readings that are taken to be such, as a sum of probabilities
   double scale_score = 0;    ///< d log-likelihood / d log sigma
 };
 

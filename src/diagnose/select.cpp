@@ -3,67 +3,18 @@
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
-#include <numbers>
+
+#include "scan.hpp"
 
 namespace qerr {
 
 namespace {
 
 constexpr int tried_in_full = 6;
-constexpr int most_orders = 2000;
-
-/// Candidate terms that depend on a scan of the present scores: the most likely step, the strongest order.
-std::vector<Term> scanned_terms(const Evidence& e, const Explanation& model) {
-  std::vector<Term> terms;
-  const IntervalLikelihood& l = model.plain();
-  if (e.ordered) {
-    // A step at k adds the scores behind it; what a constant would take is left out of account.
-    const double all = l.score.sum(), weight = l.curvature.sum();
-    double behind = 0, weight_behind = 0, best = 0;
-    Eigen::Index at = 0;
-    for (Eigen::Index k = e.rows(); k-- > 8;) {
-      behind += l.score[k];
-      weight_behind += l.curvature[k];
-      if (k + 8 > e.rows()) continue;
-      const double part = weight_behind / weight, information = weight_behind * (1 - part);
-      const double gain = information > 0 ? std::pow(behind - part * all, 2) / information : 0;
-      if (gain > best) best = gain, at = k;
-    }
-    if (at > 0) terms.push_back(step_term(e, e.time[at]));
-  }
-  return terms;
-}
-
-/// The strongest free order of the encoder's shaft, over what the range of motion resolves.
-Term strongest_order(const Evidence& e, const Explanation& model) {
-  const IntervalLikelihood& l = model.plain();
-  const double range = e.path.maxCoeff() - e.path.minCoeff();
-  const double spacing =
-      2 * std::numbers::pi / std::max(range, 1e-12) / 4;  // [periods per rad of joint] * 2 pi
-  const Eigen::Index stride = std::max<Eigen::Index>(1, e.rows() / 8192);
-  const auto power = [&](double order) {
-    double sine = 0, cosine = 0;
-    for (Eigen::Index k = 0; k < e.rows(); k += stride) {
-      const double angle = order * e.path[k];
-      sine += l.score[k] * std::sin(angle);
-      cosine += l.score[k] * std::cos(angle);
-    }
-    return sine * sine + cosine * cosine;
-  };
-  double best = 0, best_order = 0;
-  for (int i = 2; i < most_orders; ++i) {
-    const double order = i * spacing;
-    if (order * e.step() > 1.5) break;  // a period of four counts
-    const double here = power(order);
-    if (here > best) best = here, best_order = order;
-  }
-  for (double step = spacing / 2; step > spacing / 200; step /= 2)
-    for (const double order : {best_order - step, best_order + step})
-      if (const double here = power(order); here > best) best = here, best_order = order;
-  Term t = periodic_term(e, "transmission_error", best_order, false);
-  t.named = false;
-  return t;
-}
+constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
+constexpr double worth_no_name = 10;     ///< what has no name must be clearly better
+constexpr double cannot_be_told = 6;     ///< loss of an alternative
+constexpr double nearly_as_good = 0.96;  ///< of the variance that a cause explains
 
 double bayes(const Explanation& m, const Evidence& e) {
   Eigen::Index count = 0;
@@ -71,88 +22,194 @@ double bayes(const Explanation& m, const Evidence& e) {
   return m.log_likelihood() - 0.5 * static_cast<double>(count) * std::log(static_cast<double>(e.rows()));
 }
 
-double rms(const Eigen::ArrayXd& x) { return std::sqrt((x - x.mean()).square().mean() + 1e-300); }
+Eigen::ArrayXd addition(const Explanation& m, std::size_t term) {
+  return (m.terms()[term].columns.matrix() * m.coefficients(term)).array();
+}
 
-double amplitude(const Explanation& m, std::size_t term) {
-  const Eigen::ArrayXd added = (m.terms()[term].columns.matrix() * m.coefficients(term)).array();
-  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean()) : rms(added);
+double size(const Explanation& m, std::size_t term) {
+  const Eigen::ArrayXd added = addition(m, term);
+  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean())
+                                                 : std::sqrt((added - added.mean()).square().mean());
 }
 
 /// Of a model with a term against the one without it: the likelihood ratio, less what correlated errors make
 /// of it.
 double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
   const Term& t = with.terms()[term];
-  const double inflation = with.inflation(t.columns);
-  const double ratio = 2 * (with.log_likelihood() - without.log_likelihood()) / inflation;
+  const double ratio = 2 * (with.log_likelihood() - without.log_likelihood()) / with.inflation(t.columns);
   return ratio > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(t.size())), ratio)) : 1;
 }
 
+Explanation with_term(Explanation m, Term t) {
+  m.add(std::move(t));
+  m.fit();
+  return m;
+}
+
+Explanation without_term(Explanation m, std::size_t term) {
+  m.remove(term);
+  m.fit();
+  return m;
+}
+
+Explanation with_term_at(const Explanation& m, std::size_t term, Term t) {
+  Explanation next = m;
+  next.remove(term);
+  return with_term(std::move(next), std::move(t));
+}
+
 bool same(const Effect& a, const Effect& b) {
-  return a.type == b.type && a.choices == b.choices && a.numbers.count("order") == b.numbers.count("order") &&
-         a.number("order") == b.number("order") && a.number("time_constant") == b.number("time_constant") &&
-         a.number("time") == b.number("time");
+  for (const char* number : {"order", "time_constant", "time"})
+    if (a.number(number) != b.number(number)) return false;
+  return a.type == b.type && a.choices == b.choices;
+}
+
+bool has(const Explanation& m, const Effect& effect) {
+  return std::any_of(m.terms().begin(), m.terms().end(),
+                     [&](const Term& t) { return same(t.effect, effect); });
+}
+
+/// Moves the last term's shape to where the likelihood is largest, by golden section within its reach.
+Explanation refined(Explanation m, const Evidence& e) {
+  const Term start = m.terms().back();
+  if (!start.reshaped) return m;
+  m.remove(m.terms().size() - 1);
+  const auto at = [&](double shape) { return with_term(m, start.reshaped(e, start, shape)); };
+  constexpr double golden = 0.6180339887498949;
+  double low = start.shape - start.reach, high = start.shape + start.reach;
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  Explanation at_left = at(left), at_right = at(right);
+  for (int i = 0; i < 14; ++i) {
+    if (at_left.log_likelihood() > at_right.log_likelihood()) {
+      high = right, right = left, at_right = std::move(at_left);
+      at_left = at(left = high - golden * (high - low));
+    } else {
+      low = left, left = right, at_left = std::move(at_right);
+      at_right = at(right = low + golden * (high - low));
+    }
+  }
+  Explanation best =
+      at_left.log_likelihood() > at_right.log_likelihood() ? std::move(at_left) : std::move(at_right);
+  Explanation unmoved = with_term(std::move(m), start);
+  return unmoved.log_likelihood() > best.log_likelihood() ? unmoved : best;
+}
+
+/// A whole order in place of a free one, where the record lets it be.
+Explanation settled(Explanation m, const Evidence& e) {
+  const Term last = m.terms().back();
+  if (last.named() || last.effect.type != "transmission_error") return m;
+  const std::optional<Term> whole = at_whole_order(e, last);
+  if (!whole || has(m, whole->effect)) return m;
+  Explanation named = with_term_at(m, m.terms().size() - 1, *whole);
+  return m.log_likelihood() - named.log_likelihood() < worth_a_term ? named : m;
+}
+
+class Search {
+ public:
+  Search(const Evidence& e, const SelectOptions& options)
+      : e_(e), options_(options), named_(named_terms(e)) {}
+
+  /// The model with the term that improves it most, if any does.
+  std::optional<Explanation> better(const Explanation& model) const {
+    std::vector<Term> candidates = named_;
+    for (auto& scanned : {strongest_step(e_, model), strongest_order(e_, model)})
+      if (scanned) candidates.push_back(*scanned);
+    std::vector<std::pair<double, std::size_t>> gains;
+    for (std::size_t i = 0; i < candidates.size(); ++i)
+      if (const double gain = model.gain(candidates[i].columns); gain > 8) gains.emplace_back(gain, i);
+    std::sort(gains.rbegin(), gains.rend());
+    if (gains.size() > tried_in_full) gains.resize(tried_in_full);
+    std::optional<Explanation> best;
+    double value = bayes(model, e_) + worth_a_term;
+    for (const auto& [gain, i] : gains) {
+      Explanation next = with_term(model, candidates[i]);
+      if (next.terms().back().reshaped && bayes(next, e_) > value - 50)
+        next = settled(refined(std::move(next), e_), e_);
+      const double here = bayes(next, e_) - (next.terms().back().named() ? 0 : worth_no_name);
+      if (here < value || !passes(model, next)) continue;
+      value = here;
+      best = std::move(next);
+    }
+    return best;
+  }
+
+  const std::vector<Term>& named() const { return named_; }
+
+ private:
+  bool passes(const Explanation& model, const Explanation& next) const {
+    const std::size_t last = next.terms().size() - 1;
+    const Term& t = next.terms()[last];
+    const bool scanned = !t.named() || t.effect.type == "missed_counts";
+    if (size(next, last) < (scanned ? 2 : 1) * options_.least_amplitude * e_.step()) return false;
+    const double tests = static_cast<double>(named_.size()) * (scanned ? scanned_hypotheses : 1);
+    return p_value(model, next, last) * tests < options_.alpha;
+  }
+
+  const Evidence& e_;
+  SelectOptions options_;
+  std::vector<Term> named_;
+};
+
+/// Drops terms that stopped to matter when others came.
+void prune(Explanation& m, const Evidence& e) {
+  for (std::size_t i = m.terms().size(); i-- > 0;) {
+    Explanation without = without_term(m, i);
+    if (bayes(without, e) > bayes(m, e) - worth_a_term) m = std::move(without);
+  }
+}
+
+/// Something real that no named cause makes: of tables of position and time and of vibrations the one that
+/// improves the model most. Named terms that are not needed beside it were its shadows.
+void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
+  std::vector<Term> candidates;
+  const Eigen::Index knots = std::min<Eigen::Index>(24, e.rows() / 40);
+  if (knots >= 4) candidates.push_back(position_table_term(e, knots));
+  if (knots >= 4 && e.ordered) candidates.push_back(time_table_term(e, knots));
+  if (auto vibration = strongest_vibration(e, m)) candidates.push_back(*vibration);
+  std::optional<Explanation> best;
+  double value = bayes(m, e) + worth_no_name;
+  for (const Term& t : candidates) {
+    Explanation next = with_term(m, t);
+    if (next.terms().back().reshaped) next = refined(std::move(next), e);
+    const std::size_t last = next.terms().size() - 1;
+    if (size(next, last) < 2 * options.least_amplitude * e.step()) continue;
+    if (p_value(m, next, last) * scanned_hypotheses > options.alpha) continue;
+    if (const double here = bayes(next, e); here > value) value = here, best = std::move(next);
+  }
+  if (!best) return;
+  m = std::move(*best);
+  prune(m, e);
 }
 
 }  // namespace
 
 Selection select(const Evidence& e, const SelectOptions& options) {
-  const std::vector<Term> named = named_terms(e);
+  const Search search(e, options);
   Explanation model(e);
   while (model.terms().size() < options.most_terms) {
-    std::vector<Term> candidates = named;
-    for (Term& t : scanned_terms(e, model)) candidates.push_back(std::move(t));
-    candidates.push_back(strongest_order(e, model));
-    const auto tests = [&](const Term& t) {
-      return static_cast<double>(named.size()) *
-             (t.named && t.effect.type != "missed_counts" ? 1 : most_orders);
-    };
-    std::vector<std::pair<double, std::size_t>> passing;
-    for (std::size_t i = 0; i < candidates.size(); ++i) {
-      const double gain = model.gain(candidates[i].columns);
-      if (gain > 8) passing.emplace_back(gain, i);
-    }
-    std::sort(passing.rbegin(), passing.rend());
-    if (passing.size() > tried_in_full) passing.resize(tried_in_full);
-    std::optional<Explanation> best;
-    double best_value = bayes(model, e);
-    for (const auto& [gain, i] : passing) {
-      Explanation next = model;
-      next.add(candidates[i]);
-      next.fit();
-      if (amplitude(next, next.terms().size() - 1) <
-          (candidates[i].named ? 1 : 2) * options.least_amplitude * e.step())
-        continue;
-      // What has no name must be clearly better than what has one.
-      const double value = bayes(next, e) - (candidates[i].named ? 0 : 10);
-      if (value < best_value + 3) continue;
-      if (p_value(model, next, next.terms().size() - 1) * tests(candidates[i]) > options.alpha) continue;
-      best_value = value;
-      best = std::move(next);
-    }
-    if (!best) break;
-    model = std::move(*best);
+    std::optional<Explanation> next = search.better(model);
+    if (!next) break;
+    model = std::move(*next);
   }
+  prune(model, e);
+  add_remainder(model, e, options);
   Selection s{std::move(model), {}, {}};
-  for (std::size_t i = s.model.terms().size(); i-- > 0;) {
-    Explanation without = s.model;
-    without.remove(i);
-    without.fit();
-    if (bayes(without, e) > bayes(s.model, e) - 3) s.model = std::move(without);
-  }
+  const double all = (e.measured - e.reference).square().mean();
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
-    Explanation without = s.model;
-    without.remove(i);
-    without.fit();
+    const Explanation without = without_term(s.model, i);
     s.p_values.push_back(p_value(without, s.model, i));
-    for (const Term& other : named) {
-      bool present = false;
-      for (const Term& t : s.model.terms()) present |= same(t.effect, other.effect);
-      if (present) continue;
-      Explanation swapped = without;
-      swapped.add(other);
-      swapped.fit();
+    if (!s.model.terms()[i].named()) continue;
+    const auto left = [&](const Explanation& m) {
+      return (e.measured - e.reference - m.addition()).square().mean();
+    };
+    const double removed = left(without) - left(s.model);
+    for (const Term& other : search.named()) {
+      if (has(s.model, other.effect)) continue;
+      Explanation swapped = with_term(without, other);
       const double loss = bayes(s.model, e) - bayes(swapped, e);
-      if (loss < 6) s.alternatives.push_back({i, other.effect, loss});
+      const double part = removed > 0 ? (left(without) - left(swapped)) / removed : 0;
+      if (loss < cannot_be_told || (part > nearly_as_good && removed > 0.01 * all))
+        s.alternatives.push_back({i, other.effect, loss});
     }
   }
   return s;

@@ -22,13 +22,40 @@ Term linear(const Evidence& e, const char* type, const Eigen::ArrayXd& column,
   return t;
 }
 
+Term drift_term(const Evidence& e, double time_constant) {
+  Term t = linear(e, "drift", 1 - (-e.time / time_constant).exp(),
+                  [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c[0]; });
+  t.effect.numbers["time_constant"] = t.shape = time_constant;
+  t.reach = 0.7 * time_constant;
+  t.reshaped = [](const Evidence& record, const Term&, double shape) { return drift_term(record, shape); };
+  return t;
+}
+
+/// Piecewise linear functions of an argument, each 1 in its own knot. The first is left out: it is the
+/// constant.
+Eigen::ArrayXXd hats(const Eigen::ArrayXd& argument, Eigen::Index knots) {
+  const double low = argument.minCoeff(),
+               spacing = (argument.maxCoeff() - low) / static_cast<double>(knots - 1);
+  Eigen::ArrayXXd columns(argument.size(), knots - 1);
+  for (Eigen::Index i = 1; i < knots; ++i)
+    columns.col(i - 1) = (1 - ((argument - low) / spacing - static_cast<double>(i)).abs()).max(0.0);
+  return columns;
+}
+
+void no_parameters(Effect&, const Eigen::VectorXd&) {}
+
+Term without_name(const Evidence& e, std::string what, Eigen::ArrayXXd columns) {
+  Term t;
+  t.effect = {"", e.joint, {}, {}};
+  t.columns = std::move(columns);
+  t.fill = no_parameters;
+  t.unnamed = std::move(what);
+  return t;
+}
+
 void add_drifts(const Evidence& e, std::vector<Term>& terms) {
   const double duration = e.time[e.rows() - 1];
-  for (const double part : {0.1, 0.3, 1.0}) {
-    terms.push_back(linear(e, "drift", 1 - (-e.time / (part * duration)).exp(),
-                           [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c[0]; }));
-    terms.back().effect.numbers["time_constant"] = part * duration;
-  }
+  for (const double part : {0.1, 0.3, 1.0}) terms.push_back(drift_term(e, part * duration));
   if (e.temperature.size() > 0)
     terms.push_back(linear(e, "drift", e.temperature,
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["coefficient"] = c[0]; }));
@@ -65,6 +92,39 @@ Term periodic_term(const Evidence& e, const char* type, double order, bool of_en
   t.columns.col(0) = angle.sin();
   t.columns.col(1) = angle.cos();
   t.fill = fill_periodic;
+  return t;
+}
+
+Term free_order_term(const Evidence& e, double order) {
+  Term t = periodic_term(e, "transmission_error", order, false);
+  t.unnamed = "periodic in the position";
+  t.shape = order;
+  t.reach = std::numbers::pi / std::max(1e-12, e.path.maxCoeff() - e.path.minCoeff()) / 2;
+  t.reshaped = [](const Evidence& record, const Term&, double shape) {
+    return free_order_term(record, shape);
+  };
+  return t;
+}
+
+Term position_table_term(const Evidence& e, Eigen::Index knots) {
+  return without_name(e, "repeats with the position, and has no period", hats(e.path, knots));
+}
+
+Term time_table_term(const Evidence& e, Eigen::Index knots) {
+  return without_name(e, "slow in time", hats(e.time, knots));
+}
+
+Term vibration_term(const Evidence& e, double frequency) {
+  const Eigen::ArrayXd angle = 2 * std::numbers::pi * frequency * e.time;
+  Eigen::ArrayXXd columns(e.rows(), 2);
+  columns << angle.sin(), angle.cos();
+  Term t = without_name(e, "vibrates", std::move(columns));
+  t.effect.numbers["frequency"] = t.shape = frequency;
+  t.fill = fill_periodic;
+  t.reach = 0.25 / std::max(1e-9, e.time[e.rows() - 1]);
+  t.reshaped = [](const Evidence& record, const Term&, double shape) {
+    return vibration_term(record, shape);
+  };
   return t;
 }
 

@@ -14,7 +14,14 @@ struct Term {
   Effect effect;            ///< choices and fixed numbers; the free numbers are filled in
   Eigen::ArrayXXd columns;  ///< rows x coefficients; columns * coefficients is what it adds [rad or m]
   void (*fill)(Effect&, const Eigen::VectorXd& coefficients) = nullptr;
-  bool named = true;  ///< false: something that repeats, wanders or vibrates, and has no name
+  /// What it is that has no name; "" for a cause of the catalogue.
+  std::string unnamed = {};
+  /// A number that the columns depend on other than linearly (an order, a time), and the same term with
+  /// another; `reach` is how far the record lets it be off.
+  double shape = 0, reach = 0;
+  Term (*reshaped)(const Evidence&, const Term&, double shape) = nullptr;
+
+  bool named() const { return unnamed.empty(); }
 
   Eigen::Index size() const { return columns.cols(); }
 };
@@ -25,7 +32,17 @@ std::vector<Term> named_terms(const Evidence&);
 /// amplitude * sin(order * angle + phase) of either shaft.
 Term periodic_term(const Evidence&, const char* type, double order, bool of_encoder);
 
+/// The same at an order that a scan found [periods per rad or m of the joint * 2 pi].
+Term free_order_term(const Evidence&, double order);
+
 /// Counts lost or gained at one moment.
 Term step_term(const Evidence&, double time);
+
+/// Anything that depends on the position alone, on the time alone: hats between evenly spaced knots.
+Term position_table_term(const Evidence&, Eigen::Index knots);
+Term time_table_term(const Evidence&, Eigen::Index knots);
+
+/// A vibration of one frequency [Hz].
+Term vibration_term(const Evidence&, double frequency);
 
 }  // namespace qerr
