@@ -1,8 +1,7 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
-#include <algorithm>
-#include <cmath>
-
+#include "found_parameters.hpp"
+#include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "select.hpp"
 
@@ -26,25 +25,18 @@ std::string_view name(Verdict v) {
   return "";
 }
 
-namespace {
-
-double rms(const Eigen::ArrayXd& x) { return x.size() ? std::sqrt(x.square().mean()) : 0; }
-
-}  // namespace
-
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, const std::vector<Effect>&,
-                   const Log& log, const DiagnoseOptions&) {
+                   const Log& log, const DiagnoseOptions& options) {
   Diagnosis d;
   const std::vector<Evidence> all = evidence(model, log);
-  double before = 0, after = 0, rows = 0;
+  std::vector<HeldOut> held;
   for (const Evidence& full : all) {
-    const Evidence e = independent(full);
+    const std::vector<Eigen::Index> starts = independent_rows(full);
+    const Evidence e = independent(full, starts);
     const Selection s = select(e);
-    const double joint_before = rms(e.measured - e.reference);
-    const double joint_after = rms(e.measured - e.reference - s.model.addition());
-    before += joint_before * joint_before * static_cast<double>(e.rows());
-    after += joint_after * joint_after * static_cast<double>(e.rows());
-    rows += static_cast<double>(e.rows());
+    held.push_back(hold_out(full, e, starts, s.model));
+    const Gain joint_gain = gain({held.back()}, options.seed);
+    const auto parameters = found_parameters(e, s.model);
     for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
       const Term& t = s.model.terms()[i];
       Effect effect = t.effect;
@@ -53,16 +45,13 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
         d.unexplained.push_back({e.joint, t.unnamed, effect.number("order"), {}, effect.number("amplitude")});
         continue;
       }
-      Cause cause{effect, {}, s.p_values[i], {}};
-      cause.gain.rms_before = joint_before;
-      cause.gain.rms_after = joint_after;
-      for (const auto& [key, value] : effect.numbers) cause.parameters.push_back({key, value, value, value});
+      Cause cause{effect, parameters[i], s.p_values[i], joint_gain};
       d.causes.push_back(std::move(cause));
       for (const Alternative& a : s.alternatives)
         if (a.term == i) d.alternatives.push_back({effect.type, a.effect.type, e.joint, ""});
     }
   }
-  if (rows > 0) d.gain.rms_before = std::sqrt(before / rows), d.gain.rms_after = std::sqrt(after / rows);
+  d.gain = gain(held, options.seed);
   d.verdict = all.empty()                                 ? Verdict::cannot_judge
               : !d.alternatives.empty()                   ? Verdict::ambiguous
               : d.causes.empty() && d.unexplained.empty() ? Verdict::nothing_wrong

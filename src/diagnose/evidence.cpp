@@ -39,13 +39,19 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<Eigen::Inde
 
 }  // namespace
 
-Evidence independent(const Evidence& e) {
+std::vector<Eigen::Index> independent_rows(const Evidence& e) {
   const double apart = std::max(e.noise, 0.05 * e.step());
   std::vector<Eigen::Index> starts{0};
   for (Eigen::Index k = 1; k < e.rows(); ++k)
     if (e.measured[k] != e.measured[starts.back()] || std::abs(e.path[k] - e.path[starts.back()]) > apart ||
         e.side[k] != e.side[starts.back()])
       starts.push_back(k);
+  return starts;
+}
+
+Evidence independent(const Evidence& e) { return independent(e, independent_rows(e)); }
+
+Evidence independent(const Evidence& e, const std::vector<Eigen::Index>& starts) {
   Evidence few = e;
   for (Eigen::ArrayXd* column : {&few.time, &few.reference, &few.measured, &few.path, &few.velocity,
                                  &few.side, &few.effort, &few.temperature})

@@ -37,9 +37,10 @@ struct Gain {
   double rms_before = 0, rms_after = 0;
   bool held_out = false;        ///< after: by a model that was fitted to other blocks of the record
   double lower = 0, upper = 0;  ///< 95 % interval of before/after, by the blocks (bootstrap)
-  double sigma_ratio = 0;       ///< of the rest, over what the extended model predicts
-  double log_score = 0;         ///< gain in log-likelihood per reading
-  double coverage = 0;          ///< part of the readings inside the model's central 95 %
+  double counts_before = 0, counts_after = 0;  ///< the same in counts of each encoder
+  double sigma_ratio = 0;                      ///< rms of the rest, over what the extended model predicts
+  double log_score = 0;                        ///< gain in log-likelihood per reading
+  double coverage = 0;                         ///< part of the readings inside the model's central 95 %
 
   double ratio() const { return rms_after > 0 ? rms_before / rms_after : 1; }
 };

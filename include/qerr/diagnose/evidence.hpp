@@ -35,7 +35,12 @@ struct Evidence {
 /// The same with one row in place of many that say the same: as long as a joint rests, its reading and its
 /// true position stay what they are, and only the reference's noise changes. Taken for independent readings
 /// they would make certainty out of one coincidence.
+/// @param starts  where each one's rows begin, as independent_rows says
+Evidence independent(const Evidence&, const std::vector<Eigen::Index>& starts);
 Evidence independent(const Evidence&);
+
+/// First rows of groups that say the same.
+std::vector<Eigen::Index> independent_rows(const Evidence&);
 
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values
