@@ -1,5 +1,8 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "found_parameters.hpp"
 #include "gain.hpp"
 #include "qerr/diagnose/evidence.hpp"
@@ -25,10 +28,18 @@ std::string_view name(Verdict v) {
   return "";
 }
 
+namespace {
+
+double rms(const Eigen::ArrayXd& x) { return x.size() ? std::sqrt(x.square().mean()) : 0; }
+
+}  // namespace
+
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, const std::vector<Effect>&,
                    const Log& log, const DiagnoseOptions& options) {
   Diagnosis d;
   const std::vector<Evidence> all = evidence(model, log);
+  d.prismatic =
+      !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });
   std::vector<HeldOut> held;
   for (const Evidence& full : all) {
     const std::vector<Eigen::Index> starts = independent_rows(full);
@@ -46,6 +57,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>&, co
         continue;
       }
       Cause cause{effect, parameters[i], s.p_values[i], joint_gain};
+      cause.rms = rms((t.columns.matrix() * s.model.coefficients(i)).array());
       d.causes.push_back(std::move(cause));
       for (const Alternative& a : s.alternatives)
         if (a.term == i) d.alternatives.push_back({effect.type, a.effect.type, e.joint, ""});
