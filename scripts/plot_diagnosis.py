@@ -47,6 +47,13 @@ def scaled(peak, unit):
     return 1e12, "p" + unit
 
 
+def legend(axes):
+    """Above the points: room is made for it."""
+    low, high = axes.get_ylim()
+    axes.set_ylim(low, high + 0.2 * (high - low))
+    axes.legend(loc="upper center", ncol=3, markerscale=5)
+
+
 def draw(joint, curve, spectrum, path):
     unit = curve["unit"][0]
     k, name = scaled(max(np.abs(curve["before"]).max(), 1e-12), unit)
@@ -54,20 +61,20 @@ def draw(joint, curve, spectrum, path):
     at, before, after = (curve[c][::every] for c in ("reference", "before", "after"))
     side, time = curve["direction"][::every], curve["time [s]"][::every]
     figure, ((left, right), (bottom, orders)) = plt.subplots(2, 2, figsize=(12, 8), constrained_layout=True)
+    right.sharey(left)
     figure.suptitle(f"{joint}: measured - reference, rms {k * np.sqrt(np.mean(curve['before'] ** 2)):.3g} {name} before, "
                     f"{k * np.sqrt(np.mean(curve['after'] ** 2)):.3g} {name} after")
     for axes, values, title in ((left, before, "before"), (right, after, "after")):
-        for s, color, label in ((1, BEFORE, "forward"), (-1, AFTER, "backward"), (0, "0.5", "at rest")):
+        for s, color, label in ((1, BEFORE, "forward"), (-1, AFTER, "backward"), (0, "0.5", "before it moved")):
             if np.any(side == s):
                 axes.plot(at[side == s], k * values[side == s], ".", ms=2, color=color, label=label)
         axes.set(xlabel=f"reference [{unit}]", ylabel=f"residual [{name}]", title=title + ", by direction")
-        axes.legend(loc="upper right", markerscale=5)
-    right.sharey(left)
+        legend(axes)
     x, label = (time, "time [s]") if np.all(np.isfinite(time)) else (np.arange(len(before)) * every, "row")
     bottom.plot(x, k * before, ".", ms=2, color=BEFORE, label="before")
     bottom.plot(x, k * after, ".", ms=2, color=AFTER, label="after")
     bottom.set(xlabel=label, ylabel=f"residual [{name}]", title="in time")
-    bottom.legend(loc="upper right", markerscale=5)
+    legend(bottom)
     if spectrum:
         per = "per metre" if unit == "m" else "per revolution of the joint"
         orders.loglog(spectrum["order"], k * spectrum["before"], color=BEFORE, lw=1, label="before")
@@ -75,6 +82,9 @@ def draw(joint, curve, spectrum, path):
         top = k * spectrum["before"].max()
         orders.set(xlabel=f"order, {per}", ylabel=f"amplitude [{name}]", title="spectrum over the position",
                    ylim=(1e-3 * top, 2 * top) if top > 0 else None)
+        revolution = spectrum["order"][0] / spectrum["encoder_order"][0]
+        if spectrum["order"][0] < revolution < spectrum["order"][-1]:
+            orders.axvline(revolution, color="0.4", ls=":", label="one per revolution of the encoder")
         orders.legend(loc="upper right")
     for axes in figure.axes:
         axes.grid(alpha=0.3)

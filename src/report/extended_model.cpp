@@ -9,9 +9,7 @@ namespace {
 std::string note(const Spec& spec, const Cause& cause) {
   std::string text = cause.effect.type + " of " + escaped(cause.effect.joint, 60);
   for (const ReportedParameter& p : reported_parameters(spec, cause))
-    if (!p.fixed)
-      text += ", " + p.figure.name + ' ' + readable(p.figure.value, p.unit) + " (" +
-              readable(p.figure.lower, p.unit) + " .. " + readable(p.figure.upper, p.unit) + ')';
+    if (!p.fixed) text += ", " + p.figure.name + ' ' + with_interval(p);
   return text;
 }
 

@@ -13,7 +13,8 @@ bool is_one_of(std::string_view type, std::initializer_list<std::string_view> li
 }
 
 bool is_replayed(const EffectKind& kind) {
-  return kind.action && kind.stage != Stage::log && !is_one_of(kind.name, {"noise", "timing_jitter"});
+  return kind.action && kind.stage != Stage::log &&
+         !is_one_of(kind.name, {"noise", "timing_jitter", "backlash"});
 }
 
 /// The path at any time, linear between its rows and constant beyond them.
@@ -63,13 +64,17 @@ double ExtendedReading::reference(double position, const Moment& moment) const {
 Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) {
   const ExtendedReading reading(effects, e.encoder);
   Eigen::ArrayXd sum(e.rows());
+  // On which side the gear lies the evidence knows better: at rest the path still shakes a little.
+  double gap = 0;
+  for (const Effect& effect : effects)
+    if (effect.type == "backlash") gap += effect.number("gap");
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
     const double position = e.ordered ? at(e, reading.taken(e.time[k])) : e.path[k];
     // The path's own interpolation must not look like an effect where none touches the clock.
     const double truth = reading.taken(e.time[k]) == e.time[k] ? e.path[k] : position;
     const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
                         e.temperature.size() ? e.temperature[k] : 0};
-    sum[k] = reading(truth, moment) - reading.reference(e.path[k], moment);
+    sum[k] = 0.5 * gap * e.side[k] + reading(truth, moment) - reading.reference(e.path[k], moment);
   }
   return sum;
 }

@@ -7,13 +7,11 @@
 
 namespace qerr {
 
-/// What an encoder with effects reads, its quantization and everything random left out: the effects' actions
-/// one after the other, in the order in which the signal passes them.
-///
-/// Remembers earlier readings where an effect does (backlash): one object serves one record, in order.
+/// What an encoder with effects reads, its quantization, backlash and everything random left out: the
+/// effects' actions one after the other, in the order in which the signal passes them.
 class ExtendedReading {
  public:
-  /// @param effects  those that no row knows, random ones and those of the file are passed over
+  /// @param effects  those that no row knows, backlash, random ones and those of the file are passed over
   ExtendedReading(const std::vector<Effect>& effects, const Encoder&);
 
   /// When a reading of this time was taken [s].
@@ -34,7 +32,7 @@ class ExtendedReading {
   double resolution_;
 };
 
-/// What the effects add to measured - reference, row by row [rad or m].
+/// What the effects add to measured - reference, row by row, backlash included [rad or m].
 Eigen::ArrayXd explained(const Evidence&, const std::vector<Effect>&);
 
 /// Whether the error of an effect depends on the position alone and changes smoothly with it: a look-up table
