@@ -18,7 +18,8 @@ import numpy as np
 from tool import Tally, run
 
 URDF = """<robot name="stage"><link name="base"/><link name="table"/><link name="tip"/>
-<joint name="turn" type="continuous"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/></joint>
+<joint name="turn" type="revolute"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
+<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
 <joint name="reach" type="prismatic"><parent link="table"/><child link="tip"/><axis xyz="1 0 0"/>
 <limit lower="-1" upper="1" effort="10" velocity="1"/></joint></robot>
 """
