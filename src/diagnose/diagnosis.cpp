@@ -13,8 +13,8 @@
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
 #include "record_advice.hpp"
-#include "select.hpp"
 #include "scatter.hpp"
+#include "select.hpp"
 #include "tip.hpp"
 #include "with_effects.hpp"
 
@@ -114,7 +114,10 @@ class Account {
       std::vector<std::string> others = twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
-      add({effect, parameters[i], s.p_values[i], gain_}, others);
+      Cause cause{effect, parameters[i], s.p_values[i], gain_};
+      cause.rms = std::sqrt((t.columns.matrix() * s.model.coefficients(i)).squaredNorm() /
+                            static_cast<double>(e_.rows()));
+      add(std::move(cause), others);
     }
   }
 
@@ -196,6 +199,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     account.of_terms(s, scatter);
     account.of_scatter(scatter);
   }
+  d.prismatic =
+      !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });
   d.gain = gain(held, options.seed);
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
