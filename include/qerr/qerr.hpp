@@ -73,6 +73,7 @@
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 
+#include "qerr/input/extended_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/input/read_text.hpp"
 #include "qerr/input/read_urdf.hpp"

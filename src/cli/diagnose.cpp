@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <memory>
 
 #include "command.hpp"
@@ -10,23 +11,67 @@ namespace qerr::cli {
 namespace {
 
 struct Arguments {
-  std::string spec, log;
+  std::string spec, log, model, table, plots;
 };
 
-int run(const Arguments& arguments, const Options& o) {
-  if (arguments.spec == "-" && arguments.log == "-")
+/// At most one of the outputs may be standard output, and at most one of the inputs standard input.
+void refuse_shared_streams(const Arguments& a, const Options& o) {
+  if (a.spec == "-" && a.log == "-")
     throw Error(
         {{}, "SPEC LOG", "spec and log cannot both come from standard input", "", "name one as a file"},
         Trouble::usage);
+  if ((o.output == "-") + (a.model == "-") + (a.table == "-") > 1)
+    throw Error({{},
+                 a.model == "-" ? "--write-model" : "--write-table",
+                 "only one result can go to standard output",
+                 "",
+                 "add -o FILE for the report, or name a file"},
+                Trouble::usage);
+}
+
+/// A file that is asked for by its name, opened before the work.
+std::unique_ptr<OutputFile> opened(const std::string& path) {
+  return path.empty() ? nullptr : std::make_unique<OutputFile>(path);
+}
+
+void finish(OutputFile& file, const std::string& text) {
+  file.write(text);
+  file.close();
+}
+
+std::string prepared_folder(const std::string& path) {
+  std::error_code wrong;
+  std::filesystem::create_directories(path, wrong);
+  if (!std::filesystem::is_directory(path))
+    throw Error({{path, 0, 0}, "--plots", "cannot make the folder: " + wrong.message(), "", ""},
+                Trouble::file_system);
+  return path;
+}
+
+int run(const Arguments& arguments, const Options& o) {
+  refuse_shared_streams(arguments, o);
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
+  const auto model = opened(arguments.model), table = opened(arguments.table);
+  const std::string folder = arguments.plots.empty() ? "" : prepared_folder(arguments.plots);
+  const auto residual = opened(folder.empty() ? "" : folder + "/residual.csv"),
+             spectrum = opened(folder.empty() ? "" : folder + "/spectrum.csv");
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = o.threads;
   options.progress = progress(o);
-  const DiagnosisReport report = diagnosis_report(spec, read_log(arguments.log, spec), options);
-  out.write(write(report, chosen_format(o), style(o)));
-  out.close();
+  DiagnosisReport report = diagnosis_report(spec, read_log(arguments.log, spec), options);
+  if (model) {
+    finish(*model, extended_model(report, arguments.model));
+    report.extended_model = arguments.model;
+  }
+  if (table) finish(*table, correction_table(report));
+  if (residual) {
+    const ResidualCurves curves = residual_curves(report);
+    finish(*residual, curves.residual);
+    finish(*spectrum, curves.spectrum);
+  }
+  finish(out, write(report, chosen_format(o), style(o)));
   warn(report.warnings, o);
   return 0;
 }
@@ -39,6 +84,15 @@ std::function<int()> declare_diagnose(CLI::App& app, Options& o) {
                  "the spec (YAML) of the robot as it should be; '-' reads standard input")
       ->required();
   app.add_option("LOG", arguments->log, "what was recorded (CSV); '-' reads standard input")->required();
+  app.add_option("--write-model", arguments->model,
+                 "write the spec with the found effects in it; '-' is standard output")
+      ->type_name("FILE.yaml");
+  app.add_option("--write-table", arguments->table,
+                 "write a look-up table for the controller: encoder angle to correction")
+      ->type_name("FILE.csv");
+  app.add_option("--plots", arguments->plots,
+                 "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py")
+      ->type_name("FOLDER");
   add_spec_options(app, o);
   add_output_options(app, o);
   return [=, &o] { return run(*arguments, o); };

@@ -13,8 +13,8 @@
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
 #include "record_advice.hpp"
+#include "scatter.hpp"
 #include "select.hpp"
-#include "spread.hpp"
 #include "tip.hpp"
 #include "with_effects.hpp"
 
@@ -114,7 +114,10 @@ class Account {
       std::vector<std::string> others = twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
-      add({effect, parameters[i], s.p_values[i], gain_}, others);
+      Cause cause{effect, parameters[i], s.p_values[i], gain_};
+      cause.rms = std::sqrt((t.columns.matrix() * s.model.coefficients(i)).squaredNorm() /
+                            static_cast<double>(e_.rows()));
+      add(std::move(cause), others);
     }
   }
 
@@ -191,11 +194,13 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Gain of_joint = gain({held.back()}, options.seed);
     for (Cause& cause : d.causes)
       if (cause.effect.joint == e.joint) cause.gain = of_joint;
-    const Scatter scatter = spread(e, s.model);
+    const Scatter scatter = scatter_of(e, s.model);
     Account account(d, e, of_joint);
     account.of_terms(s, scatter);
     account.of_scatter(scatter);
   }
+  d.prismatic =
+      !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });
   d.gain = gain(held, options.seed);
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)

@@ -55,6 +55,42 @@ class Tidy {
   std::string text_;
 };
 
+void add_causes(Tidy& rows, const DiagnosisReport& r) {
+  for (const Cause& c : r.diagnosis.causes) {
+    for (const ReportedParameter& p : reported_parameters(r.spec, c))
+      rows.add({"cause", c.effect.joint, c.effect.type, p.figure.name, p.figure.value, p.figure.lower,
+                p.figure.upper, c.p_value, p.unit});
+    for (const auto& [choice, word] : c.effect.choices)
+      rows.add({.section = "cause",
+                .joint = c.effect.joint,
+                .name = c.effect.type,
+                .figure = choice,
+                .text = word});
+    rows.add_gain("cause", c.effect.joint, c.effect.type, c.gain, coordinate_unit(r.spec, c.effect.joint));
+  }
+}
+
+void add_unexplained(Tidy& rows, const DiagnosisReport& r) {
+  for (const Unnamed& u : r.diagnosis.unexplained) {
+    if (u.order)
+      rows.add(
+          {.section = "unexplained", .joint = u.joint, .name = u.what, .figure = "order", .value = *u.order});
+    if (u.frequency)
+      rows.add({.section = "unexplained",
+                .joint = u.joint,
+                .name = u.what,
+                .figure = "frequency",
+                .value = *u.frequency,
+                .unit = "Hz"});
+    rows.add({.section = "unexplained",
+              .joint = u.joint,
+              .name = u.what,
+              .figure = "amplitude",
+              .value = u.amplitude,
+              .unit = coordinate_unit(r.spec, u.joint)});
+  }
+}
+
 }  // namespace
 
 std::string to_csv(const DiagnosisReport& r) {
@@ -74,42 +110,14 @@ std::string to_csv(const DiagnosisReport& r) {
               .figure = "expected",
               .value = c.expected});
   }
-  for (const Cause& c : d.causes) {
-    for (const ReportedParameter& p : reported_parameters(r.spec, c))
-      rows.add({"cause", c.effect.joint, c.effect.type, p.figure.name, p.figure.value, p.figure.lower,
-                p.figure.upper, c.p_value, p.unit});
-    for (const auto& [choice, word] : c.effect.choices)
-      rows.add({.section = "cause",
-                .joint = c.effect.joint,
-                .name = c.effect.type,
-                .figure = choice,
-                .text = word});
-    rows.add_gain("cause", c.effect.joint, c.effect.type, c.gain, coordinate_unit(r.spec, c.effect.joint));
-  }
+  add_causes(rows, r);
   for (const AlternativeCause& a : d.alternatives)
     rows.add({.section = "alternative",
               .joint = a.joint,
               .name = a.effect,
               .figure = "instead of " + a.instead_of,
               .text = a.record});
-  for (const Unnamed& u : d.unexplained) {
-    if (u.order)
-      rows.add(
-          {.section = "unexplained", .joint = u.joint, .name = u.what, .figure = "order", .value = *u.order});
-    if (u.frequency)
-      rows.add({.section = "unexplained",
-                .joint = u.joint,
-                .name = u.what,
-                .figure = "frequency",
-                .value = *u.frequency,
-                .unit = "Hz"});
-    rows.add({.section = "unexplained",
-              .joint = u.joint,
-              .name = u.what,
-              .figure = "amplitude",
-              .value = u.amplitude,
-              .unit = coordinate_unit(r.spec, u.joint)});
-  }
+  add_unexplained(rows, r);
   rows.add_gain("gain", "", "", d.gain, gain_unit(d));
   return rows.text();
 }

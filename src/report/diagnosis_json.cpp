@@ -21,6 +21,8 @@ Json gain(const Gain& g, const std::string& unit) {
           {"ratio", number(g.ratio())},
           {"lower", number(g.lower)},
           {"upper", number(g.upper)},
+          {"counts_before", number(g.counts_before)},
+          {"counts_after", number(g.counts_after)},
           {"sigma_ratio", number(g.sigma_ratio)},
           {"log_score", number(g.log_score)},
           {"coverage", number(g.coverage)},
@@ -53,6 +55,7 @@ Json causes(const DiagnosisReport& r) {
                   {"p_value", number(c.p_value)},
                   {"parameters", parameters},
                   {"gain", gain(c.gain, coordinate_unit(r.spec, c.effect.joint))}};
+    if (c.rms > 0) entry["rms"] = number(c.rms);
     if (!c.effect.choices.empty()) entry["choices"] = c.effect.choices;
     list.push_back(entry);
   }

@@ -54,7 +54,7 @@ std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause
   const EffectKind* kind = find_kind(cause.effect.type);
   const auto add = [&](const std::string& name, const std::string& unit) {
     for (const FoundParameter& p : cause.parameters)
-      if (p.name == name) return list.push_back({p, unit, false});
+      if (p.name == name) return list.push_back({p, unit, p.lower == p.upper});
     const auto number = cause.effect.numbers.find(name);
     if (number != cause.effect.numbers.end())
       list.push_back({{name, number->second, number->second, number->second}, unit, true});

@@ -51,6 +51,7 @@ struct Cause {
   std::vector<FoundParameter> parameters;
   double p_value = 1;  ///< of no such effect, under control for the number of hypotheses
   Gain gain;           ///< of its joint
+  double rms = 0;      ///< of what it adds to the readings [rad or m]; 0: not known
 };
 
 /// What could be instead of a cause, and what to record to tell them apart.

@@ -35,6 +35,26 @@ std::vector<ReportedParameter> reported_parameters(const Spec&, const Cause&);
 /// `m` for a prismatic joint and for a coordinate of the tip, `rad` otherwise.
 std::string coordinate_unit(const Spec&, const std::string& joint_or_coordinate);
 
+/// The spec with the found effects in it, ready to stand at `target` (see extended_spec); notes above each
+/// effect tell what was found, and how surely.
+std::string extended_model(const DiagnosisReport&, const std::string& target);
+
+/// Look-up table for a controller (CSV): per encoder, what to add to the measured position so that the found
+/// effects that depend on the position alone are gone. Columns joint, encoder_angle [rad], measured,
+/// correction, unit; over one revolution of the encoder where the error repeats with it, else over the
+/// positions of the log. `#` lines say how it is used and what it does not hold.
+/// @throws Error (usage) where the errors' periods are too short for a table
+std::string correction_table(const DiagnosisReport&);
+
+/// For plots (CSV): measured - reference of every encoder against time, position and direction, and the
+/// amplitudes of its sines by order per revolution of the joint (or per metre); before, and after what the
+/// found effects explain.
+struct ResidualCurves {
+  std::string residual;  ///< joint, time [s], reference, direction, before, after, unit
+  std::string spectrum;  ///< joint, order, encoder_order, before, after, unit
+};
+ResidualCurves residual_curves(const DiagnosisReport&);
+
 struct Style;
 std::string write(const DiagnosisReport&, std::string_view format, const Style&);
 

@@ -1,4 +1,4 @@
-#include "spread.hpp"
+#include "scatter.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>
@@ -56,7 +56,7 @@ struct Candidate {
 
 }  // namespace
 
-Scatter spread(const Evidence& e, const Explanation& m) {
+Scatter scatter_of(const Evidence& e, const Explanation& m) {
   Scatter s;
   const double range = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
   const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});

@@ -22,6 +22,6 @@ struct Scatter {
 /// jitter of the sampling, sigma^2 = s_r^2 + (v s_t)^2; unequal quadrature states, edges of odd number
 /// displaced.
 /// @param m  its terms are fitted; an offset among them is set against unequal states
-Scatter spread(const Evidence&, const Explanation& m);
+Scatter scatter_of(const Evidence&, const Explanation& m);
 
 }  // namespace qerr
