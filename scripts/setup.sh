@@ -3,6 +3,7 @@
 #
 #   scripts/setup.sh           to build qerr
 #   scripts/setup.sh --tests   also to test it
+#   scripts/setup.sh --plots   also to draw the paper's figures
 #
 # This is the one place where the packages are listed (Debian 12 or later).
 set -euo pipefail
@@ -25,10 +26,15 @@ test_packages=(
   clang-format
 )
 
+plot_packages=(
+  python3 python3-numpy python3-matplotlib
+)
+
 case "${1-}" in
   "") ;;
   --tests) packages+=("${test_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests]" >&2; exit 2 ;;
+  --plots) packages+=("${plot_packages[@]}") ;;
+  *) echo "usage: ${0##*/} [--tests|--plots]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

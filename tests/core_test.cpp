@@ -16,6 +16,7 @@
 #include "qerr/core/sha256.hpp"
 #include "qerr/core/suggest.hpp"
 #include "qerr/core/text.hpp"
+#include "qerr/core/unit.hpp"
 
 namespace qerr {
 namespace {
@@ -72,6 +73,21 @@ TEST(Quantity, NamesUnitsSoThatTheyReadBack) {
        {dimension::length, dimension::angle, dimension::speed, dimension::compliance, dimension::torque,
         Dimension{1, 0, -2}, Dimension{0, 1, -3}, dimension::frequency, dimension::angle_per_temperature})
     EXPECT_EQ(quantity("1 " + unit_name(d))->dimension, d) << unit_name(d);
+}
+
+TEST(Unit, AloneIsWhatItIsBehindANumber) {
+  for (const std::string unit : {"mrad", "um/s", "N m", "deg", "degC", "1", "%", "rad/(N m)", "ms"}) {
+    std::string why;
+    const auto alone = parse_unit(unit, why);
+    ASSERT_TRUE(alone) << unit << why;
+    EXPECT_EQ(alone->in_si(0.3), quantity("0.3 " + unit)->value) << unit;
+    EXPECT_EQ(alone->dimension, quantity("0.3 " + unit)->dimension) << unit;
+  }
+  for (const std::string unit : {"", " ", "5", "m/", "furlong", "[m]"}) {
+    std::string why;
+    EXPECT_FALSE(parse_unit(unit, why)) << unit;
+    EXPECT_NE(why, "") << unit;
+  }
 }
 
 TEST(Number, IsTheSameInEveryLocale) {

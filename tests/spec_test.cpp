@@ -180,6 +180,20 @@ TEST_F(SpecTest, ReadsPointsFromAFileInAnyColumnOrderAndUnit) {
             std::string::npos);
 }
 
+TEST_F(SpecTest, AFileOfPointsMayHaveColumnsOfText) {
+  std::ofstream(folder_ / "points.csv")
+      << "elbow,note,shoulder,lift\r\n0,\"home, upright\",0.5,0\r\n\r\n1,,0,0\r\n";
+  const Spec spec = read(head + encoders + "configurations: {method: file, file: points.csv}\n");
+  ASSERT_EQ(spec.configurations.points.size(), 2u);
+  EXPECT_EQ(spec.configurations.points[0][0], 0.5);
+  ASSERT_EQ(spec.warnings.size(), 1u);
+  EXPECT_NE(spec.warnings[0].find("ignored"), std::string::npos);
+  std::ofstream(folder_ / "points.csv") << "elbow,shoulder,lift\n0,0,0\n0,0,far\n";
+  EXPECT_NE(refusal(head + encoders + "configurations: {method: file, file: points.csv}\n")
+                .find("points.csv:3:5: lift: not a finite decimal number, found 'far'"),
+            std::string::npos);
+}
+
 TEST_F(SpecTest, ReadsTheSectionsOfLaterCommands) {
   const Spec spec = read(
       head + encoders +

@@ -22,6 +22,7 @@
 #include "qerr/core/sha256.hpp"
 #include "qerr/core/suggest.hpp"
 #include "qerr/core/text.hpp"
+#include "qerr/core/unit.hpp"
 
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -30,12 +31,14 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
 #include "qerr/filter/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
+#include "qerr/filter/filter_bank.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
 #include "qerr/filter/representations.hpp"
@@ -45,6 +48,8 @@
 
 #include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/effect_shares.hpp"
+#include "qerr/bound/error_source.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
@@ -53,21 +58,29 @@
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/bound/workspace.hpp"
 
+#include "qerr/simulate/log.hpp"
 #include "qerr/simulate/motion.hpp"
 #include "qerr/simulate/noise_along_motion.hpp"
+#include "qerr/simulate/sensing.hpp"
+#include "qerr/simulate/simulate.hpp"
+#include "qerr/simulate/usage.hpp"
+#include "qerr/simulate/unwrap.hpp"
 
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 
+#include "qerr/input/read_log.hpp"
 #include "qerr/input/read_text.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/effect_report.hpp"
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/noise_report.hpp"
+#include "qerr/report/simulation_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

@@ -4,13 +4,30 @@
 
 namespace qerr {
 
-JointError joint_error(const Transmission& t) {
+Eigen::VectorXd gains_behind(const std::vector<ErrorSource>& sources, std::size_t filter, double h2) {
+  Eigen::VectorXd gains = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(sources.size()), h2);
+  for (std::size_t s = 0; s < sources.size(); ++s)
+    if (filter < sources[s].gains.size()) gains[static_cast<Eigen::Index>(s)] = sources[s].gains[filter];
+  return gains;
+}
+
+JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& sources) {
   const Eigen::VectorXd delta = resolutions(t);
   JointError e;
   e.mean = t.coupling * mean_errors(t);
   e.half_width = 0.5 * t.coupling.cwiseAbs() * delta;
-  e.worst_case = e.half_width + e.mean.cwiseAbs();
   e.sigma = (t.coupling * delta.asDiagonal()).rowwise().norm() / std::sqrt(12.0);
+  for (const ErrorSource& s : sources) {
+    if (s.where == ErrorSource::Where::origin) continue;
+    const auto i = static_cast<Eigen::Index>(s.owner);
+    const Eigen::VectorXd column = s.where == ErrorSource::Where::encoder
+                                       ? Eigen::VectorXd(t.coupling.col(i))
+                                       : Eigen::VectorXd(Eigen::VectorXd::Unit(delta.size(), i));
+    e.mean += column * s.mean;
+    e.half_width += column.cwiseAbs() * s.half_width;
+    e.sigma = (e.sigma.array().square() + (column * s.sigma).array().square()).sqrt();
+  }
+  e.worst_case = e.half_width + e.mean.cwiseAbs();
   return e;
 }
 

@@ -49,6 +49,48 @@ double rigorous_bound(Coordinate c, double linear, const Remainder& r) {
   return std::numeric_limits<double>::infinity();
 }
 
+/// The frame before a joint of the chain, turned so that its axes are those of the joint's parent link.
+Eigen::Matrix3d axes_before(const Chain& chain, const Eigen::VectorXd& q, std::size_t link) {
+  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
+  for (std::size_t k = 0; k < link; ++k) {
+    const ChainJoint& joint = chain.joints[k];
+    axes = axes * joint.origin.linear();
+    if (joint.prismatic) continue;
+    const double angle = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    axes = axes * Eigen::AngleAxisd(angle, joint.axis);
+  }
+  return axes * chain.joints[link].parent_axes;
+}
+
+/// How the coordinates move with a source of unit size.
+Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, const Eigen::VectorXd& q,
+                          const Eigen::MatrixXd& of_joints, const Eigen::MatrixXd& sensed) {
+  const auto i = static_cast<Eigen::Index>(s.owner);
+  if (s.where == ErrorSource::Where::joint) return of_joints.col(i);
+  if (s.where == ErrorSource::Where::encoder) return sensed.col(i);
+  const Eigen::Vector3d shift = axes_before(model.chain, q, s.link) * s.direction;
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(of_joints.rows());
+  for (Eigen::Index c = 0; c < column.size(); ++c) {
+    const Coordinate coordinate = model.coordinates[static_cast<std::size_t>(c)];
+    if (is_position(coordinate)) column[c] = shift[static_cast<Eigen::Index>(coordinate)];
+  }
+  return column;
+}
+
+void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& of_joints,
+                 const Eigen::MatrixXd& sensed, OperationalError& e) {
+  e.added_sigma.resize(of_joints.rows(), static_cast<Eigen::Index>(model.sources.size()));
+  e.added_worst.resizeLike(e.added_sigma);
+  for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
+    const ErrorSource& s = model.sources[static_cast<std::size_t>(i)];
+    const Eigen::VectorXd column = column_of(s, model, q, of_joints, sensed);
+    e.mean += column * s.mean;
+    e.half_width += column.cwiseAbs() * s.half_width;
+    e.added_sigma.col(i) = column * s.sigma;
+    e.added_worst.col(i) = column.cwiseAbs() * (std::abs(s.mean) + s.half_width);
+  }
+}
+
 }  // namespace
 
 OperationalError operational_error(const OperationalModel& model, const Eigen::VectorXd& q) {
@@ -60,22 +102,27 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
   const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
     if (unbounded[i]) rows.row(i).setZero();
-  const Eigen::MatrixXd sensed = to_independent(model.chain, rows) * model.transmission.coupling;
+  const Eigen::MatrixXd of_joints = to_independent(model.chain, rows);
+  const Eigen::MatrixXd sensed = of_joints * model.transmission.coupling;
 
   OperationalError e;
   e.cosine_of_pitch = cosine_of_pitch(pose.linear());
   e.weighted = sensed * resolutions(model.transmission).asDiagonal();
   e.mean = sensed * mean_errors(model.transmission);
   e.half_width = 0.5 * e.weighted.cwiseAbs().rowwise().sum();
-  e.worst_case = e.half_width + e.mean.cwiseAbs();
   e.sigma = e.weighted.rowwise().norm() / std::sqrt(12.0);
+  if (!model.sources.empty()) {
+    add_sources(model, q, of_joints, sensed, e);
+    e.sigma = (e.sigma.array().square() + e.added_sigma.rowwise().squaredNorm().array()).sqrt();
+  }
+  e.worst_case = e.half_width + e.mean.cwiseAbs();
 
   constexpr double infinity = std::numeric_limits<double>::infinity();
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
     if (unbounded[i])
       e.half_width[i] = e.worst_case[i] = e.sigma[i] = infinity, e.weighted.row(i).setConstant(infinity);
 
-  const Eigen::VectorXd largest = joint_error(model.transmission).worst_case;
+  const Eigen::VectorXd largest = joint_error(model.transmission, model.sources).worst_case;
   Eigen::VectorXd h(joints.cols());
   for (Eigen::Index k = 0; k < h.size(); ++k) {
     const ChainJoint& joint = model.chain.joints[static_cast<std::size_t>(k)];
@@ -86,6 +133,20 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
     e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r);
   return e;
+}
+
+Eigen::MatrixXd covariance(const OperationalError& e) {
+  return covariance(e, 1, Eigen::VectorXd::Ones(e.added_sigma.cols()));
+}
+
+Eigen::MatrixXd covariance(const OperationalError& e, double h2, const Eigen::VectorXd& gains) {
+  Eigen::MatrixXd sum = e.weighted * e.weighted.transpose() / 12.0;
+  if (h2 != 1) sum *= h2 * h2;
+  if (gains.size() > 0) {
+    const Eigen::MatrixXd added = e.added_sigma * gains.asDiagonal();
+    sum += added * added.transpose();
+  }
+  return sum;
 }
 
 }  // namespace qerr

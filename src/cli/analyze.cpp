@@ -13,7 +13,7 @@ struct Arguments {
 };
 
 int run(const Arguments& arguments, const Options& o) {
-  const Spec spec = load(arguments.spec, o);
+  Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
   std::unique_ptr<OutputFile> rows;
   WorkspaceOptions options;
@@ -21,6 +21,7 @@ int run(const Arguments& arguments, const Options& o) {
   options.progress = progress(o);
   options.noise_in_motion = noise_in_motion(spec);
   if (!arguments.per_configuration.empty()) {
+    spec.model = model_with_effects(spec);  // the rows need the sources that `analyze` will find
     rows = std::make_unique<OutputFile>(arguments.per_configuration);
     rows->write(per_configuration_header(spec, options.noise_in_motion));
     options.visit = [&](std::uint64_t, const Eigen::MatrixXd& points,

@@ -2,6 +2,7 @@
 
 #include "command.hpp"
 #include "qerr/core/output_file.hpp"
+#include "qerr/report/effect_report.hpp"
 
 namespace qerr::cli {
 
@@ -20,6 +21,7 @@ int run(const Arguments& arguments, const Options& o) {
   WorkspaceOptions options;
   options.threads = o.threads;
   options.progress = progress(o);
+  require_known(spec, effect_report(spec).shares);
   Analysis analysis = analyze(spec, options);
   if (spec.requirements.empty())
     analysis.warnings.push_back("the spec has no requirements: nothing was checked");

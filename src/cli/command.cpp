@@ -34,6 +34,8 @@ const std::vector<Command>& commands() {
       {"check", "Hold the spec's requirements against the figures; exit code 1 when one is not met",
        declare_check},
       {"filter", "Every filter: norms, delay, bandwidth, settling, fidelity, responses", declare_filter},
+      {"simulate", "Explicit quantizers along the motion: a log, and theory beside simulation",
+       declare_simulate},
       {"threshold", "Resolution and threshold velocity, one row per robot (Table IV)", declare_threshold},
       {"list", "What can be written in a spec: effects, filters, encoders, formats, coordinates",
        declare_list},
@@ -61,7 +63,7 @@ void add_spec_options(CLI::App& app, Options& o) {
       ->type_name("KEY=VALUE")
       ->allow_extra_args(false)
       ->take_all();
-  app.add_option("--seed", o.seed, "seed of the configurations")
+  app.add_option("--seed", o.seed, "seed of all that is drawn: configurations, phases, noise")
       ->type_name("N")
       ->check([](const std::string& text) {
         const auto seed = parse_number(text);
@@ -117,7 +119,7 @@ std::function<void(std::uint64_t, std::uint64_t)> progress(const Options& o) {
     } else if (now - *shown > std::chrono::milliseconds(100)) {
       *shown = now;
       *visible = true;
-      std::fprintf(stderr, "\r%3.0f %% of %llu configurations",
+      std::fprintf(stderr, "\r%3.0f %% of %llu",
                    100.0 * static_cast<double>(done) / static_cast<double>(total),
                    static_cast<unsigned long long>(total));
     }

@@ -39,6 +39,8 @@ const std::vector<Command>& commands();
 std::function<int()> declare_analyze(CLI::App&, Options&);
 std::function<int()> declare_check(CLI::App&, Options&);
 std::function<int()> declare_filter(CLI::App&, Options&);
+std::function<int()> declare_simulate(CLI::App&, Options&);
+std::function<int()> declare_simulate(CLI::App&, Options&);
 std::function<int()> declare_threshold(CLI::App&, Options&);
 std::function<int()> declare_list(CLI::App&, Options&);
 std::function<int()> declare_schema(CLI::App&, Options&);

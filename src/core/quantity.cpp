@@ -7,18 +7,11 @@
 #include <numbers>
 
 #include "qerr/core/text.hpp"
+#include "qerr/core/unit.hpp"
 
 namespace qerr {
 
 namespace {
-
-/// Value in SI = value * factor / divisor. Both are whole for decimal prefixes, so that 30 um is the double
-/// nearest to 3e-5, as it is when written as 30e-6.
-struct Unit {
-  double factor = 1;
-  double divisor = 1;
-  Dimension dimension;
-};
 
 Dimension power(Dimension d, int n) {
   return {d.metre * n, d.radian * n, d.second * n, d.newton * n, d.kelvin * n};
@@ -219,12 +212,17 @@ std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) 
   if (end == text.size()) return Quantity{*number, std::nullopt};
   const auto unit = UnitReader(text.substr(end), why).whole();
   if (!unit) return std::nullopt;
-  const double value = *number * unit->factor / unit->divisor;
+  const double value = unit->in_si(*number);
   if (!std::isfinite(value) || (value == 0 && *number != 0)) {
     why = "not a finite decimal number";
     return std::nullopt;
   }
   return Quantity{value, unit->dimension};
+}
+
+std::optional<Unit> parse_unit(std::string_view text, std::string& why) {
+  why.clear();
+  return UnitReader(text, why).whole();
 }
 
 std::string shortest(double value) {

@@ -1,178 +1,90 @@
 #include "qerr/effect/effect.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "effects/effects.hpp"
+#include "qerr/core/random.hpp"
+
 namespace qerr {
-
-namespace {
-
-const Parameter amplitude{.name = "amplitude",
-                          .meaning = "peak of the error at the joint",
-                          .required = true,
-                          .least = 0,
-                          .coordinate = true};
-const Parameter phase{.name = "phase",
-                      .dimension = dimension::angle,
-                      .meaning = "phase of the sine at angle zero",
-                      .fallback = 0.0};
-const Parameter shaft{.name = "shaft",
-                      .kind = Kind::choice,
-                      .meaning = "the shaft whose angle the order counts",
-                      .choices = "encoder|joint"};
-
-}  // namespace
 
 const std::vector<EffectKind>& effect_kinds() {
   static const std::vector<EffectKind> kinds{
-      {"offset",
-       "constant error: zero or index misplaced",
-       {{.name = "offset", .meaning = "estimate minus true", .required = true, .coordinate = true}}},
-      {"scale",
-       "error proportional to the angle: wrong gear ratio or counts per revolution",
-       {{.name = "scale",
-         .meaning = "relative error of the angle",
-         .required = true,
-         .least = -10,
-         .most = 10}}},
-      {"eccentricity",
-       "disc or magnet off centre: one period a revolution of its shaft",
-       {amplitude,
-        phase,
-        {.name = "order",
-         .meaning = "periods per revolution of the shaft",
-         .fallback = 1.0,
-         .least = 1,
-         .most = 1},
-        shaft}},
-      {"transmission_error",
-       "periodic error of gear or encoder, `order` periods a revolution of its shaft",
-       {amplitude,
-        phase,
-        {.name = "order",
-         .meaning = "periods per revolution of the shaft",
-         .required = true,
-         .least = 0,
-         .most = 1e6,
-         .open_below = true},
-        shaft}},
-      {"subdivision_error",
-       "sine and cosine of a line with offset, gain and phase errors, or clipped",
-       {{.name = "offset_sin",
-         .meaning = "offset of the sine over its amplitude",
-         .fallback = 0.0,
-         .least = -1,
-         .most = 1},
-        {.name = "offset_cos",
-         .meaning = "offset of the cosine over its amplitude",
-         .fallback = 0.0,
-         .least = -1,
-         .most = 1},
-        {.name = "gain",
-         .meaning = "relative gain error between sine and cosine",
-         .fallback = 0.0,
-         .least = -1,
-         .most = 1},
-        {.name = "phase",
-         .dimension = dimension::angle,
-         .meaning = "error of the right angle between them",
-         .fallback = 0.0},
-        {.name = "clipping",
-         .meaning = "level at which both are clipped, over their amplitude; 1: not at all",
-         .fallback = 1.0,
-         .least = 0,
-         .most = 1,
-         .open_below = true}}},
-      {"state_width",
-       "unequal quadrature states",
-       {{.name = "phase",
-         .dimension = dimension::angle,
-         .meaning = "quadrature error, electrical",
-         .required = true}}},
-      {"missed_counts",
-       "counts lost or gained at one moment, never to return",
-       {{.name = "counts",
-         .kind = Kind::integer,
-         .meaning = "counts added to the reading",
-         .required = true,
-         .least = -1e9,
-         .most = 1e9},
-        {.name = "time", .dimension = dimension::time, .meaning = "when", .required = true, .least = 0}}},
-      {"decoding",
-       "counts read with the wrong decoding or counts per revolution",
-       {{.name = "factor", .meaning = "reading over right reading, such as 0.25, 2, -1", .required = true}}},
-      {"truncation", "the counter rounds down where the model rounds to nearest", {}},
-      {"backlash",
-       "play between encoder and joint",
-       {{.name = "gap", .meaning = "full width", .required = true, .least = 0, .coordinate = true}}},
-      {"compliance",
-       "wind-up of gear and link under load",
-       {{.name = "compliance",
-         .dimension = dimension::compliance,
-         .meaning = "angle per torque",
-         .required = true,
-         .least = 0}}},
-      {"latency",
-       "the reading is old",
-       {{.name = "delay", .dimension = dimension::time, .meaning = "age of the reading", .required = true}}},
-      {"timing_jitter",
-       "samples are taken off their stamps",
-       {{.name = "sigma",
-         .dimension = dimension::time,
-         .meaning = "standard deviation of the sampling instant",
-         .required = true,
-         .least = 0}}},
-      {"clock_drift",
-       "the encoder's clock runs fast or slow against the reference's",
-       {{.name = "rate", .meaning = "relative rate error", .required = true, .least = -1, .most = 1}}},
-      {"noise",
-       "white noise before the quantizer",
-       {{.name = "sigma",
-         .meaning = "standard deviation",
-         .required = true,
-         .least = 0,
-         .coordinate = true}}},
-      {"drift",
-       "slow change in time or with temperature",
-       {{.name = "amplitude", .meaning = "final size", .fallback = 0.0, .coordinate = true},
-        {.name = "time_constant",
-         .dimension = dimension::time,
-         .meaning = "of its exponential approach",
-         .least = 0,
-         .open_below = true},
-        {.name = "coefficient",
-         .dimension = dimension::angle_per_temperature,
-         .meaning = "change per kelvin, with a temperature column",
-         .fallback = 0.0}}},
-      {"rollover",
-       "the counter wraps",
-       {{.name = "modulus", .meaning = "counts at which it wraps", .required = true, .least = 1}}},
-      {"geometry",
-       "link dimension differs from the URDF",
-       {{.name = "axis",
-         .kind = Kind::choice,
-         .meaning = "direction in the joint's frame",
-         .choices = "x|y|z"},
-        {.name = "length",
-         .dimension = dimension::length,
-         .meaning = "added to the joint's origin",
-         .required = true}}},
-      {"reference_error",
-       "the better sensor is at fault: an order of its own machine",
-       {amplitude,
-        phase,
-        {.name = "order",
-         .meaning = "periods per joint revolution",
-         .required = true,
-         .least = 0,
-         .open_below = true}}},
-      {"log_rounding",
-       "the file's own grid",
-       {{.name = "step",
-         .meaning = "step of the grid",
-         .required = true,
-         .least = 0,
-         .open_below = true,
-         .coordinate = true}}},
+      offset_effect(),
+      scale_effect(),
+      eccentricity_effect(),
+      transmission_error_effect(),
+      subdivision_error_effect(),
+      state_width_effect(),
+      missed_counts_effect(),
+      decoding_effect(),
+      truncation_effect(),
+      backlash_effect(),
+      compliance_effect(),
+      latency_effect(),
+      timing_jitter_effect(),
+      clock_drift_effect(),
+      noise_effect(),
+      drift_effect(),
+      rollover_effect(),
+      geometry_effect(),
+      reference_error_effect(),
+      log_rounding_effect(),
   };
   return kinds;
+}
+
+const EffectKind& effect_kind(std::string_view name) {
+  const auto& kinds = effect_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  if (found == kinds.end()) throw std::out_of_range("no effect '" + std::string(name) + "'");
+  return *found;
+}
+
+std::string_view stage_name(Stage stage) {
+  switch (stage) {
+    case Stage::clock:
+      return "clock";
+    case Stage::link:
+      return "link";
+    case Stage::gear:
+      return "gear";
+    case Stage::disc:
+      return "disc";
+    case Stage::line:
+      return "line";
+    case Stage::comparator:
+      return "comparator";
+    case Stage::decoder:
+      return "decoder";
+    case Stage::log:
+      return "log";
+    case Stage::reference:
+      return "reference";
+    case Stage::kinematics:
+      return "kinematics";
+  }
+  return "";
+}
+
+std::optional<Share> proportional(double factor, const std::optional<Spread>& quantity) {
+  if (factor == 0) return Share{};
+  if (!quantity) return std::nullopt;
+  // A zero is kept from being a negative one.
+  return Share{0.0 + factor * quantity->middle(),
+               std::abs(factor) * quantity->half(),
+               std::abs(factor) * quantity->stray(),
+               Course::motion,
+               {},
+               quantity->rate};
+}
+
+double normal(std::uint64_t seed, std::uint64_t index) {
+  // Box and Muller; 1 - u is never 0.
+  const double u = unit_interval(random_bits(seed, index, 0)), v = unit_interval(random_bits(seed, index, 1));
+  return std::sqrt(-2 * std::log1p(-u)) * std::cos(2 * std::numbers::pi * v);
 }
 
 }  // namespace qerr

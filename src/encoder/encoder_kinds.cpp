@@ -13,15 +13,19 @@ constexpr double most_counts = 1e15;
 
 double counts(const Numbers& n, const Choices&) { return n.at("counts_per_rev"); }
 
-double lines(const Numbers& n, const Choices& c) {
+double edges_per_line(const Numbers&, const Choices& c) {
   const std::string& decoding = c.at("decoding");
-  return n.at("lines_per_rev") * (decoding == "x1" ? 1 : decoding == "x2" ? 2 : 4);
+  return decoding == "x1" ? 1 : decoding == "x2" ? 2 : 4;
 }
+
+double lines(const Numbers& n, const Choices& c) { return n.at("lines_per_rev") * edges_per_line(n, c); }
 
 double bits(const Numbers& n, const Choices&) { return std::exp2(n.at("bits")); }
 
-double periods(const Numbers& n, const Choices&) {
-  return n.at("periods_per_rev") * std::exp2(n.at("interpolation_bits"));
+double steps_per_period(const Numbers& n, const Choices&) { return std::exp2(n.at("interpolation_bits")); }
+
+double periods(const Numbers& n, const Choices& c) {
+  return n.at("periods_per_rev") * steps_per_period(n, c);
 }
 
 }  // namespace
@@ -49,7 +53,8 @@ const std::vector<EncoderKind>& encoder_kinds() {
          .kind = Kind::choice,
          .meaning = "edges counted per line: 1, 2 or 4",
          .choices = "x4|x2|x1"}},
-       lines},
+       lines,
+       edges_per_line},
       {"bits",
        "absolute encoder: bits per revolution",
        {{.name = "bits",
@@ -73,7 +78,8 @@ const std::vector<EncoderKind>& encoder_kinds() {
          .required = true,
          .least = 1,
          .most = 32}},
-       periods},
+       periods,
+       steps_per_period},
       {"resolution",
        "quantization interval at the joint itself",
        {{.name = "resolution",

@@ -1,15 +1,20 @@
 #include "csv.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <limits>
 
 #include "qerr/core/quantity.hpp"
-#include "qerr/core/suggest.hpp"
 #include "qerr/core/text.hpp"
-#include "qerr/input/read_text.hpp"
 
 namespace qerr {
 
 namespace {
+
+/// Zeros behind the last byte: one ends every number and text, none belongs to either.
+constexpr std::size_t padding = 16;
+
+bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
@@ -17,25 +22,13 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// Cells of one line; quotes protect commas, a doubled quote stands for one.
-std::vector<std::string> cells_of(const std::string& line, const Place& place) {
-  std::vector<std::string> cells(1);
-  bool quoted = false;
-  for (std::size_t i = 0; i < line.size(); ++i) {
-    const char c = line[i];
-    if (quoted && c == '"' && i + 1 < line.size() && line[i + 1] == '"') {
-      cells.back() += line[++i];
-    } else if (c == '"') {
-      quoted = !quoted;
-    } else if (c == ',' && !quoted) {
-      cells.emplace_back();
-    } else {
-      cells.back() += c;
-    }
-  }
-  if (quoted) throw Error({place, "", "a quote is not closed on its line", "", "end the cell with \""});
-  for (std::string& cell : cells) cell = trimmed(cell);
-  return cells;
+/// What a file is that begins so, when it is no table; "" when it may be one.
+std::string no_text(std::string_view head) {
+  if (head.starts_with("\x1F\x8B")) return "this is a gzip archive: unpack it";
+  if (head.starts_with("PK\x03\x04")) return "this is a zip archive or a spreadsheet: export it as CSV";
+  if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
+    return "this looks like UTF-16: save the file as UTF-8";
+  return {};
 }
 
 }  // namespace
@@ -46,42 +39,118 @@ ColumnName column_name(const std::string& cell) {
   return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
 }
 
-CsvTable read_csv_table(const std::string& path) {
-  const std::string text = read_text(path);
-  CsvTable table;
-  int number = 0;
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find('\n', at), text.size());
-    const std::string line = trimmed(text.substr(at, end - at));
-    at = end + 1;
-    ++number;
-    const Place place{path, number, 1};
-    if (line.empty() || (table.header.empty() && line.front() == '#')) continue;
-    const std::vector<std::string> cells = cells_of(line, place);
-    if (table.header.empty()) {
-      table.header = cells;
-      continue;
-    }
-    if (cells.size() != table.header.size())
-      throw Error({place, "", "the row has not as many cells as the header", counted(cells.size(), "cell"),
-                   counted(table.header.size(), "cell")});
-    std::vector<double>& row = table.rows.emplace_back();
-    for (std::size_t i = 0; i < cells.size(); ++i) {
-      const auto value = parse_number(cells[i]);
-      if (!value)
-        throw Error({place, table.header[i], "not a finite decimal number", "'" + cells[i] + "'",
-                     "write a plain number"});
-      row.push_back(*value);
-    }
-    table.lines.push_back(number);
+CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
+    : source_(path), limits_(limits), buffer_(limits.block + padding) {
+  while (end_ < 8 && fill()) {
   }
-  if (table.rows.empty())
-    throw Error({{path, std::max(number, 1), 1},
-                 "",
-                 "the file has no rows of numbers",
-                 "",
-                 "a header and at least one row"});
-  return table;
+  if (end_ == 0) throw Error({{file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers"});
+  const std::string why = no_text({buffer_.data(), end_});
+  if (!why.empty()) throw Error({{file(), 1, 1}, "", "the table must be UTF-8 text", "", why});
+  if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) at_ = 3;
+  read_header();
+}
+
+/// Moves what is left of the buffer to its front and reads on. @returns false when nothing more comes
+bool CsvReader::fill() {
+  if (ended_) return false;
+  std::memmove(buffer_.data(), buffer_.data() + row_, end_ - row_);
+  at_ -= row_;
+  end_ -= row_;
+  row_ = 0;
+  if (end_ + limits_.block / 2 + 1 + padding > buffer_.size())
+    buffer_.resize(2 * buffer_.size());  // a row that is nearly as long as a block, or longer
+  const std::size_t room = buffer_.size() - padding - end_;
+  const std::size_t count = source_.read(buffer_.data() + end_, std::min(room, limits_.block));
+  end_ += count;
+  ended_ = count == 0;
+  if (ended_ && end_ > 0 && buffer_[end_ - 1] != '\n') {
+    buffer_[end_++] = '\n';  // every row ends
+    cut_off_ = true;
+  }
+  std::memset(buffer_.data() + end_, 0, padding - 1);
+  return !ended_ || cut_off_;
+}
+
+void CsvReader::read_header() {
+  while (true) {
+    row_ = at_;
+    line_ = next_line_;
+    if (at_ == end_ && !fill())
+      throw Error({{file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers"});
+    const bool comment = buffer_[at_] == '#';
+    const char* end = comment ? nullptr : record_end(buffer_.data() + at_);
+    if (comment) {
+      const void* found = std::memchr(buffer_.data() + at_, '\n', end_ - at_);
+      if (!found && end_ - at_ <= limits_.longest_row && fill()) continue;
+      end = static_cast<const char*>(found);
+    }
+    if (!end)
+      throw Error({{file(), line(), 1},
+                   "",
+                   "a line is too long",
+                   "",
+                   "at most " + std::to_string(limits_.longest_row) + " bytes"});
+    const char* begin = buffer_.data() + row_;
+    next_line_ += 1 + std::count(begin, end, '\n');
+    at_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
+    if (comment || std::all_of(begin, end, blank)) continue;
+    for (const Cell& cell : cells_of(begin, end)) {
+      header_.push_back(cell.text);
+      header_places_.push_back(place_at(cell.begin));
+    }
+    break;
+  }
+  for (std::size_t i = 0; i < header_.size(); ++i)
+    for (std::size_t k = 0; k < header_[i].size();) {
+      const std::size_t length = header_[i][k] == '\0' ? 0 : utf8_length(header_[i], k);
+      if (length == 0)
+        throw Error({header_places_[i], "", "the header must be UTF-8 text", "'" + header_[i] + "'",
+                     header_[i][k] == '\0' ? "is this a text file?" : "save the file as UTF-8"});
+      k += length;
+    }
+  if (std::all_of(header_.begin(), header_.end(), [](const auto& h) { return parse_number(h).has_value(); }))
+    throw Error({header_places_[0], "", "the first row must name the columns", "numbers",
+                 "a header such as time [s],shoulder.counts"});
+}
+
+Place CsvReader::header_place(std::size_t column) const { return header_places_[column]; }
+
+void CsvReader::choose(const std::vector<std::size_t>& columns) {
+  chosen_ = columns;
+  plan_.assign(header_.size(), -1);
+  for (std::size_t i = 0; i < columns.size(); ++i) plan_[columns[i]] = static_cast<std::ptrdiff_t>(i);
+  written_.assign(columns.size(), {});
+}
+
+int CsvReader::line() const {
+  return static_cast<int>(std::min<std::int64_t>(line_, std::numeric_limits<int>::max()));
+}
+
+/// A cell's place; its column counts code points.
+Place CsvReader::place_at(const char* cell) const {
+  const char* const row = buffer_.data() + row_;
+  const char* start = cell;
+  while (start > row && start[-1] != '\n') --start;
+  const auto inner_lines = static_cast<int>(std::count(row, cell, '\n'));
+  const std::string_view before(start, static_cast<std::size_t>(cell - start));
+  return {file(), line() + inner_lines, static_cast<int>(display_width(before)) + 1};
+}
+
+Place CsvReader::place(std::size_t chosen) const {
+  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + at_ - 1);
+  return place_at(cells[chosen_[chosen]].begin);
+}
+
+std::string CsvReader::text(std::size_t chosen) const {
+  return cells_of(buffer_.data() + row_, buffer_.data() + at_ - 1)[chosen_[chosen]].text;
+}
+
+DecimalText CsvReader::written(std::size_t chosen) const {
+  const Written& w = written_[chosen];
+  if (w.least_decimals > w.most_decimals) return {};
+  int digits = 0;
+  for (std::uint64_t rest = w.largest; rest > 0; rest /= 10) ++digits;
+  return {w.most_decimals, w.least_decimals, std::max(w.most_digits, digits)};
 }
 
 }  // namespace qerr

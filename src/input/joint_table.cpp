@@ -5,48 +5,35 @@
 
 #include "csv.hpp"
 #include "qerr/core/suggest.hpp"
+#include "qerr/core/unit.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// The factor from a column's unit to SI.
-double column_factor(const std::string& cell, Dimension dimension, const Place& place) {
+/// The scale of a column from its unit to SI.
+Unit column_unit(const std::string& cell, Dimension dimension, const Place& place) {
   const std::string unit = column_name(cell).unit;
-  if (unit.empty()) return 1;
+  if (unit.empty()) return {};
   std::string why;
-  const auto quantity = parse_quantity("1 " + unit, why);
-  if (!quantity || quantity->dimension != dimension)
+  const auto read = parse_unit(unit, why);
+  if (!read || read->dimension != dimension)
     throw Error({place, cell, "the column has the wrong unit", "'" + unit + "'",
                  "use " + unit_name(dimension) + " or a unit of that kind"});
-  return quantity->value;
+  return *read;
 }
 
-/// A named column of numbers, in SI units.
-std::vector<double> column(const CsvTable& table, const std::string& path, const std::string& name,
-                           Dimension dimension, const std::string& rule) {
-  const Place header{path, 1, 1};
+/// The number of a named column.
+std::size_t find_column(const CsvReader& table, const std::string& name, const std::string& rule) {
   std::vector<std::string> names;
-  for (const std::string& cell : table.header) names.push_back(column_name(cell).name);
+  for (const std::string& cell : table.header()) names.push_back(column_name(cell).name);
   const auto found = std::find(names.begin(), names.end(), name);
-  if (found == names.end()) throw Error({header, name, rule, "", did_you_mean(name, names)});
-  if (std::count(names.begin(), names.end(), name) > 1)
-    throw Error({header, name, "two columns have this name", "", "keep one of them"});
-  const auto i = static_cast<std::size_t>(found - names.begin());
-  const double factor = column_factor(table.header[i], dimension, header);
-  std::vector<double> values;
-  for (const std::vector<double>& row : table.rows) values.push_back(factor * row[i]);
-  return values;
-}
-
-void check_increasing(const JointTable& t) {
-  for (std::size_t i = 1; i < t.time.size(); ++i)
-    if (!(t.time[i] > t.time[i - 1]))
-      throw Error({{t.path, t.lines[i], 1},
-                   "time",
-                   "time must increase from row to row",
-                   shortest(t.time[i]) + " s after " + shortest(t.time[i - 1]) + " s",
-                   "sort the rows, keep one per instant"});
+  if (found == names.end()) throw Error({table.header_place(0), name, rule, "", did_you_mean(name, names)});
+  const auto again = std::find(found + 1, names.end(), name);
+  if (again != names.end())
+    throw Error({table.header_place(static_cast<std::size_t>(again - names.begin())), name,
+                 "two columns have this name", "", "keep one of them"});
+  return static_cast<std::size_t>(found - names.begin());
 }
 
 }  // namespace
@@ -62,24 +49,38 @@ std::string text_of(const Limits& l, const IndependentJoint& joint) {
 
 JointTable read_joint_table(const std::string& path, const Chain& chain, TimeColumn with_time,
                             std::vector<std::string>& warnings) {
-  const CsvTable table = read_csv_table(path);
-  JointTable result{path, {}, {}, table.lines};
-  if (with_time == TimeColumn::required) {
-    result.time = column(table, path, "time", dimension::time, "the file has no column for the time");
-    check_increasing(result);
+  CsvReader table(path);
+  std::vector<std::size_t> columns;
+  std::vector<Unit> units;
+  const auto choose = [&](const std::string& name, Dimension dimension, const std::string& rule) {
+    const std::size_t i = columns.emplace_back(find_column(table, name, rule));
+    units.push_back(column_unit(table.header()[i], dimension, table.header_place(i)));
+  };
+  const std::size_t timed = with_time == TimeColumn::required;
+  if (timed) choose("time", dimension::time, "the file has no column for the time");
+  for (const IndependentJoint& joint : chain.independent)
+    choose(joint.name, coordinate_dimension(joint), "the file has no column for this joint");
+  table.choose(columns);
+  if (table.header().size() > columns.size())
+    warnings.push_back(table.file() + ": columns that are no joint of the chain are ignored");
+
+  JointTable result{table.file(), {}, {}, {}};
+  std::vector<double> row(columns.size()), positions;
+  while (table.next(row.data())) {
+    for (std::size_t i = 0; i < row.size(); ++i) row[i] = units[i].in_si(row[i]);
+    if (timed && !result.time.empty() && !(row[0] > result.time.back()))
+      throw Error({table.place(0), "time", "time must increase from row to row",
+                   shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
+                   "sort the rows, keep one per instant"});
+    if (timed) result.time.push_back(row[0]);
+    positions.insert(positions.end(), row.begin() + static_cast<std::ptrdiff_t>(timed), row.end());
+    result.lines.push_back(table.line());
   }
-  const auto n = static_cast<Eigen::Index>(chain.independent.size());
-  const auto rows = static_cast<Eigen::Index>(table.rows.size());
-  result.positions.resize(n, rows);
-  for (Eigen::Index j = 0; j < n; ++j) {
-    const IndependentJoint& joint = chain.independent[static_cast<std::size_t>(j)];
-    const std::vector<double> values =
-        column(table, path, joint.name, coordinate_dimension(joint), "the file has no column for this joint");
-    result.positions.row(j) = Eigen::Map<const Eigen::RowVectorXd>(values.data(), rows);
-  }
-  const std::size_t used = chain.independent.size() + (with_time == TimeColumn::required);
-  if (table.header.size() > used)
-    warnings.push_back(path + ": columns that are no joint of the chain are ignored");
+  if (result.lines.empty())
+    throw Error({{table.file(), table.line(), 1}, "", "the file has no rows of numbers", "", "at least one"});
+  result.positions =
+      Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
+                                        static_cast<Eigen::Index>(result.lines.size()));
   return result;
 }
 

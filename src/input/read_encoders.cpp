@@ -85,7 +85,11 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     figures.gear_ratio = o.number("gear_ratio").value();
     if (figures.gear_ratio == 0)
       throw Error(o.at("gear_ratio").fault("must not be zero", "encoder revolutions per joint revolution"));
-    encoder.resolution = travel_of(o, joint) / (figures.counts_per_rev * std::abs(figures.gear_ratio));
+    const double travel = travel_of(o, joint);
+    encoder.resolution = travel / (figures.counts_per_rev * std::abs(figures.gear_ratio));
+    encoder.shaft_ratio = 2 * std::numbers::pi * figures.gear_ratio / travel;
+    if (kind.counts_per_period)
+      encoder.counts_per_period = kind.counts_per_period(numbers, o.choices(kind.parameters));
   } else {
     refuse_key(o, "gear_ratio", "a resolution is at the joint, behind the gear", "leave gear_ratio out");
     refuse_key(o, "travel_per_rev", "a resolution is at the joint, behind the screw",

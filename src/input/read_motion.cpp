@@ -47,7 +47,27 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   return motion;
 }
 
-const EffectKind& effect_kind(const Field& f) {
+/// A cause that only a diagnosis speaks of: nothing that acts on the signal of a joint.
+struct NoEffect {
+  std::string_view name, what, remedy;
+};
+
+const std::vector<NoEffect>& causes_without_effect() {
+  static const std::vector<NoEffect> causes{
+      {"filter_mismatch", "the controller's own filter is not the spec's",
+       "write the controller's filter under filters:"},
+      {"controller_droop", "a logged load is a multiple of the error, and no load",
+       "leave it out; a true load is compliance"},
+      {"slow_motion", "the error is neither white nor uniform at so few counts a sample",
+       "leave it out; `qerr simulate` and sigma in motion have it in them"},
+      {"varying_jacobian", "the Jacobian changes along the motion",
+       "leave it out; `qerr simulate` has it in it"},
+      {"correlated_joints", "the errors of joints that move alike are not independent",
+       "leave it out; `qerr simulate` has it in it"}};
+  return causes;
+}
+
+const EffectKind& kind_of(const Field& f) {
   std::vector<std::string> known;
   for (const EffectKind& kind : effect_kinds()) known.emplace_back(kind.name);
   if (f.node->type != Node::Type::mapping)
@@ -60,11 +80,36 @@ const EffectKind& effect_kind(const Field& f) {
   const std::string name = read_text_value(field);
   for (const EffectKind& kind : effect_kinds())
     if (kind.name == name) return kind;
+  for (const NoEffect& cause : causes_without_effect())
+    if (cause.name == name)
+      throw Error(field.fault("is no effect on a joint's signal but a cause that `qerr diagnose` may name: " +
+                                  std::string(cause.what),
+                              std::string(cause.remedy)));
   throw Error(field.fault("no such effect", did_you_mean(name, known)));
 }
 
-Effect read_effect(const Field& f, const RobotModel& robot, const Spec& spec) {
-  const EffectKind& kind = effect_kind(f);
+/// Effects within a line speak of the encoder's signals, which not every encoder has.
+void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spec& spec) {
+  if (joint >= spec.encoder_figures.size() || spec.encoder_figures[joint].kind.empty()) return;  // faulty
+  const std::string& kind = spec.encoder_figures[joint].kind;
+  const double counts = spec.model.transmission.encoders[joint].counts_per_period;
+  const std::string what = "the encoder of '" + effect.joint + "' counts " + shortest(counts) +
+                           (counts == 1 ? " time" : " times") + " a period: ";
+  if (effect.type == "state_width" && counts != 4)
+    throw Error(o.at("type").fault(what + "only with four do the edges of both channels count",
+                                   "decoding: x4; for a sine/cosine encoder subdivision_error"));
+  if (effect.type != "subdivision_error") return;
+  if (counts < 4)
+    throw Error(o.at("type").fault(what + "nothing is interpolated within it",
+                                   "periods_per_rev with interpolation_bits, or decoding: x4"));
+  if (kind == "bits" || kind == "resolution")
+    spec.warnings.push_back(o.self().path + ": the encoder of '" + effect.joint +
+                            "' is given without its signal period, which is taken as four counts; give "
+                            "periods_per_rev and interpolation_bits");
+}
+
+Effect read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
+  const EffectKind& kind = kind_of(f);
   std::vector<Parameter> format = spec_format::effect();
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);
@@ -76,9 +121,13 @@ Effect read_effect(const Field& f, const RobotModel& robot, const Spec& spec) {
   const std::size_t index =
       find_joint(robot, spec.model.chain, *joint, o.at("joint").node->place, o.at("joint").path);
   effect.joint = *joint;
-  const Dimension unit = coordinate_dimension(spec.model.chain.independent[index]);
-  effect.numbers = o.numbers(kind.parameters, unit);
-  effect.choices = o.choices(kind.parameters);
+  // Rows are written for revolute joints.
+  const IndependentJoint& of = spec.model.chain.independent[index];
+  for (Parameter& row : format) row.dimension = dimension_at(row, of.prismatic());
+  const Object typed(f, format);
+  effect.numbers = typed.numbers(kind.parameters, coordinate_dimension(of));
+  effect.choices = typed.choices(kind.parameters);
+  check_encoder(o, effect, index, spec);
   return effect;
 }
 
@@ -123,18 +172,20 @@ void read_table(const Field& f, const std::string& path, Spec& spec, Motion& mot
     throw Error({{path, table.lines.front(), 1}, "time", "a motion needs two rows", "one row", ""});
   const double length = table.time.back() - table.time.front();
   const double step = length / static_cast<double>(table.time.size() - 1);
-  if (motion.duration > (length + step) * (1 + 1e-9))
+  // The last row is a sample too: the motion ends one sample after it.
+  if (motion.sample_rate == 0) {
+    for (std::size_t i = 1; i < table.time.size(); ++i)
+      if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
+        throw Error({f.node->place, f.path + ".sample_rate",
+                     "the file's times are uneven, so that they give no sample rate",
+                     "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
+    motion.sample_rate = 1 / step;
+  }
+  const double whole = length + 1 / motion.sample_rate;
+  if (motion.duration > whole * (1 + 1e-9))
     throw Error({f.node->place, f.path + ".duration", "the motion is longer than its file",
-                 shortest(motion.duration) + " s of " + shortest(length + step) + " s",
-                 "leave the duration out"});
-  if (motion.duration == 0) motion.duration = length + step;
-  if (motion.sample_rate != 0) return;
-  for (std::size_t i = 1; i < table.time.size(); ++i)
-    if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
-      throw Error({f.node->place, f.path + ".sample_rate",
-                   "the file's times are uneven, so that they give no sample rate",
-                   "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
-  motion.sample_rate = 1 / step;
+                 shortest(motion.duration) + " s of " + shortest(length) + " s", "leave the duration out"});
+  if (motion.duration == 0) motion.duration = whole;
 }
 
 }  // namespace
@@ -173,6 +224,10 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
     }
     if (!sound) return;
   }
+  constexpr double most_samples = 1e15;
+  if (!(motion.duration * motion.sample_rate <= most_samples))
+    throw Error(f.fault("the motion has too many samples",
+                        "at most " + shortest(most_samples) + ": shorten the duration or lower the rate"));
   if (motion.settling.value_or(0) >= motion.duration)
     throw Error(o.at("settling")
                     .fault("nothing of the motion is left for statistics",

@@ -124,18 +124,32 @@ void UrdfReader::read_robot(const UrdfElement& root) {
 
 void UrdfReader::read_link(const UrdfElement& element) {
   model.links.push_back(name_of(element, link_index_, model.links.size()));
+  Inertia& inertia = model.inertias.emplace_back();
   const UrdfElement* inertial = element.child("inertial");
   if (!inertial) return;
-  // Not used by qerr, but a mass of "3.5kg" says that the file is not what its author believes.
   const std::string key = element.title();
-  Eigen::Vector3d xyz, rpy;
-  read_origin(*inertial, key, xyz, rpy);
+  Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
+  read_origin(*inertial, key, inertia.center, rpy);
   if (const UrdfElement* mass = inertial->child("mass")) {
     const auto value = number(*mass, "value", key);
     if (value && *value < 0) fault(*mass, key, "a mass must not be negative", quoted(shortest(*value)), "");
+    inertia.mass = value.value_or(0);
   }
-  if (const UrdfElement* inertia = inertial->child("inertia"))
-    for (const char* entry : {"ixx", "ixy", "ixz", "iyy", "iyz", "izz"}) number(*inertia, entry, key);
+  const UrdfElement* moments = inertial->child("inertia");
+  if (!moments) return;
+  const auto moment = [&](const char* entry) { return number(*moments, entry, key).value_or(0); };
+  Eigen::Matrix3d m;
+  m(0, 0) = moment("ixx");
+  m(0, 1) = m(1, 0) = moment("ixy");
+  m(0, 2) = m(2, 0) = moment("ixz");
+  m(1, 1) = moment("iyy");
+  m(1, 2) = m(2, 1) = moment("iyz");
+  m(2, 2) = moment("izz");
+  const Eigen::Matrix3d turned = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+                                  Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+                                  Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+                                     .toRotationMatrix();
+  inertia.about_center = turned * m * turned.transpose();
 }
 
 void UrdfReader::read_joint(const UrdfElement& element) {
@@ -212,6 +226,9 @@ void UrdfReader::read_limit(const UrdfElement& element, Joint& joint) {
     if (value && *value < 0)
       fault(*limit->attribute(name), key, "'" + std::string(name) + "' of <limit> must not be negative",
             quoted(shortest(*value)), "");
+    // Exporters write 0 where they know nothing; no joint is built to stand still.
+    if (value && *value > 0)
+      (std::string_view(name) == "effort" ? joint.effort_limit : joint.velocity_limit) = *value;
   }
   if (!ranged || (!lower && !upper)) return;
   joint.limits = Limits{lower.value_or(0), upper.value_or(0)};  // URDF: one that is absent is 0

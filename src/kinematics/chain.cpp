@@ -1,6 +1,7 @@
 #include "qerr/kinematics/chain.hpp"
 
 #include <algorithm>
+#include <set>
 #include <unordered_map>
 
 #include "qerr/core/suggest.hpp"
@@ -99,8 +100,9 @@ class Builder {
                         "a joint between base and tip must be revolute, continuous, prismatic or fixed",
                         joint.type == JointType::floating ? "a floating joint" : "a planar joint",
                         "choose robot.base and robot.tip so that it is not between them"});
+    const Eigen::Matrix3d parent_axes = pending_.linear();
     pending_ = pending_ * joint.origin;
-    if (joint.type != JointType::fixed) add_moving(index);
+    if (joint.type != JointType::fixed) add_moving(index, parent_axes);
   }
 
   Chain finish(std::string base, std::string tip) {
@@ -111,20 +113,27 @@ class Builder {
   }
 
  private:
-  void add_moving(std::size_t index) {
+  void add_moving(std::size_t index, const Eigen::Matrix3d& parent_axes) {
     const Joint& joint = robot_.joints[index];
     const Drive drive = drive_of(robot_, by_name_, index);
     const Joint& master = robot_.joints[drive.master];
     auto found = std::find_if(chain_.independent.begin(), chain_.independent.end(),
                               [&](const IndependentJoint& j) { return j.name == master.name; });
     if (found == chain_.independent.end()) {
-      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index});
+      chain_.independent.push_back({master.name, master.type, master.limits, drive.master == index,
+                                    master.velocity_limit, master.effort_limit});
       found = std::prev(chain_.independent.end());
     }
     if (drive.master == index) found->on_chain = true;
-    chain_.joints.push_back({joint.name, joint.type == JointType::prismatic, pending_, joint.axis,
-                             static_cast<std::size_t>(found - chain_.independent.begin()), drive.multiplier,
-                             drive.offset});
+    chain_.joints.push_back({joint.name,
+                             joint.type == JointType::prismatic,
+                             pending_,
+                             joint.axis,
+                             static_cast<std::size_t>(found - chain_.independent.begin()),
+                             drive.multiplier,
+                             drive.offset,
+                             {},
+                             parent_axes});
     pending_ = Eigen::Isometry3d::Identity();
   }
 
@@ -132,6 +141,56 @@ class Builder {
   Index by_name_;
   Chain chain_;
   Eigen::Isometry3d pending_ = Eigen::Isometry3d::Identity();
+};
+
+/// Adds what a link and everything fixed to it weighs to a joint's load. Joints beside the chain stand at
+/// zero.
+class Loader {
+ public:
+  Loader(const RobotModel& robot, const std::vector<std::size_t>& path) : robot_(robot) {
+    for (std::size_t i = 0; i < robot.links.size(); ++i) link_[robot.links[i]] = i;
+    for (std::size_t i = 0; i < robot.joints.size(); ++i) below_[robot.joints[i].parent].push_back(i);
+    for (const std::size_t joint : path)
+      if (robot.joints[joint].type != JointType::fixed) on_path_.insert(joint);
+  }
+
+  void add(const std::string& link, const Eigen::Isometry3d& pose, Inertia& load) const {
+    std::vector<std::pair<std::string, Eigen::Isometry3d>> open{{link, pose}};
+    while (!open.empty()) {
+      const auto [name, at] = open.back();
+      open.pop_back();
+      if (const std::size_t i = link_.at(name); i < robot_.inertias.size())
+        load = sum(load, moved(robot_.inertias[i], at));
+      const auto joints = below_.find(name);
+      if (joints == below_.end()) continue;
+      for (const std::size_t joint : joints->second)
+        if (!on_path_.contains(joint))
+          open.emplace_back(robot_.joints[joint].child, at * robot_.joints[joint].origin);
+    }
+  }
+
+ private:
+  static Inertia moved(const Inertia& i, const Eigen::Isometry3d& pose) {
+    return {i.mass, pose * i.center, pose.linear() * i.about_center * pose.linear().transpose()};
+  }
+
+  static Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& r) {
+    return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
+  }
+
+  static Inertia sum(const Inertia& a, const Inertia& b) {
+    const double mass = a.mass + b.mass;
+    if (mass == 0) return {0, Eigen::Vector3d::Zero(), a.about_center + b.about_center};
+    const Eigen::Vector3d center = (a.mass * a.center + b.mass * b.center) / mass;
+    return {mass, center,
+            a.about_center + b.about_center + steiner(a.mass, a.center - center) +
+                steiner(b.mass, b.center - center)};
+  }
+
+  const RobotModel& robot_;
+  Index link_;
+  std::unordered_map<std::string, std::vector<std::size_t>> below_;
+  std::set<std::size_t> on_path_;
 };
 
 /// A master that lies on the chain after its mimic takes its own place in the order.
@@ -165,12 +224,18 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
   const std::string to = tip.empty() ? only_leaf(robot) : tip;
 
   Builder builder(robot);
-  for (const std::size_t joint : path_down(robot, above, from, to)) builder.pass(joint);
+  const std::vector<std::size_t> path = path_down(robot, above, from, to);
+  for (const std::size_t joint : path) builder.pass(joint);
   Chain chain = builder.finish(from, to);
   if (chain.joints.empty())
     throw Error(robot_fault(robot, "robot.tip", "nothing moves between base and tip",
                             "base '" + from + "', tip '" + to + "'",
                             "choose links with a moving joint between them"));
+  const Loader loader(robot, path);
+  auto moving = chain.joints.begin();
+  for (const std::size_t joint : path)
+    if (robot.joints[joint].type != JointType::fixed)
+      loader.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
   order_by_own_place(chain);
   return chain;
 }

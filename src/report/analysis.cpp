@@ -60,8 +60,20 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
   }
 }
 
+/// What the figures do not contain.
+std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
+  const bool any = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.counts; });
+  std::vector<std::string> warnings = effect_warnings(spec, effects);
+  warnings.insert(warnings.begin(),
+                  any ? "quantization and the effects of the spec: nothing else is in these figures"
+                      : "quantization only: backlash, calibration, compliance and noise are not in these "
+                        "figures");
+  return warnings;
+}
+
 std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
-                                     const std::vector<Eigen::VectorXd>& noise) {
+                                     const std::vector<Eigen::VectorXd>& noise,
+                                     const std::vector<EffectShare>& effects) {
   std::vector<std::string> warnings = spec.warnings;
   const auto& coordinates = spec.model.coordinates;
   const bool euler = std::any_of(coordinates.begin(), coordinates.end(),
@@ -71,13 +83,10 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         "roll and yaw: the samples come within " +
         shortest(std::round(10 * std::asin(w.smallest_cosine_of_pitch) * 180 / std::numbers::pi) / 10) +
         " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
-  warnings.push_back(
-      "quantization only: backlash, calibration, compliance and noise are not in these figures");
+  for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
-  if (!spec.effects.empty())
-    warnings.push_back("the spec's effects are not in these figures: they are of the ideal encoders");
   if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1.3e-4 relative");
   return warnings;
 }
@@ -90,12 +99,12 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
   require_answers(spec, all.noise_in_motion);
-  Analysis a{spec,
-             joint_error(spec.model.transmission),
-             workspace(spec.model, norms, spec.configurations, all),
-             all.noise_in_motion,
-             {}};
-  a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion);
+  EffectReport effects = effect_report(spec);
+  Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
+  a.spec.model.sources = std::move(effects.sources);
+  a.joints = joint_error(spec.model.transmission, a.spec.model.sources);
+  a.workspace = workspace(a.spec.model, norms, spec.configurations, all);
+  a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   return a;
 }
 

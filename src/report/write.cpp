@@ -84,7 +84,10 @@ std::vector<ListRow> rows_of(std::string_view kind) {
     }
   if (kind == "effects")
     for (const EffectKind& e : effect_kinds())
-      rows.push_back({std::string(e.name), std::string(e.summary), e.parameters});
+      rows.push_back({std::string(e.name),
+                      std::string(e.summary),
+                      e.parameters,
+                      {{"stage", std::string(stage_name(e.stage))}, {"typical", std::string(e.typical)}}});
   if (kind == "formats")
     for (const Format& f : formats()) rows.push_back({std::string(f.name), std::string(f.summary)});
   if (kind == "coordinates")

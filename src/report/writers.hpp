@@ -2,6 +2,7 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "qerr/core/parameter.hpp"
@@ -15,6 +16,7 @@ struct ListRow {
   std::string name;
   std::string summary;
   std::vector<Parameter> parameters = {};
+  std::vector<std::pair<std::string, std::string>> notes = {};  ///< name and text, the same names in all rows
 };
 
 std::string parameter_unit(const Parameter&);

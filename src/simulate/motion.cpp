@@ -86,27 +86,27 @@ MotionPath::MotionPath(const Motion& motion)
   }
 }
 
-MotionPath::State MotionPath::of_phases(const std::vector<Phase>& phases, double time) {
+JointState MotionPath::of_phases(const std::vector<Phase>& phases, double time) {
   const auto next = std::upper_bound(phases.begin(), phases.end(), time,
                                      [](double t, const Phase& phase) { return t < phase.start; });
   const Phase& p = next == phases.begin() ? *next : *std::prev(next);
   const double s = std::max(0.0, time - p.start);
   return {p.position + s * (p.velocity + s * (p.acceleration / 2 + s * p.jerk / 6)),
-          p.velocity + s * (p.acceleration + s * p.jerk / 2)};
+          p.velocity + s * (p.acceleration + s * p.jerk / 2), p.acceleration + s * p.jerk};
 }
 
-MotionPath::State MotionPath::of_moves(const Moves& moves, double time) {
+JointState MotionPath::of_moves(const Moves& moves, double time) {
   if (time < moves.first_end || moves.cycle_length == 0) return of_phases(moves.first, time);
   return of_phases(moves.cycle, std::fmod(time - moves.first_end, moves.cycle_length));
 }
 
-MotionPath::State MotionPath::of_table(std::size_t joint, double time) const {
+JointState MotionPath::of_table(std::size_t joint, double time) const {
   const std::vector<double>& t = motion_.table.time;
   const auto row = motion_.table.positions.row(static_cast<Eigen::Index>(joint));
   const auto last = static_cast<Eigen::Index>(t.size()) - 1;
   const double when = t.front() + time;
-  if (last == 0 || when < t.front()) return {row[0], 0};
-  if (when > t.back()) return {row[last], 0};
+  if (last == 0 || when < t.front()) return {row[0], 0, 0};
+  if (when > t.back()) return {row[last], 0, 0};
   const auto next = std::upper_bound(t.begin(), t.end(), when);
   const auto i = std::clamp<Eigen::Index>(next - t.begin() - 1, 0, last - 1);
   const auto at = [&](Eigen::Index k) { return t[static_cast<std::size_t>(k)]; };
@@ -118,18 +118,20 @@ MotionPath::State MotionPath::of_table(std::size_t joint, double time) const {
   const double m0 = h * slope(i), m1 = h * slope(i + 1), rise = row[i + 1] - row[i];
   const double square = 3 * rise - 2 * m0 - m1, cube = m0 + m1 - 2 * rise;
   return {s == 1 ? row[i + 1] : row[i] + s * (m0 + s * (square + s * cube)),
-          (m0 + s * (2 * square + 3 * s * cube)) / h};
+          (m0 + s * (2 * square + 3 * s * cube)) / h, (2 * square + 6 * s * cube) / (h * h)};
 }
 
-MotionPath::State MotionPath::at(std::size_t joint, double time) const {
+JointState MotionPath::at(std::size_t joint, double time) const {
   if (motion_.joints.empty()) return of_table(joint, time);
   const JointMotion& m = motion_.joints[joint];
   if (!m.moves.empty()) return of_moves(moves_[joint], time);
-  State state{m.center + m.velocity * time, m.velocity};
+  JointState state{m.center + m.velocity * time, m.velocity, 0};
   for (const Sine& sine : m.sines) {
     const double rate = 2 * std::numbers::pi * sine.frequency, argument = rate * time + sine.phase;
-    state.position += sine.amplitude * std::sin(argument);
+    const double sine_part = sine.amplitude * std::sin(argument);
+    state.position += sine_part;
     state.velocity += sine.amplitude * rate * std::cos(argument);
+    state.acceleration -= rate * rate * sine_part;
   }
   return state;
 }

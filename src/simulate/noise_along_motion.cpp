@@ -10,33 +10,53 @@ namespace {
 
 constexpr std::size_t most_samples = std::size_t{1} << 17;
 
+/// The largest power of two up to `most` that leaves every stretch a sample, and no more path to be looked at
+/// before the stretches than in them.
+std::size_t stretches_of(std::size_t samples, std::size_t before, std::size_t most) {
+  const std::size_t useful = std::min({most, samples, most_samples / std::max<std::size_t>(before, 1)});
+  std::size_t stretches = 1;
+  while (2 * stretches <= useful) stretches *= 2;
+  return stretches;
+}
+
 }  // namespace
 
-Eigen::VectorXd noise_along_motion(const Transmission& transmission, const Motion& motion,
-                                   const Autocorrelation& memory, double sample_rate, double start) {
+Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const Motion& motion,
+                                         const Autocorrelation& memory, double sample_rate, double start,
+                                         std::size_t most) {
   const MotionPath path(motion);
   const Eigen::MatrixXd to_quanta =
       resolutions(transmission).cwiseInverse().asDiagonal() * transmission.coupling.inverse();
   const auto whole =
       static_cast<std::size_t>(std::max(1.0, std::floor((motion.duration - start) * sample_rate)));
-  const std::size_t before = memory.r.size();
-  const std::size_t stretch =
-      whole <= most_samples ? whole : std::min(whole, std::max<std::size_t>(before, 1 << 14));
-  const std::size_t stretches = whole <= most_samples ? 1 : std::max<std::size_t>(1, most_samples / stretch);
+  const std::size_t before = memory.r.size(), stretches = stretches_of(whole, before, most);
   const Eigen::Index n = to_quanta.rows();
-  Eigen::VectorXd power = Eigen::VectorXd::Zero(n);
-  std::vector<std::vector<double>> quanta(static_cast<std::size_t>(n), std::vector<double>(before + stretch));
+  Eigen::MatrixXd power(static_cast<Eigen::Index>(stretches), n);
+  std::vector<std::vector<double>> quanta(static_cast<std::size_t>(n));
   for (std::size_t s = 0; s < stretches; ++s) {
-    const std::size_t first = stretches == 1 ? 0 : s * (whole - stretch) / (stretches - 1);
-    for (std::size_t k = 0; k < before + stretch; ++k) {
+    const std::size_t begin = s * whole / stretches, end = (s + 1) * whole / stretches;
+    const std::size_t looked_at = std::min(end - begin, most_samples / stretches);
+    // In the middle of what is too long to be looked at in full.
+    const std::size_t first = begin + (end - begin - looked_at) / 2;
+    for (auto& row : quanta) row.resize(before + looked_at);
+    for (std::size_t k = 0; k < before + looked_at; ++k) {
       const double sample = static_cast<double>(first + k) - static_cast<double>(before);
       const Eigen::VectorXd x = to_quanta * path.position(start + sample / sample_rate);
       for (Eigen::Index i = 0; i < n; ++i) quanta[static_cast<std::size_t>(i)][k] = x[i];
     }
     for (Eigen::Index i = 0; i < n; ++i)
-      power[i] += std::pow(path_sigma(memory, quanta[static_cast<std::size_t>(i)], before), 2);
+      power(static_cast<Eigen::Index>(s), i) =
+          std::pow(path_sigma(memory, quanta[static_cast<std::size_t>(i)], before), 2);
   }
-  return (power / static_cast<double>(stretches)).cwiseSqrt();
+  return power;
+}
+
+Eigen::VectorXd noise_along_motion(const Transmission& transmission, const Motion& motion,
+                                   const Autocorrelation& memory, double sample_rate, double start) {
+  return noise_power_along_motion(transmission, motion, memory, sample_rate, start, 512)
+      .colwise()
+      .mean()
+      .cwiseSqrt();
 }
 
 }  // namespace qerr

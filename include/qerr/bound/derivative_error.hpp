@@ -1,5 +1,6 @@
 #pragma once
 
+#include "qerr/bound/operational_error.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -23,5 +24,12 @@ struct Bounds {
 /// one count
 ///   a sample
 Bounds derivative_error(double half_width, double mean, double sigma, const Norms& norms);
+
+/// The same for a coordinate to whose error sources beside the quantization belong: their half widths pass
+/// with ||H||_1 and their means with |H(1)| as well, each sigma with the gain that says how much of an error
+/// that comes and goes as this one does the filter lets through.
+/// @param gains  of `gains_behind`, one per source; empty without sources
+Bounds derivative_error(const OperationalError&, Eigen::Index coordinate, const Norms&,
+                        const Eigen::VectorXd& gains);
 
 }  // namespace qerr

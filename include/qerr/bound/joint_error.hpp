@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "qerr/bound/error_source.hpp"
 #include "qerr/encoder/transmission.hpp"
 
 namespace qerr {
@@ -15,7 +16,8 @@ struct JointError {
       sigma;  ///< sqrt(diag(C diag(Delta^2/12) C^T)) (paper, Eq. 9, which is diagonal only for C = I)
 };
 
-/// Joint error of a transmission: bounds from the quantization intervals of its encoders.
-JointError joint_error(const Transmission&);
+/// Joint error of a transmission: bounds from the quantization intervals of its encoders, and from what other
+/// sources add at joints and encoders: means and half widths add, variances add.
+JointError joint_error(const Transmission&, const std::vector<ErrorSource>& = {});
 
 }  // namespace qerr

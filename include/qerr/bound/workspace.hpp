@@ -18,6 +18,7 @@ struct CoordinateStatistics {
   Eigen::VectorXd share;  ///< each encoder's part of the variance, a_i Delta_i^2/12 over its sum, averaged
   Eigen::VectorXd
       share_worst_case;  ///< each encoder's part of the worst case, |J C|_i Delta_i over its sum, averaged
+                         ///< (in both with what the sources of its encoder and joint add)
 };
 
 /// A filtered coordinate's bounds over the configurations [m/s, rad/s, ...].
@@ -35,6 +36,12 @@ struct Workspace {
   Eigen::MatrixXd mean_covariance;      ///< of all coordinates, averaged over the configurations
   Eigen::MatrixXd covariance_at_largest;  ///< where the trace of the position's covariance is largest
   Eigen::VectorXd largest_at;             ///< that configuration [rad or m]
+  /// [filter]: both covariances behind it, where sources with gains of their own make them more than
+  /// ||H||_2^2 times those; empty without sources.
+  struct Filtered {
+    Eigen::MatrixXd mean_covariance, covariance_at_largest;
+  };
+  std::vector<Filtered> filtered;
   double largest_arm = 0;  ///< largest |entry| of the position's rows of J over the samples [m/rad or 1]
   double smallest_cosine_of_pitch = 1;
   bool exact_percentiles = true;
@@ -65,8 +72,10 @@ inline bool is_known(const std::vector<Eigen::VectorXd>& noise_in_motion, std::s
 }
 
 /// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), j = coordinate: IPQN with each encoder's own noise behind a
-/// filter.
-double sigma_in_motion(const OperationalError&, Eigen::Index coordinate, const Eigen::VectorXd& noise);
+/// filter; and what the sources add.
+/// @param gains  of `gains_behind`
+double sigma_in_motion(const OperationalError&, Eigen::Index coordinate, const Eigen::VectorXd& noise,
+                       const Eigen::VectorXd& gains);
 
 /// A statistic times a non-negative factor.
 Statistic scaled(const Statistic&, double factor);

@@ -1,30 +1,156 @@
 #pragma once
 
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <functional>
 #include <map>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "qerr/core/parameter.hpp"
+#include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
-
-/// A row of the list of effects: what a real robot adds to the ideal model, with the parameters of the spec.
-struct EffectKind {
-  std::string_view name;
-  std::string_view summary;
-  std::vector<Parameter> parameters;
-};
-
-/// All effects that a spec can name, in the order of `qerr list effects`.
-const std::vector<EffectKind>& effect_kinds();
 
 /// One effect of a spec, its values checked and in SI units.
 struct Effect {
   std::string type;
-  std::string joint;  ///< "" for an effect of the whole robot
+  std::string joint;  ///< the independent joint it acts on
   std::map<std::string, double> numbers;
   std::map<std::string, std::string> choices;
+
+  double number(const std::string& name) const {
+    const auto found = numbers.find(name);
+    return found == numbers.end() ? 0 : found->second;
+  }
 };
+
+/// Where an effect acts on the way from the motion to the file, in the order in which the signal passes.
+enum class Stage {
+  clock,       ///< when the joint is read [s]
+  link,        ///< between joint and gear [rad or m]
+  gear,        ///< inside the gear [rad or m]
+  disc,        ///< scale and disc of the encoder [rad or m on the joint side]
+  line,        ///< within one line or signal period [rad or m on the joint side]
+  comparator,  ///< just before the position becomes a count [rad or m on the joint side]
+  decoder,     ///< on the count [counts]
+  log,         ///< on what is written [rad or m]
+  reference,   ///< on the better sensor that is written beside it [rad or m]
+  kinematics   ///< on the robot itself; no signal passes here
+};
+
+/// What an effect may know of the moment at which it acts.
+struct Moment {
+  std::uint64_t index = 0;      ///< number of the sample
+  double time = 0;              ///< [s]
+  double joint = 0;             ///< true joint position [rad or m]
+  double effort = 0;            ///< torque or force at the joint [N m or N]
+  double temperature_rise = 0;  ///< since the start [K]
+};
+
+/// What an effect makes of the signal at its stage. May remember earlier samples: one action serves one run,
+/// in order.
+using Action = std::function<double(double signal, const Moment&)>;
+
+/// What a quantity does over a motion: its range, its mean and its mean square.
+struct Spread {
+  double lower = 0, upper = 0, mean = 0, mean_square = 0;
+  /// Mean angular frequency of its changes, rms of its derivative over `stray` [rad/s]; empty: not known.
+  std::optional<double> rate = {};
+
+  double middle() const { return 0.5 * (lower + upper); }
+  double half() const { return 0.5 * (upper - lower); }
+  double largest() const { return std::max(std::abs(lower), std::abs(upper)); }
+  double rms() const { return std::sqrt(mean_square); }
+
+  /// Root mean square distance from the middle.
+  double stray() const { return std::sqrt(std::max(0.0, mean_square + middle() * (middle() - 2 * mean))); }
+};
+
+/// How a joint or an encoder's coordinate is used: what effects of position, speed, load and time are
+/// multiplied with. Empty: not known.
+struct Usage {
+  std::optional<Spread> position;     ///< from the joint's zero [rad or m]
+  std::optional<Spread> velocity;     ///< [rad/s or m/s]
+  std::optional<Spread> effort;       ///< [N m or N]
+  std::optional<Spread> temperature;  ///< rise since the start [K]
+  std::optional<double> duration;     ///< [s]
+  std::optional<double> reversals;    ///< pi times the turns per second, a mean angular frequency [rad/s]
+  std::vector<double> speeds;  ///< velocities that occur equally often; empty: not known [rad/s or m/s]
+};
+
+/// What a share needs to know of the usage.
+enum class Need { nothing, position, velocity, effort, temperature, duration };
+
+/// How an error comes and goes, which decides what of it a filter lets through.
+enum class Course {
+  constant,   ///< not within the filter's memory
+  motion,     ///< as the quantity it is proportional to, a sine of that one's mean angular frequency
+  reversals,  ///< changes sign when the motion turns
+  travel,     ///< periodic in the position
+  white       ///< anew at every sample
+};
+
+/// A sine in an error that is periodic in the position.
+struct Wave {
+  double number = 0;  ///< its phase per joint coordinate [rad/rad or rad/m]
+  double part = 0;    ///< of the error's variance
+};
+
+/// What an effect adds to the error of its coordinate, estimate - true [rad or m].
+///
+/// The worst case grows by |mean| + half_width, the variance by sigma^2 (about the mean). A Gaussian has no
+/// worst case; its half_width is four sigma.
+struct Share {
+  double mean = 0, half_width = 0, sigma = 0;
+  Course course = Course::constant;
+  std::vector<Wave> waves = {};     ///< of `travel`; what their parts leave of 1 counts as white
+  std::optional<double> rate = {};  ///< of `motion` [rad/s]; empty: not known
+};
+
+/// A row of the list of effects: what a real robot adds to the ideal model.
+///
+/// `action` makes it for one run of a simulation from its parameters, the encoder it acts on and a seed;
+/// `share` says what it adds to the bounds. Those of stage `log` and `reference` do so on the file and on the
+/// better sensor: nothing of the robot's own figures. Of `kinematics` `share` is about the tip's position.
+struct EffectKind {
+  std::string_view name;
+  std::string_view summary;
+  std::string_view typical;  ///< usual size, and where that is known from
+  Stage stage;
+  std::vector<Parameter> parameters;
+  Action (*action)(const Effect&, const Encoder&, std::uint64_t seed);
+  /// Empty where the usage lacks what the row needs. Of size zero it is zero, whatever is known.
+  std::optional<Share> (*share)(const Effect&, const Encoder&, const Usage&);
+  Need need = Need::nothing;
+  /// What it makes of the encoder itself, before any action; usually nothing.
+  void (*rebuilt)(Encoder&) = nullptr;
+};
+
+/// The name of a stage as people say it: "clock", ...
+std::string_view stage_name(Stage);
+
+/// Whether the effect changes what the controller believes of the robot, not only a file or a reference.
+inline bool acts_on_robot(const EffectKind& kind) {
+  return kind.stage != Stage::log && kind.stage != Stage::reference;
+}
+
+/// The dimension that a parameter has at a joint: rows are written for revolute ones, and a prismatic one
+/// yields in m/N and drifts in m/K.
+inline Dimension dimension_at(const Parameter& p, bool prismatic) {
+  if (p.coordinate) return prismatic ? dimension::length : dimension::angle;
+  if (prismatic && p.dimension == dimension::compliance) return {1, 0, 0, -1, 0};
+  if (prismatic && p.dimension == dimension::angle_per_temperature) return {1, 0, 0, 0, -1};
+  return p.dimension;
+}
+
+/// All effects that a spec can name, in the order of `qerr list effects`.
+const std::vector<EffectKind>& effect_kinds();
+
+/// @throws std::out_of_range for a name that no row has; specs are checked when they are read
+const EffectKind& effect_kind(std::string_view name);
 
 }  // namespace qerr

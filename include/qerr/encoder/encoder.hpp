@@ -15,6 +15,8 @@ struct Encoder {
   double resolution = 0;  ///< quantization interval Delta [rad, or m for a prismatic joint], > 0
   Rounding rounding = Rounding::nearest;
   bool zero_known = true;  ///< false: incremental without index, a constant error says nothing
+  double shaft_ratio = 1;  ///< angle of the encoder's shaft per joint coordinate, signed [rad/rad or rad/m]
+  double counts_per_period = 4;  ///< counts in one line or signal period
 };
 
 /// Mean of the quantization error, estimate - true [rad or m]: 0, or -Delta/2 for `down`.

@@ -19,6 +19,9 @@ struct EncoderKind {
   /// empty.
   double (*counts_per_rev)(const std::map<std::string, double>& numbers,
                            const std::map<std::string, std::string>& choices);
+  /// Counts in one line or signal period; 4, of a quadrature signal, where nothing else is said.
+  double (*counts_per_period)(const std::map<std::string, double>& numbers,
+                              const std::map<std::string, std::string>& choices) = nullptr;
 };
 
 /// All kinds, in the order of `qerr list encoders`.

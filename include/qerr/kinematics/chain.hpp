@@ -20,6 +20,10 @@ struct ChainJoint {
   std::size_t coordinate = 0;  ///< index of the independent joint that moves it
   double multiplier = 1;       ///< mimic multiplier; 1 for the joint's own coordinate
   double offset = 0;           ///< [rad or m]
+  /// Of everything that moves with it as far as the next moving joint, in its moved frame.
+  Inertia load = {};
+  /// Axes of the parent link's frame, in which the URDF states the joint's origin, in the frame before.
+  Eigen::Matrix3d parent_axes = Eigen::Matrix3d::Identity();
 };
 
 /// A joint whose coordinate is free: what has an encoder, what configurations and logs speak of.
@@ -27,7 +31,9 @@ struct IndependentJoint {
   std::string name;
   JointType type = JointType::revolute;
   std::optional<Limits> limits;
-  bool on_chain = true;  ///< false: only its mimics are
+  bool on_chain = true;                       ///< false: only its mimics are
+  std::optional<double> velocity_limit = {};  ///< of the URDF [rad/s or m/s]
+  std::optional<double> effort_limit = {};    ///< of the URDF [N m or N]
 
   bool prismatic() const { return type == JointType::prismatic; }
 };
@@ -43,7 +49,8 @@ struct Chain {
 
 /// The chain from `base` (empty: the root) to `tip` (empty: the only leaf).
 ///
-/// A mimic joint moves with its master's coordinate.
+/// A mimic joint moves with its master's coordinate. Links beside the chain load it as they hang at their
+/// zero.
 /// @throws Error (input; keys `robot.base`, `robot.tip`) for unknown links, several leaves, a tip that is not
 /// beyond the base; for a floating
 ///   or planar joint on the way, by its name; when nothing moves

@@ -6,6 +6,7 @@
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/report/effect_report.hpp"
 
 namespace qerr {
 
@@ -16,9 +17,10 @@ struct Analysis {
   Workspace workspace;
   std::vector<Eigen::VectorXd> noise_in_motion;  ///< [filter][encoder], in quantization intervals
   std::vector<std::string> warnings;
+  std::vector<EffectShare> effects = {};  ///< of the spec, in its order
 };
 
-/// The main job: every bound of the spec over its configurations.
+/// The main job: every bound of the spec over its configurations, with its effects.
 Analysis analyze(const Spec&, const WorkspaceOptions& = {});
 
 /// For every filter the noise of each encoder along the spec's motion (noise_along_motion.hpp), for

@@ -48,14 +48,23 @@ struct Motion {
   std::string file = {};            ///< the table's, "" without
 };
 
+/// How one joint moves at an instant.
+struct JointState {
+  double position = 0;      ///< [rad or m]
+  double velocity = 0;      ///< [rad/s or m/s]
+  double acceleration = 0;  ///< [rad/s^2 or m/s^2]
+};
+
 /// A motion made ready to be evaluated at any time.
 ///
 /// A table is interpolated by cubic Hermite polynomials with central slopes: exact in its rows, continuous in
-/// velocity. Before time 0 moves and
-/// tables rest, and so do tables after their end; sines and constant velocities have no end.
+/// velocity. Before time 0 moves and tables rest, and so do tables after their end; sines and constant
+/// velocities have no end.
 class MotionPath {
  public:
   explicit MotionPath(const Motion&);
+
+  JointState at(std::size_t joint, double time) const;
 
   /// Positions of the independent joints [rad or m].
   Eigen::VectorXd position(double time) const;
@@ -69,9 +78,6 @@ class MotionPath {
   std::size_t joints() const { return count_; }
 
  private:
-  struct State {
-    double position = 0, velocity = 0;
-  };
   /// position + velocity s + acceleration s^2/2 + jerk s^3/6, s = time - start.
   struct Phase {
     double start = 0, position = 0, velocity = 0, acceleration = 0, jerk = 0;
@@ -82,10 +88,9 @@ class MotionPath {
     double first_end = 0, cycle_length = 0;
   };
 
-  State at(std::size_t joint, double time) const;
-  State of_table(std::size_t joint, double time) const;
-  static State of_moves(const Moves&, double time);
-  static State of_phases(const std::vector<Phase>&, double time);
+  JointState of_table(std::size_t joint, double time) const;
+  static JointState of_moves(const Moves&, double time);
+  static JointState of_phases(const std::vector<Phase>&, double time);
   static double append(const Move&, double from, double start, std::vector<Phase>&);
 
   Motion motion_;

@@ -77,12 +77,17 @@ std::string threshold_csv(const std::vector<ThresholdRow>& rows) {
 }
 
 std::string rows_csv(const std::vector<ListRow>& rows) {
-  std::string out = "name,parameter,unit,default,meaning\r\n";
+  std::string out = "name,parameter,unit,default,meaning";
+  for (const auto& note : rows.front().notes) out += ',' + note.first;
+  out += "\r\n";
   for (const ListRow& row : rows) {
-    out += csv_cell(row.name) + ",,,," + csv_cell(row.summary) + "\r\n";
+    out += csv_cell(row.name) + ",,,," + csv_cell(row.summary);
+    for (const auto& note : row.notes) out += ',' + csv_cell(note.second);
+    out += "\r\n";
     for (const Parameter& p : row.parameters)
       out += csv_cell(row.name) + ',' + std::string(p.name) + ',' + parameter_unit(p) + ',' +
-             (p.fallback ? shortest(*p.fallback) : "") + ',' + csv_cell(std::string(p.meaning)) + "\r\n";
+             (p.fallback ? shortest(*p.fallback) : "") + ',' + csv_cell(std::string(p.meaning)) +
+             std::string(row.notes.size(), ',') + "\r\n";
   }
   return out;
 }
@@ -111,9 +116,11 @@ std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::Vec
     out += ',' + number(e.worst_case[i]) + ',' + number(e.rigorous[i]) + ',' + number(e.sigma[i]);
   for (std::size_t f = 0; f < spec.filters.size(); ++f)
     for (Eigen::Index i = 0; i < e.sigma.size(); ++i) {
-      const Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], spec.filters[f].norms);
+      const Norms& norms = spec.filters[f].norms;
+      const Eigen::VectorXd gains = gains_behind(spec.model.sources, f, norms.h2);
+      const Bounds b = derivative_error(e, i, norms, gains);
       out += ',' + number(b.worst_case) + ',' + number(b.sigma);
-      if (is_known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f]));
+      if (is_known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f], gains));
     }
   return out + "\r\n";
 }

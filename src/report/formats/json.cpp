@@ -45,9 +45,43 @@ Json matrix(const Eigen::MatrixXd& m) {
   return rows;
 }
 
-Json covariance(const Analysis& a, double factor) {
-  return {{"mean", matrix(factor * a.workspace.mean_covariance)},
-          {"at_largest", matrix(factor * a.workspace.covariance_at_largest)}};
+Json covariance(const Eigen::MatrixXd& mean, const Eigen::MatrixXd& at_largest) {
+  return {{"mean", matrix(mean)}, {"at_largest", matrix(at_largest)}};
+}
+
+Json covariance_behind(const Analysis& a, std::size_t filter) {
+  const Workspace& w = a.workspace;
+  if (filter < w.filtered.size())
+    return covariance(w.filtered[filter].mean_covariance, w.filtered[filter].covariance_at_largest);
+  const double h2 = a.spec.filters[filter].norms.h2, factor = h2 * h2;
+  return covariance(factor * w.mean_covariance, factor * w.covariance_at_largest);
+}
+
+/// Figures are null where they are not known, and of the file or the reference where `counted` is false.
+Json effects(const Analysis& a) {
+  Json list = Json::array();
+  for (const EffectShare& s : a.effects) {
+    Json entry = {{"effect", s.effect.type},
+                  {"joint", s.effect.joint},
+                  {"stage", stage_name(effect_kind(s.effect.type).stage)},
+                  {"unit", effect_unit(a.spec, s)},
+                  {"mean", nullptr},
+                  {"worst_case", nullptr},
+                  {"sigma", nullptr},
+                  {"counted", s.counts},
+                  {"parameters", Json::array()}};
+    if (s.share) {
+      entry["mean"] = s.share->mean;
+      entry["worst_case"] = std::abs(s.share->mean) + s.share->half_width;
+      entry["sigma"] = s.share->sigma;
+    }
+    for (const EffectParameter& p : effect_parameters(a.spec, s.effect))
+      entry["parameters"].push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
+    for (const auto& [name, word] : s.effect.choices)
+      entry["parameters"].push_back({{"name", name}, {"value", word}, {"unit", ""}});
+    list.push_back(entry);
+  }
+  return list;
 }
 
 Json header(const Analysis& a, const char* command) {
@@ -121,7 +155,7 @@ Json derivatives(const Analysis& a) {
                     {"h2_norm", filter.norms.h2},
                     {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
                     {"coordinates", coordinates},
-                    {"covariance", covariance(a, filter.norms.h2 * filter.norms.h2)}});
+                    {"covariance", covariance_behind(a, f)}});
     if (is_known(a.noise_in_motion, f))
       list.back()["noise_in_motion_over_ipqn"] =
           by_joint(a.spec, a.noise_in_motion[f] * (std::sqrt(12.0) / filter.norms.h2));
@@ -136,7 +170,7 @@ std::string to_json(const Analysis& a) {
   j["joints"] = joints(a);
   j["position"] = position(a);
   j["derivatives"] = derivatives(a);
-  j["covariance"] = covariance(a, 1);
+  j["covariance"] = covariance(a.workspace.mean_covariance, a.workspace.covariance_at_largest);
   Json names = Json::array();
   for (const Coordinate c : a.spec.model.coordinates) names.push_back(info(c).name);
   j["covariance"]["coordinates"] = names;
@@ -144,7 +178,7 @@ std::string to_json(const Analysis& a) {
   const std::vector<double> budget = encoder_budget(a);
   j["budget"] = by_joint(
       a.spec, Eigen::Map<const Eigen::VectorXd>(budget.data(), static_cast<Eigen::Index>(budget.size())));
-  j["effects"] = Json::array();
+  j["effects"] = effects(a);
   j["warnings"] = a.warnings;
   return j.dump(2) + "\n";
 }
@@ -197,6 +231,7 @@ std::string rows_json(const std::vector<ListRow>& rows) {
       parameters.push_back(parameter);
     }
     list.push_back({{"name", row.name}, {"summary", row.summary}, {"parameters", parameters}});
+    for (const auto& [name, text] : row.notes) list.back()[name] = text;
   }
   return list.dump(2) + "\n";
 }

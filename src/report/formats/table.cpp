@@ -67,7 +67,8 @@ std::string encoder_table(const Analysis& a, const Style& style) {
     if (i == 0) line += "  of the tip's variance";
     if (i > 0) line += "  " + bar(budget[i - 1], bar_width);
     if (i == largest + 1 && budget[largest] > 0 && budget.size() > 1)
-      line = painted(line + "  <- upgrade first", "1;33", style);
+      line = painted(line + (a.spec.model.sources.empty() ? "  <- upgrade first" : "  <- improve first"),
+                     "1;33", style);
     out += line + '\n';
   }
   return out;
@@ -82,13 +83,17 @@ std::vector<std::string> figures(const std::string& label, const Statistic& full
   return {label, readable(s.p50, unit), readable(s.p95, unit), readable(s.p99, unit), readable(s.max, unit)};
 }
 
+const char* sigma_label(const Analysis& a) {
+  return a.spec.model.sources.empty() ? "  sigma (IPQN)" : "  sigma (IPQN, effects)";
+}
+
 std::string position_table(const Analysis& a) {
   std::vector<std::vector<std::string>> rows{{"", "median", "p95", "p99", "max"}};
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
     const std::string name(info(a.spec.model.coordinates[i]).name),
         unit(info(a.spec.model.coordinates[i]).unit);
-    rows.push_back(figures(name + "  sigma (IPQN)", c.sigma, unit));
+    rows.push_back(figures(name + sigma_label(a), c.sigma, unit));
     rows.push_back(figures(name + "  worst case", c.worst_case, unit));
     if (std::isfinite(c.worst_case_rigorous.min))
       rows.push_back(figures(name + "  worst case, rigorous", c.worst_case_rigorous, unit));
@@ -102,7 +107,7 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
     const Coordinate c = a.spec.model.coordinates[i];
     const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
     rows.push_back(
-        figures(std::string(info(c).name) + "  sigma (IPQN)", a.workspace.derivatives[f][i].sigma, unit));
+        figures(std::string(info(c).name) + sigma_label(a), a.workspace.derivatives[f][i].sigma, unit));
     if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
       rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
     rows.push_back(
@@ -130,7 +135,12 @@ std::string to_table(const Analysis& a, const Style& style) {
                     counted(chain.independent.size(), "encoder") + ", " + std::to_string(a.workspace.count) +
                     " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
-  out += heading("Encoders: which one to upgrade first", style) + encoder_table(a, style);
+  out += heading(a.spec.model.sources.empty() ? "Encoders: which one to upgrade first"
+                                              : "Encoders, with the effects at their joints",
+                 style) +
+         encoder_table(a, style);
+  if (!a.effects.empty())
+    out += heading("Effects: what they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=
       heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
@@ -182,6 +192,7 @@ std::string rows_table(const std::vector<ListRow>& rows) {
   std::string out;
   for (const ListRow& row : rows) {
     out += row.name + "\n    " + row.summary + '\n';
+    for (const auto& [name, text] : row.notes) out += "    " + name + ": " + text + '\n';
     for (const Parameter& p : row.parameters) {
       out += "    - " + std::string(p.name);
       if (const std::string unit = parameter_unit(p); !unit.empty()) out += " [" + unit + ']';

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "qerr/filter/norms.hpp"
+#include "qerr/simulate/sensing.hpp"
+
+namespace qerr {
+
+/// The gap between IPQN at the centre of the motion and the simulation, in factors:
+/// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated.
+struct Ladder {
+  double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
+  double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
+  double correlated_joints = 1;  ///< their sum, as it is
+  double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
+};
+
+/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
+struct SimulatedSignal {
+  double sigma_simulated = 0;               ///< about the mean, over samples and runs
+  double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it: between runs, or within a single one
+  double mean_simulated = 0;
+  double peak_simulated = 0;
+  double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
+  double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
+  double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
+  double worst_case = 0;       ///< bound (26) at the centre
+  double worst_case_path =
+      0;  ///< largest along the path, with the second-order remainder: never exceeded but by Gaussians
+  Ladder ladder;
+};
+
+struct Simulation {
+  std::uint64_t runs = 0;
+  std::uint64_t samples = 0;                          ///< of one run
+  std::uint64_t settling = 0;                         ///< samples of each run left out of the statistics
+  std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
+};
+
+struct SimulationOptions {
+  std::uint64_t runs = 1;
+  bool random_phase = false;  ///< every run is displaced by a random part of each encoder's count
+  std::uint64_t seed = 1;
+  unsigned threads = 0;
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
+  std::function<void(const Reading&)> visit = {};  ///< every sample of the first run, in order
+};
+
+/// Explicit quantizers along a motion, exact kinematics, and the filters on what comes out.
+///
+/// What the model says of effects (`sources`) enters the bounds and the means that the Jacobian carries along
+/// the path; sigma_ipqn and its kin stay those of quantization alone, so that the ladder shows what the
+/// effects add.
+///
+/// A filter of a lower rate takes every n-th sample; its rate must divide the motion's.
+/// @throws Error (input; key `motion.sample_rate`) when a filter's rate does not
+Simulation simulate(const OperationalModel&, const std::vector<Filter>&, const std::vector<Norms>&,
+                    const Motion&, const std::vector<Effect>&, const SimulationOptions& = {});
+
+/// Where the motion is centred: centers of sines, the middle of anything else [rad or m].
+Eigen::VectorXd center(const Motion&);
+
+}  // namespace qerr

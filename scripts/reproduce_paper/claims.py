@@ -1,0 +1,45 @@
+"""What the paper says, what comes out, and whether the two agree."""
+import dataclasses
+import math
+
+CONFIRMED, LOOSE, WRONG = "confirmed", "loosely worded", "wrong"
+
+
+@dataclasses.dataclass
+class Claim:
+    """One row of the page.
+
+    `ours` is text with the fresh figures in it; `why` says what is loose or wrong, "" when nothing is.
+    """
+
+    where: str
+    claim: str
+    printed: str
+    ours: str
+    verdict: str
+    command: str
+    why: str = ""
+
+
+def rounds_to(value, printed):
+    """Whether `value`, rounded to the digits of the text `printed`, is that: .08 has two decimals."""
+    decimals = len(printed.split(".")[1]) if "." in printed else 0
+    return math.isclose(round(value, decimals), float(printed), abs_tol=0.5 * 10.0 ** -(decimals + 6))
+
+
+def confirmed_if(condition, otherwise=WRONG):
+    return CONFIRMED if condition else otherwise
+
+
+def number(value, digits=3):
+    """Short and plain: 0.0802, 17.6, 1330, 1.2e-05."""
+    if value == 0:
+        return "0"
+    text = f"{value:.{digits}g}"
+    if "e" in text and 1e-4 <= abs(value) < 1e7:
+        return f"{float(text):.0f}"
+    return text
+
+
+def numbers(values, digits=3):
+    return ", ".join(number(value, digits) for value in values)

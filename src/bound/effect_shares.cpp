@@ -1,0 +1,217 @@
+#include "qerr/bound/effect_shares.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+/// At a joint's coordinate rather than at its encoder's.
+bool at_joint(Stage stage) { return stage == Stage::clock || stage == Stage::link || stage == Stage::gear; }
+
+double worst(const Share& s) { return std::abs(s.mean) + s.half_width; }
+
+/// Where an error of up to `by` may have moved the position to.
+Usage widened(Usage usage, double by) {
+  if (usage.position) {
+    usage.position->lower -= by;
+    usage.position->upper += by;
+    usage.position->mean_square += by * (by + 2 * usage.position->rms());
+  }
+  return usage;
+}
+
+std::size_t joint_of(const Chain& chain, const Effect& effect) {
+  const auto found = std::find_if(chain.independent.begin(), chain.independent.end(),
+                                  [&](const IndependentJoint& j) { return j.name == effect.joint; });
+  return static_cast<std::size_t>(found - chain.independent.begin());
+}
+
+/// Sum of a quantity of the joints, times the rows of C^-1: extremes may meet, deviations are independent.
+std::optional<Spread> combined(const Eigen::RowVectorXd& weights, const std::vector<Usage>& joints,
+                               std::optional<Spread> Usage::*quantity) {
+  Spread sum;
+  double variance = 0;
+  for (std::size_t j = 0; j < joints.size(); ++j) {
+    const double w = weights[static_cast<Eigen::Index>(j)];
+    if (w == 0) continue;
+    const auto& s = joints[j].*quantity;
+    if (!s) return std::nullopt;
+    sum.lower += std::min(w * s->lower, w * s->upper);
+    sum.upper += std::max(w * s->lower, w * s->upper);
+    sum.mean += w * s->mean;
+    variance += w * w * (s->mean_square - s->mean * s->mean);
+  }
+  sum.mean_square = variance + sum.mean * sum.mean;
+  return sum;
+}
+
+Spread even(double lower, double upper) {
+  const double mean = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
+  return {lower, upper, mean, mean * mean + half * half / 3};
+}
+
+/// Limits say nothing of how velocity and effort change: as the position does.
+void set_rates(Usage& u) {
+  if (!u.position || !u.velocity || u.position->stray() == 0) return;
+  const double rate = u.velocity->rms() / u.position->stray();
+  u.position->rate = u.velocity->rate = u.reversals = rate;
+  if (u.effort) u.effort->rate = rate;
+}
+
+/// Values that are spread evenly over a range.
+std::vector<double> evenly(const std::optional<Spread>& s) {
+  constexpr int count = 256;
+  std::vector<double> values;
+  for (int i = 0; s && i < count; ++i) values.push_back(s->lower + 2 * s->half() * (i + 0.5) / count);
+  return values;
+}
+
+}  // namespace
+
+Spread spread_of(std::span<const double> samples) {
+  Spread s{samples.front(), samples.front(), 0, 0};
+  for (const double x : samples) {
+    s.lower = std::min(s.lower, x);
+    s.upper = std::max(s.upper, x);
+    s.mean += x;
+    s.mean_square += x * x;
+  }
+  s.mean /= static_cast<double>(samples.size());
+  s.mean_square /= static_cast<double>(samples.size());
+  return s;
+}
+
+RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Limits>& ranges) {
+  RobotUsage usage;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const IndependentJoint& joint = model.chain.independent[i];
+    Usage& u = usage.joints.emplace_back();
+    if (std::isfinite(ranges[i].lower) && std::isfinite(ranges[i].upper))
+      u.position = even(ranges[i].lower, ranges[i].upper);
+    if (joint.velocity_limit) u.velocity = even(-*joint.velocity_limit, *joint.velocity_limit);
+    if (joint.effort_limit) u.effort = even(-*joint.effort_limit, *joint.effort_limit);
+    u.speeds = evenly(u.velocity);
+    set_rates(u);
+  }
+  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const Eigen::RowVectorXd weights = to_encoders.row(static_cast<Eigen::Index>(i));
+    Usage u = usage.joints[i];
+    u.position = combined(weights, usage.joints, &Usage::position);
+    u.velocity = combined(weights, usage.joints, &Usage::velocity);
+    u.speeds = evenly(u.velocity);
+    set_rates(u);
+    usage.encoders.push_back(std::move(u));
+  }
+  return usage;
+}
+
+std::vector<EffectShare> effect_shares(const OperationalModel& model, const std::vector<Effect>& effects,
+                                       const RobotUsage& usage) {
+  std::vector<EffectShare> shares;
+  for (const Effect& e : effects) shares.push_back({e, joint_of(model.chain, e), {}, false});
+  const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // added so far, at most
+  for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
+    const auto current = static_cast<Stage>(stage);
+    if (current == Stage::disc) at_encoders = model.transmission.coupling.inverse().cwiseAbs() * at_joints;
+    Eigen::VectorXd& before = at_joint(current) ? at_joints : at_encoders;
+    for (EffectShare& s : shares) {
+      const EffectKind& kind = effect_kind(s.effect.type);
+      if (kind.stage != current) continue;
+      const Usage& u = at_joint(current) ? usage.joints[s.joint] : usage.encoders[s.joint];
+      const auto row = static_cast<Eigen::Index>(s.joint);
+      s.share = kind.share(s.effect, model.transmission.encoders[s.joint], widened(u, before[row]));
+      s.counts = s.share && acts_on_robot(kind);
+      if (s.counts && current != Stage::kinematics) before[row] += worst(*s.share);
+    }
+  }
+  return shares;
+}
+
+namespace {
+
+double magnitude(const Filter& filter, double angular) {
+  return std::abs(response(filter, angular / (2 * std::numbers::pi)));
+}
+
+/// sqrt(sum over odd m of (8/(pi m)^2) |H(m w)|^2). High ones are taken in blocks of half a percent; beyond
+/// four times the sample rate |H|^2 is put in at its mean over all frequencies.
+double of_square_wave(const Filter& filter, const Norms& norms, double rate) {
+  constexpr double pi = std::numbers::pi;
+  const double highest = std::max(200.0, 8 * pi * filter.sample_rate / rate);
+  double sum = 0, low = 0;  // everything below `low` is summed
+  while (low < highest) {
+    const double width = 2 * std::max(1.0, std::floor(0.0025 * low)), m = low + 0.5 * width;
+    const double weight = width == 2 ? 8 / (m * m) : 4 / low - 4 / (low + width);
+    sum += weight * std::pow(magnitude(filter, m * rate), 2);
+    low += width;
+  }
+  return std::sqrt(sum + 4 / low * norms.h2 * norms.h2) / pi;
+}
+
+double of_waves(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
+  double power = 0, rest = 1;
+  for (const Wave& wave : share.waves) {
+    double sum = 0;
+    for (const double v : usage.speeds) sum += std::pow(magnitude(filter, wave.number * v), 2);
+    power += wave.part * sum / static_cast<double>(usage.speeds.size());
+    rest -= wave.part;
+  }
+  return std::sqrt(power + std::max(0.0, rest) * norms.h2 * norms.h2);
+}
+
+}  // namespace
+
+double passed_by(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
+  switch (share.course) {
+    case Course::constant:
+      return std::abs(norms.dc_gain);
+    case Course::motion:
+      return share.rate ? magnitude(filter, *share.rate) : norms.h2;
+    case Course::reversals:
+      if (!usage.reversals) return norms.h2;
+      // A joint that never turns stays on one side.
+      return *usage.reversals > 0 ? of_square_wave(filter, norms, *usage.reversals) : std::abs(norms.dc_gain);
+    case Course::travel:
+      return usage.speeds.empty() ? norms.h2 : of_waves(filter, norms, share, usage);
+    case Course::white:
+      break;
+  }
+  return norms.h2;
+}
+
+std::vector<ErrorSource> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
+                                       const RobotUsage& usage, const std::vector<Filter>& filters,
+                                       const std::vector<Norms>& norms) {
+  std::vector<ErrorSource> sources;
+  for (const EffectShare& s : shares) {
+    if (!s.counts || (worst(*s.share) == 0 && s.share->sigma == 0)) continue;
+    const Stage stage = effect_kind(s.effect.type).stage;
+    ErrorSource source{at_joint(stage) ? ErrorSource::Where::joint : ErrorSource::Where::encoder, s.joint};
+    if (stage == Stage::kinematics) {
+      const auto& joints = model.chain.joints;
+      const auto link = std::find_if(joints.begin(), joints.end(),
+                                     [&](const ChainJoint& j) { return j.name == s.effect.joint; });
+      if (link == joints.end()) continue;  // a master off the chain: its mimics do not move with its origin
+      source.where = ErrorSource::Where::origin;
+      source.link = static_cast<std::size_t>(link - joints.begin());
+      const std::string& axis = s.effect.choices.at("axis");
+      source.direction = Eigen::Vector3d::Unit(axis == "x" ? 0 : axis == "y" ? 1 : 2);
+    }
+    source.mean = s.share->mean;
+    source.half_width = s.share->half_width;
+    source.sigma = s.share->sigma;
+    const Usage& u = at_joint(stage) ? usage.joints[s.joint] : usage.encoders[s.joint];
+    for (std::size_t f = 0; f < filters.size(); ++f)
+      source.gains.push_back(passed_by(filters[f], norms[f], *s.share, u));
+    sources.push_back(std::move(source));
+  }
+  return sources;
+}
+
+}  // namespace qerr

@@ -1,0 +1,48 @@
+#include <cmath>
+
+#include "effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// (factor - 1) times what was counted, and the rounding of what factor times a count leaves.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
+  const double factor = e.number("factor"), more = factor - 1, step = encoder.resolution;
+  if (more == 0) return Share{};
+  if (!u.position) return std::nullopt;
+  const bool whole = factor == std::floor(factor);
+  const double rounding = whole ? 0 : step;
+  // The counted position differs from the true one by up to half a step (a whole one where it is truncated).
+  const double counted = encoder.rounding == Rounding::nearest ? 0.5 * step : step;
+  return Share{
+      more * u.position->middle(),
+      std::abs(more) * (u.position->half() + counted) + 0.5 * rounding,
+      std::hypot(more * u.position->stray(), more * step / std::sqrt(12.0), rounding / std::sqrt(12.0)),
+      Course::motion,
+      {},
+      u.position->rate};
+}
+
+}  // namespace
+
+EffectKind decoding_effect() {
+  return {"decoding",
+          "counts read with the wrong decoding or counts per revolution",
+          "factors 1/4, 1/2, 2, 4, -1",
+          Stage::decoder,
+          {{.name = "factor",
+            .meaning = "reading over right reading, such as 0.25, 2, -1",
+            .required = true,
+            .least = -1024,
+            .most = 1024}},
+          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+            return [factor = e.number("factor")](double x, const Moment&) {
+              return std::floor(factor * x + 0.5);
+            };
+          },
+          share,
+          Need::position};
+}
+
+}  // namespace qerr

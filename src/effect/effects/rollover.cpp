@@ -1,0 +1,45 @@
+#include <cmath>
+
+#include "effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Into [-modulus/2, modulus/2), as a counter of two's complement does.
+double wrapped(double count, double modulus) { return count - modulus * std::floor(count / modulus + 0.5); }
+
+/// Whole spans are lost: k of them while the position is within half a span of k spans.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
+  if (!u.position) return std::nullopt;
+  const double span = e.number("modulus") * encoder.resolution, step = encoder.resolution;
+  const double low = std::floor((u.position->lower - step) / span + 0.5);
+  const double high = std::floor((u.position->upper + step) / span + 0.5);
+  if (low == 0 && high == 0) return Share{};
+  const double half = 0.5 * (high - low) * span;
+  // A position that is spread evenly loses any number of spans alike; few spans may be lost half of the time.
+  return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
+               Course::reversals};
+}
+
+}  // namespace
+
+EffectKind rollover_effect() {
+  return {"rollover",
+          "the counter wraps",
+          "2^16 or 2^32 counts at once",
+          Stage::decoder,
+          {{.name = "modulus",
+            .kind = Kind::integer,
+            .meaning = "counts at which it wraps",
+            .required = true,
+            .least = 2,
+            .most = 0x1p53}},
+          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+            return [modulus = e.number("modulus")](double x, const Moment&) { return wrapped(x, modulus); };
+          },
+          share,
+          Need::position};
+}
+
+}  // namespace qerr

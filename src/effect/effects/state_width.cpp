@@ -1,0 +1,58 @@
+#include <cmath>
+#include <numbers>
+
+#include "effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// How far the edges of the second channel are displaced [rad or m].
+double displacement(const Effect& e, const Encoder& encoder) {
+  return e.number("phase") / (2 * std::numbers::pi) * encoder.resolution * encoder.counts_per_period;
+}
+
+/// Edges lie at (k - 1/2) Delta, or at k Delta of an encoder that rounds down; those with odd k belong to the
+/// second channel. Between two edges the position is stretched, so that the ideal quantizer that follows
+/// switches where the displaced edges are.
+Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
+  const double step = encoder.resolution, shift = displacement(e, encoder) / step;
+  if (shift == 0) return [](double x, const Moment&) { return x; };
+  const double edge = encoder.rounding == Rounding::down ? 0 : 0.5;
+  return [=](double x, const Moment&) {
+    // Two counts make a period of the pattern: an edge of the first channel at 0, of the second at 1 + shift,
+    // in units of the step.
+    const double position = x / step + edge, base = 2 * std::floor(position / 2);
+    const double within = position - base;
+    const double stretched =
+        within < 1 + shift ? within / (1 + shift) : 1 + (within - 1 - shift) / (1 - shift);
+    return (base + stretched - edge) * step;
+  };
+}
+
+/// Two states of widths Delta + s and Delta - s, whose middles lie s/2 beyond the counts' positions: mean
+/// -s/2, variance ((Delta + s)^3 + (Delta - s)^3)/(24 Delta) = Delta^2/12 + s^2/4, never beyond -Delta/2 - s.
+/// It changes with every count, as the quantization does, and is taken as white with it.
+std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
+  const double s = displacement(e, encoder);
+  return Share{0.0 - 0.5 * s, 0.5 * std::abs(s), 0.5 * std::abs(s), Course::white};
+}
+
+}  // namespace
+
+EffectKind state_width_effect() {
+  return {"state_width",
+          "unequal quadrature states",
+          "tens of electrical degrees on cheap discs",
+          Stage::line,
+          {{.name = "phase",
+            .dimension = dimension::angle,
+            .meaning = "quadrature error, electrical",
+            .required = true,
+            .least = -1.5,
+            .most = 1.5}},
+          action,
+          share};
+}
+
+}  // namespace qerr

@@ -1,0 +1,219 @@
+#include "log_columns.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "qerr/core/suggest.hpp"
+#include "read_sections.hpp"
+
+namespace qerr {
+
+namespace {
+
+struct NamedSignal {
+  std::string_view name;
+  LogSignal signal;
+};
+
+constexpr std::array joint_signals{
+    NamedSignal{"counts", LogSignal::counts},          NamedSignal{"measured", LogSignal::measured},
+    NamedSignal{"reference", LogSignal::reference},    NamedSignal{"effort", LogSignal::effort},
+    NamedSignal{"velocity", LogSignal::velocity},      NamedSignal{"command", LogSignal::command},
+    NamedSignal{"temperature", LogSignal::temperature}};
+
+/// A column that a log of this robot can have.
+struct Known {
+  std::string name;
+  LogSignal signal;
+  std::size_t index;
+};
+
+std::vector<Known> known_columns(const Chain& chain) {
+  std::vector<Known> known{{"time", LogSignal::time, 0},
+                           {"tip.x", LogSignal::tip, 0},
+                           {"tip.y", LogSignal::tip, 1},
+                           {"tip.z", LogSignal::tip, 2}};
+  for (std::size_t j = 0; j < chain.independent.size(); ++j)
+    for (const NamedSignal& s : joint_signals)
+      known.push_back({chain.independent[j].name + '.' + std::string(s.name), s.signal, j});
+  return known;
+}
+
+Dimension dimension_of(const Known& column, const Chain& chain) {
+  const bool prismatic = column.signal != LogSignal::time && column.signal != LogSignal::tip &&
+                         chain.independent[column.index].prismatic();
+  switch (column.signal) {
+    case LogSignal::time:
+      return dimension::time;
+    case LogSignal::counts:
+      return dimension::none;
+    case LogSignal::effort:
+      return prismatic ? Dimension{.newton = 1} : dimension::torque;
+    case LogSignal::velocity:
+      return prismatic ? dimension::speed : dimension::angular_speed;
+    case LogSignal::temperature:
+      return dimension::temperature;
+    case LogSignal::tip:
+      return dimension::length;
+    default:
+      return prismatic ? dimension::length : dimension::angle;
+  }
+}
+
+/// An effort may be a current or anything that grows with the load: fitted parameters then have its unit.
+std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& unit) {
+  if (unit.empty() || unit == "1" || unit == "%") return {{"1", Unit{1, unit == "%" ? 100.0 : 1.0, {}}}};
+  if (unit == "A") return {{"A", Unit{}}};
+  if (unit == "mA") return {{"A", Unit{1, 1000, {}}}};
+  return std::nullopt;
+}
+
+/// Reads the unit of a column's head; without one it is SI.
+void read_unit(LogColumn& column, const Known& known, const std::string& unit, const Chain& chain,
+               const Place& place) {
+  const Dimension dimension = dimension_of(known, chain);
+  const bool counts = column.signal == LogSignal::counts;
+  column.unit = counts ? "count" : unit_name(dimension);
+  column.scale.dimension = dimension;
+  if (column.signal == LogSignal::effort)
+    if (const auto arbitrary = arbitrary_effort(unit)) {
+      std::tie(column.unit, column.scale) = *arbitrary;
+      return;
+    }
+  if (unit.empty()) return;
+  std::string why;
+  const auto read = parse_unit(unit, why);
+  const std::string right = counts ? "count" : unit_name(dimension);
+  const std::string others = column.signal == LogSignal::effort ? ", A, or 1 for an arbitrary unit" : "";
+  if (!read) throw Error({place, column.header, why, "", "such as [" + right + "]" + others});
+  if (read->dimension != dimension || (counts && read->in_si(1) != 1))
+    throw Error({place, column.header, "the column has the wrong unit", "'" + unit + "'",
+                 "use " + right + (others.empty() ? " or a unit of that kind" : others)});
+  column.scale = *read;
+}
+
+/// "a" -> "did you mean"-text of the nearest known column, "" when none is near.
+std::string hint(const std::string& name, const std::vector<std::string>& known) {
+  const std::string near = nearest(name, known);
+  return near.empty() ? "" : " (did you mean '" + near + "'?)";
+}
+
+/// A name that can only mean the stamps: "Time", "time (s)", "timestamp", "t".
+bool means_time(const std::string& name) {
+  std::string lower;
+  for (const char c : name) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
+  return lower.starts_with("time") || lower == "t" || lower == "stamp" || lower.starts_with("t (") ||
+         lower.starts_with("t [");
+}
+
+/// The columns in one pass over the header; the rest is what they must have together.
+class Finder {
+ public:
+  Finder(const CsvReader& table, const Spec& spec) : table_(table), spec_(spec) {
+    known_ = known_columns(spec.model.chain);
+    for (const Known& k : known_) names_.push_back(k.name);
+    for (std::size_t i = 0; i < table.header().size(); ++i) take(i);
+    log_.columns = found_.columns;
+  }
+
+  LogColumns checked(std::vector<std::string>& warnings) const {
+    check_table();
+    check_time();
+    check_measured();
+    if (!unitless_.empty())
+      warnings.push_back(table_.file() + ": columns without a unit are read in SI units: " + unitless_);
+    if (!ignored_.empty())
+      warnings.push_back(table_.file() + ": columns that the log does not use are ignored: " + ignored_);
+    return found_;
+  }
+
+ private:
+  void take(std::size_t i) {
+    const std::string& cell = table_.header()[i];
+    const ColumnName parts = column_name(cell);
+    const auto at = std::find(names_.begin(), names_.end(), parts.name);
+    if (at == names_.end()) {
+      ignored_ += (ignored_.empty() ? "'" : ", '") + cell + "'" + hint(parts.name, names_);
+      ignored_names_.push_back(parts.name);
+      ignored_at_.push_back(i);
+      return;
+    }
+    const Known& known = known_[static_cast<std::size_t>(at - names_.begin())];
+    for (const LogColumn& other : found_.columns)
+      if (other.signal == known.signal && other.index == known.index)
+        throw Error({table_.header_place(i), cell, "two columns have this name", "", "keep one of them"});
+    LogColumn column{known.signal, known.index, cell, {}, {}, {}, {}};
+    read_unit(column, known, parts.unit, spec_.model.chain, table_.header_place(i));
+    if (parts.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
+      unitless_ += (unitless_.empty() ? "'" : ", '") + cell + "'";
+    found_.columns.push_back(column);
+    found_.places.push_back(i);
+  }
+
+  void check_table() const {
+    const std::string& first = table_.header()[0];
+    if (!found_.columns.empty() || table_.header().size() > 1) return;
+    for (const auto& [mark, name] : {std::pair{';', "semicolons"}, {'\t', "tabulators"}})
+      if (first.find(mark) != std::string::npos)
+        throw Error(
+            {table_.header_place(0), "", "cells must be separated by commas", name, "export it as CSV"});
+  }
+
+  /// A table without time is judged in another way, which nobody should get by a slip of the pen.
+  void check_time() const {
+    if (log_.has_time()) return;
+    for (std::size_t i = 0; i < ignored_at_.size(); ++i)
+      if (means_time(ignored_names_[i]))
+        throw Error({table_.header_place(ignored_at_[i]), table_.header()[ignored_at_[i]],
+                     "no column is called time", "",
+                     "call it 'time [s]', or leave it out for a static table"});
+  }
+
+  void check_measured() const {
+    const auto& joints = spec_.model.chain.independent;
+    bool any = false;
+    for (std::size_t j = 0; j < joints.size(); ++j) {
+      const bool measured = is_measured(log_, spec_.model.transmission, j);
+      any = any || measured;
+      if (measured) continue;
+      if (log_.find(LogSignal::reference, j))
+        missing(j, "the joint has a reference, and nothing that was measured");
+      for (std::size_t i = 0; i < 3; ++i)
+        if (log_.find(LogSignal::tip, i)) missing(j, "the tip was tracked, and a joint not measured");
+    }
+    if (!any) missing(0, "the log has no measured joint");
+  }
+
+  [[noreturn]] void missing(std::size_t joint, const std::string& rule) const {
+    const std::string& name = spec_.model.chain.independent[joint].name;
+    const std::string near = nearest(name + ".counts", ignored_names_);
+    const bool coupled = log_.find(LogSignal::counts, joint).has_value();
+    std::string remedy =
+        coupled ? "its position needs the counts of the encoders it is coupled with, or '" + name +
+                      ".measured [" + unit_of(joint) + "]'"
+                : "add '" + name + ".counts' or '" + name + ".measured [" + unit_of(joint) + "]'";
+    if (!near.empty()) remedy += "; is it '" + near + "'?";
+    throw Error({table_.header_place(0), name, rule, "", remedy});
+  }
+
+  std::string unit_of(std::size_t joint) const {
+    return spec_.model.chain.independent[joint].prismatic() ? "m" : "rad";
+  }
+
+  const CsvReader& table_;
+  const Spec& spec_;
+  std::vector<Known> known_;
+  std::vector<std::string> names_, ignored_names_;
+  std::vector<std::size_t> ignored_at_;
+  std::string ignored_, unitless_;
+  LogColumns found_;
+  Log log_;
+};
+
+}  // namespace
+
+LogColumns find_log_columns(const CsvReader& table, const Spec& spec, std::vector<std::string>& warnings) {
+  return Finder(table, spec).checked(warnings);
+}
+
+}  // namespace qerr

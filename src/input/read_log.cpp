@@ -1,0 +1,200 @@
+#include "qerr/input/read_log.hpp"
+
+#include <cmath>
+#include <numbers>
+
+#include "log_columns.hpp"
+#include "qerr/simulate/unwrap.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double most_counts = 9007199254740992;  // 2^53: beyond it a double skips whole numbers
+
+/// What a column starts anew at, when it does so at all; 0 when it never should.
+double turn_of(const LogColumn& column, const Spec& spec) {
+  switch (column.signal) {
+    case LogSignal::counts: {
+      const EncoderFigures& encoder = spec.encoder_figures[column.index];
+      const bool one_period =
+          encoder.kind == "periods_per_rev" &&
+          spec.model.transmission.encoders[column.index].counts_per_period == encoder.counts_per_rev;
+      return encoder.kind == "bits" || one_period ? encoder.counts_per_rev : 0;
+    }
+    case LogSignal::measured:
+    case LogSignal::reference:
+    case LogSignal::command:
+      return spec.model.chain.independent[column.index].prismatic() ? 0 : 2 * std::numbers::pi;
+    default:
+      return 0;
+  }
+}
+
+void note(Wraps& wraps, std::uint64_t row, double time) {
+  if (wraps.count++ > 0) return;
+  wraps.first_row = row;
+  wraps.first_time = time;
+}
+
+}  // namespace
+
+/// The rows of a log, and what is remembered from one to the next.
+class LogReader::Rows {
+ public:
+  Rows(const std::string& path, const Spec& spec, const LogOptions& options)
+      : table_(path, {options.block_bytes, options.longest_row}),
+        transmission_(spec.model.transmission),
+        most_(std::max<Eigen::Index>(options.block_rows, 1)) {
+    log.file = table_.file();
+    LogColumns found = find_log_columns(table_, spec, log.warnings);
+    log.columns = std::move(found.columns);
+    table_.choose(found.places);
+    time_ = log.find(LogSignal::time);
+    for (std::size_t i = 0; i < log.columns.size(); ++i) {
+      const LogColumn& column = log.columns[i];
+      const auto index = static_cast<Eigen::Index>(i);
+      if (column.signal == LogSignal::counts) counts_.push_back(index);
+      if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
+      const double turn = turn_of(column, spec);
+      if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
+      const bool follows = column.signal == LogSignal::reference || column.signal == LogSignal::command;
+      if (turn > 0 && follows && is_measured(log, transmission_, column.index))
+        followers_.push_back({index, turn});
+    }
+  }
+
+  bool next(Eigen::ArrayXXd& rows) {
+    rows.resize(most_, static_cast<Eigen::Index>(log.columns.size()));
+    Eigen::Index count = 0;
+    while (count < most_ && table_.next(rows.data() + count, most_)) check(rows, count++);
+    if (count == 0 && log.rows == 0)
+      throw Error({{table_.file(), table_.line(), 1}, "", "the log has no rows", "only a header", ""});
+    if (count == 0) return false;
+    if (count < most_) rows.conservativeResize(count, Eigen::NoChange);
+    take_turns_out(rows);
+    log.rows += static_cast<std::uint64_t>(count);
+    if (time_) log.last_time = rows(count - 1, *time_);
+    for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
+    return true;
+  }
+
+  Log log;
+
+ private:
+  /// A reference, or a command, beside a measured position.
+  struct Follower {
+    Eigen::Index column;
+    double turn;
+    std::int64_t turns = 0;  // added
+    double last = 0;         // difference to the measured position
+  };
+  struct ColumnUnwrap {
+    Eigen::Index column;
+    Unwrap unwrap;
+  };
+
+  /// Units, counts and time of a row that was just read.
+  void check(Eigen::ArrayXXd& rows, Eigen::Index row) {
+    for (const Eigen::Index c : scaled_) {
+      double& value = rows(row, c);
+      value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
+      if (!std::isfinite(value)) refuse(c, "too large a number", "");
+    }
+    for (const Eigen::Index c : counts_) {
+      const double value = rows(row, c);
+      if (!(std::abs(value) <= most_counts))
+        refuse(c, "counts beyond 2^53 cannot be told apart", "subtract a constant from the column");
+      if (static_cast<double>(static_cast<std::int64_t>(value)) != value)
+        refuse(c, "counts are whole numbers", "a position in rad or m belongs into '.measured [rad]'");
+    }
+    if (!time_) return;
+    const double time = rows(row, *time_);
+    if (row == 0 && log.rows == 0)
+      log.first_time = time;
+    else if (time < last_time_)
+      refuse(*time_, "time runs backwards, after " + shortest(last_time_) + " s", "sort the rows by time");
+    last_time_ = time;
+  }
+
+  [[noreturn]] void refuse(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
+    const auto i = static_cast<std::size_t>(column);
+    throw Error({table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy});
+  }
+
+  void take_turns_out(Eigen::ArrayXXd& rows) {
+    for (auto& [column, unwrap] : unwraps_) {
+      Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
+      for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+        const std::int64_t before = unwrap.turns();
+        rows(i, column) = unwrap(rows(i, column));
+        if (unwrap.turns() != before) note(wraps, log.rows + static_cast<std::uint64_t>(i), rows(i, *time_));
+      }
+      wraps.contradicted = unwrap.contradicted();
+    }
+    for (Follower& f : followers_) follow(f, rows);
+  }
+
+  /// Whole turns between a reference and the measured position: those at the start, and in a table all.
+  void follow(Follower& f, Eigen::ArrayXXd& rows) {
+    LogColumn& column = log.columns[static_cast<std::size_t>(f.column)];
+    const bool first = log.rows == 0;
+    if (!first && time_) {
+      rows.col(f.column) += static_cast<double>(f.turns) * f.turn;
+      return;
+    }
+    const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
+    if (first) {
+      const double apart = (measured[0] - rows(0, f.column)) / f.turn;
+      if (std::abs(apart - std::round(apart)) < 0.25 && std::abs(apart) < 1e9)
+        column.wraps.start = f.turns = std::llround(apart);
+      f.last = -(apart - static_cast<double>(f.turns)) * f.turn;
+    }
+    for (Eigen::Index i = 0; i < rows.rows(); ++i) {
+      double& reference = rows(i, f.column);
+      reference += static_cast<double>(f.turns) * f.turn;
+      if (time_) continue;
+      const int turns = turns_after(reference - measured[i] - f.last, f.turn);
+      reference += turns * f.turn;
+      f.turns += turns;
+      f.last = reference - measured[i];
+      if (turns != 0) note(column.wraps, log.rows + static_cast<std::uint64_t>(i), 0);
+    }
+  }
+
+  CsvReader table_;
+  Transmission transmission_;
+  Eigen::Index most_;
+  std::optional<Eigen::Index> time_;
+  double last_time_ = 0;
+  std::vector<Eigen::Index> counts_, scaled_;
+  std::vector<ColumnUnwrap> unwraps_;
+  std::vector<Follower> followers_;
+};
+
+LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)
+    : rows_(std::make_unique<Rows>(path, spec, options)) {}
+LogReader::~LogReader() = default;
+LogReader::LogReader(LogReader&&) noexcept = default;
+LogReader& LogReader::operator=(LogReader&&) noexcept = default;
+
+const Log& LogReader::log() const { return rows_->log; }
+
+bool LogReader::next(Eigen::ArrayXXd& rows) { return rows_->next(rows); }
+
+Log read_log(const std::string& path, const Spec& spec) {
+  LogReader reader(path, spec);
+  std::vector<Eigen::ArrayXXd> blocks;
+  for (Eigen::ArrayXXd rows; reader.next(rows);) blocks.push_back(std::move(rows));
+  Log log = reader.log();
+  log.values.resize(static_cast<Eigen::Index>(log.rows), static_cast<Eigen::Index>(log.columns.size()));
+  Eigen::Index at = 0;
+  for (Eigen::ArrayXXd& block : blocks) {
+    log.values.middleRows(at, block.rows()) = block;
+    at += block.rows();
+    block.resize(0, 0);
+  }
+  return log;
+}
+
+}  // namespace qerr

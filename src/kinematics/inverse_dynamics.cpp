@@ -1,0 +1,68 @@
+#include "qerr/kinematics/inverse_dynamics.hpp"
+
+#include <algorithm>
+#include <vector>
+
+namespace qerr {
+
+namespace {
+
+/// A joint's frame and the load beyond it, in the base frame.
+struct Link {
+  Eigen::Vector3d origin, axis, center;
+  Eigen::Vector3d force, moment;  ///< that accelerate the load, the moment about its center
+};
+
+}  // namespace
+
+Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
+                                 const Eigen::VectorXd& velocity, const Eigen::VectorXd& acceleration) {
+  using Eigen::Vector3d;
+  std::vector<Link> links;
+  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+  Vector3d w = Vector3d::Zero(), alpha = Vector3d::Zero(), at = Vector3d::Zero();
+  Vector3d a(0, 0, standard_gravity);  // of the frame's origin; a base that accelerates upwards is gravity
+  for (const ChainJoint& joint : chain.joints) {
+    const auto i = static_cast<Eigen::Index>(joint.coordinate);
+    const double s = joint.multiplier * q[i] + joint.offset;
+    const double v = joint.multiplier * velocity[i], dv = joint.multiplier * acceleration[i];
+    pose = pose * joint.origin;
+    const Vector3d axis = pose.linear() * joint.axis;
+    if (joint.prismatic)
+      pose.translate(s * joint.axis);
+    else
+      pose.rotate(Eigen::AngleAxisd(s, joint.axis));
+    const Vector3d step = pose.translation() - at;
+    a += alpha.cross(step) + w.cross(w.cross(step));
+    at = pose.translation();
+    if (joint.prismatic) {
+      a += 2 * v * w.cross(axis) + dv * axis;
+    } else {
+      alpha += dv * axis + v * w.cross(axis);
+      w += v * axis;
+    }
+    const Vector3d arm = pose.linear() * joint.load.center;
+    const Eigen::Matrix3d inertia = pose.linear() * joint.load.about_center * pose.linear().transpose();
+    links.push_back({at, axis, at + arm, joint.load.mass * (a + alpha.cross(arm) + w.cross(w.cross(arm))),
+                     inertia * alpha + w.cross(inertia * w)});
+  }
+  Eigen::VectorXd effort = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.independent.size()));
+  Vector3d force = Vector3d::Zero(),
+           moment = Vector3d::Zero();  // of everything beyond, moment about the origin
+  for (std::size_t k = links.size(); k-- > 0;) {
+    const Link& link = links[k];
+    force += link.force;
+    moment += link.moment + link.center.cross(link.force);
+    const ChainJoint& joint = chain.joints[k];
+    const double own = link.axis.dot(joint.prismatic ? force : Vector3d(moment - link.origin.cross(force)));
+    effort[static_cast<Eigen::Index>(joint.coordinate)] += joint.multiplier * own;
+  }
+  return effort;
+}
+
+bool has_masses(const Chain& chain) {
+  return std::any_of(chain.joints.begin(), chain.joints.end(),
+                     [](const ChainJoint& joint) { return joint.load.mass > 0; });
+}
+
+}  // namespace qerr

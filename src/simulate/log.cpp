@@ -1,0 +1,48 @@
+#include "qerr/simulate/log.hpp"
+
+#include <cmath>
+
+namespace qerr {
+
+namespace {
+
+/// Whether the log has the counts of every encoder that takes part in the joint.
+bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
+  for (std::size_t i = 0; i < t.encoders.size(); ++i)
+    if (t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i)) != 0 &&
+        !log.find(LogSignal::counts, i))
+      return false;
+  return true;
+}
+
+}  // namespace
+
+double LogColumn::step() const { return scale.in_si(std::pow(10.0, -text.most_decimals)); }
+
+std::optional<Eigen::Index> Log::find(LogSignal signal, std::size_t index) const {
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    if (columns[i].signal == signal && columns[i].index == index) return static_cast<Eigen::Index>(i);
+  return std::nullopt;
+}
+
+bool is_measured(const Log& log, const Transmission& t, std::size_t joint) {
+  return has_counts(log, t, joint) || log.find(LogSignal::measured, joint);
+}
+
+std::optional<Eigen::ArrayXd> measured_joint(const Log& log, const Eigen::ArrayXXd& rows,
+                                             const Transmission& t, std::size_t joint) {
+  if (has_counts(log, t, joint)) {
+    Eigen::ArrayXd position = Eigen::ArrayXd::Zero(rows.rows());
+    for (std::size_t i = 0; i < t.encoders.size(); ++i) {
+      const double share = t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i));
+      if (share != 0)
+        position += share * (t.encoders[i].resolution * rows.col(*log.find(LogSignal::counts, i)));
+    }
+    return position;
+  }
+  const auto measured = log.find(LogSignal::measured, joint);
+  if (!measured) return std::nullopt;
+  return rows.col(*measured);
+}
+
+}  // namespace qerr

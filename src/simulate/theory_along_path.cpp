@@ -1,0 +1,88 @@
+#include "theory_along_path.hpp"
+
+#include <cmath>
+
+#include "qerr/simulate/noise_along_motion.hpp"
+
+namespace qerr {
+
+AlongPath::AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders)
+    : squares_(stretches, Eigen::MatrixXd::Zero(mean.size(), encoders)),
+      mean_(mean),
+      rigorous_(Eigen::VectorXd::Zero(mean.size())),
+      deviation_(rigorous_) {}
+
+void AlongPath::add(const OperationalError& e, double progress) {
+  rigorous_ = rigorous_.cwiseMax(e.rigorous);
+  deviation_ = deviation_.cwiseMax(e.rigorous - e.mean.cwiseAbs() + (e.mean - mean_).cwiseAbs());
+  if (progress < 0) return;
+  squares_[static_cast<std::size_t>(progress * stretches)] += e.weighted.cwiseAbs2();
+  counted_ += 1;
+}
+
+void AlongPath::append(const AlongPath& later) {
+  counted_ += later.counted_;
+  for (std::size_t s = 0; s < stretches; ++s) squares_[s] += later.squares_[s];
+  rigorous_ = rigorous_.cwiseMax(later.rigorous_);
+  deviation_ = deviation_.cwiseMax(later.deviation_);
+}
+
+Eigen::MatrixXd AlongPath::mean_squares() const {
+  return mean_squares(Eigen::MatrixXd::Ones(1, squares_[0].cols()));
+}
+
+Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(squares_[0].rows(), squares_[0].cols());
+  for (std::size_t s = 0; s < stretches; ++s) {
+    const auto row = static_cast<Eigen::Index>(s) * weights.rows() / static_cast<Eigen::Index>(stretches);
+    sum += squares_[s] * weights.row(row).asDiagonal();
+  }
+  return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
+}
+
+std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel& model,
+                                                         const std::vector<Filter>& filters,
+                                                         const std::vector<Norms>& norms,
+                                                         const Motion& motion, std::uint64_t settling,
+                                                         const AlongPath& path) {
+  const OperationalError middle = operational_error(model, center(motion));
+  const Eigen::MatrixXd squares = path.mean_squares();
+  const double start = static_cast<double>(settling) / motion.sample_rate;
+  std::vector<std::vector<SignalTheory>> all;
+  for (std::size_t f = 0; f <= filters.size(); ++f) {
+    Norms n;
+    n.h2 = n.dc_gain = n.l1.lower = n.l1.upper = 1;
+    if (f > 0) n = norms[f - 1];
+    const Eigen::MatrixXd noise = f == 0 ? Eigen::MatrixXd(squares / 12)
+                                         : path.mean_squares(noise_power_along_motion(
+                                               model.transmission, motion, autocorrelation(filters[f - 1]),
+                                               filters[f - 1].sample_rate, start, AlongPath::stretches));
+    auto& row = all.emplace_back();
+    for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
+      const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
+      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0),
+                     n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()), b.worst_case,
+                     f == 0 ? path.rigorous()[c]
+                            : n.l1.upper * path.deviation()[c] + std::abs(n.dc_gain * middle.mean[c])});
+    }
+  }
+  return all;
+}
+
+Eigen::VectorXd center(const Motion& motion) {
+  const MotionPath path(motion);
+  Eigen::VectorXd middle(static_cast<Eigen::Index>(path.joints()));
+  Eigen::MatrixX2d range;
+  for (std::size_t i = 0; i < path.joints(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    if (!motion.joints.empty() && motion.joints[i].moves.empty()) {
+      middle[row] = motion.joints[i].center + 0.5 * motion.joints[i].velocity * motion.duration;
+      continue;
+    }
+    if (range.rows() == 0) range = extent(motion);
+    middle[row] = range.row(row).mean();
+  }
+  return middle;
+}
+
+}  // namespace qerr

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <vector>
+
+#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/simulate/simulate.hpp"
+
+namespace qerr {
+
+/// What the Jacobian says at the samples of a motion, gathered while they are simulated: in stretches, since
+/// where a joint moves slowly its error is another than where it moves fast.
+class AlongPath {
+ public:
+  static constexpr std::size_t stretches = 512;
+
+  /// @param mean  of the error at the centre: a filter makes |H(1)| of it, and the l1 norm of what differs
+  /// from it
+  AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders);
+
+  /// @param progress  of the sample through the part that counts, in [0, 1); negative before it: a filter
+  ///   remembers what was there
+  void add(const OperationalError&, double progress);
+  void append(const AlongPath& later);
+
+  /// Mean of (J C Delta)^2, coordinates x encoders: over the whole, and with weights for the parts.
+  Eigen::MatrixXd mean_squares() const;
+  /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
+  Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
+
+  const Eigen::VectorXd& rigorous() const { return rigorous_; }    ///< largest bound of the position error
+  const Eigen::VectorXd& deviation() const { return deviation_; }  ///< and of its difference from the mean
+
+ private:
+  double counted_ = 0;
+  std::vector<Eigen::MatrixXd> squares_;
+  Eigen::VectorXd mean_, rigorous_, deviation_;
+};
+
+/// Theory of one coordinate behind one filter (SimulatedSignal says what each is).
+struct SignalTheory {
+  double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
+};
+
+/// @returns [0: the position itself, then the filters][coordinate]
+std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&, const std::vector<Filter>&,
+                                                         const std::vector<Norms>&, const Motion&,
+                                                         std::uint64_t settling, const AlongPath&);
+
+}  // namespace qerr

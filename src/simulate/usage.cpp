@@ -1,0 +1,141 @@
+#include "qerr/simulate/usage.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+#include "qerr/kinematics/inverse_dynamics.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double most_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
+
+/// Instants spread evenly over the motion and the margin about it, samples where there are no more than
+/// `most`.
+std::vector<double> instants(const Motion& motion, double margin, double most) {
+  const double seconds = motion.duration + 2 * margin;
+  const double samples = std::max(1.0, std::floor(seconds * motion.sample_rate + 0.5));
+  const double count = std::min(samples, most);
+  std::vector<double> times;
+  for (double k = 0; k < count; ++k) times.push_back(k * samples / count / motion.sample_rate - margin);
+  return times;
+}
+
+using Rows = std::vector<std::vector<double>>;
+
+void append(Rows& rows, const Eigen::VectorXd& values) {
+  for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(values[static_cast<Eigen::Index>(i)]);
+}
+
+/// Velocities at middles of equal parts of the motion.
+std::vector<double> thinned(const std::vector<double>& values) {
+  const double count = std::min(most_speeds, static_cast<double>(values.size()));
+  std::vector<double> few;
+  for (double k = 0; k < count; ++k)
+    few.push_back(values[static_cast<std::size_t>((k + 0.5) * static_cast<double>(values.size()) / count)]);
+  return few;
+}
+
+void widen(Spread& s, double by) {
+  s.lower -= by;
+  s.upper += by;
+}
+
+/// Peaks lie between the instants: of a position with bounded acceleration by at most a quarter of a step's
+/// change of velocity times the step, of a velocity that bends by half of the largest second difference.
+void reach_between(Usage& u, const std::vector<double>& velocity, double step) {
+  double change = 0, bend = 0;
+  for (std::size_t k = 1; k < velocity.size(); ++k) {
+    change = std::max(change, std::abs(velocity[k] - velocity[k - 1]));
+    if (k > 1) bend = std::max(bend, std::abs(velocity[k] - 2 * velocity[k - 1] + velocity[k - 2]));
+  }
+  widen(*u.position, 0.25 * change * step);
+  widen(*u.velocity, 0.5 * bend);
+}
+
+/// pi times the changes of direction per second.
+double turning(const std::vector<double>& velocity, double seconds) {
+  double changes = 0, last = 0;
+  for (const double v : velocity) {
+    if (v * last < 0) ++changes;
+    if (v != 0) last = v;
+  }
+  return std::numbers::pi * changes / seconds;
+}
+
+std::optional<double> rate_of(const std::vector<double>& derivative, const Spread& s) {
+  if (s.stray() == 0) return std::nullopt;
+  return spread_of(derivative).rms() / s.stray();
+}
+
+/// Position, velocity and acceleration of every coordinate at the instants.
+struct Path {
+  Rows position, velocity, acceleration;
+  explicit Path(std::size_t count) : position(count), velocity(count), acceleration(count) {}
+};
+
+std::vector<Usage> usages(const Path& path, const Motion& motion, double margin) {
+  std::vector<Usage> all;
+  for (std::size_t i = 0; i < path.position.size(); ++i) {
+    Usage& u = all.emplace_back();
+    u.position = spread_of(path.position[i]);
+    u.velocity = spread_of(path.velocity[i]);
+    u.position->rate = rate_of(path.velocity[i], *u.position);
+    u.velocity->rate = rate_of(path.acceleration[i], *u.velocity);
+    reach_between(u, path.velocity[i],
+                  (motion.duration + 2 * margin) / static_cast<double>(path.position[i].size()));
+    u.duration = motion.duration;
+    u.reversals = turning(path.velocity[i], motion.duration);
+    u.speeds = thinned(path.velocity[i]);
+  }
+  return all;
+}
+
+Eigen::VectorXd acceleration(const MotionPath& path, double time, double step) {
+  return (path.velocity(time + step) - path.velocity(time - step)) / (2 * step);
+}
+
+void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motion,
+                 std::vector<Usage>& joints) {
+  Rows efforts(joints.size()), changes(joints.size());
+  const double step = 0.5 / motion.sample_rate;
+  const auto effort = [&](double t) {
+    return inverse_dynamics(chain, path.position(t), path.velocity(t), acceleration(path, t, step));
+  };
+  for (const double t : instants(motion, 0, most_efforts)) {
+    const Eigen::VectorXd now = effort(t);
+    append(efforts, now);
+    append(changes, (effort(t + 2 * step) - now) / (2 * step));
+  }
+  for (std::size_t i = 0; i < joints.size(); ++i) {
+    joints[i].effort = spread_of(efforts[i]);
+    joints[i].effort->rate = rate_of(changes[i], *joints[i].effort);
+  }
+}
+
+}  // namespace
+
+RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, double margin) {
+  const MotionPath path(motion);
+  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  Path joints(path.joints()), encoders(path.joints());
+  for (const double t : instants(motion, margin, most_samples)) {
+    const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
+    const Eigen::VectorXd a = acceleration(path, t, 0.5 / motion.sample_rate);
+    append(joints.position, q);
+    append(joints.velocity, v);
+    append(joints.acceleration, a);
+    append(encoders.position, to_encoders * q);
+    append(encoders.velocity, to_encoders * v);
+    append(encoders.acceleration, to_encoders * a);
+  }
+  RobotUsage usage{usages(joints, motion, margin), usages(encoders, motion, margin)};
+  if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
+  return usage;
+}
+
+}  // namespace qerr
