@@ -98,7 +98,9 @@ std::string csv(const SimulationReport& r) {
 }
 
 std::string ratio(double over, double under) {
-  return under > 0 && std::isfinite(under) ? shortest_of(over / under, 3) : "";
+  if (!(under > 0) || !std::isfinite(under)) return "";
+  const double r = over / under;
+  return r < 1000 ? shortest_of(r, 3) : r < 1e6 ? shortest_of(std::round(r), 6) : ">1e6";
 }
 
 std::string percent(double part) {

@@ -14,14 +14,12 @@ namespace {
 
 constexpr double most_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
 
-/// Instants spread evenly over the motion and the margin about it, samples where there are no more than
-/// `most`.
-std::vector<double> instants(const Motion& motion, double margin, double most) {
-  const double seconds = motion.duration + 2 * margin;
-  const double samples = std::max(1.0, std::floor(seconds * motion.sample_rate + 0.5));
+/// Instants spread evenly over the motion, samples of it where it has no more than `most`.
+std::vector<double> instants(const Motion& motion, double most) {
+  const double samples = std::max(1.0, std::floor(motion.duration * motion.sample_rate + 0.5));
   const double count = std::min(samples, most);
   std::vector<double> times;
-  for (double k = 0; k < count; ++k) times.push_back(k * samples / count / motion.sample_rate - margin);
+  for (double k = 0; k < count; ++k) times.push_back(k * samples / count / motion.sample_rate);
   return times;
 }
 
@@ -78,7 +76,7 @@ struct Path {
   explicit Path(std::size_t count) : position(count), velocity(count), acceleration(count) {}
 };
 
-std::vector<Usage> usages(const Path& path, const Motion& motion, double margin) {
+std::vector<Usage> usages(const Path& path, const Motion& motion) {
   std::vector<Usage> all;
   for (std::size_t i = 0; i < path.position.size(); ++i) {
     Usage& u = all.emplace_back();
@@ -86,13 +84,37 @@ std::vector<Usage> usages(const Path& path, const Motion& motion, double margin)
     u.velocity = spread_of(path.velocity[i]);
     u.position->rate = rate_of(path.velocity[i], *u.position);
     u.velocity->rate = rate_of(path.acceleration[i], *u.velocity);
-    reach_between(u, path.velocity[i],
-                  (motion.duration + 2 * margin) / static_cast<double>(path.position[i].size()));
+    reach_between(u, path.velocity[i], motion.duration / static_cast<double>(path.position[i].size()));
     u.duration = motion.duration;
     u.reversals = turning(path.velocity[i], motion.duration);
     u.speeds = thinned(path.velocity[i]);
   }
   return all;
+}
+
+void reach_to(Spread& s, double value) {
+  s.lower = std::min(s.lower, value);
+  s.upper = std::max(s.upper, value);
+}
+
+/// What lies before and after the motion widens its ranges, and leaves its means as they are.
+void reach_into(const MotionPath& path, const Motion& motion, double margin,
+                const Eigen::MatrixXd& to_encoders, RobotUsage& usage) {
+  constexpr int steps = 512;
+  for (int k = 1; k <= steps; ++k) {
+    const double beyond = margin * k / steps;
+    for (const double t : {-beyond, motion.duration + beyond}) {
+      const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
+      const Eigen::VectorXd x = to_encoders * q, u = to_encoders * v;
+      for (Eigen::Index i = 0; i < q.size(); ++i) {
+        const auto row = static_cast<std::size_t>(i);
+        reach_to(*usage.joints[row].position, q[i]);
+        reach_to(*usage.joints[row].velocity, v[i]);
+        reach_to(*usage.encoders[row].position, x[i]);
+        reach_to(*usage.encoders[row].velocity, u[i]);
+      }
+    }
+  }
 }
 
 Eigen::VectorXd acceleration(const MotionPath& path, double time, double step) {
@@ -106,7 +128,7 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
   const auto effort = [&](double t) {
     return inverse_dynamics(chain, path.position(t), path.velocity(t), acceleration(path, t, step));
   };
-  for (const double t : instants(motion, 0, most_efforts)) {
+  for (const double t : instants(motion, most_efforts)) {
     const Eigen::VectorXd now = effort(t);
     append(efforts, now);
     append(changes, (effort(t + 2 * step) - now) / (2 * step));
@@ -123,7 +145,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
   const MotionPath path(motion);
   const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
   Path joints(path.joints()), encoders(path.joints());
-  for (const double t : instants(motion, margin, most_samples)) {
+  for (const double t : instants(motion, most_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
     const Eigen::VectorXd a = acceleration(path, t, 0.5 / motion.sample_rate);
     append(joints.position, q);
@@ -133,7 +155,8 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
     append(encoders.velocity, to_encoders * v);
     append(encoders.acceleration, to_encoders * a);
   }
-  RobotUsage usage{usages(joints, motion, margin), usages(encoders, motion, margin)};
+  RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
+  if (margin > 0) reach_into(path, motion, margin, to_encoders, usage);
   if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
   return usage;
 }
