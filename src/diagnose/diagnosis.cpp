@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iterator>
+#include <memory>
 #include <numbers>
 #include <set>
 #include <utility>
@@ -10,6 +11,7 @@
 #include "comparison.hpp"
 #include "found_parameters.hpp"
 #include "gain.hpp"
+#include "qerr/core/parallel.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
 #include "record_advice.hpp"
@@ -91,6 +93,31 @@ void undo_repair(HeldOut& held, double rms_before) {
   if (squares <= 0) return;
   const double factor = rms_before * rms_before * rows / squares;
   for (HeldOut::Block& b : held.blocks) b.before *= factor;
+}
+
+/// What the rows of one encoder say.
+struct Finding {
+  Evidence evidence;  ///< its independent rows
+  std::optional<Selection> selection;
+  Scatter scatter;
+  HeldOut held;
+};
+
+/// Every encoder by itself, side by side.
+std::vector<std::unique_ptr<Finding>> findings_of(const std::vector<Evidence>& all, const Sanity& sane,
+                                                  const DiagnoseOptions& options) {
+  std::vector<std::unique_ptr<Finding>> findings(all.size());
+  parallel_for(all.size(), options.threads, [&](std::size_t i) {
+    const std::vector<RowGroup> groups = independent_rows(all[i]);
+    auto f = std::make_unique<Finding>();
+    f->evidence = independent(all[i], groups);
+    f->selection.emplace(select(f->evidence));
+    f->scatter = scatter_of(f->evidence, f->selection->model);
+    f->held = hold_out(all[i], f->evidence, groups, f->selection->model);
+    if (const auto before = before_repair(sane, all[i].joint)) undo_repair(f->held, *before);
+    findings[i] = std::move(f);
+  });
+  return findings;
 }
 
 /// One encoder's causes, alternatives and remainders.
@@ -184,20 +211,17 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   std::vector<Evidence> all = evidence(sane.model, sane.log);
   for (Evidence& e : all) e = with_effects(std::move(e), present);
   d.simulation = comparison(all, filters, options);
+  const auto findings = findings_of(all, sane, options);
   std::vector<HeldOut> held;
-  for (const Evidence& full : all) {
-    const std::vector<Eigen::Index> starts = independent_rows(full);
-    const Evidence e = independent(full, starts);
-    const Selection s = select(e);
-    held.push_back(hold_out(full, e, starts, s.model));
-    if (const auto before = before_repair(sane, e.joint)) undo_repair(held.back(), *before);
-    const Gain of_joint = gain({held.back()}, options.seed);
+  for (const auto& finding : findings) {
+    const Finding& f = *finding;
+    held.push_back(f.held);
+    const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
-      if (cause.effect.joint == e.joint) cause.gain = of_joint;
-    const Scatter scatter = scatter_of(e, s.model);
-    Account account(d, e, of_joint);
-    account.of_terms(s, scatter);
-    account.of_scatter(scatter);
+      if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
+    Account account(d, f.evidence, of_joint);
+    account.of_terms(*f.selection, f.scatter);
+    account.of_scatter(f.scatter);
   }
   d.prismatic =
       !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });

@@ -4,11 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "qerr/core/random.hpp"
 #include "smooth_path.hpp"
 
 namespace qerr {
 
 namespace {
+
+constexpr std::uint64_t drawn_rows = 0x64726177;
 
 /// The encoder's own coordinate by the references of all joints that it feels; empty where one is missing.
 Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen::Index encoder,
@@ -26,36 +29,46 @@ Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen
   return x;
 }
 
-/// Means of a column over groups of rows that begin at `starts`.
-Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<Eigen::Index>& starts) {
+/// Means of a column over groups of rows.
+Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& groups) {
   if (column.size() == 0) return column;
-  Eigen::ArrayXd out(static_cast<Eigen::Index>(starts.size()));
-  for (std::size_t g = 0; g < starts.size(); ++g) {
-    const Eigen::Index end = g + 1 < starts.size() ? starts[g + 1] : column.size();
-    out[static_cast<Eigen::Index>(g)] = column.segment(starts[g], end - starts[g]).mean();
-  }
+  Eigen::ArrayXd out(static_cast<Eigen::Index>(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    out[static_cast<Eigen::Index>(g)] =
+        column.segment(groups[g].first, groups[g].end - groups[g].first).mean();
   return out;
 }
 
 }  // namespace
 
-std::vector<Eigen::Index> independent_rows(const Evidence& e) {
+std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
   const double apart = std::max(e.noise, 0.05 * e.step());
-  std::vector<Eigen::Index> starts{0};
-  for (Eigen::Index k = 1; k < e.rows(); ++k)
-    if (e.measured[k] != e.measured[starts.back()] || std::abs(e.path[k] - e.path[starts.back()]) > apart ||
-        e.side[k] != e.side[starts.back()])
-      starts.push_back(k);
-  return starts;
+  std::vector<RowGroup> all;
+  Eigen::Index first = 0;
+  for (Eigen::Index k = 1; k <= e.rows(); ++k)
+    if (k == e.rows() || e.measured[k] != e.measured[first] || std::abs(e.path[k] - e.path[first]) > apart ||
+        e.side[k] != e.side[first]) {
+      all.push_back({first, k});
+      first = k;
+    }
+  const auto count = static_cast<Eigen::Index>(all.size());
+  if (count <= most) return all;
+  // At random within each stretch: evenly spaced rows could keep pace with the motion.
+  std::vector<RowGroup> drawn;
+  for (Eigen::Index i = 0; i < most; ++i) {
+    const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
+    const double u = unit_interval(random_bits(0, static_cast<std::uint64_t>(i), drawn_rows));
+    drawn.push_back(
+        all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
+  }
+  return drawn;
 }
 
-Evidence independent(const Evidence& e) { return independent(e, independent_rows(e)); }
-
-Evidence independent(const Evidence& e, const std::vector<Eigen::Index>& starts) {
+Evidence independent(const Evidence& e, const std::vector<RowGroup>& groups) {
   Evidence few = e;
   for (Eigen::ArrayXd* column : {&few.time, &few.reference, &few.measured, &few.path, &few.velocity,
                                  &few.side, &few.effort, &few.temperature, &few.chance})
-    *column = means(*column, starts);
+    *column = means(*column, groups);
   return few;
 }
 

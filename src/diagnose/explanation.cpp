@@ -1,6 +1,5 @@
 #include "explanation.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
@@ -10,33 +9,23 @@ namespace {
 
 constexpr Eigen::Index most_blocks = 64;
 constexpr double outlier_part = 0.01;
-
-Eigen::ArrayXd constant(double value) { return Eigen::ArrayXd::Constant(1, value); }
+constexpr double settled = 1e-3;  ///< gain in log-likelihood that is not worth another step
+constexpr int most_steps = 60;
 
 }  // namespace
 
-Explanation::Explanation(const Evidence& e) : evidence_(&e), x_(e.reference) {
+Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   const double below = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
-  intervals_.lower = e.measured - below * e.step();
-  intervals_.upper = e.measured + (1 - below) * e.step();
+  intervals_.lower = e.measured - below * e.step() - e.reference;
+  intervals_.upper = intervals_.lower + e.step();
   base_.resize(e.rows(), e.encoder.zero_known ? 0 : 1);
   base_.setOnes();
   beta_ = Eigen::VectorXd::Zero(base_.cols());
   spread_ = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
+  const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
+  relative_ =
+      e.chance.size() > 0 ? Eigen::ArrayXd((1 + (e.chance / own).square()).sqrt()) : Eigen::ArrayXd::Ones(1);
   fit();
-}
-
-Eigen::ArrayXXd Explanation::all_columns() const {
-  Eigen::Index count = base_.cols();
-  for (const Term& t : terms_) count += t.size();
-  Eigen::ArrayXXd all(evidence_->rows(), count);
-  all.leftCols(base_.cols()) = base_;
-  Eigen::Index at = base_.cols();
-  for (const Term& t : terms_) {
-    all.middleCols(at, t.size()) = t.columns;
-    at += t.size();
-  }
-  return all;
 }
 
 void Explanation::add(Term term) {
@@ -45,24 +34,28 @@ void Explanation::add(Term term) {
   terms_.push_back(std::move(term));
 }
 
-void Explanation::remove(std::size_t term) {
+Eigen::Index Explanation::first_coefficient(std::size_t term) const {
   Eigen::Index at = base_.cols();
   for (std::size_t i = 0; i < term; ++i) at += terms_[i].size();
-  const Eigen::Index size = terms_[term].size(), after = beta_.size() - at - size;
+  return at;
+}
+
+void Explanation::remove(std::size_t term) {
+  const Eigen::Index at = first_coefficient(term), size = terms_[term].size();
   Eigen::VectorXd kept(beta_.size() - size);
-  kept << beta_.head(at), beta_.tail(after);
+  kept << beta_.head(at), beta_.tail(beta_.size() - at - size);
   beta_ = kept;
   terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
 }
 
 Eigen::VectorXd Explanation::coefficients(std::size_t term) const {
-  Eigen::Index at = base_.cols();
-  for (std::size_t i = 0; i < term; ++i) at += terms_[i].size();
-  return beta_.segment(at, terms_[term].size());
+  return beta_.segment(first_coefficient(term), terms_[term].size());
 }
 
-IntervalLikelihood Explanation::at(double sigma, double outliers) const {
-  return interval_likelihood(intervals_, x_, constant(sigma), outliers, spread_);
+IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, double outliers) const {
+  const Eigen::ArrayXd x = columns_.cols() > 0 ? Eigen::ArrayXd((columns_ * unit).array())
+                                               : Eigen::ArrayXd::Zero(evidence_->rows());
+  return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
 }
 
 /// The least noise there can be: what the reference has, or the grid of the file.
@@ -70,58 +63,89 @@ double Explanation::least_noise() const {
   return std::max({0.5 * evidence_->noise, 0.3 * evidence_->grid, 1e-3 * evidence_->step()});
 }
 
-/// From the present sigma uphill: with outliers there may be several optima, and the one with little noise
-/// and a crowd of outliers is not meant.
-void Explanation::climb_noise(double outliers, double finest) {
-  likelihood_ = at(sigma_, outliers);
-  for (double factor = 2; factor > finest; factor = std::sqrt(factor))
-    for (const double by : {1 / factor, factor})
-      while (sigma_ * by >= least_noise() && sigma_ * by <= spread_) {
-        IntervalLikelihood next = at(sigma_ * by, outliers);
-        if (next.log_likelihood <= likelihood_.log_likelihood) break;
-        sigma_ *= by;
-        likelihood_ = std::move(next);
-      }
+/// Least squares to the middle of the intervals, and the scatter about it: where Newton's method begins.
+void Explanation::begin(Eigen::VectorXd& unit) {
+  const Eigen::ArrayXd weight = relative_.square().inverse();
+  const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper)).matrix();
+  Eigen::ArrayXd rest = middle.array();
+  if (columns_.cols() > 0) {
+    const Eigen::MatrixXd weighted = weight.matrix().asDiagonal() * columns_;
+    Eigen::MatrixXd normal = columns_.transpose() * weighted;
+    normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
+    unit = normal.ldlt().solve(weighted.transpose() * middle);
+    rest -= (columns_ * unit).array();
+  }
+  sigma_ = std::clamp(std::sqrt((rest.square() * weight).mean()), least_noise(), spread_);
 }
 
-/// Newton's method on the coefficients, climbing in sigma between the steps.
-void Explanation::maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& b, double outliers) {
-  const auto moved = [&](const Eigen::VectorXd& coefficients) -> Eigen::ArrayXd {
-    return evidence_->reference + (unit * coefficients).array();
-  };
-  x_ = moved(b);
-  climb_noise(outliers, 1.3);
-  for (int i = 0; i < 30 && unit.cols() > 0; ++i) {
+/// Newton's method in coefficients/sigma and 1/sigma, in which the log-likelihood is concave. With outliers
+/// every step is one towards the optimum for those that are taken to be such (EM), from where the fit
+/// without them ended: the optimum with little noise and a crowd of outliers is not meant.
+void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
+  const Eigen::Index n = unit.size();
+  likelihood_ = at(unit, sigma_, outliers);
+  for (int i = 0; i < most_steps; ++i) {
+    // In units of the present sigma: x = sigma u, w = 1.
+    Eigen::MatrixXd hessian(n + 1, n + 1);
+    Eigen::VectorXd gradient(n + 1);
+    const Eigen::MatrixXd weighted = likelihood_.curvature.matrix().asDiagonal() * columns_;
+    hessian.topLeftCorner(n, n) = columns_.transpose() * weighted;
+    hessian.col(n).head(n) = columns_.transpose() * likelihood_.cross.matrix();
+    hessian.row(n).head(n) = hessian.col(n).head(n).transpose();
+    hessian(n, n) = likelihood_.scale_curvature;
+    gradient << columns_.transpose() * likelihood_.score.matrix(), likelihood_.scale_score;
+    const bool least = sigma_ <= least_noise() * 1.0000001 && likelihood_.scale_score > 0;
+    const Eigen::Index free = least ? n : n + 1;
+    if (free == 0) break;
+    Eigen::VectorXd scale = hessian.diagonal().head(free).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd normal = scale.asDiagonal() * hessian.topLeftCorner(free, free) * scale.asDiagonal();
+    normal.diagonal().array() += 1e-10;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n + 1);
+    step.head(free) = scale.asDiagonal() * normal.ldlt().solve(scale.asDiagonal() * gradient.head(free));
     const double before = likelihood_.log_likelihood;
-    const Eigen::VectorXd gradient = unit.transpose() * likelihood_.score.matrix();
-    Eigen::MatrixXd hessian = unit.transpose() * likelihood_.curvature.matrix().asDiagonal() * unit;
-    hessian.diagonal().array() += 1e-9 * hessian.diagonal().mean() + 1e-12;
-    const Eigen::VectorXd step = hessian.ldlt().solve(gradient);
-    double length = 1;
-    for (; length > 1e-3; length /= 2) {
-      x_ = moved(b + length * step);
-      if (at(sigma_, outliers).log_likelihood >= before - 1e-9) break;
+    bool better = false;
+    for (double length = 1; length > 1e-4 && !better; length /= 3) {
+      const double w = std::clamp(1 + length * step[n], 0.2, 5.0);
+      const Eigen::VectorXd moved = (unit + length * step.head(n)) / w;
+      const double sigma = std::clamp(sigma_ / w, least_noise(), spread_);
+      IntervalLikelihood next = at(moved, sigma, outliers);
+      if (!(next.log_likelihood >= before)) continue;
+      better = true;
+      unit = moved, sigma_ = sigma;
+      likelihood_ = std::move(next);
     }
-    b += length * step;
-    x_ = moved(b);
-    climb_noise(outliers, 1.3);
-    if (likelihood_.log_likelihood - before < 0.05) break;
+    if (!better || likelihood_.log_likelihood - before < settled) break;
   }
-  climb_noise(outliers, 1.02);
 }
 
 void Explanation::fit() {
-  const Eigen::MatrixXd columns = all_columns().matrix();
-  Eigen::VectorXd scale = columns.colwise().norm();
+  columns_.resize(evidence_->rows(), base_.cols());
+  columns_ = base_.matrix();
+  Eigen::Index count = base_.cols();
+  for (const Term& t : terms_) count += t.size();
+  columns_.conservativeResize(Eigen::NoChange, count);
+  Eigen::Index at = base_.cols();
+  for (const Term& t : terms_) {
+    columns_.middleCols(at, t.size()) = t.columns.matrix();
+    at += t.size();
+  }
+  Eigen::VectorXd scale = columns_.colwise().norm();
   for (double& s : scale) s = s > 0 ? s : 1;
-  const Eigen::MatrixXd unit = columns * scale.cwiseInverse().asDiagonal();
-  Eigen::VectorXd b = beta_.cwiseProduct(scale);
-  sigma_ = spread_ / 4;
-  maximize(unit, b, 0);
+  columns_ *= scale.cwiseInverse().asDiagonal();
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(count);
+  begin(unit);
+  maximize(unit, 0);
   plain_ = likelihood_;
   plain_sigma_ = sigma_;
-  maximize(unit, b, outlier_part);
-  beta_ = b.cwiseQuotient(scale);
+  weighted_ = plain_.curvature.matrix().asDiagonal() * columns_;
+  Eigen::MatrixXd normal = columns_.transpose() * weighted_;
+  normal.diagonal().array() *= 1 + 1e-10;
+  normal.diagonal().array() += 1e-300;
+  present_.compute(normal);
+  maximize(unit, outlier_part);
+  x_ = columns_.cols() > 0 ? Eigen::ArrayXd((columns_ * unit).array())
+                           : Eigen::ArrayXd::Zero(evidence_->rows());
+  beta_ = unit.cwiseQuotient(scale);
 }
 
 double Explanation::mean_offset() const {
@@ -131,19 +155,18 @@ double Explanation::mean_offset() const {
 }
 
 double Explanation::gain(const Eigen::ArrayXXd& columns) const {
-  const Eigen::MatrixXd present = all_columns().matrix();
-  const Eigen::VectorXd weights = plain_.curvature.matrix();
-  Eigen::MatrixXd extra = columns.matrix();
-  if (present.cols() > 0) {
-    const Eigen::MatrixXd weighted = weights.asDiagonal() * present;
-    Eigen::MatrixXd normal = present.transpose() * weighted;
-    normal.diagonal().array() *= 1 + 1e-10;
-    extra -= present * normal.ldlt().solve(weighted.transpose() * extra);
+  const Eigen::MatrixXd& extra = columns.matrix();
+  const Eigen::MatrixXd weighted = plain_.curvature.matrix().asDiagonal() * extra;
+  Eigen::MatrixXd information = extra.transpose() * weighted;
+  const Eigen::VectorXd alone = information.diagonal();
+  Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
+  if (columns_.cols() > 0) {
+    const Eigen::MatrixXd shared = weighted_.transpose() * extra;
+    information -= shared.transpose() * present_.solve(shared);
+    score -= shared.transpose() * present_.solve(columns_.transpose() * plain_.score.matrix());
   }
   // Nothing is left of a column that the model already has.
-  if (((extra.colwise().norm().array()) <= 1e-6 * columns.matrix().colwise().norm().array()).any()) return 0;
-  const Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
-  Eigen::MatrixXd information = extra.transpose() * weights.asDiagonal() * extra;
+  if ((information.diagonal().array() <= 1e-9 * alone.array()).any()) return 0;
   information.diagonal().array() *= 1 + 1e-10;
   return 0.5 * score.dot(information.ldlt().solve(score));
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include <optional>
+#include <Eigen/Cholesky>
 #include <vector>
 
 #include "interval_likelihood.hpp"
@@ -30,35 +30,40 @@ class Explanation {
 
   const std::vector<Term>& terms() const { return terms_; }
   Eigen::VectorXd coefficients(std::size_t term) const;
-  Eigen::ArrayXd addition() const { return x_ - evidence_->reference; }  ///< what all terms add
+  const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the reference
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
   double plain_noise() const { return plain_sigma_; }  ///< with nothing taken to be an outlier
+  /// Standard deviation about the path: the noise, or what the spec's random effects make of it row by row.
+  Eigen::ArrayXd scatter() const { return sigma_ * relative_; }
   /// Part of the readings that the model takes to be outliers.
   double outliers() const { return likelihood_.outliers / static_cast<double>(evidence_->rows()); }
   const IntervalLikelihood& likelihood() const { return likelihood_; }
   const Intervals& intervals() const { return intervals_; }
-  const Eigen::ArrayXd& position() const { return x_; }
   double mean_offset() const;  ///< what a term for the offset adds
   const IntervalLikelihood& plain() const { return plain_; }
 
  private:
-  Eigen::ArrayXXd all_columns() const;
-  IntervalLikelihood at(double sigma, double outliers) const;
+  Eigen::Index first_coefficient(std::size_t term) const;
+  IntervalLikelihood at(const Eigen::VectorXd& unit, double sigma, double outliers) const;
   double least_noise() const;
-  void climb_noise(double outliers, double finest);
-  void maximize(const Eigen::MatrixXd& unit, Eigen::VectorXd& coefficients, double outliers);
+  void begin(Eigen::VectorXd& unit);
+  void maximize(Eigen::VectorXd& unit, double outliers);
 
   const Evidence* evidence_;
   Intervals intervals_;
   Eigen::ArrayXXd base_;  ///< terms that are nobody's fault: the constant of an encoder whose zero is free
   std::vector<Term> terms_;
   Eigen::VectorXd beta_;
+  Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
+  Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over the reference's own noise
   Eigen::ArrayXd x_;
   double spread_ = 0;
   double sigma_ = 0, plain_sigma_ = 0;
-  IntervalLikelihood likelihood_;  ///< some readings being outliers
-  IntervalLikelihood plain_;       ///< none being: what looks like outliers may be what is to be found
+  IntervalLikelihood likelihood_;         ///< some readings being outliers
+  IntervalLikelihood plain_;              ///< none being: what looks like outliers may be what is to be found
+  Eigen::MatrixXd weighted_;              ///< columns by the curvature of `plain_`
+  Eigen::LDLT<Eigen::MatrixXd> present_;  ///< of columns' * weighted_
 };
 
 }  // namespace qerr

@@ -90,7 +90,7 @@ Eigen::VectorXd derivative_of(const Term& t, const Eigen::VectorXd& coefficients
 double log_likelihood_of_row(const Explanation& m, Eigen::Index row, double position) {
   const Intervals one{m.intervals().lower.segment(row, 1), m.intervals().upper.segment(row, 1)};
   return interval_likelihood(one, Eigen::ArrayXd::Constant(1, position),
-                             Eigen::ArrayXd::Constant(1, m.noise()))
+                             Eigen::ArrayXd::Constant(1, m.scatter()[row]))
       .log_likelihood;
 }
 
@@ -106,13 +106,13 @@ FoundParameter moment(const Evidence& e, const Explanation& m, std::size_t term)
   constexpr Eigen::Index most = 400;
   for (Eigen::Index k = first - 1; k > std::max<Eigen::Index>(0, first - most) && change > -10; --k) {
     change +=
-        log_likelihood_of_row(m, k, m.position()[k] + height) - log_likelihood_of_row(m, k, m.position()[k]);
+        log_likelihood_of_row(m, k, m.addition()[k] + height) - log_likelihood_of_row(m, k, m.addition()[k]);
     if (change > -half_chi_squared) earliest = k;
   }
   change = 0;
   for (Eigen::Index k = first; k + 1 < std::min(e.rows(), first + most) && change > -10; ++k) {
     change +=
-        log_likelihood_of_row(m, k, m.position()[k] - height) - log_likelihood_of_row(m, k, m.position()[k]);
+        log_likelihood_of_row(m, k, m.addition()[k] - height) - log_likelihood_of_row(m, k, m.addition()[k]);
     if (change > -half_chi_squared) latest = k + 1;
   }
   return {"time", time, std::min(time, e.time[std::max<Eigen::Index>(earliest - 1, 0)]),

@@ -73,12 +73,11 @@ double part_inside(double low, double high) {
 void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Prediction& p, HeldOut& h) {
   const double under = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
   const Evidence part = rows_of(e, rows);
-  const Intervals edges{part.measured - under * e.step(), part.measured + (1 - under) * e.step()};
+  const Eigen::ArrayXd lower = part.measured - under * e.step() - part.reference;
+  const Intervals edges{lower, lower + e.step()};
   const auto log_likelihood = [&](const Eigen::ArrayXd& added, double noise) {
     const double spread = 2 * (part.measured - part.reference).abs().maxCoeff() + e.step();
-    return interval_likelihood(edges, part.reference + added, Eigen::ArrayXd::Constant(1, noise), 0.01,
-                               spread)
-        .log_likelihood;
+    return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), 0.01, spread).log_likelihood;
   };
   h.log_score += log_likelihood(p.after, p.noise_after) - log_likelihood(p.before, p.noise_before);
   for (Eigen::Index k = 0; k < part.rows(); ++k) {
@@ -86,7 +85,8 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
     const double rest = (part.measured[k] - x) / e.step();
     h.rest += rest * rest;
     h.predicted += expected_square(e.encoder, e.counted ? x / e.step() : 0.5, noise / e.step());
-    h.inside += part_inside(below((edges.lower[k] - x) / noise), below((edges.upper[k] - x) / noise));
+    h.inside += part_inside(below((edges.lower[k] - p.after[k]) / noise),
+                            below((edges.upper[k] - p.after[k]) / noise));
   }
   h.readings += static_cast<double>(part.rows());
 }
@@ -123,7 +123,7 @@ void bootstrap(const std::vector<HeldOut>& all, std::uint64_t seed, Gain& g) {
 
 }  // namespace
 
-HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<Eigen::Index>& starts,
+HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
                  const Explanation& model) {
   HeldOut h;
   h.step = record.step();
@@ -141,16 +141,15 @@ HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<
     after(asked) = p.after;
     judge(few, asked, p, h);
   }
+  const Eigen::ArrayXd residual = record.measured - record.reference;
   for (std::size_t b = 0; b < blocks.size(); ++b) {
     HeldOut::Block sums;
     for (Eigen::Index k = blocks[b]; k < end_of(b); ++k) {
-      const auto group = static_cast<std::size_t>(k);
-      const Eigen::Index first = starts[group],
-                         end = group + 1 < starts.size() ? starts[group + 1] : record.rows();
-      const auto residual = (record.measured - record.reference).segment(first, end - first);
-      sums.before += (residual - before[k]).square().sum();
-      sums.after += (residual - after[k]).square().sum();
-      sums.rows += static_cast<double>(end - first);
+      const RowGroup& g = groups[static_cast<std::size_t>(k)];
+      const auto rows = residual.segment(g.first, g.end - g.first);
+      sums.before += (rows - before[k]).square().sum();
+      sums.after += (rows - after[k]).square().sum();
+      sums.rows += static_cast<double>(g.end - g.first);
     }
     h.blocks.push_back(sums);
   }

@@ -29,9 +29,9 @@ struct HeldOut {
 };
 
 /// @param record  all rows
-/// @param few     the independent rows among them, `starts` where each one's rows begin
+/// @param few     the independent rows among them, `groups` whom each one stands for
 /// @param model   fitted to `few`
-HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<Eigen::Index>& starts,
+HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
                  const Explanation& model);
 
 /// The gain over all rows of some encoders, with the 95 % interval of its ratio by drawing blocks with

@@ -40,33 +40,35 @@ double density_over(double z, double log_p) { return std::exp(-0.5 * z * z - log
 IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::ArrayXd& x,
                                        const Eigen::ArrayXd& sigma, double outliers, double spread) {
   IntervalLikelihood l;
-  l.score.resize(x.size());
-  l.curvature.resize(x.size());
+  l.score.setZero(x.size());
+  l.curvature.setZero(x.size());
+  l.cross.setZero(x.size());
   const double log_kept = std::log1p(-outliers);
   for (Eigen::Index k = 0; k < x.size(); ++k) {
     const double s = sigma[sigma.size() == 1 ? 0 : k];
-    const double a = (intervals.lower[k] - x[k]) / s, b = (intervals.upper[k] - x[k]) / s;
+    const double lower = intervals.lower[k] / s, upper = intervals.upper[k] / s;
+    const double a = lower - x[k] / s, b = upper - x[k] / s;
     if (a < -certain && b > certain) {  // well inside: P = 1 to the last bit
       l.log_likelihood += log_kept;
-      l.score[k] = l.curvature[k] = 0;
       continue;
     }
     const double log_p = log_between(a, b);
     double kept = 1, log_mixed = log_p;
     if (outliers > 0) {
-      const double log_other =
-          std::log(outliers * std::min(1.0, (intervals.upper[k] - intervals.lower[k]) / spread));
+      const double log_other = std::log(outliers * std::min(1.0, (upper - lower) * s / spread));
       const double more = std::max(log_kept + log_p, log_other);
       log_mixed = more + std::log(std::exp(log_kept + log_p - more) + std::exp(log_other - more));
       kept = std::exp(log_kept + log_p - log_mixed);
     }
-    const double at_a = density_over(a, log_p), at_b = density_over(b, log_p);
-    const double score = at_a - at_b, spread_score = b * at_b - a * at_a;
     l.outliers += 1 - kept;
     l.log_likelihood += log_mixed;
-    l.score[k] = kept * score / s;
-    l.curvature[k] = kept * std::max(0.0, (score * score + spread_score) / (s * s));
-    l.scale_score -= kept * spread_score;
+    const double at_a = density_over(a, log_p), at_b = density_over(b, log_p), both = at_a - at_b;
+    l.score[k] = kept * both / s;
+    l.curvature[k] = kept * std::max(0.0, both * both + b * at_b - a * at_a) / (s * s);
+    l.scale_score += kept * (upper * at_b - lower * at_a);
+    l.cross[k] = kept * (lower * at_a * (a - both) - upper * at_b * (b - both)) / s;
+    l.scale_curvature += kept * (upper * upper * at_b * (b + at_b) - lower * lower * at_a * (a - at_a) -
+                                 2 * lower * upper * at_a * at_b);
   }
   return l;
 }

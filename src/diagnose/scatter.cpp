@@ -64,19 +64,20 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   s.size = std::sqrt(std::max(0.0, beyond));
   s.structured = lag_one(m.likelihood().score) > correlated;
   if (m.noise() < 1.3 * own || s.size < worth_naming * e.step()) return s;
-  const auto one = [](double sigma) { return Eigen::ArrayXd::Constant(1, sigma); };
+  // What the reference and the spec's own random effects leave to chance already.
+  const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
   // The reference's noise is an estimate: a third more of it would be no find.
-  const double none = value(m.intervals(), m.position(), one(1.3 * own), range);
+  const double none = value(m.intervals(), m.addition(), (1.69 * known).sqrt(), range);
   std::vector<Candidate> found;
   const auto [noise, at_noise] =
-      largest([&](double x) { return value(m.intervals(), m.position(), one(std::hypot(own, x)), range); },
+      largest([&](double x) { return value(m.intervals(), m.addition(), (known + x * x).sqrt(), range); },
               0.3 * s.size, 3 * s.size);
   found.push_back({{"noise", e.joint, {{"sigma", noise}}, {}}, at_noise});
   if (e.ordered && e.velocity.abs().maxCoeff() > 0) {
     const double typical = std::sqrt(e.velocity.square().mean());
     const auto [jitter, at_jitter] = largest(
         [&](double x) {
-          return value(m.intervals(), m.position(), (own * own + (x * e.velocity).square()).sqrt(), range);
+          return value(m.intervals(), m.addition(), (known + (x * e.velocity).square()).sqrt(), range);
         },
         0.1 * s.size / typical, 10 * s.size / typical);
     found.push_back({{"timing_jitter", e.joint, {{"sigma", jitter}}, {}}, at_jitter});
@@ -86,8 +87,8 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
       const auto [shift, at_shift] = largest(
           [&](double x) {
             // Their mean is -shift/2, which a term for the offset may have taken.
-            const Eigen::ArrayXd at = m.position() - m.mean_offset();
-            return value(displaced(m.intervals(), e, sign * x), at, one(1.1 * own), range);
+            const Eigen::ArrayXd at = m.addition() - m.mean_offset();
+            return value(displaced(m.intervals(), e, sign * x), at, (1.21 * known).sqrt(), range);
           },
           0.02 * e.step(), 0.95 * e.step());
       const double phase = sign * shift / (4 * e.step()) * 2 * std::numbers::pi;

@@ -70,29 +70,52 @@ bool has(const Explanation& m, const Effect& effect) {
                      [&](const Term& t) { return same(t.effect, effect); });
 }
 
-/// Moves the last term's shape to where the likelihood is largest, by golden section within its reach.
+/// What a small change of a term's shape adds, per unit of it.
+Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
+  const double change = 1e-3 * t.reach;
+  Term d = t;
+  d.columns =
+      ((t.reshaped(e, t, t.shape + change).columns - t.reshaped(e, t, t.shape - change).columns).matrix() *
+       coefficients / (2 * change))
+          .array();
+  d.reshaped = nullptr;
+  return d;
+}
+
+/// Moves the last term's shape to where the likelihood is largest: within its reach by golden section on
+/// what one Newton step would gain, then by Newton's method with the shape as one more coefficient.
 Explanation refined(Explanation m, const Evidence& e) {
   const Term start = m.terms().back();
   if (!start.reshaped) return m;
-  m.remove(m.terms().size() - 1);
-  const auto at = [&](double shape) { return with_term(m, start.reshaped(e, start, shape)); };
+  const Explanation without = without_term(m, m.terms().size() - 1);
+  const auto at = [&](double shape) { return without.gain(start.reshaped(e, start, shape).columns); };
   constexpr double golden = 0.6180339887498949;
   double low = start.shape - start.reach, high = start.shape + start.reach;
   double left = high - golden * (high - low), right = low + golden * (high - low);
-  Explanation at_left = at(left), at_right = at(right);
+  double at_left = at(left), at_right = at(right);
   for (int i = 0; i < 14; ++i) {
-    if (at_left.log_likelihood() > at_right.log_likelihood()) {
-      high = right, right = left, at_right = std::move(at_left);
+    if (at_left > at_right) {
+      high = right, right = left, at_right = at_left;
       at_left = at(left = high - golden * (high - low));
     } else {
-      low = left, left = right, at_left = std::move(at_right);
+      low = left, left = right, at_left = at_right;
       at_right = at(right = low + golden * (high - low));
     }
   }
-  Explanation best =
-      at_left.log_likelihood() > at_right.log_likelihood() ? std::move(at_left) : std::move(at_right);
-  Explanation unmoved = with_term(std::move(m), start);
-  return unmoved.log_likelihood() > best.log_likelihood() ? unmoved : best;
+  Explanation best = with_term(without, start.reshaped(e, start, at_left > at_right ? left : right));
+  if (m.log_likelihood() > best.log_likelihood()) best = std::move(m);
+  const std::size_t last = best.terms().size() - 1;
+  for (int i = 0; i < 3; ++i) {
+    const Term now = best.terms()[last];
+    const Explanation linear = with_term(best, shape_change(e, now, best.coefficients(last)));
+    const double change = std::clamp(linear.coefficients(last + 1)[0], -0.5 * now.reach, 0.5 * now.reach);
+    Explanation next = with_term(without, now.reshaped(e, now, now.shape + change));
+    if (next.log_likelihood() <= best.log_likelihood()) break;
+    const bool done = next.log_likelihood() - best.log_likelihood() < 0.05;
+    best = std::move(next);
+    if (done) break;
+  }
+  return best;
 }
 
 /// A whole order in place of a free one, where the record lets it be.

@@ -7,7 +7,7 @@
 namespace qerr {
 
 struct TipSelectOptions {
-  double alpha = 0.01;           ///< of a false name in the record, over all candidates
+  double alpha = 0.01;            ///< of a false name in the record, over all candidates
   double least_amplitude = 0.15;  ///< rms of what a cause adds, over that of all noise at the tip
   std::size_t most_terms = 24;
 };

@@ -33,15 +33,20 @@ struct Evidence {
   double step() const { return encoder.resolution; }
 };
 
-/// The same with one row in place of many that say the same: as long as a joint rests, its reading and its
-/// true position stay what they are, and only the reference's noise changes. Taken for independent readings
-/// they would make certainty out of one coincidence.
-/// @param starts  where each one's rows begin, as independent_rows says
-Evidence independent(const Evidence&, const std::vector<Eigen::Index>& starts);
-Evidence independent(const Evidence&);
+/// Rows that say the same, [first, end).
+struct RowGroup {
+  Eigen::Index first, end;
+};
 
-/// First rows of groups that say the same.
-std::vector<Eigen::Index> independent_rows(const Evidence&);
+/// Rows of a record that say different things. As long as a joint rests, its reading and its true position
+/// stay what they are, and only the reference's noise changes: taken for independent readings such rows would
+/// make certainty out of one coincidence.
+/// @param most  where there are more groups, one is drawn from every so many: the record's length is no
+///   reason for a fit to take longer
+std::vector<RowGroup> independent_rows(const Evidence&, Eigen::Index most = 16384);
+
+/// The same evidence with the mean of each group in place of its rows.
+Evidence independent(const Evidence&, const std::vector<RowGroup>&);
 
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values
