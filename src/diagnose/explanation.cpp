@@ -23,8 +23,8 @@ Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   beta_ = Eigen::VectorXd::Zero(base_.cols());
   spread_ = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
   const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
-  relative_ =
-      e.chance.size() > 0 ? Eigen::ArrayXd((1 + (e.chance / own).square()).sqrt()) : Eigen::ArrayXd::Ones(1);
+  relative_.setOnes(e.rows());
+  if (e.chance.size() > 0) relative_ = (1 + (e.chance / own).square()).sqrt();
   fit();
 }
 
