@@ -3,6 +3,7 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
+#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
 #include "record_advice.hpp"
@@ -141,7 +142,10 @@ PlannedEffect Sight::seen_by(const Face& f) const {
   p.counts_per_size = periodic(t) ? 1 / record_.evidence.step() : peak_[f.first];
   const double need = needed_noncentrality(threshold(t), static_cast<double>(t.size()), options_.power);
   const double information = information_.position * least_eigenvalue(beyond(f, terms_.size()));
-  if (information > 0) p.seen = std::max(std::sqrt(need / information), floor_of(f));
+  // What is estimated of a size scatters, and must be loud enough all the same.
+  const double surely = boost::math::quantile(boost::math::normal(), options_.power);
+  if (information > 0)
+    p.seen = std::max(std::sqrt(need / information), floor_of(f) + surely / std::sqrt(information));
   // Counts are lost whole.
   if (scanned(t)) p.seen = std::max(1.0, std::ceil(p.seen - 1e-9));
   p.named = p.seen;
