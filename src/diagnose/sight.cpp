@@ -122,15 +122,16 @@ double Sight::threshold(const Term& t) const {
                    2 * worth_a_term + size * std::log(readings_)});
 }
 
-/// Size at which what it adds is loud enough for a name: its rms about its mean, of an offset the mean.
-double Sight::floor_of(const Face& f) const {
+/// Size at which what it adds is loud enough: its rms, and for a name of its own its rms about its mean,
+/// which may be an offset's.
+double Sight::floor_of(const Face& f, bool own_name) const {
   const Term& t = terms_[f.term];
   const double least = (scanned(t) ? 2 : 1) * options_.least_amplitude;
-  const Eigen::MatrixXd own = normal_.block(f.first, f.first, f.size, f.size);
-  if (t.effect.type == "offset") return least / std::sqrt(own(0, 0) / readings_);
+  const Eigen::MatrixXd square = normal_.block(f.first, f.first, f.size, f.size) / readings_;
   const Eigen::VectorXd mean = normal_.block(f.first, 0, f.size, 1) / readings_;
-  const double variance = least_eigenvalue(own / readings_ - mean * mean.transpose());
-  return variance > 1e-9 * own.trace() / readings_ ? least / std::sqrt(variance) : infinite;
+  const bool centred = (own_name && t.effect.type != "offset") || !record_.evidence.encoder.zero_known;
+  const double variance = least_eigenvalue(centred ? square - mean * mean.transpose() : square);
+  return variance > 1e-9 * square.trace() ? least / std::sqrt(variance) : infinite;
 }
 
 PlannedEffect Sight::seen_by(const Face& f) const {
@@ -144,12 +145,12 @@ PlannedEffect Sight::seen_by(const Face& f) const {
   const double information = information_.position * least_eigenvalue(beyond(f, terms_.size()));
   // What is estimated of a size scatters, and must be loud enough all the same.
   const double surely = boost::math::quantile(boost::math::normal(), options_.power);
-  if (information > 0)
-    p.seen = std::max(std::sqrt(need / information), floor_of(f) + surely / std::sqrt(information));
+  if (information <= 0) return p;
+  const double from = std::sqrt(need / information), scatter = surely / std::sqrt(information);
+  p.seen = std::max(from, floor_of(f, false) + scatter);
+  p.named = std::max(p.seen, floor_of(f, true) + scatter);
   // Counts are lost whole.
   if (scanned(t)) p.seen = std::max(1.0, std::ceil(p.seen - 1e-9));
-  p.named = p.seen;
-  if (p.seen == infinite) return p;
   for (std::size_t other = 0; other < terms_.size(); ++other) {
     if (other == f.term || same_cause(t, terms_[other])) continue;
     Rival r = rival_of(f, other);
@@ -157,7 +158,7 @@ PlannedEffect Sight::seen_by(const Face& f) const {
     p.named = std::max(p.named, r.size);
     p.rivals.push_back(std::move(r));
   }
-  if (scanned(t)) p.named = std::ceil(p.named - 1e-9);
+  if (scanned(t)) p.named = std::max(p.seen, std::ceil(p.named - 1e-9));
   return p;
 }
 

@@ -35,7 +35,7 @@ class Sight {
   Rival rival_of(const Face&, std::size_t other) const;
   Eigen::MatrixXd beyond(const Face&, std::size_t other) const;
   double threshold(const Term&) const;
-  double floor_of(const Face&) const;
+  double floor_of(const Face&, bool own_name) const;
 
   const PlannedRecord& record_;
   PlanOptions options_;

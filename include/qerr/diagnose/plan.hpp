@@ -17,7 +17,7 @@ struct Rival {
   double correlation = 0;  ///< of what both add, at the phase where they are most alike
   double size = std::numeric_limits<double>::infinity();  ///< from which on they are told apart [SI];
                                                           ///< infinite: never in this motion
-  std::string record;  ///< what tells them apart
+  std::string record;                                     ///< what tells them apart
 
   bool twin() const { return size == std::numeric_limits<double>::infinity(); }
 };
@@ -27,7 +27,8 @@ struct Rival {
 struct PlannedEffect {
   Effect effect;                                           ///< with its fixed numbers and choices
   std::string parameter;                                   ///< whose size is meant
-  double seen = std::numeric_limits<double>::infinity();   ///< smallest that passes the test; infinite: none
+  double seen = std::numeric_limits<double>::infinity();   ///< smallest that shows, if under another name;
+                                                           ///< infinite: none
   double named = std::numeric_limits<double>::infinity();  ///< and that nothing else could stand for
   double counts_per_size = 0;  ///< largest that a size of 1 adds to a reading in this motion [counts]
   std::vector<Rival> rivals;
@@ -83,9 +84,9 @@ struct Plan {
 /// s the reference's noise [counts]: at s = 0.05 three times that of a uniform error of variance 1/12. With
 /// the columns X that the effects add per unit, a size a along u is seen when a^2 I u^T X^T X u reaches the
 /// noncentrality that passes the test of `diagnose` with the power asked for, and its rms is worth a name. It
-/// is named when what another effect cannot make of it (X beyond that one's columns) does as much for the
-/// test of an alternative. An effect of which another makes more than 96 % of the variance is its twin:
-/// `diagnose` takes no sides between them, whatever their size.
+/// is named when its rms about its mean is that too, and what another effect cannot make of it (X beyond that
+/// one's columns) does as much for the test of an alternative. An effect of which another makes more than 96
+/// % of the variance is its twin: `diagnose` takes no sides between them, whatever their size.
 ///
 /// Each other effect is tried alone, as `diagnose` does, not in combinations.
 ///
