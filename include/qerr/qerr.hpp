@@ -68,6 +68,7 @@
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/plan.hpp"
 #include "qerr/diagnose/sanity.hpp"
 
 #include "qerr/design/requirement.hpp"
@@ -86,6 +87,7 @@
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/noise_report.hpp"
+#include "qerr/report/plan_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
