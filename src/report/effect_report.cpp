@@ -13,10 +13,6 @@ namespace qerr {
 
 namespace {
 
-const IndependentJoint& joint_of(const Spec& spec, std::size_t joint) {
-  return spec.model.chain.independent[joint];
-}
-
 std::vector<Limits> sampled_ranges(const Spec& spec) {
   std::vector<Limits> ranges = spec.configurations.ranges;
   const auto& points = spec.configurations.points;
@@ -131,18 +127,17 @@ void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
 
 std::string effect_unit(const Spec& spec, const EffectShare& s) {
   const bool displaced = effect_kind(s.effect.type).stage == Stage::kinematics;
-  return displaced || joint_of(spec, s.joint).prismatic() ? "m" : "rad";
+  return displaced || spec.model.chain.independent[s.joint].prismatic() ? "m" : "rad";
 }
 
 std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& effect) {
-  const auto& joints = spec.model.chain.independent;
-  const auto joint = std::find_if(joints.begin(), joints.end(),
-                                  [&](const IndependentJoint& j) { return j.name == effect.joint; });
+  const Chain& chain = spec.model.chain;
+  const bool prismatic = chain.independent[independent_index(chain, effect.joint)].prismatic();
   std::vector<EffectParameter> list;
   for (const Parameter& row : effect_kind(effect.type).parameters) {
     const auto number = effect.numbers.find(std::string(row.name));
     if (number == effect.numbers.end()) continue;
-    list.push_back({number->first, number->second, unit_name(dimension_at(row, joint->prismatic())),
+    list.push_back({number->first, number->second, unit_name(dimension_at(row, prismatic)),
                     row.fallback && *row.fallback == number->second});
   }
   return list;
