@@ -90,21 +90,10 @@ RobotUsage usage_of(const Spec& spec) {
 EffectReport effect_report(const Spec& spec) {
   if (spec.effects.empty()) return {};
   const RobotUsage usage = usage_of(spec);
-  std::vector<Filter> filters;
-  std::vector<Norms> norms;
-  for (const NamedFilter& f : spec.filters) {
-    filters.push_back(f.filter);
-    norms.push_back(f.norms);
-  }
   EffectReport report{effect_shares(spec.model, spec.effects, usage), {}};
-  report.sources = error_sources(spec.model, report.shares, usage, filters, norms);
+  report.sources =
+      error_sources(spec.model, report.shares, usage, designed_filters(spec), filter_norms(spec));
   return report;
-}
-
-OperationalModel model_with_effects(const Spec& spec) {
-  OperationalModel model = spec.model;
-  if (model.sources.empty()) model.sources = effect_report(spec).sources;
-  return model;
 }
 
 std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {

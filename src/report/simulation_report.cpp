@@ -232,17 +232,12 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
                       "compliance winds up under a load that the URDF does not tell",
                       "no <inertial> between base and tip",
                       "give the links their masses"});
-  std::vector<Filter> filters;
-  std::vector<Norms> norms;
-  for (const NamedFilter& f : spec.filters) {
-    filters.push_back(f.filter);
-    norms.push_back(f.norms);
-  }
   const EffectReport effects = effect_report(spec);
   OperationalModel model = spec.model;
   model.sources = effects.sources;
-  SimulationReport report{spec, simulate(model, filters, norms, *spec.motion, spec.effects, options),
-                          options.seed, spec.warnings};
+  SimulationReport report{
+      spec, simulate(model, designed_filters(spec), filter_norms(spec), *spec.motion, spec.effects, options),
+      options.seed, spec.warnings};
   for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
   return report;
 }
