@@ -184,11 +184,11 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
   settling = std::min(settling, 0.5 * static_cast<double>(samples));
   if (motion.settling) settling = *motion.settling * motion.sample_rate;
+  const OperationalError middle = operational_error(model, center(motion));
   Job job{model, filters, motion, effects, options, std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           // Runs differ in their phases, parts of one run do not.
-          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
-          operational_error(model, center(motion)).mean};
+          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
   const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
@@ -213,7 +213,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     }
   }
 
-  const auto theory = theory_along_path(model, filters, norms, motion, job.settling, path);
+  const auto theory =
+      theory_along_path(middle, model.transmission, filters, norms, motion, job.settling, path);
   Simulation result{options.runs, job.samples, job.settling, {}};
   for (std::size_t f = 0; f < all.size(); ++f) {
     auto& row = result.results.emplace_back();

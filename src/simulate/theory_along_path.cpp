@@ -40,12 +40,9 @@ Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
   return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
 }
 
-std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel& model,
-                                                         const std::vector<Filter>& filters,
-                                                         const std::vector<Norms>& norms,
-                                                         const Motion& motion, std::uint64_t settling,
-                                                         const AlongPath& path) {
-  const OperationalError middle = operational_error(model, center(motion));
+std::vector<std::vector<SignalTheory>> theory_along_path(
+    const OperationalError& middle, const Transmission& transmission, const std::vector<Filter>& filters,
+    const std::vector<Norms>& norms, const Motion& motion, std::uint64_t settling, const AlongPath& path) {
   const Eigen::MatrixXd squares = path.mean_squares();
   const double start = static_cast<double>(settling) / motion.sample_rate;
   std::vector<std::vector<SignalTheory>> all;
@@ -55,7 +52,7 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&
     if (f > 0) n = norms[f - 1];
     const Eigen::MatrixXd noise = f == 0 ? Eigen::MatrixXd(squares / 12)
                                          : path.mean_squares(noise_power_along_motion(
-                                               model.transmission, motion, autocorrelation(filters[f - 1]),
+                                               transmission, motion, autocorrelation(filters[f - 1]),
                                                filters[f - 1].sample_rate, start, AlongPath::stretches));
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
