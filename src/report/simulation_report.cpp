@@ -1,5 +1,6 @@
 #include "qerr/report/simulation_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -93,6 +94,24 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
   return all;
 }
 
+namespace {
+
+/// Figures that the report lacks, and why.
+std::vector<std::string> warnings_of(const SimulationReport& r) {
+  std::vector<std::string> warnings;
+  for (std::size_t f = 0; f < r.spec.filters.size(); ++f) {
+    const auto& row = r.simulation.results[f + 1];
+    if (std::any_of(row.begin(), row.end(),
+                    [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); }))
+      warnings.push_back("filter '" + r.spec.filters[f].name +
+                         "' remembers too many samples for sigma at the speeds of the motion: only IPQN is "
+                         "given");
+  }
+  return warnings;
+}
+
+}  // namespace
+
 SimulationReport simulation_report(const Spec& spec, const SimulationOptions& options) {
   if (!spec.motion)
     throw Error(Fault{{spec.file, 1, 1},
@@ -113,6 +132,7 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
       spec, simulate(model, designed_filters(spec), filter_norms(spec), *spec.motion, spec.effects, options),
       options.seed, spec.warnings};
   for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
+  for (std::string& text : warnings_of(report)) report.warnings.push_back(std::move(text));
   return report;
 }
 

@@ -25,8 +25,10 @@ struct SimulatedSignal {
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
   double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
-  double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
-  double worst_case = 0;       ///< bound (26) at the centre
+  /// With the encoders' speeds along the path (noise_along_motion.hpp); NaN behind a filter that remembers
+  /// more than `longest_autocorrelation` samples.
+  double sigma_exact = 0;
+  double worst_case = 0;  ///< bound (26) at the centre
   double worst_case_path =
       0;  ///< largest along the path, with the second-order remainder: never exceeded but by Gaussians
   Ladder ladder;
