@@ -6,7 +6,6 @@
 #include <numbers>
 
 #include "design_filter.hpp"
-#include "qerr/filter/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
@@ -195,21 +194,6 @@ TEST(Simulate, TakesEveryNthSampleForASlowerFilter) {
   EXPECT_NEAR(fast_motion.sigma_simulated / own_rate.sigma_simulated, 1, 1e-9);
   e.motion.sample_rate = 1500;
   EXPECT_THROW(run(e, {}), Error);
-}
-
-TEST(Simulate, GivesAllButTheExactSigmaBehindAFilterThatRemembersTooMuch) {
-  Experiment e = two_slides(0.3);
-  e.filters = {cascade(1, 1), cascade(1, 1, 1e-4)};  // the second remembers hours
-  for (const Filter& f : e.filters) e.norms.push_back(norms(f));
-  e.motion.duration = 1;
-  ASSERT_FALSE(followed(e.filters[1]));
-  const Simulation s = run(e, {});
-  const SimulatedSignal &followed_one = s.results[1][0], &slow = s.results[2][0];
-  EXPECT_TRUE(std::isfinite(followed_one.sigma_exact));
-  EXPECT_TRUE(std::isnan(slow.sigma_exact));
-  EXPECT_DOUBLE_EQ(slow.sigma_ipqn, e.norms[1].h2 * 1e-3 * std::sqrt(2 / 12.0));
-  EXPECT_GT(slow.sigma_simulated, 0);
-  EXPECT_TRUE(std::isfinite(slow.worst_case_path));
 }
 
 TEST(Simulate, ReportsTheSamplesOfItsFirstRunInOrder) {

@@ -107,6 +107,14 @@ std::vector<std::string> warnings_of(const SimulationReport& r) {
                          "' remembers too many samples for sigma at the speeds of the motion: only IPQN is "
                          "given");
   }
+  const auto& positions = r.simulation.results[0];
+  if (std::any_of(positions.begin(), positions.end(), [](const SimulatedSignal& s) {
+        return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);
+      }))
+    warnings.push_back(
+        "roll and yaw: the motion meets the gimbal lock (pitch = +-90 deg), where there is no theory of "
+        "them; "
+        "use rx ry rz");
   return warnings;
 }
 

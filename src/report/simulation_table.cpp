@@ -24,7 +24,18 @@ std::string percent(double part) {
 }
 
 /// What is left of a constant error is rounding of the computer, not of the encoder.
-bool is_nothing(const SimulatedSignal& s) { return s.sigma_simulated <= 1e-6 * s.sigma_ipqn_path; }
+bool is_nothing(const SimulatedSignal& s) {
+  return std::isfinite(s.sigma_ipqn_path) && s.sigma_simulated <= 1e-6 * s.sigma_ipqn_path;
+}
+
+/// Roll or yaw of a motion that meets the gimbal lock.
+bool is_unbounded(const SimulatedSignal& s) {
+  return !std::isfinite(s.sigma_ipqn) || !std::isfinite(s.ladder.joint_error);
+}
+
+std::string factor(double value, int digits) {
+  return std::isfinite(value) ? shortest_of(value, digits) : "";
+}
 
 std::string label_of(const NamedSignal& s) { return escaped(s.filter, 40) + ' ' + s.coordinate; }
 
@@ -66,8 +77,8 @@ std::string ladder_table(const SimulationReport& r) {
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     rows.push_back({label_of(named), ratio(s.sigma_simulated, s.sigma_ipqn), "=",
-                    shortest_of(s.ladder.varying_jacobian, 4), shortest_of(s.ladder.joint_error, 4),
-                    shortest_of(s.ladder.correlated_joints, 4), shortest_of(s.ladder.nonlinear, 5)});
+                    factor(s.ladder.varying_jacobian, 4), factor(s.ladder.joint_error, 4),
+                    factor(s.ladder.correlated_joints, 4), factor(s.ladder.nonlinear, 5)});
   }
   return aligned(rows);
 }
@@ -83,9 +94,13 @@ std::string causes(const SimulationReport& r) {
       "joints err together",
       ideal ? "the kinematics are not linear" : "the kinematics are not linear, or not as built"};
   std::array<std::vector<std::string>, 4> found;
-  std::vector<std::string> constant;
+  std::vector<std::string> constant, unbounded;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
+    if (is_unbounded(s)) {
+      unbounded.push_back(label_of(named));
+      continue;
+    }
     const double off = s.sigma_ipqn > 0 ? s.sigma_simulated / s.sigma_ipqn - 1 : 0;
     if (!(std::abs(off) > noteworthy)) continue;
     if (is_nothing(s)) {
@@ -110,6 +125,7 @@ std::string causes(const SimulationReport& r) {
     text += '\n';
   };
   for (std::size_t i = 0; i < found.size(); ++i) line(names[i], found[i]);
+  line("IPQN has no bound at the gimbal lock, which the motion meets", unbounded);
   line("the error is constant: the robot rests, or passes whole counts a sample", constant);
   return text.empty() ? "\nIPQN at the centre of the motion is within 5 % everywhere.\n"
                       : "\nIPQN at the centre of the motion is off by more than 5 %, mostly because\n" + text;

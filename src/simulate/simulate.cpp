@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -146,7 +147,11 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
   return result;
 }
 
-double ratio(double over, double under) { return under > 0 ? over / under : 1; }
+/// NaN where one of them has no bound or is not known.
+double ratio(double over, double under) {
+  if (!std::isfinite(over) || !std::isfinite(under)) return std::numeric_limits<double>::quiet_NaN();
+  return under > 0 ? over / under : 1;
+}
 
 SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Eigen::Index coordinate,
                           const Channels& channels) {

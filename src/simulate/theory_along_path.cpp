@@ -73,8 +73,10 @@ std::vector<std::vector<SignalTheory>> theory_along_path(
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
-      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0),
-                     n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(exact.row(c).sum()), b.worst_case,
+      // Without bound where the path meets the gimbal lock, though a resting encoder's power is 0 there.
+      const double ipqn_path = n.h2 * std::sqrt(squares.row(c).sum() / 12);
+      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0), ipqn_path,
+                     std::isfinite(ipqn_path) ? std::sqrt(exact.row(c).sum()) : ipqn_path, b.worst_case,
                      f == 0 ? path.rigorous()[c]
                             : n.l1.upper * path.deviation()[c] + std::abs(n.dc_gain * middle.mean[c])});
     }

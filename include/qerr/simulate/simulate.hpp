@@ -9,7 +9,8 @@
 namespace qerr {
 
 /// The gap between IPQN at the centre of the motion and the simulation, in factors:
-/// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated.
+/// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated. NaN for
+/// roll and yaw of a motion that meets the gimbal lock, where their Jacobian has no bound.
 struct Ladder {
   double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
   double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
@@ -17,7 +18,8 @@ struct Ladder {
   double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
 };
 
-/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
+/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative]. Theory is
+/// infinite for roll and yaw at the gimbal lock.
 struct SimulatedSignal {
   double sigma_simulated = 0;               ///< about the mean, over samples and runs
   double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it: between runs, or within a single one
