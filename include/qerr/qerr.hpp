@@ -46,7 +46,6 @@
 
 #include "qerr/effect/effect.hpp"
 
-#include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/error_source.hpp"
