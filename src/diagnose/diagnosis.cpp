@@ -15,6 +15,7 @@
 #include "qerr/core/parallel.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
+#include "qerr/kinematics/jacobian.hpp"
 #include "record_advice.hpp"
 #include "scatter.hpp"
 #include "select.hpp"
@@ -51,23 +52,37 @@ std::optional<double> frequency_of(const Effect& e) {
   return e.numbers.count("frequency") ? std::optional(e.number("frequency")) : std::nullopt;
 }
 
+/// Whether a joint's own weight can turn it: where its axis is not upright.
+bool feels_gravity(const OperationalModel& model, const Log& log, std::size_t joint) {
+  const std::size_t n = model.chain.independent.size();
+  Eigen::VectorXd q(static_cast<Eigen::Index>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto column = log.find(LogSignal::reference, i);
+    if (!column) return true;
+    q[static_cast<Eigen::Index>(i)] = log.values(0, *column);
+  }
+  const Eigen::Vector3d axis = jacobian(model.chain, q).bottomRows<3>().col(static_cast<Eigen::Index>(joint));
+  return axis.head<2>().norm() > 0.1 * axis.norm();
+}
+
 /// What is the same by its nature, whatever was recorded.
-std::vector<std::string> twins(const Effect& effect, const Evidence& e) {
+std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
   const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
   if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
+  if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
+  std::vector<std::string> same;
   const auto shaft = effect.choices.find("shaft");
-  const bool of_joint = shaft == effect.choices.end() || shaft->second == "joint" ||
-                        std::abs(std::abs(e.encoder.shaft_ratio) - 1) < 1e-9;
+  const bool of_joint = shaft != effect.choices.end() && shaft->second == "joint";
+  const double order = effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
   // Steppers, the usual references, err at 50 and 100 periods a turn.
-  if (effect.type == "transmission_error" && of_joint && std::fmod(effect.number("order"), 50) == 0)
-    return {"reference_error"};
+  if (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1) same.push_back("reference_error");
+  // A weight that nobody has measured goes with the cosine of the angle.
+  if (std::abs(order - 1) < 1e-6 && e.effort.size() == 0 && loaded) same.push_back("compliance");
   // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
   const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
-  const bool one_period =
-      e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
-  if (one_period && (effect.type == "eccentricity" || effect.type == "transmission_error"))
-    return {"subdivision_error"};
-  return {};
+  if (e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6)
+    same.push_back("subdivision_error");
+  return same;
 }
 
 /// What a joint's residual was before its readings were repaired; empty where they were not.
@@ -90,9 +105,19 @@ void undo_repair(HeldOut& held, double rms_before) {
   for (HeldOut::Block& b : held.blocks) b.before *= factor;
 }
 
+/// The model that a spec can say: what has no name is not part of it.
+Explanation names_of(Explanation m) {
+  const std::size_t all = m.terms().size();
+  for (std::size_t i = all; i-- > 0;)
+    if (!m.terms()[i].named()) m.remove(i);
+  if (m.terms().size() < all) m.fit();
+  return m;
+}
+
 /// What the rows of one encoder say.
 struct Finding {
-  Evidence evidence;  ///< its independent rows
+  Evidence evidence;        ///< its independent rows
+  std::size_t encoder = 0;  ///< its number
   std::optional<Selection> selection;
   Scatter scatter;
   HeldOut held;
@@ -106,9 +131,11 @@ std::vector<std::unique_ptr<Finding>> findings_of(const std::vector<Evidence>& a
     const std::vector<RowGroup> groups = independent_rows(all[i]);
     auto f = std::make_unique<Finding>();
     f->evidence = independent(all[i], groups);
+    for (std::size_t j = 0; j < sane.model.chain.independent.size(); ++j)
+      if (sane.model.chain.independent[j].name == all[i].joint) f->encoder = j;
     f->selection.emplace(select(f->evidence));
     f->scatter = scatter_of(f->evidence, f->selection->model);
-    f->held = hold_out(all[i], f->evidence, groups, f->selection->model);
+    f->held = hold_out(all[i], f->evidence, groups, names_of(f->selection->model));
     if (const auto before = before_repair(sane, all[i].joint)) undo_repair(f->held, *before);
     findings[i] = std::move(f);
   });
@@ -118,7 +145,8 @@ std::vector<std::unique_ptr<Finding>> findings_of(const std::vector<Evidence>& a
 /// One encoder's causes, alternatives and remainders.
 class Account {
  public:
-  Account(Diagnosis& d, const Evidence& e, const Gain& gain) : d_(d), e_(e), gain_(gain) {}
+  Account(Diagnosis& d, const Evidence& e, const Gain& gain, bool loaded)
+      : d_(d), e_(e), gain_(gain), loaded_(loaded) {}
 
   void of_terms(const Selection& s, const Scatter& scatter) {
     const auto parameters = found_parameters(e_, s.model);
@@ -133,7 +161,7 @@ class Account {
       }
       // Unequal states have a mean of their own.
       if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
-      std::vector<std::string> others = twins(effect, e_);
+      std::vector<std::string> others = twins(effect, e_, loaded_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
       Cause cause{effect, parameters[i], s.p_values[i], gain_};
@@ -157,9 +185,8 @@ class Account {
       std::vector<std::string> others;
       if (scatter.alternative) others.push_back(scatter.alternative->type);
       add(std::move(cause), others);
-    } else if (scatter.structured && scatter.size > 0.1 * e_.step()) {
-      d_.unexplained.push_back(
-          {e_.joint, "structure without a period or a known shape", {}, {}, scatter.size});
+    } else if (!scatter.structure.empty() && scatter.size > 0.1 * e_.step()) {
+      d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size});
     }
   }
 
@@ -176,6 +203,7 @@ class Account {
   Diagnosis& d_;
   const Evidence& e_;
   const Gain& gain_;
+  bool loaded_;  ///< the joint feels its weight
 };
 
 /// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
@@ -220,7 +248,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
       if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
-    Account account(d, f.evidence, of_joint);
+    Account account(d, f.evidence, of_joint, feels_gravity(sane.model, sane.log, f.encoder));
     account.of_terms(*f.selection, f.scatter);
     account.of_scatter(f.scatter);
   }

@@ -78,7 +78,7 @@ std::vector<PlannedRecord> planned_records(const OperationalModel& model, const 
     if (c.effort.size() > 0) e.effort = c.effort.row(row).transpose().array();
     e = with_effects(std::move(e), present);
     e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
-    e = independent(e);
+    e = independent(e, independent_rows(e));
     const Eigen::ArrayXd weight = weights(e, c.every);
     records.push_back({std::move(e), weight});
   }

@@ -12,6 +12,7 @@ namespace {
 
 constexpr double worth_no_name = 10;  ///< what has no name must be clearly better
 constexpr double shadow = 0.1;        ///< of what is explained: a name that brings less beside a remainder
+constexpr double cancelling = 1.6;    ///< times the residual: two terms that undo each other
 constexpr Eigen::Index rows_a_knot = 25;
 
 /// Tables from coarse to fine, as fine as the rows allow.
@@ -58,15 +59,48 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
   return best;
 }
 
-bool is_shadow(const Term& t) { return t.named() && t.effect.type != "offset"; }
+/// A loss of counts is of whole counts.
+bool is_whole(const Explanation& m, std::size_t term) {
+  const double counts = m.coefficients(term)[0];
+  return std::round(counts) != 0 && std::abs(counts - std::round(counts)) < 0.15;
+}
+
+/// Names whose sizes say that they are none: steps of broken counts, and pairs that take off what the other
+/// adds. The worst goes first, and the others are fitted anew.
+void drop_impossible(Explanation& m, const Evidence& e) {
+  const Eigen::ArrayXd residual = e.measured - e.reference;
+  const double most = cancelling * std::sqrt((residual - residual.mean()).square().mean());
+  for (bool found = true; found;) {
+    std::size_t worst = 0;
+    double size = 0;
+    found = false;
+    for (std::size_t i = 0; i < m.terms().size(); ++i) {
+      const Term& t = m.terms()[i];
+      const bool step = t.effect.type == "missed_counts";
+      if (step ? is_whole(m, i) : t.effect.type == "offset" || size_of(m, i) < most) continue;
+      if (size_of(m, i) < size) continue;
+      size = size_of(m, i), worst = i, found = true;
+    }
+    if (found) m = without_term(m, worst);
+  }
+}
+
+/// What the terms with a name leave by themselves.
+double left_by_names(Explanation m, const Evidence& e) {
+  for (std::size_t i = m.terms().size(); i-- > 0;)
+    if (!m.terms()[i].named()) m.remove(i);
+  m.fit();
+  return left_by(m, e);
+}
 
 /// Names that bring little beside a remainder that brings much were only its likeness.
-void drop_shadows(Explanation& m, const Evidence& e, double left_by_names) {
-  const double left = left_by(m, e), without_any = (e.measured - e.reference).square().mean();
-  const double explained = without_any - left;
-  if (left_by_names - left < shadow * explained) return;
-  for (std::size_t i = m.terms().size() - 1; i-- > 0;) {
-    if (!is_shadow(m.terms()[i])) continue;
+void drop_shadows(Explanation& m, const Evidence& e) {
+  if (std::all_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return t.named(); })) return;
+  const double left = left_by(m, e), explained = (e.measured - e.reference).square().mean() - left;
+  if (left_by_names(m, e) - left < shadow * explained) return;
+  for (std::size_t i = m.terms().size(); i-- > 0;) {
+    const Term& t = m.terms()[i];
+    if (!t.named() || t.effect.type == "offset") continue;
     Explanation without = without_term(m, i);
     if (left_by(without, e) - left_by(m, e) < shadow * explained) m = std::move(without);
   }
@@ -75,11 +109,10 @@ void drop_shadows(Explanation& m, const Evidence& e, double left_by_names) {
 }  // namespace
 
 void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
-  const double left_by_names = left_by(m, e);
-  std::optional<Explanation> next = with_remainder(m, e, options);
-  if (!next) return;
-  m = std::move(*next);
-  drop_shadows(m, e, left_by_names);
+  drop_impossible(m, e);
+  if (auto next = with_remainder(m, e, options)) m = std::move(*next);
+  drop_shadows(m, e);
+  drop_impossible(m, e);
 }
 
 }  // namespace qerr

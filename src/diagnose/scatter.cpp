@@ -6,12 +6,15 @@
 #include <numbers>
 #include <numeric>
 
+#include "model_choice.hpp"
+
 namespace qerr {
 
 namespace {
 
 constexpr double outlier_part = 0.01;
 constexpr double worth_naming = 0.12;  ///< [counts]
+constexpr double many_outliers = 0.06;
 constexpr double significant = 1e-3;
 constexpr double correlated = 0.2;  ///< of neighbouring scores
 
@@ -100,12 +103,19 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
   const double beyond = m.noise() * m.noise() - own * own;
   s.size = std::sqrt(std::max(0.0, beyond));
-  s.structured = lag_one(m.likelihood().score) > correlated;
+  if (m.outliers() > many_outliers) {
+    s.size = std::sqrt(left_by(m, e));
+    s.structure = "part of the readings is far off";
+    return s;
+  }
   if (m.noise() < 1.3 * own || s.size < worth_naming * e.step()) return s;
+  if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
   // What the reference and the spec's own random effects leave to chance already.
   const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
   // The reference's noise is an estimate: a third more of it would be no find.
-  const double none = value(m.intervals(), m.addition(), (1.69 * known).sqrt(), range);
+  const IntervalLikelihood without =
+      interval_likelihood(m.intervals(), m.addition(), (1.69 * known).sqrt(), outlier_part, range);
+  const double none = without.log_likelihood;
   std::vector<Candidate> found;
   const auto with_noise = [&](double x) {
     return value(m.intervals(), m.addition(), (known + x * x).sqrt(), range);
@@ -143,18 +153,22 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   std::sort(found.begin(), found.end(),
             [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
   const double ratio = 2 * (found[0].value - none);
-  if (ratio <= 0) return s;
+  if (ratio <= 0) {
+    if (without.outliers > many_outliers * static_cast<double>(e.rows()))
+      s.structure = "part of the readings is far off";
+    return s;
+  }
   s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
   if (s.p_value * static_cast<double>(found.size()) > significant) return s;
   // What is correlated is neither noise nor jitter; unequal states are locked to the count.
-  if (s.structured && found[0].effect.type != "state_width") return s;
-  s.structured = false;
+  if (!s.structure.empty() && found[0].effect.type != "state_width") return s;
+  s.structure.clear();
   if (found[0].added.size() > 0 && s.size > 0.4 * e.step()) {
     const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
     const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + found[0].added;
     if (comes_and_goes(squares, variance, e.path) ||
         (e.ordered && comes_and_goes(squares, variance, e.time))) {
-      s.structured = true;
+      s.structure = "scatter that comes and goes";
       return s;
     }
   }

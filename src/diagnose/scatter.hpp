@@ -14,9 +14,9 @@ struct Scatter {
   double p_value = 1;
   double relative_error = 0;          ///< half the 95 % interval of its parameter, as a part of it
   std::optional<Effect> alternative;  ///< fits as well
-  /// The scatter is correlated from reading to reading, or comes and goes: there is structure that nothing
-  /// explains.
-  bool structured = false;
+  /// The scatter is correlated from reading to reading, comes and goes, or is in some readings only: what it
+  /// is that nothing explains; empty: no such thing.
+  std::string structure;
   double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
 };
 

@@ -126,7 +126,8 @@ class Search {
 void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     Explanation without = without_term(m, i);
-    if (bayes(without, e) > bayes(m, e) - worth_a_term || size_of(m, i) < options.least(e) || !possible(m, i))
+    if (bayes(without, e) > bayes(m, e) - worth_a_term || p_value(without, m, i) > options.alpha ||
+        size_of(m, i) < options.least(e) || !possible(m, i))
       m = std::move(without);
   }
 }
@@ -159,6 +160,7 @@ Selection select(const Evidence& e, const SelectOptions& options) {
   }
   prune(model, e, options);
   add_remainder(model, e, options);
+  prune(model, e, options);
   Selection s{std::move(model), {}, {}};
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const Explanation without = without_term(s.model, i);
