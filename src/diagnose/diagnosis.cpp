@@ -1,24 +1,12 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
-#include <memory>
-#include <numbers>
-#include <set>
 #include <utility>
 
+#include "account.hpp"
 #include "comparison.hpp"
-#include "found_parameters.hpp"
-#include "gain.hpp"
-#include "model_choice.hpp"
-#include "qerr/core/parallel.hpp"
-#include "qerr/diagnose/evidence.hpp"
-#include "qerr/diagnose/sanity.hpp"
-#include "qerr/kinematics/jacobian.hpp"
-#include "record_advice.hpp"
-#include "scatter.hpp"
-#include "select.hpp"
+#include "finding.hpp"
 #include "tip.hpp"
 #include "with_effects.hpp"
 
@@ -43,168 +31,6 @@ std::string_view name(Verdict v) {
 }
 
 namespace {
-
-std::optional<double> order_of(const Effect& e) {
-  return e.numbers.count("order") ? std::optional(e.number("order")) : std::nullopt;
-}
-
-std::optional<double> frequency_of(const Effect& e) {
-  return e.numbers.count("frequency") ? std::optional(e.number("frequency")) : std::nullopt;
-}
-
-/// Whether a joint's own weight can turn it: where its axis is not upright.
-bool feels_gravity(const OperationalModel& model, const Log& log, std::size_t joint) {
-  const std::size_t n = model.chain.independent.size();
-  Eigen::VectorXd q(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto column = log.find(LogSignal::reference, i);
-    if (!column) return true;
-    q[static_cast<Eigen::Index>(i)] = log.values(0, *column);
-  }
-  const Eigen::Vector3d axis = jacobian(model.chain, q).bottomRows<3>().col(static_cast<Eigen::Index>(joint));
-  return axis.head<2>().norm() > 0.1 * axis.norm();
-}
-
-/// What is the same by its nature, whatever was recorded.
-std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
-  const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
-  if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
-  if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
-  std::vector<std::string> same;
-  const auto shaft = effect.choices.find("shaft");
-  const bool of_joint = shaft != effect.choices.end() && shaft->second == "joint";
-  const double order = effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
-  // Steppers, the usual references, err at 50 and 100 periods a turn.
-  if (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1) same.push_back("reference_error");
-  // A weight that nobody has measured goes with the cosine of the angle.
-  if (std::abs(order - 1) < 1e-6 && e.effort.size() == 0 && loaded) same.push_back("compliance");
-  // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
-  const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
-  if (e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6)
-    same.push_back("subdivision_error");
-  return same;
-}
-
-/// What a joint's residual was before its readings were repaired; empty where they were not.
-std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
-  for (const Cause& c : sane.causes)
-    if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
-      for (std::size_t i = 0; i < sane.rms_before.size(); ++i)
-        if (sane.model.chain.independent[i].name == joint && sane.rms_before[i] > 0)
-          return sane.rms_before[i];
-  return std::nullopt;
-}
-
-/// The residual as it was recorded, where the gain has seen repaired readings: the squares of all blocks are
-/// scaled, so that they add up to it.
-void undo_repair(HeldOut& held, double rms_before) {
-  double squares = 0, rows = 0;
-  for (const HeldOut::Block& b : held.blocks) squares += b.before, rows += b.rows;
-  if (squares <= 0) return;
-  const double factor = rms_before * rms_before * rows / squares;
-  for (HeldOut::Block& b : held.blocks) b.before *= factor;
-}
-
-/// The model that a spec can say: what has no name is not part of it.
-Explanation names_of(Explanation m) {
-  const std::size_t all = m.terms().size();
-  for (std::size_t i = all; i-- > 0;)
-    if (!m.terms()[i].named()) m.remove(i);
-  if (m.terms().size() < all) m.fit();
-  return m;
-}
-
-/// What the rows of one encoder say.
-struct Finding {
-  Evidence evidence;        ///< its independent rows
-  std::size_t encoder = 0;  ///< its number
-  std::optional<Selection> selection;
-  Scatter scatter;
-  HeldOut held;
-};
-
-/// Every encoder by itself, side by side.
-std::vector<std::unique_ptr<Finding>> findings_of(const std::vector<Evidence>& all, const Sanity& sane,
-                                                  const DiagnoseOptions& options) {
-  std::vector<std::unique_ptr<Finding>> findings(all.size());
-  parallel_for(all.size(), options.threads, [&](std::size_t i) {
-    const std::vector<RowGroup> groups = independent_rows(all[i]);
-    auto f = std::make_unique<Finding>();
-    f->evidence = independent(all[i], groups);
-    for (std::size_t j = 0; j < sane.model.chain.independent.size(); ++j)
-      if (sane.model.chain.independent[j].name == all[i].joint) f->encoder = j;
-    f->selection.emplace(select(f->evidence));
-    f->scatter = scatter_of(f->evidence, f->selection->model);
-    f->held = hold_out(all[i], f->evidence, groups, names_of(f->selection->model));
-    if (const auto before = before_repair(sane, all[i].joint)) undo_repair(f->held, *before);
-    findings[i] = std::move(f);
-  });
-  return findings;
-}
-
-/// One encoder's causes, alternatives and remainders.
-class Account {
- public:
-  Account(Diagnosis& d, const Evidence& e, const Gain& gain, bool loaded)
-      : d_(d), e_(e), gain_(gain), loaded_(loaded) {}
-
-  void of_terms(const Selection& s, const Scatter& scatter) {
-    const auto parameters = found_parameters(e_, s.model);
-    for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
-      const Term& t = s.model.terms()[i];
-      Effect effect = t.effect;
-      t.fill(effect, s.model.coefficients(i));
-      if (!t.named()) {
-        d_.unexplained.push_back({e_.joint, t.unnamed, order_of(effect), frequency_of(effect),
-                                  std::sqrt(2.0) * size_of(s.model, i)});
-        continue;
-      }
-      // Unequal states have a mean of their own.
-      if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
-      std::vector<std::string> others = twins(effect, e_, loaded_);
-      for (const Alternative& other : s.alternatives)
-        if (other.term == i) others.push_back(other.effect.type);
-      Cause cause{effect, parameters[i], s.p_values[i], gain_};
-      cause.rms = std::sqrt(addition(t, s.model.coefficients(i)).square().mean());
-      add(std::move(cause), others);
-    }
-  }
-
-  void of_scatter(const Scatter& scatter) {
-    // Beside something that has no name, what scatters is its remainder.
-    double unnamed = 0;
-    for (const Unnamed& u : d_.unexplained)
-      if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
-    if (scatter.size < unnamed) return;
-    if (scatter.effect) {
-      Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
-      for (const auto& [name, value] : scatter.effect->numbers) {
-        const double half = scatter.relative_error * std::abs(value);
-        cause.parameters.push_back({name, value, value - half, value + half});
-      }
-      std::vector<std::string> others;
-      if (scatter.alternative) others.push_back(scatter.alternative->type);
-      add(std::move(cause), others);
-    } else if (!scatter.structure.empty() && scatter.size > 0.1 * e_.step()) {
-      d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size});
-    }
-  }
-
- private:
-  void add(Cause cause, const std::vector<std::string>& others) {
-    std::set<std::string> told{cause.effect.type};
-    for (const std::string& other : others)
-      if (told.insert(other).second)
-        d_.alternatives.push_back(
-            {cause.effect.type, other, e_.joint, record_advice(cause.effect.type, other)});
-    d_.causes.push_back(std::move(cause));
-  }
-
-  Diagnosis& d_;
-  const Evidence& e_;
-  const Gain& gain_;
-  bool loaded_;  ///< the joint feels its weight
-};
 
 /// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
 void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
@@ -238,6 +64,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
   std::vector<Evidence> all = evidence(sane.model, sane.log);
+  feel(all, sane.model.transmission, present);
   for (Evidence& e : all) e = with_effects(std::move(e), present);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
@@ -248,9 +75,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
       if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
-    Account account(d, f.evidence, of_joint, feels_gravity(sane.model, sane.log, f.encoder));
-    account.of_terms(*f.selection, f.scatter);
-    account.of_scatter(f.scatter);
+    add(d, f, of_joint, feels_gravity(sane.model, sane.log, f.evidence.number));
   }
   d.prismatic =
       !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });

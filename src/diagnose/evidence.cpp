@@ -96,6 +96,7 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
         model.transmission.coupling.row(static_cast<Eigen::Index>(i)).cwiseAbs().sum() == 1;
     if (e.reference.size() == 0 || (!counts && !(measured && uncoupled))) continue;
     e.joint = joints[i].name;
+    e.number = static_cast<Eigen::Index>(i);
     e.prismatic = joints[i].prismatic();
     e.encoder = model.transmission.encoders[i];
     e.ordered = stamps.has_value();

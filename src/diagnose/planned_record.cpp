@@ -68,6 +68,7 @@ std::vector<PlannedRecord> planned_records(const OperationalModel& model, const 
     const auto row = static_cast<Eigen::Index>(i);
     Evidence e;
     e.joint = model.chain.independent[i].name;
+    e.number = row;
     e.prismatic = model.chain.independent[i].prismatic();
     e.encoder = model.transmission.encoders[i];
     e.time = c.time;

@@ -12,7 +12,8 @@ namespace qerr {
 /// What a log tells of one encoder, in the encoder's coordinate (at the joint's side of its gear): the
 /// position by the better sensor beside what was measured.
 struct Evidence {
-  std::string joint;  ///< whose encoder it is
+  std::string joint;        ///< whose encoder it is
+  Eigen::Index number = 0;  ///< of the encoder
   bool prismatic = false;
   Encoder encoder;
   bool ordered = true;       ///< the rows follow each other in time
@@ -35,6 +36,7 @@ struct Evidence {
   /// Of the joint: what clock, link and gear act on.
   const Eigen::ArrayXd& joint_angle() const { return joint_path.size() > 0 ? joint_path : path; }
   const Eigen::ArrayXd& joint_rate() const { return joint_velocity.size() > 0 ? joint_velocity : velocity; }
+  bool coupled() const { return joint_path.size() > 0; }
   double step() const { return encoder.resolution; }
 };
 
