@@ -31,6 +31,12 @@ double ideal_sigma(const Sanity&, std::size_t joint);
 Cause cause(const Sanity&, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
             double p_value, double rms_before, double rms_after);
 
+/// The spec's effect of this type on the encoder's joint, null where it has none left.
+const Effect* known(const Sanity&, std::size_t encoder, std::string_view effect);
+
+/// An effect of the spec that has been undone in the log.
+void forget(Sanity&, const Effect*);
+
 /// Takes a column out of the log.
 void drop_column(Log&, Eigen::Index column);
 

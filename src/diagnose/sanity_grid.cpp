@@ -18,9 +18,16 @@ std::string number(double x) {
   return text;
 }
 
+/// Whether the spec has a rounding to this grid.
+bool is_known(const Sanity& s, std::size_t joint, double step) {
+  const Effect* effect = known(s, joint, "log_rounding");
+  return effect && std::abs(effect->number("step") - step) < 1e-6 * step;
+}
+
 /// The file's rounding is one of the error's parts, and stays where the counts are not known. It is named
 /// when it is more than a hundredth of the residual's variance.
 void name_rounding(Sanity& s, std::size_t joint, double step) {
+  if (is_known(s, joint, step)) return;
   const auto column = s.log.find(LogSignal::reference, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   double now = 0;
@@ -56,10 +63,13 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
     // Of about one count the grid may be the encoder itself.
     if (grid < 1.01 || range(read.counts) < 32 * grid) return;
     name_rounding(s, encoder, grid * model.resolution);
+    // Of an odd number of counts every step has as many; else now more, now less.
+    if (std::abs(std::remainder(grid - 1, 2)) > 1e-3) s.finer[encoder] = sigma(model);
     model.resolution *= grid;
-  } else if (on_counts && grid < 0.5 && rms(off) > 0.04) {
+  } else if (on_counts && grid < 0.95 && rms(off) > 0.04) {
     const double step = grid * model.resolution, before = rms(read.counts - counts) * model.resolution;
-    s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
+    if (!is_known(s, encoder, step))
+      s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
     read.counts = counts;
     write_back(s, read, encoder);
   } else if (grid >= 0.5 && rms(off) > 0.04 && range(read.counts) > 32) {

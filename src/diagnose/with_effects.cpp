@@ -46,8 +46,9 @@ void act(const Evidence& e, const Effect& effect, Eigen::ArrayXd& signal) {
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   Eigen::ArrayXd signal = e.path, reference = e.path;
+  bool chance = e.chance.size() > 0;
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
-  bool chance = false;
+  if (chance) variance = e.chance.square();
   for (int stage = 0; stage <= static_cast<int>(Stage::reference); ++stage)
     for (const Effect& effect : effects) {
       const Stage here = effect_kind(effect.type).stage;
