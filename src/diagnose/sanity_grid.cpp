@@ -63,9 +63,17 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
     // Of about one count the grid may be the encoder itself.
     if (grid < 1.01 || range(read.counts) < 32 * grid) return;
     name_rounding(s, encoder, grid * model.resolution);
-    // Of an odd number of counts every step has as many; else now more, now less.
-    if (std::abs(std::remainder(grid - 1, 2)) > 1e-3) s.finer[encoder] = sigma(model);
+    const Eigen::ArrayXd lowest = (read.counts - 0.5 * grid).ceil();
+    const Eigen::ArrayXd highest = (read.counts + 0.5 * grid).floor();
+    // With an odd number of counts in every step all have as many; halves are rounded up or down by chance.
+    s.finer[encoder] = std::abs(std::remainder(grid, 2)) < 1e-3
+                           ? sigma(model)
+                           : 0.5 * rms(highest + 1 - lowest - grid) * model.resolution;
+    if (model.zero_known)
+      read.counts = 0.5 * (lowest + highest) + (model.rounding == Rounding::down ? 0.5 - 0.5 * grid : 0.0);
+    read.counts /= grid;
     model.resolution *= grid;
+    write_back(s, read, encoder);
   } else if (on_counts && grid < 0.95 && rms(off) > 0.04) {
     const double step = grid * model.resolution, before = rms(read.counts - counts) * model.resolution;
     if (!is_known(s, encoder, step))
