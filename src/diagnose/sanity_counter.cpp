@@ -155,12 +155,8 @@ void undo_known_rollover(Sanity& s, std::size_t encoder) {
   write_back(s, *read, encoder);
 }
 
-/// Readings that are `factor` times the counts, brought to these; the encoder's edges lie where the readings
-/// have theirs.
-///
-/// Which of its edges a coarser counter uses, nobody knows: if the encoder's zero is known, the one that the
-/// reference tells, within one reading.
-/// @returns rms of measured - reference then, 0 without a reference
+}  // namespace
+
 double decode(Sanity& s, Readings read, std::size_t encoder, double factor) {
   Encoder& model = s.model.transmission.encoders[encoder];
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
@@ -178,8 +174,6 @@ double decode(Sanity& s, Readings read, std::size_t encoder, double factor) {
   write_back(s, read, encoder);
   return reference.size() > 0 ? rms(read.counts * model.resolution - reference) : 0;
 }
-
-}  // namespace
 
 void check_rollover(Sanity& s, std::size_t encoder) {
   undo_known_rollover(s, encoder);

@@ -44,12 +44,9 @@ void check_counts(Sanity& s, Readings& read, std::size_t encoder) {
   std::int64_t every = 0;
   for (const double c : read.counts) every = std::gcd(every, std::llround(c - read.counts[0]));
   if (every < 2 || range(read.counts) < 32 * static_cast<double>(every)) return;
-  Encoder& model = s.model.transmission.encoders[encoder];
-  name_rounding(s, encoder, model.resolution * static_cast<double>(every));
-  model.resolution *= static_cast<double>(every);
-  model.counts_per_period = std::max(1.0, model.counts_per_period / static_cast<double>(every));
+  name_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * static_cast<double>(every));
   read.counts /= static_cast<double>(every);
-  write_back(s, read, encoder);
+  decode(s, read, encoder, 1 / static_cast<double>(every));
 }
 
 /// Measured positions with too few decimals. Where these still tell the counts apart, they are restored.
