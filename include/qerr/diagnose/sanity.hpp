@@ -17,7 +17,7 @@ struct Sanity {
   /// were rounded are even again, rows of a sensor that was stuck are gone, and so are columns that say
   /// nothing (a reference that never moves, a "load" that is the servo error).
   Log log;
-  OperationalModel model;  ///< with the encoders' resolutions as the log shows them
+  OperationalModel model;       ///< with the encoders' resolutions as the log shows them
   std::vector<Effect> present;  ///< of the spec, without those that the repair has undone
   /// Per encoder: what a finer quantizer before the one of the model scatters the position by, its standard
   /// deviation [rad or m]; 0 where there is none.
