@@ -345,6 +345,19 @@ TEST(Chain, MasterBesideTheChainIsIndependentAllTheSame) {
   EXPECT_EQ(jacobian(chain, Eigen::Vector2d(0.1, 0.2))(5, 1), 2);
 }
 
+TEST(Chain, FindsItsJointsByName) {
+  RobotModel robot = fork();
+  robot.joints[2].mimic = Mimic{"d", 2, 0};  // c follows the slide on the other branch
+  const Chain chain = make_chain(robot, "one", "left");
+  EXPECT_EQ(independent_index(chain, "b"), 0u);
+  EXPECT_EQ(independent_index(chain, "d"), 1u);
+  EXPECT_THROW(independent_index(chain, "c"), std::out_of_range) << "a mimic";
+  EXPECT_THROW(independent_index(chain, "a"), std::out_of_range) << "below the base";
+  EXPECT_EQ(find_joint(chain, "b"), std::optional<std::size_t>{0});
+  EXPECT_EQ(find_joint(chain, "c"), std::optional<std::size_t>{1});
+  EXPECT_FALSE(find_joint(chain, "d")) << "a master beside the chain";
+}
+
 TEST(Chain, MasterBehindItsMimicTakesItsOwnPlace) {
   RobotModel robot = fork();
   robot.joints[0].mimic = Mimic{"c", 1, 0};

@@ -46,7 +46,6 @@
 
 #include "qerr/effect/effect.hpp"
 
-#include "qerr/bound/coherence.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/error_source.hpp"
@@ -68,6 +67,7 @@
 
 #include "qerr/diagnose/diagnosis.hpp"
 #include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/plan.hpp"
 #include "qerr/diagnose/sanity.hpp"
 
 #include "qerr/design/requirement.hpp"
@@ -86,6 +86,7 @@
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/noise_report.hpp"
+#include "qerr/report/plan_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"

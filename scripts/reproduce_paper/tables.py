@@ -17,42 +17,16 @@ def table_2(qerr, out):
     """The summary of both error models, with the figures of the Premium in its zero position beside it."""
     command = qerr("analyze", EXPERIMENT)
     report = command.json()
-    rows = []
-
-    def add(space, quantity, unit, general, stochastic, worst, sigma):
-        rows.append([space, quantity, unit, general, worst, stochastic, sigma])
-
-    for joint in report["joints"]:
-        add(
-            "joint",
-            joint["name"],
-            joint["unit"],
-            "Delta/2",
-            "Delta/sqrt(12)",
-            joint["worst_case"],
-            joint["sigma"],
-        )
-    for c in report["position"]:
-        add(
-            "operational",
-            c["coordinate"],
-            c["unit"],
-            "|J| Delta/2",
-            "sqrt(diag(J Sigma J^T))",
-            c["worst_case"]["max"],
-            c["sigma"]["max"],
-        )
-    for d in report["derivatives"]:
-        for c in d["coordinates"]:
-            add(
-                d["filter"],
-                c["coordinate"],
-                c["unit"],
-                "||H||_l1 |x|",
-                "||H||_2 sigma_x",
-                c["worst_case"]["max"],
-                c["sigma"]["max"],
-            )
+    rows = [
+        ["joint", joint["name"], joint["unit"], "Delta/2", joint["worst_case"], "Delta/sqrt(12)", joint["sigma"]]
+        for joint in report["joints"]
+    ]
+    tip = ("operational", "|J| Delta/2", "sqrt(diag(J Sigma J^T))", report["position"])
+    behind = [(d["filter"], "||H||_l1 |x|", "||H||_2 sigma_x", d["coordinates"]) for d in report["derivatives"]]
+    for space, general, stochastic, coordinates in [tip, *behind]:
+        for c in coordinates:
+            worst, sigma = c["worst_case"]["max"], c["sigma"]["max"]
+            rows.append([space, c["coordinate"], c["unit"], general, worst, stochastic, sigma])
     write_csv(
         out / "table_2.csv",
         ["space", "quantity", "unit", "general", "worst_case", "independent_pqn", "sigma"],

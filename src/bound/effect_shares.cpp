@@ -24,12 +24,6 @@ Usage widened(Usage usage, double by) {
   return usage;
 }
 
-std::size_t joint_of(const Chain& chain, const Effect& effect) {
-  const auto found = std::find_if(chain.independent.begin(), chain.independent.end(),
-                                  [&](const IndependentJoint& j) { return j.name == effect.joint; });
-  return static_cast<std::size_t>(found - chain.independent.begin());
-}
-
 /// Sum of a quantity of the joints, times the rows of C^-1: extremes may meet, deviations are independent.
 std::optional<Spread> combined(const Eigen::RowVectorXd& weights, const std::vector<Usage>& joints,
                                std::optional<Spread> Usage::*quantity) {
@@ -113,7 +107,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
 std::vector<EffectShare> effect_shares(const OperationalModel& model, const std::vector<Effect>& effects,
                                        const RobotUsage& usage) {
   std::vector<EffectShare> shares;
-  for (const Effect& e : effects) shares.push_back({e, joint_of(model.chain, e), {}, false});
+  for (const Effect& e : effects) shares.push_back({e, independent_index(model.chain, e.joint), {}, false});
   const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
   Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // added so far, at most
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
@@ -194,14 +188,11 @@ std::vector<ErrorSource> error_sources(const OperationalModel& model, const std:
     const Stage stage = effect_kind(s.effect.type).stage;
     ErrorSource source{at_joint(stage) ? ErrorSource::Where::joint : ErrorSource::Where::encoder, s.joint};
     if (stage == Stage::kinematics) {
-      const auto& joints = model.chain.joints;
-      const auto link = std::find_if(joints.begin(), joints.end(),
-                                     [&](const ChainJoint& j) { return j.name == s.effect.joint; });
-      if (link == joints.end()) continue;  // a master off the chain: its mimics do not move with its origin
+      const auto link = find_joint(model.chain, s.effect.joint);
+      if (!link) continue;  // a master off the chain: its mimics do not move with its origin
       source.where = ErrorSource::Where::origin;
-      source.link = static_cast<std::size_t>(link - joints.begin());
-      const std::string& axis = s.effect.choices.at("axis");
-      source.direction = Eigen::Vector3d::Unit(axis == "x" ? 0 : axis == "y" ? 1 : 2);
+      source.link = *link;
+      source.direction = displacement_direction(s.effect);
     }
     source.mean = s.share->mean;
     source.half_width = s.share->half_width;

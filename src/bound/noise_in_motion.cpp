@@ -101,16 +101,6 @@ double path_sigma(const Autocorrelation& a, std::span<const double> x, std::size
   });
 }
 
-double speeds_sigma(const Autocorrelation& a, std::span<const double> speeds) {
-  std::vector<double> reduced(speeds.begin(), speeds.end());
-  for (double& v : reduced) v = std::remainder(v, 1.0);
-  return sigma_of(a, [&](std::size_t n) {
-    double sum = 0;
-    for (const double v : reduced) sum += loss(static_cast<double>(n) * v);
-    return sum / static_cast<double>(reduced.size());
-  });
-}
-
 double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
 
 namespace {

@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include "command.hpp"
 #include "qerr/core/output_file.hpp"
@@ -20,8 +21,9 @@ int run(const Arguments& arguments, const Options& o) {
   options.threads = o.threads;
   options.progress = progress(o);
   options.noise_in_motion = noise_in_motion(spec);
+  EffectReport effects = effect_report(spec);
+  spec.model.sources = effects.sources;  // which the rows need too
   if (!arguments.per_configuration.empty()) {
-    spec.model = model_with_effects(spec);  // the rows need the sources that `analyze` will find
     rows = std::make_unique<OutputFile>(arguments.per_configuration);
     rows->write(per_configuration_header(spec, options.noise_in_motion));
     options.visit = [&](std::uint64_t, const Eigen::MatrixXd& points,
@@ -31,7 +33,7 @@ int run(const Arguments& arguments, const Options& o) {
                                           points.col(static_cast<Eigen::Index>(i)), errors[i]));
     };
   }
-  const Analysis analysis = analyze(spec, options);
+  const Analysis analysis = analyze(spec, std::move(effects), options);
   if (rows) rows->close();
   out.write(write(analysis, chosen_format(o), style(o)));
   out.close();

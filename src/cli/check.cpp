@@ -1,4 +1,5 @@
 #include <memory>
+#include <utility>
 
 #include "command.hpp"
 #include "qerr/core/output_file.hpp"
@@ -21,8 +22,9 @@ int run(const Arguments& arguments, const Options& o) {
   WorkspaceOptions options;
   options.threads = o.threads;
   options.progress = progress(o);
-  require_known(spec, effect_report(spec).shares);
-  Analysis analysis = analyze(spec, options);
+  EffectReport effects = effect_report(spec);
+  require_known(spec, effects.shares);
+  Analysis analysis = analyze(spec, std::move(effects), options);
   if (spec.requirements.empty())
     analysis.warnings.push_back("the spec has no requirements: nothing was checked");
   if (report) {

@@ -5,6 +5,7 @@
 #include "qerr/core/output_file.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
+#include "qerr/report/plan_report.hpp"
 
 namespace qerr::cli {
 
@@ -12,7 +13,33 @@ namespace {
 
 struct Arguments {
   std::string spec, log, model, table, plots;
+  bool plan = false;
+  std::string reference_noise;
 };
+
+/// A record is judged, or planned: with --plan there is none yet.
+void refuse_half_questions(const Arguments& a) {
+  if (!a.plan && a.log.empty())
+    throw Error({{}, "LOG", "the record is missing", "", "give the log, or --plan when none exists yet"},
+                Trouble::usage);
+  if (!a.plan && !a.reference_noise.empty())
+    throw Error(
+        {{}, "--reference-noise", "a log tells its reference's noise itself", "", "it goes with --plan"},
+        Trouble::usage);
+  if (!a.plan) return;
+  if (!a.log.empty())
+    throw Error({{},
+                 "--plan",
+                 "plans are made before any log exists",
+                 "'" + a.log + "'",
+                 "leave out the log, or --plan"},
+                Trouble::usage);
+  for (const auto& [name, value] :
+       {std::pair{"--write-model", &a.model}, {"--write-table", &a.table}, {"--plots", &a.plots}})
+    if (!value->empty())
+      throw Error({{}, name, "a plan has nothing to write there", "", "leave it out, or give a log"},
+                  Trouble::usage);
+}
 
 /// At most one of the outputs may be standard output, and at most one of the inputs standard input.
 void refuse_shared_streams(const Arguments& a, const Options& o) {
@@ -48,7 +75,20 @@ std::string prepared_folder(const std::string& path) {
   return path;
 }
 
+int run_plan(const Arguments& arguments, const Options& o) {
+  const Spec spec = load(arguments.spec, o);
+  OutputFile out(o.output);
+  PlanOptions options;
+  if (!arguments.reference_noise.empty()) options.reference_noise = *parse_number(arguments.reference_noise);
+  const PlanReport report = plan_report(spec, options);
+  finish(out, write(report, chosen_format(o), style(o)));
+  warn(report.warnings, o);
+  return 0;
+}
+
 int run(const Arguments& arguments, const Options& o) {
+  refuse_half_questions(arguments);
+  if (arguments.plan) return run_plan(arguments, o);
   refuse_shared_streams(arguments, o);
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
@@ -83,7 +123,18 @@ std::function<int()> declare_diagnose(CLI::App& app, Options& o) {
   app.add_option("SPEC", arguments->spec,
                  "the spec (YAML) of the robot as it should be; '-' reads standard input")
       ->required();
-  app.add_option("LOG", arguments->log, "what was recorded (CSV); '-' reads standard input")->required();
+  app.add_option("LOG", arguments->log, "what was recorded (CSV); '-' reads standard input");
+  app.add_flag("--plan", arguments->plan,
+               "before any log exists: what a record of the spec's motion could show, and which motion would "
+               "show more");
+  app.add_option("--reference-noise", arguments->reference_noise,
+                 "of the better sensors that --plan takes for granted, standard deviation in counts (0.05)")
+      ->type_name("COUNTS")
+      ->check([](const std::string& text) {
+        const auto noise = parse_number(text);
+        const bool sound = noise && *noise >= 1e-3 && *noise <= 10;
+        return sound ? std::string() : "'" + text + "' is not a number of counts from 0.001 to 10";
+      });
   app.add_option("--write-model", arguments->model,
                  "write the spec with the found effects in it; '-' is standard output")
       ->type_name("FILE.yaml");

@@ -11,6 +11,7 @@
 #include "comparison.hpp"
 #include "found_parameters.hpp"
 #include "gain.hpp"
+#include "model_choice.hpp"
 #include "qerr/core/parallel.hpp"
 #include "qerr/diagnose/evidence.hpp"
 #include "qerr/diagnose/sanity.hpp"
@@ -47,12 +48,6 @@ std::optional<double> order_of(const Effect& e) {
 
 std::optional<double> frequency_of(const Effect& e) {
   return e.numbers.count("frequency") ? std::optional(e.number("frequency")) : std::nullopt;
-}
-
-/// Peak of what a term adds, taken for a sine.
-double size_of(const Explanation& m, std::size_t term) {
-  const Eigen::ArrayXd added = (m.terms()[term].columns.matrix() * m.coefficients(term)).array();
-  return std::sqrt(2 * (added - added.mean()).square().mean());
 }
 
 /// What is the same by its nature, whatever was recorded.
@@ -131,8 +126,8 @@ class Account {
       Effect effect = t.effect;
       t.fill(effect, s.model.coefficients(i));
       if (!t.named()) {
-        d_.unexplained.push_back(
-            {e_.joint, t.unnamed, order_of(effect), frequency_of(effect), size_of(s.model, i)});
+        d_.unexplained.push_back({e_.joint, t.unnamed, order_of(effect), frequency_of(effect),
+                                  std::sqrt(2.0) * size_of(s.model, i)});
         continue;
       }
       // Unequal states have a mean of their own.
@@ -141,17 +136,23 @@ class Account {
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
       Cause cause{effect, parameters[i], s.p_values[i], gain_};
-      cause.rms = std::sqrt((t.columns.matrix() * s.model.coefficients(i)).squaredNorm() /
-                            static_cast<double>(e_.rows()));
+      cause.rms = std::sqrt(addition(t, s.model.coefficients(i)).square().mean());
       add(std::move(cause), others);
     }
   }
 
   void of_scatter(const Scatter& scatter) {
+    // Beside something that has no name, what scatters is its remainder.
+    double unnamed = 0;
+    for (const Unnamed& u : d_.unexplained)
+      if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
+    if (scatter.size < unnamed) return;
     if (scatter.effect) {
       Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
-      for (const auto& [name, value] : scatter.effect->numbers)
-        cause.parameters.push_back({name, value, value, value});
+      for (const auto& [name, value] : scatter.effect->numbers) {
+        const double half = scatter.relative_error * std::abs(value);
+        cause.parameters.push_back({name, value, value - half, value + half});
+      }
       std::vector<std::string> others;
       if (scatter.alternative) others.push_back(scatter.alternative->type);
       add(std::move(cause), others);

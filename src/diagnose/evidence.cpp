@@ -29,6 +29,12 @@ Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen
   return x;
 }
 
+/// Whether an encoder feels its own joint only.
+bool alone(const OperationalModel& model, Eigen::Index encoder) {
+  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  return (to_encoders.row(encoder).array().abs() > 1e-12).count() == 1;
+}
+
 /// Means of a column over groups of rows.
 Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& groups) {
   if (column.size() == 0) return column;
@@ -42,7 +48,8 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
 }  // namespace
 
 std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
-  const double apart = std::max(e.noise, 0.05 * e.step());
+  // The noise alone must not make two rows of one.
+  const double apart = std::max(3 * e.noise, 0.05 * e.step());
   std::vector<RowGroup> all;
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
@@ -66,8 +73,9 @@ std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
 
 Evidence independent(const Evidence& e, const std::vector<RowGroup>& groups) {
   Evidence few = e;
-  for (Eigen::ArrayXd* column : {&few.time, &few.reference, &few.measured, &few.path, &few.velocity,
-                                 &few.side, &few.effort, &few.temperature, &few.chance})
+  for (Eigen::ArrayXd* column :
+       {&few.time, &few.reference, &few.measured, &few.path, &few.velocity, &few.side, &few.joint_path,
+        &few.joint_velocity, &few.effort, &few.temperature, &few.chance})
     *column = means(*column, groups);
   return few;
 }
@@ -100,7 +108,12 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
       e.path = smooth.position;
       e.velocity = smooth.velocity;
       e.noise = smooth.noise;
-      e.side = side_of_motion(e.path, std::max(10 * e.noise, 0.1 * e.encoder.resolution));
+      if (!alone(model, static_cast<Eigen::Index>(i))) {
+        const SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, i)), e.grid);
+        e.joint_path = own.position;
+        e.joint_velocity = own.velocity;
+      }
+      e.side = side_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.encoder.resolution));
     } else {
       e.path = e.reference;
       e.velocity = e.side = Eigen::ArrayXd::Zero(rows);

@@ -53,8 +53,7 @@ Eigen::VectorXd Explanation::coefficients(std::size_t term) const {
 }
 
 IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, double outliers) const {
-  const Eigen::ArrayXd x = columns_.cols() > 0 ? Eigen::ArrayXd((columns_ * unit).array())
-                                               : Eigen::ArrayXd::Zero(evidence_->rows());
+  const Eigen::ArrayXd x = fixed_ + (columns_ * unit).array();
   return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
 }
 
@@ -66,7 +65,7 @@ double Explanation::least_noise() const {
 /// Least squares to the middle of the intervals, and the scatter about it: where Newton's method begins.
 void Explanation::begin(Eigen::VectorXd& unit) {
   const Eigen::ArrayXd weight = relative_.square().inverse();
-  const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper)).matrix();
+  const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
   Eigen::ArrayXd rest = middle.array();
   if (columns_.cols() > 0) {
     const Eigen::MatrixXd weighted = weight.matrix().asDiagonal() * columns_;
@@ -118,23 +117,53 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
   }
 }
 
-void Explanation::fit() {
-  columns_.resize(evidence_->rows(), base_.cols());
-  columns_ = base_.matrix();
+/// The terms' columns side by side, scaled to unit norm.
+Eigen::VectorXd Explanation::arrange() {
   Eigen::Index count = base_.cols();
   for (const Term& t : terms_) count += t.size();
-  columns_.conservativeResize(Eigen::NoChange, count);
-  Eigen::Index at = base_.cols();
-  for (const Term& t : terms_) {
-    columns_.middleCols(at, t.size()) = t.columns.matrix();
-    at += t.size();
+  columns_.resize(evidence_->rows(), count);
+  columns_.leftCols(base_.cols()) = base_.matrix();
+  fixed_.setZero(evidence_->rows());
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    columns_.middleCols(first_coefficient(i), terms_[i].size()) = terms_[i].columns.matrix();
+    if (terms_[i].fixed.size() > 0) fixed_ += terms_[i].fixed;
   }
   Eigen::VectorXd scale = columns_.colwise().norm();
   for (double& s : scale) s = s > 0 ? s : 1;
   columns_ *= scale.cwiseInverse().asDiagonal();
-  Eigen::VectorXd unit = Eigen::VectorXd::Zero(count);
+  return scale;
+}
+
+/// One fit of the terms as they stand, none of the readings being outliers.
+void Explanation::fit_plainly() {
+  const Eigen::VectorXd scale = arrange();
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(columns_.cols());
   begin(unit);
   maximize(unit, 0);
+  beta_ = unit.cwiseQuotient(scale);
+}
+
+/// Terms that are not linear are brought to where the fit has ended, as long as that makes it better.
+void Explanation::fit_curved() {
+  constexpr int most_turns = 12;
+  constexpr double enough = 0.05;
+  for (int i = 0; i < most_turns; ++i) {
+    const double value = likelihood_.log_likelihood;
+    bool curved = false;
+    for (std::size_t k = 0; k < terms_.size(); ++k)
+      if (terms_[k].relinearized) {
+        terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
+        curved = true;
+      }
+    if (!curved) return;
+    fit_plainly();
+    if (std::abs(likelihood_.log_likelihood - value) < enough) return;
+  }
+}
+
+void Explanation::fit() {
+  fit_plainly();
+  fit_curved();
   plain_ = likelihood_;
   plain_sigma_ = sigma_;
   weighted_ = plain_.curvature.matrix().asDiagonal() * columns_;
@@ -142,9 +171,10 @@ void Explanation::fit() {
   normal.diagonal().array() *= 1 + 1e-10;
   normal.diagonal().array() += 1e-300;
   present_.compute(normal);
+  const Eigen::VectorXd scale = arrange();
+  Eigen::VectorXd unit = beta_.cwiseProduct(scale);
   maximize(unit, outlier_part);
-  x_ = columns_.cols() > 0 ? Eigen::ArrayXd((columns_ * unit).array())
-                           : Eigen::ArrayXd::Zero(evidence_->rows());
+  x_ = fixed_ + (columns_ * unit).array();
   beta_ = unit.cwiseQuotient(scale);
 }
 
@@ -154,8 +184,12 @@ double Explanation::mean_offset() const {
   return 0;
 }
 
-double Explanation::gain(const Eigen::ArrayXXd& columns) const {
-  const Eigen::MatrixXd& extra = columns.matrix();
+double Explanation::gain(const Term& t) const {
+  Eigen::MatrixXd extra = t.columns.matrix();
+  if (t.fixed.size() > 0) {
+    extra.conservativeResize(Eigen::NoChange, extra.cols() + 1);
+    extra.rightCols(1) = t.fixed.matrix();
+  }
   const Eigen::MatrixXd weighted = plain_.curvature.matrix().asDiagonal() * extra;
   Eigen::MatrixXd information = extra.transpose() * weighted;
   const Eigen::VectorXd alone = information.diagonal();

@@ -21,8 +21,8 @@ class Explanation {
   void remove(std::size_t term);
   void fit();
 
-  /// What further columns would gain in log-likelihood, by one Newton step.
-  double gain(const Eigen::ArrayXXd& columns) const;
+  /// What a further term would gain in log-likelihood, by one Newton step.
+  double gain(const Term&) const;
 
   /// How much more the score of columns scatters than it would if what is left were independent from reading
   /// to reading.
@@ -47,6 +47,9 @@ class Explanation {
   Eigen::Index first_coefficient(std::size_t term) const;
   IntervalLikelihood at(const Eigen::VectorXd& unit, double sigma, double outliers) const;
   double least_noise() const;
+  Eigen::VectorXd arrange();
+  void fit_plainly();
+  void fit_curved();
   void begin(Eigen::VectorXd& unit);
   void maximize(Eigen::VectorXd& unit, double outliers);
 
@@ -56,6 +59,7 @@ class Explanation {
   std::vector<Term> terms_;
   Eigen::VectorXd beta_;
   Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
+  Eigen::ArrayXd fixed_;     ///< what terms that are not linear add beside their columns
   Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over the reference's own noise
   Eigen::ArrayXd x_;
   double spread_ = 0;

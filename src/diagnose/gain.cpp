@@ -26,9 +26,13 @@ struct Prediction {
 /// What a model adds that none of its terms does: the constant of an encoder whose zero is free.
 double constant_of(const Explanation& m) {
   double first = m.addition()[0];
-  for (std::size_t i = 0; i < m.terms().size(); ++i)
-    first -= m.terms()[i].columns.row(0).matrix().dot(m.coefficients(i));
+  for (std::size_t i = 0; i < m.terms().size(); ++i) first -= addition(m.terms()[i], m.coefficients(i))[0];
   return first;
+}
+
+/// The term over all rows, at the coefficients that a part of them led to.
+Term anew(const Evidence& e, const Term& fitted, const Term& whole, const Eigen::VectorXd& coefficients) {
+  return fitted.relinearized ? fitted.relinearized(e, fitted, coefficients) : whole;
 }
 
 Prediction predict(const Evidence& e, const Explanation& model, const std::vector<Eigen::Index>& known,
@@ -44,7 +48,8 @@ Prediction predict(const Evidence& e, const Explanation& model, const std::vecto
   fitted.fit();
   p.after.setConstant(constant_of(fitted));
   for (std::size_t i = 0; i < model.terms().size(); ++i)
-    p.after += (model.terms()[i].columns(asked, Eigen::all).matrix() * fitted.coefficients(i)).array();
+    p.after += addition(rows_of(anew(e, fitted.terms()[i], model.terms()[i], fitted.coefficients(i)), asked),
+                        fitted.coefficients(i));
   p.noise_after = fitted.noise();
   return p;
 }

@@ -29,8 +29,9 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
 
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
   Evidence part = e;
-  for (Eigen::ArrayXd* column : {&part.time, &part.reference, &part.measured, &part.path, &part.velocity,
-                                 &part.side, &part.effort, &part.temperature, &part.chance})
+  for (Eigen::ArrayXd* column :
+       {&part.time, &part.reference, &part.measured, &part.path, &part.velocity, &part.side, &part.joint_path,
+        &part.joint_velocity, &part.effort, &part.temperature, &part.chance})
     if (column->size() > 0) *column = Eigen::ArrayXd((*column)(rows));
   return part;
 }
@@ -38,6 +39,7 @@ Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
 Term rows_of(const Term& t, const std::vector<Eigen::Index>& rows) {
   Term part = t;
   part.columns = t.columns(rows, Eigen::all);
+  if (t.fixed.size() > 0) part.fixed = Eigen::ArrayXd(t.fixed(rows));
   return part;
 }
 

@@ -88,15 +88,17 @@ std::optional<Term> strongest_vibration(const Evidence& e, const Explanation& mo
   return vibration_term(e, rate / (2 * std::numbers::pi));
 }
 
-std::optional<Term> at_whole_order(const Evidence& e, const Term& t) {
+std::vector<Term> at_whole_orders(const Evidence& e, const Term& t) {
+  std::vector<Term> whole;
   const double ratio = std::abs(e.encoder.shaft_ratio);
   for (const bool of_encoder : {true, false}) {
     if (e.prismatic && !of_encoder) continue;
-    const double order = t.shape / (of_encoder ? ratio : 1), whole = std::round(order);
-    if (whole < 1 || std::abs(order - whole) * (of_encoder ? ratio : 1) > t.reach) continue;
-    return periodic_term(e, whole == 1 ? "eccentricity" : "transmission_error", whole, of_encoder);
+    const double order = t.shape / (of_encoder ? ratio : 1), nearest = std::round(order);
+    if (nearest < 1 || std::abs(order - nearest) * (of_encoder ? ratio : 1) > t.reach) continue;
+    whole.push_back(
+        periodic_term(e, nearest == 1 ? "eccentricity" : "transmission_error", nearest, of_encoder));
   }
-  return std::nullopt;
+  return whole;
 }
 
 }  // namespace qerr

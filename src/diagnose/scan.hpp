@@ -15,7 +15,7 @@ std::optional<Term> strongest_step(const Evidence&, const Explanation&);
 std::optional<Term> strongest_order(const Evidence&, const Explanation&);
 std::optional<Term> strongest_vibration(const Evidence&, const Explanation&);
 
-/// A whole number of periods per revolution of either shaft, if the record lets the order be one.
-std::optional<Term> at_whole_order(const Evidence&, const Term& free_order);
+/// Whole numbers of periods per revolution of either shaft, where the record lets the order be one.
+std::vector<Term> at_whole_orders(const Evidence&, const Term& free_order);
 
 }  // namespace qerr

@@ -4,14 +4,16 @@
 #include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace qerr {
 
 namespace {
 
 constexpr double outlier_part = 0.01;
-constexpr double worth_naming = 0.06;  ///< [counts]
-constexpr double correlated = 0.2;     ///< of neighbouring scores
+constexpr double worth_naming = 0.12;  ///< [counts]
+constexpr double significant = 1e-3;
+constexpr double correlated = 0.2;  ///< of neighbouring scores
 
 /// Log-likelihood with a scatter of its own for every reading.
 double value(const Intervals& intervals, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma, double range) {
@@ -52,7 +54,43 @@ Intervals displaced(const Intervals& ideal, const Evidence& e, double shift) {
 struct Candidate {
   Effect effect;
   double value = 0;
+  double relative_error = 0;
+  Eigen::ArrayXd added = {};  ///< variance that it adds to every row; empty: it has none of its own
 };
+
+/// Half the 95 % interval of a positive number by the bend of the log-likelihood at its best, as a part of
+/// it.
+template <typename Function>
+double relative_error(Function function, double best, double at_best) {
+  constexpr double step = 0.05;
+  const double bend =
+      (2 * at_best - function(best * std::exp(step)) - function(best * std::exp(-step))) / (step * step);
+  return bend > 0 ? std::min(1.0, 1.96 / std::sqrt(bend)) : 1;
+}
+
+/// Whether what is left scatters much more in some stretch of the order given than a variance says.
+bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance,
+                    const Eigen::ArrayXd& along) {
+  constexpr Eigen::Index stretches = 12, fewest = 40;
+  constexpr double much = 3;
+  const Eigen::Index n = squares.size();
+  if (n < stretches * fewest) return false;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  double least = 1e300, most = 0;
+  for (Eigen::Index i = 0; i < stretches; ++i) {
+    double seen = 0, expected = 0;
+    for (Eigen::Index k = i * n / stretches; k < (i + 1) * n / stretches; ++k) {
+      seen += squares[order[static_cast<std::size_t>(k)]];
+      expected += variance[order[static_cast<std::size_t>(k)]];
+    }
+    least = std::min(least, seen / expected);
+    most = std::max(most, seen / expected);
+  }
+  return most > much * least;
+}
 
 }  // namespace
 
@@ -69,30 +107,37 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   // The reference's noise is an estimate: a third more of it would be no find.
   const double none = value(m.intervals(), m.addition(), (1.69 * known).sqrt(), range);
   std::vector<Candidate> found;
-  const auto [noise, at_noise] =
-      largest([&](double x) { return value(m.intervals(), m.addition(), (known + x * x).sqrt(), range); },
-              0.3 * s.size, 3 * s.size);
-  found.push_back({{"noise", e.joint, {{"sigma", noise}}, {}}, at_noise});
+  const auto with_noise = [&](double x) {
+    return value(m.intervals(), m.addition(), (known + x * x).sqrt(), range);
+  };
+  const auto [noise, at_noise] = largest(with_noise, 0.3 * s.size, 3 * s.size);
+  found.push_back({{"noise", e.joint, {{"sigma", noise}}, {}},
+                   at_noise,
+                   relative_error(with_noise, noise, at_noise),
+                   Eigen::ArrayXd::Constant(e.rows(), noise * noise)});
   if (e.ordered && e.velocity.abs().maxCoeff() > 0) {
     const double typical = std::sqrt(e.velocity.square().mean());
-    const auto [jitter, at_jitter] = largest(
-        [&](double x) {
-          return value(m.intervals(), m.addition(), (known + (x * e.velocity).square()).sqrt(), range);
-        },
-        0.1 * s.size / typical, 10 * s.size / typical);
-    found.push_back({{"timing_jitter", e.joint, {{"sigma", jitter}}, {}}, at_jitter});
+    const auto with_jitter = [&](double x) {
+      return value(m.intervals(), m.addition(), (known + (x * e.velocity).square()).sqrt(), range);
+    };
+    const auto [jitter, at_jitter] = largest(with_jitter, 0.1 * s.size / typical, 10 * s.size / typical);
+    found.push_back({{"timing_jitter", e.joint, {{"sigma", jitter}}, {}},
+                     at_jitter,
+                     relative_error(with_jitter, jitter, at_jitter),
+                     (jitter * e.velocity).square()});
   }
   if (e.counted && e.encoder.counts_per_period == 4) {
     for (const double sign : {-1.0, 1.0}) {
-      const auto [shift, at_shift] = largest(
-          [&](double x) {
-            // Their mean is -shift/2, which a term for the offset may have taken.
-            const Eigen::ArrayXd at = m.addition() - m.mean_offset();
-            return value(displaced(m.intervals(), e, sign * x), at, (1.21 * known).sqrt(), range);
-          },
-          0.02 * e.step(), 0.95 * e.step());
+      const auto with_shift = [&](double x) {
+        // Their mean is -shift/2, which a term for the offset may have taken.
+        const Eigen::ArrayXd at = m.addition() - m.mean_offset();
+        return value(displaced(m.intervals(), e, sign * x), at, (1.21 * known).sqrt(), range);
+      };
+      const auto [shift, at_shift] = largest(with_shift, 0.02 * e.step(), 0.95 * e.step());
       const double phase = sign * shift / (4 * e.step()) * 2 * std::numbers::pi;
-      found.push_back({{"state_width", e.joint, {{"phase", phase}}, {}}, at_shift});
+      found.push_back({{"state_width", e.joint, {{"phase", phase}}, {}},
+                       at_shift,
+                       relative_error(with_shift, shift, at_shift)});
     }
   }
   std::sort(found.begin(), found.end(),
@@ -100,10 +145,21 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   const double ratio = 2 * (found[0].value - none);
   if (ratio <= 0) return s;
   s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
+  if (s.p_value * static_cast<double>(found.size()) > significant) return s;
   // What is correlated is neither noise nor jitter; unequal states are locked to the count.
   if (s.structured && found[0].effect.type != "state_width") return s;
   s.structured = false;
+  if (found[0].added.size() > 0 && s.size > 0.4 * e.step()) {
+    const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
+    const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + found[0].added;
+    if (comes_and_goes(squares, variance, e.path) ||
+        (e.ordered && comes_and_goes(squares, variance, e.time))) {
+      s.structured = true;
+      return s;
+    }
+  }
   s.effect = found[0].effect;
+  s.relative_error = found[0].relative_error;
   for (const Candidate& other : found)
     if (other.effect.type != s.effect->type && found[0].value - other.value < 6) {
       s.alternative = other.effect;

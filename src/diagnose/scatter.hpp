@@ -12,8 +12,10 @@ namespace qerr {
 struct Scatter {
   std::optional<Effect> effect;  ///< noise, timing_jitter or state_width; empty: none of them
   double p_value = 1;
+  double relative_error = 0;          ///< half the 95 % interval of its parameter, as a part of it
   std::optional<Effect> alternative;  ///< fits as well
-  /// The scatter is correlated from reading to reading: there is structure that nothing explains.
+  /// The scatter is correlated from reading to reading, or comes and goes: there is structure that nothing
+  /// explains.
   bool structured = false;
   double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
 };

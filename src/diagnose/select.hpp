@@ -7,9 +7,14 @@
 namespace qerr {
 
 struct SelectOptions {
-  double alpha = 0.01;            ///< of a false name in one encoder's record, over all candidates
-  double least_amplitude = 0.05;  ///< rms of what a cause adds [counts]: less is not worth a name
+  double alpha = 0.01;  ///< of a false name in one encoder's record, over all candidates
   std::size_t most_terms = 6;
+
+  /// Root mean square of what a cause must add to be worth a name [rad or m]. Near an edge a reading tells
+  /// more than a noisy reference knows: what repeats there has the size of that noise.
+  double least(const Evidence& e) const { return std::max(0.05 * e.step(), 0.5 * e.noise); }
+  /// The same of one that was looked for over a range of orders, times or frequencies.
+  double least_scanned(const Evidence& e) const { return std::max(0.1 * e.step(), 1.5 * e.noise); }
 };
 
 /// What could stand in a chosen term's place almost as well.

@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numbers>
+#include <string_view>
+
+#include "subdivision.hpp"
 
 namespace qerr {
 
@@ -61,31 +64,19 @@ void add_drifts(const Evidence& e, std::vector<Term>& terms) {
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["coefficient"] = c[0]; }));
 }
 
-/// Offsets, gain and phase of sine and cosine, to first order (Heydemann): atan2 of what they make of the
-/// angle.
-Term subdivision_term(const Evidence& e) {
-  const double unit = e.encoder.counts_per_period * e.step() / (2 * std::numbers::pi);
-  const Eigen::ArrayXd angle = e.path / unit;
-  Term t;
-  t.effect = {"subdivision_error", e.joint, {{"clipping", 1.0}}, {}};
-  t.columns.resize(e.rows(), 4);
-  t.columns.col(0) = unit * angle.cos();
-  t.columns.col(1) = -unit * angle.sin();
-  t.columns.col(2) = 0.5 * unit * (2 * angle).sin();
-  t.columns.col(3) = 0.5 * unit * (1 + (2 * angle).cos());
-  t.fill = [](Effect& x, const Eigen::VectorXd& c) {
-    x.numbers["offset_sin"] = c[0];
-    x.numbers["offset_cos"] = c[1];
-    x.numbers["gain"] = c[2];
-    x.numbers["phase"] = c[3];
-  };
-  return t;
-}
-
 }  // namespace
 
+Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {
+  Eigen::ArrayXd added = (t.columns.matrix() * coefficients).array();
+  if (t.fixed.size() > 0) added += t.fixed;
+  return added;
+}
+
 Term periodic_term(const Evidence& e, const char* type, double order, bool of_encoder) {
-  const Eigen::ArrayXd angle = order * (of_encoder ? e.encoder.shaft_ratio : 1) * e.path;
+  // A disc turns with what its encoder feels, a gear with its joint.
+  const bool disc = std::string_view(type) == "eccentricity";
+  const Eigen::ArrayXd angle =
+      order * (of_encoder ? e.encoder.shaft_ratio : 1) * (disc ? e.path : e.joint_angle());
   Term t;
   t.effect = {type, e.joint, {{"order", order}}, {{"shaft", of_encoder ? "encoder" : "joint"}}};
   t.columns.resize(e.rows(), 2);
@@ -99,7 +90,7 @@ Term free_order_term(const Evidence& e, double order) {
   Term t = periodic_term(e, "transmission_error", order, false);
   t.unnamed = "periodic in the position";
   t.shape = order;
-  t.reach = std::numbers::pi / std::max(1e-12, e.path.maxCoeff() - e.path.minCoeff()) / 2;
+  t.reach = std::numbers::pi / std::max(1e-12, e.joint_angle().maxCoeff() - e.joint_angle().minCoeff()) / 2;
   t.reshaped = [](const Evidence& record, const Term&, double shape) {
     return free_order_term(record, shape);
   };
@@ -151,16 +142,17 @@ std::vector<Term> named_terms(const Evidence& e) {
     for (const double order : {2.0, 3.0, 4.0})
       terms.push_back(periodic_term(e, "transmission_error", order, false));
   }
-  if (e.encoder.counts_per_period > 4) terms.push_back(subdivision_term(e));
+  if (e.encoder.counts_per_period > 4)
+    for (Term& t : subdivision_terms(e)) terms.push_back(std::move(t));
   if (e.effort.size() > 0)
     terms.push_back(linear(e, "compliance", e.effort,
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["compliance"] = c[0]; }));
   if (!e.ordered) return terms;
-  terms.push_back(linear(e, "latency", -e.velocity,
+  terms.push_back(linear(e, "latency", -e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["delay"] = c[0]; }));
   terms.push_back(linear(e, "backlash", 0.5 * e.side,
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["gap"] = c[0]; }));
-  terms.push_back(linear(e, "clock_drift", e.time * e.velocity,
+  terms.push_back(linear(e, "clock_drift", e.time * e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["rate"] = c[0]; }));
   add_drifts(e, terms);
   return terms;

@@ -13,6 +13,8 @@ namespace qerr {
 struct Term {
   Effect effect;            ///< choices and fixed numbers; the free numbers are filled in
   Eigen::ArrayXXd columns;  ///< rows x coefficients; columns * coefficients is what it adds [rad or m]
+  /// What it adds beside: of a cause that is not linear, in whose columns its slope stands. Empty: nothing.
+  Eigen::ArrayXd fixed = {};
   void (*fill)(Effect&, const Eigen::VectorXd& coefficients) = nullptr;
   /// What it is that has no name; "" for a cause of the catalogue.
   std::string unnamed = {};
@@ -21,10 +23,16 @@ struct Term {
   double shape = 0, reach = 0;
   Term (*reshaped)(const Evidence&, const Term&, double shape) = nullptr;
 
+  /// The same term with the slope at other coefficients; none: it is linear.
+  Term (*relinearized)(const Evidence&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;
+
   bool named() const { return unnamed.empty(); }
 
   Eigen::Index size() const { return columns.cols(); }
 };
+
+/// What a term adds to the rows that its columns stand for [rad or m].
+Eigen::ArrayXd addition(const Term&, const Eigen::VectorXd& coefficients);
 
 /// Every cause of the catalogue that adds linearly in its coefficients, as far as the evidence can show it.
 std::vector<Term> named_terms(const Evidence&);

@@ -43,6 +43,11 @@ const EffectKind& effect_kind(std::string_view name) {
   return *found;
 }
 
+Eigen::Vector3d displacement_direction(const Effect& effect) {
+  const std::string& axis = effect.choices.at("axis");
+  return Eigen::Vector3d::Unit(axis == "x" ? 0 : axis == "y" ? 1 : 2);
+}
+
 std::string_view stage_name(Stage stage) {
   switch (stage) {
     case Stage::clock:

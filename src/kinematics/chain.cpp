@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <set>
+#include <stdexcept>
 #include <unordered_map>
 
 #include "qerr/core/suggest.hpp"
@@ -238,6 +239,22 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
       loader.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
   order_by_own_place(chain);
   return chain;
+}
+
+std::size_t independent_index(const Chain& chain, std::string_view name) {
+  const auto& joints = chain.independent;
+  const auto found =
+      std::find_if(joints.begin(), joints.end(), [&](const IndependentJoint& j) { return j.name == name; });
+  if (found == joints.end()) throw std::out_of_range("no independent joint '" + std::string(name) + "'");
+  return static_cast<std::size_t>(found - joints.begin());
+}
+
+std::optional<std::size_t> find_joint(const Chain& chain, std::string_view name) {
+  const auto& joints = chain.joints;
+  const auto found =
+      std::find_if(joints.begin(), joints.end(), [&](const ChainJoint& j) { return j.name == name; });
+  if (found == joints.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - joints.begin());
 }
 
 Eigen::Isometry3d forward_kinematics(const Chain& chain, const Eigen::VectorXd& q) {

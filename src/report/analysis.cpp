@@ -94,16 +94,17 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
 }  // namespace
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
-  std::vector<Norms> norms;
-  for (const NamedFilter& filter : spec.filters) norms.push_back(filter.norms);
+  return analyze(spec, effect_report(spec), options);
+}
+
+Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
   require_answers(spec, all.noise_in_motion);
-  EffectReport effects = effect_report(spec);
   Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
   a.spec.model.sources = std::move(effects.sources);
   a.joints = joint_error(spec.model.transmission, a.spec.model.sources);
-  a.workspace = workspace(a.spec.model, norms, spec.configurations, all);
+  a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   return a;
 }

@@ -13,10 +13,6 @@ namespace qerr {
 
 namespace {
 
-const IndependentJoint& joint_of(const Spec& spec, std::size_t joint) {
-  return spec.model.chain.independent[joint];
-}
-
 std::vector<Limits> sampled_ranges(const Spec& spec) {
   std::vector<Limits> ranges = spec.configurations.ranges;
   const auto& points = spec.configurations.points;
@@ -94,21 +90,10 @@ RobotUsage usage_of(const Spec& spec) {
 EffectReport effect_report(const Spec& spec) {
   if (spec.effects.empty()) return {};
   const RobotUsage usage = usage_of(spec);
-  std::vector<Filter> filters;
-  std::vector<Norms> norms;
-  for (const NamedFilter& f : spec.filters) {
-    filters.push_back(f.filter);
-    norms.push_back(f.norms);
-  }
   EffectReport report{effect_shares(spec.model, spec.effects, usage), {}};
-  report.sources = error_sources(spec.model, report.shares, usage, filters, norms);
+  report.sources =
+      error_sources(spec.model, report.shares, usage, designed_filters(spec), filter_norms(spec));
   return report;
-}
-
-OperationalModel model_with_effects(const Spec& spec) {
-  OperationalModel model = spec.model;
-  if (model.sources.empty()) model.sources = effect_report(spec).sources;
-  return model;
 }
 
 std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {
@@ -131,18 +116,17 @@ void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
 
 std::string effect_unit(const Spec& spec, const EffectShare& s) {
   const bool displaced = effect_kind(s.effect.type).stage == Stage::kinematics;
-  return displaced || joint_of(spec, s.joint).prismatic() ? "m" : "rad";
+  return displaced || spec.model.chain.independent[s.joint].prismatic() ? "m" : "rad";
 }
 
 std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& effect) {
-  const auto& joints = spec.model.chain.independent;
-  const auto joint = std::find_if(joints.begin(), joints.end(),
-                                  [&](const IndependentJoint& j) { return j.name == effect.joint; });
+  const Chain& chain = spec.model.chain;
+  const bool prismatic = chain.independent[independent_index(chain, effect.joint)].prismatic();
   std::vector<EffectParameter> list;
   for (const Parameter& row : effect_kind(effect.type).parameters) {
     const auto number = effect.numbers.find(std::string(row.name));
     if (number == effect.numbers.end()) continue;
-    list.push_back({number->first, number->second, unit_name(dimension_at(row, joint->prismatic())),
+    list.push_back({number->first, number->second, unit_name(dimension_at(row, prismatic)),
                     row.fallback && *row.fallback == number->second});
   }
   return list;

@@ -5,6 +5,7 @@
 
 #include "estimator_json.hpp"
 #include "qerr/report/write.hpp"
+#include "report_json.hpp"
 #include "text_table.hpp"
 
 namespace qerr {
@@ -28,13 +29,11 @@ std::vector<double> speeds_around(double crossing) {
   return speeds;
 }
 
-Json or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json to_json(const EstimatorError& e, double speed) {
   Json j;
   for (const auto& [name, error] :
        {std::pair{"printed", e.printed}, {"varying", e.varying}, {"constant", e.constant}})
-    j[name] = {{"error", or_null(error)}, {"snr_db", or_null(worst_case_snr_db(speed, error))}};
+    j[name] = {{"error", number_or_null(error)}, {"snr_db", number_or_null(worst_case_snr_db(speed, error))}};
   return j;
 }
 

@@ -2,12 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "estimator_json.hpp"
 #include "filter_writers.hpp"
 #include "noise_json.hpp"
 #include "qerr/report/write.hpp"
+#include "report_json.hpp"
 #include "text_table.hpp"
 
 namespace qerr {
@@ -34,8 +34,6 @@ FilterFigures figures_of(const NamedFilter& named, const FilterQuestions& q) {
   return f;
 }
 
-Json or_null(const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); }
-
 Json to_json(const FilterFigures& f, bool coefficients) {
   Json j = {{"name", f.name},
             {"derivative", f.filter.derivative},
@@ -46,9 +44,9 @@ Json to_json(const FilterFigures& f, bool coefficients) {
             {"dc_gain", f.norms.dc_gain},
             {"group_delay_s", f.group_delay},
             {"poles_max_modulus", f.poles_max_modulus},
-            {"bandwidth_hz", or_null(f.bandwidth)},
-            {"noise_bandwidth_hz", or_null(f.noise_bandwidth)},
-            {"settling_time_s", or_null(f.settling_time)}};
+            {"bandwidth_hz", number_or_null(f.bandwidth)},
+            {"noise_bandwidth_hz", number_or_null(f.noise_bandwidth)},
+            {"settling_time_s", number_or_null(f.settling_time)}};
   for (const Fidelity& at : f.fidelity)
     j["at"].push_back({{"frequency", at.frequency},
                        {"gain_error", at.gain_error},

@@ -9,6 +9,7 @@
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/filter/transient.hpp"
 #include "qerr/report/write.hpp"
+#include "report_json.hpp"
 #include "text_table.hpp"
 
 namespace qerr {
@@ -163,12 +164,9 @@ std::string noise_csv(const std::vector<FilterNoise>& report) {
 }
 
 void add_noise(Json& filter, const FilterNoise& f) {
-  const auto or_null = [](const std::optional<double>& value) {
-    return value ? Json(*value) : Json(nullptr);
-  };
-  filter["ipqn_within_10_percent_above"] = or_null(f.within_10_percent);
-  filter["ipqn_within_1_percent_above"] = or_null(f.within_1_percent);
-  filter["noise_rise_time_s"] = or_null(f.rise_time);
+  filter["ipqn_within_10_percent_above"] = number_or_null(f.within_10_percent);
+  filter["ipqn_within_1_percent_above"] = number_or_null(f.within_1_percent);
+  filter["noise_rise_time_s"] = number_or_null(f.rise_time);
   for (const NoiseRow& r : f.rows) {
     Json row = {{"encoder", r.encoder}, {"motion", r.motion.sine ? "sine" : "constant_speed"}};
     const std::string size = r.motion.sine ? "amplitude" : "speed";
@@ -176,7 +174,7 @@ void add_noise(Json& filter, const FilterNoise& f) {
     row[size + "_unit"] = r.motion.unit();
     if (r.motion.sine) row["frequency_hz"] = r.motion.frequency;
     row["counts_per_sample"] = r.counts_per_sample;
-    row["sigma"] = or_null(r.sigma);
+    row["sigma"] = number_or_null(r.sigma);
     row["sigma_ipqn"] = r.sigma_ipqn;
     row["sigma_unit"] = r.unit;
     filter["in_motion"].push_back(row);

@@ -148,6 +148,12 @@ Eigen::VectorXd MotionPath::velocity(double time) const {
   return v;
 }
 
+Eigen::VectorXd MotionPath::acceleration(double time) const {
+  Eigen::VectorXd a(static_cast<Eigen::Index>(count_));
+  for (std::size_t i = 0; i < count_; ++i) a[static_cast<Eigen::Index>(i)] = at(i, time).acceleration;
+  return a;
+}
+
 Eigen::MatrixX2d extent(const Motion& motion) {
   const MotionPath path(motion);
   Eigen::MatrixX2d range(static_cast<Eigen::Index>(path.joints()), 2);

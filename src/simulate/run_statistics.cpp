@@ -83,12 +83,14 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
     expected += s.expected[channel];
     count += s.count;
   }
-  const double ratio = expected > 0 ? pooled * count / expected : 0;
+  // An expectation without bound, as of roll and yaw at the gimbal lock, says nothing of the blocks.
+  const bool shaped = expected > 0 && std::isfinite(expected);
+  const double ratio = shaped ? pooled * count / expected : 0;
   double sum = 0, squares = 0, n = 0;
   for (const Sums& s : blocks_) {
     if (s.count == 0) continue;
     const double v = s.squares[channel] / s.count + std::pow(s.mean[channel] - m, 2);
-    const double off = v - ratio * s.expected[channel] / s.count;
+    const double off = shaped ? v - ratio * s.expected[channel] / s.count : v;
     sum += off;
     squares += off * off;
     n += 1;

@@ -17,25 +17,16 @@ double through(std::vector<Action>& actions, double signal, const Moment& moment
   return signal;
 }
 
-std::size_t index_of(const Chain& chain, const std::string& joint) {
-  const auto found = std::find_if(chain.independent.begin(), chain.independent.end(),
-                                  [&](const IndependentJoint& j) { return j.name == joint; });
-  return static_cast<std::size_t>(found - chain.independent.begin());
-}
-
 }  // namespace
 
 Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
   Chain built = chain;
   for (const Effect& effect : effects) {
     if (effect_kind(effect.type).stage != Stage::kinematics) continue;
-    const auto moved = std::find_if(built.joints.begin(), built.joints.end(),
-                                    [&](const ChainJoint& j) { return j.name == effect.joint; });
-    if (moved == built.joints.end()) continue;  // a master beside the chain does not carry the tip
-    const std::string& axis = effect.choices.at("axis");
-    moved->origin.pretranslate(effect.number("length") * moved->parent_axes.col(axis == "x"   ? 0
-                                                                                : axis == "y" ? 1
-                                                                                              : 2));
+    const auto moved = find_joint(built, effect.joint);
+    if (!moved) continue;  // a master beside the chain does not carry the tip
+    ChainJoint& joint = built.joints[*moved];
+    joint.origin.pretranslate(effect.number("length") * (joint.parent_axes * displacement_direction(effect)));
   }
   return built;
 }
@@ -58,13 +49,13 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       effort_(has_masses(built_) && (options.effort || needs_effort(effects))) {
   for (const Effect& effect : effects)
     if (const auto rebuilt = effect_kind(effect.type).rebuilt)
-      rebuilt(transmission_.encoders[index_of(model.chain, effect.joint)]);
+      rebuilt(transmission_.encoders[independent_index(model.chain, effect.joint)]);
   // By stage, and within a stage in the order of the spec.
   for (int stage = 0; stage < static_cast<int>(Stage::kinematics); ++stage) {
     for (std::size_t i = 0; i < effects.size(); ++i) {
       const EffectKind& kind = effect_kind(effects[i].type);
       if (static_cast<int>(kind.stage) != stage) continue;
-      const std::size_t joint = index_of(model.chain, effects[i].joint);
+      const std::size_t joint = independent_index(model.chain, effects[i].joint);
       Actions& a = actions_[joint];
       auto& list = kind.stage == Stage::clock                               ? a.clock
                    : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <mutex>
 #include <optional>
 
@@ -146,7 +147,11 @@ Result run(const Job& job, std::uint64_t index, const std::function<void()>& tic
   return result;
 }
 
-double ratio(double over, double under) { return under > 0 ? over / under : 1; }
+/// NaN where one of them has no bound or is not known.
+double ratio(double over, double under) {
+  if (!std::isfinite(over) || !std::isfinite(under)) return std::numeric_limits<double>::quiet_NaN();
+  return under > 0 ? over / under : 1;
+}
 
 SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Eigen::Index coordinate,
                           const Channels& channels) {
@@ -184,11 +189,11 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     settling = std::max(settling, settled_after(filter, divisor(filter, motion)));
   settling = std::min(settling, 0.5 * static_cast<double>(samples));
   if (motion.settling) settling = *motion.settling * motion.sample_rate;
+  const OperationalError middle = operational_error(model, center(motion));
   Job job{model, filters, motion, effects, options, std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           // Runs differ in their phases, parts of one run do not.
-          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
-          operational_error(model, center(motion)).mean};
+          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
   const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
@@ -213,7 +218,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     }
   }
 
-  const auto theory = theory_along_path(model, filters, norms, motion, job.settling, path);
+  const auto theory =
+      theory_along_path(middle, model.transmission, filters, norms, motion, job.settling, path);
   Simulation result{options.runs, job.samples, job.settling, {}};
   for (std::size_t f = 0; f < all.size(); ++f) {
     auto& row = result.results.emplace_back();

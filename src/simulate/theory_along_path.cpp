@@ -1,6 +1,7 @@
 #include "theory_along_path.hpp"
 
 #include <cmath>
+#include <limits>
 
 #include "qerr/simulate/noise_along_motion.hpp"
 
@@ -40,12 +41,26 @@ Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
   return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
 }
 
-std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel& model,
-                                                         const std::vector<Filter>& filters,
-                                                         const std::vector<Norms>& norms,
-                                                         const Motion& motion, std::uint64_t settling,
-                                                         const AlongPath& path) {
-  const OperationalError middle = operational_error(model, center(motion));
+namespace {
+
+/// Variance of every coordinate behind a filter, by encoder, with their speeds along the path; NaN where the
+/// filter remembers too much.
+Eigen::MatrixXd exact_variance(const AlongPath& path, const Transmission& transmission, const Motion& motion,
+                               const Filter& filter, double start) {
+  const auto memory = followed(filter);
+  const auto encoders = static_cast<Eigen::Index>(transmission.encoders.size());
+  if (!memory)
+    return Eigen::MatrixXd::Constant(path.rigorous().size(), encoders,
+                                     std::numeric_limits<double>::quiet_NaN());
+  return path.mean_squares(noise_power_along_motion(transmission, motion, *memory, filter.sample_rate, start,
+                                                    AlongPath::stretches));
+}
+
+}  // namespace
+
+std::vector<std::vector<SignalTheory>> theory_along_path(
+    const OperationalError& middle, const Transmission& transmission, const std::vector<Filter>& filters,
+    const std::vector<Norms>& norms, const Motion& motion, std::uint64_t settling, const AlongPath& path) {
   const Eigen::MatrixXd squares = path.mean_squares();
   const double start = static_cast<double>(settling) / motion.sample_rate;
   std::vector<std::vector<SignalTheory>> all;
@@ -53,15 +68,15 @@ std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&
     Norms n;
     n.h2 = n.dc_gain = n.l1.lower = n.l1.upper = 1;
     if (f > 0) n = norms[f - 1];
-    const Eigen::MatrixXd noise = f == 0 ? Eigen::MatrixXd(squares / 12)
-                                         : path.mean_squares(noise_power_along_motion(
-                                               model.transmission, motion, autocorrelation(filters[f - 1]),
-                                               filters[f - 1].sample_rate, start, AlongPath::stretches));
+    const Eigen::MatrixXd exact = f == 0 ? Eigen::MatrixXd(squares / 12)
+                                         : exact_variance(path, transmission, motion, filters[f - 1], start);
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
-      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0),
-                     n.h2 * std::sqrt(squares.row(c).sum() / 12), std::sqrt(noise.row(c).sum()), b.worst_case,
+      // Without bound where the path meets the gimbal lock, though a resting encoder's power is 0 there.
+      const double ipqn_path = n.h2 * std::sqrt(squares.row(c).sum() / 12);
+      row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0), ipqn_path,
+                     std::isfinite(ipqn_path) ? std::sqrt(exact.row(c).sum()) : ipqn_path, b.worst_case,
                      f == 0 ? path.rigorous()[c]
                             : n.l1.upper * path.deviation()[c] + std::abs(n.dc_gain * middle.mean[c])});
     }

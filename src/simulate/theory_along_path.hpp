@@ -42,8 +42,10 @@ struct SignalTheory {
   double ipqn = 0, ipqn_path = 0, exact = 0, worst_case = 0, worst_case_path = 0;
 };
 
+/// @param middle  error at the centre of the motion
 /// @returns [0: the position itself, then the filters][coordinate]
-std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalModel&, const std::vector<Filter>&,
+std::vector<std::vector<SignalTheory>> theory_along_path(const OperationalError& middle, const Transmission&,
+                                                         const std::vector<Filter>&,
                                                          const std::vector<Norms>&, const Motion&,
                                                          std::uint64_t settling, const AlongPath&);
 

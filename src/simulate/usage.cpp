@@ -117,21 +117,17 @@ void reach_into(const MotionPath& path, const Motion& motion, double margin,
   }
 }
 
-Eigen::VectorXd acceleration(const MotionPath& path, double time, double step) {
-  return (path.velocity(time + step) - path.velocity(time - step)) / (2 * step);
-}
-
 void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motion,
                  std::vector<Usage>& joints) {
   Rows efforts(joints.size()), changes(joints.size());
-  const double step = 0.5 / motion.sample_rate;
+  const double step = 1 / motion.sample_rate;
   const auto effort = [&](double t) {
-    return inverse_dynamics(chain, path.position(t), path.velocity(t), acceleration(path, t, step));
+    return inverse_dynamics(chain, path.position(t), path.velocity(t), path.acceleration(t));
   };
   for (const double t : instants(motion, most_efforts)) {
     const Eigen::VectorXd now = effort(t);
     append(efforts, now);
-    append(changes, (effort(t + 2 * step) - now) / (2 * step));
+    append(changes, (effort(t + step) - now) / step);
   }
   for (std::size_t i = 0; i < joints.size(); ++i) {
     joints[i].effort = spread_of(efforts[i]);
@@ -147,7 +143,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
   Path joints(path.joints()), encoders(path.joints());
   for (const double t : instants(motion, most_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
-    const Eigen::VectorXd a = acceleration(path, t, 0.5 / motion.sample_rate);
+    const Eigen::VectorXd a = path.acceleration(t);
     append(joints.position, q);
     append(joints.velocity, v);
     append(joints.acceleration, a);

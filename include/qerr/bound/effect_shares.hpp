@@ -36,6 +36,7 @@ struct EffectShare {
 ///
 /// Effects act one after the other, in the order of `Stage`: one that multiplies the position meets what
 /// those before it have added, so that the position it sees is widened by their worst case.
+/// @throws std::out_of_range for an effect of a joint that the chain has not
 std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vector<Effect>&,
                                        const RobotUsage&);
 

@@ -57,10 +57,6 @@ double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
 /// @param positions  [quanta], more than `first`
 double path_sigma(const Autocorrelation&, std::span<const double> positions, std::size_t first = 0);
 
-/// The same from speeds [quanta per sample], each taken as constant over the filter's memory: the root mean
-/// square of `constant_speed_sigma`.
-double speeds_sigma(const Autocorrelation&, std::span<const double> quanta_per_sample);
-
 /// sigma under IPQN, ||H||_2/sqrt(12).
 double ipqn_sigma(const Autocorrelation&);
 

@@ -15,13 +15,15 @@ struct Evidence {
   std::string joint;  ///< whose encoder it is
   bool prismatic = false;
   Encoder encoder;
-  bool ordered = true;         ///< the rows follow each other in time
-  Eigen::ArrayXd time;         ///< from the first row [s]; the row's number where there is none
-  Eigen::ArrayXd reference;    ///< by the better sensor [rad or m]
-  Eigen::ArrayXd measured;     ///< as read [rad or m]
-  Eigen::ArrayXd path;         ///< the reference without its noise [rad or m]
-  Eigen::ArrayXd velocity;     ///< of the path [rad/s or m/s]
-  Eigen::ArrayXd side;         ///< of the last motion: -1, +1, or 0 before the first
+  bool ordered = true;       ///< the rows follow each other in time
+  Eigen::ArrayXd time;       ///< from the first row [s]; the row's number where there is none
+  Eigen::ArrayXd reference;  ///< by the better sensor [rad or m]
+  Eigen::ArrayXd measured;   ///< as read [rad or m]
+  Eigen::ArrayXd path;       ///< the reference without its noise [rad or m]
+  Eigen::ArrayXd velocity;   ///< of the path [rad/s or m/s]
+  Eigen::ArrayXd side;       ///< of the joint's last motion: -1, +1, or 0 before the first
+  /// The joint's own angle and velocity, where its encoder feels other joints too (coupling); else empty.
+  Eigen::ArrayXd joint_path, joint_velocity;
   Eigen::ArrayXd effort;       ///< empty where it is not known
   Eigen::ArrayXd temperature;  ///< rise since the start [K]; empty where it is not known
   Eigen::ArrayXd chance;       ///< standard deviation of the random effects that the spec has; empty: none
@@ -30,6 +32,9 @@ struct Evidence {
   bool counted = true;         ///< measured are whole counts
 
   Eigen::Index rows() const { return reference.size(); }
+  /// Of the joint: what clock, link and gear act on.
+  const Eigen::ArrayXd& joint_angle() const { return joint_path.size() > 0 ? joint_path : path; }
+  const Eigen::ArrayXd& joint_rate() const { return joint_velocity.size() > 0 ? joint_velocity : velocity; }
   double step() const { return encoder.resolution; }
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
@@ -146,6 +147,11 @@ inline Dimension dimension_at(const Parameter& p, bool prismatic) {
   if (prismatic && p.dimension == dimension::angle_per_temperature) return {1, 0, 0, 0, -1};
   return p.dimension;
 }
+
+/// Unit vector along which an effect of stage `kinematics` displaces its joint's origin, by its choice `axis`
+/// in the axes of the joint's parent link.
+/// @throws std::out_of_range for an effect without that choice
+Eigen::Vector3d displacement_direction(const Effect&);
 
 /// All effects that a spec can name, in the order of `qerr list effects`.
 const std::vector<EffectKind>& effect_kinds();

@@ -57,6 +57,10 @@ struct Spec {
   std::vector<std::string> warnings;
 };
 
+/// The filters of a spec without their names, and the norms beside them, as bounds and simulation take them.
+std::vector<Filter> designed_filters(const Spec&);
+std::vector<Norms> filter_norms(const Spec&);
+
 /// What the command line changes in a spec before it is checked.
 struct SpecOverrides {
   std::vector<std::pair<std::string, std::string>> values;  ///< dotted path, YAML text

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "qerr/kinematics/robot_model.hpp"
@@ -55,6 +56,14 @@ struct Chain {
 /// beyond the base; for a floating
 ///   or planar joint on the way, by its name; when nothing moves
 Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
+
+/// Index of the independent joint of this name.
+/// @throws std::out_of_range where there is none; names in specs are checked when they are read
+std::size_t independent_index(const Chain&, std::string_view name);
+
+/// Index of the moving joint of this name on the way from base to tip; empty where there is none, as of a
+/// master beside the chain, whose mimics alone carry the tip.
+std::optional<std::size_t> find_joint(const Chain&, std::string_view name);
 
 /// Pose of the tip in the base frame at the independent coordinates q [rad or m].
 Eigen::Isometry3d forward_kinematics(const Chain&, const Eigen::VectorXd& q);

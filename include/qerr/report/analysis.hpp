@@ -23,6 +23,10 @@ struct Analysis {
 /// The main job: every bound of the spec over its configurations, with its effects.
 Analysis analyze(const Spec&, const WorkspaceOptions& = {});
 
+/// The same where the effects have been looked at already.
+/// @param effects  of `effect_report` for this spec
+Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions& = {});
+
 /// For every filter the noise of each encoder along the spec's motion (noise_along_motion.hpp), for
 /// WorkspaceOptions; empty without a motion, and for a filter whose memory is too long to be followed.
 std::vector<Eigen::VectorXd> noise_in_motion(const Spec&);

@@ -15,14 +15,10 @@ RobotUsage usage_of(const Spec&);
 
 /// What the spec's effects add, and as which sources of error.
 struct EffectReport {
-  std::vector<EffectShare> shares;  ///< in the order of the spec
-  std::vector<ErrorSource> sources;
+  std::vector<EffectShare> shares;   ///< in the order of the spec
+  std::vector<ErrorSource> sources;  ///< for the model of `workspace` and `operational_error`
 };
 EffectReport effect_report(const Spec&);
-
-/// The spec's model with its effects as sources of error, for `workspace` and `operational_error`; unchanged
-/// where it has sources already.
-OperationalModel model_with_effects(const Spec&);
 
 /// One for every effect whose size is not known: what is missing, and where it can be given.
 std::vector<std::string> effect_warnings(const Spec&, const std::vector<EffectShare>&);

@@ -50,7 +50,7 @@ std::string json_schema();
 std::string csv_cell(const std::string&);
 
 /// Header of the per-configuration CSV, and the row of one configuration.
-/// @param spec  its model as the errors were computed with, effects included (`model_with_effects`)
+/// @param spec  its model as the errors were computed with, effects included (`effect_report`)
 /// @param noise  of `noise_in_motion`
 std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise);
 std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,

@@ -72,6 +72,9 @@ class MotionPath {
   /// Their derivative [rad/s or m/s].
   Eigen::VectorXd velocity(double time) const;
 
+  /// The derivative of that; where it jumps, the value after it [rad/s^2 or m/s^2].
+  Eigen::VectorXd acceleration(double time) const;
+
   /// One joint alone.
   double position(std::size_t joint, double time) const { return at(joint, time).position; }
 

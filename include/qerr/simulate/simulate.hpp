@@ -9,7 +9,8 @@
 namespace qerr {
 
 /// The gap between IPQN at the centre of the motion and the simulation, in factors:
-/// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated.
+/// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated. NaN for
+/// roll and yaw of a motion that meets the gimbal lock, where their Jacobian has no bound.
 struct Ladder {
   double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
   double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
@@ -17,7 +18,8 @@ struct Ladder {
   double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
 };
 
-/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative].
+/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative]. Theory is
+/// infinite for roll and yaw at the gimbal lock.
 struct SimulatedSignal {
   double sigma_simulated = 0;               ///< about the mean, over samples and runs
   double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it: between runs, or within a single one
@@ -25,8 +27,10 @@ struct SimulatedSignal {
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
   double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
-  double sigma_exact = 0;      ///< with the encoders' speeds along the path (noise_along_motion.hpp)
-  double worst_case = 0;       ///< bound (26) at the centre
+  /// With the encoders' speeds along the path (noise_along_motion.hpp); NaN behind a filter that remembers
+  /// more than `longest_autocorrelation` samples.
+  double sigma_exact = 0;
+  double worst_case = 0;  ///< bound (26) at the centre
   double worst_case_path =
       0;  ///< largest along the path, with the second-order remainder: never exceeded but by Gaussians
   Ladder ladder;

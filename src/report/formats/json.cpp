@@ -1,6 +1,6 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 
+#include "../report_json.hpp"
 #include "../writers.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 
@@ -10,23 +10,17 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinity: a figure without bound is null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
 Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
   Json object = Json::object();
   for (Eigen::Index i = 0; i < values.size(); ++i)
-    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = number(values[i]);
+    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = number_or_null(values[i]);
   return object;
 }
 
 Json statistic(const Spec& spec, const Statistic& s) {
-  return {{"min", number(s.min)},
-          {"mean", number(s.mean)},
-          {"max", number(s.max)},
-          {"p50", number(s.p50)},
-          {"p95", number(s.p95)},
-          {"p99", number(s.p99)},
+  return {{"min", number_or_null(s.min)},      {"mean", number_or_null(s.mean)},
+          {"max", number_or_null(s.max)},      {"p50", number_or_null(s.p50)},
+          {"p95", number_or_null(s.p95)},      {"p99", number_or_null(s.p99)},
           {"at_max", by_joint(spec, s.at_max)}};
 }
 
@@ -39,7 +33,7 @@ Json matrix(const Eigen::MatrixXd& m) {
   Json rows = Json::array();
   for (Eigen::Index i = 0; i < m.rows(); ++i) {
     Json row = Json::array();
-    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number(m(i, j)));
+    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(number_or_null(m(i, j)));
     rows.push_back(row);
   }
   return rows;
@@ -86,23 +80,15 @@ Json effects(const Analysis& a) {
 
 Json header(const Analysis& a, const char* command) {
   const Spec& spec = a.spec;
-  Json source = {{"file", spec.file}, {"sha256", spec.sha256}};
-  for (const auto& [key, value] : spec.overrides)
-    source["set"].push_back(Json{{"key", key}, {"value", value}});
   const auto method = spec.configurations.method;
-  return {
-      {"qerr", version()},
-      {"command", command},
-      {"spec", source},
-      {"seed", spec.configurations.seed},
-      {"robot", {{"name", spec.robot_name}, {"base", spec.model.chain.base}, {"tip", spec.model.chain.tip}}},
-      {"configurations",
-       {{"method", method == SamplingMethod::sobol    ? "sobol"
-                   : method == SamplingMethod::random ? "random"
-                   : method == SamplingMethod::grid   ? "grid"
-                   : spec.points_file.empty()         ? "list"
-                                                      : "file"},
-        {"count", a.workspace.count}}}};
+  Json j = report_header(spec, command, spec.configurations.seed);
+  j["configurations"] = {{"method", method == SamplingMethod::sobol    ? "sobol"
+                                    : method == SamplingMethod::random ? "random"
+                                    : method == SamplingMethod::grid   ? "grid"
+                                    : spec.points_file.empty()         ? "list"
+                                                                       : "file"},
+                         {"count", a.workspace.count}};
+  return j;
 }
 
 Json joints(const Analysis& a) {
@@ -191,7 +177,7 @@ std::string check_json(const Analysis& a) {
     list.push_back({{"quantity", r.quantity},
                     {"statistic", r.statistic},
                     {"at_most", r.at_most},
-                    {"value", number(result.value)},
+                    {"value", number_or_null(result.value)},
                     {"unit", r.unit},
                     {"met", result.met}});
   }

@@ -1,0 +1,29 @@
+#include "report_json.hpp"
+
+#include <cmath>
+
+#include "qerr/report/write.hpp"
+
+namespace qerr {
+
+using Json = nlohmann::ordered_json;
+
+Json number_or_null(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+Json number_or_null(const std::optional<double>& value) {
+  return value ? number_or_null(*value) : Json(nullptr);
+}
+
+Json report_header(const Spec& spec, const char* command, std::uint64_t seed) {
+  Json source = {{"file", spec.file}, {"sha256", spec.sha256}};
+  for (const auto& [key, value] : spec.overrides)
+    source["set"].push_back(Json{{"key", key}, {"value", value}});
+  const Chain& chain = spec.model.chain;
+  return {{"qerr", version()},
+          {"command", command},
+          {"spec", source},
+          {"seed", seed},
+          {"robot", {{"name", spec.robot_name}, {"base", chain.base}, {"tip", chain.tip}}}};
+}
+
+}  // namespace qerr

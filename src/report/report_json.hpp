@@ -1,0 +1,18 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <optional>
+
+#include "qerr/input/spec.hpp"
+
+/// What the JSON of several commands has in common.
+namespace qerr {
+
+/// JSON has no infinity: a figure without bound, or one that is not known, is null.
+nlohmann::ordered_json number_or_null(double value);
+nlohmann::ordered_json number_or_null(const std::optional<double>& value);
+
+/// The keys that every report of a spec begins with: `qerr`, `command`, `spec`, `seed`, `robot`.
+nlohmann::ordered_json report_header(const Spec&, const char* command, std::uint64_t seed);
+
+}  // namespace qerr
