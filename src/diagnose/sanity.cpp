@@ -62,7 +62,9 @@ const Effect* known(const Sanity& s, std::size_t encoder, std::string_view effec
   return nullptr;
 }
 
-void forget(Sanity& s, const Effect* effect) { s.present.erase(s.present.begin() + (effect - s.present.data())); }
+void forget(Sanity& s, const Effect* effect) {
+  s.present.erase(s.present.begin() + (effect - s.present.data()));
+}
 
 void drop_column(Log& log, Eigen::Index column) {
   const Eigen::Index after = log.values.cols() - column - 1;
