@@ -80,7 +80,8 @@ TEST(FoundParameters, HoldTheTruthInNineteenOfTwentyRecords) {
   int held = 0;
   const int records = 60;
   for (int i = 0; i < records; ++i) {
-    const Evidence few = independent(swing(100 + static_cast<std::uint64_t>(i), eccentric));
+    const Evidence e = swing(100 + static_cast<std::uint64_t>(i), eccentric);
+    const Evidence few = independent(e, independent_rows(e));
     const std::vector<FoundParameter> found = found_parameters(few, explained(few))[0];
     for (const FoundParameter& p : found)
       if (p.name == "amplitude") {

@@ -139,6 +139,27 @@ TEST(ExtendedSpec, writes_lost_counts_as_whole_ones) {
   EXPECT_EQ(spec_of(extended(base, {lost})).effects.at(0).number("counts"), -4);
 }
 
+TEST(ExtendedSpec, puts_a_found_filter_beside_the_specs_or_in_its_place) {
+  const auto with = [](const std::vector<AddedFilter>& filters) {
+    return extended_spec(spec_of(base), {}, "found in a log", folder + "y.yaml", filters);
+  };
+  const std::string beside = with({{"v_2", "first_order", 3, 12.5, "of the log"}});
+  EXPECT_NE(beside.find("  # of the log\n"), std::string::npos) << beside;
+  const Spec two = spec_of(beside);
+  ASSERT_EQ(two.filters.size(), 2u);
+  EXPECT_EQ(two.filters[0].filter.sample_rate, 1000);
+  EXPECT_NE(two.filters[0].norms.h2, two.filters[1].norms.h2);
+  const std::string instead = with({{"v", "first_order", 2, 12.5, "of the log"}});
+  EXPECT_NE(instead.find("sample_rate: 1 kHz, lowpass: {family: first_order, order: 2, cutoff: 12.5 Hz}"),
+            std::string::npos)
+      << instead;
+  EXPECT_NE(instead.find("# filters.v: of the log\n"), std::string::npos) << instead;
+  EXPECT_EQ(spec_of(instead).filters.size(), 1u);
+  const std::string refused = with({{"v", "first_order", 2, 600, "of the log"}});
+  EXPECT_EQ(refused.substr(0, base.size()), base);
+  EXPECT_NE(refused.find("# found, but not in this model: filter v ("), std::string::npos) << refused;
+}
+
 TEST(ExtendedSpec, stands_unchanged_but_for_a_remark_when_nothing_was_found) {
   EXPECT_EQ(extended(base, {}), base + "# found in a log\n");
 }

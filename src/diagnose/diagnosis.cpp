@@ -8,7 +8,6 @@
 #include "comparison.hpp"
 #include "finding.hpp"
 #include "tip.hpp"
-#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -57,15 +56,13 @@ Verdict verdict_of(const Diagnosis& d, bool judged) {
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
                    const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
-  Sanity sane = check_sanity(model, filters, log);
+  Sanity sane = check_sanity(model, filters, log, present);
   Diagnosis d;
   d.causes = sane.causes;
   d.unexplained = std::move(sane.unexplained);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
-  std::vector<Evidence> all = evidence(sane.model, sane.log);
-  feel(all, sane.model.transmission, present);
-  for (Evidence& e : all) e = with_effects(std::move(e), present);
+  const std::vector<Evidence> all = evidence(sane);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
   std::vector<HeldOut> held;
@@ -83,7 +80,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
-  TipDiagnosis tip = diagnose_tip(sane.model, present, sane.log);
+  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log);
   const bool judged = !all.empty() || tip.judged;
   if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "with_effects.hpp"
+
 namespace qerr {
 
 namespace sanity {
@@ -54,6 +56,16 @@ Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<s
   return c;
 }
 
+const Effect* known(const Sanity& s, std::size_t encoder, std::string_view effect) {
+  for (const Effect& e : s.present)
+    if (e.type == effect && e.joint == s.model.chain.independent[encoder].name) return &e;
+  return nullptr;
+}
+
+void forget(Sanity& s, const Effect* effect) {
+  s.present.erase(s.present.begin() + (effect - s.present.data()));
+}
+
 void drop_column(Log& log, Eigen::Index column) {
   const Eigen::Index after = log.values.cols() - column - 1;
   log.values.middleCols(column, after) = log.values.rightCols(after).eval();
@@ -92,10 +104,18 @@ void check_truth(Sanity& s) {
 
 }  // namespace sanity
 
-Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& filters, const Log& log) {
+Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& filters, const Log& log,
+                    const std::vector<Effect>& present) {
   Sanity s;
   s.log = log;
   s.model = model;
+  s.present = present;
+  s.finer.assign(model.transmission.encoders.size(), 0);
+  for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i)
+    for (const Effect& effect : present)
+      if (const auto rebuilt = effect_kind(effect.type).rebuilt;
+          rebuilt && effect.joint == model.chain.independent[i].name)
+        rebuilt(s.model.transmission.encoders[i]);
   const std::size_t encoders = model.transmission.encoders.size();
   for (std::size_t i = 0; i < encoders; ++i) {
     const auto read = sanity::readings(s, i);
@@ -113,6 +133,18 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   sanity::check_truth(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
   return s;
+}
+
+std::vector<Evidence> evidence(const Sanity& s) {
+  std::vector<Evidence> all = evidence(s.model, s.log);
+  feel(all, s.model.transmission, s.present);
+  for (Evidence& e : all) {
+    for (std::size_t i = 0; i < s.finer.size(); ++i)
+      if (s.finer[i] > 0 && s.model.chain.independent[i].name == e.joint)
+        e.chance = Eigen::ArrayXd::Constant(e.rows(), s.finer[i]);
+    e = with_effects(std::move(e), s.present);
+  }
+  return all;
 }
 
 }  // namespace qerr

@@ -31,6 +31,20 @@ double ideal_sigma(const Sanity&, std::size_t joint);
 Cause cause(const Sanity&, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
             double p_value, double rms_before, double rms_after);
 
+/// The spec's effect of this type on the encoder's joint, null where it has none left.
+const Effect* known(const Sanity&, std::size_t encoder, std::string_view effect);
+
+/// An effect of the spec that has been undone in the log.
+void forget(Sanity&, const Effect*);
+
+/// Readings that are `factor` times the counts, brought to these; the encoder's edges lie where the readings
+/// have theirs.
+///
+/// Which of its edges a coarser counter uses, nobody knows: if the encoder's zero is known, the one that the
+/// reference tells, within one reading.
+/// @returns rms of measured - reference then, 0 without a reference
+double decode(Sanity&, Readings, std::size_t encoder, double factor);
+
 /// Takes a column out of the log.
 void drop_column(Log&, Eigen::Index column);
 

@@ -113,10 +113,6 @@ double common_step(const Eigen::ArrayXd& counts) {
   return static_cast<double>(std::max<std::int64_t>(step, 1));
 }
 
-}  // namespace
-
-namespace {
-
 /// The counter as it would have gone on, and where it wrapped.
 struct Unwrapped {
   Eigen::ArrayXd counts, turns;
@@ -133,12 +129,58 @@ struct Unwrapped {
   }
 };
 
+/// Brings an unwrapped counter to its reference, as far as whole turns of it go.
+void to_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference, const Encoder& encoder,
+                  double modulus) {
+  if (reference.size() > 0 && encoder.zero_known)
+    counts += modulus * std::round((reference - counts).mean() / modulus);
+}
+
+/// A wrap that the spec has is undone without a word, unless the counter wraps at another modulus.
+void undo_known_rollover(Sanity& s, std::size_t encoder) {
+  const Effect* effect = known(s, encoder, "rollover");
+  auto read = readings(s, encoder);
+  if (!effect || !read) return;
+  const double modulus = effect->number("modulus");
+  forget(s, effect);
+  const Encoder& model = s.model.transmission.encoders[encoder];
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  const Eigen::ArrayXd jump = jumps(read->counts, reference);
+  bool power = false;
+  const double shown = modulus_of(jump, power);
+  const bool other = shown > 0 && std::abs(shown - modulus) > std::max(2 * slack, 0.05 * modulus);
+  if (other || range(read->counts) > modulus + slack) return;
+  read->counts = Unwrapped(read->counts, jump, modulus).counts;
+  to_reference(read->counts, reference, model, modulus);
+  write_back(s, *read, encoder);
+}
+
 }  // namespace
 
+double decode(Sanity& s, Readings read, std::size_t encoder, double factor) {
+  Encoder& model = s.model.transmission.encoders[encoder];
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  const double every = read.whole ? common_step(read.counts) : 1, coarser = every / std::abs(factor);
+  Eigen::ArrayXd counts = read.counts / factor;
+  if (every == 1) counts += middle_of_reading(factor, model.rounding);
+  if (every == 1 && reference.size() > 0 && model.zero_known) {
+    const double mean = model.rounding == Rounding::down ? -0.5 * coarser : 0;
+    const double edges = std::round((reference / model.resolution - counts).mean() + mean);
+    if (std::abs(edges) <= 0.5 * coarser) counts += edges;
+  }
+  read.counts = counts / coarser;
+  model.resolution *= coarser;
+  model.counts_per_period = std::max(1.0, model.counts_per_period / coarser);
+  write_back(s, read, encoder);
+  return reference.size() > 0 ? rms(read.counts * model.resolution - reference) : 0;
+}
+
 void check_rollover(Sanity& s, std::size_t encoder) {
+  undo_known_rollover(s, encoder);
   auto read = readings(s, encoder);
   if (!read) return;
-  const double step = s.model.transmission.encoders[encoder].resolution;
+  const Encoder& model = s.model.transmission.encoders[encoder];
+  const double step = model.resolution;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
   const Eigen::ArrayXd jump = jumps(read->counts, reference);
   bool power = false;
@@ -156,9 +198,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
       modulus = std::round(-Line(whole.turns, read->counts - reference).slope);
       whole = Unwrapped(read->counts, jump, modulus);
     }
-    const double apart = (reference - whole.counts).mean();
-    if (s.model.transmission.encoders[encoder].zero_known)
-      whole.counts += modulus * std::round(apart / modulus);
+    to_reference(whole.counts, reference, model, modulus);
     before = rms(read->counts - reference) * step;
     after = rms(whole.counts - reference) * step;
   }
@@ -170,23 +210,21 @@ void check_rollover(Sanity& s, std::size_t encoder) {
 }
 
 void check_decoding(Sanity& s, std::size_t encoder) {
-  auto read = readings(s, encoder);
-  Encoder& model = s.model.transmission.encoders[encoder];
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
+  while (const Effect* effect = known(s, encoder, "decoding")) {
+    const double factor = effect->number("factor");
+    forget(s, effect);
+    if (const auto read = readings(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);
+  }
+  const auto read = readings(s, encoder);
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
   if (!read || reference.size() == 0 || range(reference) < 64 || range(read->counts) < 8) return;
   const Line line(reference, read->counts);
   const double factor = simple_ratio(line.slope);
   const double moved = std::abs(line.slope) * deviation(reference);
   if (factor == 1 || line.rest > 0.1 * moved) return;
-  const double every = read->whole ? common_step(read->counts) : 1;
-  const double before = rms(read->counts - reference) * model.resolution;
-  const double middle = every == 1 ? middle_of_reading(factor, model.rounding) : 0;
-  const Eigen::ArrayXd position = (read->counts / factor + middle) * model.resolution;
-  model.resolution *= every / std::abs(factor);
-  model.counts_per_period = std::max(1.0, model.counts_per_period * std::abs(factor) / every);
-  read->counts = position / model.resolution;
-  write_back(s, *read, encoder);
-  const double after = rms(read->counts * model.resolution - encoder_reference(s, encoder));
+  const double before = rms(read->counts - reference) * resolution;
+  const double after = decode(s, *read, encoder, factor);
   const double tail = moved / std::max(line.rest, 1e-12);
   s.causes.push_back(
       cause(s, encoder, "decoding", {{"factor", factor}}, std::exp(-0.5 * tail * tail), before, after));

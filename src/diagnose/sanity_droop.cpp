@@ -89,8 +89,12 @@ void check_droop(Sanity& s, std::size_t joint) {
   const double tail = explained / std::max(line.rest, 1e-12 * explained);
   const double chance = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
   const Eigen::ArrayXd droop = line.slope * effort;
-  s.causes.push_back(cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, chance, rms(error),
-                           rms(error - droop)));
+  Cause found =
+      cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, chance, rms(error), rms(error - droop));
+  const double rows = static_cast<double>(effort.size()), gain = 1 / line.slope;
+  const double wide = 1.96 * std::abs(gain) * line.rest / (explained * std::sqrt(rows));
+  found.parameters = {{"gain", gain, gain - wide, gain + wide}};
+  s.causes.push_back(std::move(found));
   if (exact) {
     // The reference is the set point, and the effort has the counts' own rounding in it: nothing is left.
     s.warnings.push_back(name +

@@ -18,9 +18,16 @@ std::string number(double x) {
   return text;
 }
 
+/// Whether the spec has a rounding to this grid.
+bool is_known(const Sanity& s, std::size_t joint, double step) {
+  const Effect* effect = known(s, joint, "log_rounding");
+  return effect && std::abs(effect->number("step") - step) < 1e-6 * step;
+}
+
 /// The file's rounding is one of the error's parts, and stays where the counts are not known. It is named
 /// when it is more than a hundredth of the residual's variance.
 void name_rounding(Sanity& s, std::size_t joint, double step) {
+  if (is_known(s, joint, step)) return;
   const auto column = s.log.find(LogSignal::reference, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   double now = 0;
@@ -37,12 +44,9 @@ void check_counts(Sanity& s, Readings& read, std::size_t encoder) {
   std::int64_t every = 0;
   for (const double c : read.counts) every = std::gcd(every, std::llround(c - read.counts[0]));
   if (every < 2 || range(read.counts) < 32 * static_cast<double>(every)) return;
-  Encoder& model = s.model.transmission.encoders[encoder];
-  name_rounding(s, encoder, model.resolution * static_cast<double>(every));
-  model.resolution *= static_cast<double>(every);
-  model.counts_per_period = std::max(1.0, model.counts_per_period / static_cast<double>(every));
+  name_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * static_cast<double>(every));
   read.counts /= static_cast<double>(every);
-  write_back(s, read, encoder);
+  decode(s, read, encoder, 1 / static_cast<double>(every));
 }
 
 /// Measured positions with too few decimals. Where these still tell the counts apart, they are restored.
@@ -56,10 +60,21 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
     // Of about one count the grid may be the encoder itself.
     if (grid < 1.01 || range(read.counts) < 32 * grid) return;
     name_rounding(s, encoder, grid * model.resolution);
+    const Eigen::ArrayXd lowest = (read.counts - 0.5 * grid).ceil();
+    const Eigen::ArrayXd highest = (read.counts + 0.5 * grid).floor();
+    // With an odd number of counts in every step all have as many; halves are rounded up or down by chance.
+    s.finer[encoder] = std::abs(std::remainder(grid, 2)) < 1e-3
+                           ? sigma(model)
+                           : 0.5 * rms(highest + 1 - lowest - grid) * model.resolution;
+    if (model.zero_known)
+      read.counts = 0.5 * (lowest + highest) + (model.rounding == Rounding::down ? 0.5 - 0.5 * grid : 0.0);
+    read.counts /= grid;
     model.resolution *= grid;
-  } else if (on_counts && grid < 0.5 && rms(off) > 0.04) {
+    write_back(s, read, encoder);
+  } else if (on_counts && grid < 0.95 && rms(off) > 0.04) {
     const double step = grid * model.resolution, before = rms(read.counts - counts) * model.resolution;
-    s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
+    if (!is_known(s, encoder, step))
+      s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
     read.counts = counts;
     write_back(s, read, encoder);
   } else if (grid >= 0.5 && rms(off) > 0.04 && range(read.counts) > 32) {

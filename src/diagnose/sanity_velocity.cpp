@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numbers>
 
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter_bank.hpp"
@@ -18,20 +19,26 @@ struct Record {
   double written = 0;   ///< rms that the velocity's own rounding in the file makes [rad/s]
 };
 
-/// rms of velocity - H position over the record's later nine tenths, H run up on the first motion.
-double misfit(const Record& r, const Filter& filter, Eigen::Index delay) {
+/// H position over the record's later nine tenths, H run up on the first motion.
+Eigen::ArrayXd made(const Record& r, const Filter& filter, Eigen::Index delay) {
   const Eigen::Index n = r.position.size(), lead = std::min<Eigen::Index>(n, 2000);
   FilterBank bank(filter, 1);
   Eigen::ArrayXd out(1);
-  double squares = 0;
   const Eigen::Index first = n / 10 + delay;
+  Eigen::ArrayXd velocity(n - first);
   for (Eigen::Index k = -lead; k < n - delay; ++k) {
     const double before = static_cast<double>(k) * r.interval * r.velocity[0];
     out[0] = k < 0 ? before : r.position[k] - r.position[0];
     bank.step(out);
-    if (k + delay >= first) squares += std::pow(r.velocity[k + delay] - out[0], 2);
+    if (k + delay >= first) velocity[k + delay - first] = out[0];
   }
-  return std::sqrt(squares / static_cast<double>(n - first));
+  return velocity;
+}
+
+/// rms of velocity - H position.
+double misfit(const Record& r, const Filter& filter, Eigen::Index delay) {
+  const Eigen::ArrayXd velocity = made(r, filter, delay);
+  return rms(r.velocity.tail(velocity.size()) - velocity);
 }
 
 struct Candidate {
@@ -53,24 +60,45 @@ Filter design(const Candidate& c, double rate) {
   return difference_filter(rate, 1);
 }
 
-/// The best cut-off of one family, order and delay: a coarse grid, then golden sections about its best.
-Candidate best_cutoff(const Record& r, Candidate c) {
-  const double rate = 1 / r.interval;
-  const auto tried = [&](double log_cutoff) {
-    Candidate next = c;
-    next.cutoff = std::exp(log_cutoff);
-    next.misfit = misfit(r, design(next, rate), c.delay);
-    return next;
-  };
-  const double low = std::log(rate / 2000), high = std::log(0.45 * rate), step = (high - low) / 14;
-  Candidate best;
-  for (double x = low; x <= high + 1e-9; x += step)
-    if (const Candidate next = tried(x); next.misfit < best.misfit) best = next;
-  for (double about = step / 2; about > 1e-3; about /= 2)
+/// Logarithm of the highest cut-off that is tried.
+double highest(const Record& r) { return std::log(0.45 / r.interval); }
+
+Candidate tried(const Record& r, Candidate c, double log_cutoff) {
+  c.cutoff = std::exp(log_cutoff);
+  c.misfit = misfit(r, design(c, 1 / r.interval), c.delay);
+  return c;
+}
+
+/// The best cut-off about one, by halves from a relative step to another.
+Candidate refined(const Record& r, Candidate best, double from, double to) {
+  for (double about = from; about > to; about /= 2)
     for (const double by : {-about, about})
-      if (const double x = std::log(best.cutoff) + by; x <= high)
-        if (const Candidate next = tried(x); next.misfit < best.misfit) best = next;
+      if (const double x = std::log(best.cutoff) + by; x <= highest(r))
+        if (const Candidate next = tried(r, best, x); next.misfit < best.misfit) best = next;
   return best;
+}
+
+/// The best cut-off of one family, order and delay: on a coarse grid, then about its best.
+Candidate best_cutoff(const Record& r, const Candidate& c) {
+  const double low = std::log(1 / (2000 * r.interval)), step = (highest(r) - low) / 14;
+  Candidate best;
+  for (double x = low; x <= highest(r) + 1e-9; x += step)
+    if (const Candidate next = tried(r, c, x); next.misfit < best.misfit) best = next;
+  return refined(r, best, step / 2, 1e-3);
+}
+
+/// 95 % interval of the cut-off: what is left, over what a change of the cut-off changes. Both are correlated
+/// over the filter's memory.
+FoundParameter cutoff_of(const Record& r, const Candidate& c) {
+  Candidate other = c;
+  other.cutoff *= 1 - 1e-4;
+  const double rate = 1 / r.interval;
+  const Eigen::ArrayXd here = made(r, design(c, rate), c.delay);
+  const double change = rms(here - made(r, design(other, rate), c.delay)) / (c.cutoff - other.cutoff);
+  const double memory = std::max(1.0, rate / (2 * std::numbers::pi * c.cutoff));
+  const double left = std::max(c.misfit, r.written);
+  const double wide = 1.96 * left / change * std::sqrt(memory / static_cast<double>(here.size()));
+  return {"cutoff", c.cutoff, c.cutoff - wide, c.cutoff + wide};
 }
 
 Candidate best_filter(const Record& r) {
@@ -82,7 +110,7 @@ Candidate best_filter(const Record& r) {
         if (const Candidate c = best_cutoff(r, {family, order, 0, delay, 1e300}); c.misfit < best.misfit)
           best = c;
     }
-  return best;
+  return best.misfit < 1e300 ? refined(r, best, 1e-3, 1e-8) : best;
 }
 
 /// Whether the differences of the positions follow the stamps and not a constant interval, and the cause.
@@ -97,6 +125,7 @@ bool name_jitter(Sanity& s, const Record& r, const Eigen::ArrayXd& time, std::si
   const double before = rms(constant), after = rms(stamped);
   if (deviation(steps) < 0.02 * r.interval || after > 0.5 * before || std::abs(line.slope - 1) > 0.2)
     return false;
+  if (known(s, joint, "timing_jitter")) return true;
   const double sigma = deviation(steps), samples = static_cast<double>(n);
   const double wide = 1.96 * sigma / std::sqrt(2 * samples);
   Cause c = cause(s, joint, "timing_jitter", {{"sigma", sigma}},
@@ -145,6 +174,9 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
                   std::exp(-0.1 * static_cast<double>(n) * std::log(stated / best.misfit)),
                   stated * r.interval, best.misfit * r.interval);
   c.effect.choices["family"] = best.family;
+  c.parameters = {{"order", static_cast<double>(best.order), static_cast<double>(best.order),
+                   static_cast<double>(best.order)},
+                  cutoff_of(r, best)};
   s.causes.push_back(std::move(c));
 }
 

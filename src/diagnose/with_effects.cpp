@@ -80,6 +80,7 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   reference.pass(effects, Stage::reference, Stage::reference);
   const Eigen::ArrayXd added = encoder.signal - e.path - (reference.signal - e.joint_angle());
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
+  if (e.chance.size() > 0) variance = e.chance.square();
   for (const Effect& effect : effects)
     if (effect.joint == e.joint && by_chance(effect)) {
       const double sigma = effect.number("sigma");

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include "extended_filters.hpp"
 #include "yaml_text.hpp"
 
 namespace qerr {
@@ -92,8 +93,9 @@ std::string comment_lines(const std::string& text) {
 
 class Extension {
  public:
-  Extension(const Spec& spec, const std::string& remarks, const std::string& target)
-      : spec_(spec), remarks_(remarks), target_(target) {}
+  Extension(const Spec& spec, const std::string& remarks, const std::string& target,
+            const std::vector<AddedFilter>& filters)
+      : spec_(spec), remarks_(remarks), target_(target), filters_(filters) {}
 
   void add(const AddedEffect& effect) {
     const std::string why = obstacle(effect.effect);
@@ -104,6 +106,7 @@ class Extension {
   }
 
   std::string text() {
+    tell_filters();
     std::string out = written(taken_);
     if (!taken_.empty() && !fault_in(out).empty()) {
       // One of them is refused: found by reading each alone.
@@ -124,6 +127,22 @@ class Extension {
                            effect.effect.joint + " (" + why + ")\n  " + effect.note);
   }
 
+  /// What becomes of the filters: one that replaces another one's low-pass has no place of its own for a
+  /// comment.
+  void tell_filters() {
+    const std::string why = filters_.empty() ? "" : fault_in(written({}));
+    for (const AddedFilter& f : filters_) {
+      const bool there = std::any_of(spec_.filters.begin(), spec_.filters.end(),
+                                     [&](const NamedFilter& old) { return old.name == f.name; });
+      if (!why.empty())
+        left_ +=
+            comment_lines("found, but not in this model: filter " + f.name + " (" + why + ")\n  " + f.note);
+      else if (there)
+        left_ += comment_lines("filters." + f.name + ": " + f.note);
+    }
+    if (!why.empty()) filters_.clear();
+  }
+
   std::string fault_in(const std::string& text) const {
     try {
       parse_spec(text, target_);
@@ -138,6 +157,7 @@ class Extension {
     Node root = parse_yaml(spec_.text, spec_.file);
     for (const auto& [key, value] : spec_.overrides) apply_override(root, key, value, "--set " + key);
     move_paths(root, spec_.file, target_);
+    add_filters(root, spec_.filters, filters_);
     if (!effects.empty()) {
       if (!entry(root, "effects"))
         root.entries.emplace_back(Node::Key{"effects", {}},
@@ -157,13 +177,15 @@ class Extension {
   const Spec& spec_;
   std::string remarks_, target_, left_;
   std::vector<AddedEffect> taken_;
+  std::vector<AddedFilter> filters_;
 };
 
 }  // namespace
 
 std::string extended_spec(const Spec& spec, const std::vector<AddedEffect>& effects,
-                          const std::string& remarks, const std::string& target) {
-  Extension extension(spec, remarks, target);
+                          const std::string& remarks, const std::string& target,
+                          const std::vector<AddedFilter>& filters) {
+  Extension extension(spec, remarks, target, filters);
   for (const AddedEffect& effect : effects) extension.add(effect);
   return extension.text();
 }

@@ -99,7 +99,8 @@ class Encoder:
         """Counts at the positions x; `noise` is added before the comparators."""
         seen = self.on_disc(x)
         if self.kind == "sincos":
-            turn = np.floor((self.interpolated(seen) + noise) / self.resolution + 0.5)
+            half = 0.0 if self.rounding == "down" else 0.5
+            turn = np.floor((self.interpolated(seen) + noise) / self.resolution + half)
             return turn.astype(np.int64)
         seen = seen + noise
         k, _, actual = self.edges(seen.min(), seen.max())

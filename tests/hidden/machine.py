@@ -154,6 +154,9 @@ class Machine:
         link, (q, v, a) = self.link(paths, t), paths.at(t)
         reference = link + self.reference_noise[:, None] * rng.standard_normal((n, len(t)))
         measured = self.coupling @ (counts * step[:, None])
+        # A count that stands for several leaves the joint as unknown as all of these together.
+        coarser = np.array([e.flaws.get("counts_every", 1) for e in self.encoders])
+        unknown = self.coupling @ ((coarser - 1)[:, None] * (counts * step[:, None] - model))
         model = self.coupling @ model
         expected_reference = link.copy()
         for e in self.of("reference_error"):
@@ -167,7 +170,7 @@ class Machine:
         tip = self.as_built.tip(link) + self.tip_noise * rng.standard_normal((len(t), 3))
         return Record(t if stamps is None else stamps, counts, measured, reference, effort, link, model, v, tip,
                       {j: e for j, e in events.items() if e},
-                      measured - reference - (model - expected_reference))
+                      measured - reference - (model - expected_reference) + unknown)
 
     def gain(self, record):
         """rms of measured - reference (mean included) before, and after the true model is taken off, per joint and over all."""

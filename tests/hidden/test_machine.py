@@ -45,8 +45,9 @@ def an_ideal_encoder_rounds_to_the_nearest_count():
     assert np.array_equal(r.counts[0], np.floor(r.link[0] / STEP + 0.5))
     near(np.sqrt(np.mean(e**2)), STEP / math.sqrt(12))
     assert np.array_equal(r.model, r.link)
-    down, _ = error(one_joint(rounding="down"))
-    near(down.mean(), -STEP / 2)
+    for kind in ("counts", "sincos"):
+        down, _ = error(one_joint(kind=kind, rounding="down"))
+        near(down.mean(), -STEP / 2)
     near(error(one_joint(flaws={"truncation": True}))[0].mean(), -STEP / 2)
 
 
@@ -162,6 +163,7 @@ def a_decoder_can_lose_wrap_and_miss_edges():
         e, r = error(one_joint(flaws={"counts_every": every}, kind="lines"))
         assert np.abs(r.counts - ideal / every).max() <= 1
         near(np.std((r.measured - r.model)[0]), STEP / math.sqrt(12))
+        near(np.std(r.unexpected[0]), every * STEP / math.sqrt(12))
 
 
 def loads_do_the_work_that_changes_the_energy():

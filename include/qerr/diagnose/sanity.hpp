@@ -5,6 +5,7 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/diagnose/evidence.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/simulate/log.hpp"
 
@@ -16,7 +17,11 @@ struct Sanity {
   /// were rounded are even again, rows of a sensor that was stuck are gone, and so are columns that say
   /// nothing (a reference that never moves, a "load" that is the servo error).
   Log log;
-  OperationalModel model;  ///< with the encoders' resolutions as the log shows them
+  OperationalModel model;       ///< with the encoders' resolutions as the log shows them
+  std::vector<Effect> present;  ///< of the spec, without those that the repair has undone
+  /// Per encoder: what a finer quantizer before the one of the model scatters the position by, its standard
+  /// deviation [rad or m]; 0 where there is none.
+  std::vector<double> finer;
   std::vector<double>
       rms_before;             ///< of measured - reference as recorded, per encoder [rad or m]; 0: not known
   std::vector<Cause> causes;  ///< by name
@@ -40,6 +45,12 @@ struct Sanity {
 /// Tables without time and logs of a tracked tip pass; what needs order or a joint's reference is left out.
 /// @param filters  of the spec; those of the first derivative are held against JOINT.velocity
 /// @param log      with its values
-Sanity check_sanity(const OperationalModel&, const std::vector<Filter>& filters, const Log& log);
+/// @param present  effects that the spec has: the log is repaired with them, and named is what differs from
+///   them, such as another modulus
+Sanity check_sanity(const OperationalModel&, const std::vector<Filter>& filters, const Log& log,
+                    const std::vector<Effect>& present = {});
+
+/// The evidence of a repaired log, along the paths that the effects left in the spec make of the motion.
+std::vector<Evidence> evidence(const Sanity&);
 
 }  // namespace qerr
