@@ -91,12 +91,12 @@ struct Fit {
   }
 };
 
-bool is_even(const Eigen::ArrayXd& time) {
+/// The interval that nearly all stamps keep, but for gaps; 0 where there is none [s].
+double common_interval(const Eigen::ArrayXd& time) {
   const Eigen::Index n = time.size();
-  const double interval = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
-  return ((time - time[0] - interval * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1))).abs() <
-          1e-3 * interval)
-      .all();
+  const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
+  const double usual = median({steps.begin(), steps.end()});
+  return ((steps - usual).abs() < 1e-3 * usual).count() >= n - 1 - n / 1000 ? usual : 0;
 }
 
 /// Local fits over 2 h + 1 samples.
@@ -107,9 +107,17 @@ class Window {
   /// Relative to the sample itself, so that a long way from zero costs no digits.
   auto around(Eigen::Index k) const { return (x_.segment(first(k), 2 * h_ + 1) - x_[k]).matrix(); }
 
+  /// Of a window about 0.
+  static Eigen::VectorXd stamps(const Eigen::ArrayXd& time, Eigen::Index h, double interval) {
+    if (interval > 0)
+      return interval *
+             Eigen::VectorXd::LinSpaced(2 * h + 1, -static_cast<double>(h), static_cast<double>(h));
+    return time.segment(0, 2 * h + 1) - time[h];
+  }
+
  public:
-  Window(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, bool even)
-      : time_(time), x_(x), h_(h), even_(even), common_(time.segment(0, 2 * h + 1), time[h]) {}
+  Window(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, double interval)
+      : time_(time), x_(x), h_(h), interval_(interval), common_(stamps(time, h, interval), 0) {}
 
   /// Part of white noise that stays in the position.
   double kept() const { return std::sqrt(std::max(0.0, common_.value[h_])); }
@@ -144,13 +152,15 @@ class Window {
 
  private:
   const Fit& fit(Eigen::Index k, std::optional<Fit>& own) const {
-    if (even_ && first(k) == k - h_) return common_;
+    const double width = 2 * static_cast<double>(h_) * interval_;
+    if (first(k) == k - h_ && std::abs(time_[k + h_] - time_[k - h_] - width) < 1e-3 * interval_)
+      return common_;
     return own.emplace(Eigen::VectorXd(time_.segment(first(k), 2 * h_ + 1)), time_[k]);
   }
 
   const Eigen::ArrayXd &time_, &x_;
   Eigen::Index h_;
-  bool even_;
+  double interval_;  ///< of even stamps; 0: they are uneven
   Fit common_;
 };
 
@@ -160,11 +170,11 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
   const Eigen::Index n = recorded.size();
   if (n < 8 || !(time[n - 1] > time[0])) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
   const double noise = std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
-  const bool even = is_even(time);
+  const double interval = common_interval(time);
   std::optional<Window> widest;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
-    Window next(time, recorded, h, even);
+    Window next(time, recorded, h, interval);
     if (widest && next.left() > 1.15 * noise) break;
     widest.emplace(std::move(next));
   }
