@@ -25,6 +25,7 @@ std::optional<double> frequency_of(const Effect& e) {
 std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
   const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
   if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
+  if (effect.type == "reference_error") return {"transmission_error"};
   if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
   std::vector<std::string> same;
   const auto shaft = effect.choices.find("shaft");

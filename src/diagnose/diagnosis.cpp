@@ -78,7 +78,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.unexplained = std::move(sane.unexplained);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
-  const std::vector<Evidence> all = evidence(sane);
+  const std::vector<Evidence> all = evidence(sane, options.threads);
   warn_of_unjudged(sane.model, sane.log, all, d.warnings);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
@@ -97,7 +97,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
-  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log);
+  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
   const bool judged = !all.empty() || tip.judged;
   if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;

@@ -151,11 +151,11 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
 
 }  // namespace
 
-std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
+std::vector<Evidence> evidence(const OperationalModel& model, const Log& log, unsigned threads) {
   Eigen::ArrayXd time;
   if (const auto stamps = log.find(LogSignal::time)) time = log.values.col(*stamps) - log.values(0, *stamps);
   std::vector<std::optional<Evidence>> found(model.chain.independent.size());
-  parallel_for(found.size(), 0, [&](std::size_t i) { found[i] = evidence_of(model, log, time, i); });
+  parallel_for(found.size(), threads, [&](std::size_t i) { found[i] = evidence_of(model, log, time, i); });
   std::vector<Evidence> all;
   for (auto& e : found)
     if (e) all.push_back(std::move(*e));

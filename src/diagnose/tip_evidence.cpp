@@ -111,7 +111,7 @@ void shorten(TipEvidence& e) {
 }  // namespace
 
 std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std::vector<Effect>& present,
-                                        const Log& log) {
+                                        const Log& log, unsigned threads) {
   TipEvidence e;
   std::vector<Eigen::Index> columns;
   for (std::size_t i = 0; i < 3; ++i)
@@ -150,7 +150,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   }
   const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
   e.encoders.resize(static_cast<std::size_t>(count));
-  parallel_for(e.encoders.size(), 0, [&](std::size_t i) {
+  parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
     e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);
   });
   take_off(e, present);
