@@ -12,7 +12,8 @@ inline constexpr double worth_trying = 8;       ///< log-likelihood that one New
 inline constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
 inline constexpr double worth_comparing = 0.5;  ///< of what a chosen term promised, by another in its place
 inline constexpr double cannot_be_told = 6;     ///< log-likelihood that an alternative loses at most
-inline constexpr double nearly_as_good = 0.96;  ///< or the part of the variance that it explains at least
+inline constexpr double hard_to_tell = 40;      ///< the same, of one that explains nearly as much variance
+inline constexpr double nearly_as_good = 0.96;  ///< the part of it
 
 /// The Bayesian criterion: log-likelihood less half a logarithm of the rows for each number that was fitted.
 double bayes(const Explanation&, const Evidence&);

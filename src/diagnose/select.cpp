@@ -140,7 +140,7 @@ void add_alternatives(Selection& s, std::size_t term, const Explanation& without
     const Explanation swapped = with_term(without, other);
     const double loss = bayes(s.model, e) - bayes(swapped, e);
     const double part = removed > 0 ? (left_by(without, e) - left_by(swapped, e)) / removed : 0;
-    if (loss < cannot_be_told || (part > nearly_as_good && removed > 0.01 * all))
+    if (loss < cannot_be_told || (loss < hard_to_tell && part > nearly_as_good && removed > 0.01 * all))
       s.alternatives.push_back({term, other.effect, loss});
   }
 }
