@@ -208,13 +208,13 @@ double Explanation::gain(const Term& t) const {
 double Explanation::inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
-  if (blocks < 4) return 1;
+  if (blocks < 4) return evidence_->alike;
   Eigen::MatrixXd by_block(blocks, scores.cols());
   for (Eigen::Index i = 0; i < blocks; ++i) {
     const Eigen::Index first = i * scores.rows() / blocks, last = (i + 1) * scores.rows() / blocks;
     by_block.row(i) = scores.middleRows(first, last - first).colwise().sum();
   }
-  return std::max(1.0, by_block.squaredNorm() / std::max(scores.squaredNorm(), 1e-300));
+  return std::max(evidence_->alike, by_block.squaredNorm() / std::max(scores.squaredNorm(), 1e-300));
 }
 
 }  // namespace qerr

@@ -3,11 +3,14 @@
 #include <Eigen/LU>
 
 #include "qerr/core/parallel.hpp"
+#include "readings.hpp"
 #include "with_effects.hpp"
 
 namespace qerr {
 
 namespace {
+
+constexpr double noticeably_alike = 1.5;
 
 /// What a joint's residual was before its readings were repaired; empty where they were not.
 std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
@@ -55,6 +58,12 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) 
   auto f = std::make_unique<Finding>();
   f->evidence = independent(record, groups);
   f->selection.emplace(select(f->evidence));
+  // Rows that repeat each other make many terms out of what is left; counted once, they may not.
+  const double alike = rows_alike(f->selection->model);
+  if (alike > noticeably_alike) {
+    f->evidence.alike = alike;
+    f->selection.emplace(select(f->evidence));
+  }
   f->scatter = scatter_of(f->evidence, f->selection->model);
   f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);

@@ -10,7 +10,8 @@ namespace qerr {
 
 inline constexpr double worth_a_term = 3;  ///< in the Bayesian criterion
 
-/// The Bayesian criterion: log-likelihood less half a logarithm of the rows for each number that was fitted.
+/// The Bayesian criterion: log-likelihood less half a logarithm of the readings for each number that was
+/// fitted, both by the number of independent readings.
 double bayes(const Explanation&, const Evidence&);
 
 /// The p-value of a model with a term against the one without it: of the likelihood ratio, less what

@@ -6,10 +6,13 @@
 
 namespace qerr {
 
-std::vector<Eigen::Index> block_starts(const Evidence& e) {
+namespace {
+
+/// @param part  of the record that a block has at most
+std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index part) {
   const Eigen::Index n = e.rows();
   const Eigen::Index least = std::max<Eigen::Index>(std::min<Eigen::Index>(50, n / 4), (n + 127) / 128);
-  const Eigen::Index most = std::max(least, n / 8);
+  const Eigen::Index most = std::max(least, n / part);
   const double revolution = 2 * std::numbers::pi / std::max(std::abs(e.encoder.shaft_ratio), 1e-12);
   std::vector<Eigen::Index> starts{0};
   bool turned = false;
@@ -25,6 +28,16 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
     travel = 0;
   }
   return starts;
+}
+
+}  // namespace
+
+std::vector<Eigen::Index> block_starts(const Evidence& e) {
+  constexpr std::size_t few = 12;
+  constexpr Eigen::Index coarse = 8, fine = 53;  // a prime: no low order keeps pace with the blocks
+  std::vector<Eigen::Index> starts = starts_of_blocks(e, coarse);
+  // Within one revolution blocks of an eighth would hide half of every period of order 4 from a fit.
+  return starts.size() < few ? starts_of_blocks(e, fine) : starts;
 }
 
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {

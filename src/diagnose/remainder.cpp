@@ -33,7 +33,7 @@ std::optional<Term> best_table(const Explanation& m, const Evidence& e) {
   double value = worth_no_name;
   for (Term& t : tables(e)) {
     const double here =
-        m.gain(t) - 0.5 * static_cast<double>(t.size()) * std::log(static_cast<double>(e.rows()));
+        m.gain(t) / e.alike - 0.5 * static_cast<double>(t.size()) * std::log(e.readings());
     if (here > value) value = here, best = std::move(t);
   }
   return best;
@@ -48,7 +48,7 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
   std::optional<Explanation> best;
   double value = bayes(m, e) + worth_no_name;
   for (const Term& t : candidates) {
-    if (m.gain(t) < worth_no_name) continue;
+    if (m.gain(t) < worth_no_name * e.alike) continue;
     Explanation next = with_term(m, t);
     if (next.terms().back().reshaped) next = refined(std::move(next), e);
     const std::size_t last = next.terms().size() - 1;

@@ -29,8 +29,33 @@ class Search {
   Search(const Evidence& e, const SelectOptions& options)
       : e_(e), options_(options), named_(named_terms(e)) {}
 
-  /// The model with the term that improves it most, if any does.
+  /// The model with the term that improves it most, if any does. What has no name comes only where names
+  /// together do not say as much: between two of them a free order fits better than either.
   std::optional<Explanation> better(const Explanation& model) const {
+    std::optional<Explanation> next = step(model, true);
+    if (!next || next->terms().back().named()) return next;
+    Explanation names = completed(model);
+    if (names.terms().size() > model.terms().size() &&
+        bayes(names, e_) > bayes(completed(*next), e_) - worth_no_name)
+      return names;
+    return next;
+  }
+
+  const std::vector<Term>& named() const { return named_; }
+
+ private:
+  /// The model with all the names that improve it.
+  Explanation completed(Explanation model) const {
+    while (model.terms().size() < options_.most_terms) {
+      std::optional<Explanation> next = step(model, false);
+      if (!next) break;
+      model = std::move(*next);
+    }
+    return model;
+  }
+
+  /// The model with one more term, or the steps that improve it most.
+  std::optional<Explanation> step(const Explanation& model, bool unnamed) const {
     std::vector<Explanation> tried;
     double leading = bayes(model, e_) + worth_a_term;
     for (const Term& t : promising(model)) {
@@ -44,17 +69,15 @@ class Search {
       // Only what could still lead is worth the search for its shape.
       if (next.terms().back().reshaped && bayes(next, e_) > leading - worth_refining)
         next = settled(refined(std::move(next), e_), e_);
-      const double here = bayes(next, e_) - (next.terms().back().named() ? 0 : worth_no_name);
-      if (here < value || !passes(model, next)) continue;
+      const bool is_named = next.terms().back().named();
+      const double here = bayes(next, e_) - (is_named ? 0 : worth_no_name);
+      if ((!is_named && !unnamed) || here < value || !passes(model, next)) continue;
       value = here;
       best = std::move(next);
     }
     return best;
   }
 
-  const std::vector<Term>& named() const { return named_; }
-
- private:
   /// Terms by what one Newton step would gain, the best first.
   std::vector<Term> promising(const Explanation& model) const {
     std::vector<Term> candidates;
@@ -63,7 +86,7 @@ class Search {
     if (auto order = strongest_order(e_, model)) candidates.push_back(std::move(*order));
     std::vector<std::pair<double, std::size_t>> gains;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (const double gain = model.gain(candidates[i]); gain > worth_trying) gains.emplace_back(gain, i);
+      if (const double gain = model.gain(candidates[i]); gain > worth_trying * e_.alike) gains.emplace_back(gain, i);
     std::sort(gains.rbegin(), gains.rend());
     if (gains.size() > tried_in_full) gains.resize(tried_in_full);
     std::vector<Term> best;
@@ -78,7 +101,7 @@ class Search {
     Explanation m = model;
     for (int i = 0; i < most_steps; ++i) {
       const auto step = strongest_step(e_, m);
-      if (!step || m.gain(*step) < worth_trying) break;
+      if (!step || m.gain(*step) < worth_trying * e_.alike) break;
       Explanation next = with_term(m, *step);
       const bool passed = bayes(next, e_) > bayes(m, e_) + worth_a_term && passes(m, next);
       m = std::move(next);
