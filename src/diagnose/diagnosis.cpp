@@ -31,6 +31,22 @@ std::string_view name(Verdict v) {
 
 namespace {
 
+/// Joints that the log reads and that nothing can be said of.
+void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::vector<Evidence>& all,
+                      std::vector<std::string>& warnings) {
+  if (all.empty()) return;
+  for (std::size_t i = 0; i < model.chain.independent.size(); ++i) {
+    const std::string& name = model.chain.independent[i].name;
+    const bool read = log.find(LogSignal::counts, i) || log.find(LogSignal::measured, i);
+    if (!read || std::any_of(all.begin(), all.end(), [&](const Evidence& e) { return e.joint == name; }))
+      continue;
+    warnings.push_back(name + ": not judged: " +
+                       (log.find(LogSignal::reference, i)
+                            ? "its encoder feels a joint that has no reference or no reading"
+                            : "it has no reference"));
+  }
+}
+
 /// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
 void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
@@ -63,6 +79,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
   const std::vector<Evidence> all = evidence(sane);
+  warn_of_unjudged(sane.model, sane.log, all, d.warnings);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
   std::vector<HeldOut> held;

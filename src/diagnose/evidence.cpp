@@ -29,6 +29,28 @@ Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen
   return x;
 }
 
+/// What an encoder reads by the positions that are logged for the joints that it feels; empty where one is
+/// missing. A joint that has counts stands for the position that they make, if it feels no other encoder.
+Eigen::ArrayXd measured_of(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
+  const Eigen::MatrixXd& coupling = model.transmission.coupling;
+  const Eigen::MatrixXd to_encoders = coupling.inverse();
+  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
+  for (Eigen::Index j = 0; j < to_encoders.cols(); ++j) {
+    if (std::abs(to_encoders(encoder, j)) < 1e-12) continue;
+    const auto joint = static_cast<std::size_t>(j);
+    const auto measured = log.find(LogSignal::measured, joint), counts = log.find(LogSignal::counts, joint);
+    const bool alone = (coupling.row(j).array().abs() > 1e-12).count() == 1;
+    if (measured)
+      x += to_encoders(encoder, j) * log.values.col(*measured).array();
+    else if (counts && alone)
+      x += to_encoders(encoder, j) * coupling(j, j) * model.transmission.encoders[joint].resolution *
+           log.values.col(*counts).array();
+    else
+      return {};
+  }
+  return x;
+}
+
 /// Whether an encoder feels its own joint only.
 bool alone(const OperationalModel& model, Eigen::Index encoder) {
   const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
@@ -49,7 +71,7 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
 
 std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
   // The noise alone must not make two rows of one.
-  const double apart = std::max(3 * e.noise, 0.05 * e.step());
+  const double apart = std::max(3 * e.path_noise, 0.05 * e.step());
   std::vector<RowGroup> all;
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
@@ -91,10 +113,11 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
   for (std::size_t i = 0; i < joints.size(); ++i) {
     Evidence e;
     e.reference = reference_of(model, log, static_cast<Eigen::Index>(i), e.grid);
-    const auto counts = log.find(LogSignal::counts, i), measured = log.find(LogSignal::measured, i);
-    const bool uncoupled =
-        model.transmission.coupling.row(static_cast<Eigen::Index>(i)).cwiseAbs().sum() == 1;
-    if (e.reference.size() == 0 || (!counts && !(measured && uncoupled))) continue;
+    const auto counts = log.find(LogSignal::counts, i);
+    if (e.reference.size() == 0) continue;
+    e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * model.transmission.encoders[i].resolution)
+                        : measured_of(model, log, static_cast<Eigen::Index>(i));
+    if (e.measured.size() == 0) continue;
     e.joint = joints[i].name;
     e.number = static_cast<Eigen::Index>(i);
     e.prismatic = joints[i].prismatic();
@@ -102,13 +125,12 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
     e.ordered = stamps.has_value();
     e.time = time;
     e.counted = counts.has_value();
-    e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * e.encoder.resolution)
-                        : Eigen::ArrayXd(log.values.col(*measured));
     if (e.ordered) {
       const SmoothPath smooth = smooth_path(time, e.reference, e.grid);
       e.path = smooth.position;
       e.velocity = smooth.velocity;
       e.noise = smooth.noise;
+      e.path_noise = smooth.left;
       if (!alone(model, static_cast<Eigen::Index>(i))) {
         const SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, i)), e.grid);
         e.joint_path = own.position;
@@ -118,7 +140,7 @@ std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
     } else {
       e.path = e.reference;
       e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
-      e.noise = e.grid / std::sqrt(12.0);
+      e.noise = e.path_noise = e.grid / std::sqrt(12.0);
     }
     if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
     if (const auto warm = log.find(LogSignal::temperature, i))

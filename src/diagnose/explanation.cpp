@@ -16,13 +16,13 @@ constexpr int most_steps = 60;
 
 Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   const double below = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
-  intervals_.lower = e.measured - below * e.step() - e.reference;
+  intervals_.lower = e.measured - below * e.step() - e.path;
   intervals_.upper = intervals_.lower + e.step();
   base_.resize(e.rows(), e.encoder.zero_known ? 0 : 1);
   base_.setOnes();
   beta_ = Eigen::VectorXd::Zero(base_.cols());
-  spread_ = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
-  const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
+  spread_ = 2 * (e.measured - e.path).abs().maxCoeff() + e.step();
+  const double own = std::max(e.path_noise, 1e-3 * e.step());
   relative_.setOnes(e.rows());
   if (e.chance.size() > 0) relative_ = (1 + (e.chance / own).square()).sqrt();
   fit();
@@ -57,9 +57,9 @@ IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, do
   return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
 }
 
-/// The least noise there can be: what the reference has, or the grid of the file.
+/// The least noise there can be.
 double Explanation::least_noise() const {
-  return std::max({0.5 * evidence_->noise, 0.3 * evidence_->grid, 1e-3 * evidence_->step()});
+  return std::max(0.5 * evidence_->path_noise, 1e-3 * evidence_->step());
 }
 
 /// Least squares to the middle of the intervals, and the scatter about it: where Newton's method begins.

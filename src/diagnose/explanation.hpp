@@ -30,7 +30,7 @@ class Explanation {
 
   const std::vector<Term>& terms() const { return terms_; }
   Eigen::VectorXd coefficients(std::size_t term) const;
-  const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the reference
+  const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the path
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
   double plain_noise() const { return plain_sigma_; }  ///< with nothing taken to be an outlier
@@ -60,7 +60,7 @@ class Explanation {
   Eigen::VectorXd beta_;
   Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
   Eigen::ArrayXd fixed_;     ///< what terms that are not linear add beside their columns
-  Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over the reference's own noise
+  Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over what is left of the reference's noise
   Eigen::ArrayXd x_;
   double spread_ = 0;
   double sigma_ = 0, plain_sigma_ = 0;

@@ -78,15 +78,15 @@ double part_inside(double low, double high) {
 void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Prediction& p, HeldOut& h) {
   const double under = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
   const Evidence part = rows_of(e, rows);
-  const Eigen::ArrayXd lower = part.measured - under * e.step() - part.reference;
+  const Eigen::ArrayXd lower = part.measured - under * e.step() - part.path;
   const Intervals edges{lower, lower + e.step()};
   const auto log_likelihood = [&](const Eigen::ArrayXd& added, double noise) {
-    const double spread = 2 * (part.measured - part.reference).abs().maxCoeff() + e.step();
+    const double spread = 2 * (part.measured - part.path).abs().maxCoeff() + e.step();
     return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), 0.01, spread).log_likelihood;
   };
   h.log_score += log_likelihood(p.after, p.noise_after) - log_likelihood(p.before, p.noise_before);
   for (Eigen::Index k = 0; k < part.rows(); ++k) {
-    const double x = part.reference[k] + p.after[k], noise = p.noise_after;
+    const double x = part.path[k] + p.after[k], noise = p.noise_after;
     const double rest = (part.measured[k] - x) / e.step();
     h.rest += rest * rest;
     h.predicted += expected_square(e.encoder, e.counted ? x / e.step() : 0.5, noise / e.step());

@@ -4,9 +4,9 @@
 
 namespace qerr {
 
-/// What quantized readings say of a deviation from the reference: between which edges it lay.
+/// What quantized readings say of a deviation from the reference path: between which edges it lay.
 struct Intervals {
-  Eigen::ArrayXd lower, upper;  ///< edges of every reading less its reference, lower < upper [rad or m]
+  Eigen::ArrayXd lower, upper;  ///< edges of every reading less its path, lower < upper [rad or m]
 };
 
 /// Log-likelihood of deviations x from the reference under readings, and its derivatives.

@@ -100,7 +100,7 @@ bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& varianc
 Scatter scatter_of(const Evidence& e, const Explanation& m) {
   Scatter s;
   const double range = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
-  const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
+  const double own = std::max(e.path_noise, 1e-3 * e.step());
   const double beyond = m.noise() * m.noise() - own * own;
   s.size = std::sqrt(std::max(0.0, beyond));
   if (m.outliers() > many_outliers) {

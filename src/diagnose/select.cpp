@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t tried_in_full = 6;
+constexpr std::size_t tried_in_full = 8;
 constexpr double worth_trying = 8;       ///< promised log-likelihood
 constexpr double worth_refining = 200;   ///< behind the leading term at most
 constexpr double worth_no_name = 10;     ///< what has no name must be clearly better

@@ -14,7 +14,7 @@ struct SelectOptions {
   /// more than a noisy reference knows: what repeats there has the size of that noise.
   double least(const Evidence& e) const { return std::max(0.05 * e.step(), 0.5 * e.noise); }
   /// The same of one that was looked for over a range of orders, times or frequencies.
-  double least_scanned(const Evidence& e) const { return std::max(0.1 * e.step(), 1.5 * e.noise); }
+  double least_scanned(const Evidence& e) const { return std::max(0.1 * e.step(), 1.0 * e.noise); }
 };
 
 /// What could stand in a chosen term's place almost as well.

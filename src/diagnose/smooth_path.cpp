@@ -91,6 +91,7 @@ struct Fit {
 struct Smoothed {
   Eigen::ArrayXd position, velocity;
   double left = 0;  ///< standard deviation of white noise that would leave the same residual
+  double kept = 1;  ///< part of white noise that stays in the position
 };
 
 bool is_even(const Eigen::ArrayXd& time) {
@@ -119,6 +120,7 @@ Smoothed smoothed(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::In
     out.position[k] = x[k] + shift;
     squares += shift * shift / std::max(1 - own.value[h], 1e-3);
   }
+  out.kept = std::sqrt(std::max(0.0, common.value[h]));
   out.left = std::sqrt(squares / static_cast<double>(n - 2 * h));
   return out;
 }
@@ -127,8 +129,8 @@ Smoothed smoothed(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::In
 
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
   const Eigen::Index n = recorded.size();
-  SmoothPath best{recorded, Eigen::ArrayXd::Zero(n), 0};
-  if (n < 8 || !(time[n - 1] > time[0])) return best;
+  SmoothPath best{recorded, Eigen::ArrayXd::Zero(n), 0, 1};
+  if (n < 8 || !(time[n - 1] > time[0])) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
   const double noise = std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
   const bool even = is_even(time);
   bool first = true;
@@ -137,10 +139,11 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
     Smoothed s = smoothed(time, recorded, h, even);
     if (!first && s.left > 1.15 * noise) break;
     best.velocity = std::move(s.velocity);
-    if (!first) best.position = std::move(s.position);
+    if (!first) best.position = std::move(s.position), best.left = s.kept;
     first = false;
   }
   best.noise = noise;
+  best.left *= noise;
   return best;
 }
 

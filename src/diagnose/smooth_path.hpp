@@ -7,7 +7,8 @@ namespace qerr {
 /// A recorded path without its noise.
 struct SmoothPath {
   Eigen::ArrayXd position, velocity;  ///< [unit], [unit/s]
-  double noise = 0;                   ///< standard deviation of what was taken out [unit]
+  double noise = 0;                   ///< standard deviation of the recorded numbers' white noise [unit]
+  double left = 0;                    ///< standard deviation of what is left of it in the position [unit]
 };
 
 /// Local cubic fits (Savitzky and Golay, at the actual stamps) over the widest window whose residual is still

@@ -57,9 +57,13 @@ std::vector<Term> subdivision_terms(const Evidence& e) {
   whole.fill = fill;
   whole.relinearized = about;
   Eigen::VectorXd p = Eigen::VectorXd::Zero(parameters.size());
-  p[clipping] = 0.85;  // between what is just seen and what real resolvers show
-  Term clipped = about(e, whole, p);
-  return {about(e, whole, p.head(clipping)), std::move(clipped)};
+  std::vector<Term> terms{about(e, whole, p.head(clipping))};
+  // Where a slope leads depends on where it is taken: between what is just seen and what real resolvers show.
+  for (const double level : {0.95, 0.75}) {
+    p[clipping] = level;
+    terms.push_back(about(e, whole, p));
+  }
+  return terms;
 }
 
 }  // namespace qerr

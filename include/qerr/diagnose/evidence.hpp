@@ -29,6 +29,7 @@ struct Evidence {
   Eigen::ArrayXd temperature;  ///< rise since the start [K]; empty where it is not known
   Eigen::ArrayXd chance;       ///< standard deviation of the random effects that the spec has; empty: none
   double noise = 0;            ///< standard deviation of the reference's own noise [rad or m]
+  double path_noise = 0;       ///< what is left of it in the path [rad or m]
   double grid = 0;             ///< step of the reference as it is written in the file [rad or m]
   bool counted = true;         ///< measured are whole counts
   /// Rows that say together what one independent reading would: above 1 where what is left of them by any
