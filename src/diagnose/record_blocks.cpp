@@ -52,6 +52,7 @@ Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
 Term rows_of(const Term& t, const std::vector<Eigen::Index>& rows) {
   Term part = t;
   part.columns = t.columns(rows, Eigen::all);
+  if (t.moved.size() > 0) part.moved = Eigen::ArrayXd(t.moved(rows));
   if (t.fixed.size() > 0) part.fixed = Eigen::ArrayXd(t.fixed(rows));
   return part;
 }
