@@ -144,18 +144,56 @@ void Explanation::fit_plainly() {
   beta_ = unit.cwiseQuotient(scale);
 }
 
+/// What clock, link and play add before the reading comes to gear teeth, disc and lines [rad or m].
+Eigen::ArrayXd Explanation::moved_before() const {
+  Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(evidence_->rows());
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const std::string& type = terms_[k].effect.type;
+    if (type == "latency" || type == "clock_drift" || type == "compliance" || type == "backlash")
+      moved += qerr::addition(terms_[k], coefficients(k));
+  }
+  return moved;
+}
+
+/// Terms along the path that those before them make of it: an error of many counts is seen to lie elsewhere.
+/// @return whether one of them changed by more than a part of the noise
+bool Explanation::follow_path() {
+  constexpr double noticed = 0.1;
+  const Eigen::ArrayXd moved = moved_before();
+  bool any = false;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!terms_[k].along) continue;
+    if (terms_[k].relinearized) {
+      any = true;
+      terms_[k] = terms_[k].along(*evidence_, terms_[k], moved);
+      continue;
+    }
+    Term next = terms_[k].along(*evidence_, terms_[k], moved);
+    const Eigen::ArrayXd change =
+        qerr::addition(next, coefficients(k)) - qerr::addition(terms_[k], coefficients(k));
+    if (change.abs().maxCoeff() < noticed * sigma_) continue;
+    any = true;
+    terms_[k] = std::move(next);
+  }
+  return any;
+}
+
 /// Terms that are not linear are brought to where the fit has ended, again and again; a step that leaves more
 /// than was left before is halved.
 void Explanation::fit_curved() {
   constexpr int most_turns = 25;
   constexpr double enough = 0.02;
-  if (std::none_of(terms_.begin(), terms_.end(), [](const Term& t) { return t.relinearized; })) return;
   const Eigen::ArrayXd middle = 0.5 * (intervals_.lower + intervals_.upper);
   Eigen::VectorXd good = beta_;
   double least = std::numeric_limits<double>::infinity(), before = likelihood_.log_likelihood;
   for (int i = 0; i < most_turns; ++i) {
+    bool curved = follow_path();
     for (std::size_t k = 0; k < terms_.size(); ++k)
-      if (terms_[k].relinearized) terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
+      if (terms_[k].relinearized) {
+        terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
+        curved = true;
+      }
+    if (!curved) return;
     const Eigen::VectorXd scale = arrange();
     const double left = (middle - fixed_ - (columns_ * beta_.cwiseProduct(scale)).array()).square().sum();
     if (left > 1.0001 * least) {
@@ -216,7 +254,7 @@ double Explanation::gain(const Term& t) const {
 double Explanation::inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
-  if (blocks < 4) return 1;
+  if (blocks < 4 || evidence_->alike > 1) return evidence_->alike;
   Eigen::MatrixXd by_block(blocks, scores.cols());
   for (Eigen::Index i = 0; i < blocks; ++i) {
     const Eigen::Index first = i * scores.rows() / blocks, last = (i + 1) * scores.rows() / blocks;

@@ -49,6 +49,8 @@ class Explanation {
   double least_noise() const;
   Eigen::VectorXd arrange();
   void fit_plainly();
+  Eigen::ArrayXd moved_before() const;
+  bool follow_path();
   void fit_curved();
   void begin(Eigen::VectorXd& unit);
   void maximize(Eigen::VectorXd& unit, double outliers);

@@ -3,11 +3,15 @@
 #include <Eigen/LU>
 
 #include "qerr/core/parallel.hpp"
+#include "readings.hpp"
 #include "with_effects.hpp"
 
 namespace qerr {
 
 namespace {
+
+constexpr Eigen::Index enough_rows = 4096;
+constexpr int most_passes = 2;
 
 /// What a joint's residual was before its readings were repaired; empty where they were not.
 std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
@@ -50,11 +54,31 @@ std::vector<Effect> effects_of(const Explanation& m) {
   return effects;
 }
 
+/// Names what the rows ask for.
+/// @return how many of them say what one independent reading would
+double judge(Finding& f) {
+  f.selection.emplace(select(f.evidence));
+  const double alike = rows_alike(f.evidence, f.selection->model);
+  return alike;
+}
+
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
-  const std::vector<RowGroup> groups = independent_rows(record);
   auto f = std::make_unique<Finding>();
+  // A part of the rows tells whether they repeat each other: then it says as much as all of them.
+  std::vector<RowGroup> groups = independent_rows(record, enough_rows);
   f->evidence = independent(record, groups);
-  f->selection.emplace(select(f->evidence));
+  double alike = judge(*f);
+  if (alike == 1 && f->evidence.rows() == enough_rows) {
+    groups = independent_rows(record);
+    f->evidence = independent(record, groups);
+    alike = judge(*f);
+  }
+  // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
+  // are.
+  for (int i = 0; i < most_passes && alike > f->evidence.alike; ++i) {
+    f->evidence.alike = alike;
+    alike = judge(*f);
+  }
   f->scatter = scatter_of(f->evidence, f->selection->model);
   f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);

@@ -32,7 +32,7 @@ double constant_of(const Explanation& m) {
 
 /// The term over all rows, at the coefficients that a part of them led to.
 Term anew(const Evidence& e, const Term& fitted, const Term& whole, const Eigen::VectorXd& coefficients) {
-  return fitted.relinearized ? fitted.relinearized(e, fitted, coefficients) : whole;
+  return fitted.relinearized ? fitted.relinearized(e, whole, coefficients) : whole;
 }
 
 Prediction predict(const Evidence& e, const Explanation& model, const std::vector<Eigen::Index>& known,

@@ -46,7 +46,7 @@ double bayes(const Explanation& m, const Evidence& e) {
   Eigen::Index count = 0;
   for (const Term& t : m.terms())
     count += t.size() + (t.reshaped || t.effect.type == "missed_counts" ? 1 : 0);
-  return m.log_likelihood() - 0.5 * static_cast<double>(count) * std::log(static_cast<double>(e.rows()));
+  return m.log_likelihood() / e.alike - 0.5 * static_cast<double>(count) * std::log(e.readings());
 }
 
 double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
@@ -122,7 +122,7 @@ Explanation settled(Explanation m, const Evidence& e) {
   for (const Term& whole : at_whole_orders(e, last)) {
     if (has(m, whole.effect)) continue;
     Explanation named = with_term_at(m, m.terms().size() - 1, whole);
-    if (m.log_likelihood() - named.log_likelihood() > worth_a_term) continue;
+    if (m.log_likelihood() - named.log_likelihood() > worth_a_term * e.alike) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
   }
   return best ? std::move(*best) : std::move(m);

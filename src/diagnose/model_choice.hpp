@@ -15,7 +15,8 @@ inline constexpr double cannot_be_told = 6;     ///< log-likelihood that an alte
 inline constexpr double hard_to_tell = 40;      ///< the same, of one that explains nearly as much variance
 inline constexpr double nearly_as_good = 0.96;  ///< the part of it
 
-/// The Bayesian criterion: log-likelihood less half a logarithm of the rows for each number that was fitted.
+/// The Bayesian criterion: log-likelihood less half a logarithm of the readings for each number that was
+/// fitted, both by the number of independent readings.
 double bayes(const Explanation&, const Evidence&);
 
 /// The p-value of a model with a term against the one without it: of the likelihood ratio, less what

@@ -6,10 +6,13 @@
 
 namespace qerr {
 
-std::vector<Eigen::Index> block_starts(const Evidence& e) {
+namespace {
+
+/// @param part  of the record that a block has at most
+std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index part) {
   const Eigen::Index n = e.rows();
   const Eigen::Index least = std::max<Eigen::Index>(std::min<Eigen::Index>(50, n / 4), (n + 127) / 128);
-  const Eigen::Index most = std::max(least, n / 8);
+  const Eigen::Index most = std::max(least, n / part);
   const double revolution = 2 * std::numbers::pi / std::max(std::abs(e.encoder.shaft_ratio), 1e-12);
   std::vector<Eigen::Index> starts{0};
   bool turned = false;
@@ -27,6 +30,16 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
   return starts;
 }
 
+}  // namespace
+
+std::vector<Eigen::Index> block_starts(const Evidence& e) {
+  constexpr std::size_t few = 12;
+  constexpr Eigen::Index coarse = 8, fine = 53;  // a prime: no low order keeps pace with the blocks
+  std::vector<Eigen::Index> starts = starts_of_blocks(e, coarse);
+  // Within one revolution blocks of an eighth would hide half of every period of order 4 from a fit.
+  return starts.size() < few ? starts_of_blocks(e, fine) : starts;
+}
+
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
   Evidence part = e;
   for (Eigen::ArrayXd* column :
@@ -39,6 +52,7 @@ Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
 Term rows_of(const Term& t, const std::vector<Eigen::Index>& rows) {
   Term part = t;
   part.columns = t.columns(rows, Eigen::all);
+  if (t.moved.size() > 0) part.moved = Eigen::ArrayXd(t.moved(rows));
   if (t.fixed.size() > 0) part.fixed = Eigen::ArrayXd(t.fixed(rows));
   return part;
 }

@@ -1,5 +1,6 @@
 #include "remainder.hpp"
 
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
@@ -13,6 +14,7 @@ namespace {
 constexpr double worth_no_name = 10;  ///< what has no name must be clearly better
 constexpr double shadow = 0.1;        ///< of what is explained: a name that brings less beside a remainder
 constexpr double cancelling = 1.6;    ///< times the residual: two terms that undo each other
+constexpr double small_remainder = 0.15;  ///< of what is explained
 constexpr Eigen::Index rows_a_knot = 25;
 
 /// Tables from coarse to fine, as fine as the rows allow.
@@ -32,8 +34,7 @@ std::optional<Term> best_table(const Explanation& m, const Evidence& e) {
   std::optional<Term> best;
   double value = worth_no_name;
   for (Term& t : tables(e)) {
-    const double here =
-        m.gain(t) - 0.5 * static_cast<double>(t.size()) * std::log(static_cast<double>(e.rows()));
+    const double here = m.gain(t) / e.alike - 0.5 * static_cast<double>(t.size()) * std::log(e.readings());
     if (here > value) value = here, best = std::move(t);
   }
   return best;
@@ -48,7 +49,7 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
   std::optional<Explanation> best;
   double value = bayes(m, e) + worth_no_name;
   for (const Term& t : candidates) {
-    if (m.gain(t) < worth_no_name) continue;
+    if (m.gain(t) < worth_no_name * e.alike) continue;
     Explanation next = with_term(m, t);
     if (next.terms().back().reshaped) next = refined(std::move(next), e);
     const std::size_t last = next.terms().size() - 1;
@@ -93,11 +94,30 @@ double left_by_names(Explanation m, const Evidence& e) {
   return left_by(m, e);
 }
 
+/// A remainder less what the names can make of it: beside names that explain nearly all, it is what they
+/// leave, and takes nothing off them.
+Term beside(const Explanation& m, Term remainder) {
+  Eigen::Index count = 1;
+  for (const Term& t : m.terms()) count += t.size();
+  Eigen::MatrixXd names = Eigen::MatrixXd::Ones(remainder.columns.rows(), count);
+  Eigen::Index at = 1;
+  for (const Term& t : m.terms()) {
+    names.middleCols(at, t.size()) = t.columns.matrix();
+    at += t.size();
+  }
+  names = names * names.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
+  const Eigen::HouseholderQR<Eigen::MatrixXd> basis(names);
+  const Eigen::MatrixXd q = basis.householderQ() * Eigen::MatrixXd::Identity(names.rows(), names.cols());
+  remainder.columns -= (q * (q.transpose() * remainder.columns.matrix())).array();
+  remainder.reshaped = nullptr;
+  return remainder;
+}
+
 /// Names that bring little beside a remainder that brings much were only its likeness.
 void drop_shadows(Explanation& m, const Evidence& e) {
   if (std::all_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return t.named(); })) return;
   const double left = left_by(m, e), explained = (e.measured - e.reference).square().mean() - left;
-  if (left_by_names(m, e) - left < shadow * explained) return;
+  if (left_by_names(m, e) - left < small_remainder * explained) return;
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     const Term& t = m.terms()[i];
     if (!t.named() || t.effect.type == "offset") continue;
@@ -110,7 +130,12 @@ void drop_shadows(Explanation& m, const Evidence& e) {
 
 void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
   drop_impossible(m, e);
-  if (auto next = with_remainder(m, e, options)) m = std::move(*next);
+  if (auto next = with_remainder(m, e, options)) {
+    const double left = left_by(*next, e);
+    if (left_by(m, e) - left < small_remainder * ((e.measured - e.reference).square().mean() - left))
+      next = with_term(m, beside(m, next->terms().back()));
+    m = std::move(*next);
+  }
   drop_shadows(m, e);
   drop_impossible(m, e);
 }

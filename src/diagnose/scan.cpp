@@ -73,7 +73,10 @@ std::optional<Term> strongest_step(const Evidence& e, const Explanation& model) 
 
 std::optional<Term> strongest_order(const Evidence& e, const Explanation& model) {
   // Up to a period of four counts.
-  const double order = strongest_rate(model.plain().score, e.path, 0, 0.5 * std::numbers::pi / e.step());
+  // What was not seen once and a half is no period.
+  const double range = e.path.maxCoeff() - e.path.minCoeff();
+  const double least = range > 0 ? 3 * std::numbers::pi / range : 0;
+  const double order = strongest_rate(model.plain().score, e.path, least, 0.5 * std::numbers::pi / e.step());
   if (order == 0) return std::nullopt;
   return free_order_term(e, order);
 }

@@ -26,8 +26,39 @@ class Search {
   Search(const Evidence& e, const SelectOptions& options)
       : e_(e), options_(options), named_(named_terms(e)) {}
 
-  /// The model with the term that improves it most, if any does.
+  /// The model with the term that improves it most, if any does. What has no name, or stands for much, comes
+  /// only where names together do not say as much: between two of them a free order fits better than either.
   std::optional<Explanation> better(const Explanation& model) const {
+    std::optional<Explanation> next = step(model, true);
+    if (!next || is_certain(*next)) return next;
+    Explanation names = completed(model), others = completed(std::move(*next));
+    const bool enough =
+        names.terms().size() > model.terms().size() && bayes(names, e_) > bayes(others, e_) - worth_no_name;
+    return enough ? std::move(names) : std::move(others);
+  }
+
+  const std::vector<Term>& named() const { return named_; }
+
+ private:
+  /// The model with all the names that improve it.
+  Explanation completed(Explanation model) const {
+    while (model.terms().size() < options_.most_terms) {
+      std::optional<Explanation> next = step(model, false);
+      if (!next) break;
+      model = std::move(*next);
+    }
+    return model;
+  }
+
+  /// Steps of lost counts stand for any slow error as well as a free order does.
+  static bool is_certain(const Explanation& m) {
+    const Term& last = m.terms().back();
+    return last.named() && last.effect.type != "missed_counts";
+  }
+
+  /// The model with one more term, or the steps that improve it most.
+  /// @param any  also what has no name, and steps
+  std::optional<Explanation> step(const Explanation& model, bool any) const {
     std::vector<Explanation> tried;
     double leading = bayes(model, e_) + worth_a_term;
     for (const Term& t : promising(model)) {
@@ -35,32 +66,36 @@ class Search {
       leading = std::max(leading, bayes(tried.back(), e_));
     }
     double value = bayes(model, e_) + worth_a_term;
-    std::optional<Explanation> best = stepped(model);
+    std::optional<Explanation> best;
+    if (any) best = stepped(model);
     if (best) value = std::max(value, bayes(*best, e_));
     for (Explanation& next : tried) {
       // Only what could still lead is worth the search for its shape.
       if (next.terms().back().reshaped && bayes(next, e_) > leading - worth_refining)
         next = settled(refined(std::move(next), e_), e_);
-      const double here = bayes(next, e_) - (next.terms().back().named() ? 0 : worth_no_name);
-      if (here < value || !passes(model, next)) continue;
+      const bool is_named = next.terms().back().named();
+      const double here = bayes(next, e_) - (is_named ? 0 : worth_no_name);
+      if ((!is_named && !any) || here < value || !passes(model, next)) continue;
       value = here;
       best = std::move(next);
     }
     return best;
   }
 
-  const std::vector<Term>& named() const { return named_; }
-
- private:
   /// Terms by what one Newton step would gain, the best first.
   std::vector<Term> promising(const Explanation& model) const {
     std::vector<Term> candidates;
     for (const Term& t : named_)
       if (!has(model, t.effect)) candidates.push_back(t);
-    if (auto order = strongest_order(e_, model)) candidates.push_back(std::move(*order));
+    if (auto order = strongest_order(e_, model)) {
+      for (Term& whole : at_whole_orders(e_, *order))
+        if (!has(model, whole.effect) && !is_listed(whole)) candidates.push_back(std::move(whole));
+      candidates.push_back(std::move(*order));
+    }
     std::vector<std::pair<double, std::size_t>> gains;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (const double gain = model.gain(candidates[i]); gain > worth_trying) gains.emplace_back(gain, i);
+      if (const double gain = model.gain(candidates[i]); gain > worth_trying * e_.alike)
+        gains.emplace_back(gain, i);
     std::sort(gains.rbegin(), gains.rend());
     if (gains.size() > tried_in_full) gains.resize(tried_in_full);
     std::vector<Term> best;
@@ -75,7 +110,7 @@ class Search {
     Explanation m = model;
     for (int i = 0; i < most_steps; ++i) {
       const auto step = strongest_step(e_, m);
-      if (!step || m.gain(*step) < worth_trying) break;
+      if (!step || m.gain(*step) < worth_trying * e_.alike) break;
       Explanation next = with_term(m, *step);
       const bool passed = bayes(next, e_) > bayes(m, e_) + worth_a_term && passes(m, next);
       m = std::move(next);
@@ -129,19 +164,28 @@ void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   }
 }
 
+/// Mean square of what is left and is neither noise nor quantization: where something unknown is that large,
+/// a smaller difference between two names may be its doing.
+double left_without_shape(const Explanation& m, const Evidence& e) {
+  if (e.alike <= 1) return 0;
+  return std::max(0.0, left_by(m, e) - e.step() * e.step() / 12 - e.noise * e.noise);
+}
+
 /// What could stand in place of a term: it loses nearly nothing, or explains nearly all that it does.
 void add_alternatives(Selection& s, std::size_t term, const Explanation& without, const Evidence& e,
                       const std::vector<Term>& named) {
   const double all = (e.measured - e.reference).square().mean();
   const double removed = left_by(without, e) - left_by(s.model, e);
   const double chosen = without.gain(s.model.terms()[term]);
+  const double unknown = left_without_shape(s.model, e);
   for (const Term& other : named) {
     if (has(s.model, other.effect) || without.gain(other) < worth_comparing * chosen) continue;
     const Explanation swapped = with_term(without, other);
     const double loss = bayes(s.model, e) - bayes(swapped, e);
     const double part = removed > 0 ? (left_by(without, e) - left_by(swapped, e)) / removed : 0;
-    if (loss < cannot_be_told || (loss < hard_to_tell && part > nearly_as_good && removed > 0.01 * all))
-      s.alternatives.push_back({term, other.effect, loss});
+    const double lost = left_by(swapped, e) - left_by(s.model, e);
+    const bool near = loss < hard_to_tell && part > nearly_as_good && removed > 0.01 * all;
+    if (loss < cannot_be_told || near || lost < unknown) s.alternatives.push_back({term, other.effect, loss});
   }
 }
 

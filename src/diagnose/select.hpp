@@ -8,7 +8,7 @@ namespace qerr {
 
 struct SelectOptions {
   double alpha = 0.01;  ///< of a false name in one encoder's record, over all candidates
-  std::size_t most_terms = 6;
+  std::size_t most_terms = 12;
 
   /// Root mean square of what a cause must add to be worth a name [rad or m]. Near an edge a reading tells
   /// more than a noisy reference knows: what repeats there has the size of that noise.

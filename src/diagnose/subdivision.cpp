@@ -27,10 +27,12 @@ void fill(Effect& e, const Eigen::VectorXd& coefficients) {
   for (Eigen::Index i = 0; i < p.size(); ++i) e.numbers[parameters[static_cast<std::size_t>(i)]] = p[i];
 }
 
-Eigen::ArrayXd made_of(const Evidence& e, Effect effect, const Eigen::VectorXd& p) {
+Eigen::ArrayXd made_of(const Evidence& e, const Term& t, const Eigen::VectorXd& p) {
+  Effect effect = t.effect;
   fill(effect, p);
   const Action action = effect_kind("subdivision_error").action(effect, e.encoder, 0);
-  return e.path.unaryExpr([&](double x) { return action(x, {}) - x; });
+  const Eigen::ArrayXd path = t.moved.size() > 0 ? Eigen::ArrayXd(e.path + t.moved) : e.path;
+  return path.unaryExpr([&](double x) { return action(x, {}) - x; });
 }
 
 Term about(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
@@ -42,10 +44,16 @@ Term about(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients
     const Eigen::VectorXd step = change * Eigen::VectorXd::Unit(p.size(), i);
     // Signals that are just whole can only be clipped more.
     const Eigen::VectorXd more = i == clipping && p[i] + change > 1 ? p : Eigen::VectorXd(p + step);
-    next.columns.col(i) =
-        (made_of(e, t.effect, more) - made_of(e, t.effect, p - step)) / (more[i] - p[i] + change);
+    next.columns.col(i) = (made_of(e, t, more) - made_of(e, t, p - step)) / (more[i] - p[i] + change);
   }
-  if (!p.isZero()) next.fixed = made_of(e, t.effect, p) - (next.columns.matrix() * p).array();
+  if (!p.isZero()) next.fixed = made_of(e, t, p) - (next.columns.matrix() * p).array();
+  return next;
+}
+
+/// The slope is taken anew where the fit has ended: here only its path is noted.
+Term along(const Evidence&, const Term& t, const Eigen::ArrayXd& moved) {
+  Term next = t;
+  next.moved = moved;
   return next;
 }
 
@@ -56,6 +64,7 @@ std::vector<Term> subdivision_terms(const Evidence& e) {
   whole.effect = {"subdivision_error", e.joint, {{"clipping", 1.0}}, {}};
   whole.fill = fill;
   whole.relinearized = about;
+  whole.along = along;
   Eigen::VectorXd p = Eigen::VectorXd::Zero(parameters.size());
   std::vector<Term> terms{about(e, whole, p.head(clipping))};
   // Where a slope leads depends on where it is taken: between what is just seen and what real resolvers show.

@@ -2,7 +2,6 @@
 
 #include <cmath>
 #include <numbers>
-#include <string_view>
 
 #include "subdivision.hpp"
 
@@ -65,6 +64,19 @@ Eigen::ArrayXXd hats(const Eigen::ArrayXd& argument, Eigen::Index knots) {
   return columns;
 }
 
+Term periodic_along(const Evidence& e, const Term& t, const Eigen::ArrayXd& moved) {
+  // A disc turns with what its encoder feels, a gear with its joint.
+  const bool disc = t.effect.type == "eccentricity", of_encoder = t.effect.choices.at("shaft") == "encoder";
+  Eigen::ArrayXd angle = disc ? e.path : e.joint_angle();
+  if (moved.size() > 0) angle += moved;
+  angle *= t.effect.number("order") * (of_encoder ? e.encoder.shaft_ratio : 1);
+  Term next = t;
+  next.moved = moved;
+  next.columns.resize(e.rows(), 2);
+  next.columns << angle.sin(), angle.cos();
+  return next;
+}
+
 void no_parameters(Effect&, const Eigen::VectorXd&) {}
 
 Term without_name(const Evidence& e, std::string what, Eigen::ArrayXXd columns) {
@@ -93,17 +105,11 @@ Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {
 }
 
 Term periodic_term(const Evidence& e, const char* type, double order, bool of_encoder) {
-  // A disc turns with what its encoder feels, a gear with its joint.
-  const bool disc = std::string_view(type) == "eccentricity";
-  const Eigen::ArrayXd angle =
-      order * (of_encoder ? e.encoder.shaft_ratio : 1) * (disc ? e.path : e.joint_angle());
   Term t;
   t.effect = {type, e.joint, {{"order", order}}, {{"shaft", of_encoder ? "encoder" : "joint"}}};
-  t.columns.resize(e.rows(), 2);
-  t.columns.col(0) = angle.sin();
-  t.columns.col(1) = angle.cos();
   t.fill = fill_periodic;
-  return t;
+  t.along = periodic_along;
+  return periodic_along(e, t, {});
 }
 
 Term free_order_term(const Evidence& e, double order) {

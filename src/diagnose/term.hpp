@@ -26,6 +26,11 @@ struct Term {
   /// The same term with the slope at other coefficients; none: it is linear.
   Term (*relinearized)(const Evidence&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;
 
+  /// What clock, link and gear before it move its path by, row by row; empty: nothing. And the same term
+  /// along a path moved by so much; none: it does not depend on the path, or does so too little.
+  Eigen::ArrayXd moved = {};
+  Term (*along)(const Evidence&, const Term&, const Eigen::ArrayXd& moved) = nullptr;
+
   bool named() const { return unnamed.empty(); }
 
   Eigen::Index size() const { return columns.cols(); }

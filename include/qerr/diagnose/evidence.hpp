@@ -32,6 +32,9 @@ struct Evidence {
   double path_noise = 0;       ///< what is left of it in the path [rad or m]
   double grid = 0;             ///< step of the reference as it is written in the file [rad or m]
   bool counted = true;         ///< measured are whole counts
+  /// Rows that say together what one independent reading would: above 1 where what is left of them by any
+  /// model is correlated, as in a table that was interpolated between fewer points.
+  double alike = 1;
 
   Eigen::Index rows() const { return reference.size(); }
   /// Of the joint: what clock, link and gear act on.
@@ -39,6 +42,7 @@ struct Evidence {
   const Eigen::ArrayXd& joint_rate() const { return joint_velocity.size() > 0 ? joint_velocity : velocity; }
   bool coupled() const { return joint_path.size() > 0; }
   double step() const { return encoder.resolution; }
+  double readings() const { return static_cast<double>(rows()) / alike; }  ///< independent ones
 };
 
 /// Rows that say the same, [first, end).
