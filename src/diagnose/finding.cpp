@@ -58,8 +58,7 @@ std::vector<Effect> effects_of(const Explanation& m) {
 /// @return how many of them say what one independent reading would
 double judge(Finding& f) {
   f.selection.emplace(select(f.evidence));
-  const double alike = rows_alike(f.evidence, f.selection->model);
-  return alike;
+  return rows_alike(f.evidence, f.selection->model);
 }
 
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
