@@ -6,6 +6,7 @@
 #include "../src/diagnose/comparison.hpp"
 #include "../src/diagnose/found_parameters.hpp"
 #include "../src/diagnose/gain.hpp"
+#include "../src/diagnose/smooth_path.hpp"
 #include "../src/diagnose/with_effects.hpp"
 #include "qerr/core/random.hpp"
 
@@ -38,6 +39,9 @@ Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step)
     e.measured[k] = step * std::floor(seen / 10 / step + 0.5);
     e.reference[k] += noise * normal(seed, static_cast<std::uint64_t>(k));
   }
+  const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
+  e.path = smooth.position;
+  e.path_noise = smooth.left;
   return e;
 }
 

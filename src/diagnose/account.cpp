@@ -25,6 +25,13 @@ std::optional<double> frequency_of(const Effect& e) {
 std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
   const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
   if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
+  if (effect.type == "reference_error") return {"transmission_error"};
+  // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
+  const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
+  const bool one_period =
+      e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
+  if (effect.type == "subdivision_error" && one_period && effect.number("clipping") == 1)
+    return {"eccentricity"};
   if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
   std::vector<std::string> same;
   const auto shaft = effect.choices.find("shaft");
@@ -34,10 +41,7 @@ std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loa
   if (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1) same.push_back("reference_error");
   // A weight that nobody has measured goes with the cosine of the angle.
   if (std::abs(order - 1) < 1e-6 && e.effort.size() == 0 && loaded) same.push_back("compliance");
-  // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
-  const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
-  if (e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6)
-    same.push_back("subdivision_error");
+  if (one_period) same.push_back("subdivision_error");
   return same;
 }
 

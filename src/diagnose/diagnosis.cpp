@@ -60,12 +60,24 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
 }
 
+/// Whether something without a name is worth a verdict: not where the causes of its joint explain more than
+/// 99 % of the variance; there it is told, and that is all.
+bool counts(const Unnamed& left, const std::vector<Cause>& causes) {
+  constexpr double worth = 0.1;
+  return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
+    return c.effect.joint == left.joint && left.amplitude < worth * c.gain.rms_before &&
+           c.gain.rms_after < worth * c.gain.rms_before;
+  });
+}
+
 Verdict verdict_of(const Diagnosis& d, bool judged) {
   const bool found = !d.causes.empty(), left = !d.unexplained.empty();
   if (!judged && !found && !left) return Verdict::cannot_judge;
   if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
   if (!d.alternatives.empty()) return Verdict::ambiguous;
-  return left ? Verdict::partly_explained : Verdict::explained;
+  const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
+                                    [&](const Unnamed& u) { return counts(u, d.causes); });
+  return counting ? Verdict::partly_explained : Verdict::explained;
 }
 
 }  // namespace
@@ -78,7 +90,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.unexplained = std::move(sane.unexplained);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
-  const std::vector<Evidence> all = evidence(sane);
+  const std::vector<Evidence> all = evidence(sane, options.threads);
   warn_of_unjudged(sane.model, sane.log, all, d.warnings);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
@@ -97,7 +109,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
-  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log);
+  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
   const bool judged = !all.empty() || tip.judged;
   if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;

@@ -3,7 +3,9 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
+#include "qerr/core/parallel.hpp"
 #include "qerr/core/random.hpp"
 #include "smooth_path.hpp"
 
@@ -102,51 +104,61 @@ Evidence independent(const Evidence& e, const std::vector<RowGroup>& groups) {
   return few;
 }
 
-std::vector<Evidence> evidence(const OperationalModel& model, const Log& log) {
-  std::vector<Evidence> all;
-  const auto& joints = model.chain.independent;
-  const Eigen::Index rows = log.values.rows();
-  const auto stamps = log.find(LogSignal::time);
-  Eigen::ArrayXd time =
-      Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
-  if (stamps) time = log.values.col(*stamps) - log.values(0, *stamps);
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    Evidence e;
-    e.reference = reference_of(model, log, static_cast<Eigen::Index>(i), e.grid);
-    const auto counts = log.find(LogSignal::counts, i);
-    if (e.reference.size() == 0) continue;
-    e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * model.transmission.encoders[i].resolution)
-                        : measured_of(model, log, static_cast<Eigen::Index>(i));
-    if (e.measured.size() == 0) continue;
-    e.joint = joints[i].name;
-    e.number = static_cast<Eigen::Index>(i);
-    e.prismatic = joints[i].prismatic();
-    e.encoder = model.transmission.encoders[i];
-    e.ordered = stamps.has_value();
+namespace {
+
+/// @param time  from the first row [s]; empty: the rows are in no order
+std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,
+                                    std::size_t encoder) {
+  const auto number = static_cast<Eigen::Index>(encoder);
+  Evidence e;
+  e.reference = reference_of(model, log, number, e.grid);
+  if (e.reference.size() == 0) return std::nullopt;
+  e.encoder = model.transmission.encoders[encoder];
+  const auto counts = log.find(LogSignal::counts, encoder);
+  e.counted = counts.has_value();
+  e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * e.encoder.resolution)
+                      : measured_of(model, log, number);
+  if (e.measured.size() == 0) return std::nullopt;
+  e.joint = model.chain.independent[encoder].name;
+  e.number = number;
+  e.prismatic = model.chain.independent[encoder].prismatic();
+  e.ordered = time.size() > 0;
+  if (e.ordered) {
     e.time = time;
-    e.counted = counts.has_value();
-    if (e.ordered) {
-      const SmoothPath smooth = smooth_path(time, e.reference, e.grid);
-      e.path = smooth.position;
-      e.velocity = smooth.velocity;
-      e.noise = smooth.noise;
-      e.path_noise = smooth.left;
-      if (!alone(model, static_cast<Eigen::Index>(i))) {
-        const SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, i)), e.grid);
-        e.joint_path = own.position;
-        e.joint_velocity = own.velocity;
-      }
-      e.side = side_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.encoder.resolution));
-    } else {
-      e.path = e.reference;
-      e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
-      e.noise = e.path_noise = e.grid / std::sqrt(12.0);
+    SmoothPath smooth = smooth_path(time, e.reference, e.grid);
+    e.path = std::move(smooth.position);
+    e.velocity = std::move(smooth.velocity);
+    e.noise = smooth.noise;
+    e.path_noise = smooth.left;
+    if (!alone(model, number)) {
+      SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.grid);
+      e.joint_path = std::move(own.position);
+      e.joint_velocity = std::move(own.velocity);
     }
-    if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
-    if (const auto warm = log.find(LogSignal::temperature, i))
-      e.temperature = log.values.col(*warm) - log.values(0, *warm);
-    all.push_back(std::move(e));
+    e.side = side_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
+  } else {
+    const Eigen::Index rows = e.rows();
+    e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
+    e.path = e.reference;
+    e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
+    e.noise = e.path_noise = e.grid / std::sqrt(12.0);
   }
+  if (const auto effort = log.find(LogSignal::effort, encoder)) e.effort = log.values.col(*effort);
+  if (const auto warm = log.find(LogSignal::temperature, encoder))
+    e.temperature = log.values.col(*warm) - log.values(0, *warm);
+  return e;
+}
+
+}  // namespace
+
+std::vector<Evidence> evidence(const OperationalModel& model, const Log& log, unsigned threads) {
+  Eigen::ArrayXd time;
+  if (const auto stamps = log.find(LogSignal::time)) time = log.values.col(*stamps) - log.values(0, *stamps);
+  std::vector<std::optional<Evidence>> found(model.chain.independent.size());
+  parallel_for(found.size(), threads, [&](std::size_t i) { found[i] = evidence_of(model, log, time, i); });
+  std::vector<Evidence> all;
+  for (auto& e : found)
+    if (e) all.push_back(std::move(*e));
   return all;
 }
 

@@ -8,7 +8,12 @@ namespace qerr {
 
 // By what one explanation of a record is held against another.
 
-inline constexpr double worth_a_term = 3;  ///< in the Bayesian criterion
+inline constexpr double worth_trying = 8;       ///< log-likelihood that one Newton step promises
+inline constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
+inline constexpr double worth_comparing = 0.5;  ///< of what a chosen term promised, by another in its place
+inline constexpr double cannot_be_told = 6;     ///< log-likelihood that an alternative loses at most
+inline constexpr double hard_to_tell = 40;      ///< the same, of one that explains nearly as much variance
+inline constexpr double nearly_as_good = 0.96;  ///< the part of it
 
 /// The Bayesian criterion: log-likelihood less half a logarithm of the readings for each number that was
 /// fitted, both by the number of independent readings.

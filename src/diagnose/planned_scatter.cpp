@@ -5,16 +5,14 @@
 #include <functional>
 #include <numbers>
 
+#include "model_choice.hpp"
 #include "record_advice.hpp"
+#include "scatter.hpp"
 
 namespace qerr {
 
 namespace {
 
-// What `scatter_of` asks.
-constexpr double beyond_reference = 1.3;  ///< of the reference's own noise
-constexpr double worth_naming = 0.06;     ///< [counts]
-constexpr double cannot_be_told = 6;      ///< loss of an alternative
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// Where a rising function reaches a value, between 0.01 and 100; infinite beyond.
@@ -54,8 +52,8 @@ class Scattered {
   /// Rms that is seen, at least [counts].
   double seen() const {
     const double spread = 1 + 1.645 / std::sqrt(total_);
-    const double ratio = std::max(beyond_reference * spread, std::exp(std::sqrt(need() / total_)));
-    return std::max(own_ * std::sqrt(ratio * ratio - 1), worth_naming * spread);
+    const double ratio = std::max(scatter_beyond_reference * spread, std::exp(std::sqrt(need() / total_)));
+    return std::max(own_ * std::sqrt(ratio * ratio - 1), scatter_worth_naming * spread);
   }
 
   /// Rms from which jitter is no noise, and noise no jitter [counts].

@@ -135,8 +135,8 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   return s;
 }
 
-std::vector<Evidence> evidence(const Sanity& s) {
-  std::vector<Evidence> all = evidence(s.model, s.log);
+std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
+  std::vector<Evidence> all = evidence(s.model, s.log, threads);
   feel(all, s.model.transmission, s.present);
   for (Evidence& e : all) {
     for (std::size_t i = 0; i < s.finer.size(); ++i)

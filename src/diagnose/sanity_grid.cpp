@@ -173,8 +173,10 @@ void check_stuck(Sanity& s, std::size_t encoder) {
     while (end < n && counts[end] == counts[first]) ++end;
     const double moved = reference[std::min(end, n - 1)] - reference[first];
     const double woke = end < n ? counts[end] - counts[first] : moved;
-    const bool stuck = end - first >= 5 && std::abs(moved) >= still_moves && woke * moved > 0 &&
-                       std::abs(woke - moved) < 0.2 * std::abs(moved) + 2 &&
+    // What moves after the last still row may be a gap in the record.
+    const double meanwhile = std::abs(reference[end - 1] - reference[first]);
+    const bool stuck = end - first >= 5 && meanwhile >= 0.5 * still_moves && std::abs(moved) >= still_moves &&
+                       woke * moved > 0 && std::abs(woke - moved) < 0.2 * std::abs(moved) + 2 &&
                        (end < n || first == 0 || end - first > n / 100);
     if (stuck && std::abs(moved) > missed)
       missed = std::abs(moved), since = s.log.values(first, *s.log.find(LogSignal::time));
@@ -193,6 +195,7 @@ void check_stuck(Sanity& s, std::size_t encoder) {
                        std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are left out");
   s.log.values = s.log.values(kept, Eigen::all).eval();
   s.log.rows = kept.size();
+  s.log.stretches.clear();
 }
 
 }  // namespace qerr::sanity

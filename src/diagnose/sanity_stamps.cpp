@@ -35,7 +35,8 @@ void check_stamps(Sanity& s) {
   const auto column = s.log.find(LogSignal::time);
   if (!column) return;
   const Eigen::Index n = s.log.values.rows();
-  const Eigen::ArrayXd index = Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1));
+  Eigen::ArrayXd index(n);
+  for (Eigen::Index k = 0; k < n; ++k) index[k] = static_cast<double>(s.log.row_number(k));
   const Line clock(index, s.log.values.col(*column));
   if (!(clock.slope > 0)) {
     s.warnings.push_back("time: all stamps are the same: nothing that depends on time can be judged");
@@ -44,7 +45,8 @@ void check_stamps(Sanity& s) {
   }
   if (restore_even_clock(s, *column, index, clock)) return;
   const Eigen::ArrayXd time = s.log.values.col(*column);
-  const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
+  const Eigen::ArrayXd steps =
+      (time.tail(n - 1) - time.head(n - 1)) / (index.tail(n - 1) - index.head(n - 1));
   Eigen::ArrayXd sorted = steps;
   std::nth_element(sorted.begin(), sorted.begin() + n / 2, sorted.end());
   const double usual = sorted[std::min(n / 2, n - 2)] > 0 ? sorted[std::min(n / 2, n - 2)] : clock.slope;

@@ -13,7 +13,6 @@ namespace qerr {
 namespace {
 
 constexpr double outlier_part = 0.01;
-constexpr double worth_naming = 0.12;  ///< [counts]
 constexpr double many_outliers = 0.06;
 constexpr double significant = 1e-3;
 constexpr double correlated = 0.2;  ///< of neighbouring scores
@@ -108,7 +107,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
     s.structure = "part of the readings is far off";
     return s;
   }
-  if (m.noise() < 1.3 * own || s.size < worth_naming * e.step()) return s;
+  if (m.noise() < scatter_beyond_reference * own || s.size < scatter_worth_naming * e.step()) return s;
   if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
   // What the reference and the spec's own random effects leave to chance already.
   const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
@@ -175,7 +174,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   s.effect = found[0].effect;
   s.relative_error = found[0].relative_error;
   for (const Candidate& other : found)
-    if (other.effect.type != s.effect->type && found[0].value - other.value < 6) {
+    if (other.effect.type != s.effect->type && found[0].value - other.value < cannot_be_told) {
       s.alternative = other.effect;
       break;
     }

@@ -8,6 +8,9 @@
 
 namespace qerr {
 
+inline constexpr double scatter_beyond_reference = 1.3;  ///< times what is left of the reference's noise
+inline constexpr double scatter_worth_naming = 0.12;     ///< [counts]
+
 /// What scatters the readings about a model's path more than the reference's own noise can.
 struct Scatter {
   std::optional<Effect> effect;  ///< noise, timing_jitter or state_width; empty: none of them

@@ -12,11 +12,8 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t tried_in_full = 8;
-constexpr double worth_trying = 8;       ///< promised log-likelihood
-constexpr double worth_refining = 200;   ///< behind the leading term at most
-constexpr double worth_no_name = 10;     ///< what has no name must be clearly better
-constexpr double cannot_be_told = 6;     ///< loss of an alternative
-constexpr double nearly_as_good = 0.96;  ///< of the variance that a cause explains
+constexpr double worth_refining = 200;  ///< behind the leading term at most
+constexpr double worth_no_name = 10;    ///< what has no name must be clearly better
 constexpr int most_steps = 5;
 
 /// A gap has a width; a negative one is no gap.
@@ -182,12 +179,13 @@ void add_alternatives(Selection& s, std::size_t term, const Explanation& without
   const double chosen = without.gain(s.model.terms()[term]);
   const double unknown = left_without_shape(s.model, e);
   for (const Term& other : named) {
-    if (has(s.model, other.effect) || without.gain(other) < 0.5 * chosen) continue;
+    if (has(s.model, other.effect) || without.gain(other) < worth_comparing * chosen) continue;
     const Explanation swapped = with_term(without, other);
     const double loss = bayes(s.model, e) - bayes(swapped, e);
     const double part = removed > 0 ? (left_by(without, e) - left_by(swapped, e)) / removed : 0;
     const double lost = left_by(swapped, e) - left_by(s.model, e);
-    if (loss < cannot_be_told || (part > nearly_as_good && removed > 0.01 * all) || lost < unknown)
+    const bool alike = loss < hard_to_tell && part > nearly_as_good && removed > 0.01 * all;
+    if (loss < cannot_be_told || alike || lost < unknown)
       s.alternatives.push_back({term, other.effect, loss});
   }
 }

@@ -6,19 +6,13 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "model_choice.hpp"
 #include "record_advice.hpp"
 #include "scan.hpp"
 
 namespace qerr {
 
 namespace {
-
-// What `select` asks of a term and of an alternative.
-constexpr double least_gain = 8;         ///< of log-likelihood, to be tried
-constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
-constexpr double cannot_be_told = 6;     ///< loss of an alternative
-constexpr double nearly_as_good = 0.96;  ///< of the variance that a cause explains
-constexpr double worth_comparing = 0.5;  ///< the same, of an other one that is tried
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
@@ -118,7 +112,7 @@ Eigen::MatrixXd Sight::beyond(const Face& f, std::size_t other) const {
 double Sight::threshold(const Term& t) const {
   const auto size = static_cast<double>(t.size());
   const double tests = static_cast<double>(terms_.size()) * (scanned(t) ? scanned_hypotheses : 1);
-  return std::max({chi_squared_beyond(size, options_.alpha / tests), 2 * least_gain,
+  return std::max({chi_squared_beyond(size, options_.alpha / tests), 2 * worth_trying,
                    2 * worth_a_term + size * std::log(readings_)});
 }
 

@@ -13,6 +13,10 @@ namespace {
 
 constexpr std::array<Eigen::Index, 7> half_windows{1, 2, 3, 5, 8, 12, 18};
 constexpr Eigen::Index fewest_in_motion = 64;
+constexpr Eigen::Index enough_rows = 20000;  ///< to know a scatter to a percent
+
+/// Rows of a long record that stand for all of it.
+Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
 
 double median(std::vector<double> values) {
   if (values.empty()) return 0;
@@ -43,7 +47,7 @@ std::optional<double> divided_difference(const Eigen::ArrayXd& time, const Eigen
 /// A path that rests, written on a grid, has none in most places: then what moves must tell.
 double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid, Eigen::Index order) {
   std::vector<double> all, moving;
-  for (Eigen::Index k = 0; k + order < x.size(); ++k)
+  for (Eigen::Index k = 0; k + order < x.size(); k += stride_of(x.size()))
     if (const auto d = divided_difference(time, x, k, order)) {
       all.push_back(std::abs(*d));
       if (std::abs(x[k + order] - x[k]) > 4 * grid) moving.push_back(all.back());
@@ -87,64 +91,95 @@ struct Fit {
   }
 };
 
-/// The path by local fits over 2 h + 1 samples.
-struct Smoothed {
-  Eigen::ArrayXd position, velocity;
-  double left = 0;  ///< standard deviation of white noise that would leave the same residual
-  double kept = 1;  ///< part of white noise that stays in the position
-};
-
-bool is_even(const Eigen::ArrayXd& time) {
+/// The interval that nearly all stamps keep, but for gaps; 0 where there is none [s].
+double common_interval(const Eigen::ArrayXd& time) {
   const Eigen::Index n = time.size();
-  const double interval = (time[n - 1] - time[0]) / static_cast<double>(n - 1);
-  return ((time - time[0] - interval * Eigen::ArrayXd::LinSpaced(n, 0, static_cast<double>(n - 1))).abs() <
-          1e-3 * interval)
-      .all();
+  const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
+  const double usual = median({steps.begin(), steps.end()});
+  return ((steps - usual).abs() < 1e-3 * usual).count() >= n - 1 - n / 1000 ? usual : 0;
 }
 
-Smoothed smoothed(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, bool even) {
-  const Eigen::Index n = x.size();
-  Smoothed out{x, Eigen::ArrayXd::Zero(n), 0};
-  const Fit common(time.segment(0, 2 * h + 1), time[h]);
-  double squares = 0;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    const Eigen::Index first = std::clamp(k - h, Eigen::Index{0}, n - 1 - 2 * h);
-    const bool inside = first == k - h;
-    const Fit own = even && inside ? common : Fit(time.segment(first, 2 * h + 1), time[k]);
-    // Relative to the sample itself, so that a long way from zero costs no digits.
-    const Eigen::VectorXd window = (x.segment(first, 2 * h + 1) - x[k]).matrix();
-    out.velocity[k] = own.slope.dot(window);
-    // At the ends a fit would lean on one side only: keep what was recorded.
-    if (!inside) continue;
-    const double shift = own.value.dot(window);
-    out.position[k] = x[k] + shift;
-    squares += shift * shift / std::max(1 - own.value[h], 1e-3);
+/// Local fits over 2 h + 1 samples.
+class Window {
+  Eigen::Index first(Eigen::Index k) const {
+    return std::clamp(k - h_, Eigen::Index{0}, x_.size() - 1 - 2 * h_);
   }
-  out.kept = std::sqrt(std::max(0.0, common.value[h]));
-  out.left = std::sqrt(squares / static_cast<double>(n - 2 * h));
-  return out;
-}
+  /// Relative to the sample itself, so that a long way from zero costs no digits.
+  auto around(Eigen::Index k) const { return (x_.segment(first(k), 2 * h_ + 1) - x_[k]).matrix(); }
+
+  /// Of a window about 0.
+  static Eigen::VectorXd stamps(const Eigen::ArrayXd& time, Eigen::Index h, double interval) {
+    if (interval > 0)
+      return interval *
+             Eigen::VectorXd::LinSpaced(2 * h + 1, -static_cast<double>(h), static_cast<double>(h));
+    return time.segment(0, 2 * h + 1) - time[h];
+  }
+
+ public:
+  Window(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, double interval)
+      : time_(time), x_(x), h_(h), interval_(interval), common_(stamps(time, h, interval), 0) {}
+
+  /// Part of white noise that stays in the position.
+  double kept() const { return std::sqrt(std::max(0.0, common_.value[h_])); }
+
+  /// Standard deviation of white noise that would leave the same residual.
+  double left() const {
+    double squares = 0, count = 0;
+    std::optional<Fit> own;
+    for (Eigen::Index k = h_; k < x_.size() - h_; k += stride_of(x_.size())) {
+      const Fit& here = fit(k, own);
+      const double shift = here.value.dot(around(k));
+      squares += shift * shift / std::max(1 - here.value[h_], 1e-3);
+      ++count;
+    }
+    return std::sqrt(squares / count);
+  }
+
+  /// Position and velocity at every row. At the ends a fit would lean on one side only: there the position is
+  /// the recorded one.
+  SmoothPath path(double noise) const {
+    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), noise, noise};
+    const bool smoothed = h_ > half_windows.front();  // a line through three samples is no better than they
+    std::optional<Fit> own;
+    for (Eigen::Index k = 0; k < x_.size(); ++k) {
+      const Fit& here = fit(k, own);
+      out.velocity[k] = here.slope.dot(around(k));
+      if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(around(k));
+    }
+    if (smoothed) out.left *= kept();
+    return out;
+  }
+
+ private:
+  const Fit& fit(Eigen::Index k, std::optional<Fit>& own) const {
+    const double width = 2 * static_cast<double>(h_) * interval_;
+    if (first(k) == k - h_ && std::abs(time_[k + h_] - time_[k - h_] - width) < 1e-3 * interval_)
+      return common_;
+    return own.emplace(Eigen::VectorXd(time_.segment(first(k), 2 * h_ + 1)), time_[k]);
+  }
+
+  const Eigen::ArrayXd &time_, &x_;
+  Eigen::Index h_;
+  double interval_;  ///< of even stamps; 0: they are uneven
+  Fit common_;
+};
 
 }  // namespace
 
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
   const Eigen::Index n = recorded.size();
-  SmoothPath best{recorded, Eigen::ArrayXd::Zero(n), 0, 1};
   if (n < 8 || !(time[n - 1] > time[0])) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
   const double noise = std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
-  const bool even = is_even(time);
-  bool first = true;
+  const double interval = common_interval(time);
+  std::optional<Window> widest;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
-    Smoothed s = smoothed(time, recorded, h, even);
-    if (!first && s.left > 1.15 * noise) break;
-    best.velocity = std::move(s.velocity);
-    if (!first) best.position = std::move(s.position), best.left = s.kept;
-    first = false;
+    Window next(time, recorded, h, interval);
+    if (widest && next.left() > 1.15 * noise) break;
+    widest.emplace(std::move(next));
   }
-  best.noise = noise;
-  best.left *= noise;
-  return best;
+  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), noise, noise};
+  return widest->path(noise);
 }
 
 Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold) {

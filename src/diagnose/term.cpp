@@ -33,6 +33,26 @@ Term drift_term(const Evidence& e, double time_constant) {
   return t;
 }
 
+/// A sine that the better sensor adds to the angle it tells. Its argument is the true angle, which is where
+/// the reference would be without it: an error of the joint's own machine goes with the reference as it is.
+Term reference_error_term(const Evidence& e, double order) {
+  Term t;
+  t.effect = {"reference_error", e.joint, {{"order", order}}, {}};
+  t.fill = fill_periodic;
+  t.relinearized = [](const Evidence& record, const Term& old, const Eigen::VectorXd& c) {
+    constexpr int turns = 8;  // of a fixed point that the slope amplitude * order < 1 draws near
+    const double n = old.effect.number("order");
+    Eigen::ArrayXd angle = record.joint_angle();
+    for (int i = 0; i < turns; ++i)
+      angle = record.joint_angle() - c[0] * (n * angle).sin() - c[1] * (n * angle).cos();
+    Term next = old;
+    next.columns.resize(record.rows(), 2);
+    next.columns << -(n * angle).sin(), -(n * angle).cos();
+    return next;
+  };
+  return t.relinearized(e, t, Eigen::Vector2d::Zero());
+}
+
 /// Piecewise linear functions of an argument, each 1 in its own knot. The first is left out: it is the
 /// constant.
 Eigen::ArrayXXd hats(const Eigen::ArrayXd& argument, Eigen::Index knots) {
@@ -153,6 +173,9 @@ std::vector<Term> named_terms(const Evidence& e) {
   if (e.effort.size() > 0)
     terms.push_back(linear(e, "compliance", e.effort,
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["compliance"] = c[0]; }));
+  // Steppers, the usual references, err at the orders of their teeth.
+  if (!e.prismatic)
+    for (const double order : {50.0, 100.0, 200.0}) terms.push_back(reference_error_term(e, order));
   if (!e.ordered) return terms;
   terms.push_back(linear(e, "latency", -e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["delay"] = c[0]; }));

@@ -170,11 +170,12 @@ void tell_frames(const TipModel& m, TipDiagnosis& d) {
 
 }  // namespace
 
-TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log) {
+TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log,
+                          unsigned threads) {
   TipDiagnosis d;
   OperationalModel model = ideal;
   model.chain = as_built(ideal.chain, present);
-  const std::optional<TipEvidence> e = tip_evidence(model, present, log);
+  const std::optional<TipEvidence> e = tip_evidence(model, present, log, threads);
   if (!e) return d;
   d.judged = true;
   const TipSelection s = select_tip(model, *e);

@@ -22,6 +22,7 @@ struct TipDiagnosis {
 /// A tracker that stands in a frame of its own, or looks at a target beside the model's tip, is found where
 /// these 9 numbers explain more than chance, and is taken out; the gain is then counted from what is left.
 /// @param present  effects that the spec already has: the tip is judged with them, new lengths come on top
-TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&);
+TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&,
+                          unsigned threads);
 
 }  // namespace qerr

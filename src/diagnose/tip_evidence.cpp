@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "qerr/core/parallel.hpp"
 #include "smooth_path.hpp"
 #include "with_effects.hpp"
 
@@ -110,7 +111,7 @@ void shorten(TipEvidence& e) {
 }  // namespace
 
 std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std::vector<Effect>& present,
-                                        const Log& log) {
+                                        const Log& log, unsigned threads) {
   TipEvidence e;
   std::vector<Eigen::Index> columns;
   for (std::size_t i = 0; i < 3; ++i)
@@ -148,8 +149,10 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     read.row(j) = measured ? measured->matrix().transpose() : e.joints.row(j).eval();
   }
   const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
-  for (Eigen::Index i = 0; i < count; ++i)
-    e.encoders.push_back(own_evidence(model, log, static_cast<std::size_t>(i), turned.row(i).array(), time));
+  e.encoders.resize(static_cast<std::size_t>(count));
+  parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
+    e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);
+  });
   take_off(e, present);
   shorten(e);
   return e;

@@ -35,6 +35,6 @@ struct TipEvidence {
 /// @param present  effects that the spec already has: the joints are where the model then expects them
 /// @returns empty when the log has no tip, or not every joint
 std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
-                                        const Log&);
+                                        const Log&, unsigned threads);
 
 }  // namespace qerr

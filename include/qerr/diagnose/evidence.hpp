@@ -62,6 +62,6 @@ Evidence independent(const Evidence&, const std::vector<RowGroup>&);
 
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values
-std::vector<Evidence> evidence(const OperationalModel&, const Log& log);
+std::vector<Evidence> evidence(const OperationalModel&, const Log& log, unsigned threads = 0);
 
 }  // namespace qerr

@@ -51,6 +51,6 @@ Sanity check_sanity(const OperationalModel&, const std::vector<Filter>& filters,
                     const std::vector<Effect>& present = {});
 
 /// The evidence of a repaired log, along the paths that the effects left in the spec make of the motion.
-std::vector<Evidence> evidence(const Sanity&);
+std::vector<Evidence> evidence(const Sanity&, unsigned threads = 0);
 
 }  // namespace qerr
