@@ -56,6 +56,32 @@ void refuse_shared_streams(const Arguments& a, const Options& o) {
                 Trouble::usage);
 }
 
+/// No result may take the place of what it was made from, or of another result.
+void refuse_overwriting(const Arguments& a, const Options& o) {
+  std::error_code none;
+  const std::pair<const char*, const std::string*> results[] = {
+      {"-o", &o.output}, {"--write-model", &a.model}, {"--write-table", &a.table}};
+  for (const auto& [name, path] : results) {
+    if (path->empty() || *path == "-") continue;
+    for (const std::string* input : {&a.log, &a.spec})
+      if (std::filesystem::equivalent(*path, *input, none))
+        throw Error({{},
+                     name,
+                     "a result would overwrite what was measured or specified",
+                     "'" + *path + "'",
+                     "give it a name of its own"},
+                    Trouble::usage);
+    for (const auto& [other, same] : results)
+      if (name != other && *path == *same)
+        throw Error({{},
+                     name,
+                     "two results cannot have the same file",
+                     "'" + *path + "'",
+                     "give each a name of its own"},
+                    Trouble::usage);
+  }
+}
+
 /// A file that is asked for by its name, opened before the work.
 std::unique_ptr<OutputFile> opened(const std::string& path) {
   return path.empty() ? nullptr : std::make_unique<OutputFile>(path);
@@ -90,6 +116,7 @@ int run(const Arguments& arguments, const Options& o) {
   refuse_half_questions(arguments);
   if (arguments.plan) return run_plan(arguments, o);
   refuse_shared_streams(arguments, o);
+  refuse_overwriting(arguments, o);
   const Spec spec = load(arguments.spec, o);
   OutputFile out(o.output);
   const auto model = opened(arguments.model), table = opened(arguments.table);

@@ -1,7 +1,10 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
 #include <algorithm>
+#include <cstdio>
 #include <iterator>
+#include <limits>
+#include <optional>
 #include <utility>
 
 #include "account.hpp"
@@ -31,6 +34,8 @@ std::string_view name(Verdict v) {
 
 namespace {
 
+constexpr Eigen::Index fewest_rows = 30;
+
 /// Joints that the log reads and that nothing can be said of.
 void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::vector<Evidence>& all,
                       std::vector<std::string>& warnings) {
@@ -47,6 +52,22 @@ void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::
   }
 }
 
+/// Why references say nothing: what is left of their noise hides everything that is worth a name. Empty: one
+/// of them does.
+std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
+  constexpr double hides = 0.3;  // [counts]
+  double least = std::numeric_limits<double>::infinity(), recorded = 0;
+  for (const Evidence& e : all)
+    if (e.path_noise / e.step() < least) least = e.path_noise / e.step(), recorded = e.noise / e.step();
+  if (all.empty() || least < hides) return std::nullopt;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the references' noise is %.2g counts (%.2g where the path is smooth): below 0.3 they would "
+                "tell; a better sensor, or a slower motion at the same rate",
+                recorded, least);
+  return text;
+}
+
 /// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
 void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
@@ -60,12 +81,24 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
 }
 
+/// Whether something without a name is worth a verdict: not where the causes of its joint explain more than
+/// 99 % of the variance; there it is told, and that is all.
+bool counts(const Unnamed& left, const std::vector<Cause>& causes) {
+  constexpr double worth = 0.1;
+  return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
+    return c.effect.joint == left.joint && left.amplitude < worth * c.gain.rms_before &&
+           c.gain.rms_after < worth * c.gain.rms_before;
+  });
+}
+
 Verdict verdict_of(const Diagnosis& d, bool judged) {
   const bool found = !d.causes.empty(), left = !d.unexplained.empty();
   if (!judged && !found && !left) return Verdict::cannot_judge;
   if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
   if (!d.alternatives.empty()) return Verdict::ambiguous;
-  return left ? Verdict::partly_explained : Verdict::explained;
+  const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
+                                    [&](const Unnamed& u) { return counts(u, d.causes); });
+  return counting ? Verdict::partly_explained : Verdict::explained;
 }
 
 }  // namespace
@@ -78,7 +111,11 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.unexplained = std::move(sane.unexplained);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
-  const std::vector<Evidence> all = evidence(sane, options.threads);
+  const bool enough = sane.log.values.rows() >= fewest_rows;
+  if (!enough)
+    d.reason = "the log has " + std::to_string(sane.log.values.rows()) + " rows: record " +
+               std::to_string(fewest_rows) + " at the very least, some thousand with the joints in motion";
+  const std::vector<Evidence> all = enough ? evidence(sane, options.threads) : std::vector<Evidence>{};
   warn_of_unjudged(sane.model, sane.log, all, d.warnings);
   d.simulation = comparison(all, filters, options);
   const auto findings = findings_of(all, sane, options);
@@ -97,8 +134,14 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
-  TipDiagnosis tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
-  const bool judged = !all.empty() || tip.judged;
+  TipDiagnosis tip;
+  if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
+  bool judged = !all.empty() || tip.judged;
+  if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty())
+    if (const auto why = too_noisy(all)) {
+      judged = false;
+      d.reason = *why;
+    }
   if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;
     d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));

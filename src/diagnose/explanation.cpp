@@ -156,7 +156,7 @@ Eigen::ArrayXd Explanation::moved_before() const {
 }
 
 /// Terms along the path that those before them make of it: an error of many counts is seen to lie elsewhere.
-/// @return whether one of them changed by more than a part of the noise
+/// @return whether a linear one changed by more than a part of the noise
 bool Explanation::follow_path() {
   constexpr double noticed = 0.1;
   const Eigen::ArrayXd moved = moved_before();
@@ -164,9 +164,8 @@ bool Explanation::follow_path() {
   for (std::size_t k = 0; k < terms_.size(); ++k) {
     if (!terms_[k].along) continue;
     if (terms_[k].relinearized) {
-      any = true;
       terms_[k] = terms_[k].along(*evidence_, terms_[k], moved);
-      continue;
+      continue;  // its slope is taken anew anyway
     }
     Term next = terms_[k].along(*evidence_, terms_[k], moved);
     const Eigen::ArrayXd change =
@@ -178,22 +177,25 @@ bool Explanation::follow_path() {
   return any;
 }
 
+/// Fits along the path as its own terms move it, until that settles.
+void Explanation::fit_along_path() {
+  constexpr int most_turns = 8;
+  for (int i = 0; i < most_turns && follow_path(); ++i) fit_plainly();
+}
+
 /// Terms that are not linear are brought to where the fit has ended, again and again; a step that leaves more
 /// than was left before is halved.
 void Explanation::fit_curved() {
   constexpr int most_turns = 25;
   constexpr double enough = 0.02;
+  if (std::none_of(terms_.begin(), terms_.end(), [](const Term& t) { return t.relinearized; })) return;
   const Eigen::ArrayXd middle = 0.5 * (intervals_.lower + intervals_.upper);
   Eigen::VectorXd good = beta_;
   double least = std::numeric_limits<double>::infinity(), before = likelihood_.log_likelihood;
   for (int i = 0; i < most_turns; ++i) {
-    bool curved = follow_path();
+    follow_path();
     for (std::size_t k = 0; k < terms_.size(); ++k)
-      if (terms_[k].relinearized) {
-        terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
-        curved = true;
-      }
-    if (!curved) return;
+      if (terms_[k].relinearized) terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
     const Eigen::VectorXd scale = arrange();
     const double left = (middle - fixed_ - (columns_ * beta_.cwiseProduct(scale)).array()).square().sum();
     if (left > 1.0001 * least) {
@@ -209,6 +211,7 @@ void Explanation::fit_curved() {
 
 void Explanation::fit() {
   fit_plainly();
+  fit_along_path();
   fit_curved();
   plain_ = likelihood_;
   plain_sigma_ = sigma_;

@@ -51,6 +51,7 @@ class Explanation {
   void fit_plainly();
   Eigen::ArrayXd moved_before() const;
   bool follow_path();
+  void fit_along_path();
   void fit_curved();
   void begin(Eigen::VectorXd& unit);
   void maximize(Eigen::VectorXd& unit, double outliers);

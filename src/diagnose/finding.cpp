@@ -1,7 +1,9 @@
 #include "finding.hpp"
 
 #include <Eigen/LU>
+#include <algorithm>
 
+#include "model_choice.hpp"
 #include "qerr/core/parallel.hpp"
 #include "readings.hpp"
 #include "with_effects.hpp"
@@ -54,31 +56,43 @@ std::vector<Effect> effects_of(const Explanation& m) {
   return effects;
 }
 
-/// Names what the rows ask for.
-/// @return how many of them say what one independent reading would
-double judge(Finding& f) {
-  f.selection.emplace(select(f.evidence));
-  const double alike = rows_alike(f.evidence, f.selection->model);
-  return alike;
+/// Whether something is left of an error of many counts: the remainder of large errors is itself many counts,
+/// of shapes that no catalogue has to the last percent, and rows that repeat each other count there for more
+/// than they say.
+bool leaves_much(const Finding& f) {
+  constexpr double many = 8;  // [counts]
+  const Explanation& m = f.selection->model;
+  const bool left = std::any_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return !t.named(); });
+  if (!left && rows_alike(f.evidence, m) == 1) return false;
+  const Eigen::ArrayXd error = (f.evidence.measured - f.evidence.reference) / f.evidence.step();
+  return (error - error.mean()).square().mean() > many * many;
+}
+
+/// The same record again, by readings that do not repeat each other. A part of the rows says as much.
+/// @return the rows that were taken
+std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
+  std::vector<RowGroup> groups = independent_rows(record, enough_rows);
+  f.evidence = independent(record, groups);
+  SelectOptions options;
+  options.names_first = true;
+  f.selection.emplace(select(f.evidence, options));
+  // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
+  // are.
+  double alike = rows_alike(f.evidence, f.selection->model);
+  for (int i = 0; i < most_passes && alike > f.evidence.alike; ++i) {
+    f.evidence.alike = alike;
+    f.selection.emplace(select(f.evidence, options));
+    alike = rows_alike(f.evidence, f.selection->model);
+  }
+  return groups;
 }
 
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
   auto f = std::make_unique<Finding>();
-  // A part of the rows tells whether they repeat each other: then it says as much as all of them.
-  std::vector<RowGroup> groups = independent_rows(record, enough_rows);
+  std::vector<RowGroup> groups = independent_rows(record);
   f->evidence = independent(record, groups);
-  double alike = judge(*f);
-  if (alike == 1 && f->evidence.rows() == enough_rows) {
-    groups = independent_rows(record);
-    f->evidence = independent(record, groups);
-    alike = judge(*f);
-  }
-  // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
-  // are.
-  for (int i = 0; i < most_passes && alike > f->evidence.alike; ++i) {
-    f->evidence.alike = alike;
-    alike = judge(*f);
-  }
+  f->selection.emplace(select(f->evidence));
+  if (leaves_much(*f)) groups = judge_remainder(record, *f);
   f->scatter = scatter_of(f->evidence, f->selection->model);
   f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);

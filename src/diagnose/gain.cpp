@@ -171,7 +171,8 @@ Gain gain(const std::vector<HeldOut>& all, std::uint64_t seed) {
       before += b.before, after += b.after, rows += b.rows;
       before_counts += b.before / (h.step * h.step), after_counts += b.after / (h.step * h.step);
     }
-    g.held_out &= h.held_out;
+    // A joint that rests has nothing to hold out, and nothing was fitted to it.
+    g.held_out &= h.held_out || h.log_score == 0;
     readings += h.readings, rest += h.rest, predicted += h.predicted;
     g.log_score += h.log_score, g.coverage += h.inside;
   }

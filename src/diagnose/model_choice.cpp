@@ -122,7 +122,11 @@ Explanation settled(Explanation m, const Evidence& e) {
   for (const Term& whole : at_whole_orders(e, last)) {
     if (has(m, whole.effect)) continue;
     Explanation named = with_term_at(m, m.terms().size() - 1, whole);
-    if (m.log_likelihood() - named.log_likelihood() > worth_a_term * e.alike) continue;
+    // The last part of a reach is not the record's: the path is smooth only so far.
+    const double ratio = whole.effect.choices.at("shaft") == "encoder" ? std::abs(e.encoder.shaft_ratio) : 1;
+    const bool at = std::abs(whole.effect.number("order") * ratio - last.shape) < 0.02 * last.reach;
+    const double lost = m.log_likelihood() - named.log_likelihood();
+    if (lost > (at ? hard_to_tell : worth_a_term) * e.alike) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
   }
   return best ? std::move(*best) : std::move(m);

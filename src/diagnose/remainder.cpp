@@ -21,11 +21,11 @@ constexpr Eigen::Index rows_a_knot = 25;
 std::vector<Term> tables(const Evidence& e) {
   std::vector<Term> all;
   for (const Eigen::Index knots : {24, 64})
-    if (e.rows() >= rows_a_knot * knots) all.push_back(position_table_term(e, knots));
+    if (!e.rests() && e.rows() >= rows_a_knot * knots) all.push_back(position_table_term(e, knots));
   if (e.ordered)
     for (const Eigen::Index knots : {24, 64, 160})
       if (e.rows() >= rows_a_knot * knots) all.push_back(time_table_term(e, knots));
-  if (all.empty() && e.rows() >= 160) all.push_back(position_table_term(e, e.rows() / 40));
+  if (all.empty() && !e.rests() && e.rows() >= 160) all.push_back(position_table_term(e, e.rows() / 40));
   return all;
 }
 

@@ -53,6 +53,15 @@ Intervals displaced(const Intervals& ideal, const Evidence& e, double shift) {
   return moved;
 }
 
+/// The largest residual of readings that neither the causes nor the scatter of the others can have made: a
+/// glitch of the line. 0: there is none.
+double farthest(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added) {
+  const double possible =
+      std::max(3 * added.abs().maxCoeff() + 5 * e.step(), 8 * std::max(m.plain_noise(), e.noise));
+  const double most = (e.measured - e.path - m.addition()).abs().maxCoeff();
+  return most > possible ? most : 0;
+}
+
 struct Candidate {
   Effect effect;
   double value = 0;
@@ -102,12 +111,20 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   const double own = std::max(e.path_noise, 1e-3 * e.step());
   const double beyond = m.noise() * m.noise() - own * own;
   s.size = std::sqrt(std::max(0.0, beyond));
+  const Eigen::ArrayXd added = m.addition() - m.addition().mean();
+  if (const double off = farthest(e, m, added); off > 0) {
+    s.size = off;
+    s.structure = "single readings are far off";
+    return s;
+  }
   if (m.outliers() > many_outliers) {
     s.size = std::sqrt(left_by(m, e));
     s.structure = "part of the readings is far off";
     return s;
   }
-  if (m.noise() < scatter_beyond_reference * own || s.size < scatter_worth_naming * e.step()) return s;
+  // A twelfth of what the causes add may be what their shapes lack.
+  const double worth = std::max(scatter_worth_naming * e.step(), std::sqrt(added.square().mean()) / 12);
+  if (m.noise() < scatter_beyond_reference * own || s.size < worth) return s;
   if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
   // What the reference and the spec's own random effects leave to chance already.
   const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
@@ -135,7 +152,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
                      relative_error(with_jitter, jitter, at_jitter),
                      (jitter * e.velocity).square()});
   }
-  if (e.counted && e.encoder.counts_per_period == 4) {
+  if (e.counted && !e.rests() && e.encoder.counts_per_period == 4) {
     for (const double sign : {-1.0, 1.0}) {
       const auto with_shift = [&](double x) {
         // Their mean is -shift/2, which a term for the offset may have taken.

@@ -26,11 +26,12 @@ class Search {
   Search(const Evidence& e, const SelectOptions& options)
       : e_(e), options_(options), named_(named_terms(e)) {}
 
-  /// The model with the term that improves it most, if any does. What has no name, or stands for much, comes
-  /// only where names together do not say as much: between two of them a free order fits better than either.
+  /// The model with the term that improves it most, if any does. With `names_first` what has no name, or
+  /// stands for much, comes only where names together do not say as much: between two of them a free order
+  /// fits better than either.
   std::optional<Explanation> better(const Explanation& model) const {
     std::optional<Explanation> next = step(model, true);
-    if (!next || is_certain(*next)) return next;
+    if (!options_.names_first || !next || is_certain(*next)) return next;
     Explanation names = completed(model), others = completed(std::move(*next));
     const bool enough =
         names.terms().size() > model.terms().size() && bayes(names, e_) > bayes(others, e_) - worth_no_name;
@@ -42,7 +43,7 @@ class Search {
  private:
   /// The model with all the names that improve it.
   Explanation completed(Explanation model) const {
-    while (model.terms().size() < options_.most_terms) {
+    while (model.terms().size() < options_.most_terms()) {
       std::optional<Explanation> next = step(model, false);
       if (!next) break;
       model = std::move(*next);
@@ -194,7 +195,7 @@ void add_alternatives(Selection& s, std::size_t term, const Explanation& without
 Selection select(const Evidence& e, const SelectOptions& options) {
   const Search search(e, options);
   Explanation model(e);
-  while (model.terms().size() < options.most_terms) {
+  while (model.terms().size() < options.most_terms()) {
     std::optional<Explanation> next = search.better(model);
     if (!next) break;
     model = std::move(*next);

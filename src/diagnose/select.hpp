@@ -8,7 +8,10 @@ namespace qerr {
 
 struct SelectOptions {
   double alpha = 0.01;  ///< of a false name in one encoder's record, over all candidates
-  std::size_t most_terms = 12;
+  /// Of records that names are known to explain nearly whole: the rest of it, too, is looked for among names.
+  bool names_first = false;
+
+  std::size_t most_terms() const { return names_first ? 12 : 6; }
 
   /// Root mean square of what a cause must add to be worth a name [rad or m]. Near an edge a reading tells
   /// more than a noisy reference knows: what repeats there has the size of that noise.

@@ -1,6 +1,7 @@
 #include "term.hpp"
 
 #include <cmath>
+#include <initializer_list>
 #include <numbers>
 
 #include "subdivision.hpp"
@@ -152,38 +153,50 @@ Term step_term(const Evidence& e, double time) {
   return t;
 }
 
+namespace {
+
+/// Orders of a shaft of which the record has seen more than a bend.
+void add_periodic(const Evidence& e, bool of_encoder, std::initializer_list<double> orders,
+                  std::vector<Term>& terms) {
+  constexpr double least = 0.1;  // of a period
+  const double range = e.path.maxCoeff() - e.path.minCoeff();
+  for (const double order : orders)
+    if (order * (of_encoder ? std::abs(e.encoder.shaft_ratio) : 1) * range > least * 2 * std::numbers::pi)
+      terms.push_back(
+          periodic_term(e, order == 1 ? "eccentricity" : "transmission_error", order, of_encoder));
+}
+
+}  // namespace
+
 std::vector<Term> named_terms(const Evidence& e) {
   std::vector<Term> terms;
   const bool geared = std::abs(std::abs(e.encoder.shaft_ratio) - 1) > 1e-9;
   if (e.encoder.zero_known)
     terms.push_back(linear(e, "offset", Eigen::ArrayXd::Ones(e.rows()),
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["offset"] = c[0]; }));
-  terms.push_back(
-      linear(e, "scale", e.path, [](Effect& x, const Eigen::VectorXd& c) { x.numbers["scale"] = c[0]; }));
-  terms.push_back(periodic_term(e, "eccentricity", 1, true));
-  for (const double order : {2.0, 3.0, 4.0, 6.0, 8.0})
-    terms.push_back(periodic_term(e, "transmission_error", order, true));
-  if (geared && !e.prismatic) {
-    terms.push_back(periodic_term(e, "eccentricity", 1, false));
-    for (const double order : {2.0, 3.0, 4.0})
-      terms.push_back(periodic_term(e, "transmission_error", order, false));
+  if (!e.rests()) {
+    terms.push_back(
+        linear(e, "scale", e.path, [](Effect& x, const Eigen::VectorXd& c) { x.numbers["scale"] = c[0]; }));
+    add_periodic(e, true, {1, 2, 3, 4, 6, 8}, terms);
+    if (geared && !e.prismatic) add_periodic(e, false, {1, 2, 3, 4}, terms);
+    if (e.encoder.counts_per_period > 4)
+      for (Term& t : subdivision_terms(e)) terms.push_back(std::move(t));
   }
-  if (e.encoder.counts_per_period > 4)
-    for (Term& t : subdivision_terms(e)) terms.push_back(std::move(t));
   if (e.effort.size() > 0)
     terms.push_back(linear(e, "compliance", e.effort,
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["compliance"] = c[0]; }));
   // Steppers, the usual references, err at the orders of their teeth.
-  if (!e.prismatic)
+  if (!e.prismatic && !e.rests())
     for (const double order : {50.0, 100.0, 200.0}) terms.push_back(reference_error_term(e, order));
   if (!e.ordered) return terms;
+  add_drifts(e, terms);
+  if (e.rests()) return terms;
   terms.push_back(linear(e, "latency", -e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["delay"] = c[0]; }));
   terms.push_back(linear(e, "backlash", 0.5 * e.side,
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["gap"] = c[0]; }));
   terms.push_back(linear(e, "clock_drift", e.time * e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["rate"] = c[0]; }));
-  add_drifts(e, terms);
   return terms;
 }
 

@@ -95,9 +95,13 @@ std::string verdict_line(const Diagnosis& d, const Style& style) {
   return painted(word, color, style) + ": " + verdict_words(d) + "\n";
 }
 
-std::string simulation_table(const Diagnosis& d) {
-  constexpr std::size_t most = 12;
-  std::vector<Comparison> list = d.simulation;
+/// What is wrong with at most one chance in a hundred; all else stands in the JSON.
+std::string simulation_table(const Diagnosis& d, const Style& style) {
+  constexpr std::size_t most = 8;
+  constexpr double significant = 0.01;
+  std::vector<Comparison> list;
+  std::copy_if(d.simulation.begin(), d.simulation.end(), std::back_inserter(list),
+               [](const Comparison& c) { return c.p_value < significant; });
   std::stable_sort(list.begin(), list.end(),
                    [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
   std::vector<std::vector<std::string>> rows{{"joint", "statistic", "observed", "expected", "p"}};
@@ -105,9 +109,10 @@ std::string simulation_table(const Diagnosis& d) {
     rows.push_back({shown(list[i].joint), list[i].statistic, shortest_of(list[i].observed, 3),
                     shortest_of(list[i].expected, 3),
                     list[i].p_value < 1e-15 ? "< 1e-15" : shortest_of(list[i].p_value, 2)});
-  return aligned(rows) + (list.size() > most
-                              ? "  and " + std::to_string(list.size() - most) + " more (--format json)\n"
-                              : "");
+  if (list.empty()) return "";
+  return heading("What the simulation of the model gets wrong", style) + aligned(rows) +
+         (list.size() > most ? "  and " + std::to_string(list.size() - most) + " more (--format json)\n"
+                             : "");
 }
 
 const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
@@ -250,8 +255,7 @@ std::string to_table(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   std::string out = painted("qerr diagnose", "1", style) + "  robot '" + escaped(r.spec.robot_name, 60) +
                     "', " + record_line(r.log) + '\n' + verdict_line(d, style);
-  if (!d.simulation.empty())
-    out += heading("What the simulation of the model gets wrong", style) + simulation_table(d);
+  out += simulation_table(d, style);
   if (!d.causes.empty()) out += heading("Causes, with 95 % intervals", style) + causes_table(r, style);
   if (!d.alternatives.empty()) out += heading("Could be instead", style) + alternatives_list(d);
   if (!d.unexplained.empty()) out += heading("Real, and without a name", style) + unexplained_list(r);

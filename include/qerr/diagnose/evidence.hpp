@@ -40,6 +40,8 @@ struct Evidence {
   /// Of the joint: what clock, link and gear act on.
   const Eigen::ArrayXd& joint_angle() const { return joint_path.size() > 0 ? joint_path : path; }
   const Eigen::ArrayXd& joint_rate() const { return joint_velocity.size() > 0 ? joint_velocity : velocity; }
+  /// Whether the encoder has moved by no more than a few counts: no place, no speed and no order can be told.
+  bool rests() const { return path.maxCoeff() - path.minCoeff() < 8 * step(); }
   bool coupled() const { return joint_path.size() > 0; }
   double step() const { return encoder.resolution; }
   double readings() const { return static_cast<double>(rows()) / alike; }  ///< independent ones
