@@ -85,8 +85,8 @@ TEST(Plan, says_that_less_than_a_turn_of_the_encoder_makes_eccentricity_a_scale_
     const Plan p = plan(stage(40000, 1), {}, motion(to_and_fro(amplitude, 0.4), 8), statistics());
     return find(p.joints[0], "eccentricity", "encoder");
   };
-  EXPECT_TRUE(twins(eccentricity(0.2), "scale"));
-  EXPECT_TRUE(twins(eccentricity(0.2), "offset"));
+  EXPECT_TRUE(twins(eccentricity(0.6), "scale"));
+  EXPECT_TRUE(twins(eccentricity(0.6), "offset"));
   EXPECT_FALSE(twins(eccentricity(8), "scale"));
   EXPECT_FALSE(twins(eccentricity(8), "offset"));
 }

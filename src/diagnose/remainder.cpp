@@ -3,6 +3,7 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "model_choice.hpp"
 #include "scan.hpp"
@@ -64,6 +65,25 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
 bool is_whole(const Explanation& m, std::size_t term) {
   const double counts = m.coefficients(term)[0];
   return std::round(counts) != 0 && std::abs(counts - std::round(counts)) < 0.15;
+}
+
+/// Periods of a term that the record has seen; of what is no period, one.
+double periods_seen(const Term& t, const Evidence& e) {
+  if (t.effect.type != "eccentricity" && t.effect.type != "transmission_error") return 1;
+  const auto shaft = t.effect.choices.find("shaft");
+  const bool of_joint = shaft != t.effect.choices.end() && shaft->second == "joint";
+  const double order = t.effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
+  return order * (e.path.maxCoeff() - e.path.minCoeff()) / (2 * std::numbers::pi);
+}
+
+/// Two bends are no two orders: parts of periods together make any smooth curve, and none of them is known.
+void drop_bends(Explanation& m, const Evidence& e) {
+  constexpr double whole = 0.9;
+  const auto bent = [&](const Term& t) { return t.named() && periods_seen(t, e) < whole; };
+  if (std::count_if(m.terms().begin(), m.terms().end(), bent) < 2) return;
+  for (std::size_t i = m.terms().size(); i-- > 0;)
+    if (bent(m.terms()[i])) m.remove(i);
+  m.fit();
 }
 
 /// Names whose sizes say that they are none: steps of broken counts, and pairs that take off what the other
@@ -129,6 +149,7 @@ void drop_shadows(Explanation& m, const Evidence& e) {
 }  // namespace
 
 void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
+  drop_bends(m, e);
   drop_impossible(m, e);
   if (auto next = with_remainder(m, e, options)) {
     const double left = left_by(*next, e);

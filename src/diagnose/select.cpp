@@ -21,6 +21,12 @@ bool possible(const Explanation& m, std::size_t term) {
   return m.terms()[term].effect.type != "backlash" || m.coefficients(term)[0] > 0;
 }
 
+/// An offset that no reading near an edge speaks for only moves all of them well inside: it could be any.
+bool is_known(const Explanation& m, std::size_t term) {
+  if (m.terms()[term].effect.type != "offset") return true;
+  return std::abs(m.coefficients(term)[0]) * std::sqrt(m.likelihood().curvature.sum()) > 2;
+}
+
 class Search {
  public:
   Search(const Evidence& e, const SelectOptions& options)
@@ -139,7 +145,7 @@ class Search {
     const std::size_t last = next.terms().size() - 1;
     const Term& t = next.terms()[last];
     const bool scanned = !t.named() || t.effect.type == "missed_counts" || !is_listed(t);
-    if (!possible(next, last)) return false;
+    if (!possible(next, last) || !is_known(next, last)) return false;
     if (size_of(next, last) < (scanned ? options_.least_scanned(e_) : options_.least(e_))) return false;
     const double tests = static_cast<double>(named_.size()) * (scanned ? scanned_hypotheses : 1);
     return p_value(model, next, last) * tests < options_.alpha;
@@ -160,7 +166,7 @@ void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     Explanation without = without_term(m, i);
     if (bayes(without, e) > bayes(m, e) - worth_a_term || p_value(without, m, i) > options.alpha ||
-        size_of(m, i) < options.least(e) || !possible(m, i))
+        size_of(m, i) < options.least(e) || !possible(m, i) || !is_known(m, i))
       m = std::move(without);
   }
 }
