@@ -258,6 +258,23 @@ TEST_F(ReadLog, ReadsAPipe) {
   EXPECT_EQ(values(log, LogSignal::counts).sum(), -30000.0 * 29999 / 2);
 }
 
+TEST_F(ReadLog, HoldsALongLogInStretchesThatAreSpreadOverIt) {
+  std::string text = shoulder("");
+  constexpr int rows = 300000;
+  for (int i = 0; i < rows; ++i) text += std::to_string(i) + ',' + std::to_string(2 * i) + ",0.5\n";
+  const Log all = read_log(write(text), spec), few = read_log((folder / "log.csv").string(), spec, 200000);
+  EXPECT_EQ(all.values.rows(), rows);
+  EXPECT_TRUE(all.stretches.empty());
+  EXPECT_EQ(few.rows, static_cast<std::uint64_t>(rows));
+  EXPECT_LE(few.values.size(), 200000);
+  EXPECT_GE(few.values.size(), 90000);
+  ASSERT_EQ(few.warnings.size(), 1u);
+  const Eigen::ArrayXd time = values(few, LogSignal::time);
+  for (Eigen::Index k = 0; k < time.size(); ++k)
+    ASSERT_EQ(time[k], static_cast<double>(few.row_number(k))) << "its rows are those of the file, row " << k;
+  EXPECT_GT(time.maxCoeff(), 0.7 * rows);
+}
+
 TEST_F(ReadLog, RandomBytesAreReadOrRefused) {
   std::mt19937_64 dice(5);
   const std::string sound = shoulder("0.000,1,0.5\n\"0.001\",-2,1e-3\r\n0.002,3,.25\n");

@@ -65,9 +65,15 @@
 #include "qerr/simulate/usage.hpp"
 #include "qerr/simulate/unwrap.hpp"
 
+#include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/diagnose/evidence.hpp"
+#include "qerr/diagnose/plan.hpp"
+#include "qerr/diagnose/sanity.hpp"
+
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 
+#include "qerr/input/extended_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/input/read_text.hpp"
 #include "qerr/input/read_urdf.hpp"
@@ -75,10 +81,12 @@
 #include "qerr/input/spec_format.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/effect_report.hpp"
 #include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/noise_report.hpp"
+#include "qerr/report/plan_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"

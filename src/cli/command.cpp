@@ -36,6 +36,8 @@ const std::vector<Command>& commands() {
       {"filter", "Every filter: norms, delay, bandwidth, settling, fidelity, responses", declare_filter},
       {"simulate", "Explicit quantizers along the motion: a log, and theory beside simulation",
        declare_simulate},
+      {"diagnose", "What is wrong with a measured log: named causes, an extended model, the gain",
+       declare_diagnose},
       {"threshold", "Resolution and threshold velocity, one row per robot (Table IV)", declare_threshold},
       {"list", "What can be written in a spec: effects, filters, encoders, formats, coordinates",
        declare_list},

@@ -39,7 +39,7 @@ const std::vector<Command>& commands();
 std::function<int()> declare_analyze(CLI::App&, Options&);
 std::function<int()> declare_check(CLI::App&, Options&);
 std::function<int()> declare_filter(CLI::App&, Options&);
-std::function<int()> declare_simulate(CLI::App&, Options&);
+std::function<int()> declare_diagnose(CLI::App&, Options&);
 std::function<int()> declare_simulate(CLI::App&, Options&);
 std::function<int()> declare_threshold(CLI::App&, Options&);
 std::function<int()> declare_list(CLI::App&, Options&);

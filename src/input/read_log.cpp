@@ -182,18 +182,63 @@ const Log& LogReader::log() const { return rows_->log; }
 
 bool LogReader::next(Eigen::ArrayXXd& rows) { return rows_->next(rows); }
 
-Log read_log(const std::string& path, const Spec& spec) {
-  LogReader reader(path, spec);
-  std::vector<Eigen::ArrayXXd> blocks;
-  for (Eigen::ArrayXXd rows; reader.next(rows);) blocks.push_back(std::move(rows));
-  Log log = reader.log();
-  log.values.resize(static_cast<Eigen::Index>(log.rows), static_cast<Eigen::Index>(log.columns.size()));
-  Eigen::Index at = 0;
-  for (Eigen::ArrayXXd& block : blocks) {
-    log.values.middleRows(at, block.rows()) = block;
-    at += block.rows();
-    block.resize(0, 0);
+namespace {
+
+/// Stretches of a log's rows, each of the same length; every second one is let go when they become too many.
+class Stretches {
+ public:
+  explicit Stretches(std::uint64_t most_values) : most_values_(most_values) {}
+
+  void add(Eigen::ArrayXXd rows) {
+    if (number_++ % every_ != 0) return;
+    kept_.push_back({(number_ - 1) * stretch_rows, std::move(rows)});
+    const auto columns = static_cast<std::uint64_t>(kept_.front().rows.cols());
+    if (kept_.size() < 4 || kept_.size() * columns * stretch_rows <= most_values_) return;
+    every_ *= 2;
+    std::size_t left = 0;
+    for (std::size_t i = 0; i < kept_.size(); i += 2) {
+      if (i != left) std::swap(kept_[left], kept_[i]);
+      ++left;
+    }
+    kept_.resize(left);
   }
+
+  void move_to(Log& log) {
+    Eigen::Index rows = 0, at = 0;
+    for (const Stretch& s : kept_) rows += s.rows.rows();
+    log.values.resize(rows, static_cast<Eigen::Index>(log.columns.size()));
+    for (Stretch& s : kept_) {
+      log.values.middleRows(at, s.rows.rows()) = s.rows;
+      at += s.rows.rows();
+      s.rows.resize(0, 0);
+      if (every_ > 1) log.stretches.push_back(s.first);
+    }
+    if (every_ == 1) return;
+    log.stretch_rows = static_cast<Eigen::Index>(stretch_rows);
+    log.warnings.push_back(std::to_string(log.rows) + " rows: " + std::to_string(rows) +
+                           " of them are looked at, in " + std::to_string(kept_.size()) +
+                           " stretches that are spread over the log");
+  }
+
+  static constexpr std::uint64_t stretch_rows = 16384;
+
+ private:
+  struct Stretch {
+    std::uint64_t first = 0;
+    Eigen::ArrayXXd rows;
+  };
+  std::uint64_t most_values_, number_ = 0, every_ = 1;
+  std::vector<Stretch> kept_;
+};
+
+}  // namespace
+
+Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values) {
+  LogReader reader(path, spec, {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows)});
+  Stretches stretches(most_values);
+  for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));
+  Log log = reader.log();
+  stretches.move_to(log);
   return log;
 }
 

@@ -144,12 +144,16 @@ void check_sweep(const Node& root, const Spec& spec) {
 }  // namespace
 
 Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
-  const std::string text = read_text(path);
+  return parse_spec(read_text(path), path, overrides);
+}
+
+Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& overrides) {
   Node root = parse_yaml(text, path);
   if (root.type == Node::Type::mapping)
     for (const auto& [key, value] : overrides.values) apply_override(root, key, value, "--set " + key);
   Spec spec = SpecReader(path).read(root);
   check_sweep(root, spec);
+  spec.text = text;
   spec.sha256 = sha256(text);
   spec.overrides = overrides.values;
   if (overrides.seed) spec.configurations.seed = *overrides.seed;

@@ -25,6 +25,7 @@ struct Node {
   bool quoted = false;  ///< "12" is text, 12 is a number
   std::vector<Node> items;
   std::vector<std::pair<Key, Node>> entries;
+  std::string comment = {};  ///< to be written above it; what is read has none
 
   const Node* find(std::string_view key) const;
 };

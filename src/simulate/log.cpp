@@ -19,6 +19,12 @@ bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
 
 double LogColumn::step() const { return scale.in_si(std::pow(10.0, -text.most_decimals)); }
 
+std::uint64_t Log::row_number(Eigen::Index row) const {
+  if (stretches.empty()) return static_cast<std::uint64_t>(row);
+  return stretches[static_cast<std::size_t>(row / stretch_rows)] +
+         static_cast<std::uint64_t>(row % stretch_rows);
+}
+
 std::optional<Eigen::Index> Log::find(LogSignal signal, std::size_t index) const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (columns[i].signal == signal && columns[i].index == index) return static_cast<Eigen::Index>(i);

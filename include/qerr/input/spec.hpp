@@ -40,6 +40,7 @@ struct SweepAxis {
 /// A spec, read and checked: everything in SI units, every name resolved.
 struct Spec {
   std::string file;
+  std::string text;                                            ///< of the file, as it was read
   std::string sha256;                                          ///< of the file's bytes
   std::vector<std::pair<std::string, std::string>> overrides;  ///< --set KEY=VALUE, in order
   std::string robot_name;
@@ -70,5 +71,9 @@ struct SpecOverrides {
 /// working folder.
 /// @throws Error (input) with every fault found; (file_system) when a file cannot be read
 Spec read_spec(const std::string& path, const SpecOverrides& = {});
+
+/// The same of a text that is to stand at `path`, where its own paths begin.
+/// @throws Error like read_spec
+Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& = {});
 
 }  // namespace qerr

@@ -68,9 +68,16 @@ struct Log {
   double first_time = 0, last_time = 0;  ///< [s]
   std::vector<std::string> warnings;
   Eigen::ArrayXXd values;  ///< rows x columns, one column in one piece; empty when rows are streamed
+  /// Of a log that is too long to be held: the first rows of the stretches that `values` has, all of
+  /// `stretch_rows` but the last. Empty: it has all rows.
+  std::vector<std::uint64_t> stretches;
+  Eigen::Index stretch_rows = 0;
 
   /// The column with this signal of this joint (or coordinate of the tip), if there is one.
   std::optional<Eigen::Index> find(LogSignal, std::size_t index = 0) const;
+
+  /// The number in the file of a row of `values`, from 0.
+  std::uint64_t row_number(Eigen::Index row) const;
 
   bool has_time() const { return find(LogSignal::time).has_value(); }
 };

@@ -1,0 +1,90 @@
+#include "planned_record.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "smooth_path.hpp"
+#include "with_effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Encoder coordinates, their velocities and the joints' efforts at every row.
+struct Passage {
+  Eigen::ArrayXd time;
+  Eigen::MatrixXd position, velocity, effort;  ///< encoders x rows; effort empty where it is not known
+  double every = 1;                            ///< samples that a row stands for
+};
+
+Passage passage(const OperationalModel& model, const Motion& motion, Eigen::Index most) {
+  const MotionPath path(motion);
+  const double samples = std::max(1.0, std::floor(motion.duration * motion.sample_rate + 0.5));
+  Passage c;
+  c.every = std::ceil(samples / static_cast<double>(most));
+  const auto rows = static_cast<Eigen::Index>(std::ceil(samples / c.every));
+  const auto n = static_cast<Eigen::Index>(path.joints());
+  const bool masses = has_masses(model.chain);
+  c.time.resize(rows);
+  c.position.resize(n, rows);
+  c.velocity.resize(n, rows);
+  if (masses) c.effort.resize(n, rows);
+  Eigen::VectorXd acceleration(n);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    c.time[k] = static_cast<double>(k) * c.every / motion.sample_rate;
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const JointState state = path.at(static_cast<std::size_t>(j), c.time[k]);
+      c.position(j, k) = state.position;
+      c.velocity(j, k) = state.velocity;
+      acceleration[j] = state.acceleration;
+    }
+    if (masses)
+      c.effort.col(k) = inverse_dynamics(model.chain, c.position.col(k), c.velocity.col(k), acceleration);
+  }
+  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  c.position = to_encoders * c.position;
+  c.velocity = to_encoders * c.velocity;
+  return c;
+}
+
+/// Of the samples between two rows those count that have moved on.
+Eigen::ArrayXd weights(const Evidence& e, double every) {
+  Eigen::ArrayXd w = Eigen::ArrayXd::Ones(e.rows());
+  const double apart = std::max(e.noise, 0.05 * e.step());
+  for (Eigen::Index k = 0; k + 1 < e.rows(); ++k)
+    w[k] = std::clamp(std::abs(e.path[k + 1] - e.path[k]) / apart, 1.0, every);
+  return w;
+}
+
+}  // namespace
+
+std::vector<PlannedRecord> planned_records(const OperationalModel& model, const std::vector<Effect>& present,
+                                           const Motion& motion, double noise, Eigen::Index most) {
+  const Passage c = passage(model, motion, most);
+  std::vector<PlannedRecord> records;
+  for (std::size_t i = 0; i < model.chain.independent.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    Evidence e;
+    e.joint = model.chain.independent[i].name;
+    e.number = row;
+    e.prismatic = model.chain.independent[i].prismatic();
+    e.encoder = model.transmission.encoders[i];
+    e.time = c.time;
+    e.path = e.reference = c.position.row(row).transpose().array();
+    e.velocity = c.velocity.row(row).transpose().array();
+    e.noise = noise * e.step();
+    e.path_noise = e.noise;
+    e.side = side_of_motion(e.path, std::max(10 * e.noise, 0.1 * e.step()));
+    if (c.effort.size() > 0) e.effort = c.effort.row(row).transpose().array();
+    e = with_effects(std::move(e), present);
+    e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
+    e = independent(e, independent_rows(e, e.rows()));
+    const Eigen::ArrayXd weight = weights(e, c.every);
+    records.push_back({std::move(e), weight});
+  }
+  return records;
+}
+
+}  // namespace qerr

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace qerr {
+
+/// Pseudo-inverse of a normal matrix X^T W X, scaled so that units do not decide what is small: directions
+/// below a condition of 1e6 of X are left out.
+struct NormalInverse {
+  Eigen::MatrixXd inverse;
+  Eigen::Index rank = 0;
+
+  explicit NormalInverse(const Eigen::MatrixXd& normal);
+};
+
+/// Coefficients that maximize the likelihood of entries y = X theta + Gaussian of the variances
+/// known + sigma^2.
+struct TipSolution {
+  Eigen::VectorXd theta;
+  Eigen::MatrixXd covariance;  ///< of theta; along directions that the entries do not tell, 0
+  Eigen::VectorXd rest;        ///< y - X theta [m]
+  Eigen::VectorXd weight;      ///< 1/(known + sigma^2) [1/m^2]
+  double sigma = 0;            ///< what is left beside the quantization [m]
+  double log_likelihood = 0;
+  Eigen::Index rank = 0;  ///< of X
+};
+
+/// @param known  variances of the entries beside sigma^2 [m^2]
+/// @param least  of sigma [m]
+TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
+                  double least);
+
+}  // namespace qerr

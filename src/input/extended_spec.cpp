@@ -1,0 +1,193 @@
+#include "qerr/input/extended_spec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <filesystem>
+
+#include "extended_filters.hpp"
+#include "yaml_text.hpp"
+
+namespace qerr {
+
+namespace {
+
+namespace fs = std::filesystem;
+
+Node scalar_node(const std::string& text) { return {Node::Type::scalar, {}, text, false, {}, {}}; }
+
+const EffectKind* find_kind(const std::string& type) {
+  const auto& kinds = effect_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == type; });
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+/// As the reader takes it: keys in the order of the row, SI numbers that read back as the same double.
+Node node_of(const AddedEffect& added, const EffectKind& kind) {
+  Node node{Node::Type::mapping, {}, {}, false, {}, {}, added.note};
+  const auto add = [&](std::string_view key, const std::string& text) {
+    node.entries.emplace_back(Node::Key{std::string(key), {}}, scalar_node(text));
+  };
+  add("type", added.effect.type);
+  add("joint", added.effect.joint);
+  for (const Parameter& row : kind.parameters) {
+    const auto number = added.effect.numbers.find(std::string(row.name));
+    if (number != added.effect.numbers.end() && row.fallback != number->second)
+      // A whole number is fitted as any other.
+      add(row.name, shortest(row.kind == Kind::integer ? std::round(number->second) : number->second));
+    const auto choice = added.effect.choices.find(std::string(row.name));
+    if (choice != added.effect.choices.end()) add(row.name, choice->second);
+  }
+  return node;
+}
+
+/// Why an effect cannot stand in a spec, or "".
+std::string obstacle(const Effect& effect) {
+  if (!find_kind(effect.type)) return "no effect that can be simulated";
+  for (const auto& [name, value] : effect.numbers)
+    if (!std::isfinite(value)) return name + " is not known";
+  return "";
+}
+
+fs::path folder_of(const std::string& file) {
+  const fs::path parent = file == "-" ? fs::path() : fs::path(file).parent_path();
+  return parent.empty() ? fs::path(".") : parent;
+}
+
+/// The same file, seen from the folder where the text will stand. Links on the way are followed: `..` behind
+/// a link leads to where the link points.
+std::string moved(const std::string& path, const fs::path& from, const fs::path& to) {
+  if (fs::path(path).is_absolute()) return path;
+  std::error_code wrong;
+  const fs::path here = fs::canonical(from, wrong);
+  const fs::path there = wrong ? fs::path() : fs::canonical(to, wrong);
+  if (wrong || here == there) return path;
+  const fs::path file = here / path;
+  const fs::path folder = fs::canonical(file.parent_path(), wrong);
+  return wrong ? path : (folder / file.filename()).lexically_relative(there).generic_string();
+}
+
+Node* entry(Node& mapping, const std::string& key) {
+  for (auto& [name, value] : mapping.entries)
+    if (name.name == key) return &value;
+  return nullptr;
+}
+
+void move_paths(Node& root, const std::string& from, const std::string& to) {
+  for (const auto& [section, key] :
+       {std::pair{"robot", "urdf"}, {"motion", "file"}, {"configurations", "file"}}) {
+    Node* place = entry(root, section);
+    Node* path = place ? entry(*place, key) : nullptr;
+    if (path && path->type == Node::Type::scalar)
+      path->text = moved(path->text, folder_of(from), folder_of(to));
+  }
+}
+
+std::string comment_lines(const std::string& text) {
+  std::string out = "# ";
+  for (const char c : text) {
+    out += c;
+    if (c == '\n') out += "# ";
+  }
+  return out + '\n';
+}
+
+class Extension {
+ public:
+  Extension(const Spec& spec, const std::string& remarks, const std::string& target,
+            const std::vector<AddedFilter>& filters)
+      : spec_(spec), remarks_(remarks), target_(target), filters_(filters) {}
+
+  void add(const AddedEffect& effect) {
+    const std::string why = obstacle(effect.effect);
+    if (why.empty())
+      taken_.push_back(effect);
+    else
+      leave(effect, why);
+  }
+
+  std::string text() {
+    tell_filters();
+    std::string out = written(taken_);
+    if (!taken_.empty() && !fault_in(out).empty()) {
+      // One of them is refused: found by reading each alone.
+      std::vector<AddedEffect> good;
+      for (const AddedEffect& effect : taken_) {
+        const std::string why = fault_in(written({effect}));
+        why.empty() ? good.push_back(effect) : leave(effect, why);
+      }
+      out = written(taken_ = good);
+    }
+    parse_spec(out, target_);
+    return out;
+  }
+
+ private:
+  void leave(const AddedEffect& effect, const std::string& why) {
+    left_ += comment_lines("found, but not in this model: " + effect.effect.type + " of " +
+                           effect.effect.joint + " (" + why + ")\n  " + effect.note);
+  }
+
+  /// What becomes of the filters: one that replaces another one's low-pass has no place of its own for a
+  /// comment.
+  void tell_filters() {
+    const std::string why = filters_.empty() ? "" : fault_in(written({}));
+    for (const AddedFilter& f : filters_) {
+      const bool there = std::any_of(spec_.filters.begin(), spec_.filters.end(),
+                                     [&](const NamedFilter& old) { return old.name == f.name; });
+      if (!why.empty())
+        left_ +=
+            comment_lines("found, but not in this model: filter " + f.name + " (" + why + ")\n  " + f.note);
+      else if (there)
+        left_ += comment_lines("filters." + f.name + ": " + f.note);
+    }
+    if (!why.empty()) filters_.clear();
+  }
+
+  std::string fault_in(const std::string& text) const {
+    try {
+      parse_spec(text, target_);
+    } catch (const Error& e) {
+      const Fault& fault = e.faults().front();
+      return fault.key + ": " + fault.rule + (fault.found.empty() ? "" : ", found " + fault.found);
+    }
+    return "";
+  }
+
+  std::string written(const std::vector<AddedEffect>& effects) const {
+    Node root = parse_yaml(spec_.text, spec_.file);
+    for (const auto& [key, value] : spec_.overrides) apply_override(root, key, value, "--set " + key);
+    move_paths(root, spec_.file, target_);
+    add_filters(root, spec_.filters, filters_);
+    if (!effects.empty()) {
+      if (!entry(root, "effects"))
+        root.entries.emplace_back(Node::Key{"effects", {}},
+                                  Node{Node::Type::sequence, {}, {}, false, {}, {}});
+      Node& list = *entry(root, "effects");
+      for (std::size_t i = 0; i < effects.size(); ++i) {
+        list.items.push_back(node_of(effects[i], *find_kind(effects[i].effect.type)));
+        if (i == 0) list.items.back().comment = remarks_ + '\n' + effects[i].note;
+      }
+    }
+    std::string out = rewritten(spec_.text, root, spec_.file);
+    if (!out.ends_with('\n')) out += '\n';
+    if (effects.empty()) out += comment_lines(remarks_);
+    return out + left_;
+  }
+
+  const Spec& spec_;
+  std::string remarks_, target_, left_;
+  std::vector<AddedEffect> taken_;
+  std::vector<AddedFilter> filters_;
+};
+
+}  // namespace
+
+std::string extended_spec(const Spec& spec, const std::vector<AddedEffect>& effects,
+                          const std::string& remarks, const std::string& target,
+                          const std::vector<AddedFilter>& filters) {
+  Extension extension(spec, remarks, target, filters);
+  for (const AddedEffect& effect : effects) extension.add(effect);
+  return extension.text();
+}
+
+}  // namespace qerr

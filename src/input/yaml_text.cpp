@@ -1,0 +1,87 @@
+#include "yaml_text.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <string_view>
+
+#include "qerr/core/quantity.hpp"
+
+namespace qerr {
+
+namespace {
+
+bool is_plain(const std::string& text) {
+  constexpr std::string_view first = "&*!|>'\"%@`#?,[]{} -:", within = ",[]{}#\"'";
+  if (text.empty() || text.back() == ' ' || text.back() == ':') return false;
+  if (first.find(text.front()) != std::string_view::npos && !parse_number(text)) return false;
+  if (text.find(": ") != std::string::npos) return false;
+  return std::none_of(text.begin(), text.end(), [&](char c) {
+    return within.find(c) != std::string_view::npos || static_cast<unsigned char>(c) < 0x20;
+  });
+}
+
+std::string quoted(const std::string& text) {
+  const bool control =
+      std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
+  std::string out;
+  for (const char c : text) {
+    char code[8] = {c, 0};
+    if (control && static_cast<unsigned char>(c) < 0x20)
+      std::snprintf(code, sizeof code, "\\x%02X", static_cast<unsigned>(c));
+    else if (control && (c == '"' || c == '\\'))
+      out += '\\';
+    else if (!control && c == '\'')
+      out += '\'';
+    out += code;
+  }
+  return control ? '"' + out + '"' : '\'' + out + '\'';
+}
+
+}  // namespace
+
+std::string flow_scalar(const std::string& text, bool in_quotes) {
+  return !in_quotes && is_plain(text) ? text : quoted(text);
+}
+
+std::string commented(const std::string& comment, const std::string& indent) {
+  std::string out;
+  for (std::size_t at = 0; at < comment.size();) {
+    const std::size_t end = std::min(comment.find('\n', at), comment.size());
+    out += indent + "# " + comment.substr(at, end - at) + '\n';
+    at = end + 1;
+  }
+  return out;
+}
+
+std::string flow(const Node& n) {
+  std::string out;
+  switch (n.type) {
+    case Node::Type::null:
+      return "null";
+    case Node::Type::scalar:
+      return flow_scalar(n.text, n.quoted);
+    case Node::Type::sequence:
+      for (const Node& item : n.items) out += (out.empty() ? "" : ", ") + flow(item);
+      return '[' + out + ']';
+    case Node::Type::mapping:
+      for (const auto& [key, value] : n.entries)
+        out += (out.empty() ? "" : ", ") + flow_scalar(key.name, false) + ": " + flow(value);
+      return '{' + out + '}';
+  }
+  return out;
+}
+
+bool says_the_same(const Node& a, const Node& b) {
+  if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
+      a.entries.size() != b.entries.size())
+    return false;
+  if (a.quoted != b.quoted && parse_number(a.text)) return false;
+  for (std::size_t i = 0; i < a.items.size(); ++i)
+    if (!says_the_same(a.items[i], b.items[i])) return false;
+  return std::all_of(a.entries.begin(), a.entries.end(), [&](const auto& entry) {
+    const Node* other = b.find(entry.first.name);
+    return other && says_the_same(entry.second, *other);
+  });
+}
+
+}  // namespace qerr

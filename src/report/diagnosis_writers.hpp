@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+#include "qerr/report/diagnosis_report.hpp"
+#include "qerr/report/write.hpp"
+
+/// What the formats offer to diagnosis_report.cpp, one function per format.
+namespace qerr {
+
+std::string to_json(const DiagnosisReport&);
+std::string to_csv(const DiagnosisReport&);
+std::string to_table(const DiagnosisReport&, const Style&);
+
+/// A figure with its 95 % interval, to the digits that it is known to: `566.1 +- 2.9 urad`; where the
+/// interval is not about the figure, `566 urad (540 urad .. 570 urad)`; phases in degrees; the figure alone
+/// where it was not fitted.
+std::string with_interval(const ReportedParameter&);
+
+/// What can be done about an effect.
+struct Remedy {
+  std::string_view effect;
+  bool in_controller;     ///< by a correction of the readings
+  std::string_view text;  ///< without its subject
+};
+
+/// The row of an effect, or of a statement about the paper's formula. @returns null for a name without a row
+const Remedy* remedy(std::string_view effect);
+
+/// The unit of the gain over all joints.
+inline std::string gain_unit(const Diagnosis& d) { return d.prismatic ? "m" : "rad"; }
+
+}  // namespace qerr

@@ -1,0 +1,137 @@
+#!/usr/bin/env python3
+"""`qerr diagnose` on logs as they come from workshops: a reference interpolated between few points, a clipped resolver that went
+there and back, a "load" that the controller made of the error. Then, where the shared data are, on measured ones.
+
+    check_real_logs.py --qerr build/qerr [--shared DIR]     DIR/data is skipped, saying so, when absent
+Needs numpy only.
+"""
+import argparse
+import json
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import numpy as np
+
+from tool import Tally, run
+
+URDF = """<robot name="stage"><link name="base"/><link name="tip"/>
+<joint name="shaft" type="revolute"><parent link="base"/><child link="tip"/><axis xyz="0 0 1"/>
+<limit lower="-1" upper="7" effort="10" velocity="50"/></joint></robot>
+"""
+TURN = 2 * np.pi
+
+
+def answer(qerr, folder, encoder, header, columns, formats):
+    """The diagnosis of a one-joint log."""
+    (folder / "stage.urdf").write_text(URDF)
+    (folder / "spec.yaml").write_text(
+        f"qerr: 1\nrobot: {{urdf: stage.urdf}}\nencoders:\n  shaft: {encoder}\nconfigurations: {{method: sobol, count: 100}}\n")
+    rows = "\n".join(",".join(f % x for f, x in zip(formats, row)) for row in zip(*columns))
+    (folder / "log.csv").write_text(header + "\n" + rows + "\n")
+    done = run(qerr, "diagnose", folder / "spec.yaml", folder / "log.csv", "--format", "json", limit=200)
+    return json.loads(done.out) if done.code == 0 else {}
+
+
+def causes(said):
+    """{(effect, order or None): its parameters by name} of an answer, in its order."""
+    found = {}
+    for cause in said.get("causes", []):
+        numbers = {p["name"]: p["value"] for p in cause["parameters"]}
+        found[cause["effect"], round(numbers["order"]) if "order" in numbers else None] = numbers
+    return found
+
+
+def magnet_table(qerr, folder, tally):
+    """One row per count of a 14-bit magnet, interpolated between 200 steps of a motor that errs itself."""
+    dice = np.random.default_rng(5)
+    true = TURN * np.arange(201) / 200
+    count = TURN / 2**14
+    amplitudes = {1: 9.0, 2: 12.0, 4: 5.0}
+    raw = true + count * sum(a * np.sin(k * true + 0.4 * k) for k, a in amplitudes.items())
+    stepper = true + count * (3.0 * np.sin(50 * true + 1.0) + dice.normal(0, 0.4, 201))
+    at = count * np.arange(2**14)
+    reference = np.interp(at, raw, stepper)
+    keep = (at > raw[0]) & (at < raw[-1])
+    said = answer(qerr, folder, "{bits: 14}", "time [s],shaft.counts,shaft.reference [rad]",
+                  [1e-3 * np.arange(keep.sum()), np.arange(2**14)[keep], reference[keep]], ["%.3f", "%d", "%.6f"])
+    found = causes(said)
+    tally.check("table: the orders of the magnet are named, the largest first",
+                list(found)[:1] == [("transmission_error", 2)] and ("eccentricity", 1) in found and ("transmission_error", 4) in found,
+                said.get("causes"))
+    sizes = [(found.get(("eccentricity" if k == 1 else "transmission_error", k)) or {}).get("amplitude", 0) / count
+             for k in amplitudes]
+    tally.check("table: their amplitudes are right to 8 %", np.allclose(sizes, list(amplitudes.values()), rtol=0.08), sizes)
+    tally.check("table: at 50 periods a turn the stepper may be the culprit",
+                "reference_error" in [a["effect"] for a in said.get("alternatives", [])], said.get("alternatives"))
+    tally.check("table: 200 points make few names", len(found) <= 7, list(found))
+    tally.check("table: no name needs motion", not {k for k, _ in found} & {"latency", "backlash", "clock_drift", "missed_counts"},
+                list(found))
+
+
+def clipped_resolver(qerr, folder, tally):
+    """One turn there and back at 36 deg/s, 35 ms late, both signals clipped at 0.65 of their amplitude."""
+    dice = np.random.default_rng(6)
+    time = 0.01 * np.arange(3000)
+    speed = np.interp(time, [2, 2.1, 12, 12.1, 16, 16.1, 26, 26.1], np.array([0, 1, 1, 0, 0, -1, -1, 0]))
+    speed *= TURN / 10
+    path = np.concatenate([[0], np.cumsum(0.5 * (speed[1:] + speed[:-1]) * 0.01)])
+    late = np.interp(time - 0.035, time, path)
+    angle = np.unwrap(np.arctan2(np.clip(np.sin(late), -0.65, 0.65), np.clip(np.cos(late), -0.65, 0.65)))
+    measured = angle + dice.normal(0, 2e-5, time.size)
+    said = answer(qerr, folder, "{bits: 20}", "time [s],shaft.measured [rad],shaft.reference [rad]", [time, measured, path],
+                  ["%.2f", "%.9f", "%.9f"])
+    found = causes(said)
+    first = next((k for k in found if k[0] != "offset"), None)
+    tally.check("resolver: the fourth order comes first, or the error within its period",
+                first in [("transmission_error", 4), ("subdivision_error", None)], list(found))
+    tally.check("resolver: the delay is found to 2 ms", abs(found.get(("latency", None), {}).get("delay", 0) - 0.035) < 0.002, found)
+    tally.check("resolver: no counts are lost and nothing has a gap",
+                not {k for k, _ in found} & {"missed_counts", "backlash"}, list(found))
+    tally.check("resolver: blocks that were held out gain eightfold", said.get("gain", {}).get("ratio", 0) > 8, said.get("gain"))
+
+
+def load_of_the_controller(qerr, folder, tally):
+    """The "load" of a servo is its own gain times the error, which is play."""
+    dice = np.random.default_rng(7)
+    time = 0.002 * np.arange(6000)
+    path = 2 + 1.2 * np.sin(TURN * 0.4 * time) + 0.3 * np.sin(TURN * 1.3 * time + 1)
+    rate = np.gradient(path, time)
+    count = TURN / 4096
+    read = np.round((path + 3 * count * np.sign(rate)) / count)
+    reference = path + dice.normal(0, 0.02 * count, path.size)
+    said = answer(qerr, folder, "{counts_per_rev: 4096}", "time [s],shaft.counts,shaft.reference [rad],shaft.effort [N m]",
+                  [time, read, reference, 40 * (read * count - reference)], ["%.3f", "%d", "%.9f", "%.9f"])
+    found = {k for k, _ in causes(said)}
+    tally.check("servo: a load made of the error is called that", "controller_droop" in found, list(found))
+    tally.check("servo: and nothing is said to be compliant", "compliance" not in found, list(found))
+
+
+def measured_logs(qerr, data, tally):
+    """The measured logs against their expected answers, by their own script."""
+    if not (data / "score_real.py").is_file():
+        print(f"skip  measured logs: no {data}")
+        return
+    done = subprocess.run([sys.executable, data / "score_real.py", "--qerr", str(qerr), "--dir", data],
+                          capture_output=True, text=True)
+    print(done.stdout, end="")
+    scored = [line for line in done.stdout.splitlines() if line[:3] in ("ok ", "BAD")]
+    tally.check("every measured log is judged acceptably", scored and not [x for x in scored if x.startswith("BAD")], done.stderr)
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    arguments.add_argument("--qerr", required=True, type=lambda p: pathlib.Path(p).resolve())
+    arguments.add_argument("--shared", type=pathlib.Path, default=pathlib.Path("none"))
+    o = arguments.parse_args()
+    tally = Tally()
+    for look_alike in (magnet_table, clipped_resolver, load_of_the_controller):
+        with tempfile.TemporaryDirectory() as folder:
+            look_alike(o.qerr, pathlib.Path(folder), tally)
+    measured_logs(o.qerr, o.shared / "data", tally)
+    return tally.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,169 @@
+#include "../src/diagnose/explanation.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "../src/diagnose/model_choice.hpp"
+#include "../src/diagnose/scatter.hpp"
+#include "../src/diagnose/select.hpp"
+#include "../src/diagnose/smooth_path.hpp"
+#include "../src/diagnose/subdivision.hpp"
+#include "qerr/core/random.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double step = 1e-4, turn = 2 * std::numbers::pi;
+
+double normal(std::uint64_t index, std::uint64_t stream) {
+  const double u = unit_interval(random_bits(7, 2 * index, stream)),
+               v = unit_interval(random_bits(7, 2 * index + 1, stream));
+  return std::sqrt(-2 * std::log(1 - u)) * std::cos(turn * v);
+}
+
+/// What a joint is given to read: a function of row, time and angle that adds to it [rad].
+using Flaw = double (*)(std::size_t row, double time, double angle);
+
+double none(std::size_t, double, double) { return 0; }
+
+/// A joint that swings; its encoder counts floors of the true angle and of what the flaw adds.
+Evidence swing(Flaw flaw, double counts_per_period = 4) {
+  const Eigen::Index n = 6000;
+  Evidence e;
+  e.joint = "elbow";
+  e.encoder = {step, Rounding::nearest, true, 10, counts_per_period};
+  e.noise = 0.04 * step;
+  e.time = Eigen::ArrayXd::LinSpaced(n, 0, 1e-3 * static_cast<double>(n - 1));
+  e.reference = 1.1 * (2.1 * e.time).sin() + 0.2 * (7.7 * e.time + 1).cos();
+  e.measured.resize(n);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double seen = e.reference[k] + flaw(static_cast<std::size_t>(k), e.time[k], e.reference[k]);
+    e.measured[k] = step * std::floor(seen / step + 0.5);
+    e.reference[k] += e.noise * normal(static_cast<std::uint64_t>(k), 1);
+  }
+  const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
+  e.path = smooth.position;
+  e.velocity = smooth.velocity;
+  e.path_noise = smooth.left;
+  e.side = side_of_motion(e.path, 10 * e.noise);
+  return e;
+}
+
+Evidence rows(const Evidence& e) { return independent(e, independent_rows(e)); }
+
+std::vector<std::string> names(const Selection& s) {
+  std::vector<std::string> found;
+  for (const Term& t : s.model.terms()) found.push_back(t.named() ? t.effect.type : "unnamed: " + t.unnamed);
+  return found;
+}
+
+using Names = std::vector<std::string>;
+
+TEST(IntervalLikelihood, HasTheDerivativesOfItsValue) {
+  const Intervals edges{Eigen::Array4d(-0.2, -1.3, 0.4, -30), Eigen::Array4d(0.8, -0.3, 1.4, -29)};
+  const Eigen::ArrayXd x = Eigen::Array4d(0.1, 0.3, 0.3, 0.5), sigma = Eigen::Array4d(0.5, 0.7, 1.1, 0.9);
+  const auto value = [&](const Eigen::ArrayXd& u, double w) {  // x = u/w, sigma/w
+    return interval_likelihood(edges, u / w, sigma / w).log_likelihood;
+  };
+  const IntervalLikelihood l = interval_likelihood(edges, x, sigma);
+  constexpr double h = 1e-4;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    const Eigen::ArrayXd by = h * Eigen::VectorXd::Unit(4, k).array();
+    EXPECT_NEAR(l.score[k], (value(x + by, 1) - value(x - by, 1)) / (2 * h),
+                1e-5 * (1 + std::abs(l.score[k])));
+    EXPECT_NEAR(l.curvature[k], -(value(x + by, 1) - 2 * value(x, 1) + value(x - by, 1)) / (h * h),
+                1e-4 * (1 + l.curvature[k]));
+    EXPECT_NEAR(l.cross[k],
+                -(value(x + by, 1 + h) - value(x - by, 1 + h) - value(x + by, 1 - h) + value(x - by, 1 - h)) /
+                    (4 * h * h),
+                1e-3 * (1 + std::abs(l.cross[k])));
+  }
+  EXPECT_NEAR(l.scale_score, (value(x, 1 + h) - value(x, 1 - h)) / (2 * h), 1e-4 * std::abs(l.scale_score));
+  EXPECT_NEAR(l.scale_curvature, -(value(x, 1 + h) - 2 * value(x, 1) + value(x, 1 - h)) / (h * h),
+              1e-3 * l.scale_curvature);
+}
+
+TEST(Explanation, KnowsAnOffsetBetterThanTheCountsAverageTellsIt) {
+  const Evidence e = rows(swing([](std::size_t, double, double) { return 0.37 * step; }));
+  Explanation m(e);
+  for (const Term& t : named_terms(e))
+    if (t.effect.type == "offset") m.add(t);
+  m.fit();
+  EXPECT_NEAR(m.coefficients(0)[0], 0.37 * step, 0.004 * step);
+  EXPECT_LT(m.noise(), 0.04 * step) << "less than the reference's own, since its path is smooth";
+}
+
+TEST(Explanation, FitsAResolverWithClippedSignals) {
+  // The arctangent of what the clipped amplifiers give, by itself and not by the effect's code.
+  const Evidence e = rows(swing(
+      [](std::size_t, double, double q) {
+        const double angle = turn * q / (1024 * step);
+        const double s = std::clamp(std::sin(angle), -0.8, 0.8), c = std::clamp(std::cos(angle), -0.8, 0.8);
+        return 1024 * step / turn * std::remainder(std::atan2(s, c) - angle, turn);
+      },
+      1024));
+  const Selection s = select(e);
+  ASSERT_EQ(names(s), Names{"subdivision_error"});
+  ASSERT_EQ(s.model.coefficients(0).size(), 5);
+  EXPECT_NEAR(s.model.coefficients(0)[4], 0.8, 1e-3);
+  EXPECT_LT(s.model.coefficients(0).head(4).cwiseAbs().maxCoeff(), 1e-3);
+}
+
+TEST(Select, NamesNothingWhereNothingIsWrong) { EXPECT_EQ(names(select(rows(swing(none)))), Names{}); }
+
+TEST(Select, TakesAStaircaseForCountsThatWereLost) {
+  const Selection s = select(
+      rows(swing([](std::size_t, double t, double) { return -step * ((t > 0.9) + (t > 2.2) + (t > 4.4)); })));
+  EXPECT_EQ(names(s), (Names{"missed_counts", "missed_counts", "missed_counts"}));
+  for (std::size_t i = 0; i < s.model.terms().size(); ++i) EXPECT_NEAR(s.model.coefficients(i)[0], -1, 0.05);
+}
+
+TEST(Select, FindsAWholeOrderOfEitherShaft) {
+  const Selection of_encoder =
+      select(rows(swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(30 * q + 1); })));
+  ASSERT_EQ(names(of_encoder), Names{"transmission_error"});
+  EXPECT_EQ(of_encoder.model.terms()[0].effect.number("order"), 3);
+  EXPECT_EQ(of_encoder.model.terms()[0].effect.choices.at("shaft"), "encoder");
+  const Selection of_joint =
+      select(rows(swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(37 * q + 1); })));
+  ASSERT_EQ(names(of_joint), Names{"transmission_error"});
+  EXPECT_EQ(of_joint.model.terms()[0].effect.number("order"), 37);
+  EXPECT_EQ(of_joint.model.terms()[0].effect.choices.at("shaft"), "joint");
+}
+
+TEST(Select, GivesNoNameToADamagedTooth) {
+  const Selection s = select(rows(swing([](std::size_t, double, double q) {
+    return 4 * step * std::exp(-0.5 * std::pow((q - 0.3) / 0.05, 2));
+  })));
+  EXPECT_EQ(names(s), Names{"unnamed: repeats with the position, and has no period"});
+}
+
+TEST(Select, GivesNoNameToAWander) {
+  const Selection s = select(rows(swing([](std::size_t, double t, double) {
+    return 3 * step * (std::sin(2.9 * t) + 0.6 * std::sin(5.1 * t + 1) + 0.4 * std::cos(8.3 * t));
+  })));
+  ASSERT_FALSE(s.model.terms().empty());
+  for (const Term& t : s.model.terms()) EXPECT_FALSE(t.named()) << t.effect.type;
+}
+
+TEST(Scatter, IsNoiseWhenItIsTheSameEverywhereAndNothingWithANameWhenItComesAndGoes) {
+  const Evidence noisy =
+      rows(swing([](std::size_t row, double, double) { return 0.8 * step * normal(row, 2); }));
+  const Scatter same = scatter_of(noisy, Explanation(noisy));
+  ASSERT_TRUE(same.effect);
+  EXPECT_EQ(same.effect->type, "noise");
+  EXPECT_NEAR(same.effect->number("sigma"), 0.8 * step, 0.8 * step * same.relative_error + 0.01 * step);
+  const Evidence dirty = rows(swing([](std::size_t row, double, double q) {
+    return std::abs(q - 0.4) < 0.2 ? 3 * step * normal(row, 2) : 0;
+  }));
+  const Scatter sector = scatter_of(dirty, Explanation(dirty));
+  EXPECT_FALSE(sector.effect) << sector.effect->type;
+  EXPECT_NE(sector.structure, "");
+}
+
+}  // namespace
+
+}  // namespace qerr
