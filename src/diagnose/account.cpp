@@ -88,7 +88,7 @@ class Account {
       std::vector<std::string> others;
       if (scatter.alternative) others.push_back(scatter.alternative->type);
       add(std::move(cause), others);
-    } else if (!scatter.structure.empty() && scatter.size > 0.1 * e_.step()) {
+    } else if (!scatter.structure.empty() && scatter.size > 0.25 * e_.step()) {
       d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size});
     }
   }

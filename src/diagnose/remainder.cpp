@@ -67,22 +67,32 @@ bool is_whole(const Explanation& m, std::size_t term) {
   return std::round(counts) != 0 && std::abs(counts - std::round(counts)) < 0.15;
 }
 
-/// Periods of a term that the record has seen; of what is no period, one.
+bool is_periodic(const Term& t) {
+  return t.effect.type == "eccentricity" || (t.named() && t.effect.type == "transmission_error");
+}
+
+/// Periods of a term that the record has seen.
 double periods_seen(const Term& t, const Evidence& e) {
-  if (t.effect.type != "eccentricity" && t.effect.type != "transmission_error") return 1;
   const auto shaft = t.effect.choices.find("shaft");
   const bool of_joint = shaft != t.effect.choices.end() && shaft->second == "joint";
   const double order = t.effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
   return order * (e.path.maxCoeff() - e.path.minCoeff()) / (2 * std::numbers::pi);
 }
 
-/// Two bends are no two orders: parts of periods together make any smooth curve, and none of them is known.
+/// Two parts of periods are no two orders, and three orders on two turns are a series: such sums make any
+/// smooth curve, and none of their terms is known.
 void drop_bends(Explanation& m, const Evidence& e) {
-  constexpr double whole = 0.9;
-  const auto bent = [&](const Term& t) { return t.named() && periods_seen(t, e) < whole; };
-  if (std::count_if(m.terms().begin(), m.terms().end(), bent) < 2) return;
+  std::ptrdiff_t periodic = 0, parts = 0, few = 0;
+  for (const Term& t : m.terms())
+    if (is_periodic(t)) {
+      ++periodic;
+      parts += periods_seen(t, e) < 0.9;
+      few += periods_seen(t, e) < 2;
+    }
+  const bool series = periodic >= 3 && few > 0;
+  if (!series && parts < 2) return;
   for (std::size_t i = m.terms().size(); i-- > 0;)
-    if (bent(m.terms()[i])) m.remove(i);
+    if (is_periodic(m.terms()[i]) && (series || periods_seen(m.terms()[i], e) < 0.9)) m.remove(i);
   m.fit();
 }
 
@@ -149,7 +159,7 @@ void drop_shadows(Explanation& m, const Evidence& e) {
 }  // namespace
 
 void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
-  drop_bends(m, e);
+  if (!options.names_first) drop_bends(m, e);
   drop_impossible(m, e);
   if (auto next = with_remainder(m, e, options)) {
     const double left = left_by(*next, e);

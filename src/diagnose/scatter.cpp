@@ -56,10 +56,10 @@ Intervals displaced(const Intervals& ideal, const Evidence& e, double shift) {
 /// The largest residual of readings that neither the causes nor the scatter of the others can have made: a
 /// glitch of the line. 0: there is none.
 double farthest(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added) {
-  const double possible =
-      std::max(3 * added.abs().maxCoeff() + 5 * e.step(), 8 * std::max(m.plain_noise(), e.noise));
-  const double most = (e.measured - e.path - m.addition()).abs().maxCoeff();
-  return most > possible ? most : 0;
+  const double shape = 3 * added.abs().maxCoeff() + 5 * e.step() + 8 * e.noise;
+  const Eigen::ArrayXd possible = (8 * m.plain_noise() / m.noise() * m.scatter()).max(shape);
+  const Eigen::ArrayXd off = (e.measured - e.path - m.addition()).abs();
+  return (off > possible).any() ? off.maxCoeff() : 0;
 }
 
 struct Candidate {
