@@ -149,6 +149,27 @@ TEST(Select, GivesNoNameToAWander) {
   for (const Term& t : s.model.terms()) EXPECT_FALSE(t.named()) << t.effect.type;
 }
 
+TEST(Scatter, TellsSingleReadingsThatAreFarOff) {
+  const Evidence e =
+      rows(swing([](std::size_t row, double, double) { return row % 900 == 17 ? 60 * step : 0; }));
+  const Selection s = select(e);
+  EXPECT_EQ(names(s), Names{});
+  const Scatter scatter = scatter_of(e, s.model);
+  EXPECT_EQ(scatter.structure, "single readings are far off");
+  EXPECT_NEAR(scatter.size, 60 * step, step);
+}
+
+TEST(Select, SaysNothingOfOrdersWhereAJointRests) {
+  Evidence e = swing(none);
+  e.reference = e.path = Eigen::ArrayXd::Constant(e.rows(), 0.41 * step);
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    e.reference[k] += e.noise * normal(static_cast<std::uint64_t>(k), 5);
+  e.measured.setZero();
+  e.velocity = e.side = Eigen::ArrayXd::Zero(e.rows());
+  EXPECT_TRUE(e.rests());
+  EXPECT_EQ(names(select(rows(e))), Names{});
+}
+
 TEST(Scatter, IsNoiseWhenItIsTheSameEverywhereAndNothingWithANameWhenItComesAndGoes) {
   const Evidence noisy =
       rows(swing([](std::size_t row, double, double) { return 0.8 * step * normal(row, 2); }));

@@ -177,6 +177,19 @@ def check_table(t, qerr, folder):
     t.check("the spectrum peaks at one period per revolution of the encoder", abs(float(peak["encoder_order"]) - 1) < 0.25, str(peak))
 
 
+def check_limits(t, qerr, folder):
+    log = (folder / "log.csv").read_text().splitlines(keepends=True)
+    (folder / "short.csv").write_text("".join(log[:2]))
+    ran = run(qerr, "diagnose", folder / "spec.yaml", folder / "short.csv", "--format", "json")
+    t.check("one row: no verdict, and what would suffice",
+            ran.code == 0 and strict(ran.out)["verdict"] == "cannot_judge" and strict(ran.out)["causes"] == [], ran.err.decode()[:200])
+    before = (folder / "log.csv").read_bytes()
+    for option in ("-o", "--write-model", "--write-table"):
+        ran = run(qerr, "diagnose", folder / "spec.yaml", folder / "log.csv", option, folder / "log.csv")
+        t.check(f"{option} does not overwrite the log", ran.code == 2 and (folder / "log.csv").read_bytes() == before,
+                ran.err.decode()[:200])
+
+
 def check_errors(t, qerr, folder):
     spec, log = folder / "spec.yaml", folder / "log.csv"
     good = log.read_text().splitlines()
@@ -236,6 +249,7 @@ def main():
         if answer:
             check_model(t, qerr, folder, answer)
         check_table(t, qerr, folder)
+        check_limits(t, qerr, folder)
         check_errors(t, qerr, folder)
         check_pipes(t, qerr, folder)
     return t.close()
