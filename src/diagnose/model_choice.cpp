@@ -18,6 +18,8 @@ Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coeff
       t.reshaped(e, t, t.shape + change).columns - t.reshaped(e, t, t.shape - change).columns;
   d.columns = (by.matrix() * coefficients).array() / (2 * change);
   d.reshaped = nullptr;
+  d.along = nullptr;  // a single column now
+  d.relinearized = nullptr;
   return d;
 }
 
