@@ -4,6 +4,7 @@
 #   scripts/setup.sh           to build qerr
 #   scripts/setup.sh --tests   also to test it
 #   scripts/setup.sh --plots   also to draw the paper's figures
+#   scripts/setup.sh --bench   also to test it and to time it
 #
 # This is the one place where the packages are listed (Debian 12 or later).
 set -euo pipefail
@@ -29,12 +30,18 @@ test_packages=(
 plot_packages=(
   python3 python3-numpy python3-matplotlib
 )
+bench_packages=(
+  libbenchmark-dev      # the parts' times
+  liborocos-kdl-dev     # the peer of scripts/compare_peers.sh
+  python3-pandas        # reads logs beside qerr
+)
 
 case "${1-}" in
   "") ;;
   --tests) packages+=("${test_packages[@]}") ;;
   --plots) packages+=("${plot_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--plots]" >&2; exit 2 ;;
+  --bench) packages+=("${test_packages[@]}" "${bench_packages[@]}") ;;
+  *) echo "usage: ${0##*/} [--tests|--plots|--bench]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <string>
+
+#include "race.hpp"
+
+namespace qerr::bench {
+
+/// What the figures were measured on and with.
+struct Setting {
+  std::string machine;   ///< the processor's own name
+  std::string compiler;  ///< that built the benchmark
+  RaceOptions options;
+  std::uint64_t configurations = 0, compared = 0;
+};
+Setting setting(const RaceOptions&, std::uint64_t configurations, std::uint64_t compared);
+
+/// Tables for a person: aligned columns, or Markdown.
+std::string text(const Results&, const Setting&, bool markdown);
+
+/// How far every contestant is from the reference, as a table.
+std::string agreement(const Results&, bool markdown);
+
+/// All figures, rates in 1/s.
+std::string json(const Results&, const Setting&);
+
+}  // namespace qerr::bench
