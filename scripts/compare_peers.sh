@@ -11,19 +11,27 @@
 #
 # First every contestant must agree with qerr's scalar code (exit code 1 where one does not). Then all take
 # turns, round by round, on one thread, by its CPU time: jac is the tip Jacobian, job adds the worst case and
-# the covariance, full adds the statistics. Builds into build-bench/, always optimized; RBDL and Pinocchio in
-# other places than the system's are named with CMAKE_PREFIX_PATH.
+# the covariance, full adds the statistics. RBDL and Pinocchio in other places than the system's are named with
+# CMAKE_PREFIX_PATH in the environment.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 "$root/scripts/setup.sh" --bench
 
-options=(-DQERR_BENCH=ON -DCMAKE_BUILD_TYPE=Release)
-if [[ ! -f $root/build-bench/CMakeCache.txt ]]; then
+# The build of run_tests.sh serves, unless it is one for finding faults: those are slow.
+build=$root/build
+cache=$build/CMakeCache.txt
+if [[ -f $cache ]] && ! { grep -q '^CMAKE_BUILD_TYPE:.*=Release$' "$cache" && grep -q '^QERR_SANITIZE:.*=$' "$cache"; }; then
+  build=$root/build-bench
+fi
+options=(-DQERR_TESTS=ON -DQERR_BENCH=ON -DCMAKE_BUILD_TYPE=Release)
+if [[ ! -f $build/CMakeCache.txt ]]; then
   options+=(-G Ninja)
 fi
-cmake -S "$root" -B "$root/build-bench" "${options[@]}" | { grep compare_peers || true; } >&2
-cmake --build "$root/build-bench" --target compare_peers --parallel "$(nproc)" >&2
+cmake -S "$root" -B "$build" "${options[@]}" >"$build.log" || { cat "$build.log" >&2; exit 1; }
+grep compare_peers "$build.log" >&2 || true
+rm "$build.log"
+cmake --build "$build" --target compare_peers --parallel "$(nproc)" >&2
 
-exec "$root/build-bench/tests/bench/peers/compare_peers" "$@"
+exec "$build/tests/bench/peers/compare_peers" "$@"

@@ -22,9 +22,10 @@ double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Group group)
         std::max(difference[g], finite ? apart.maxCoeff() : std::numeric_limits<double>::infinity());
     size[g] = std::max(size[g], b.row(row).cwiseAbs().maxCoeff());
   }
+  const double least = 1e-4 * *std::max_element(size.begin(), size.end());
   double worst = 0;
   for (std::size_t g = 0; g < size.size(); ++g)
-    if (difference[g] > 0) worst = std::max(worst, difference[g] / size[g]);
+    if (difference[g] > 0) worst = std::max(worst, difference[g] / std::max(size[g], least));
   return worst;
 }
 
@@ -66,9 +67,9 @@ void compare(const Summaries& a, const Summaries& b, const Problem& p, Deviation
 }  // namespace
 
 bool Deviation::agrees() const {
-  for (const double shown : {jacobian, worst_case, covariance, summary})
+  for (const double shown : {jacobian, worst_case, covariance})
     if (shown > largest_allowed) return false;
-  return !(quantile > largest_quantile_allowed);
+  return !(summary > largest_summary_allowed) && !(quantile > largest_quantile_allowed);
 }
 
 Deviation deviation(const Contestant& contestant, const Contestant& reference, const Problem& p,

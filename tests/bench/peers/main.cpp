@@ -169,7 +169,11 @@ int main(int argc, char** argv) {
   Arguments arguments;
   CLI::App app{"Times the tip Jacobian, the bounds and their statistics beside other libraries."};
   declare(app, arguments);
-  CLI11_PARSE(app, argc, argv);
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(Trouble::usage);
+  }
   try {
     return run(arguments);
   } catch (const Error& e) {

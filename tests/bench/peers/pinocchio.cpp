@@ -15,21 +15,21 @@ namespace {
 
 namespace pin = pinocchio;
 
-pin::SE3 placement(const Eigen::Isometry3d& t) { return {t.linear(), t.translation()}; }
+pin::SE3 placement(const Eigen::Isometry3d& t) { return pin::SE3(t.linear(), t.translation()); }
 
 /// The joint's own kind where its axis is one of the frame's, as Pinocchio's own URDF reader chooses it.
 pin::JointModel joint(const ChainJoint& j) {
   const auto along = [&](int i) { return j.axis == Eigen::Vector3d::Unit(i); };
   if (j.prismatic) {
-    if (along(0)) return pin::JointModelPX();
-    if (along(1)) return pin::JointModelPY();
-    if (along(2)) return pin::JointModelPZ();
-    return pin::JointModelPrismaticUnaligned(j.axis);
+    if (along(0)) return pin::JointModel(pin::JointModelPX());
+    if (along(1)) return pin::JointModel(pin::JointModelPY());
+    if (along(2)) return pin::JointModel(pin::JointModelPZ());
+    return pin::JointModel(pin::JointModelPrismaticUnaligned(j.axis));
   }
-  if (along(0)) return pin::JointModelRX();
-  if (along(1)) return pin::JointModelRY();
-  if (along(2)) return pin::JointModelRZ();
-  return pin::JointModelRevoluteUnaligned(j.axis);
+  if (along(0)) return pin::JointModel(pin::JointModelRX());
+  if (along(1)) return pin::JointModel(pin::JointModelRY());
+  if (along(2)) return pin::JointModel(pin::JointModelRZ());
+  return pin::JointModel(pin::JointModelRevoluteUnaligned(j.axis));
 }
 
 pin::Model model_of(const Chain& chain) {

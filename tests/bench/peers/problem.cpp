@@ -17,9 +17,20 @@ Limits default_range(const IndependentJoint& joint) {
   return joint.limits.value_or(Limits{-reach, reach});
 }
 
+/// make_chain() for a command line: its errors speak of a spec's keys.
+Chain chain_of(const RobotModel& robot, const std::string& base, const std::string& tip) try {
+  return make_chain(robot, base, tip);
+} catch (const Error& e) {
+  std::vector<Fault> faults = e.faults();
+  for (Fault& fault : faults)
+    for (std::string* text : {&fault.key, &fault.rule, &fault.remedy})
+      for (std::size_t at; (at = text->find("robot.")) != std::string::npos;) text->replace(at, 6, "--");
+  throw Error(std::move(faults), e.trouble());
+}
+
 Problem from_urdf(const std::string& file, const std::string& base, const std::string& tip) {
   Problem p;
-  p.model.chain = make_chain(read_urdf(file), base, tip);
+  p.model.chain = chain_of(read_urdf(file), base, tip);
   const auto n = static_cast<Eigen::Index>(p.model.chain.independent.size());
   p.model.transmission.coupling = Eigen::MatrixXd::Identity(n, n);
   for (const IndependentJoint& joint : p.model.chain.independent) {

@@ -13,7 +13,8 @@ namespace rbd = RigidBodyDynamics;
 
 /// RBDL's transforms turn coordinates: the rotation's transpose, with the origin in the parent's axes.
 rbd::Math::SpatialTransform transform(const Eigen::Isometry3d& t) {
-  return {rbd::Math::Matrix3d(t.linear().transpose()), rbd::Math::Vector3d(t.translation())};
+  return rbd::Math::SpatialTransform(rbd::Math::Matrix3d(t.linear().transpose()),
+                                     rbd::Math::Vector3d(t.translation()));
 }
 
 /// The joint's own kind where its axis is one of the frame's.

@@ -82,8 +82,9 @@ std::string rates(const ProblemResult& problem, bool markdown) {
   }
   std::string out = table.print(markdown);
   if (problem.two_threads)
-    out += "Two threads do " + format("%.2f", *problem.two_threads) +
-           " times what one does (workspace, wall time).\n\n";
+    out += "Two threads do " + format("%.2f", problem.two_threads->ratio) +
+           " times what one does (workspace, wall time; they had " +
+           format("%.2f", problem.two_threads->cores) + " cores).\n\n";
   return out;
 }
 

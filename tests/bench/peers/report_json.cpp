@@ -48,10 +48,10 @@ std::string json(const Results& results, const Setting& s) {
   for (const ProblemResult& p : results.problems) {
     Json rows = Json::array();
     for (const ContestantResult& c : p.contestants) rows.push_back(of(c));
-    out["robots"].push_back({{"name", p.name},
-                             {"joints", p.joints},
-                             {"contestants", rows},
-                             {"two_threads_over_one", number(p.two_threads)}});
+    Json two = nullptr;
+    if (p.two_threads) two = {{"times_one", p.two_threads->ratio}, {"cores", p.two_threads->cores}};
+    out["robots"].push_back(
+        {{"name", p.name}, {"joints", p.joints}, {"contestants", rows}, {"two_threads", two}});
   }
   for (const PeakResult& p : results.peaks)
     out["fma_peaks"].push_back({{"instruction_set", p.peak.instruction_set},
