@@ -22,8 +22,8 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 # The build of run_tests.sh serves, unless it is one for finding faults: those are slow.
 build=$root/build
 cache=$build/CMakeCache.txt
-if [[ -f $cache ]] && ! { grep -q '^CMAKE_BUILD_TYPE:.*=Release$' "$cache" && grep -q '^QERR_SANITIZE:.*=$' "$cache"; }; then
-  build=$root/build-bench
+if [[ -f $cache ]]; then
+  grep -q '^CMAKE_BUILD_TYPE:.*=Release$' "$cache" && grep -q '^QERR_SANITIZE:.*=$' "$cache" || build=$root/build-bench
 fi
 options=(-DQERR_TESTS=ON -DQERR_BENCH=ON -DCMAKE_BUILD_TYPE=Release)
 if [[ ! -f $build/CMakeCache.txt ]]; then
