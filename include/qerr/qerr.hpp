@@ -12,8 +12,12 @@
 /// A whole report takes two calls, `read_spec` and `analyze`; each step is also a free function of its own.
 /// All values are in SI units. Errors are thrown as qerr::Error; nothing is printed.
 
+#include "qerr/core/aligned.hpp"
+#include "qerr/core/batch.hpp"
 #include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/core/lanes.hpp"
 #include "qerr/core/output_file.hpp"
 #include "qerr/core/parallel.hpp"
 #include "qerr/core/parameter.hpp"
@@ -31,9 +35,14 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/folded_chain.hpp"
+#include "qerr/kinematics/folded_path.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/jacobians.hpp"
 #include "qerr/kinematics/robot_model.hpp"
+#include "qerr/kinematics/sampler.hpp"
+#include "qerr/kinematics/walk.hpp"
 
 #include "qerr/filter/autocorrelation.hpp"
 #include "qerr/filter/family.hpp"

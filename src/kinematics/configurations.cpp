@@ -14,6 +14,10 @@ double between(const Limits& range, double fraction) {
   return std::min(std::max(value, range.lower), range.upper);
 }
 
+double grid_fraction(std::uint64_t digit, std::uint64_t count) {
+  return count == 1 ? 0.5 : static_cast<double>(digit) / static_cast<double>(count - 1);
+}
+
 /// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed,
 /// so that every seed gives a net of the same quality.
 ///
@@ -46,13 +50,16 @@ Eigen::MatrixXd grid_points(const Configurations& c, std::uint64_t first, std::u
   for (Eigen::Index i = 0; i < unit.cols(); ++i) {
     std::uint64_t index = first + static_cast<std::uint64_t>(i);
     for (Eigen::Index j = unit.rows(); j-- > 0; index /= c.count)
-      unit(j, i) =
-          c.count == 1 ? 0.5 : static_cast<double>(index % c.count) / static_cast<double>(c.count - 1);
+      unit(j, i) = grid_fraction(index % c.count, c.count);
   }
   return unit;
 }
 
 }  // namespace
+
+double grid_value(const Limits& range, std::uint64_t digit, std::uint64_t count) {
+  return between(range, grid_fraction(digit, count));
+}
 
 std::uint64_t size(const Configurations& c) {
   if (c.method == SamplingMethod::list) return c.points.size();

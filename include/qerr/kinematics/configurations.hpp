@@ -29,6 +29,9 @@ struct Configurations {
 /// How many configurations there are; a grid has count^joints. Saturates at 2^63 - 1.
 std::uint64_t size(const Configurations&);
 
+/// The digit-th of `count` equally spaced values of a range; a single one stands in the middle [rad or m].
+double grid_value(const Limits& range, std::uint64_t digit, std::uint64_t count);
+
 /// Configurations first .. first + count - 1 as columns.
 /// @returns independent joints x count [rad or m]
 Eigen::MatrixXd draw(const Configurations&, std::uint64_t first, std::uint64_t count);

@@ -1,0 +1,141 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+/// Numbers side by side: one configuration, or one instant, per lane.
+///
+/// `Lanes<n>` is the compiler's own vector of n doubles: +, -, *, / and comparisons act on every lane, a
+/// scalar stands for n equal ones. What is written here for them is written once for any n; which
+/// instructions come out is decided by the flags of the file that includes it. Everything has internal
+/// linkage: the linker must never take one file's AVX-512 code for another file's call.
+namespace qerr::lanes {
+namespace {
+
+template <int n>
+struct LanesOf {
+  typedef double type __attribute__((vector_size(n * sizeof(double))));
+};
+template <int n>
+using Lanes = typename LanesOf<n>::type;
+
+/// Whole numbers as wide as the lanes; also what comparing lanes gives: -1 where true, 0 where not.
+template <class L>
+using Bits = decltype(L{} < L{});
+
+template <class L>
+constexpr std::size_t lane_count = sizeof(L) / sizeof(double);
+
+template <class L>
+[[gnu::always_inline]] inline L broadcast(double value) {
+  return value - L{};  // exact, also of -0
+}
+
+template <class L>
+[[gnu::always_inline]] inline L load(const double* from) {
+  L lanes;
+  __builtin_memcpy(&lanes, from, sizeof lanes);
+  return lanes;
+}
+
+template <class L>
+[[gnu::always_inline]] inline void store(double* to, const L& lanes) {
+  __builtin_memcpy(to, &lanes, sizeof lanes);
+}
+
+/// a b + c; one operation and one rounding where the file is compiled for processors that have it.
+template <class A, class B, class C>
+[[gnu::always_inline]] inline auto fma(const A& a, const B& b, const C& c) {
+  return a * b + c;
+}
+
+template <class L>
+[[gnu::always_inline]] inline L abs(const L& x) {
+  constexpr auto magnitude = ~(std::int64_t{1} << 63);
+  return __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, x) & magnitude);
+}
+
+template <class L>
+[[gnu::always_inline]] inline L max(const L& a, const L& b) {
+  return a > b ? a : b;
+}
+
+template <class L>
+[[gnu::always_inline]] inline L min(const L& a, const L& b) {
+  return a < b ? a : b;
+}
+
+template <class L>
+[[gnu::always_inline]] inline L sqrt(const L& x) {
+  L root;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) root[i] = __builtin_sqrt(x[i]);
+  return root;
+}
+
+/// The same number, behind a wall: a product that passes it is rounded before anything is added to it.
+template <class L>
+[[gnu::always_inline]] inline L rounded(L x) {
+#if defined(__x86_64__)
+  asm("" : "+x"(x));
+#elif defined(__aarch64__)
+  if constexpr (sizeof(L) <= 16) asm("" : "+w"(x));
+#endif
+  return x;
+}
+
+/// c0 + c1 x + ... + c5 x^5 by halves (Estrin), whose operations do not wait for each other as Horner's do.
+template <class L>
+[[gnu::always_inline]] inline L polynomial(const L& x, const L& x2, const L& x4, double c0, double c1,
+                                           double c2, double c3, double c4, double c5) {
+  const L low = fma(x, c1, broadcast<L>(c0)), middle = fma(x, c3, broadcast<L>(c2));
+  return fma(x4, fma(x, c5, broadcast<L>(c4)), fma(x2, middle, low));
+}
+
+template <class L>
+struct SineCosine {
+  L sine, cosine;
+};
+
+/// Largest angle of `sincos` [rad].
+constexpr double largest_angle = 1 << 20;
+
+/// Sine and cosine of an angle in radians, to 1.2e-16 (2e-16 without fused multiply-add).
+///
+/// The angle less the nearest multiple n of pi/2 (Cody and Waite: pi/2 in parts, so that nothing is lost to
+/// cancellation), two polynomials of least largest error on +-pi/4 (degrees 13 and 14, off by 1.6e-18 and
+/// 5e-20), and n mod 4 says which of them is which, and their signs.
+/// @pre |angle| <= largest_angle
+template <class L>
+[[gnu::always_inline]] inline SineCosine<L> sincos(const L& angle) {
+  constexpr double two_over_pi = 0x1.45f306dc9c883p-1, shift = 0x1.8p52;
+  // Added to 1.5 2^52 a number is rounded to a whole one, which stands in the last bits of the sum.
+  const L shifted = fma(angle, two_over_pi, broadcast<L>(shift));
+  const L n = shifted - shift;
+#if defined(__FMA__) || defined(__aarch64__)
+  L r = fma(n, -0x1.921fb54442d18p+0, angle);
+  r = fma(n, -0x1.1a62633145c07p-54, r);
+#else  // parts of 33 bits: their products with n are exact
+  L r = angle - n * 0x1.921fb544p+0;
+  r = r - n * 0x1.0b4611a6p-34;
+  r = r - n * 0x1.3198a2e037073p-69;
+#endif
+  const L s = r * r, ss = s * s;
+  const L sine =
+      fma(s * r,
+          polynomial(s, ss, ss * ss, -0x1.555555555553dp-3, 0x1.111111110eb1ap-7, -0x1.a01a019ab4225p-13,
+                     0x1.71de3474f29d8p-19, -0x1.ae5db422ca693p-26, 0x1.5d64b1075c7cfp-33),
+          r);
+  const L cosine =
+      fma(ss,
+          polynomial(s, ss, ss * ss, 0x1.555555555554cp-5, -0x1.6c16c16c15181p-10, 0x1.a01a019cb216cp-16,
+                     -0x1.27e4f80a33d9ap-22, 0x1.1ee9ec18b619dp-29, -0x1.8faeb5fa34e17p-37),
+          fma(s, -0.5, broadcast<L>(1)));
+  const Bits<L> quarter = __builtin_bit_cast(Bits<L>, shifted);
+  const Bits<L> negative_sine = (quarter & 2) << 62, negative_cosine = ((quarter + 1) & 2) << 62;
+  const L from_sine = (quarter & 1) != 0 ? cosine : sine, from_cosine = (quarter & 1) != 0 ? sine : cosine;
+  return {__builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, from_sine) ^ negative_sine),
+          __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, from_cosine) ^ negative_cosine)};
+}
+
+}  // namespace
+}  // namespace qerr::lanes

@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstddef>
+
+// Files that are compiled for processors of their own kind include this: neither Eigen nor the standard
+// library's containers, whose code the linker would share with everyone.
+
+namespace qerr {
+
+/// One moving joint in modified Denavit-Hartenberg form (Craig): from the frame before, tilt z about x, step
+/// to the joint's axis, then turn about it, or slide along it.
+///
+/// Frames are kept as their axes X, Y, Z in the base frame and a point o:
+///   Z' = cosine Z - sine Y,  Y' = cosine Y + sine Z                    (tilt; a right angle swaps them)
+///   o += a X + b Y + d Z'                                              (the joint's axis passes here along
+///   Z') X' = cos(t) X + sin(t) Y',  Y'' = cos(t) Y' - sin(t) X             (turn), t = multiplier q + offset
+/// A prismatic joint turns by the constant `offset` and slides o by (slide q + slide_offset) Z'. Signs that a
+/// right angle would put on an axis are carried into the numbers instead: the axis of the joint is sign Z'.
+struct FoldedJoint {
+  enum class Tilt { none, right, general };
+  Tilt tilt = Tilt::none;
+  double cosine = 1, sine = 0;
+  double a = 0, b = 0, d = 0;  ///< [m]
+  bool turns = true;           ///< false: the turn is by nothing, or changes nothing that is asked for
+  bool prismatic = false;
+  double turn_cosine = 1, turn_sine = 0;  ///< of a prismatic joint's constant turn
+  double multiplier = 1, offset = 0;      ///< of the angle [rad], or of the slide [m]
+  std::size_t coordinate = 0;             ///< index of the independent joint
+  double sign = 1;
+};
+
+/// A folded chain (folded_chain.hpp) as the batched kernels take it. Matrices stand column by column.
+struct FoldedPath {
+  const FoldedJoint* joints;
+  std::size_t count;
+  const double *first_axes, *first_point;
+  bool upright;
+  double tip_x, tip_y;
+  const double* tip_axes;
+};
+
+}  // namespace qerr

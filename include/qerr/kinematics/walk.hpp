@@ -1,0 +1,168 @@
+#pragma once
+
+#include "qerr/core/lanes.hpp"
+#include "qerr/kinematics/folded_path.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+/// A frame of the folded chain in the base frame: its axes and a point on its joint's axis.
+template <class L>
+struct Frame {
+  L x[3], y[3], z[3], o[3];
+};
+
+template <class L, class A>
+[[gnu::always_inline]] inline void advance(L (&point)[3], const A& length, const L (&along)[3]) {
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) point[i] = fma(length, along[i], point[i]);
+}
+
+/// From the frame behind the joint before to that of the joint, still unturned.
+template <class L>
+[[gnu::always_inline]] inline void approach(const FoldedJoint& joint, Frame<L>& f) {
+  if (joint.a != 0) advance(f.o, joint.a, f.x);
+  if (joint.b != 0) advance(f.o, joint.b, f.y);
+  if (joint.tilt == FoldedJoint::Tilt::right) {
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+      const L z = f.z[i];
+      f.z[i] = f.y[i];
+      f.y[i] = z;
+    }
+  } else if (joint.tilt == FoldedJoint::Tilt::general) {
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+      const L z = f.z[i], y = f.y[i];
+      f.z[i] = fma(joint.cosine, z, -(joint.sine * y));
+      f.y[i] = fma(joint.cosine, y, joint.sine * z);
+    }
+  }
+  if (joint.d != 0) advance(f.o, joint.d, f.z);
+}
+
+template <class L, class C>
+[[gnu::always_inline]] inline void turn(const C& cosine, const C& sine, Frame<L>& f) {
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    const L x = f.x[i], y = f.y[i];
+    f.x[i] = fma(cosine, x, sine * y);
+    f.y[i] = fma(cosine, y, -(sine * x));
+  }
+}
+
+/// The motion of every joint: its slide, or the sine and cosine of its turn.
+///
+/// Apart from the walk, as the turns do not depend on each other and the steps of the walk do.
+template <class L>
+[[gnu::always_inline]] inline void motions(const FoldedPath& chain, const double* q, std::size_t stride,
+                                           SineCosine<L>* to) {
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    const FoldedJoint& joint = chain.joints[k];
+    const L motion =
+        fma(joint.multiplier, load<L>(q + joint.coordinate * stride), broadcast<L>(joint.offset));
+    if (joint.prismatic)
+      to[k].sine = motion;
+    else if (joint.turns)
+      to[k] = sincos(motion);
+  }
+}
+
+/// Walks a folded chain from base to tip, one configuration per lane.
+///
+/// @param q       of independent joint i at q + i * stride [rad or m]
+/// @param arrive  called with (k, frame) when the frame stands on the axis of moving joint k: z is the axis
+/// times FoldedJoint::sign, o a point on it
+/// @param leave   called with (k, frame) when joint k has moved
+/// @param moved   room for one of each joint
+/// @returns the frame behind the last joint, its point moved to the tip
+template <class L, class Arrive, class Leave>
+[[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
+                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
+  motions(chain, q, stride, moved);
+  Frame<L> f;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    f.x[i] = broadcast<L>(chain.first_axes[i]);
+    f.y[i] = broadcast<L>(chain.first_axes[3 + i]);
+    f.z[i] = broadcast<L>(chain.first_axes[6 + i]);
+    f.o[i] = broadcast<L>(chain.first_point[i]);
+  }
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    const FoldedJoint& joint = chain.joints[k];
+    if (k > 0) approach(joint, f);
+    arrive(k, f);
+    if (joint.prismatic) {
+      advance(f.o, moved[k].sine, f.z);
+      if (joint.turns) turn(joint.turn_cosine, joint.turn_sine, f);
+    } else if (k == 0 && chain.upright && joint.turns) {
+      f.x[0] = f.y[1] = moved[k].cosine;
+      f.x[1] = moved[k].sine;
+      f.y[0] = -moved[k].sine;
+    } else if (joint.turns) {
+      turn(moved[k].cosine, moved[k].sine, f);
+    }
+    leave(k, f);
+  }
+  if (chain.tip_x != 0) advance(f.o, chain.tip_x, f.x);
+  if (chain.tip_y != 0) advance(f.o, chain.tip_y, f.y);
+  return f;
+}
+
+template <class L>
+[[gnu::always_inline]] inline void cross(const L (&a)[3], const L (&b)[3], L (&to)[3]) {
+  to[0] = fma(a[1], b[2], -(a[2] * b[1]));
+  to[1] = fma(a[2], b[0], -(a[0] * b[2]));
+  to[2] = fma(a[0], b[1], -(a[1] * b[0]));
+}
+
+/// What a kernel keeps of each moving joint while it works: the kernel's caller gives it the room, as chains
+/// may have any length.
+template <class L>
+struct JointRoom {
+  L column[6];  ///< of the Jacobian: linear, angular
+  L point[3];   ///< on the joint's axis
+};
+
+/// Columns of the Jacobian of the moving joints times a factor each. @returns as `walk`
+template <class L>
+[[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
+                                               std::size_t stride, SineCosine<L>* moved,
+                                               JointRoom<L>* joints) {
+  const Frame<L> tip = walk<L>(
+      chain, q, stride, moved,
+      [&](std::size_t k, const Frame<L>& f) {
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+          joints[k].column[3 + i] = scale[k] * f.z[i];
+          joints[k].point[i] = f.o[i];
+        }
+      },
+      [](std::size_t, const Frame<L>&) {});
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    L(&column)[6] = joints[k].column;
+    const L axis[3] = {column[3], column[4], column[5]};
+    if (chain.joints[k].prismatic) {
+#pragma GCC unroll 3
+      for (int i = 0; i < 3; ++i) {
+        column[i] = axis[i];
+        column[3 + i] = L{};
+      }
+      continue;
+    }
+    const L(&point)[3] = joints[k].point;
+    const L arm[3] = {tip.o[0] - point[0], tip.o[1] - point[1], tip.o[2] - point[2]};
+    L linear[3];
+    cross(axis, arm, linear);
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) column[i] = linear[i];
+  }
+  return tip;
+}
+
+/// Numbers of room a kernel needs for its moving joints: their motions and what is kept of them.
+template <class L>
+constexpr std::size_t room_per_joint = (sizeof(SineCosine<L>) + sizeof(JointRoom<L>)) / sizeof(double);
+
+}  // namespace
+}  // namespace qerr::lanes

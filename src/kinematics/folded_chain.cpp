@@ -1,0 +1,218 @@
+#include "qerr/kinematics/folded_chain.hpp"
+
+#include <cmath>
+
+namespace qerr {
+
+namespace {
+
+using Real = long double;
+using Matrix = Eigen::Matrix<Real, 3, 3>;
+using Vector = Eigen::Matrix<Real, 3, 1>;
+
+constexpr Real negligible = 1e-15L;
+/// sin of the tilt below which axes count as nearly parallel: a frame slid to the common normal lies up to
+/// 1/0.02 times as far away as the axes are apart, and loses as many digits.
+constexpr Real nearly_parallel = 0.02L;
+
+/// A rotation that takes z to the axis.
+Matrix toward(const Vector& axis) {
+  const Vector z = axis.normalized();
+  Eigen::Index least = 0;
+  z.cwiseAbs().minCoeff(&least);
+  Matrix m;
+  m.col(2) = z;
+  m.col(0) = (Vector::Unit(least) - z[least] * z).normalized();
+  m.col(1) = z.cross(m.col(0));
+  return m;
+}
+
+Matrix about_z(Real angle) {
+  Matrix m = Matrix::Identity();
+  m(0, 0) = m(1, 1) = std::cos(angle);
+  m(1, 0) = std::sin(angle);
+  m(0, 1) = -m(1, 0);
+  return m;
+}
+
+/// R = Rz(before) Rx(tilt) Rz(after), with tilt in [0, pi].
+struct Twist {
+  Real before = 0, cosine = 1, sine = 0, after = 0;
+};
+
+/// @param aside  where the next axis passes, which decides `before` of parallel axes; 0: through this one's
+Twist twist_of(const Matrix& r, const Vector& aside) {
+  Twist t;
+  t.sine = std::hypot(r(0, 2), r(1, 2));
+  t.cosine = r(2, 2);
+  if (t.sine <= negligible) {
+    t.sine = 0;
+    t.cosine = std::copysign(Real{1}, r(2, 2));
+    if (aside[0] != 0 || aside[1] != 0) t.before = std::atan2(aside[1], aside[0]);
+  } else {
+    if (std::abs(t.cosine) <= negligible) t.cosine = 0, t.sine = 1;
+    t.before = std::atan2(r(0, 2), -r(1, 2));
+  }
+  const Matrix rest = about_z(-t.before) * r;
+  t.after = std::atan2(-rest(0, 1), rest(0, 0));
+  return t;
+}
+
+/// Folds joint after joint; the fixed part between two of them is known when the second one comes.
+class Folder {
+ public:
+  explicit Folder(const Chain& chain) {
+    for (const ChainJoint& joint : chain.joints) extent_ += joint.origin.translation().cast<Real>().norm();
+    extent_ += chain.tip_offset.translation().cast<Real>().norm();
+  }
+
+  void add(const ChainJoint& joint) {
+    const Matrix to_axis = toward(joint.axis.cast<Real>());
+    const Matrix r = pending_ * joint.origin.linear().cast<Real>() * to_axis;
+    const Vector t = pending_ * joint.origin.translation().cast<Real>();
+    if (folded_.joints.empty())
+      begin(r, t);
+    else
+      step(r, t);
+    FoldedJoint& f = folded_.joints.back();
+    f.prismatic = joint.prismatic;
+    f.coordinate = joint.coordinate;
+    f.sign = static_cast<double>(sign_z_);
+    const auto sign = static_cast<double>(joint.prismatic ? sign_z_ : sign_y_);
+    f.multiplier = sign * joint.multiplier;
+    f.offset = sign * joint.offset;
+    pending_ = to_axis.transpose();
+  }
+
+  FoldedChain finish(const Chain& chain, bool orientation) {
+    Vector t = pending_ * chain.tip_offset.translation().cast<Real>();
+    const Real turn = !folded_.joints.back().prismatic && std::hypot(t[0], t[1]) > small()
+                          ? std::atan2(t[1], t[0])
+                          : Real{0};
+    turn_ += turn;
+    end_turn();
+    t = about_z(-turn) * t;
+    slide(t[2]);
+    folded_.tip_x = plain(t[0]);
+    folded_.tip_y = plain(sign_y_ * t[1]);
+    Matrix axes = about_z(-turn) * pending_ * chain.tip_offset.linear().cast<Real>();
+    axes.row(1) *= sign_y_;
+    axes.row(2) *= sign_z_;
+    folded_.tip_axes = axes.cast<double>();
+    link_axes(about_z(-turn));
+    FoldedJoint& last = folded_.joints.back();
+    if (!orientation && folded_.tip_x == 0 && folded_.tip_y == 0) last.turns = false;
+    return std::move(folded_);
+  }
+
+ private:
+  Real small() const { return negligible * extent_; }
+  double plain(Real length) const { return std::abs(length) <= small() ? 0 : static_cast<double>(length); }
+
+  /// The first joint's axis where it stands.
+  void begin(const Matrix& r, const Vector& t) {
+    folded_.joints.emplace_back();
+    folded_.first_point = t.cast<double>();
+    folded_.upright = std::hypot(r(0, 2), r(1, 2)) <= negligible;
+    if (!folded_.upright) {
+      folded_.first_axes = r.cast<double>();
+      return;
+    }
+    // Turned about its axis until X is the base's x; an axis that points down has its sign turned.
+    turn_ = std::atan2(r(1, 0), r(0, 0));
+    if (r(2, 2) < 0) {
+      sign_y_ = sign_z_ = -1;
+      turn_ = -turn_;
+    }
+  }
+
+  /// From the last joint's axis to the next one's.
+  void step(const Matrix& r, const Vector& t) {
+    const Twist twist = twist_of(r, std::hypot(t[0], t[1]) > small() ? t : Vector::Zero());
+    turn_ += twist.before;
+    end_turn();
+    Vector step = about_z(-twist.before) * t;
+    link_axes(about_z(-twist.before));
+    Real along = 0;  // the next axis
+    if (twist.sine > nearly_parallel) {
+      along = -step[1] / twist.sine;
+      step[1] = 0;
+      step[2] -= along * twist.cosine;
+    }
+    slide(step[2]);
+    FoldedJoint& f = folded_.joints.emplace_back();
+    f.a = plain(step[0]);
+    f.b = plain(sign_y_ * step[1]);
+    tilt(twist, f);
+    f.d = plain(sign_z_ * along);
+    turn_ = twist.after;
+  }
+
+  void tilt(const Twist& twist, FoldedJoint& f) {
+    if (twist.sine == 0) {
+      if (twist.cosine < 0) sign_y_ = -sign_y_, sign_z_ = -sign_z_;
+    } else if (twist.cosine == 0) {
+      f.tilt = FoldedJoint::Tilt::right;
+      const Real y = sign_y_;
+      sign_y_ = sign_z_;
+      sign_z_ = -y;
+    } else {
+      f.tilt = FoldedJoint::Tilt::general;
+      f.cosine = static_cast<double>(twist.cosine);
+      f.sine = static_cast<double>(twist.sine * sign_y_ * sign_z_);
+    }
+  }
+
+  /// Moves the last joint's point along its axis.
+  void slide(Real length) {
+    FoldedJoint& f = folded_.joints.back();
+    if (folded_.joints.size() == 1)
+      folded_.first_point += (folded_.first_axes.col(2).cast<Real>() * (sign_z_ * length)).cast<double>();
+    else
+      f.d = plain(f.d + sign_z_ * length);
+  }
+
+  /// The constant part of the last joint's turn, now that all of it is known.
+  void end_turn() {
+    FoldedJoint& f = folded_.joints.back();
+    const Real turn = std::remainder(sign_y_ * turn_, 2 * std::acos(Real{-1}));
+    const Real constant = std::abs(turn) <= negligible ? 0 : turn;
+    if (f.prismatic) {
+      f.turns = constant != 0;
+      f.turn_cosine = static_cast<double>(std::cos(constant));
+      f.turn_sine = static_cast<double>(std::sin(constant));
+    } else {
+      f.offset = static_cast<double>(f.offset + constant);
+    }
+    turn_ = 0;
+  }
+
+  /// How the frame behind the last joint, as the chain has it, lies in the folded one.
+  void link_axes(const Matrix& turned_back) {
+    Matrix m = turned_back * pending_;
+    m.row(1) *= sign_y_;
+    m.row(2) *= sign_z_;
+    folded_.link_axes.push_back(m.cast<double>());
+  }
+
+  FoldedChain folded_;
+  Matrix pending_ = Matrix::Identity();  // from the frame of the last axis to the chain's frame
+  Real turn_ = 0;                        // constant turn about the last axis so far
+  Real sign_y_ = 1, sign_z_ = 1;         // of the stored axes
+  Real extent_ = 0;
+};
+
+}  // namespace
+
+FoldedPath path_of(const FoldedChain& c) {
+  return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.upright,
+          c.tip_x,         c.tip_y,         c.tip_axes.data()};
+}
+
+FoldedChain fold(const Chain& chain, bool orientation) {
+  Folder folder(chain);
+  for (const ChainJoint& joint : chain.joints) folder.add(joint);
+  return folder.finish(chain, orientation);
+}
+
+}  // namespace qerr

@@ -1,0 +1,7 @@
+#include "../lane_kernels.hpp"
+
+namespace qerr {
+
+const KinematicKernels portable_kinematics = lanes::kinematic_kernels<2>;
+
+}  // namespace qerr

@@ -1,0 +1,85 @@
+#pragma once
+
+#include "kernels.hpp"
+#include "qerr/core/batch.hpp"
+#include "qerr/kinematics/walk.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+template <class L>
+void jacobians(const FoldedPath& chain, const double* signs, const double* q, double* to, double* room) {
+  auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
+  auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
+    columns<L>(chain, signs, q + i, batch_size, moved, joints);
+    for (std::size_t k = 0; k < chain.count; ++k)
+#pragma GCC unroll 6
+      for (std::size_t row = 0; row < 6; ++row)
+        store(to + (6 * k + row) * batch_size + i, joints[k].column[row]);
+  }
+}
+
+/// Whole numbers without sign.
+template <class L>
+struct WordsOf {
+  typedef std::uint64_t type __attribute__((vector_size(sizeof(L))));
+};
+template <class L>
+using Words = typename WordsOf<L>::type;
+
+template <class L>
+[[gnu::always_inline]] inline Words<L> load_words(const std::uint64_t* from) {
+  Words<L> words;
+  __builtin_memcpy(&words, from, sizeof words);
+  return words;
+}
+
+/// lower + fraction (upper - lower), inside the range; the fraction is the top 53 bits.
+///
+/// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum.
+template <class L>
+[[gnu::always_inline]] inline L between(const SampledRanges& r, std::size_t joint, const Words<L>& bits) {
+  const Words<L> whole = bits >> 11;
+  // Both halves become numbers by the exponents put before them: 2^84 + high 2^32 and 2^52 + low.
+  const L high = __builtin_bit_cast(L, (whole >> 32) | 0x4530000000000000u);
+  const L low = __builtin_bit_cast(L, (whole & 0xFFFFFFFFu) | 0x4330000000000000u);
+  const L fraction = ((high - 0x1.00000001p84) + low) * 0x1p-53;
+  const L value = rounded(fraction * r.width[joint]) + r.lower[joint];
+  return min(max(value, broadcast<L>(r.lower[joint])), broadcast<L>(r.upper[joint]));
+}
+
+template <class L>
+void sobol(const SampledRanges& r, const std::uint64_t* start, const std::uint64_t* patterns, double* to) {
+  for (std::size_t joint = 0; joint < r.joints; ++joint)
+    for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
+      const std::size_t at = joint * batch_size + i;
+      store(to + at, between<L>(r, joint, load_words<L>(patterns + at) ^ start[joint]));
+    }
+}
+
+template <class W>
+[[gnu::always_inline]] inline W mixed(W z) {  // as random_bits
+  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
+  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
+  return z ^ (z >> 31);
+}
+
+template <class L>
+void random(const SampledRanges& r, const std::uint64_t* keys, std::uint64_t first, double* to) {
+  Words<L> lane;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) lane[i] = i;
+  for (std::size_t joint = 0; joint < r.joints; ++joint)
+    for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
+      const Words<L> index = lane + (first + i);
+      const Words<L> bits = mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + keys[joint]);
+      store(to + joint * batch_size + i, between<L>(r, joint, bits));
+    }
+}
+
+template <int lanes>
+constexpr KinematicKernels kinematic_kernels{lanes, room_per_joint<Lanes<lanes>>, jacobians<Lanes<lanes>>,
+                                             sobol<Lanes<lanes>>, random<Lanes<lanes>>};
+
+}  // namespace
+}  // namespace qerr::lanes

@@ -1,0 +1,96 @@
+#include "qerr/kinematics/sampler.hpp"
+
+#include <algorithm>
+#include <boost/random/sobol.hpp>
+
+#include "kernels.hpp"
+#include "qerr/core/random.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::size_t bits = 64;
+
+/// [joint][b]: what Sobol's points change by when bit b of the Gray code of their index does. Point 2^b has
+/// the Gray code 2^b + 2^(b-1).
+std::vector<std::uint64_t> sobol_directions(std::size_t joints, std::uint64_t count) {
+  std::vector<std::uint64_t> directions(joints * bits);
+  for (std::size_t b = 0; b < 63 && (b == 0 || count >> (b - 1)) && (b < 6 || count >> b); ++b) {
+    boost::random::sobol engine(joints);
+    const std::uint64_t before = (std::uint64_t{1} << b) - 1;  // Boost leaves out the first point, the origin
+    if (before > 0) engine.discard(before * joints);
+    for (std::size_t j = 0; j < joints; ++j)
+      directions[j * bits + b] = engine() ^ (b > 0 ? directions[j * bits + b - 1] : 0);
+  }
+  return directions;
+}
+
+std::uint64_t sobol_point(const std::uint64_t* directions, std::uint64_t index) {
+  std::uint64_t point = 0;
+  for (std::uint64_t gray = index ^ (index >> 1); gray != 0; gray &= gray - 1)
+    point ^= directions[__builtin_ctzll(gray)];
+  return point;
+}
+
+}  // namespace
+
+Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(c), set_(set) {
+  for (const Limits& range : c.ranges) {
+    lower_.push_back(range.lower);
+    width_.push_back(range.upper - range.lower);
+    upper_.push_back(range.upper);
+  }
+  const std::size_t joints = c.ranges.size();
+  if (c.method == SamplingMethod::sobol) {
+    directions_ = sobol_directions(joints, std::max<std::uint64_t>(c.count, batch_size) + batch_size);
+    for (std::size_t j = 0; j < joints; ++j) {
+      start_.push_back(random_bits(c.seed, 0, j));
+      for (std::uint64_t i = 0; i < batch_size; ++i)
+        patterns_.push_back(sobol_point(directions_.data() + j * bits, i));
+    }
+  } else if (c.method == SamplingMethod::random) {
+    for (std::size_t j = 0; j < joints; ++j) start_.push_back(random_key(c.seed, j));
+  }
+}
+
+void Sampler::operator()(std::uint64_t first, double* to) const {
+  const SampledRanges ranges{lower_.size(), lower_.data(), width_.data(), upper_.data()};
+  switch (configurations_.method) {
+    case SamplingMethod::sobol: {
+      // Batches start at multiples of 64: Gray codes of a batch are its first one's and those of 0 to 63,
+      // xor.
+      std::vector<std::uint64_t> start = start_;
+      for (std::size_t j = 0; j < start.size(); ++j)
+        start[j] ^= sobol_point(directions_.data() + j * bits, first);
+      return kinematic_kernels(set_).sobol(ranges, start.data(), patterns_.data(), to);
+    }
+    case SamplingMethod::random:
+      return kinematic_kernels(set_).random(ranges, start_.data(), first, to);
+    case SamplingMethod::grid:
+      return grid(first, to);
+    case SamplingMethod::list:
+      for (std::size_t i = 0; i < batch_size; ++i) {
+        const std::size_t point = std::min<std::size_t>(first + i, configurations_.points.size() - 1);
+        for (std::size_t j = 0; j < lower_.size(); ++j)
+          to[j * batch_size + i] = configurations_.points[point][static_cast<Eigen::Index>(j)];
+      }
+  }
+}
+
+/// An odometer: divisions for the first point of the batch alone.
+void Sampler::grid(std::uint64_t first, double* to) const {
+  const std::uint64_t count = configurations_.count;
+  std::vector<std::uint64_t> digits(lower_.size());
+  for (std::size_t j = digits.size(); j-- > 0; first /= count) digits[j] = first % count;
+  for (std::size_t i = 0; i < batch_size; ++i) {
+    for (std::size_t j = 0; j < digits.size(); ++j)
+      to[j * batch_size + i] = grid_value(configurations_.ranges[j], digits[j], count);
+    for (std::size_t j = digits.size(); j-- > 0;) {
+      if (++digits[j] < count) break;
+      digits[j] = 0;
+    }
+  }
+}
+
+}  // namespace qerr
