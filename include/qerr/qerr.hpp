@@ -55,14 +55,19 @@
 
 #include "qerr/effect/effect.hpp"
 
+#include "qerr/bound/batched_error.hpp"
+#include "qerr/bound/bins.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/error_source.hpp"
+#include "qerr/bound/figure_layout.hpp"
+#include "qerr/bound/histogram.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
+#include "qerr/bound/tally.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
 #include "qerr/bound/workspace.hpp"
 

@@ -1,101 +1,70 @@
 #include "qerr/bound/statistic.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 namespace qerr {
 
-namespace {
-
-// Bins span 2^-128 to 2^128; what is smaller or larger (0, inf) shares the outermost bins.
-constexpr int lowest_exponent = -128, highest_exponent = 128, bits_per_octave = 12;
-constexpr std::size_t bin_count = std::size_t(highest_exponent - lowest_exponent) << bits_per_octave;
-
-std::size_t bin_of(double value) {
-  if (!(value >= std::ldexp(1.0, lowest_exponent))) return 0;
-  if (value >= std::ldexp(1.0, highest_exponent)) return bin_count - 1;
-  const auto bits = std::bit_cast<std::uint64_t>(value) >> (52 - bits_per_octave);
-  return static_cast<std::size_t>(bits - (std::uint64_t(1023 + lowest_exponent) << bits_per_octave));
+void JoinedTally::append(const Tally& t, std::uint64_t count) {
+  if (count == 0) return;
+  for (const double lane : t.sum) sum_ += lane;
+  tally_.min = std::min(tally_.min, t.min);
+  if (t.max > tally_.max) {
+    if (t.max > same_maximum * tally_.max) tally_.at_max = t.at_max;
+    tally_.max = t.max;
+  }
+  count_ += count;
 }
 
-double middle_of(std::size_t bin) {
-  const std::uint64_t bits = std::uint64_t(bin) + (std::uint64_t(1023 + lowest_exponent) << bits_per_octave);
-  const auto half = std::uint64_t{1} << (51 - bits_per_octave);
-  return std::bit_cast<double>((bits << (52 - bits_per_octave)) + half);
+double JoinedTally::mean() const {
+  if (count_ == 0) return 0;
+  return std::clamp(static_cast<double>(sum_ / static_cast<long double>(count_)), min(), max());
+}
+
+void tally_some(const double* values, std::size_t count, std::uint64_t first, Tally& t) {
+  for (std::size_t i = 0; i < count; ++i) {
+    t.sum[0] += values[i];
+    t.min = std::min(t.min, values[i]);
+    if (!(values[i] > t.max)) continue;
+    if (values[i] > same_maximum * t.max) t.at_max = first + i;
+    t.max = values[i];
+  }
+}
+
+namespace {
+
+double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
+  const double position = fraction * static_cast<double>(count - 1);
+  const auto below = static_cast<std::uint64_t>(position);
+  const double part = position - static_cast<double>(below);
+  const double high = part > 0 ? order(below + 1) : 0, low = order(below);
+  if (part == 0) return low;
+  return std::isinf(high) ? high : low + part * (high - low);
 }
 
 }  // namespace
 
-Accumulator::Accumulator(std::uint64_t expected) {
-  if (expected > exact_limit) bins_.resize(bin_count);
-}
-
-void Accumulator::add(double value, const Eigen::VectorXd& configuration) {
-  if (count_ == 0 || value > max_) {
-    max_ = value;
-    at_max_ = configuration;
-  }
-  min_ = count_ == 0 ? value : std::min(min_, value);
-  sum_ += value;
-  ++count_;
-  if (bins_.empty())
-    values_.push_back(value);
-  else
-    ++bins_[bin_of(value)];
-}
-
-void Accumulator::append(const Accumulator& later) {
-  if (later.count_ == 0) return;
-  if (count_ == 0 || later.max_ > max_) {
-    max_ = later.max_;
-    at_max_ = later.at_max_;
-  }
-  min_ = count_ == 0 ? later.min_ : std::min(min_, later.min_);
-  sum_ += later.sum_;
-  count_ += later.count_;
-  if (bins_.empty()) {
-    values_.insert(values_.end(), later.values_.begin(), later.values_.end());
-  } else {
-    for (const double value : later.values_) ++bins_[bin_of(value)];
-    for (std::size_t i = 0; i < later.bins_.size(); ++i) bins_[i] += later.bins_[i];
-  }
-}
-
-double Accumulator::order_statistic(std::uint64_t rank) const {
-  if (bins_.empty()) return values_[rank];
-  std::uint64_t seen = 0;
-  for (std::size_t i = 0; i < bins_.size(); ++i) {
-    seen += bins_[i];
-    if (seen > rank)
-      return i == 0 ? min_ : i + 1 == bins_.size() ? max_ : std::clamp(middle_of(i), min_, max_);
-  }
-  return max_;
-}
-
-double Accumulator::percentile(double fraction) const {
-  const double position = fraction * static_cast<double>(count_ - 1);
-  const auto below = static_cast<std::uint64_t>(position);
-  const double low = order_statistic(below);
-  const double part = position - static_cast<double>(below);
-  if (part == 0) return low;
-  const double high = order_statistic(below + 1);
-  return std::isinf(high) ? high : low + part * (high - low);
-}
-
-Statistic Accumulator::result() const {
+Statistic statistic(const JoinedTally& t, const OrderStatistic& order) {
   Statistic s;
-  if (count_ == 0) return s;
-  std::sort(values_.begin(), values_.end());
-  s.min = min_;
-  s.max = max_;
-  s.mean = std::clamp(sum_ / static_cast<double>(count_), min_, max_);
-  s.p50 = percentile(0.50);
-  s.p95 = percentile(0.95);
-  s.p99 = percentile(0.99);
-  s.at_max = at_max_;
+  if (t.count() == 0) return s;
+  s.min = t.min();
+  s.mean = t.mean();
+  s.max = t.max();
+  s.p99 = percentile(0.99, t.count(), order);
+  s.p95 = percentile(0.95, t.count(), order);
+  s.p50 = percentile(0.50, t.count(), order);
   return s;
+}
+
+/// What stands behind a rank once found is never looked at again.
+OrderStatistic order_statistics(double* values, std::uint64_t count) {
+  return [values, end = count](std::uint64_t rank) mutable {
+    if (rank >= end) end = rank + 1;
+    std::nth_element(values, values + rank, values + end);
+    end = rank + 1;
+    return values[rank];
+  };
 }
 
 }  // namespace qerr

@@ -1,240 +1,302 @@
 #include "qerr/bound/workspace.hpp"
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 
+#include "kernels.hpp"
+#include "qerr/bound/histogram.hpp"
+#include "qerr/core/aligned.hpp"
 #include "qerr/core/parallel.hpp"
+#include "qerr/kinematics/sampler.hpp"
 
 namespace qerr {
 
 namespace {
 
-constexpr std::uint64_t block_size = 512;
-constexpr std::uint64_t blocks_per_wave = 128;
+constexpr std::uint64_t block_size = 64 * batch_size;
 
-/// Sums over some configurations; partial ones are appended in the order of the configurations.
-struct Sums {
-  std::vector<Accumulator> worst, rigorous, sigma;  // [coordinate]
-  std::vector<std::vector<Accumulator>>
-      filtered_worst;  // [filter][coordinate]; only where a mean error or a source exists
-  std::vector<std::vector<Accumulator>> filtered_sigma;  // the same; only where a source exists
-  std::vector<std::vector<Accumulator>> in_motion;  // [filter][coordinate]; only where the noise is known
-  Eigen::MatrixXd share, share_worst, variance_parts, covariance, covariance_at_largest;
-  std::vector<Eigen::MatrixXd> filtered_covariance;  // [filter]; only where a source exists
-  Eigen::VectorXd largest_at;
-  double largest_trace = -1, largest_arm = 0, smallest_cosine = 1;
-
-  /// How many filters need figures of their own.
-  struct Filters {
-    std::size_t worst = 0, sigma = 0, moving = 0;
-  };
-
-  Sums(std::size_t coordinates, std::size_t encoders, const Filters& filters, std::uint64_t expected)
-      : worst(coordinates, Accumulator(expected)),
-        rigorous(worst),
-        sigma(worst),
-        filtered_worst(filters.worst, worst),
-        filtered_sigma(filters.sigma, worst),
-        in_motion(filters.moving, worst),
-        share(Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(coordinates),
-                                    static_cast<Eigen::Index>(encoders))),
-        share_worst(share),
-        variance_parts(share),
-        covariance(Eigen::MatrixXd::Zero(share.rows(), share.rows())),
-        covariance_at_largest(covariance),
-        filtered_covariance(filters.sigma, covariance) {}
-
-  void append(const Sums& later) {
-    for (std::size_t i = 0; i < worst.size(); ++i) {
-      worst[i].append(later.worst[i]);
-      rigorous[i].append(later.rigorous[i]);
-      sigma[i].append(later.sigma[i]);
-      for (std::size_t f = 0; f < filtered_worst.size(); ++f)
-        filtered_worst[f][i].append(later.filtered_worst[f][i]);
-      for (std::size_t f = 0; f < filtered_sigma.size(); ++f)
-        filtered_sigma[f][i].append(later.filtered_sigma[f][i]);
-      for (std::size_t f = 0; f < in_motion.size(); ++f) in_motion[f][i].append(later.in_motion[f][i]);
-    }
-    share += later.share;
-    share_worst += later.share_worst;
-    variance_parts += later.variance_parts;
-    covariance += later.covariance;
-    for (std::size_t f = 0; f < filtered_covariance.size(); ++f)
-      filtered_covariance[f] += later.filtered_covariance[f];
-    largest_arm = std::max(largest_arm, later.largest_arm);
-    smallest_cosine = std::min(smallest_cosine, later.smallest_cosine);
-    if (later.largest_trace > largest_trace) {
-      largest_trace = later.largest_trace;
-      largest_at = later.largest_at;
-      covariance_at_largest = later.covariance_at_largest;
-    }
-  }
-};
-
-/// Parts of each row's sum, of the squares and of the parts of the worst case; entries that are nothing but
-/// rounding against the largest row count as zero.
-///
-/// A zero comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
-void add_shares(const Eigen::MatrixXd& spread, const Eigen::MatrixXd& worst, double negligible, Sums& sums) {
-  const auto cleaned = [&](const Eigen::MatrixXd& m) {
-    return (m.cwiseAbs().array() > negligible).select(m.cwiseAbs(), 0.0).eval();
-  };
-  const auto of_variance = cleaned(spread), of_worst = cleaned(worst);
-  for (Eigen::Index i = 0; i < spread.rows(); ++i) {
-    const double total = of_worst.row(i).sum(), squares = of_variance.row(i).squaredNorm();
-    if (!std::isfinite(total) || total == 0) continue;
-    if (squares > 0) sums.share.row(i) += of_variance.row(i).cwiseAbs2() / squares;
-    sums.share_worst.row(i) += of_worst.row(i) / total;
-  }
+ErrorFigures asked_for(const std::vector<Norms>& filters, const WorkspaceOptions& options) {
+  return {!options.brief, !options.brief, false, filters, options.noise_in_motion};
 }
 
+/// What one block of configurations gives.
+struct BlockResult {
+  std::uint64_t count = 0;
+  std::vector<Tally> tallies;
+  std::vector<double> sums;
+  std::string text;
+};
+
+/// All that a thread writes to while it works.
+struct Worker {
+  BatchedError errors;
+  AlignedNumbers q, figures;
+  std::vector<std::uint16_t> bins;    // [figure][block_size]
+  std::vector<Histogram> histograms;  // [figure]
+};
+
+/// The job: blocks of configurations, taken by whichever thread is free, joined in their order.
 class Job {
  public:
-  Job(const OperationalModel& model, const std::vector<Norms>& filters,
-      const std::vector<Eigen::VectorXd>& noise_in_motion)
-      : model_(model), filters_(filters), noise_(noise_in_motion), delta_(resolutions(model.transmission)) {
-    has_sources_ = !model.sources.empty();
-    own_worst_case_ = has_sources_ || !mean_errors(model.transmission).isZero(0);
-    for (std::size_t f = 0; f < filters.size(); ++f)
-      gains_.push_back(gains_behind(model.sources, f, filters[f].h2));
+  Job(const OperationalModel& model, const std::vector<Norms>& filters, const Configurations& configurations,
+      const WorkspaceOptions& options)
+      : joints_(model.chain.independent.size()),
+        total_(size(configurations)),
+        options_(options),
+        kernels_(bound_kernels(options.instructions)),
+        sampler_(configurations, options.instructions),
+        errors_(model, asked_for(filters, options), options.instructions),
+        exact_(total_ <= exact_percentiles_limit),
+        joined_(errors_.figures().count),
+        sums_(errors_.sums().count) {
+    if (exact_)
+      values_ = AlignedNumbers(joined_.size() * total_);
+    else
+      set_lowest_bins();
   }
 
-  Sums empty(std::uint64_t expected) const {
-    return Sums(model_.coordinates.size(), model_.transmission.encoders.size(),
-                {own_worst_case_ ? filters_.size() : 0, has_sources_ ? filters_.size() : 0, noise_.size()},
-                expected);
-  }
-
-  bool own_worst_case() const { return own_worst_case_; }
-  bool has_sources() const { return has_sources_; }
-  const Eigen::VectorXd& gains(std::size_t filter) const { return gains_[filter]; }
-
-  void block(const Eigen::MatrixXd& points, std::vector<OperationalError>& errors, Sums& sums) const {
-    for (Eigen::Index i = 0; i < points.cols(); ++i) {
-      const Eigen::VectorXd q = points.col(i);
-      errors.push_back(operational_error(model_, q));
-      add(errors.back(), q, sums);
+  void run() {
+    const unsigned threads = thread_count(options_.threads);
+    std::vector<Worker> workers;
+    for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
+    // Texts wait in memory for their turn.
+    const std::uint64_t blocks_per_wave = options_.text ? 4 * workers.size() : 256;
+    for (std::uint64_t wave = 0; wave < blocks(); wave += blocks_per_wave) {
+      std::vector<BlockResult> results(std::min(blocks_per_wave, blocks() - wave));
+      std::atomic<std::size_t> next{0};
+      parallel_for(workers.size(), threads, [&](std::size_t i) {
+        for (std::size_t b = next++; b < results.size(); b = next++)
+          results[b] = block(workers[i], (wave + b) * block_size);
+      });
+      for (const BlockResult& result : results) join(result);
+      if (options_.progress)
+        options_.progress(std::min(total_, (wave + results.size()) * block_size), total_);
     }
+    for (std::size_t i = 1; i < workers.size() && !exact_; ++i)
+      for (std::size_t f = 0; f < joined_.size(); ++f)
+        workers[0].histograms[f].append(workers[i].histograms[f]);
+    if (!exact_ && !workers.empty()) histograms_ = std::move(workers[0].histograms);
+  }
+
+  const BatchedError& errors() const { return errors_; }
+  std::uint64_t total() const { return total_; }
+  bool exact() const { return exact_; }
+
+  /// Sum number s, averaged over the configurations; maxima as they are.
+  double mean_sum(std::size_t s) const {
+    return static_cast<double>(sums_[s] / static_cast<long double>(total_));
+  }
+  double maximum(std::size_t s) const { return static_cast<double>(sums_[s]); }
+  std::uint64_t at_max(std::size_t figure) const { return joined_[figure].at_max(); }
+
+  Statistic statistic_of(std::size_t figure) const {
+    const JoinedTally& tally = joined_[figure];
+    if (exact_) return statistic(tally, order_statistics(values_.data() + figure * total_, total_));
+    return statistic(tally, [&](std::uint64_t rank) {
+      return histograms_[figure].order_statistic(rank, tally.min(), tally.max());
+    });
   }
 
  private:
-  void add(const OperationalError& e, const Eigen::VectorXd& q, Sums& sums) const {
-    for (std::size_t i = 0; i < model_.coordinates.size(); ++i) {
-      const auto row = static_cast<Eigen::Index>(i);
-      sums.worst[i].add(e.worst_case[row], q);
-      sums.rigorous[i].add(e.rigorous[row], q);
-      sums.sigma[i].add(e.sigma[row], q);
-      for (std::size_t f = 0; f < sums.filtered_worst.size(); ++f)
-        sums.filtered_worst[f][i].add(derivative_error(e, row, filters_[f], gains_[f]).worst_case, q);
-      for (std::size_t f = 0; f < sums.filtered_sigma.size(); ++f)
-        sums.filtered_sigma[f][i].add(derivative_error(e, row, filters_[f], gains_[f]).sigma, q);
-      for (std::size_t f = 0; f < noise_.size(); ++f)
-        if (is_known(noise_, f)) sums.in_motion[f][i].add(sigma_in_motion(e, row, noise_[f], gains_[f]), q);
-      if (is_position(model_.coordinates[i]))
-        sums.largest_arm = std::max(
-            sums.largest_arm, e.weighted.row(row).cwiseAbs().cwiseQuotient(delta_.transpose()).maxCoeff());
+  std::uint64_t blocks() const { return (total_ + block_size - 1) / block_size; }
+
+  Worker worker() const {
+    Worker w{
+        errors_, AlignedNumbers(joints_ * batch_size), AlignedNumbers(joined_.size() * batch_size), {}, {}};
+    if (exact_) return w;
+    w.bins.resize(joined_.size() * block_size);
+    for (const std::int64_t lowest : lowest_bins_) w.histograms.emplace_back(lowest);
+    return w;
+  }
+
+  /// By the figures of the first batch, so that every thread bins alike.
+  void set_lowest_bins() {
+    Worker w = worker();
+    sampler_(0, w.q.data());
+    w.errors(w.q.data(), w.figures.data());
+    for (std::size_t f = 0; f < joined_.size(); ++f)
+      lowest_bins_.push_back(Histogram::lowest_bin(
+          *std::max_element(&w.figures[f * batch_size], &w.figures[f * batch_size] + batch_size)));
+  }
+
+  BlockResult block(Worker& w, std::uint64_t first) {
+    BlockResult result{std::min(block_size, total_ - first), std::vector<Tally>(joined_.size()), {}, {}};
+    std::vector<double> surplus(errors_.sums().count);
+    for (std::uint64_t done = 0; done < result.count; done += batch_size) {
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, result.count - done));
+      sampler_(first + done, w.q.data());
+      if (count < batch_size) surplus = fill_up(w, count);
+      w.errors(w.q.data(), w.figures.data());
+      keep(w, first + done, count, result.tallies);
+      if (!exact_)
+        kernels_.bins(w.figures.data(), joined_.size(), lowest_bins_.data(), w.bins.data() + done,
+                      block_size);
+      if (options_.text)
+        result.text += options_.text({first + done, count, w.q.data(), w.figures.data(), errors_.figures()});
     }
-    double scale = 0;
-    for (Eigen::Index i = 0; i < e.weighted.rows(); ++i)
-      if (const double norm = e.weighted.row(i).norm(); std::isfinite(norm)) scale = std::max(scale, norm);
-    const Eigen::MatrixXd spread = has_sources_ ? by_encoder(e) : e.weighted;
-    add_shares(spread, has_sources_ ? worst_by_encoder(e) : e.weighted, 1e-13 * scale, sums);
-    sums.smallest_cosine = std::min(sums.smallest_cosine, e.cosine_of_pitch);
-    const Eigen::MatrixXd covariance = qerr::covariance(e);
-    sums.variance_parts += spread.cwiseAbs2() / 12.0;
-    for (std::size_t f = 0; f < sums.filtered_covariance.size(); ++f)
-      sums.filtered_covariance[f] += qerr::covariance(e, filters_[f].h2, gains_[f]);
-    sums.covariance += covariance;
-    if (const double trace = size_of(covariance); trace > sums.largest_trace) {
-      sums.largest_trace = trace;
-      sums.largest_at = q;
-      sums.covariance_at_largest = covariance;
-    }
+    for (std::size_t f = 0; f < w.histograms.size(); ++f)
+      w.histograms[f].add(w.bins.data() + f * block_size, result.count);
+    result.sums = w.errors.take_sums();
+    for (std::size_t s = 0; s < result.sums.size(); ++s)
+      if (s < errors_.sums().arms && std::isfinite(result.sums[s])) result.sums[s] -= surplus[s];
+    return result;
   }
 
-  /// What each encoder weighs with the sources of it and its joint, in the units of `weighted`.
-  Eigen::MatrixXd by_encoder(const OperationalError& e) const {
-    Eigen::MatrixXd squares = e.weighted.cwiseAbs2();
-    for (Eigen::Index s = 0; s < e.added_sigma.cols(); ++s)
-      squares.col(owner(s)) += 12 * e.added_sigma.col(s).cwiseAbs2();
-    return squares.cwiseSqrt();
-  }
-
-  Eigen::MatrixXd worst_by_encoder(const OperationalError& e) const {
-    Eigen::MatrixXd worst = e.weighted.cwiseAbs();
-    for (Eigen::Index s = 0; s < e.added_worst.cols(); ++s) worst.col(owner(s)) += 2 * e.added_worst.col(s);
-    return worst;
-  }
-
-  Eigen::Index owner(Eigen::Index source) const {
-    return static_cast<Eigen::Index>(model_.sources[static_cast<std::size_t>(source)].owner);
-  }
-
-  /// Trace over the positions alone, as metres and radians do not add; over all coordinates where there is no
-  /// position.
-  double size_of(const Eigen::MatrixXd& covariance) const {
-    double positions = 0;
-    bool any = false;
-    for (std::size_t i = 0; i < model_.coordinates.size(); ++i)
-      if (is_position(model_.coordinates[i])) {
-        positions += covariance(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(i));
-        any = true;
+  /// The last batch may be a part of one: the rest is filled with its first configuration, whose surplus in
+  /// the sums is found by a batch of nothing else.
+  std::vector<double> fill_up(Worker& w, std::size_t count) const {
+    BatchedError alone(w.errors);
+    AlignedNumbers q(w.q.size()), figures(w.figures.size());
+    for (std::size_t j = 0; j < joints_; ++j)
+      for (std::size_t i = 0; i < batch_size; ++i) {
+        q[j * batch_size + i] = w.q[j * batch_size];
+        if (i >= count) w.q[j * batch_size + i] = w.q[j * batch_size];
       }
-    return any ? positions : covariance.trace();
+    alone(q.data(), figures.data());
+    std::vector<double> surplus = alone.take_sums();
+    for (double& sum : surplus) sum *= static_cast<double>(batch_size - count) / batch_size;
+    return surplus;
   }
 
-  const OperationalModel& model_;
-  const std::vector<Norms>& filters_;
-  const std::vector<Eigen::VectorXd>& noise_;
-  Eigen::VectorXd delta_;
-  std::vector<Eigen::VectorXd> gains_;
-  bool has_sources_ = false;
-  bool own_worst_case_ = false;  // not the position's times ||H||_1
+  void keep(const Worker& w, std::uint64_t first, std::size_t count, std::vector<Tally>& tallies) {
+    if (count == batch_size) {
+      kernels_.tally(w.figures.data(), tallies.size(), first, tallies.data());
+    } else {
+      for (std::size_t f = 0; f < tallies.size(); ++f)
+        tally_some(&w.figures[f * batch_size], count, first, tallies[f]);
+    }
+    if (!exact_) return;
+    for (std::size_t f = 0; f < tallies.size(); ++f)
+      std::copy_n(&w.figures[f * batch_size], count, &values_[f * total_ + first]);
+  }
+
+  void join(const BlockResult& block) {
+    for (std::size_t f = 0; f < joined_.size(); ++f) joined_[f].append(block.tallies[f], block.count);
+    for (std::size_t s = 0; s < sums_.size(); ++s)
+      sums_[s] =
+          s < errors_.sums().arms ? sums_[s] + block.sums[s] : std::max<long double>(sums_[s], block.sums[s]);
+    if (options_.write) options_.write(block.text);
+  }
+
+  std::size_t joints_;
+  std::uint64_t total_;
+  const WorkspaceOptions& options_;
+  const BoundKernels& kernels_;
+  Sampler sampler_;
+  BatchedError errors_;
+  bool exact_;
+  AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
+  std::vector<std::int64_t> lowest_bins_;  // [figure]
+  std::vector<JoinedTally> joined_;        // [figure]
+  std::vector<long double> sums_;
+  std::vector<Histogram> histograms_;  // [figure]
 };
 
-Workspace finish(const OperationalModel& model, const std::vector<Norms>& filters,
-                 const WorkspaceOptions& options, const Job& job, const Sums& sums, std::uint64_t count) {
-  Workspace w;
-  w.count = count;
-  w.exact_percentiles = sums.sigma.empty() || sums.sigma.front().percentiles_are_exact();
-  const double n = static_cast<double>(std::max<std::uint64_t>(count, 1));
-  for (std::size_t i = 0; i < model.coordinates.size(); ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    w.coordinates.push_back({sums.worst[i].result(), sums.rigorous[i].result(), sums.sigma[i].result(),
-                             sums.share.row(row).transpose() / n, sums.share_worst.row(row).transpose() / n});
+/// Makes a Workspace of what the job has found.
+class Summary {
+ public:
+  Summary(const Job& job, const OperationalModel& model, const std::vector<Norms>& filters,
+          const Configurations& configurations, const WorkspaceOptions& options)
+      : job_(job),
+        model_(model),
+        filters_(filters),
+        configurations_(configurations),
+        options_(options),
+        figures_(job.errors().figures()),
+        sums_(job.errors().sums()),
+        m_(model.coordinates.size()),
+        encoders_(model.transmission.encoders.size()) {}
+
+  Workspace workspace() const {
+    Workspace w;
+    w.count = job_.total();
+    w.exact_percentiles = job_.exact();
+    for (std::size_t c = 0; c < m_; ++c) w.coordinates.push_back(coordinate(c));
+    for (std::size_t f = 0; f < filters_.size(); ++f) w.derivatives.push_back(derivatives(f, w));
+    w.mean_covariance = covariance(sums_.covariance);
+    if (!options_.brief) add_details(w);
+    if (sums_.pitch < sums_.count) w.smallest_cosine_of_pitch = 1 - job_.maximum(sums_.pitch);
+    return w;
   }
-  for (std::size_t f = 0; f < filters.size(); ++f) {
-    std::vector<DerivativeStatistics>& of_filter = w.derivatives.emplace_back();
-    for (std::size_t i = 0; i < model.coordinates.size(); ++i) {
-      of_filter.push_back({job.own_worst_case() ? sums.filtered_worst[f][i].result()
-                                                : scaled(w.coordinates[i].worst_case, filters[f].l1.upper),
-                           job.has_sources() ? sums.filtered_sigma[f][i].result()
-                                             : scaled(w.coordinates[i].sigma, filters[f].h2),
-                           {}});
-      if (is_known(options.noise_in_motion, f))
-        of_filter.back().sigma_in_motion = sums.in_motion[f][i].result();
+
+ private:
+  Statistic of(std::size_t figure) const {
+    Statistic s = job_.statistic_of(figure);
+    if (job_.total() > 0) s.at_max = draw(configurations_, job_.at_max(figure), 1).col(0);
+    return s;
+  }
+
+  CoordinateStatistics coordinate(std::size_t c) const {
+    CoordinateStatistics s{of(figures_.worst_case + c), {}, of(figures_.sigma + c), {}, {}};
+    if (options_.brief) return s;
+    s.worst_case_rigorous = of(figures_.rigorous + c);
+    s.share = above(1e-24, matrix(sums_.share).row(static_cast<Eigen::Index>(c)));
+    s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(static_cast<Eigen::Index>(c)));
+    return s;
+  }
+
+  /// A zero comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
+  static Eigen::VectorXd above(double rounding, const Eigen::VectorXd& shares) {
+    return (shares.array() > rounding).select(shares, 0.0);
+  }
+
+  std::vector<DerivativeStatistics> derivatives(std::size_t f, const Workspace& w) const {
+    std::vector<DerivativeStatistics> all;
+    for (std::size_t c = 0; c < m_; ++c) {
+      const std::size_t at = f * m_ + c;
+      all.push_back({job_.errors().own_worst_case()
+                         ? of(figures_.filtered_worst + at)
+                         : scaled(w.coordinates[c].worst_case, filters_[f].l1.upper),
+                     job_.errors().own_sigma() ? of(figures_.filtered_sigma + at)
+                                               : scaled(w.coordinates[c].sigma, filters_[f].h2),
+                     {}});
+      if (is_known(options_.noise_in_motion, f)) all.back().sigma_in_motion = of(figures_.in_motion + at);
     }
+    return all;
   }
-  w.mean_variance_parts = sums.variance_parts / n;
-  w.mean_covariance = sums.covariance / n;
-  w.covariance_at_largest = sums.covariance_at_largest;
-  w.largest_at = sums.largest_at;
-  w.largest_arm = sums.largest_arm;
-  w.smallest_cosine_of_pitch = sums.smallest_cosine;
-  if (!job.has_sources() || sums.largest_at.size() == 0) return w;
-  const OperationalError largest = operational_error(model, sums.largest_at);
-  for (std::size_t f = 0; f < filters.size(); ++f)
-    w.filtered.push_back({sums.filtered_covariance[f] / n, covariance(largest, filters[f].h2, job.gains(f))});
-  return w;
-}
+
+  void add_details(Workspace& w) const {
+    w.mean_variance_parts = matrix(sums_.variance_parts);
+    w.largest_arms.resize(static_cast<Eigen::Index>(encoders_));
+    for (std::size_t i = 0; i < encoders_; ++i)
+      w.largest_arms[static_cast<Eigen::Index>(i)] = job_.maximum(sums_.arms + i);
+    if (job_.total() == 0) return;
+    w.largest_at = draw(configurations_, job_.at_max(figures_.trace), 1).col(0);
+    const OperationalError largest = operational_error(model_, w.largest_at);
+    w.covariance_at_largest = qerr::covariance(largest);
+    for (std::size_t f = 0; f < filters_.size() && job_.errors().own_sigma(); ++f)
+      w.filtered.push_back(
+          {covariance(sums_.filtered + f * m_ * (m_ + 1) / 2),
+           qerr::covariance(largest, filters_[f].h2, gains_behind(model_.sources, f, filters_[f].h2))});
+  }
+
+  /// Coordinates x encoders.
+  Eigen::MatrixXd matrix(std::size_t sum) const {
+    Eigen::MatrixXd m(static_cast<Eigen::Index>(m_), static_cast<Eigen::Index>(encoders_));
+    for (Eigen::Index c = 0; c < m.rows(); ++c)
+      for (Eigen::Index i = 0; i < m.cols(); ++i) m(c, i) = job_.mean_sum(sum++);
+    return m;
+  }
+
+  Eigen::MatrixXd covariance(std::size_t sum) const {
+    Eigen::MatrixXd m(static_cast<Eigen::Index>(m_), static_cast<Eigen::Index>(m_));
+    for (Eigen::Index r = 0; r < m.rows(); ++r)
+      for (Eigen::Index c = 0; c <= r; ++c) m(r, c) = m(c, r) = job_.mean_sum(sum++);
+    return m;
+  }
+
+  const Job& job_;
+  const OperationalModel& model_;
+  const std::vector<Norms>& filters_;
+  const Configurations& configurations_;
+  const WorkspaceOptions& options_;
+  const FigureLayout& figures_;
+  const SumLayout& sums_;
+  std::size_t m_, encoders_;
+};
 
 }  // namespace
-
-double sigma_in_motion(const OperationalError& e, Eigen::Index coordinate, const Eigen::VectorXd& noise,
-                       const Eigen::VectorXd& gains) {
-  const double quantization = e.weighted.row(coordinate).cwiseProduct(noise.transpose()).norm();
-  if (gains.size() == 0 || !std::isfinite(quantization)) return quantization;
-  return std::hypot(quantization, e.added_sigma.row(coordinate).cwiseProduct(gains.transpose()).norm());
-}
 
 Statistic scaled(const Statistic& s, double factor) {
   return {s.min * factor, s.mean * factor, s.max * factor, s.p50 * factor,
@@ -243,28 +305,9 @@ Statistic scaled(const Statistic& s, double factor) {
 
 Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
                     const Configurations& configurations, const WorkspaceOptions& options) {
-  const Job job(model, filters, options.noise_in_motion);
-  const std::uint64_t total = size(configurations);
-  Sums sums = job.empty(total);
-  for (std::uint64_t wave = 0; wave < total; wave += block_size * blocks_per_wave) {
-    const std::uint64_t in_wave = std::min(block_size * blocks_per_wave, total - wave);
-    const auto blocks = static_cast<std::size_t>((in_wave + block_size - 1) / block_size);
-    std::vector<Sums> partial(blocks, job.empty(0));
-    std::vector<Eigen::MatrixXd> points(blocks);
-    std::vector<std::vector<OperationalError>> errors(blocks);
-    parallel_for(blocks, options.threads, [&](std::size_t b) {
-      const std::uint64_t first = wave + b * block_size;
-      points[b] = draw(configurations, first, std::min(block_size, total - first));
-      job.block(points[b], errors[b], partial[b]);
-      if (!options.visit) errors[b].clear();
-    });
-    for (std::size_t b = 0; b < blocks; ++b) {
-      sums.append(partial[b]);
-      if (options.visit) options.visit(wave + b * block_size, points[b], errors[b]);
-    }
-    if (options.progress) options.progress(wave + in_wave, total);
-  }
-  return finish(model, filters, options, job, sums, total);
+  Job job(model, filters, configurations, options);
+  job.run();
+  return Summary(job, model, filters, configurations, options).workspace();
 }
 
 }  // namespace qerr

@@ -26,12 +26,10 @@ int run(const Arguments& arguments, const Options& o) {
   if (!arguments.per_configuration.empty()) {
     rows = std::make_unique<OutputFile>(arguments.per_configuration);
     rows->write(per_configuration_header(spec, options.noise_in_motion));
-    options.visit = [&](std::uint64_t, const Eigen::MatrixXd& points,
-                        const std::vector<OperationalError>& errors) {
-      for (std::size_t i = 0; i < errors.size(); ++i)
-        rows->write(per_configuration_row(spec, options.noise_in_motion,
-                                          points.col(static_cast<Eigen::Index>(i)), errors[i]));
+    options.text = [&](const ConfigurationBatch& batch) {
+      return per_configuration_rows(spec, options.noise_in_motion, batch);
     };
+    options.write = [&](const std::string& text) { rows->write(text); };
   }
   const Analysis analysis = analyze(spec, std::move(effects), options);
   if (rows) rows->close();

@@ -87,7 +87,7 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
-  if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1.3e-4 relative");
+  if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1e-3 relative");
   return warnings;
 }
 

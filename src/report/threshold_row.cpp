@@ -12,18 +12,9 @@ namespace {
 Eigen::VectorXd largest_arms(const Spec& spec, unsigned threads) {
   OperationalModel model = spec.model;
   model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
-  const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
-  const Eigen::VectorXd delta = resolutions(model.transmission);
-  Eigen::VectorXd arms = Eigen::VectorXd::Zero(n);
   WorkspaceOptions options;
   options.threads = threads;
-  options.visit = [&](std::uint64_t, const Eigen::MatrixXd&, const std::vector<OperationalError>& errors) {
-    for (const OperationalError& e : errors)
-      for (Eigen::Index i = 0; i < n; ++i)
-        arms[i] = std::max(arms[i], e.weighted.col(i).cwiseAbs().maxCoeff() / delta[i]);
-  };
-  workspace(model, {}, spec.configurations, options);
-  return arms;
+  return workspace(model, {}, spec.configurations, options).largest_arms;
 }
 
 double sample_rate_of(const Spec& spec) {

@@ -2,7 +2,10 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <functional>
 #include <vector>
+
+#include "qerr/bound/tally.hpp"
 
 namespace qerr {
 
@@ -13,35 +16,37 @@ struct Statistic {
   Eigen::VectorXd at_max;  ///< the first configuration that has the maximum, independent joints [rad or m]
 };
 
-/// Collects a quantity that is >= 0, possibly +inf, in the order in which it is fed; results depend on that
-/// order alone.
-///
-/// Up to `exact_limit` values percentiles are exact. Beyond, values are counted in bins of relative width
-/// 2^-12 (the leading bits of the double), memory stays constant, and percentiles are right to 1.3e-4
-/// relative.
-class Accumulator {
+/// Up to so many values percentiles are exact; beyond they are read off a histogram (histogram.hpp).
+inline constexpr std::uint64_t exact_percentiles_limit = std::uint64_t{1} << 17;
+
+/// Tallies of blocks of configurations, joined in their order.
+class JoinedTally {
  public:
-  static constexpr std::uint64_t exact_limit = std::uint64_t{1} << 20;
+  void append(const Tally&, std::uint64_t count);
 
-  explicit Accumulator(std::uint64_t expected);
-
-  void add(double value, const Eigen::VectorXd& configuration);
-
-  /// Adds what `later` has seen after what this one has seen.
-  void append(const Accumulator& later);
-
-  Statistic result() const;
-  bool percentiles_are_exact() const { return bins_.empty(); }
+  double min() const { return count_ > 0 ? tally_.min : 0; }
+  double max() const { return count_ > 0 ? tally_.max : 0; }
+  double mean() const;
+  std::uint64_t at_max() const { return tally_.at_max; }
+  std::uint64_t count() const { return count_; }
 
  private:
-  double percentile(double fraction) const;
-  double order_statistic(std::uint64_t rank) const;
-
+  Tally tally_;
+  long double sum_ = 0;
   std::uint64_t count_ = 0;
-  double sum_ = 0, min_ = 0, max_ = 0;
-  Eigen::VectorXd at_max_;
-  mutable std::vector<double> values_;  ///< sorted on demand by result()
-  std::vector<std::uint64_t> bins_;
 };
+
+/// A few values into a tally, as the batched kernel adds 64.
+void tally_some(const double* values, std::size_t count, std::uint64_t first, Tally&);
+
+/// The value that has `rank` smaller ones before it.
+using OrderStatistic = std::function<double(std::uint64_t rank)>;
+
+/// Statistic without `at_max`; the order statistics are asked for from the largest percentile down.
+Statistic statistic(const JoinedTally&, const OrderStatistic&);
+
+/// Order statistics of these values, which get into another order; each rank is at most one more than the one
+/// before.
+OrderStatistic order_statistics(double* values, std::uint64_t count);
 
 }  // namespace qerr

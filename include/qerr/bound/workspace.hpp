@@ -3,8 +3,10 @@
 #include <Eigen/Core>
 #include <functional>
 #include <optional>
+#include <string>
 #include <vector>
 
+#include "qerr/bound/batched_error.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/statistic.hpp"
@@ -42,26 +44,41 @@ struct Workspace {
     Eigen::MatrixXd mean_covariance, covariance_at_largest;
   };
   std::vector<Filtered> filtered;
-  double largest_arm = 0;  ///< largest |entry| of the position's rows of J over the samples [m/rad or 1]
+  Eigen::VectorXd
+      largest_arms;  ///< of each encoder: largest |entry| of the position's rows of J C [m/rad or 1]
   double smallest_cosine_of_pitch = 1;
   bool exact_percentiles = true;
 };
 
-/// Called in order with the index of the first configuration of a block, the configurations (columns) and
-/// their errors.
-using BlockVisitor =
-    std::function<void(std::uint64_t first, const Eigen::MatrixXd&, const std::vector<OperationalError>&)>;
+/// Neighbouring configurations with their figures.
+struct ConfigurationBatch {
+  std::uint64_t first;    ///< index of the first one
+  std::size_t count;      ///< up to batch_size
+  const double* q;        ///< configuration c of joint i at q[i * batch_size + c] [rad or m]
+  const double* figures;  ///< figure i of it at figures[i * batch_size + c]
+  const FigureLayout& layout;
+};
 
 struct WorkspaceOptions {
   unsigned threads = 0;  ///< 0: one per core; the result does not depend on it
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
-  BlockVisitor visit = {};
+  /// Text about a batch, called on any thread, and what receives all texts, one after the other in the order
+  /// of the configurations.
+  std::function<std::string(const ConfigurationBatch&)> text = {};
+  std::function<void(const std::string&)> write = {};
   /// [filter]: sigma of each encoder's error behind the filter in a motion, in quantization intervals
   /// (noise_along_motion.hpp); empty where it is not known.
   std::vector<Eigen::VectorXd> noise_in_motion = {};
+  /// Worst case and sigma alone: neither the rigorous bound nor what each encoder contributes, nor where the
+  /// position's variance is largest.
+  bool brief = false;
+  InstructionSet instructions = instruction_set();
 };
 
-/// Statistics of all bounds over the configurations; summed in fixed blocks in a fixed order.
+/// Statistics of all bounds over the configurations.
+///
+/// Memory does not grow with their number beyond `exact_percentiles_limit`. Blocks of configurations are
+/// summed and joined in a fixed order: the same bytes for any number of threads.
 /// @param filters  norms of the derivative filters, one set of derivative statistics each
 Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
                     const WorkspaceOptions& = {});
@@ -70,12 +87,6 @@ Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, 
 inline bool is_known(const std::vector<Eigen::VectorXd>& noise_in_motion, std::size_t filter) {
   return filter < noise_in_motion.size() && noise_in_motion[filter].size() > 0;
 }
-
-/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), j = coordinate: IPQN with each encoder's own noise behind a
-/// filter; and what the sources add.
-/// @param gains  of `gains_behind`
-double sigma_in_motion(const OperationalError&, Eigen::Index coordinate, const Eigen::VectorXd& noise,
-                       const Eigen::VectorXd& gains);
 
 /// A statistic times a non-negative factor.
 Statistic scaled(const Statistic&, double factor);

@@ -99,12 +99,33 @@ struct SineCosine {
 /// Largest angle of `sincos` [rad].
 constexpr double largest_angle = 1 << 20;
 
-/// Sine and cosine of an angle in radians, to 1.2e-16 (2e-16 without fused multiply-add).
+/// Sine and cosine of an angle within +-pi/4.
+template <class L>
+[[gnu::always_inline]] inline SineCosine<L> sincos_near_zero(const L& r) {
+  const L s = r * r, ss = s * s, ssss = ss * ss;
+  const L sine = polynomial(s, ss, ssss, -0x1.555555555553dp-3, 0x1.111111110eb1ap-7, -0x1.a01a019ab4225p-13,
+                            0x1.71de3474f29d8p-19, -0x1.ae5db422ca693p-26, 0x1.5d64b1075c7cfp-33);
+  const L cosine =
+      polynomial(s, ss, ssss, 0x1.555555555554cp-5, -0x1.6c16c16c15181p-10, 0x1.a01a019cb216cp-16,
+                 -0x1.27e4f80a33d9ap-22, 0x1.1ee9ec18b619dp-29, -0x1.8faeb5fa34e17p-37);
+  return {fma(s * r, sine, r), fma(ss, cosine, fma(s, -0.5, broadcast<L>(1)))};
+}
+
+/// What sine and cosine become when n quarter turns are added; n mod 4 stands in the last bits.
+template <class L>
+[[gnu::always_inline]] inline SineCosine<L> turned(const SineCosine<L>& a, const L& n) {
+  const Bits<L> quarter = __builtin_bit_cast(Bits<L>, n);
+  const Bits<L> negative_sine = (quarter & 2) << 62, negative_cosine = ((quarter + 1) & 2) << 62;
+  const L sine = (quarter & 1) != 0 ? a.cosine : a.sine, cosine = (quarter & 1) != 0 ? a.sine : a.cosine;
+  return {__builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, sine) ^ negative_sine),
+          __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, cosine) ^ negative_cosine)};
+}
+
+/// Sine and cosine of an angle in radians, to 1.2e-16 (2.2e-16 without fused multiply-add).
 ///
 /// The angle less the nearest multiple n of pi/2 (Cody and Waite: pi/2 in parts, so that nothing is lost to
-/// cancellation), two polynomials of least largest error on +-pi/4 (degrees 13 and 14, off by 1.6e-18 and
-/// 5e-20), and n mod 4 says which of them is which, and their signs.
-/// @pre |angle| <= largest_angle
+/// cancellation), and two polynomials of least largest error on +-pi/4 (degrees 13 and 14, off by 1.6e-18 and
+/// 5e-20). Beyond `largest_angle` the result is off by as much as some units of the angle's last place make.
 template <class L>
 [[gnu::always_inline]] inline SineCosine<L> sincos(const L& angle) {
   constexpr double two_over_pi = 0x1.45f306dc9c883p-1, shift = 0x1.8p52;
@@ -112,29 +133,11 @@ template <class L>
   const L shifted = fma(angle, two_over_pi, broadcast<L>(shift));
   const L n = shifted - shift;
 #if defined(__FMA__) || defined(__aarch64__)
-  L r = fma(n, -0x1.921fb54442d18p+0, angle);
-  r = fma(n, -0x1.1a62633145c07p-54, r);
+  const L r = fma(n, -0x1.1a62633145c07p-54, fma(n, -0x1.921fb54442d18p+0, angle));
 #else  // parts of 33 bits: their products with n are exact
-  L r = angle - n * 0x1.921fb544p+0;
-  r = r - n * 0x1.0b4611a6p-34;
-  r = r - n * 0x1.3198a2e037073p-69;
+  const L r = ((angle - n * 0x1.921fb544p+0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69;
 #endif
-  const L s = r * r, ss = s * s;
-  const L sine =
-      fma(s * r,
-          polynomial(s, ss, ss * ss, -0x1.555555555553dp-3, 0x1.111111110eb1ap-7, -0x1.a01a019ab4225p-13,
-                     0x1.71de3474f29d8p-19, -0x1.ae5db422ca693p-26, 0x1.5d64b1075c7cfp-33),
-          r);
-  const L cosine =
-      fma(ss,
-          polynomial(s, ss, ss * ss, 0x1.555555555554cp-5, -0x1.6c16c16c15181p-10, 0x1.a01a019cb216cp-16,
-                     -0x1.27e4f80a33d9ap-22, 0x1.1ee9ec18b619dp-29, -0x1.8faeb5fa34e17p-37),
-          fma(s, -0.5, broadcast<L>(1)));
-  const Bits<L> quarter = __builtin_bit_cast(Bits<L>, shifted);
-  const Bits<L> negative_sine = (quarter & 2) << 62, negative_cosine = ((quarter + 1) & 2) << 62;
-  const L from_sine = (quarter & 1) != 0 ? cosine : sine, from_cosine = (quarter & 1) != 0 ? sine : cosine;
-  return {__builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, from_sine) ^ negative_sine),
-          __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, from_cosine) ^ negative_cosine)};
+  return turned(sincos_near_zero(r), shifted);
 }
 
 }  // namespace

@@ -17,7 +17,7 @@ class BatchedJacobian {
   /// bytes
   /// @param to  receives entry (row, k) of configuration c at to[(6 k + row) * batch_size + c], linear rows
   /// first [m/rad or 1, and 1]; aligned to 64 bytes
-  /// @pre |angles| <= 2^20 rad
+  /// @pre |angles| <= 2^20 rad, beyond which sines lose digits (lanes.hpp)
   void operator()(const double* q, double* to);
 
  private:

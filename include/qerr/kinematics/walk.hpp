@@ -125,10 +125,11 @@ struct JointRoom {
 };
 
 /// Columns of the Jacobian of the moving joints times a factor each. @returns as `walk`
+/// @param frames  null, or receives the axes x, y, z behind every joint, nine numbers each
 template <class L>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
-                                               std::size_t stride, SineCosine<L>* moved,
-                                               JointRoom<L>* joints) {
+                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
+                                               L* frames = nullptr) {
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
@@ -138,7 +139,15 @@ template <class L>
           joints[k].point[i] = f.o[i];
         }
       },
-      [](std::size_t, const Frame<L>&) {});
+      [&](std::size_t k, const Frame<L>& f) {
+        if (!frames) return;
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) {
+          frames[9 * k + i] = f.x[i];
+          frames[9 * k + 3 + i] = f.y[i];
+          frames[9 * k + 6 + i] = f.z[i];
+        }
+      });
   for (std::size_t k = 0; k < chain.count; ++k) {
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};

@@ -53,7 +53,7 @@ std::string csv_cell(const std::string&);
 /// @param spec  its model as the errors were computed with, effects included (`effect_report`)
 /// @param noise  of `noise_in_motion`
 std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise);
-std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
-                                  const Eigen::VectorXd& q, const OperationalError&);
+std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                   const ConfigurationBatch&);
 
 }  // namespace qerr

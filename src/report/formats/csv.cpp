@@ -108,21 +108,30 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
   return out + "\r\n";
 }
 
-std::string per_configuration_row(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
-                                  const Eigen::VectorXd& q, const OperationalError& e) {
+std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                   const ConfigurationBatch& batch) {
+  const FigureLayout& at = batch.layout;
+  const bool own_worst = at.filtered_sigma > at.filtered_worst, own_sigma = at.in_motion > at.filtered_sigma;
   std::string out;
-  for (Eigen::Index j = 0; j < q.size(); ++j) out += (j ? "," : "") + number(q[j]);
-  for (Eigen::Index i = 0; i < e.sigma.size(); ++i)
-    out += ',' + number(e.worst_case[i]) + ',' + number(e.rigorous[i]) + ',' + number(e.sigma[i]);
-  for (std::size_t f = 0; f < spec.filters.size(); ++f)
-    for (Eigen::Index i = 0; i < e.sigma.size(); ++i) {
-      const Norms& norms = spec.filters[f].norms;
-      const Eigen::VectorXd gains = gains_behind(spec.model.sources, f, norms.h2);
-      const Bounds b = derivative_error(e, i, norms, gains);
-      out += ',' + number(b.worst_case) + ',' + number(b.sigma);
-      if (is_known(noise, f)) out += ',' + number(sigma_in_motion(e, i, noise[f], gains));
-    }
-  return out + "\r\n";
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
+    for (std::size_t j = 0; j < spec.model.chain.independent.size(); ++j)
+      out += (j ? "," : "") + number(batch.q[j * batch_size + i]);
+    for (std::size_t c = 0; c < at.coordinates; ++c)
+      for (const std::size_t of : {at.worst_case, at.rigorous, at.sigma}) out += ',' + number(figure(of + c));
+    for (std::size_t f = 0; f < spec.filters.size(); ++f)
+      for (std::size_t c = 0; c < at.coordinates; ++c) {
+        const Norms& norms = spec.filters[f].norms;
+        const std::size_t filtered = f * at.coordinates + c;
+        out += ',' + number(own_worst ? figure(at.filtered_worst + filtered)
+                                      : norms.l1.upper * figure(at.worst_case + c));
+        out +=
+            ',' + number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
+        if (is_known(noise, f)) out += ',' + number(figure(at.in_motion + filtered));
+      }
+    out += "\r\n";
+  }
+  return out;
 }
 
 }  // namespace qerr

@@ -1,10 +1,14 @@
 #include "peers.hpp"
+#include "qerr_batched.hpp"
 #include "qerr_scalar.hpp"
 
 namespace qerr::bench {
 
 std::vector<Contestant> contestants() {
-  std::vector<Contestant> rows{qerr_scalar(), qerr_workspace(), kdl()};
+  std::vector<Contestant> rows{qerr_scalar()};
+  for (Contestant& row : qerr_batched()) rows.push_back(std::move(row));
+  rows.push_back(qerr_workspace());
+  rows.push_back(kdl());
 #ifdef QERR_WITH_RBDL
   rows.push_back(rbdl());
 #endif

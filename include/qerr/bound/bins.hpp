@@ -1,0 +1,14 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+namespace qerr {
+
+/// Bins of the histograms over configurations: the leading bits of a double, so that a bin's width is 2^-10
+/// of the value. Plain, for the batched kernels.
+inline constexpr int bin_shift = 42;
+inline constexpr std::size_t bin_count = std::size_t{1} << 16;  ///< 64 octaves
+inline constexpr std::int64_t last_bin = bin_count - 1;
+
+}  // namespace qerr

@@ -1,0 +1,211 @@
+#include "error_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "second_order.hpp"
+
+namespace qerr {
+
+namespace {
+
+const double half_width_of_sigma = std::sqrt(3.0);
+
+bool any_of_kind(const std::vector<Coordinate>& coordinates, bool (*kind)(Coordinate)) {
+  return std::any_of(coordinates.begin(), coordinates.end(), kind);
+}
+
+/// x y z, or x y z rx ry rz.
+bool are_leading(const std::vector<Coordinate>& coordinates) {
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    if (coordinates[i] != static_cast<Coordinate>(i)) return false;
+  return coordinates.size() == 3 || coordinates.size() == 6;
+}
+
+}  // namespace
+
+PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& asked)
+    : chain_(fold(model.chain, any_of_kind(model.coordinates, is_euler_angle))) {
+  for (const FoldedJoint& joint : chain_.joints) column_scale_.push_back(joint.sign);
+  set_coordinates(model);
+  add_encoders(model);
+  for (const ErrorSource& source : model.sources) add_source(model, source);
+  plan_.plain = model.sources.empty() && mean_errors(model.transmission).isZero(0);
+  set_direct(model);
+  set_remainder(model);
+  plan_.chain = path_of(chain_);
+  plan_.column_scale = column_scale_.data();
+  for (std::size_t p = 0; p < parts_.size(); ++p) {
+    parts_[p].begin = weights_[p].data();
+    parts_[p].end = weights_[p].data() + weights_[p].size();
+  }
+  plan_.part = parts_.data();
+  plan_.parts = parts_.size();
+  plan_.arm = arm_.data();
+  set_filters(model, asked);
+  lay_out(asked);
+}
+
+void PlannedError::set_coordinates(const OperationalModel& model) {
+  for (const Coordinate c : model.coordinates) coordinate_.push_back(static_cast<int>(c));
+  plan_.coordinates = coordinate_.size();
+  plan_.coordinate = coordinate_.data();
+  plan_.positions_first = are_leading(model.coordinates);
+  plan_.any_euler = any_of_kind(model.coordinates, is_euler_angle);
+  plan_.any_position = any_of_kind(model.coordinates, is_position);
+}
+
+void PlannedError::add_encoders(const OperationalModel& model) {
+  const Eigen::VectorXd delta = resolutions(model.transmission), mean = mean_errors(model.transmission);
+  plan_.encoders = static_cast<std::size_t>(delta.size());
+  for (Eigen::Index j = 0; j < delta.size(); ++j) {
+    const double sigma = delta[j] / std::sqrt(12.0);
+    std::vector<JointWeight>& weights = weights_.emplace_back();
+    for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
+      const ChainJoint& joint = model.chain.joints[k];
+      const double weight =
+          joint.multiplier * model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate), j);
+      if (weight != 0) weights.push_back({k, weight * sigma});
+    }
+    parts_.push_back({nullptr,
+                      nullptr,
+                      0,
+                      {},
+                      1,
+                      half_width_of_sigma,
+                      mean[j] / sigma,
+                      half_width_of_sigma,
+                      static_cast<std::size_t>(j),
+                      false});
+    arm_.push_back(1 / sigma);
+  }
+}
+
+void PlannedError::add_source(const OperationalModel& model, const ErrorSource& source) {
+  const double largest = std::max({source.sigma, source.half_width, std::abs(source.mean)});
+  const double scale = largest > 0 ? largest : 1;
+  std::vector<JointWeight>& weights = weights_.emplace_back();
+  ErrorPart part{nullptr,
+                 nullptr,
+                 0,
+                 {},
+                 source.sigma / scale,
+                 source.half_width / scale,
+                 source.mean / scale,
+                 (std::abs(source.mean) + source.half_width) / scale,
+                 source.owner,
+                 true};
+  if (source.where == ErrorSource::Where::origin) {
+    const Eigen::Vector3d along = scale * (model.chain.joints[source.link].parent_axes * source.direction);
+    const Eigen::Vector3d direction =
+        source.link == 0 ? along : Eigen::Vector3d(chain_.link_axes[source.link - 1] * along);
+    part.link = source.link;
+    std::copy(direction.begin(), direction.end(), part.direction);
+  } else {
+    for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
+      const ChainJoint& joint = model.chain.joints[k];
+      const double moved = source.where == ErrorSource::Where::joint
+                               ? static_cast<double>(joint.coordinate == source.owner)
+                               : model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate),
+                                                             static_cast<Eigen::Index>(source.owner));
+      if (moved != 0) weights.push_back({k, joint.multiplier * moved * scale});
+    }
+  }
+  parts_.push_back(part);
+}
+
+/// Where every joint has an encoder of its own, columns carry the parts' scales from the start.
+void PlannedError::set_direct(const OperationalModel& model) {
+  plan_.direct = plan_.positions_first && model.sources.empty() && parts_.size() == chain_.joints.size();
+  std::vector<std::size_t> part_of(chain_.joints.size(), parts_.size());
+  for (std::size_t p = 0; p < parts_.size() && plan_.direct; ++p) {
+    if (weights_[p].size() == 1) part_of[weights_[p].front().joint] = p;
+    plan_.direct = weights_[p].size() == 1;
+  }
+  plan_.direct = plan_.direct && std::count(part_of.begin(), part_of.end(), parts_.size()) == 0;
+  if (!plan_.direct) return;
+  std::vector<ErrorPart> parts;
+  std::vector<std::vector<JointWeight>> weights;
+  for (std::size_t k = 0; k < part_of.size(); ++k) {
+    column_scale_[k] *= weights_[part_of[k]].front().weight;
+    parts.push_back(parts_[part_of[k]]);
+    weights.push_back(weights_[part_of[k]]);
+  }
+  parts_ = std::move(parts);
+  weights_ = std::move(weights);
+}
+
+void PlannedError::set_remainder(const OperationalModel& model) {
+  const SecondOrder second(model);
+  plan_.remainder = second.position_constant;
+  plan_.angle_remainder = second.rotation;
+  plan_.angle = second.rotation_angle;
+  for (std::size_t k = 0; k < column_scale_.size(); ++k) {
+    const double scale = std::abs(column_scale_[k]);
+    reach_.push_back(scale > 0 ? second.position_weights[static_cast<Eigen::Index>(k)] / scale : 0);
+  }
+  plan_.reach = reach_.data();
+}
+
+void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures& asked) {
+  const auto& sources = model.sources;
+  const bool biased = !mean_errors(model.transmission).isZero(0);
+  for (std::size_t f = 0; f < asked.filters.size(); ++f) {
+    const Norms& norms = asked.filters[f];
+    const Eigen::VectorXd gains = gains_behind(sources, f, norms.h2);
+    const bool known = f < asked.noise_in_motion.size() && asked.noise_in_motion[f].size() > 0;
+    l1_.push_back(norms.l1.upper);
+    dc_gain_.push_back(std::abs(norms.dc_gain));
+    Eigen::Index source = 0;
+    for (const ErrorPart& part : parts_) {
+      const double added = part.source ? std::pow(part.sigma * gains[source++], 2) : 0;
+      gain_squares_.push_back(part.source ? added : norms.h2 * norms.h2);
+      // Noise counts quantization intervals, and sigma is 1/sqrt(12) of one.
+      const double moving =
+          known && !part.source
+              ? 12 * std::pow(asked.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2)
+              : added;
+      motion_squares_.push_back(known ? moving : -1);
+    }
+  }
+  plan_.filters = asked.filters.size();
+  plan_.filtered_worst = biased || !sources.empty();
+  plan_.filtered_sigma = !sources.empty();
+  plan_.l1 = l1_.data();
+  plan_.dc_gain = dc_gain_.data();
+  plan_.gain_squares = gain_squares_.data();
+  plan_.motion_squares = motion_squares_.data();
+}
+
+void PlannedError::lay_out(const ErrorFigures& asked) {
+  plan_.keep_covariance = asked.covariance;
+  plan_.shares = asked.shares;
+  plan_.rigorous = asked.rigorous;
+  const std::size_t m = plan_.coordinates, entries = m * (m + 1) / 2, f = plan_.filters;
+  const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
+    const std::size_t at = total;
+    if (wanted) total += count;
+    return at;
+  };
+  FigureLayout& figures = plan_.figures;
+  figures.coordinates = m;
+  figures.worst_case = place(figures.count, true, m);
+  figures.sigma = place(figures.count, true, m);
+  figures.rigorous = place(figures.count, asked.rigorous, m);
+  figures.filtered_worst = place(figures.count, plan_.filtered_worst, f * m);
+  figures.filtered_sigma = place(figures.count, plan_.filtered_sigma, f * m);
+  figures.in_motion = place(figures.count, !asked.noise_in_motion.empty(), f * m);
+  figures.trace = place(figures.count, asked.shares, 1);
+  figures.covariance = place(figures.count, asked.covariance, entries);
+  SumLayout& sums = plan_.sums;
+  sums.covariance = place(sums.count, !asked.covariance, entries);
+  sums.filtered = place(sums.count, plan_.filtered_sigma, f * entries);
+  sums.variance_parts = place(sums.count, asked.shares, m * plan_.encoders);
+  sums.share = place(sums.count, asked.shares, m * plan_.encoders);
+  sums.worst_share = place(sums.count, asked.shares, m * plan_.encoders);
+  sums.arms = place(sums.count, asked.shares, plan_.encoders);
+  sums.pitch = place(sums.count, plan_.any_euler, 1);
+}
+
+}  // namespace qerr

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "kernels.hpp"
+#include "qerr/bound/batched_error.hpp"
+#include "qerr/kinematics/folded_chain.hpp"
+
+namespace qerr {
+
+/// Owns what an ErrorPlan points to: the model with all that is constant worked out.
+class PlannedError {
+ public:
+  PlannedError(const OperationalModel&, const ErrorFigures&);
+  PlannedError(const PlannedError&) = delete;
+  PlannedError& operator=(const PlannedError&) = delete;
+
+  const ErrorPlan& plan() const { return plan_; }
+
+ private:
+  void set_coordinates(const OperationalModel&);
+  void add_encoders(const OperationalModel&);
+  void add_source(const OperationalModel&, const ErrorSource&);
+  void set_direct(const OperationalModel&);
+  void set_remainder(const OperationalModel&);
+  void set_filters(const OperationalModel&, const ErrorFigures&);
+  void lay_out(const ErrorFigures&);
+
+  ErrorPlan plan_ = {};
+  FoldedChain chain_;
+  std::vector<double> column_scale_, reach_, arm_, l1_, dc_gain_, gain_squares_, motion_squares_;
+  std::vector<int> coordinate_;
+  std::vector<ErrorPart> parts_;
+  std::vector<std::vector<JointWeight>> weights_;  // [part]
+};
+
+}  // namespace qerr

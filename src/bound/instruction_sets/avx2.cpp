@@ -1,0 +1,7 @@
+#include "../lane_kernels.hpp"
+
+namespace qerr {
+
+const BoundKernels avx2_bounds = lanes::bound_kernels<4>;
+
+}  // namespace qerr

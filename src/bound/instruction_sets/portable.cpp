@@ -1,0 +1,7 @@
+#include "../lane_kernels.hpp"
+
+namespace qerr {
+
+const BoundKernels portable_bounds = lanes::bound_kernels<2>;
+
+}  // namespace qerr

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "qerr/bound/figure_layout.hpp"
+#include "qerr/bound/tally.hpp"
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/kinematics/folded_path.hpp"
+
+namespace qerr {
+
+// As folded_path.hpp: without Eigen and containers, for files that are compiled per instruction set.
+
+/// A column of the Jacobian of a moving joint, as a part of an error takes it.
+struct JointWeight {
+  std::size_t joint;
+  double weight;
+};
+
+/// One independent error: of an encoder, or of a source beside it. Its size is a common scale s; `spread` is
+/// what the coordinates move by when it is s.
+struct ErrorPart {
+  const JointWeight *begin, *end;  ///< columns it moves by, times s
+  std::size_t link;                ///< of a displaced origin: behind which moving joint, plus 1; else 0
+  double direction[3];             ///< of that, in the folded frame there (0: the base's), times s
+  double sigma, half_width, mean;  ///< over s
+  double width;                    ///< over s: what it counts for among the worst cases
+  std::size_t owner;               ///< index of the encoder it is counted with
+  bool source;                     ///< beside the quantization
+};
+
+/// What the batched kernel works by (error_plan.hpp makes it from a model). At most nine coordinates.
+struct ErrorPlan {
+  FoldedPath chain;
+  const double* column_scale;  ///< of every moving joint
+  bool direct;                 ///< part k moves by column k alone, which has its scale already
+  bool plain;  ///< parts are encoders that round to nearest: sigma 1, half width sqrt(3), mean 0
+  std::size_t parts, encoders, coordinates, filters;
+  const ErrorPart* part;
+  const int* coordinate;  ///< values of qerr::Coordinate
+  bool positions_first;   ///< the coordinates begin with x y z, and are these or these and rx ry rz
+  bool any_euler, any_position;
+  bool keep_covariance;  ///< of every configuration, as figures
+  bool shares, rigorous;
+  const double* arm;  ///< of every encoder: 1/s, for its largest |dp/dx|
+  /// rho = remainder + sum_k reach[k] |linear column k|; an angle's: linear + angle_remainder, at most angle.
+  double remainder, angle_remainder, angle;
+  const double* reach;
+  bool filtered_worst, filtered_sigma;
+  const double *l1, *dc_gain;    ///< [filter]
+  const double* gain_squares;    ///< [filter][part]: of its variance behind the filter
+  const double* motion_squares;  ///< [filter][part]: the same with the encoders' speeds; negative: unknown
+  FigureLayout figures;
+  SumLayout sums;
+};
+
+struct BoundKernels {
+  std::size_t lanes;
+  /// Numbers of room that `errors` works in.
+  std::size_t (*room)(const ErrorPlan&);
+  /// Figures of 64 configurations, and their sums added to those before.
+  void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* room);
+  /// 64 values each of `count` figures into their tallies.
+  void (*tally)(const double* figures, std::size_t count, std::uint64_t first, Tally*);
+  /// Their bins (histogram.hpp), those of figure f from keys + f * stride.
+  void (*bins)(const double* figures, std::size_t count, const std::int64_t* lowest, std::uint16_t* keys,
+               std::size_t stride);
+};
+
+extern const BoundKernels portable_bounds, avx2_bounds, avx512_bounds;
+
+const BoundKernels& bound_kernels(InstructionSet);
+
+}  // namespace qerr
