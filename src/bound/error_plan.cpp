@@ -32,7 +32,7 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& as
   add_encoders(model);
   for (const ErrorSource& source : model.sources) add_source(model, source);
   plan_.plain = model.sources.empty() && mean_errors(model.transmission).isZero(0);
-  set_direct(model);
+  set_direct();
   set_remainder(model);
   plan_.chain = path_of(chain_);
   plan_.column_scale = column_scale_.data();
@@ -42,6 +42,9 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& as
   }
   plan_.part = parts_.data();
   plan_.parts = parts_.size();
+  // A tip on the last joint's axis does not move with it.
+  const bool still = plan_.direct && !chain_.joints.back().turns && !chain_.joints.back().prismatic;
+  plan_.moving_parts = parts_.size() - (still ? 1 : 0);
   plan_.arm = arm_.data();
   set_filters(model, asked);
   lay_out(asked);
@@ -116,8 +119,8 @@ void PlannedError::add_source(const OperationalModel& model, const ErrorSource& 
 }
 
 /// Where every joint has an encoder of its own, columns carry the parts' scales from the start.
-void PlannedError::set_direct(const OperationalModel& model) {
-  plan_.direct = plan_.positions_first && model.sources.empty() && parts_.size() == chain_.joints.size();
+void PlannedError::set_direct() {
+  plan_.direct = plan_.plain && plan_.positions_first && parts_.size() == chain_.joints.size();
   std::vector<std::size_t> part_of(chain_.joints.size(), parts_.size());
   for (std::size_t p = 0; p < parts_.size() && plan_.direct; ++p) {
     if (weights_[p].size() == 1) part_of[weights_[p].front().joint] = p;
@@ -191,7 +194,7 @@ void PlannedError::lay_out(const ErrorFigures& asked) {
   FigureLayout& figures = plan_.figures;
   figures.coordinates = m;
   figures.worst_case = place(figures.count, true, m);
-  figures.sigma = place(figures.count, true, m);
+  figures.sigma = place(figures.count, !asked.covariance, m);
   figures.rigorous = place(figures.count, asked.rigorous, m);
   figures.filtered_worst = place(figures.count, plan_.filtered_worst, f * m);
   figures.filtered_sigma = place(figures.count, plan_.filtered_sigma, f * m);

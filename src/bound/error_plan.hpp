@@ -21,7 +21,7 @@ class PlannedError {
   void set_coordinates(const OperationalModel&);
   void add_encoders(const OperationalModel&);
   void add_source(const OperationalModel&, const ErrorSource&);
-  void set_direct(const OperationalModel&);
+  void set_direct();
   void set_remainder(const OperationalModel&);
   void set_filters(const OperationalModel&, const ErrorFigures&);
   void lay_out(const ErrorFigures&);

@@ -37,6 +37,7 @@ struct ErrorPlan {
   bool direct;                 ///< part k moves by column k alone, which has its scale already
   bool plain;  ///< parts are encoders that round to nearest: sigma 1, half width sqrt(3), mean 0
   std::size_t parts, encoders, coordinates, filters;
+  std::size_t moving_parts;  ///< the first ones, which move the tip; those behind only turn it
   const ErrorPart* part;
   const int* coordinate;  ///< values of qerr::Coordinate
   bool positions_first;   ///< the coordinates begin with x y z, and are these or these and rx ry rz

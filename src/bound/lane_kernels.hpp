@@ -67,40 +67,69 @@ struct EulerRates {
   }
 };
 
-/// Spreads of parts that move by several columns, or by a displaced origin, or in other coordinates.
+/// Spreads of a part, given how the tip moves with it.
 template <class L>
-void gather(const ErrorPlan& plan, const Room<L>& room, const EulerRates<L>* euler) {
-  for (std::size_t p = 0; p < plan.parts; ++p) {
-    const ErrorPart& part = plan.part[p];
-    L u[6] = {};
-    for (const JointWeight* w = part.begin; w != part.end; ++w)
+[[gnu::always_inline]] inline void spread_of(const ErrorPart& part, const Room<L>& room, L (&u)[6]) {
+  for (const JointWeight* w = part.begin; w != part.end; ++w)
 #pragma GCC unroll 6
-      for (int i = 0; i < 6; ++i) u[i] = fma(w->weight, room.joints[w->joint].column[i], u[i]);
-    for (int axis = 0; axis < 3; ++axis)
-      for (int i = 0; i < 3; ++i) {
-        if (part.link > 0)
-          u[i] = fma(part.direction[axis], room.frames[9 * (part.link - 1) + 3 * axis + i], u[i]);
-        else if (axis == i)
-          u[i] = u[i] + part.direction[axis];
-      }
-    L* const spread = room.spreads + most_coordinates * p;
-    for (std::size_t c = 0; c < plan.coordinates; ++c)
-      spread[c] = plan.coordinate[c] < 6 ? u[plan.coordinate[c]] : euler->row(plan.coordinate[c], u + 3);
-  }
+    for (int i = 0; i < 6; ++i) u[i] = fma(w->weight, room.joints[w->joint].column[i], u[i]);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i) {
+      if (part.link > 0)
+        u[i] = fma(part.direction[axis], room.frames[9 * (part.link - 1) + 3 * axis + i], u[i]);
+      else if (axis == i)
+        u[i] = u[i] + part.direction[axis];
+    }
 }
 
-/// Sums over the parts: of magnitudes (half width), of means, and the lower triangle of the covariance.
+/// Spreads of parts that move by several columns, or by a displaced origin, or in other coordinates.
+/// @returns where roll and yaw have no bound
 template <class L>
-struct Sums {
-  L half[most_coordinates], mean[most_coordinates];
-  L covariance[most_coordinates * (most_coordinates + 1) / 2];
+Bits<L> gather(const ErrorPlan& plan, const Room<L>& room, const Frame<L>& tip, double* sums) {
+  const EulerRates<L> euler(plan.chain, tip);
+  for (std::size_t p = 0; p < plan.parts; ++p) {
+    L u[6] = {};
+    spread_of(plan.part[p], room, u);
+    L* const spread = room.spreads + most_coordinates * p;
+    for (std::size_t c = 0; c < plan.coordinates; ++c)
+      spread[c] = plan.coordinate[c] < 6 ? u[plan.coordinate[c]] : euler.row(plan.coordinate[c], u + 3);
+  }
+  if (!plan.any_euler) return Bits<L>{};
+  double* const pitch = sums + plan.sums.pitch * lane_count<L>;
+  store(pitch, max(load<L>(pitch), 1.0 - euler.cosine));
+  return euler.locked;
+}
+
+/// What one configuration per lane gives before it is put into figures and sums.
+template <class L>
+struct Errors {
+  L half[most_coordinates], mean[most_coordinates], variance[most_coordinates];
 };
 
 constexpr std::size_t entry(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
 
+/// Where the entries of the covariance go: kept of every configuration, or added to the sum.
+template <class L>
+struct CovarianceTo {
+  double* to;
+  std::size_t stride;
+  bool add;
+
+  CovarianceTo(const ErrorPlan& plan, double* figures, double* sums)
+      : to(plan.keep_covariance ? figures + plan.figures.covariance * batch_size
+                                : sums + plan.sums.covariance * lane_count<L>),
+        stride(plan.keep_covariance ? batch_size : lane_count<L>),
+        add(!plan.keep_covariance) {}
+
+  [[gnu::always_inline]] void put(std::size_t e, const L& value) const {
+    store(to + e * stride, add ? load<L>(to + e * stride) + value : value);
+  }
+};
+
 /// Three coordinates of a plain model: what a processor's registers hold at once.
 template <std::size_t from, class L>
-[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Sums<L>& sums) {
+[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Errors<L>& e,
+                                             const CovarianceTo<L>& covariance) {
   L a[3] = {}, s[6] = {};
   for (std::size_t p = 0; p < parts; ++p) {
     const L* const u = spreads.of(p) + from;
@@ -118,15 +147,17 @@ template <std::size_t from, class L>
   constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;  // sqrt(3)
 #pragma GCC unroll 3
   for (std::size_t r = 0; r < 3; ++r) {
-    sums.half[from + r] = half_width_of_sigma * a[r];
+    e.half[from + r] = half_width_of_sigma * a[r];
+    e.variance[from + r] = s[entry(r, r)];
 #pragma GCC unroll 3
-    for (std::size_t c = 0; c <= r; ++c) sums.covariance[entry(from + r, from + c)] = s[entry(r, c)];
+    for (std::size_t c = 0; c <= r; ++c) covariance.put(entry(from + r, from + c), s[entry(r, c)]);
   }
 }
 
 /// Covariance of positions and rotations.
 template <class L>
-[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, Sums<L>& sums) {
+[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts,
+                                             const CovarianceTo<L>& covariance) {
   L s[9] = {};
   for (std::size_t p = 0; p < parts; ++p) {
     const L* const u = spreads.of(p);
@@ -138,23 +169,27 @@ template <class L>
 #pragma GCC unroll 3
   for (std::size_t r = 0; r < 3; ++r)
 #pragma GCC unroll 3
-    for (std::size_t c = 0; c < 3; ++c) sums.covariance[entry(3 + r, c)] = s[3 * r + c];
+    for (std::size_t c = 0; c < 3; ++c) covariance.put(entry(3 + r, c), s[3 * r + c]);
 }
 
 /// Any coordinates and parts.
 template <class L>
-void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Sums<L>& sums) {
+void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e,
+             const CovarianceTo<L>& covariance) {
   for (std::size_t r = 0; r < plan.coordinates; ++r) {
-    sums.half[r] = sums.mean[r] = L{};
-    for (std::size_t c = 0; c <= r; ++c) sums.covariance[entry(r, c)] = L{};
+    e.half[r] = e.mean[r] = L{};
     for (std::size_t p = 0; p < plan.parts; ++p) {
-      const ErrorPart& part = plan.part[p];
-      const L* const u = spreads.of(p);
-      sums.half[r] = fma(part.half_width, abs(u[r]), sums.half[r]);
-      sums.mean[r] = fma(part.mean, u[r], sums.mean[r]);
-      const L scaled = (part.sigma * part.sigma) * u[r];
-      for (std::size_t c = 0; c <= r; ++c)
-        sums.covariance[entry(r, c)] = fma(scaled, u[c], sums.covariance[entry(r, c)]);
+      e.half[r] = fma(plan.part[p].half_width, abs(spreads.of(p)[r]), e.half[r]);
+      e.mean[r] = fma(plan.part[p].mean, spreads.of(p)[r], e.mean[r]);
+    }
+    for (std::size_t c = 0; c <= r; ++c) {
+      L sum{};
+      for (std::size_t p = 0; p < plan.parts; ++p) {
+        const L* const u = spreads.of(p);
+        sum = fma((plan.part[p].sigma * plan.part[p].sigma) * u[r], u[c], sum);
+      }
+      covariance.put(entry(r, c), sum);
+      if (c == r) e.variance[r] = sum;
     }
   }
 }
@@ -179,11 +214,11 @@ template <class L>
 /// and its largest arm. A coordinate that is nothing but rounding against the largest has no shares.
 template <class L, std::size_t fixed>
 [[gnu::always_inline]] inline void add_shares(const ErrorPlan& plan, const Spreads<L>& spreads,
-                                              const Sums<L>& total, double* sums) {
+                                              const Errors<L>& total, double* sums) {
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates, row = plan.encoders * lane_count<L>;
   L largest{};
 #pragma GCC unroll 6
-  for (std::size_t c = 0; c < m; ++c) largest = max(largest, total.covariance[entry(c, c)]);
+  for (std::size_t c = 0; c < m; ++c) largest = max(largest, total.variance[c]);
   const L negligible = 1e-26 * largest;
   L over[most_coordinates], over_worst[most_coordinates];
 #pragma GCC unroll 6
@@ -194,7 +229,7 @@ template <class L, std::size_t fixed>
       for (std::size_t p = 0; p < plan.parts; ++p)
         width = fma(plan.part[p].width, abs(spreads.of(p)[c]), width);
     }
-    const L variance = total.covariance[entry(c, c)];
+    const L variance = total.variance[c];
     over[c] = variance > negligible ? 1.0 / variance : L{};
     over_worst[c] = width * width > 3.0 * negligible ? 1.0 / width : L{};
   }
@@ -220,7 +255,7 @@ template <class L, std::size_t fixed>
 
 /// Figures behind the filters where they are not the coordinate's times a norm.
 template <class L>
-void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Sums<L>& total,
+void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors<L>& total,
                   const Bits<L>& locked, double* figures, double* sums) {
   const std::size_t m = plan.coordinates;
   for (std::size_t f = 0; f < plan.filters; ++f) {
@@ -255,114 +290,134 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Sums<L
   }
 }
 
-template <class L, std::size_t fixed>
+/// Columns of the joints, and how the coordinates move with every part.
+/// @returns where roll and yaw have no bound
+template <class L, bool direct>
+[[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q, const Room<L>& room,
+                                             double* sums) {
+  const auto give = [&](std::size_t k, const L(&linear)[3], const L(&)[3]) {
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r) room.joints[k].column[r] = linear[r];
+  };
+  if constexpr (direct) {
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, ignore, give);
+    return Bits<L>{};
+  } else {
+    const auto leave = [&](std::size_t k, const Frame<L>& f) {
+#pragma GCC unroll 3
+      for (int r = 0; r < 3; ++r) {
+        room.frames[9 * k + r] = f.x[r];
+        room.frames[9 * k + 3 + r] = f.y[r];
+        room.frames[9 * k + 6 + r] = f.z[r];
+      }
+    };
+    const Frame<L> tip =
+        columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, leave, give);
+    return gather(plan, room, tip, sums);
+  }
+}
+
+template <class L, std::size_t fixed, bool direct>
 void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* memory) {
   const Room<L> room(plan, memory);
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
+  const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)}
+                                    : Spreads<L>{room.spreads, most_coordinates};
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const Frame<L> tip = columns<L>(plan.chain, plan.column_scale, q + i, batch_size, room.moved, room.joints,
-                                    plan.direct ? nullptr : room.frames);
-    Bits<L> locked{};
-    Spreads<L> spreads{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)};
-    if (!plan.direct) {
-      spreads = {room.spreads, most_coordinates};
-      if (plan.any_euler) {
-        const EulerRates<L> euler(plan.chain, tip);
-        locked = euler.locked;
-        double* const pitch = sums + plan.sums.pitch * lane_count<L>;
-        store(pitch, max(load<L>(pitch), 1.0 - euler.cosine));
-        gather(plan, room, &euler);
-      } else {
-        gather<L>(plan, room, nullptr);
-      }
-    }
-    Sums<L> total;
+    const Bits<L> locked = spread<L, direct>(plan, q + i, room, sums);
+    double* const to = figures + i;
+    const CovarianceTo<L> covariance(plan, to, sums);
+    Errors<L> e;
     if constexpr (fixed > 0) {
-      sum_three<0>(spreads, plan.parts, total);
+      sum_three<0>(spreads, plan.moving_parts, e, covariance);
       if constexpr (fixed > 3) {
-        sum_three<3>(spreads, plan.parts, total);
-        sum_mixed(spreads, plan.parts, total);
+        sum_three<3>(spreads, plan.parts, e, covariance);
+        sum_mixed(spreads, plan.moving_parts, covariance);
       }
     } else {
-      sum_any(plan, spreads, total);
+      sum_any(plan, spreads, e, covariance);
     }
     const L rho = plan.rigorous ? position_remainder(plan, room.joints) : L{};
-    double* const to = figures + i;
     L trace{};
 #pragma GCC unroll 6
     for (std::size_t c = 0; c < m; ++c) {
       const int coordinate = fixed > 0 ? static_cast<int>(c) : plan.coordinate[c];
-      L worst = total.half[c], sigma = sqrt(total.covariance[entry(c, c)]);
+      L worst = e.half[c];
       if constexpr (fixed == 0) {
-        worst += abs(total.mean[c]);
+        worst += abs(e.mean[c]);
         if (coordinate == 6 || coordinate == 8) {
           worst = locked ? broadcast<L>(infinity) : worst;
-          sigma = locked ? broadcast<L>(infinity) : sigma;
+          e.variance[c] = locked ? broadcast<L>(infinity) : e.variance[c];
         }
       }
       store(to + (plan.figures.worst_case + c) * batch_size, worst);
-      store(to + (plan.figures.sigma + c) * batch_size, sigma);
-      if (coordinate < 3 || !plan.any_position) trace += total.covariance[entry(c, c)];
+      if (!plan.keep_covariance) store(to + (plan.figures.sigma + c) * batch_size, sqrt(e.variance[c]));
+      if (coordinate < 3 || !plan.any_position) trace += e.variance[c];
       if (!plan.rigorous) continue;
       store(to + (plan.figures.rigorous + c) * batch_size,
             coordinate < 3   ? worst + rho
             : coordinate < 6 ? min(worst + plan.angle_remainder, broadcast<L>(plan.angle))
                              : broadcast<L>(infinity));
     }
-    if (plan.shares) store(to + plan.figures.trace * batch_size, trace);
-#pragma GCC unroll 21
-    for (std::size_t e = 0; e < m * (m + 1) / 2; ++e) {
-      if (plan.keep_covariance)
-        store(to + (plan.figures.covariance + e) * batch_size, total.covariance[e]);
-      else
-        add_to(sums + (plan.sums.covariance + e) * lane_count<L>, total.covariance[e]);
+    if (plan.shares) {
+      store(to + plan.figures.trace * batch_size, trace);
+      add_shares<L, fixed>(plan, spreads, e, sums);
     }
-    if (plan.shares) add_shares<L, fixed>(plan, spreads, total, sums);
-    if (plan.filters > 0) add_filtered(plan, spreads, total, locked, to, sums);
+    if (plan.filters > 0) add_filtered(plan, spreads, e, locked, to, sums);
   }
 }
 
 template <class L>
 void errors(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* room) {
-  if (plan.plain && plan.positions_first)
-    (plan.coordinates == 3 ? errors_of<L, 3> : errors_of<L, 6>)(plan, q, figures, sums, room);
+  if (!plan.plain || !plan.positions_first)
+    errors_of<L, 0, false>(plan, q, figures, sums, room);
+  else if (plan.coordinates == 3)
+    (plan.direct ? errors_of<L, 3, true> : errors_of<L, 3, false>)(plan, q, figures, sums, room);
   else
-    errors_of<L, 0>(plan, q, figures, sums, room);
+    (plan.direct ? errors_of<L, 6, true> : errors_of<L, 6, false>)(plan, q, figures, sums, room);
 }
 
-template <class L>
-[[gnu::always_inline]] inline double highest(const L& x) {
-  double m = x[0];
-#pragma GCC unroll 8
-  for (std::size_t i = 1; i < lane_count<L>; ++i) m = m < x[i] ? x[i] : m;
-  return m;
+/// A batch with a maximum larger than before: looks for the configurations.
+[[gnu::noinline]] inline void find_maxima(const double* figures, std::size_t count, std::uint64_t first,
+                                          Tally* tallies) {
+  for (std::size_t f = 0; f < count; ++f) {
+    const double* const values = figures + f * batch_size;
+    Tally& t = tallies[f];
+    double most = t.max;
+    for (std::size_t i = 0; i < batch_size; ++i) most = values[i] > most ? values[i] : most;
+    const bool is_another = most > same_maximum * t.max;
+    t.max = most;
+    for (std::size_t i = 0; i < batch_size && is_another; ++i)
+      if (values[i] * same_maximum >= most) {
+        t.at_max = first + i;
+        break;
+      }
+  }
 }
 
 template <class L>
 void tally(const double* figures, std::size_t count, std::uint64_t first, Tally* tallies) {
+  Bits<L> news{};
   for (std::size_t f = 0; f < count; ++f) {
     const double* const values = figures + f * batch_size;
     Tally& t = tallies[f];
-    L low = load<L>(values), high = low, sum = load<L>(t.sum) + low;
+    L low = load<L>(t.min), high = broadcast<L>(t.max), sum = load<L>(t.sum);
+    const L most = high;
 #pragma GCC unroll 32
-    for (std::size_t i = lane_count<L>; i < batch_size; i += lane_count<L>) {
+    for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
       const L value = load<L>(values + i);
       low = min(low, value);
       high = max(high, value);
       sum += value;
     }
     store(t.sum, sum);
-    const double lowest = -highest(-low), most = highest(high);
-    if (lowest < t.min) t.min = lowest;
-    if (most <= t.max) continue;
-    const bool is_news = most > same_maximum * t.max;
-    t.max = most;  // rare: then the configuration is looked for
-    for (std::size_t i = 0; i < batch_size && is_news; ++i)
-      if (values[i] * same_maximum >= most) {
-        t.at_max = first + i;
-        break;
-      }
+    store(t.min, low);
+    news |= high > most;
   }
+  std::int64_t any = 0;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < lane_count<L>; ++i) any |= news[i];
+  if (any) find_maxima(figures, count, first, tallies);  // rare
 }
 
 template <class L>

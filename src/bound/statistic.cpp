@@ -9,10 +9,10 @@ namespace qerr {
 void JoinedTally::append(const Tally& t, std::uint64_t count) {
   if (count == 0) return;
   for (const double lane : t.sum) sum_ += lane;
-  tally_.min = std::min(tally_.min, t.min);
-  if (t.max > tally_.max) {
-    if (t.max > same_maximum * tally_.max) tally_.at_max = t.at_max;
-    tally_.max = t.max;
+  for (const double lane : t.min) min_ = std::min(min_, lane);
+  if (t.max > max_) {
+    if (t.max > same_maximum * max_) at_max_ = t.at_max;
+    max_ = t.max;
   }
   count_ += count;
 }
@@ -25,7 +25,7 @@ double JoinedTally::mean() const {
 void tally_some(const double* values, std::size_t count, std::uint64_t first, Tally& t) {
   for (std::size_t i = 0; i < count; ++i) {
     t.sum[0] += values[i];
-    t.min = std::min(t.min, values[i]);
+    t.min[0] = std::min(t.min[0], values[i]);
     if (!(values[i] > t.max)) continue;
     if (values[i] > same_maximum * t.max) t.at_max = first + i;
     t.max = values[i];

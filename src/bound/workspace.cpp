@@ -30,6 +30,7 @@ struct BlockResult {
 
 /// All that a thread writes to while it works.
 struct Worker {
+  Sampler sampler;
   BatchedError errors;
   AlignedNumbers q, figures;
   std::vector<std::uint16_t> bins;    // [figure][block_size]
@@ -49,6 +50,7 @@ class Job {
         errors_(model, asked_for(filters, options), options.instructions),
         exact_(total_ <= exact_percentiles_limit),
         joined_(errors_.figures().count),
+        largest_(joined_.size(), -1.0),
         sums_(errors_.sums().count) {
     if (exact_)
       values_ = AlignedNumbers(joined_.size() * total_);
@@ -61,7 +63,7 @@ class Job {
     std::vector<Worker> workers;
     for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
     // Texts wait in memory for their turn.
-    const std::uint64_t blocks_per_wave = options_.text ? 4 * workers.size() : 256;
+    const std::uint64_t blocks_per_wave = options_.text ? 16 : 256;
     for (std::uint64_t wave = 0; wave < blocks(); wave += blocks_per_wave) {
       std::vector<BlockResult> results(std::min(blocks_per_wave, blocks() - wave));
       std::atomic<std::size_t> next{0};
@@ -70,6 +72,7 @@ class Job {
           results[b] = block(workers[i], (wave + b) * block_size);
       });
       for (const BlockResult& result : results) join(result);
+      for (std::size_t f = 0; f < joined_.size(); ++f) largest_[f] = joined_[f].max();
       if (options_.progress)
         options_.progress(std::min(total_, (wave + results.size()) * block_size), total_);
     }
@@ -103,7 +106,8 @@ class Job {
 
   Worker worker() const {
     Worker w{
-        errors_, AlignedNumbers(joints_ * batch_size), AlignedNumbers(joined_.size() * batch_size), {}, {}};
+        sampler_, errors_, AlignedNumbers(joints_ * batch_size), AlignedNumbers(joined_.size() * batch_size),
+        {},       {}};
     if (exact_) return w;
     w.bins.resize(joined_.size() * block_size);
     for (const std::int64_t lowest : lowest_bins_) w.histograms.emplace_back(lowest);
@@ -113,7 +117,7 @@ class Job {
   /// By the figures of the first batch, so that every thread bins alike.
   void set_lowest_bins() {
     Worker w = worker();
-    sampler_(0, w.q.data());
+    w.sampler(0, w.q.data());
     w.errors(w.q.data(), w.figures.data());
     for (std::size_t f = 0; f < joined_.size(); ++f)
       lowest_bins_.push_back(Histogram::lowest_bin(
@@ -122,16 +126,15 @@ class Job {
 
   BlockResult block(Worker& w, std::uint64_t first) {
     BlockResult result{std::min(block_size, total_ - first), std::vector<Tally>(joined_.size()), {}, {}};
+    // What is not larger than what was found before is no news.
+    for (std::size_t f = 0; f < joined_.size(); ++f) result.tallies[f].max = largest_[f];
     std::vector<double> surplus(errors_.sums().count);
     for (std::uint64_t done = 0; done < result.count; done += batch_size) {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, result.count - done));
-      sampler_(first + done, w.q.data());
+      w.sampler(first + done, w.q.data());
       if (count < batch_size) surplus = fill_up(w, count);
       w.errors(w.q.data(), w.figures.data());
-      keep(w, first + done, count, result.tallies);
-      if (!exact_)
-        kernels_.bins(w.figures.data(), joined_.size(), lowest_bins_.data(), w.bins.data() + done,
-                      block_size);
+      keep(w, first + done, count, done, result.tallies);
       if (options_.text)
         result.text += options_.text({first + done, count, w.q.data(), w.figures.data(), errors_.figures()});
     }
@@ -159,16 +162,21 @@ class Job {
     return surplus;
   }
 
-  void keep(const Worker& w, std::uint64_t first, std::size_t count, std::vector<Tally>& tallies) {
+  /// @param place  of the batch in its block
+  void keep(Worker& w, std::uint64_t first, std::size_t count, std::uint64_t place,
+            std::vector<Tally>& tallies) {
+    const double* const figures = w.figures.data();
+    if (!exact_)
+      kernels_.bins(figures, tallies.size(), lowest_bins_.data(), w.bins.data() + place, block_size);
     if (count == batch_size) {
-      kernels_.tally(w.figures.data(), tallies.size(), first, tallies.data());
+      kernels_.tally(figures, tallies.size(), first, tallies.data());
     } else {
       for (std::size_t f = 0; f < tallies.size(); ++f)
-        tally_some(&w.figures[f * batch_size], count, first, tallies[f]);
+        tally_some(figures + f * batch_size, count, first, tallies[f]);
     }
     if (!exact_) return;
     for (std::size_t f = 0; f < tallies.size(); ++f)
-      std::copy_n(&w.figures[f * batch_size], count, &values_[f * total_ + first]);
+      std::copy_n(figures + f * batch_size, count, &values_[f * total_ + first]);
   }
 
   void join(const BlockResult& block) {
@@ -189,6 +197,7 @@ class Job {
   AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
   std::vector<std::int64_t> lowest_bins_;  // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
+  std::vector<double> largest_;            // [figure], of the waves before
   std::vector<long double> sums_;
   std::vector<Histogram> histograms_;  // [figure]
 };

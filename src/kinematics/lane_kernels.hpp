@@ -12,11 +12,14 @@ void jacobians(const FoldedPath& chain, const double* signs, const double* q, do
   auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
   auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    columns<L>(chain, signs, q + i, batch_size, moved, joints);
-    for (std::size_t k = 0; k < chain.count; ++k)
-#pragma GCC unroll 6
-      for (std::size_t row = 0; row < 6; ++row)
-        store(to + (6 * k + row) * batch_size + i, joints[k].column[row]);
+    columns<L>(chain, signs, q + i, batch_size, moved, joints, ignore,
+               [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
+#pragma GCC unroll 3
+                 for (std::size_t row = 0; row < 3; ++row) {
+                   store(to + (6 * k + row) * batch_size + i, linear[row]);
+                   store(to + (6 * k + 3 + row) * batch_size + i, angular[row]);
+                 }
+               });
   }
 }
 
@@ -35,17 +38,25 @@ template <class L>
   return words;
 }
 
+/// Whole numbers below 2^53 as doubles.
+template <class L>
+[[gnu::always_inline]] inline L number(const Words<L>& whole) {
+#if defined(__AVX512DQ__)
+  return __builtin_convertvector(__builtin_bit_cast(Bits<L>, whole), L);
+#else
+  // Both halves become numbers by the exponents put before them: 2^84 + high 2^32 and 2^52 + low.
+  const L high = __builtin_bit_cast(L, (whole >> 32) | 0x4530000000000000u);
+  const L low = __builtin_bit_cast(L, (whole & 0xFFFFFFFFu) | 0x4330000000000000u);
+  return (high - 0x1.00000001p84) + low;
+#endif
+}
+
 /// lower + fraction (upper - lower), inside the range; the fraction is the top 53 bits.
 ///
 /// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum.
 template <class L>
 [[gnu::always_inline]] inline L between(const SampledRanges& r, std::size_t joint, const Words<L>& bits) {
-  const Words<L> whole = bits >> 11;
-  // Both halves become numbers by the exponents put before them: 2^84 + high 2^32 and 2^52 + low.
-  const L high = __builtin_bit_cast(L, (whole >> 32) | 0x4530000000000000u);
-  const L low = __builtin_bit_cast(L, (whole & 0xFFFFFFFFu) | 0x4330000000000000u);
-  const L fraction = ((high - 0x1.00000001p84) + low) * 0x1p-53;
-  const L value = rounded(fraction * r.width[joint]) + r.lower[joint];
+  const L value = rounded(number<L>(bits >> 11) * (0x1p-53 * r.width[joint])) + r.lower[joint];
   return min(max(value, broadcast<L>(r.lower[joint])), broadcast<L>(r.upper[joint]));
 }
 

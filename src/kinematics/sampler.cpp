@@ -11,6 +11,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t bits = 64;
+constexpr std::uint64_t batches_per_block = 64, block_size = batches_per_block * batch_size;
 
 /// [joint][b]: what Sobol's points change by when bit b of the Gray code of their index does. Point 2^b has
 /// the Gray code 2^b + 2^(b-1).
@@ -43,30 +44,42 @@ Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(
   }
   const std::size_t joints = c.ranges.size();
   if (c.method == SamplingMethod::sobol) {
-    directions_ = sobol_directions(joints, std::max<std::uint64_t>(c.count, batch_size) + batch_size);
+    directions_ = sobol_directions(joints, std::max(c.count, block_size) + block_size);
     for (std::size_t j = 0; j < joints; ++j) {
-      start_.push_back(random_bits(c.seed, 0, j));
-      for (std::uint64_t i = 0; i < batch_size; ++i)
-        patterns_.push_back(sobol_point(directions_.data() + j * bits, i));
+      keys_.push_back(random_bits(c.seed, 0, j));
+      const std::uint64_t* const directions = directions_.data() + j * bits;
+      for (std::uint64_t i = 0; i < batch_size; ++i) patterns_.push_back(sobol_point(directions, i));
+      for (std::uint64_t b = 0; b < batches_per_block; ++b)
+        steps_.push_back(sobol_point(directions, b * batch_size));
     }
+    block_points_.resize(joints);
+    start_.resize(joints);
   } else if (c.method == SamplingMethod::random) {
-    for (std::size_t j = 0; j < joints; ++j) start_.push_back(random_key(c.seed, j));
+    for (std::size_t j = 0; j < joints; ++j) keys_.push_back(random_key(c.seed, j));
   }
 }
 
-void Sampler::operator()(std::uint64_t first, double* to) const {
+/// Where a batch starts. A Gray code of first + i is that of first xor that of i where first is a multiple of
+/// a power of two beyond i.
+void Sampler::sobol(std::uint64_t first) {
+  const std::uint64_t block = first / block_size, batch = first % block_size / batch_size;
+  if (block != block_) {
+    block_ = block;
+    for (std::size_t j = 0; j < keys_.size(); ++j)
+      block_points_[j] = keys_[j] ^ sobol_point(directions_.data() + j * bits, block * block_size);
+  }
+  for (std::size_t j = 0; j < keys_.size(); ++j)
+    start_[j] = block_points_[j] ^ steps_[j * batches_per_block + batch];
+}
+
+void Sampler::operator()(std::uint64_t first, double* to) {
   const SampledRanges ranges{lower_.size(), lower_.data(), width_.data(), upper_.data()};
   switch (configurations_.method) {
-    case SamplingMethod::sobol: {
-      // Batches start at multiples of 64: Gray codes of a batch are its first one's and those of 0 to 63,
-      // xor.
-      std::vector<std::uint64_t> start = start_;
-      for (std::size_t j = 0; j < start.size(); ++j)
-        start[j] ^= sobol_point(directions_.data() + j * bits, first);
-      return kinematic_kernels(set_).sobol(ranges, start.data(), patterns_.data(), to);
-    }
+    case SamplingMethod::sobol:
+      sobol(first);
+      return kinematic_kernels(set_).sobol(ranges, start_.data(), patterns_.data(), to);
     case SamplingMethod::random:
-      return kinematic_kernels(set_).random(ranges, start_.data(), first, to);
+      return kinematic_kernels(set_).random(ranges, keys_.data(), first, to);
     case SamplingMethod::grid:
       return grid(first, to);
     case SamplingMethod::list:

@@ -24,14 +24,15 @@ class JoinedTally {
  public:
   void append(const Tally&, std::uint64_t count);
 
-  double min() const { return count_ > 0 ? tally_.min : 0; }
-  double max() const { return count_ > 0 ? tally_.max : 0; }
+  double min() const { return count_ > 0 ? min_ : 0; }
+  double max() const { return count_ > 0 ? max_ : 0; }
   double mean() const;
-  std::uint64_t at_max() const { return tally_.at_max; }
+  std::uint64_t at_max() const { return at_max_; }
   std::uint64_t count() const { return count_; }
 
  private:
-  Tally tally_;
+  double min_ = Tally::infinite, max_ = -1;
+  std::uint64_t at_max_ = 0;
   long double sum_ = 0;
   std::uint64_t count_ = 0;
 };

@@ -10,8 +10,10 @@ inline constexpr double same_maximum = 1 + 1e-13;
 
 /// What is known of one figure after some configurations. Plain, for the batched kernels.
 struct Tally {
-  double sum[8] = {};  ///< by lane
-  double min = __builtin_inf(), max = -1;
+  static constexpr double infinite = __builtin_inf();
+  double sum[8] = {};  ///< by lane, as `min`
+  double min[8] = {infinite, infinite, infinite, infinite, infinite, infinite, infinite, infinite};
+  double max = -1;           ///< or what it had to exceed from the start
   std::uint64_t at_max = 0;  ///< index of the first configuration with it
 };
 

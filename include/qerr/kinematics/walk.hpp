@@ -116,6 +116,9 @@ template <class L>
   to[2] = fma(a[0], b[1], -(a[1] * b[0]));
 }
 
+/// For kernels that do not look at what lies behind a joint.
+constexpr auto ignore = [](std::size_t, const auto&) {};
+
 /// What a kernel keeps of each moving joint while it works: the kernel's caller gives it the room, as chains
 /// may have any length.
 template <class L>
@@ -124,12 +127,16 @@ struct JointRoom {
   L point[3];   ///< on the joint's axis
 };
 
-/// Columns of the Jacobian of the moving joints times a factor each. @returns as `walk`
-/// @param frames  null, or receives the axes x, y, z behind every joint, nine numbers each
-template <class L>
+/// Walks the chain, then gives the columns of the Jacobian of the moving joints, times a factor each.
+///
+/// @param leave   as of `walk`
+/// @param give    called with (k, linear, angular) for every moving joint; angular also stays in
+/// joints[k].column
+/// @returns as `walk`
+template <class L, class Leave, class Give>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
                                                std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
-                                               L* frames = nullptr) {
+                                               Leave leave, Give give) {
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
@@ -139,32 +146,25 @@ template <class L>
           joints[k].point[i] = f.o[i];
         }
       },
-      [&](std::size_t k, const Frame<L>& f) {
-        if (!frames) return;
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-          frames[9 * k + i] = f.x[i];
-          frames[9 * k + 3 + i] = f.y[i];
-          frames[9 * k + 6 + i] = f.z[i];
-        }
-      });
+      leave);
   for (std::size_t k = 0; k < chain.count; ++k) {
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};
+    const L still[3] = {};
+    if (!chain.joints[k].turns && !chain.joints[k].prismatic) {  // the tip lies on the axis
+      give(k, still, axis);
+      continue;
+    }
     if (chain.joints[k].prismatic) {
-#pragma GCC unroll 3
-      for (int i = 0; i < 3; ++i) {
-        column[i] = axis[i];
-        column[3 + i] = L{};
-      }
+      column[3] = column[4] = column[5] = L{};
+      give(k, axis, still);
       continue;
     }
     const L(&point)[3] = joints[k].point;
     const L arm[3] = {tip.o[0] - point[0], tip.o[1] - point[1], tip.o[2] - point[2]};
     L linear[3];
     cross(axis, arm, linear);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) column[i] = linear[i];
+    give(k, linear, axis);
   }
   return tip;
 }

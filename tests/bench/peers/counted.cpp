@@ -10,7 +10,7 @@ double multiplied = 0;
 /// A number that counts its multiplications: each is one operation of the FMA pipes, whether it is added to
 /// or not. Additions have pipes of their own, or vanish in a multiplication.
 struct Counted {
-  double value = 0;
+  double value;
 };
 
 Counted product(double a, double b) {
@@ -55,7 +55,8 @@ double multiplications(const FoldedPath& chain, const double* scale, const doubl
   auto* const moved = reinterpret_cast<lanes::SineCosine<Counted>*>(room);
   multiplied = 0;
   lanes::columns<Counted>(chain, scale, q, batch_size, moved,
-                          reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count));
+                          reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count), lanes::ignore,
+                          [](std::size_t, const Counted(&)[3], const Counted(&)[3]) {});
   return multiplied;
 }
 
