@@ -11,7 +11,7 @@ void JoinedTally::append(const Tally& t, std::uint64_t count) {
   for (const double lane : t.sum) sum_ += lane;
   for (const double lane : t.min) min_ = std::min(min_, lane);
   if (t.max > max_) {
-    if (t.max > same_maximum * max_) at_max_ = t.at_max;
+    if (t.at_max != Tally::none && t.max > same_maximum * max_) at_max_ = t.at_max;
     max_ = t.max;
   }
   count_ += count;

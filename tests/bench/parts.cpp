@@ -2,14 +2,19 @@
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_parts && build/tests/bench_parts
 //
-// `items_per_second` are configurations, of `accumulate` values.
+// `items_per_second` are configurations, of `histogram` values. Behind a slash stands the instruction set: 0
+// portable, 1 avx2, 2 avx512.
 
 #include <benchmark/benchmark.h>
 
+#include "qerr/bound/batched_error.hpp"
+#include "qerr/bound/histogram.hpp"
 #include "qerr/bound/operational_error.hpp"
-#include "qerr/bound/statistic.hpp"
+#include "qerr/core/aligned.hpp"
 #include "qerr/core/random.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/kinematics/jacobians.hpp"
+#include "qerr/kinematics/sampler.hpp"
 
 namespace {
 
@@ -60,20 +65,62 @@ void sample(benchmark::State& state, SamplingMethod method) {
   state.SetItemsProcessed(state.iterations() * points);
 }
 
-/// One figure into its statistic.
-/// @param expected  how many the Accumulator is told to expect: beyond its limit it counts in bins
-void accumulate(benchmark::State& state, std::uint64_t expected) {
-  std::vector<double> values;
-  for (std::uint64_t i = 0; i < points; ++i) values.push_back(1e-4 * unit_interval(random_bits(1, i, 0)));
-  const Eigen::VectorXd q = Eigen::VectorXd::Zero(7);
+/// Room for a batch of configurations and what is made of it.
+struct Batch {
+  AlignedNumbers q{spec().model.chain.independent.size() * batch_size};
+  AlignedNumbers columns{6 * spec().model.chain.joints.size() * batch_size};
+  AlignedNumbers figures{64 * batch_size};
+};
+
+/// Calls `part(batch, index of the first configuration)` for batch after batch.
+template <typename Part>
+void for_each_batch(benchmark::State& state, Part part) {
+  Batch batch;
+  Sampler(spec().configurations)(0, batch.q.data());
+  std::uint64_t first = 0;
   for (auto _ : state) {
-    state.PauseTiming();  // memory of exact values must not grow from one round to the next
-    Accumulator all(expected);
-    state.ResumeTiming();
-    for (const double value : values) all.add(value, q);
-    benchmark::DoNotOptimize(all);
+    part(batch, first);
+    benchmark::ClobberMemory();
+    first += batch_size;
   }
+  state.SetItemsProcessed(state.iterations() * static_cast<std::int64_t>(batch_size));
+}
+
+InstructionSet instructions(const benchmark::State& state) {
+  return available_instruction_sets()[static_cast<std::size_t>(state.range(0))];
+}
+
+void batched_sample(benchmark::State& state, SamplingMethod method) {
+  Configurations c = spec().configurations;
+  c.method = method;
+  c.count = method == SamplingMethod::grid ? 1000 : std::uint64_t{1} << 40;
+  Sampler sampler(c, instructions(state));
+  for_each_batch(state, [&](Batch& b, std::uint64_t first) { sampler(first, b.q.data()); });
+}
+
+void batched_jacobian(benchmark::State& state) {
+  BatchedJacobian jacobian(spec().model.chain, instructions(state));
+  for_each_batch(state, [&](Batch& b, std::uint64_t) { jacobian(b.q.data(), b.columns.data()); });
+}
+
+void batched_bounds(benchmark::State& state, bool all) {
+  BatchedError errors(spec().model, {.rigorous = all, .shares = all}, instructions(state));
+  for_each_batch(state, [&](Batch& b, std::uint64_t) { errors(b.q.data(), b.figures.data()); });
+}
+
+/// Values of one figure into its histogram.
+void histogram(benchmark::State& state) {
+  const std::int64_t lowest = Histogram::lowest_bin(1e-4);
+  std::vector<std::uint16_t> bins;
+  for (std::uint64_t i = 0; i < points; ++i)
+    bins.push_back(bin_of(1e-4 * unit_interval(random_bits(1, i, 0)), lowest));
+  Histogram all(lowest);
+  for (auto _ : state) all.add(bins.data(), bins.size());
   state.SetItemsProcessed(state.iterations() * points);
+}
+
+void per_instruction_set(benchmark::internal::Benchmark* b) {
+  b->DenseRange(0, static_cast<int>(available_instruction_sets().size()) - 1);
 }
 
 BENCHMARK(pose);
@@ -83,8 +130,13 @@ BENCHMARK(bounds_and_covariance);
 BENCHMARK_CAPTURE(sample, sobol, SamplingMethod::sobol);
 BENCHMARK_CAPTURE(sample, random, SamplingMethod::random);
 BENCHMARK_CAPTURE(sample, grid, SamplingMethod::grid);
-BENCHMARK_CAPTURE(accumulate, exact, 1);
-BENCHMARK_CAPTURE(accumulate, in_bins, Accumulator::exact_limit + 1);
+BENCHMARK_CAPTURE(batched_sample, sobol, SamplingMethod::sobol)->Apply(per_instruction_set);
+BENCHMARK_CAPTURE(batched_sample, random, SamplingMethod::random)->Apply(per_instruction_set);
+BENCHMARK_CAPTURE(batched_sample, grid, SamplingMethod::grid)->Apply(per_instruction_set);
+BENCHMARK(batched_jacobian)->Apply(per_instruction_set);
+BENCHMARK_CAPTURE(batched_bounds, worst_case_and_sigma, false)->Apply(per_instruction_set);
+BENCHMARK_CAPTURE(batched_bounds, everything, true)->Apply(per_instruction_set);
+BENCHMARK(histogram);
 
 }  // namespace
 

@@ -13,8 +13,9 @@ struct Tally {
   static constexpr double infinite = __builtin_inf();
   double sum[8] = {};  ///< by lane, as `min`
   double min[8] = {infinite, infinite, infinite, infinite, infinite, infinite, infinite, infinite};
-  double max = -1;           ///< or what it had to exceed from the start
-  std::uint64_t at_max = 0;  ///< index of the first configuration with it
+  double max = -1;  ///< or what it had to exceed from the start
+  static constexpr std::uint64_t none = ~std::uint64_t{0};
+  std::uint64_t at_max = none;  ///< index of the first configuration with it
 };
 
 }  // namespace qerr

@@ -36,7 +36,7 @@ class Batched {
     if (stage == Stage::full && !recording) return whole_job(count);
     Configurations configurations = problem_->configurations;
     configurations.count = count;
-    const Sampler sampler(configurations, set_);
+    Sampler sampler(configurations, set_);
     for (std::uint64_t first = 0; first < count; first += batch_size) {
       sampler(first, q_.data());
       if (recording || stage == Stage::jac) jacobian_(q_.data(), columns_.data());
