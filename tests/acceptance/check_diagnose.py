@@ -15,29 +15,16 @@ import tempfile
 
 import numpy as np
 
+from stage import SPEC as STAGE, STEP, URDF
 from tool import Tally, run
 
-URDF = """<robot name="stage"><link name="base"/><link name="table"/><link name="tip"/>
-<joint name="turn" type="revolute"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
-<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
-<joint name="reach" type="prismatic"><parent link="table"/><child link="tip"/><axis xyz="1 0 0"/>
-<limit lower="-1" upper="1" effort="10" velocity="1"/></joint></robot>
-"""
-SPEC = """# a rotary stage with a slide
-qerr: 1
-robot: {urdf: stage.urdf}   # beside this file
-encoders:
-  turn: {counts_per_rev: 4000, gear_ratio: 3}
-  reach: {resolution: 10 um}  # a scale
-configurations: {method: sobol, count: 100}
-motion:
+SPEC = STAGE + """motion:
   sample_rate: 500 Hz
   duration: 3 s
   joints:
     turn: {sines: [{amplitude: 1.2 rad, frequency: 0.7 Hz}, {amplitude: 0.2 rad, frequency: 1.9 Hz}]}
     reach: {sines: [{amplitude: 0.1 m, frequency: 0.5 Hz}, {amplitude: 0.02 m, frequency: 1.3 Hz}]}
 """
-STEP = {"turn": 2 * np.pi / 12000, "reach": 1e-5}
 EFFECTS = "effects=[{type: eccentricity, joint: turn, amplitude: 2 mrad, phase: 0.7}, {type: backlash, joint: reach, gap: 60 um}]"
 NUMBER = (int, float)
 FORM = {
