@@ -10,7 +10,7 @@
 #include "account.hpp"
 #include "comparison.hpp"
 #include "finding.hpp"
-#include "tip.hpp"
+#include "tip/tip.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "with_effects.hpp"
+#include "../with_effects.hpp"
 
 namespace qerr {
 

@@ -6,9 +6,9 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
-#include "model_choice.hpp"
-#include "record_advice.hpp"
-#include "scan.hpp"
+#include "../model_choice.hpp"
+#include "../record_advice.hpp"
+#include "../scan.hpp"
 
 namespace qerr {
 
