@@ -9,7 +9,6 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_blocks = 64;
-constexpr double outlier_part = 0.01;
 constexpr double settled = 1e-3;  ///< gain in log-likelihood that is not worth another step
 constexpr int most_steps = 60;
 

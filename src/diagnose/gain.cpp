@@ -82,7 +82,8 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
   const Intervals edges{lower, lower + e.step()};
   const auto log_likelihood = [&](const Eigen::ArrayXd& added, double noise) {
     const double spread = 2 * (part.measured - part.path).abs().maxCoeff() + e.step();
-    return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), 0.01, spread).log_likelihood;
+    return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), outlier_part, spread)
+        .log_likelihood;
   };
   h.log_score += log_likelihood(p.after, p.noise_after) - log_likelihood(p.before, p.noise_before);
   for (Eigen::Index k = 0; k < part.rows(); ++k) {

@@ -12,7 +12,6 @@ namespace qerr {
 
 namespace {
 
-constexpr double outlier_part = 0.01;
 constexpr double many_outliers = 0.06;
 constexpr double significant = 1e-3;
 constexpr double correlated = 0.2;  ///< of neighbouring scores
