@@ -44,6 +44,7 @@ Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<s
   c.p_value = std::max(p_value, 1e-300);
   c.gain.rms_before = rms_before;
   c.gain.rms_after = rms_after;
+  if (s.model.chain.independent[encoder].prismatic()) c.gain.unit = "m";
   return c;
 }
 
