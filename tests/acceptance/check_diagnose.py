@@ -164,6 +164,21 @@ def check_table(t, qerr, folder):
     t.check("the spectrum peaks at one period per revolution of the encoder", abs(float(peak["encoder_order"]) - 1) < 0.25, str(peak))
 
 
+def check_tip(t, qerr, folder):
+    """A log whose only better sensor is a tracker at the tip."""
+    rows = list(csv.reader(io.StringIO((folder / "log.csv").read_text())))
+    keep = [i for i, h in enumerate(rows[0]) if ".reference" not in h]
+    log, plots = folder / "tip.csv", folder / "tip_plots"
+    log.write_text("".join(",".join(row[i] for i in keep) + "\n" for row in rows))
+    ran = run(qerr, "diagnose", folder / "spec.yaml", log, "--plots", plots, "--format", "json")
+    if not t.check("a log of the tip alone is judged", ran.code == 0, ran.err.decode()[:300]):
+        return
+    gain = strict(ran.out)["gain"]
+    t.check("its gain is in metres, and has no counts", gain["unit"] == "m" and gain["counts_before"] is None, str(gain))
+    t.check("there is no joint's residual to plot, which is said", not list(plots.iterdir()) and b"--plots" in ran.err,
+            ran.err.decode()[:300])
+
+
 def check_limits(t, qerr, folder):
     log = (folder / "log.csv").read_text().splitlines(keepends=True)
     (folder / "short.csv").write_text("".join(log[:2]))
@@ -236,6 +251,7 @@ def main():
         if answer:
             check_model(t, qerr, folder, answer)
         check_table(t, qerr, folder)
+        check_tip(t, qerr, folder)
         check_limits(t, qerr, folder)
         check_errors(t, qerr, folder)
         check_pipes(t, qerr, folder)
