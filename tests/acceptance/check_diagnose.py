@@ -173,7 +173,10 @@ def check_tip(t, qerr, folder):
     ran = run(qerr, "diagnose", folder / "spec.yaml", log, "--plots", plots, "--format", "json")
     if not t.check("a log of the tip alone is judged", ran.code == 0, ran.err.decode()[:300]):
         return
-    gain = strict(ran.out)["gain"]
+    answer = strict(ran.out)
+    gain = answer["gain"]
+    t.check("what an encoder adds is named, though the axis that the tip keeps still on is written without decimals",
+            ("eccentricity", "turn") in {(c["effect"], c["joint"]) for c in answer["causes"]}, str(answer["causes"])[:300])
     t.check("its gain is in metres, and has no counts", gain["unit"] == "m" and gain["counts_before"] is None, str(gain))
     t.check("there is no joint's residual to plot, which is said", not list(plots.iterdir()) and b"--plots" in ran.err,
             ran.err.decode()[:300])
