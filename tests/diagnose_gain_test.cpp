@@ -71,6 +71,12 @@ TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
   EXPECT_GT(g.log_score, 0.5);
 }
 
+TEST(FoundParameters, OfNoTermsAreNone) {
+  // Only a build that checks its matrices can fail here: there is nothing whose mean could be taken.
+  const Evidence e = swing(3, 0);
+  EXPECT_TRUE(found_parameters(e, Explanation(e)).empty());
+}
+
 TEST(Gain, OfATermThatIsNotThereIsNoGainOnBlocksItHasNotSeen) {
   const Evidence e = swing(4, 0);
   const auto starts = independent_rows(e);

@@ -25,7 +25,7 @@ std::string joint_of(const Spec& s, bool prismatic) {
 Cause cause(const std::string& type, const std::string& joint, std::vector<FoundParameter> parameters) {
   Cause c{{type, joint, {}, {}}, std::move(parameters), 1e-12, {}};
   for (const FoundParameter& p : c.parameters) c.effect.numbers[p.name] = p.value;
-  c.gain = {5e-4, 3e-5, true, 14, 19, 5, 0.3, 1.02, 0.4, 0.95};
+  c.gain = {5e-4, 3e-5, true, 14, 19, 5, 0.3, 1.02, 0.4, 0.95, coordinate_unit(spec(), joint)};
   return c;
 }
 
@@ -105,6 +105,38 @@ TEST(DiagnosisReport, says_the_verdict_first_and_in_words) {
   DiagnosisReport mute = report(Verdict::cannot_judge, {});
   mute.diagnosis.reason = "the reference's noise is 2 counts; at most 0.3 would do";
   EXPECT_NE(table(mute).find("CANNOT JUDGE: the reference's noise"), std::string::npos);
+}
+
+TEST(DiagnosisReport, gives_a_gain_at_the_tip_in_metres_and_no_counts) {
+  const std::string turn = joint_of(spec(), false);
+  DiagnosisReport r =
+      report(Verdict::explained, {cause("eccentricity", turn, {{"amplitude", 1e-3, 0.9e-3, 1.1e-3}})});
+  Gain at_tip{2e-3, 4e-4, true, 4.5, 5.5};
+  at_tip.unit = "m";
+  at_tip.of_tip = true;
+  r.diagnosis.causes[0].gain = r.diagnosis.gain = at_tip;
+  const Json of_cause = json(r)["causes"][0]["gain"];
+  EXPECT_EQ(of_cause["unit"], "m");
+  EXPECT_TRUE(of_cause["counts_before"].is_null());
+  EXPECT_TRUE(of_cause["coverage"].is_null());
+  EXPECT_EQ(json(r)["causes"][0]["parameters"][0]["unit"], "rad");
+  const std::string text = table(r);
+  EXPECT_NE(text.find("  tip            2.00 mm  400 um              -      -"), std::string::npos) << text;
+  EXPECT_NE(text.find("the tip would err by 400 um rms instead of 2.00 mm.\n"), std::string::npos) << text;
+  const std::string csv = write(r, "csv", Style{});
+  EXPECT_NE(csv.find("rms_after,4e-04,,,,m,"), std::string::npos) << csv;
+  EXPECT_EQ(csv.find("counts_before"), std::string::npos) << csv;
+}
+
+TEST(DiagnosisReport, has_the_same_figures_of_the_gain_in_csv_as_in_json) {
+  const DiagnosisReport r = report(Verdict::nothing_wrong, {});
+  const std::string csv = write(r, "csv", Style{});
+  const Json gain = json(r)["gain"];
+  for (const char* figure : {"rms_before", "rms_after", "ratio", "counts_before", "counts_after",
+                             "sigma_ratio", "log_score", "coverage"}) {
+    const std::string row = std::string("gain,,,") + figure + ',' + shortest(gain[figure]) + ',';
+    EXPECT_NE(csv.find(row), std::string::npos) << row << csv;
+  }
 }
 
 TEST(DiagnosisReport, rounds_a_figure_to_its_interval) {

@@ -86,6 +86,26 @@ TEST(IntervalLikelihood, HasTheDerivativesOfItsValue) {
               1e-3 * l.scale_curvature);
 }
 
+TEST(Explanation, KeepsTheColumnsThatWereDerivedFromATermsWhenThePathMoves) {
+  // A latency of many counts moves the path, and whatever goes along it is made anew.
+  const Evidence e = rows(swing([](std::size_t, double time, double angle) {
+    return 0.01 * (1.1 * 2.1 * std::cos(2.1 * time) - 0.2 * 7.7 * std::sin(7.7 * time + 1)) +
+           3 * step * std::sin(angle);
+  }));
+  const Term order = periodic_term(e, "transmission_error", 2, false);
+  const Eigen::ArrayXXd first = order.columns.leftCols(1);
+  Explanation m(e);
+  for (const Term& t : named_terms(e))
+    if (t.effect.type == "latency") m.add(t);
+  m.add(order);
+  m.add(with_columns(order, first));
+  m.fit();
+  EXPECT_GT((m.terms()[1].columns.leftCols(1) - first).abs().maxCoeff(), 1e-3);
+  ASSERT_EQ(m.terms()[2].size(), 1);
+  EXPECT_TRUE((m.terms()[2].columns == first).all());
+  EXPECT_FALSE(m.terms()[2].reshaped || m.terms()[2].relinearized);
+}
+
 TEST(Explanation, KnowsAnOffsetBetterThanTheCountsAverageTellsIt) {
   const Evidence e = rows(swing([](std::size_t, double, double) { return 0.37 * step; }));
   Explanation m(e);

@@ -7,23 +7,15 @@
 
 #include "design_filter.hpp"
 #include "qerr/filter/autocorrelation.hpp"
-#include "qerr/simulate/simulate.hpp"
+#include "simulate_experiment.hpp"
 
 /// Where theory has nothing to say, the simulation goes on.
 namespace qerr {
 namespace {
 
+using testing::Experiment;
+
 constexpr double pi = std::numbers::pi;
-
-struct Experiment {
-  OperationalModel model;
-  std::vector<Filter> filters;
-  std::vector<Norms> norms;
-  Motion motion;
-};
-
-/// A run with no phases drawn, which would displace the path.
-Simulation run(const Experiment& e) { return simulate(e.model, e.filters, e.norms, e.motion, {}, {}); }
 
 /// A wrist that turns about z, then about y around a mean pitch, and a third joint that rests. About 90 deg
 /// its first sample and some later ones are at the gimbal lock.

@@ -10,21 +10,16 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
 #include "random_chain.hpp"
+#include "simulate_experiment.hpp"
 
 namespace qerr {
 namespace {
 
 using testing::ChainMix;
 using testing::Dice;
+using testing::Experiment;
 
 constexpr double pi = std::numbers::pi;
-
-struct Experiment {
-  OperationalModel model;
-  std::vector<Filter> filters;
-  std::vector<Norms> norms;
-  Motion motion;
-};
 
 /// A random robot whose encoders pass 30 to 100 counts a sample at their fastest, at frequencies without a
 /// common measure.
@@ -45,10 +40,6 @@ Experiment random_experiment(Dice& dice, std::size_t joints, double slowest = 30
     e.motion.joints.push_back(joint);
   }
   return e;
-}
-
-Simulation run(const Experiment& e, const SimulationOptions& options) {
-  return simulate(e.model, e.filters, e.norms, e.motion, {}, options);
 }
 
 SimulationOptions runs(std::uint64_t count, std::uint64_t seed = 1) {

@@ -126,7 +126,6 @@ int run(const Arguments& arguments, const Options& o) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = o.threads;
-  options.progress = progress(o);
   DiagnosisReport report = diagnosis_report(spec, read_log(arguments.log, spec), options);
   if (model) {
     finish(*model, extended_model(report, arguments.model));
@@ -135,8 +134,12 @@ int run(const Arguments& arguments, const Options& o) {
   if (table) finish(*table, correction_table(report));
   if (residual) {
     const ResidualCurves curves = residual_curves(report);
-    finish(*residual, curves.residual);
-    finish(*spectrum, curves.spectrum);
+    if (!curves.residual.empty()) finish(*residual, curves.residual);
+    if (!curves.spectrum.empty()) finish(*spectrum, curves.spectrum);
+    if (curves.residual.empty())
+      report.warnings.push_back("--plots: no joint has a reference of its own: nothing to plot, no files");
+    else if (curves.spectrum.empty())
+      report.warnings.push_back("--plots: no joint moves: no spectrum.csv");
   }
   finish(out, write(report, chosen_format(o), style(o)));
   warn(report.warnings, o);

@@ -34,9 +34,7 @@ std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loa
     return {"eccentricity"};
   if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
   std::vector<std::string> same;
-  const auto shaft = effect.choices.find("shaft");
-  const bool of_joint = shaft != effect.choices.end() && shaft->second == "joint";
-  const double order = effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
+  const double order = std::abs(wave_number(effect, e.encoder));
   // Steppers, the usual references, err at 50 and 100 periods a turn.
   if (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1) same.push_back("reference_error");
   // A weight that nobody has measured goes with the cosine of the angle.

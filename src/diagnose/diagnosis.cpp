@@ -10,7 +10,7 @@
 #include "account.hpp"
 #include "comparison.hpp"
 #include "finding.hpp"
-#include "tip.hpp"
+#include "tip/tip.hpp"
 
 namespace qerr {
 
@@ -72,7 +72,6 @@ std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
 void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
     d.gain = tip.gain;
-    d.prismatic = true;
     d.reason.clear();
   }
   std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
@@ -128,8 +127,6 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
       if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
     add(d, f, of_joint, feels_gravity(sane.model, sane.log, f.evidence.number));
   }
-  d.prismatic =
-      !all.empty() && std::all_of(all.begin(), all.end(), [](const Evidence& e) { return e.prismatic; });
   d.gain = gain(held, options.seed);
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)

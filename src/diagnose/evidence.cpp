@@ -1,10 +1,10 @@
 #include "qerr/diagnose/evidence.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
+#include "encoder_columns.hpp"
 #include "qerr/core/parallel.hpp"
 #include "qerr/core/random.hpp"
 #include "smooth_path.hpp"
@@ -14,50 +14,6 @@ namespace qerr {
 namespace {
 
 constexpr std::uint64_t drawn_rows = 0x64726177;
-
-/// The encoder's own coordinate by the references of all joints that it feels; empty where one is missing.
-Eigen::ArrayXd reference_of(const OperationalModel& model, const Log& log, Eigen::Index encoder,
-                            double& grid) {
-  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
-  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
-  for (Eigen::Index j = 0; j < to_encoders.cols(); ++j) {
-    if (std::abs(to_encoders(encoder, j)) < 1e-12) continue;
-    const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
-    if (!column) return {};
-    x += to_encoders(encoder, j) * log.values.col(*column);
-    grid = std::max(
-        grid, std::abs(to_encoders(encoder, j)) * log.columns[static_cast<std::size_t>(*column)].step());
-  }
-  return x;
-}
-
-/// What an encoder reads by the positions that are logged for the joints that it feels; empty where one is
-/// missing. A joint that has counts stands for the position that they make, if it feels no other encoder.
-Eigen::ArrayXd measured_of(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
-  const Eigen::MatrixXd& coupling = model.transmission.coupling;
-  const Eigen::MatrixXd to_encoders = coupling.inverse();
-  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
-  for (Eigen::Index j = 0; j < to_encoders.cols(); ++j) {
-    if (std::abs(to_encoders(encoder, j)) < 1e-12) continue;
-    const auto joint = static_cast<std::size_t>(j);
-    const auto measured = log.find(LogSignal::measured, joint), counts = log.find(LogSignal::counts, joint);
-    const bool alone = (coupling.row(j).array().abs() > 1e-12).count() == 1;
-    if (measured)
-      x += to_encoders(encoder, j) * log.values.col(*measured).array();
-    else if (counts && alone)
-      x += to_encoders(encoder, j) * coupling(j, j) * model.transmission.encoders[joint].resolution *
-           log.values.col(*counts).array();
-    else
-      return {};
-  }
-  return x;
-}
-
-/// Whether an encoder feels its own joint only.
-bool alone(const OperationalModel& model, Eigen::Index encoder) {
-  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
-  return (to_encoders.row(encoder).array().abs() > 1e-12).count() == 1;
-}
 
 /// Means of a column over groups of rows.
 Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& groups) {
@@ -111,13 +67,15 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
                                     std::size_t encoder) {
   const auto number = static_cast<Eigen::Index>(encoder);
   Evidence e;
-  e.reference = reference_of(model, log, number, e.grid);
-  if (e.reference.size() == 0) return std::nullopt;
+  EncoderReference reference = encoder_reference(model, log, number);
+  if (reference.position.size() == 0) return std::nullopt;
+  e.reference = std::move(reference.position);
+  e.grid = reference.grid;
   e.encoder = model.transmission.encoders[encoder];
   const auto counts = log.find(LogSignal::counts, encoder);
   e.counted = counts.has_value();
   e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * e.encoder.resolution)
-                      : measured_of(model, log, number);
+                      : encoder_measured(model, log, number);
   if (e.measured.size() == 0) return std::nullopt;
   e.joint = model.chain.independent[encoder].name;
   e.number = number;
@@ -130,7 +88,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
     e.velocity = std::move(smooth.velocity);
     e.noise = smooth.noise;
     e.path_noise = smooth.left;
-    if (!alone(model, number)) {
+    if (!feels_one_joint(model, number)) {
       SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.grid);
       e.joint_path = std::move(own.position);
       e.joint_velocity = std::move(own.velocity);

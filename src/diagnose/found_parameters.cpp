@@ -122,6 +122,7 @@ FoundParameter moment(const Evidence& e, const Explanation& m, std::size_t term)
 }  // namespace
 
 std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, const Explanation& m) {
+  if (m.terms().empty()) return {};
   Eigen::Index count = e.encoder.zero_known ? 0 : 1;
   const Eigen::Index base = count;
   for (const Term& t : m.terms()) count += t.size() + (shape_name(t).empty() ? 0 : 1);

@@ -82,7 +82,8 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
   const Intervals edges{lower, lower + e.step()};
   const auto log_likelihood = [&](const Eigen::ArrayXd& added, double noise) {
     const double spread = 2 * (part.measured - part.path).abs().maxCoeff() + e.step();
-    return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), 0.01, spread).log_likelihood;
+    return interval_likelihood(edges, added, Eigen::ArrayXd::Constant(1, noise), outlier_part, spread)
+        .log_likelihood;
   };
   h.log_score += log_likelihood(p.after, p.noise_after) - log_likelihood(p.before, p.noise_before);
   for (Eigen::Index k = 0; k < part.rows(); ++k) {
@@ -132,6 +133,7 @@ HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<
                  const Explanation& model) {
   HeldOut h;
   h.step = record.step();
+  h.prismatic = record.prismatic;
   const std::vector<Eigen::Index> blocks = block_starts(few);
   const auto end_of = [&](std::size_t b) { return b + 1 < blocks.size() ? blocks[b + 1] : few.rows(); };
   h.held_out = blocks.size() >= fewest_blocks;
@@ -164,8 +166,10 @@ HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<
 Gain gain(const std::vector<HeldOut>& all, std::uint64_t seed) {
   Gain g;
   double before = 0, after = 0, rows = 0, before_counts = 0, after_counts = 0;
-  double readings = 0, rest = 0, predicted = 0;
+  double readings = 0, rest = 0, predicted = 0, log_score = 0, inside = 0;
   g.held_out = !all.empty();
+  if (g.held_out && std::all_of(all.begin(), all.end(), [](const HeldOut& h) { return h.prismatic; }))
+    g.unit = "m";
   for (const HeldOut& h : all) {
     for (const HeldOut::Block& b : h.blocks) {
       before += b.before, after += b.after, rows += b.rows;
@@ -174,13 +178,13 @@ Gain gain(const std::vector<HeldOut>& all, std::uint64_t seed) {
     // A joint that rests has nothing to hold out, and nothing was fitted to it.
     g.held_out &= h.held_out || h.log_score == 0;
     readings += h.readings, rest += h.rest, predicted += h.predicted;
-    g.log_score += h.log_score, g.coverage += h.inside;
+    log_score += h.log_score, inside += h.inside;
   }
   if (rows == 0) return g;
   g.rms_before = std::sqrt(before / rows), g.rms_after = std::sqrt(after / rows);
   g.counts_before = std::sqrt(before_counts / rows), g.counts_after = std::sqrt(after_counts / rows);
   g.sigma_ratio = predicted > 0 ? std::sqrt(rest / predicted) : 1;
-  g.log_score /= readings, g.coverage /= readings;
+  g.log_score = log_score / readings, g.coverage = inside / readings;
   bootstrap(all, seed, g);
   return g;
 }

@@ -19,7 +19,8 @@ struct HeldOut {
     double before = 0, after = 0, rows = 0;  ///< sums of squares [rad^2 or m^2]
   };
   std::vector<Block> blocks;
-  double step = 0;       ///< of the encoder [rad or m]
+  double step = 0;  ///< of the encoder [rad or m]
+  bool prismatic = false;
   bool held_out = true;  ///< false: the record is too short to be divided, and `after` is of the fit itself
   double readings = 0;   ///< independent ones, that the figures below are sums over
   double rest = 0;       ///< squares of what the model leaves, in counts

@@ -26,6 +26,9 @@ struct IntervalLikelihood {
   Eigen::ArrayXd cross;        ///< -d^2 log P / du dw, per reading
 };
 
+/// Part of the readings that fits and judgements take to be outliers.
+inline constexpr double outlier_part = 0.01;
+
 /// @param x         deviations
 /// @param sigma     one per reading, or one for all
 /// @param outliers  part of the readings that may be anything within `spread`, which then has

@@ -13,14 +13,9 @@ namespace {
 /// What a small change of a term's shape adds, per unit of it.
 Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
   const double change = 1e-3 * t.reach;
-  Term d = t;
   const Eigen::ArrayXXd by =
       t.reshaped(e, t, t.shape + change).columns - t.reshaped(e, t, t.shape - change).columns;
-  d.columns = (by.matrix() * coefficients).array() / (2 * change);
-  d.reshaped = nullptr;
-  d.along = nullptr;  // a single column now
-  d.relinearized = nullptr;
-  return d;
+  return with_columns(t, (by.matrix() * coefficients).array() / (2 * change));
 }
 
 /// The shape within a term's reach that one Newton step would gain most by, by golden section.
@@ -86,9 +81,12 @@ Explanation with_term_at(const Explanation& m, std::size_t term, Term t) {
 }
 
 bool same_cause(const Effect& a, const Effect& b) {
-  for (const char* number : {"order", "time_constant", "time"})
-    if (a.number(number) != b.number(number)) return false;
-  return a.type == b.type && a.choices == b.choices;
+  return same_but_for_time(a, b) && a.number("time_constant") == b.number("time_constant") &&
+         a.number("time") == b.number("time");
+}
+
+bool same_but_for_time(const Effect& a, const Effect& b) {
+  return a.type == b.type && a.choices == b.choices && a.number("order") == b.number("order");
 }
 
 bool has(const Explanation& m, const Effect& effect) {
@@ -125,8 +123,8 @@ Explanation settled(Explanation m, const Evidence& e) {
     if (has(m, whole.effect)) continue;
     Explanation named = with_term_at(m, m.terms().size() - 1, whole);
     // The last part of a reach is not the record's: the path is smooth only so far.
-    const double ratio = whole.effect.choices.at("shaft") == "encoder" ? std::abs(e.encoder.shaft_ratio) : 1;
-    const bool at = std::abs(whole.effect.number("order") * ratio - last.shape) < 0.02 * last.reach;
+    const double order = std::abs(wave_number(whole.effect, e.encoder));
+    const bool at = std::abs(order - last.shape) < 0.02 * last.reach;
     const double lost = m.log_likelihood() - named.log_likelihood();
     if (lost > (at ? hard_to_tell : worth_a_term) * e.alike) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);

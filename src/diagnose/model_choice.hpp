@@ -10,6 +10,7 @@ namespace qerr {
 
 inline constexpr double worth_trying = 8;       ///< log-likelihood that one Newton step promises
 inline constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
+inline constexpr double worth_no_name = 10;     ///< the same: what has no name must be clearly better
 inline constexpr double worth_comparing = 0.5;  ///< of what a chosen term promised, by another in its place
 inline constexpr double cannot_be_told = 6;     ///< log-likelihood that an alternative loses at most
 inline constexpr double hard_to_tell = 40;      ///< the same, of one that explains nearly as much variance
@@ -35,6 +36,10 @@ Explanation with_term_at(const Explanation&, std::size_t term, Term instead);
 
 /// The same cause, whatever its size.
 bool same_cause(const Effect&, const Effect&);
+
+/// The same cause, whatever its size and its course in time: drifts of all time constants, steps at any
+/// moment.
+bool same_but_for_time(const Effect&, const Effect&);
 bool has(const Explanation&, const Effect&);
 
 /// The model with its last term's shape (an order, a time, a frequency) where the likelihood is largest.

@@ -12,9 +12,8 @@ namespace qerr {
 
 namespace {
 
-constexpr double worth_no_name = 10;  ///< what has no name must be clearly better
-constexpr double shadow = 0.1;        ///< of what is explained: a name that brings less beside a remainder
-constexpr double cancelling = 1.6;    ///< times the residual: two terms that undo each other
+constexpr double shadow = 0.1;      ///< of what is explained: a name that brings less beside a remainder
+constexpr double cancelling = 1.6;  ///< times the residual: two terms that undo each other
 constexpr double small_remainder = 0.15;  ///< of what is explained
 constexpr Eigen::Index rows_a_knot = 25;
 
@@ -73,10 +72,8 @@ bool is_periodic(const Term& t) {
 
 /// Periods of a term that the record has seen.
 double periods_seen(const Term& t, const Evidence& e) {
-  const auto shaft = t.effect.choices.find("shaft");
-  const bool of_joint = shaft != t.effect.choices.end() && shaft->second == "joint";
-  const double order = t.effect.number("order") * (of_joint ? 1 : std::abs(e.encoder.shaft_ratio));
-  return order * (e.path.maxCoeff() - e.path.minCoeff()) / (2 * std::numbers::pi);
+  const double range = e.path.maxCoeff() - e.path.minCoeff();
+  return std::abs(wave_number(t.effect, e.encoder)) * range / (2 * std::numbers::pi);
 }
 
 /// Two parts of periods are no two orders, and three orders on two turns are a series: such sums make any
@@ -138,9 +135,8 @@ Term beside(const Explanation& m, Term remainder) {
   names = names * names.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
   const Eigen::HouseholderQR<Eigen::MatrixXd> basis(names);
   const Eigen::MatrixXd q = basis.householderQ() * Eigen::MatrixXd::Identity(names.rows(), names.cols());
-  remainder.columns -= (q * (q.transpose() * remainder.columns.matrix())).array();
-  remainder.reshaped = nullptr;
-  return remainder;
+  Eigen::ArrayXXd left = remainder.columns - (q * (q.transpose() * remainder.columns.matrix())).array();
+  return with_columns(std::move(remainder), std::move(left));
 }
 
 /// Names that bring little beside a remainder that brings much were only its likeness.

@@ -12,10 +12,17 @@ namespace qerr {
 
 namespace {
 
-constexpr double outlier_part = 0.01;
 constexpr double many_outliers = 0.06;
+constexpr const char* part_far_off = "part of the readings is far off";
 constexpr double significant = 1e-3;
 constexpr double correlated = 0.2;  ///< of neighbouring scores
+// Scatter below this is not looked at for coming and going: quantization, 0.29 counts, makes most of the
+// rest.
+constexpr double uneven_from = 0.4;  ///< [counts]
+// The reference's noise is an estimate. More of it, by these factors of its variance, would be no find: as
+// much as scatter must stand out by (scatter_beyond_reference squared), and beside unequal states, which move
+// edges and do not scatter, a tenth more noise.
+constexpr double doubted_noise = 1.69, doubted_noise_beside_states = 1.21;
 
 /// Log-likelihood with a scatter of its own for every reading.
 double value(const Intervals& intervals, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma, double range) {
@@ -103,98 +110,145 @@ bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& varianc
   return most > much * least;
 }
 
+/// What could scatter the readings of a fitted model, each at its most likely size.
+class Trials {
+ public:
+  /// @param own   what is left of the reference's noise [rad or m]
+  /// @param size  of the scatter beyond it [rad or m]
+  Trials(const Evidence& e, const Explanation& m, double own, double size)
+      : e_(e),
+        m_(m),
+        size_(size),
+        range_(2 * (e.measured - e.reference).abs().maxCoeff() + e.step()),
+        known_((own * m.scatter() / m.noise()).square()) {}
+
+  /// Variance, row by row, that the reference and the spec's own random effects leave to chance already.
+  const Eigen::ArrayXd& known() const { return known_; }
+
+  /// With nothing but these.
+  IntervalLikelihood without() const {
+    return interval_likelihood(m_.intervals(), m_.addition(), (doubted_noise * known_).sqrt(), outlier_part,
+                               range_);
+  }
+
+  /// The most likely first.
+  std::vector<Candidate> candidates() const {
+    std::vector<Candidate> found{noise()};
+    if (e_.ordered && e_.velocity.abs().maxCoeff() > 0) found.push_back(jitter());
+    if (e_.counted && !e_.rests() && e_.encoder.counts_per_period == 4)
+      for (const double sign : {-1.0, 1.0}) found.push_back(states(sign));
+    std::sort(found.begin(), found.end(),
+              [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
+    return found;
+  }
+
+ private:
+  Candidate noise() const {
+    const auto with = [&](double x) {
+      return value(m_.intervals(), m_.addition(), (known_ + x * x).sqrt(), range_);
+    };
+    const auto [sigma, best] = largest(with, 0.3 * size_, 3 * size_);
+    return {{"noise", e_.joint, {{"sigma", sigma}}, {}},
+            best,
+            relative_error(with, sigma, best),
+            Eigen::ArrayXd::Constant(e_.rows(), sigma * sigma)};
+  }
+
+  Candidate jitter() const {
+    const double typical = std::sqrt(e_.velocity.square().mean());
+    const auto with = [&](double x) {
+      return value(m_.intervals(), m_.addition(), (known_ + (x * e_.velocity).square()).sqrt(), range_);
+    };
+    const auto [sigma, best] = largest(with, 0.1 * size_ / typical, 10 * size_ / typical);
+    return {{"timing_jitter", e_.joint, {{"sigma", sigma}}, {}},
+            best,
+            relative_error(with, sigma, best),
+            (sigma * e_.velocity).square()};
+  }
+
+  /// @param sign  to which side every second edge is displaced
+  Candidate states(double sign) const {
+    const auto with = [&](double x) {
+      // Their mean is -shift/2, which a term for the offset may have taken.
+      const Eigen::ArrayXd at = m_.addition() - m_.mean_offset();
+      return value(displaced(m_.intervals(), e_, sign * x), at, (doubted_noise_beside_states * known_).sqrt(),
+                   range_);
+    };
+    const auto [shift, best] = largest(with, 0.02 * e_.step(), 0.95 * e_.step());
+    const double phase = sign * shift / (4 * e_.step()) * 2 * std::numbers::pi;
+    return {{"state_width", e_.joint, {{"phase", phase}}, {}}, best, relative_error(with, shift, best)};
+  }
+
+  const Evidence& e_;
+  const Explanation& m_;
+  double size_, range_;
+  Eigen::ArrayXd known_;
+};
+
+/// Whether what is left scatters otherwise than a candidate says, in some place or at some time.
+bool comes_and_goes(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known,
+                    const Candidate& c) {
+  const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
+  const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + c.added;
+  return comes_and_goes(squares, variance, e.path) ||
+         (e.ordered && comes_and_goes(squares, variance, e.time));
+}
+
+/// What a few readings far off make of the scatter: what it is then, and how large.
+bool is_of_few(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added, Scatter& s) {
+  if (const double off = farthest(e, m, added); off > 0) {
+    s.size = off;
+    s.structure = "single readings are far off";
+    return true;
+  }
+  if (m.outliers() <= many_outliers) return false;
+  s.size = std::sqrt(left_by(m, e));
+  s.structure = part_far_off;
+  return true;
+}
+
+/// Names the most likely of the candidates, where it is likely enough and has no structure.
+void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials, Scatter& s) {
+  const IntervalLikelihood without = trials.without();
+  const std::vector<Candidate> found = trials.candidates();
+  const Candidate& best = found[0];
+  const double ratio = 2 * (best.value - without.log_likelihood);
+  if (ratio <= 0) {
+    if (without.outliers > many_outliers * static_cast<double>(e.rows())) s.structure = part_far_off;
+    return;
+  }
+  s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
+  if (s.p_value * static_cast<double>(found.size()) > significant) return;
+  // What is correlated is neither noise nor jitter; unequal states are locked to the count.
+  if (!s.structure.empty() && best.effect.type != "state_width") return;
+  s.structure.clear();
+  if (best.added.size() > 0 && s.size > uneven_from * e.step() &&
+      comes_and_goes(e, m, trials.known(), best)) {
+    s.structure = "scatter that comes and goes";
+    return;
+  }
+  s.effect = best.effect;
+  s.relative_error = best.relative_error;
+  for (const Candidate& other : found)
+    if (other.effect.type != s.effect->type && best.value - other.value < cannot_be_told) {
+      s.alternative = other.effect;
+      break;
+    }
+}
+
 }  // namespace
 
 Scatter scatter_of(const Evidence& e, const Explanation& m) {
   Scatter s;
-  const double range = 2 * (e.measured - e.reference).abs().maxCoeff() + e.step();
   const double own = std::max(e.path_noise, 1e-3 * e.step());
-  const double beyond = m.noise() * m.noise() - own * own;
-  s.size = std::sqrt(std::max(0.0, beyond));
+  s.size = std::sqrt(std::max(0.0, m.noise() * m.noise() - own * own));
   const Eigen::ArrayXd added = m.addition() - m.addition().mean();
-  if (const double off = farthest(e, m, added); off > 0) {
-    s.size = off;
-    s.structure = "single readings are far off";
-    return s;
-  }
-  if (m.outliers() > many_outliers) {
-    s.size = std::sqrt(left_by(m, e));
-    s.structure = "part of the readings is far off";
-    return s;
-  }
+  if (is_of_few(e, m, added, s)) return s;
   // A twelfth of what the causes add may be what their shapes lack.
   const double worth = std::max(scatter_worth_naming * e.step(), std::sqrt(added.square().mean()) / 12);
   if (m.noise() < scatter_beyond_reference * own || s.size < worth) return s;
   if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
-  // What the reference and the spec's own random effects leave to chance already.
-  const Eigen::ArrayXd known = (own * m.scatter() / m.noise()).square();
-  // The reference's noise is an estimate: a third more of it would be no find.
-  const IntervalLikelihood without =
-      interval_likelihood(m.intervals(), m.addition(), (1.69 * known).sqrt(), outlier_part, range);
-  const double none = without.log_likelihood;
-  std::vector<Candidate> found;
-  const auto with_noise = [&](double x) {
-    return value(m.intervals(), m.addition(), (known + x * x).sqrt(), range);
-  };
-  const auto [noise, at_noise] = largest(with_noise, 0.3 * s.size, 3 * s.size);
-  found.push_back({{"noise", e.joint, {{"sigma", noise}}, {}},
-                   at_noise,
-                   relative_error(with_noise, noise, at_noise),
-                   Eigen::ArrayXd::Constant(e.rows(), noise * noise)});
-  if (e.ordered && e.velocity.abs().maxCoeff() > 0) {
-    const double typical = std::sqrt(e.velocity.square().mean());
-    const auto with_jitter = [&](double x) {
-      return value(m.intervals(), m.addition(), (known + (x * e.velocity).square()).sqrt(), range);
-    };
-    const auto [jitter, at_jitter] = largest(with_jitter, 0.1 * s.size / typical, 10 * s.size / typical);
-    found.push_back({{"timing_jitter", e.joint, {{"sigma", jitter}}, {}},
-                     at_jitter,
-                     relative_error(with_jitter, jitter, at_jitter),
-                     (jitter * e.velocity).square()});
-  }
-  if (e.counted && !e.rests() && e.encoder.counts_per_period == 4) {
-    for (const double sign : {-1.0, 1.0}) {
-      const auto with_shift = [&](double x) {
-        // Their mean is -shift/2, which a term for the offset may have taken.
-        const Eigen::ArrayXd at = m.addition() - m.mean_offset();
-        return value(displaced(m.intervals(), e, sign * x), at, (1.21 * known).sqrt(), range);
-      };
-      const auto [shift, at_shift] = largest(with_shift, 0.02 * e.step(), 0.95 * e.step());
-      const double phase = sign * shift / (4 * e.step()) * 2 * std::numbers::pi;
-      found.push_back({{"state_width", e.joint, {{"phase", phase}}, {}},
-                       at_shift,
-                       relative_error(with_shift, shift, at_shift)});
-    }
-  }
-  std::sort(found.begin(), found.end(),
-            [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
-  const double ratio = 2 * (found[0].value - none);
-  if (ratio <= 0) {
-    if (without.outliers > many_outliers * static_cast<double>(e.rows()))
-      s.structure = "part of the readings is far off";
-    return s;
-  }
-  s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
-  if (s.p_value * static_cast<double>(found.size()) > significant) return s;
-  // What is correlated is neither noise nor jitter; unequal states are locked to the count.
-  if (!s.structure.empty() && found[0].effect.type != "state_width") return s;
-  s.structure.clear();
-  if (found[0].added.size() > 0 && s.size > 0.4 * e.step()) {
-    const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
-    const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + found[0].added;
-    if (comes_and_goes(squares, variance, e.path) ||
-        (e.ordered && comes_and_goes(squares, variance, e.time))) {
-      s.structure = "scatter that comes and goes";
-      return s;
-    }
-  }
-  s.effect = found[0].effect;
-  s.relative_error = found[0].relative_error;
-  for (const Candidate& other : found)
-    if (other.effect.type != s.effect->type && found[0].value - other.value < cannot_be_told) {
-      s.alternative = other.effect;
-      break;
-    }
+  name_scatter(e, m, Trials(e, m, own, s.size), s);
   return s;
 }
 

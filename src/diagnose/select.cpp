@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t tried_in_full = 8;
 constexpr double worth_refining = 200;  ///< behind the leading term at most
-constexpr double worth_no_name = 10;    ///< what has no name must be clearly better
 constexpr int most_steps = 5;
 
 /// A gap has a width; a negative one is no gap.

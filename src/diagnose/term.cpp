@@ -67,10 +67,10 @@ Eigen::ArrayXXd hats(const Eigen::ArrayXd& argument, Eigen::Index knots) {
 
 Term periodic_along(const Evidence& e, const Term& t, const Eigen::ArrayXd& moved) {
   // A disc turns with what its encoder feels, a gear with its joint.
-  const bool disc = t.effect.type == "eccentricity", of_encoder = t.effect.choices.at("shaft") == "encoder";
+  const bool disc = t.effect.type == "eccentricity";
   Eigen::ArrayXd angle = disc ? e.path : e.joint_angle();
   if (moved.size() > 0) angle += moved;
-  angle *= t.effect.number("order") * (of_encoder ? e.encoder.shaft_ratio : 1);
+  angle *= wave_number(t.effect, e.encoder);
   Term next = t;
   next.moved = moved;
   next.columns.resize(e.rows(), 2);
@@ -103,6 +103,15 @@ Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {
   Eigen::ArrayXd added = (t.columns.matrix() * coefficients).array();
   if (t.fixed.size() > 0) added += t.fixed;
   return added;
+}
+
+Term with_columns(Term t, Eigen::ArrayXXd columns) {
+  t.columns = std::move(columns);
+  t.fixed.resize(0);
+  t.reshaped = nullptr;
+  t.relinearized = nullptr;
+  t.along = nullptr;
+  return t;
 }
 
 Term periodic_term(const Evidence& e, const char* type, double order, bool of_encoder) {

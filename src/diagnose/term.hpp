@@ -39,6 +39,11 @@ struct Term {
 /// What a term adds to the rows that its columns stand for [rad or m].
 Eigen::ArrayXd addition(const Term&, const Eigen::VectorXd& coefficients);
 
+/// A term that adds its columns and nothing else: what makes a term's columns anew (for another shape, along
+/// another path, at other coefficients) would bring back the ones that these were made from, which may not
+/// even be as many.
+Term with_columns(Term, Eigen::ArrayXXd columns);
+
 /// Every cause of the catalogue that adds linearly in its coefficients, as far as the evidence can show it.
 std::vector<Term> named_terms(const Evidence&);
 

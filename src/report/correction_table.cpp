@@ -24,9 +24,7 @@ bool is_whole(double x) { return std::abs(x - std::round(x)) < 1e-9 * std::max(1
 /// Length of one period in the encoder's coordinate, 0 for what is constant or linear [rad or m].
 double period(const Effect& effect, const Encoder& encoder) {
   if (effect.type == "subdivision_error") return encoder.resolution * encoder.counts_per_period;
-  const auto shaft = effect.choices.find("shaft");
-  const bool of_joint = shaft != effect.choices.end() && shaft->second == "joint";
-  const double number = effect.number("order") * (of_joint ? 1 : std::abs(encoder.shaft_ratio));
+  const double number = std::abs(wave_number(effect, encoder));
   return number > 0 ? turn / number : 0;
 }
 

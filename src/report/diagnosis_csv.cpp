@@ -22,20 +22,14 @@ class Tidy {
     text_ += ',' + r.unit + ',' + csv_cell(r.text) + "\r\n";
   }
 
-  void add_gain(const std::string& section, const std::string& joint, const std::string& name, const Gain& g,
-                const std::string& unit) {
-    add({.section = section,
-         .joint = joint,
-         .name = name,
-         .figure = "rms_before",
-         .value = g.rms_before,
-         .unit = unit});
-    add({.section = section,
-         .joint = joint,
-         .name = name,
-         .figure = "rms_after",
-         .value = g.rms_after,
-         .unit = unit});
+  void add_gain(const std::string& section, const std::string& joint, const std::string& name,
+                const Gain& g) {
+    const auto figure = [&](const char* what, double value, const std::string& unit) {
+      if (std::isfinite(value))
+        add({.section = section, .joint = joint, .name = name, .figure = what, .value = value, .unit = unit});
+    };
+    figure("rms_before", g.rms_before, g.unit);
+    figure("rms_after", g.rms_after, g.unit);
     // Intervals of the ratio are known where blocks were held out.
     add({.section = section,
          .joint = joint,
@@ -45,6 +39,11 @@ class Tidy {
          .lower = g.held_out ? g.lower : NAN,
          .upper = g.held_out ? g.upper : NAN,
          .text = g.held_out ? "held out" : ""});
+    figure("counts_before", g.counts_before, "");
+    figure("counts_after", g.counts_after, "");
+    figure("sigma_ratio", g.sigma_ratio, "");
+    figure("log_score", g.log_score, "");
+    figure("coverage", g.coverage, "");
   }
 
   std::string text() const {
@@ -66,7 +65,7 @@ void add_causes(Tidy& rows, const DiagnosisReport& r) {
                 .name = c.effect.type,
                 .figure = choice,
                 .text = word});
-    rows.add_gain("cause", c.effect.joint, c.effect.type, c.gain, coordinate_unit(r.spec, c.effect.joint));
+    rows.add_gain("cause", c.effect.joint, c.effect.type, c.gain);
   }
 }
 
@@ -118,7 +117,7 @@ std::string to_csv(const DiagnosisReport& r) {
               .figure = "instead of " + a.instead_of,
               .text = a.record});
   add_unexplained(rows, r);
-  rows.add_gain("gain", "", "", d.gain, gain_unit(d));
+  rows.add_gain("gain", "", "", d.gain);
   return rows.text();
 }
 

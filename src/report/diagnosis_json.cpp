@@ -1,7 +1,5 @@
-#include <cmath>
-#include <nlohmann/json.hpp>
-
 #include "diagnosis_writers.hpp"
+#include "report_json.hpp"
 
 namespace qerr {
 
@@ -9,24 +7,19 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// JSON has no infinity: a figure that is not known, or has no bound, is null.
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-Json optional_number(const std::optional<double>& value) { return value ? number(*value) : Json(nullptr); }
-
-Json gain(const Gain& g, const std::string& unit) {
+Json gain(const Gain& g) {
   return {{"held_out", g.held_out},
-          {"rms_before", number(g.rms_before)},
-          {"rms_after", number(g.rms_after)},
-          {"ratio", number(g.ratio())},
-          {"lower", number(g.lower)},
-          {"upper", number(g.upper)},
-          {"counts_before", number(g.counts_before)},
-          {"counts_after", number(g.counts_after)},
-          {"sigma_ratio", number(g.sigma_ratio)},
-          {"log_score", number(g.log_score)},
-          {"coverage", number(g.coverage)},
-          {"unit", unit}};
+          {"rms_before", number_or_null(g.rms_before)},
+          {"rms_after", number_or_null(g.rms_after)},
+          {"ratio", number_or_null(g.ratio())},
+          {"lower", number_or_null(g.lower)},
+          {"upper", number_or_null(g.upper)},
+          {"counts_before", number_or_null(g.counts_before)},
+          {"counts_after", number_or_null(g.counts_after)},
+          {"sigma_ratio", number_or_null(g.sigma_ratio)},
+          {"log_score", number_or_null(g.log_score)},
+          {"coverage", number_or_null(g.coverage)},
+          {"unit", g.unit}};
 }
 
 Json simulation(const Diagnosis& d) {
@@ -34,9 +27,9 @@ Json simulation(const Diagnosis& d) {
   for (const Comparison& c : d.simulation)
     list.push_back({{"joint", c.joint},
                     {"statistic", c.statistic},
-                    {"observed", number(c.observed)},
-                    {"expected", number(c.expected)},
-                    {"p_value", number(c.p_value)}});
+                    {"observed", number_or_null(c.observed)},
+                    {"expected", number_or_null(c.expected)},
+                    {"p_value", number_or_null(c.p_value)}});
   return list;
 }
 
@@ -46,16 +39,16 @@ Json causes(const DiagnosisReport& r) {
     Json parameters = Json::array();
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       parameters.push_back({{"name", p.figure.name},
-                            {"value", number(p.figure.value)},
-                            {"lower", number(p.figure.lower)},
-                            {"upper", number(p.figure.upper)},
+                            {"value", number_or_null(p.figure.value)},
+                            {"lower", number_or_null(p.figure.lower)},
+                            {"upper", number_or_null(p.figure.upper)},
                             {"unit", p.unit}});
     Json entry = {{"effect", c.effect.type},
                   {"joint", c.effect.joint},
-                  {"p_value", number(c.p_value)},
+                  {"p_value", number_or_null(c.p_value)},
                   {"parameters", parameters},
-                  {"gain", gain(c.gain, coordinate_unit(r.spec, c.effect.joint))}};
-    if (c.rms > 0) entry["rms"] = number(c.rms);
+                  {"gain", gain(c.gain)}};
+    if (c.rms > 0) entry["rms"] = number_or_null(c.rms);
     if (!c.effect.choices.empty()) entry["choices"] = c.effect.choices;
     list.push_back(entry);
   }
@@ -75,9 +68,9 @@ Json unexplained(const DiagnosisReport& r) {
   for (const Unnamed& u : r.diagnosis.unexplained)
     list.push_back({{"joint", u.joint},
                     {"what", u.what},
-                    {"order", optional_number(u.order)},
-                    {"frequency", optional_number(u.frequency)},
-                    {"amplitude", number(u.amplitude)},
+                    {"order", number_or_null(u.order)},
+                    {"frequency", number_or_null(u.frequency)},
+                    {"amplitude", number_or_null(u.amplitude)},
                     {"unit", coordinate_unit(r.spec, u.joint)}});
   return list;
 }
@@ -90,24 +83,22 @@ Json log(const Log& l) {
                            {"turns_at_start", c.wraps.start},
                            {"wraps", c.wraps.count},
                            {"first_row", c.wraps.first_row},
-                           {"first_time", number(c.wraps.first_time)},
+                           {"first_time", number_or_null(c.wraps.first_time)},
                            {"contradicted", c.wraps.contradicted}});
   return {{"file", l.file},
           {"rows", l.rows},
-          {"first_time", l.has_time() ? number(l.first_time) : Json(nullptr)},
-          {"last_time", l.has_time() ? number(l.last_time) : Json(nullptr)},
+          {"first_time", l.has_time() ? number_or_null(l.first_time) : Json(nullptr)},
+          {"last_time", l.has_time() ? number_or_null(l.last_time) : Json(nullptr)},
           {"unwrapped", unwrapped}};
 }
 
 }  // namespace
 
 std::string to_json(const DiagnosisReport& r) {
-  Json source = {{"file", r.spec.file}, {"sha256", r.spec.sha256}};
-  for (const auto& [key, value] : r.spec.overrides) source["set"].push_back({{"key", key}, {"value", value}});
   const Diagnosis& d = r.diagnosis;
   return Json{{"qerr", version()},
               {"command", "diagnose"},
-              {"spec", source},
+              {"spec", spec_source(r.spec)},
               {"log", log(r.log)},
               {"seed", r.spec.configurations.seed},
               {"verdict", name(d.verdict)},
@@ -116,7 +107,7 @@ std::string to_json(const DiagnosisReport& r) {
               {"causes", causes(r)},
               {"alternatives", alternatives(d)},
               {"unexplained", unexplained(r)},
-              {"gain", gain(d.gain, gain_unit(d))},
+              {"gain", gain(d.gain)},
               {"extended_model", r.extended_model.empty() ? Json(nullptr) : Json(r.extended_model)},
               {"warnings", r.warnings}}
              .dump(2) +

@@ -14,13 +14,6 @@ const EffectKind* find_kind(const std::string& name) {
   return found == kinds.end() ? nullptr : &*found;
 }
 
-const IndependentJoint* find_joint(const Spec& spec, const std::string& name) {
-  const auto& joints = spec.model.chain.independent;
-  const auto found =
-      std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
-  return found == joints.end() ? nullptr : &*found;
-}
-
 /// Unit of a parameter of an effect that no row of the list describes, such as those of `filter_mismatch`.
 std::string unit_without_row(const std::string& parameter) {
   if (parameter == "cutoff" || parameter == "frequency") return "Hz";
@@ -29,6 +22,14 @@ std::string unit_without_row(const std::string& parameter) {
 }
 
 }  // namespace
+
+std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name) {
+  const auto& joints = spec.model.chain.independent;
+  const auto found =
+      std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
+  if (found == joints.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - joints.begin());
+}
 
 DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options) {
   std::vector<Filter> filters;
@@ -42,7 +43,8 @@ DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOption
 }
 
 std::string coordinate_unit(const Spec& spec, const std::string& name) {
-  if (const IndependentJoint* joint = find_joint(spec, name)) return joint->prismatic() ? "m" : "rad";
+  if (const auto joint = joint_place(spec, name))
+    return spec.model.chain.independent[*joint].prismatic() ? "m" : "rad";
   for (const CoordinateInfo& row : coordinate_list())
     if (name == row.name || name == "tip." + std::string(row.name)) return std::string(row.unit);
   return "m";
@@ -50,7 +52,8 @@ std::string coordinate_unit(const Spec& spec, const std::string& name) {
 
 std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause& cause) {
   std::vector<ReportedParameter> list;
-  const IndependentJoint* joint = find_joint(spec, cause.effect.joint);
+  const auto joint = joint_place(spec, cause.effect.joint);
+  const bool prismatic = joint && spec.model.chain.independent[*joint].prismatic();
   const EffectKind* kind = find_kind(cause.effect.type);
   const auto add = [&](const std::string& name, const std::string& unit) {
     for (const FoundParameter& p : cause.parameters)
@@ -64,7 +67,7 @@ std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause
   };
   if (kind)
     for (const Parameter& row : kind->parameters)
-      add(std::string(row.name), unit_name(dimension_at(row, joint && joint->prismatic())));
+      add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
   for (const FoundParameter& p : cause.parameters)
     if (!is_listed(p.name)) add(p.name, unit_without_row(p.name));
   for (const auto& [name, value] : cause.effect.numbers)

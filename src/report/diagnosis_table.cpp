@@ -2,6 +2,7 @@
 #include <cmath>
 #include <cstdio>
 
+#include "diagnosis_words.hpp"
 #include "diagnosis_writers.hpp"
 #include "qerr/core/text.hpp"
 #include "text_table.hpp"
@@ -18,73 +19,9 @@ std::string heading(const std::string& text, const Style& style) {
   return "\n" + painted(text, "1", style) + "\n";
 }
 
-std::string shown(const std::string& name) { return escaped(name, 60); }
-
 std::string probability(double p) { return p < 1e-15 ? "p < 1e-15" : "p = " + shortest_of(p, 2); }
 
 std::string counts(double value) { return shortest_of(value, 3) + " counts"; }
-
-/// "a, b and c".
-std::string listed(const std::vector<std::string>& items) {
-  std::string text;
-  for (std::size_t i = 0; i < items.size(); ++i)
-    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
-  return text;
-}
-
-/// Periodic errors are told from each other by their order.
-std::string label(const Cause& c) {
-  const double order = c.effect.number("order");
-  return c.effect.type + (order > 0 && order != 1 ? " (order " + shortest_of(order, 4) + ")" : "") + " of " +
-         shown(c.effect.joint);
-}
-
-/// At most four, as a sentence is to be read.
-std::string named_causes(const Diagnosis& d) {
-  std::vector<std::string> names;
-  for (const Cause& c : d.causes) names.push_back(label(c));
-  constexpr std::size_t most = 4;
-  if (names.size() > most) {
-    const std::string more = std::to_string(names.size() - most + 1) + " more";
-    names.resize(most - 1);
-    names.push_back(more);
-  }
-  return listed(names);
-}
-
-std::string or_instead(const Diagnosis& d) {
-  if (d.causes.size() != 1 || d.alternatives.size() != 1)
-    return named_causes(d) + ", or other causes (below)";
-  return d.causes.front().effect.type + " or " + d.alternatives.front().effect + " of " +
-         shown(d.causes.front().effect.joint);
-}
-
-std::string unnamed_places(const Diagnosis& d) {
-  std::vector<std::string> places;
-  for (const Unnamed& u : d.unexplained)
-    if (std::find(places.begin(), places.end(), shown(u.joint)) == places.end())
-      places.push_back(shown(u.joint));
-  return listed(places);
-}
-
-std::string verdict_words(const Diagnosis& d) {
-  switch (d.verdict) {
-    case Verdict::nothing_wrong:
-      return "the log is what the model says, with its quantization and the reference's noise";
-    case Verdict::explained:
-      return named_causes(d);
-    case Verdict::partly_explained:
-      return named_causes(d) + "; at " + unnamed_places(d) + " something real has no name";
-    case Verdict::ambiguous:
-      return or_instead(d) + ": this log cannot tell them apart";
-    case Verdict::unexplained:
-      return "something real at " + unnamed_places(d) + " has no name in the catalogue";
-    case Verdict::cannot_judge:
-      return d.reason.empty() ? "the log has no better sensor to hold the encoders against"
-                              : escaped(d.reason);
-  }
-  return "";
-}
 
 std::string verdict_line(const Diagnosis& d, const Style& style) {
   std::string word(name(d.verdict));
@@ -115,11 +52,10 @@ std::string simulation_table(const Diagnosis& d, const Style& style) {
                              : "");
 }
 
+/// Null where the name is no joint's.
 const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
-  const auto& joints = spec.model.chain.independent;
-  for (std::size_t i = 0; i < joints.size(); ++i)
-    if (joints[i].name == joint) return &spec.model.transmission.encoders[i];
-  return nullptr;
+  const auto place = joint_place(spec, joint);
+  return place ? &spec.model.transmission.encoders[*place] : nullptr;
 }
 
 /// A figure that is not in counts beside what it is in counts.
@@ -189,30 +125,32 @@ std::string unexplained_list(const DiagnosisReport& r) {
   return out;
 }
 
-std::vector<std::string> gain_row(const std::string& label, const Gain& g, const std::string& unit) {
-  const bool counted = g.counts_before > 0;
+/// Whose residual a cause's gain is of.
+std::string place_of(const Cause& c) { return c.gain.of_tip ? "tip" : shown(c.effect.joint); }
+
+std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
+  const auto in_counts = [](double value) { return std::isfinite(value) ? shortest_of(value, 3) : "-"; };
   return {label,
-          readable(g.rms_before, unit),
-          readable(g.rms_after, unit),
-          counted ? shortest_of(g.counts_before, 3) : "",
-          counted ? shortest_of(g.counts_after, 3) : "",
+          readable(g.rms_before, g.unit),
+          readable(g.rms_after, g.unit),
+          in_counts(g.counts_before),
+          in_counts(g.counts_after),
           shortest_of(g.ratio(), 3),
           g.upper > 0 ? shortest_of(g.lower, 3) + " .. " + shortest_of(g.upper, 3) : ""};
 }
 
-std::string gain_table(const DiagnosisReport& r) {
-  const Diagnosis& d = r.diagnosis;
+std::string gain_table(const Diagnosis& d) {
   std::vector<std::vector<std::string>> rows{
       {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
   std::vector<std::string> seen;
   for (const Cause& c : d.causes) {
-    if (std::find(seen.begin(), seen.end(), c.effect.joint) != seen.end()) continue;
-    seen.push_back(c.effect.joint);
-    rows.push_back(gain_row(shown(c.effect.joint), c.gain, coordinate_unit(r.spec, c.effect.joint)));
+    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
+    seen.push_back(place_of(c));
+    rows.push_back(gain_row(seen.back(), c.gain));
   }
-  // Of the only joint there is nothing more to be said.
+  // Of the only place there is nothing more to be said.
   if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
-    rows.push_back(gain_row("all that was judged", d.gain, gain_unit(d)));
+    rows.push_back(gain_row("all that was judged", d.gain));
   return aligned(rows) +
          (d.gain.held_out ? "  after: on blocks of the log that the model was not fitted to\n" : "");
 }
@@ -225,16 +163,20 @@ std::string compensation(const DiagnosisReport& r) {
     const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
     const Remedy* row = remedy(c.effect.type);
     if (!encoder || !row || !row->in_controller) continue;
-    if (std::find(seen.begin(), seen.end(), c.effect.joint) != seen.end()) continue;
-    seen.push_back(c.effect.joint);
-    const std::string unit = coordinate_unit(r.spec, c.effect.joint);
+    const std::string place = (c.gain.of_tip ? "the " : "") + place_of(c);
+    if (std::find(seen.begin(), seen.end(), place) != seen.end()) continue;
+    seen.push_back(place);
     constexpr double worth_it = 1.05;
-    if (c.gain.ratio() < worth_it)
-      out += "  A compensation in the controller would bring nothing at " + shown(c.effect.joint) + ".\n";
-    else
-      out += "  Compensated in the controller, " + shown(c.effect.joint) + " would err by " +
-             readable(c.gain.rms_after, unit) + " rms instead of " + readable(c.gain.rms_before, unit) +
-             ";\n  its counts alone leave " + readable(sigma(*encoder), unit) + ".\n";
+    if (c.gain.ratio() < worth_it) {
+      out += "  A compensation in the controller would bring nothing at " + place + ".\n";
+      continue;
+    }
+    out += "  Compensated in the controller, " + place + " would err by " +
+           readable(c.gain.rms_after, c.gain.unit) + " rms instead of " +
+           readable(c.gain.rms_before, c.gain.unit);
+    // What all counts together leave at the tip is for `qerr analyze` to say.
+    if (!c.gain.of_tip) out += ";\n  its counts alone leave " + readable(sigma(*encoder), c.gain.unit);
+    out += ".\n";
   }
   return out;
 }
@@ -260,7 +202,7 @@ std::string to_table(const DiagnosisReport& r, const Style& style) {
   if (!d.alternatives.empty()) out += heading("Could be instead", style) + alternatives_list(d);
   if (!d.unexplained.empty()) out += heading("Real, and without a name", style) + unexplained_list(r);
   if (d.verdict == Verdict::cannot_judge) return out;
-  out += heading(d.causes.empty() ? "Residual" : "What the extended model gains", style) + gain_table(r) +
+  out += heading(d.causes.empty() ? "Residual" : "What the extended model gains", style) + gain_table(d) +
          compensation(r);
   if (!r.extended_model.empty()) out += "\nThe model with these effects: " + escaped(r.extended_model) + '\n';
   return out;

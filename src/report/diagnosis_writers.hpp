@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 
@@ -12,6 +13,9 @@ namespace qerr {
 std::string to_json(const DiagnosisReport&);
 std::string to_csv(const DiagnosisReport&);
 std::string to_table(const DiagnosisReport&, const Style&);
+
+/// Number of the independent joint of this name, and of its encoder; empty where there is none.
+std::optional<std::size_t> joint_place(const Spec&, const std::string& name);
 
 /// A figure with its 95 % interval, to the digits that it is known to: `566.1 +- 2.9 urad`; where the
 /// interval is not about the figure, `566 urad (540 urad .. 570 urad)`; phases in degrees; the figure alone
@@ -27,8 +31,5 @@ struct Remedy {
 
 /// The row of an effect, or of a statement about the paper's formula. @returns null for a name without a row
 const Remedy* remedy(std::string_view effect);
-
-/// The unit of the gain over all joints.
-inline std::string gain_unit(const Diagnosis& d) { return d.prismatic ? "m" : "rad"; }
 
 }  // namespace qerr

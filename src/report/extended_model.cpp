@@ -60,7 +60,7 @@ std::vector<AddedFilter> found_filters(const DiagnosisReport& r) {
 
 std::string extended_model(const DiagnosisReport& r, const std::string& target) {
   const Diagnosis& d = r.diagnosis;
-  const std::string unit = gain_unit(d);
+  const std::string& unit = d.gain.unit;
   std::string remarks = "qerr diagnose " + std::string(version()) + " of " + escaped(r.log.file) + ": " +
                         std::string(name(d.verdict));
   if (d.causes.empty()) return extended_spec(r.spec, {}, remarks + ", no effects to add", target);

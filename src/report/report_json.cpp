@@ -14,14 +14,18 @@ Json number_or_null(const std::optional<double>& value) {
   return value ? number_or_null(*value) : Json(nullptr);
 }
 
-Json report_header(const Spec& spec, const char* command, std::uint64_t seed) {
+Json spec_source(const Spec& spec) {
   Json source = {{"file", spec.file}, {"sha256", spec.sha256}};
   for (const auto& [key, value] : spec.overrides)
     source["set"].push_back(Json{{"key", key}, {"value", value}});
+  return source;
+}
+
+Json report_header(const Spec& spec, const char* command, std::uint64_t seed) {
   const Chain& chain = spec.model.chain;
   return {{"qerr", version()},
           {"command", command},
-          {"spec", source},
+          {"spec", spec_source(spec)},
           {"seed", seed},
           {"robot", {{"name", spec.robot_name}, {"base", chain.base}, {"tip", chain.tip}}}};
 }

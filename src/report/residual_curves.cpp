@@ -53,8 +53,7 @@ Eigen::ArrayXd spectrum(const Eigen::ArrayXd& means, Eigen::Index steps) {
 }  // namespace
 
 ResidualCurves residual_curves(const DiagnosisReport& r) {
-  ResidualCurves out{"joint,time [s],reference,direction,before,after,unit\r\n",
-                     "joint,order,encoder_order,before,after,unit\r\n"};
+  ResidualCurves out;
   for (const Evidence& e : evidence(r.spec.model, r.log)) {
     const Eigen::ArrayXd before = e.measured - e.reference;
     const Eigen::ArrayXd after = before - explained(e, effects_of(r, e.joint));
@@ -76,6 +75,9 @@ ResidualCurves residual_curves(const DiagnosisReport& r) {
                       ',' + shortest(is[i]) + unit;
     }
   }
+  if (!out.residual.empty())
+    out.residual.insert(0, "joint,time [s],reference,direction,before,after,unit\r\n");
+  if (!out.spectrum.empty()) out.spectrum.insert(0, "joint,order,encoder_order,before,after,unit\r\n");
   return out;
 }
 

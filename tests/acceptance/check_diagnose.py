@@ -15,29 +15,16 @@ import tempfile
 
 import numpy as np
 
+from stage import SPEC as STAGE, STEP, URDF
 from tool import Tally, run
 
-URDF = """<robot name="stage"><link name="base"/><link name="table"/><link name="tip"/>
-<joint name="turn" type="revolute"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
-<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
-<joint name="reach" type="prismatic"><parent link="table"/><child link="tip"/><axis xyz="1 0 0"/>
-<limit lower="-1" upper="1" effort="10" velocity="1"/></joint></robot>
-"""
-SPEC = """# a rotary stage with a slide
-qerr: 1
-robot: {urdf: stage.urdf}   # beside this file
-encoders:
-  turn: {counts_per_rev: 4000, gear_ratio: 3}
-  reach: {resolution: 10 um}  # a scale
-configurations: {method: sobol, count: 100}
-motion:
+SPEC = STAGE + """motion:
   sample_rate: 500 Hz
   duration: 3 s
   joints:
     turn: {sines: [{amplitude: 1.2 rad, frequency: 0.7 Hz}, {amplitude: 0.2 rad, frequency: 1.9 Hz}]}
     reach: {sines: [{amplitude: 0.1 m, frequency: 0.5 Hz}, {amplitude: 0.02 m, frequency: 1.3 Hz}]}
 """
-STEP = {"turn": 2 * np.pi / 12000, "reach": 1e-5}
 EFFECTS = "effects=[{type: eccentricity, joint: turn, amplitude: 2 mrad, phase: 0.7}, {type: backlash, joint: reach, gap: 60 um}]"
 NUMBER = (int, float)
 FORM = {
@@ -177,6 +164,24 @@ def check_table(t, qerr, folder):
     t.check("the spectrum peaks at one period per revolution of the encoder", abs(float(peak["encoder_order"]) - 1) < 0.25, str(peak))
 
 
+def check_tip(t, qerr, folder):
+    """A log whose only better sensor is a tracker at the tip."""
+    rows = list(csv.reader(io.StringIO((folder / "log.csv").read_text())))
+    keep = [i for i, h in enumerate(rows[0]) if ".reference" not in h]
+    log, plots = folder / "tip.csv", folder / "tip_plots"
+    log.write_text("".join(",".join(row[i] for i in keep) + "\n" for row in rows))
+    ran = run(qerr, "diagnose", folder / "spec.yaml", log, "--plots", plots, "--format", "json")
+    if not t.check("a log of the tip alone is judged", ran.code == 0, ran.err.decode()[:300]):
+        return
+    answer = strict(ran.out)
+    gain = answer["gain"]
+    t.check("what an encoder adds is named, though the axis that the tip keeps still on is written without decimals",
+            ("eccentricity", "turn") in {(c["effect"], c["joint"]) for c in answer["causes"]}, str(answer["causes"])[:300])
+    t.check("its gain is in metres, and has no counts", gain["unit"] == "m" and gain["counts_before"] is None, str(gain))
+    t.check("there is no joint's residual to plot, which is said", not list(plots.iterdir()) and b"--plots" in ran.err,
+            ran.err.decode()[:300])
+
+
 def check_limits(t, qerr, folder):
     log = (folder / "log.csv").read_text().splitlines(keepends=True)
     (folder / "short.csv").write_text("".join(log[:2]))
@@ -249,6 +254,7 @@ def main():
         if answer:
             check_model(t, qerr, folder, answer)
         check_table(t, qerr, folder)
+        check_tip(t, qerr, folder)
         check_limits(t, qerr, folder)
         check_errors(t, qerr, folder)
         check_pipes(t, qerr, folder)

@@ -16,22 +16,9 @@ import tempfile
 
 import numpy as np
 
+from stage import SPEC, STEP, URDF
 from tool import Tally, run
 
-URDF = """<robot name="stage"><link name="base"/><link name="table"/><link name="tip"/>
-<joint name="turn" type="revolute"><parent link="base"/><child link="table"/><axis xyz="0 0 1"/>
-<limit lower="-3" upper="3" effort="10" velocity="9"/></joint>
-<joint name="reach" type="prismatic"><parent link="table"/><child link="tip"/><axis xyz="1 0 0"/>
-<limit lower="-1" upper="1" effort="10" velocity="1"/></joint></robot>
-"""
-SPEC = """# a rotary stage with a slide
-qerr: 1
-robot: {urdf: stage.urdf}
-encoders:
-  turn: {counts_per_rev: 4000, gear_ratio: 3}
-  reach: {resolution: 10 um}
-configurations: {method: sobol, count: 100}
-"""
 RICH = """motion:
   sample_rate: 500 Hz
   duration: 4 s
@@ -44,7 +31,6 @@ ONE_WAY = """motion:
   duration: 3 s
   joints: {turn: {center: -1 rad, velocity: 0.7 rad/s}}
 """
-STEP = {"turn": 2 * np.pi / 12000, "reach": 1e-5}
 NOISE = 0.05
 
 

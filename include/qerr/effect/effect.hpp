@@ -148,6 +148,11 @@ inline Dimension dimension_at(const Parameter& p, bool prismatic) {
   return p.dimension;
 }
 
+/// Phase of a periodic effect's sine per joint coordinate: its order times the turns of the shaft that the
+/// order counts, of the encoder unless it says `joint`; signed, as the shaft turns [rad/rad or rad/m].
+/// @returns 0 for an effect without an order
+double wave_number(const Effect&, const Encoder&);
+
 /// Unit vector along which an effect of stage `kinematics` displaces its joint's origin, by its choice `axis`
 /// in the axes of the joint's parent link.
 /// @throws std::out_of_range for an effect without that choice

@@ -48,7 +48,8 @@ std::string correction_table(const DiagnosisReport&);
 
 /// For plots (CSV): measured - reference of every encoder against time, position and direction, and the
 /// amplitudes of its sines by order per revolution of the joint (or per metre); before, and after what the
-/// found effects explain.
+/// found effects explain. Empty where there is nothing to plot: no joint has a reference (as in a log of a
+/// tracked tip alone), and for the spectrum, none has moved.
 struct ResidualCurves {
   std::string residual;  ///< joint, time [s], reference, direction, before, after, unit
   std::string spectrum;  ///< joint, order, encoder_order, before, after, unit

@@ -34,12 +34,11 @@ bool counts_joint_turns(const Effect& e) {
   return shaft != e.choices.end() && shaft->second == "joint";
 }
 
-/// Phase of the sine per joint coordinate [rad/rad or rad/m].
+}  // namespace
+
 double wave_number(const Effect& e, const Encoder& encoder) {
   return e.number("order") * (counts_joint_turns(e) ? 1 : encoder.shaft_ratio);
 }
-
-}  // namespace
 
 Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   const bool of_joint = counts_joint_turns(e);

@@ -5,9 +5,9 @@
 #include <functional>
 #include <numbers>
 
-#include "model_choice.hpp"
-#include "record_advice.hpp"
-#include "scatter.hpp"
+#include "../model_choice.hpp"
+#include "../record_advice.hpp"
+#include "../scatter.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 #include <Eigen/Geometry>
 #include <vector>
 
-#include "term.hpp"
+#include "../term.hpp"
 #include "tip_evidence.hpp"
 
 namespace qerr {

@@ -6,9 +6,9 @@
 #include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
-#include "model_choice.hpp"
-#include "record_advice.hpp"
-#include "scan.hpp"
+#include "../model_choice.hpp"
+#include "../record_advice.hpp"
+#include "../scan.hpp"
 
 namespace qerr {
 
@@ -42,12 +42,6 @@ std::string parameter_of(const Term& t, Eigen::Index column) {
   for (const auto& [name, value] : filled.numbers)
     if (value != t.effect.number(name)) return name;
   return "";
-}
-
-/// Whether two terms are the same cause, in another shape.
-bool same_cause(const Term& a, const Term& b) {
-  return a.effect.type == b.effect.type && a.effect.choices == b.effect.choices &&
-         a.effect.number("order") == b.effect.number("order");
 }
 
 bool scanned(const Term& t) { return t.effect.type == "missed_counts"; }
@@ -146,7 +140,7 @@ PlannedEffect Sight::seen_by(const Face& f) const {
   // Counts are lost whole.
   if (scanned(t)) p.seen = std::max(1.0, std::ceil(p.seen - 1e-9));
   for (std::size_t other = 0; other < terms_.size(); ++other) {
-    if (other == f.term || same_cause(t, terms_[other])) continue;
+    if (other == f.term || same_but_for_time(t.effect, terms_[other].effect)) continue;
     Rival r = rival_of(f, other);
     if (square(r.correlation) <= worth_comparing) continue;
     p.named = std::max(p.named, r.size);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../model_choice.hpp"
+
 namespace qerr {
 
 namespace {
@@ -19,12 +21,6 @@ Eigen::ArrayXd play(const Eigen::ArrayXd& motor, double gap) {
     added[k] = (motor[k] - link) / gap;
   }
   return added;
-}
-
-bool alike(const Effect& a, const Effect& b) {
-  return a.type == b.type && a.choices == b.choices && a.number("order") == b.number("order") &&
-         a.numbers.count("coefficient") == b.numbers.count("coefficient") &&
-         a.number("time_constant") == b.number("time_constant");
 }
 
 }  // namespace
@@ -157,7 +153,7 @@ void renew(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const Tip
     t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {
     for (Term& fresh : named_terms(own))
-      if (alike(fresh.effect, effect)) t.term.columns = std::move(fresh.columns);
+      if (same_cause(fresh.effect, effect)) t.term.columns = std::move(fresh.columns);
   }
 }
 

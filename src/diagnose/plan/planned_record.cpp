@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../smooth_path.hpp"
+#include "../with_effects.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
-#include "smooth_path.hpp"
-#include "with_effects.hpp"
 
 namespace qerr {
 

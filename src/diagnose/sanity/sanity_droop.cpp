@@ -2,9 +2,9 @@
 #include <cmath>
 #include <vector>
 
+#include "../smooth_path.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
 #include "sanity.hpp"
-#include "smooth_path.hpp"
 
 /// Efforts that are no loads: a controller's output follows its own error, and shows no compliance.
 namespace qerr::sanity {

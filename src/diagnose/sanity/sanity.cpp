@@ -1,10 +1,10 @@
 #include "sanity.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "with_effects.hpp"
+#include "../encoder_columns.hpp"
+#include "../with_effects.hpp"
 
 namespace qerr {
 
@@ -27,16 +27,7 @@ void write_back(Sanity& s, const Readings& r, std::size_t encoder) {
 }
 
 Eigen::ArrayXd encoder_reference(const Sanity& s, std::size_t encoder) {
-  const Eigen::MatrixXd to_encoders = s.model.transmission.coupling.inverse();
-  const auto row = static_cast<Eigen::Index>(encoder);
-  Eigen::ArrayXd x = Eigen::ArrayXd::Zero(s.log.values.rows());
-  for (Eigen::Index j = 0; j < to_encoders.cols(); ++j) {
-    if (std::abs(to_encoders(row, j)) < 1e-12) continue;
-    const auto column = s.log.find(LogSignal::reference, static_cast<std::size_t>(j));
-    if (!column) return {};
-    x += to_encoders(row, j) * s.log.values.col(*column);
-  }
-  return x;
+  return qerr::encoder_reference(s.model, s.log, static_cast<Eigen::Index>(encoder)).position;
 }
 
 double ideal_sigma(const Sanity& s, std::size_t joint) {
@@ -53,6 +44,7 @@ Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<s
   c.p_value = std::max(p_value, 1e-300);
   c.gain.rms_before = rms_before;
   c.gain.rms_after = rms_after;
+  if (s.model.chain.independent[encoder].prismatic()) c.gain.unit = "m";
   return c;
 }
 

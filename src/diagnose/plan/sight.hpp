@@ -2,10 +2,10 @@
 
 #include <vector>
 
+#include "../term.hpp"
 #include "detection.hpp"
 #include "planned_record.hpp"
 #include "qerr/diagnose/plan.hpp"
-#include "term.hpp"
 
 namespace qerr {
 

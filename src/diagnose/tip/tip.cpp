@@ -106,6 +106,8 @@ Gain gain_of(const TipModel& m) {
   const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
   const HeldOut h = held_out(m, coordinates);
   Gain gain;
+  gain.unit = "m";
+  gain.of_tip = true;
   gain.rms_before = rms(h.before);
   gain.rms_after = rms(h.after);
   gain.held_out = true;

@@ -65,6 +65,8 @@ class TipModel {
  private:
   void believe();
   void linearize();
+  void arrange_nuisance();
+  void move_frames();
   void align();
   void draw_surrogates();
 

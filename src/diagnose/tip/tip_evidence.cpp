@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "../smooth_path.hpp"
+#include "../with_effects.hpp"
 #include "qerr/core/parallel.hpp"
-#include "smooth_path.hpp"
-#include "with_effects.hpp"
 
 namespace qerr {
 
@@ -118,7 +118,11 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     if (const auto column = log.find(LogSignal::tip, i)) {
       e.axes.push_back(static_cast<Eigen::Index>(i));
       columns.push_back(*column);
-      e.grid = std::max(e.grid, log.columns[static_cast<std::size_t>(*column)].step());
+      // A coordinate that never changes, as one of a planar arm, is written "0" and tells nothing of the
+      // grid.
+      const auto seen = log.values.col(*column);
+      if (seen.maxCoeff() > seen.minCoeff())
+        e.grid = std::max(e.grid, log.columns[static_cast<std::size_t>(*column)].step());
     }
   const auto count = static_cast<Eigen::Index>(model.chain.independent.size());
   const Eigen::Index rows = log.values.rows();
