@@ -174,7 +174,8 @@ class ThresholdSearch {
     double above = grid_[static_cast<std::size_t>(at - 1)], below = grid_[static_cast<std::size_t>(at + 1)];
     for (int i = 0; i < 20; ++i) {
       const double a = below + 0.382 * (above - below), b = below + 0.618 * (above - below);
-      (excess(far + a) < excess(far + b) ? below : above) = excess(far + a) < excess(far + b) ? a : b;
+      const bool a_is_less = excess(far + a) < excess(far + b);
+      (a_is_less ? below : above) = a_is_less ? a : b;
     }
     const double part = 0.5 * (above + below), refined = excess(far + part);
     const auto place = std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g < part; });

@@ -1,5 +1,6 @@
 #include "qerr/bound/quantized_sine.hpp"
 
+#include <algorithm>
 #include <array>
 #include <boost/math/special_functions/gamma.hpp>
 #include <boost/math/special_functions/zeta.hpp>
@@ -47,12 +48,15 @@ class HankelSum {
 
   double operator()(int bessel_order, double x, double amplitude) const {
     x -= std::floor(x + 0.5);
+    // Terms shrink by |x| each: so many bits.
+    const double bits = std::max(1.0, -std::log2(std::abs(x)));
     double sum = 0, weight = 1, power = x > 0 ? std::sqrt(x) * (lowest_power_ > 1 ? x : 1) : 0;
     for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
-      // The weight spares the higher orders digits, 2^-k the higher terms.
+      // The weight spares the higher orders digits.
+      const int needed = static_cast<int>((54 + std::ilogb(weight)) / bits);
       // Even and odd terms apart, two chains that run side by side.
       double even = 0, odd_terms = 0;
-      for (std::size_t k = terms - 6 * m; k > 0; k -= 2) {
+      for (std::size_t k = std::min(terms, static_cast<std::size_t>(needed / 2 * 2 + 2)); k > 0; k -= 2) {
         odd_terms = odd_terms * x * x + smooth_[m][k - 1];
         even = even * x * x + smooth_[m][k - 2];
       }
