@@ -9,6 +9,7 @@ std::vector<Contestant> contestants() {
   for (Contestant& row : qerr_batched()) rows.push_back(std::move(row));
   rows.push_back(qerr_workspace());
   rows.push_back(kdl());
+  rows.push_back(kdl_tuned());
 #ifdef QERR_WITH_RBDL
   rows.push_back(rbdl());
 #endif

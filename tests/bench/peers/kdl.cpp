@@ -32,7 +32,8 @@ KDL::Joint joint(const ChainJoint& j) {
   return K(j.name, KDL::Vector::Zero(), vector(j.axis), j.prismatic ? K::TransAxis : K::RotAxis);
 }
 
-KDL::Chain chain_of(const Chain& chain) {
+/// As one tunes it by hand: fixed transforms behind the joints, joints of their own kinds.
+KDL::Chain tuned(const Chain& chain) {
   KDL::Chain result;
   result.addSegment(
       KDL::Segment("base", KDL::Joint("base", KDL::Joint::Fixed), frame(chain.joints[0].origin)));
@@ -44,6 +45,21 @@ KDL::Chain chain_of(const Chain& chain) {
   return result;
 }
 
+/// As kdl_parser makes it of a URDF, which is how most users get theirs: each joint turns about an axis in
+/// the frame before.
+KDL::Chain parsed(const Chain& chain) {
+  KDL::Chain result;
+  for (const ChainJoint& j : chain.joints) {
+    const KDL::Frame origin = frame(j.origin);
+    const auto kind = j.prismatic ? KDL::Joint::TransAxis : KDL::Joint::RotAxis;
+    result.addSegment(
+        KDL::Segment(j.name, KDL::Joint(j.name, origin.p, origin.M * vector(j.axis), kind), origin));
+  }
+  result.addSegment(KDL::Segment("tip", KDL::Joint("tip", KDL::Joint::Fixed), frame(chain.tip_offset)));
+  return result;
+}
+
+template <KDL::Chain (*chain_of)(const Chain&)>
 class KdlArm {
  public:
   static constexpr int linear = 0;
@@ -70,7 +86,13 @@ class KdlArm {
 }  // namespace
 
 Contestant kdl() {
-  return scalar_contestant<KdlArm>("KDL", std::string(KDL_VERSION_STRING) + ", caller " QERR_PEER_FLAGS);
+  return scalar_contestant<KdlArm<parsed>>(
+      "KDL", std::string(KDL_VERSION_STRING) + ", chain as of kdl_parser, caller " QERR_PEER_FLAGS);
+}
+
+Contestant kdl_tuned() {
+  return scalar_contestant<KdlArm<tuned>>("KDL tuned",
+                                          std::string(KDL_VERSION_STRING) + ", caller " QERR_PEER_FLAGS);
 }
 
 }  // namespace qerr::bench

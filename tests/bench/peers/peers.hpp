@@ -9,6 +9,7 @@
 namespace qerr::bench {
 
 QERR_PEER Contestant kdl();
+QERR_PEER Contestant kdl_tuned();
 QERR_PEER Contestant rbdl();
 QERR_PEER Contestant pinocchio_peer();
 
