@@ -2,49 +2,15 @@
 
 #include <cmath>
 #include <limits>
-#include <numbers>
+
+#include "qerr/bound/remainder.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// Second-order remainders that hold over the whole quantization box.
-struct Remainder {
-  double position = 0;        ///< [m]
-  double rotation = 0;        ///< [rad], of one component of the rotation vector
-  double rotation_angle = 0;  ///< [rad], bound of the whole angle
-};
-
-/// @param h  largest error of each moving joint [rad or m]
-Remainder remainder(const Chain& chain, const Jacobian& joints, const Eigen::VectorXd& h) {
-  const Eigen::Index count = joints.cols();
-  const auto prismatic = [&](Eigen::Index k) { return chain.joints[static_cast<std::size_t>(k)].prismatic; };
-  Eigen::VectorXd reach(count);
-  double beyond = 0;  // how far the joints past k can shift the tip
-  for (Eigen::Index k = count; k-- > 0;) {
-    reach[k] = prismatic(k) ? 1.0 : joints.col(k).head<3>().norm() + beyond;
-    beyond += reach[k] * h[k];
-  }
-  Remainder r;
-  double before = 0;  // S_{k-1}
-  double axes = 0;
-  for (Eigen::Index k = 0; k < count; ++k) {
-    if (prismatic(k)) {
-      r.position += before * h[k];
-      continue;
-    }
-    r.position += 0.5 * reach[k] * h[k] * (2 * before + h[k]);
-    axes += 0.5 * h[k] * before;
-    before += h[k];
-  }
-  r.rotation_angle = before;
-  r.rotation = before <= std::numbers::pi ? axes + before * before * (0.25 + 0.034 * before)
-                                          : std::numeric_limits<double>::infinity();
-  return r;
-}
-
-double rigorous_bound(Coordinate c, double linear, const Remainder& r) {
-  if (is_position(c)) return linear + r.position;
+double rigorous_bound(Coordinate c, double linear, const Remainder& r, double of_position) {
+  if (is_position(c)) return linear + of_position;
   if (is_rotation_vector(c)) return std::min(linear + r.rotation, r.rotation_angle);
   return std::numeric_limits<double>::infinity();
 }
@@ -122,16 +88,12 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
     if (unbounded[i])
       e.half_width[i] = e.worst_case[i] = e.sigma[i] = infinity, e.weighted.row(i).setConstant(infinity);
 
-  const Eigen::VectorXd largest = joint_error(model.transmission, model.sources).worst_case;
-  Eigen::VectorXd h(joints.cols());
-  for (Eigen::Index k = 0; k < h.size(); ++k) {
-    const ChainJoint& joint = model.chain.joints[static_cast<std::size_t>(k)];
-    h[k] = std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
-  }
-  const Remainder r = remainder(model.chain, joints, h);
+  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const double of_position = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
   e.rigorous.resize(e.sigma.size());
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
-    e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r);
+    e.rigorous[i] =
+        rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r, of_position);
   return e;
 }
 

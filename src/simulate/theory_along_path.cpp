@@ -7,18 +7,19 @@
 
 namespace qerr {
 
-AlongPath::AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders)
-    : squares_(stretches, Eigen::MatrixXd::Zero(mean.size(), encoders)),
-      mean_(mean),
-      rigorous_(Eigen::VectorXd::Zero(mean.size())),
+AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
+    : squares_(stretches, Eigen::MatrixXd::Zero(coordinates, encoders)),
+      rigorous_(Eigen::VectorXd::Zero(coordinates)),
       deviation_(rigorous_) {}
 
-void AlongPath::add(const OperationalError& e, double progress) {
-  rigorous_ = rigorous_.cwiseMax(e.rigorous);
-  deviation_ = deviation_.cwiseMax(e.rigorous - e.mean.cwiseAbs() + (e.mean - mean_).cwiseAbs());
-  if (progress < 0) return;
-  squares_[static_cast<std::size_t>(progress * stretches)] += e.weighted.cwiseAbs2();
-  counted_ += 1;
+void AlongPath::add(const Eigen::MatrixXd& squares, std::size_t samples, std::size_t stretch) {
+  squares_[stretch] += squares;
+  counted_ += static_cast<double>(samples);
+}
+
+void AlongPath::bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation) {
+  rigorous_ = rigorous_.cwiseMax(rigorous);
+  deviation_ = deviation_.cwiseMax(deviation);
 }
 
 void AlongPath::append(const AlongPath& later) {

@@ -124,11 +124,17 @@ struct JointRoom {
   L point[3];   ///< on the joint's axis
 };
 
-/// Columns of the Jacobian of the moving joints times a factor each. @returns as `walk`
-template <class L>
+/// For a walk that keeps nothing of the frames behind the joints.
+struct PassBy {
+  template <class L>
+  [[gnu::always_inline]] void operator()(std::size_t, const Frame<L>&) const {}
+};
+
+/// Columns of the Jacobian of the moving joints times a factor each. @param leave, @returns as `walk`
+template <class L, class Leave = PassBy>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
-                                               std::size_t stride, SineCosine<L>* moved,
-                                               JointRoom<L>* joints) {
+                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
+                                               Leave leave = {}) {
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
@@ -138,7 +144,7 @@ template <class L>
           joints[k].point[i] = f.o[i];
         }
       },
-      [](std::size_t, const Frame<L>&) {});
+      leave);
   for (std::size_t k = 0; k < chain.count; ++k) {
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};
