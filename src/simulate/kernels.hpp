@@ -58,8 +58,10 @@ struct ErrorPlan {
   const double* per_resolution;  ///< 1/Delta of each encoder
   std::size_t coordinates;
   const int* rows;  ///< 0..2 position, 3..5 rotation vector, 6..8 roll pitch yaw
-  bool positions, rotations, angles, biased;
+  bool rotations, angles, biased;
+  bool mixed;                ///< some columns are sums
   double remainder;          ///< of the position (remainder.hpp)
+  double largest_remainder;  ///< a bound of it wherever the joints are; infinite where that is not known
   const double* per_column;  ///< of |scaled column|
   double rotation, rotation_angle;
   const double* center_mean;  ///< of each coordinate
@@ -72,8 +74,8 @@ struct ErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
   const double *encoder, *measured;              ///< true and as read
   double* rows;       ///< [instant][width]: error, its linear part, parts of the encoders, and mean
-  double* squares;    ///< [encoder][coordinate]: (J C Delta)^2
-  double* variance;   ///< [coordinate]: their sum
+  double* squares;    ///< [encoder][coordinate]: (J C Delta)^2, of each instant, or
+  bool summed;        ///< summed up over the batch, some lanes at the beginning of each row
   double* rigorous;   ///< [coordinate]: largest bound so far
   double* deviation;  ///< [coordinate]: and of the difference from the mean at the centre
   double* room;
@@ -102,9 +104,12 @@ struct SimulationKernels {
   void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
   /// Counts and counts * resolution of one encoder. @returns whether all of them are whole within 2^53
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
+  /// The largest |number| of a row of 64.
+  double (*largest)(const double* row);
   void (*errors)(const ErrorPlan&, const ErrorBatch&);
-  /// Sums of rows of 64 over the instants first .. last - 1.
-  void (*sums)(const double* rows, std::size_t count, std::size_t first, std::size_t last, double* to);
+  /// Sums over the instants first .. last - 1 of rows of 64, or, `summed`, of the lanes at their beginning.
+  void (*sums)(const double* rows, std::size_t count, bool summed, std::size_t first, std::size_t last,
+               double* to);
   /// Rows `stride` apart through a section, into rows side by side.
   void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
                   std::size_t width, double* state, double* out);
@@ -114,6 +119,8 @@ struct SimulationKernels {
   /// @param peaks  of how many channels the peak is asked for
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 const Tally&);
+  /// As PathLosses (noise_in_motion.hpp).
+  double (*losses)(const double* x, const double* earlier, std::size_t count, std::size_t step);
 };
 
 extern const SimulationKernels portable_simulation, avx2_simulation, avx512_simulation;

@@ -15,6 +15,9 @@ struct ErrorRoom {
   JointRoom<L>* joints;  // [moving joint]
   L (*mixed)[6];         // [column]: those that are not a joint's own
   L* channels;           // [width]
+  L* missed;             // [encoder]: its error over its resolution
+  L* worst;              // [coordinate][2]: linear bound, and that of the difference from the mean
+  L* pose;               // [9]: error of the pose
 };
 
 inline std::size_t joints_of(const ErrorPlan& p) {
@@ -23,7 +26,8 @@ inline std::size_t joints_of(const ErrorPlan& p) {
 
 template <class L>
 std::size_t errors_room(const ErrorPlan& p) {
-  return joints_of(p) * room_per_joint<L> + ((p.encoders + p.sources) * 6 + p.width) * lane_count<L>;
+  return joints_of(p) * room_per_joint<L> +
+         ((p.encoders + p.sources) * 6 + p.width + p.encoders + 2 * p.coordinates + 9) * lane_count<L>;
 }
 
 template <class L>
@@ -33,6 +37,9 @@ ErrorRoom<L> furnished(const ErrorPlan& p, double* room) {
   r.joints = reinterpret_cast<JointRoom<L>*>(r.moved + joints_of(p));
   r.mixed = reinterpret_cast<L(*)[6]>(r.joints + joints_of(p));
   r.channels = reinterpret_cast<L*>(r.mixed + p.encoders + p.sources);
+  r.missed = r.channels + p.width;
+  r.worst = r.missed + p.encoders;
+  r.pose = r.worst + 2 * p.coordinates;
   return r;
 }
 
@@ -109,104 +116,168 @@ template <class L>
   return f;
 }
 
-/// The Jacobian's part of the errors at the instants from `i`: linear parts, and bounds along the path.
+/// Takes the bounds of these instants into the largest ones.
 template <class L>
-[[gnu::always_inline]] inline void linear_errors(const ErrorPlan& p, const ErrorBatch& b, std::size_t i,
-                                                 const EulerRates<L>& rates, const ErrorRoom<L>& room) {
-  const std::size_t m = p.coordinates;
+[[gnu::noinline]] void raise_bounds(const ErrorPlan& p, const ErrorBatch& b, const ErrorRoom<L>& room) {
   L of_position = broadcast<L>(p.remainder);
-  if (p.positions)
-    for (std::size_t k = 0; k < p.chain.count; ++k) {
-      const L(&column)[6] = room.joints[k].column;
-      const L norm2 = fma(column[2], column[2], fma(column[1], column[1], column[0] * column[0]));
-      if (p.per_column[k] != 0) of_position = fma(p.per_column[k], sqrt(norm2), of_position);
-    }
-  for (std::size_t c = 0; c < m; ++c) {
-    const int row = p.rows[c];
-    const bool angle = row >= 6;
-    const auto entry = [&](std::size_t e) [[gnu::always_inline]] {
-      const ErrorColumn& column = p.columns[e];
-      const L(&of)[6] = column.direct ? room.joints[p.parts[column.first].joint].column : room.mixed[e];
-      if (!angle) return of[row];
-      const L(&rate)[3] = rates.of[row - 6];
-      return fma(rate[2], of[5], fma(rate[1], of[4], rate[0] * of[3]));
-    };
-    L linear{}, variance{}, sum{}, mean{};
-    for (std::size_t e = 0; e < p.encoders; ++e) {
-      L weighted = entry(e);
-      sum += abs(weighted);
-      mean = fma(p.columns[e].mean, weighted, mean);
-      if (angle && row != 7) weighted = rates.unbounded ? broadcast<L>(__builtin_inf()) : weighted;
-      const std::size_t at = e * batch_size + i;
-      const L miss = (load<L>(b.measured + at) - load<L>(b.encoder + at)) * p.per_resolution[e];
-      const L part = weighted * miss, square = weighted * weighted;
-      room.channels[m * (2 + e) + c] = part;
-      store(b.squares + (e * m + c) * batch_size + i, square);
-      linear += part;
-      variance += square;
-    }
-    room.channels[m + c] = linear;
-    store(b.variance + c * batch_size + i, variance);
-    L half = 0.5 * sum;
-    for (std::size_t s = p.encoders; s < p.encoders + p.sources; ++s) {
-      const L column = entry(s);
-      mean = fma(p.columns[s].mean, column, mean);
-      half = fma(p.columns[s].half_width, abs(column), half);
-    }
-    if (p.biased) room.channels[m * (2 + p.encoders) + c] = mean;
-    if (angle) continue;
-    const L worst = half + abs(mean);
-    const L bound = row < 3 ? worst + of_position : min(worst + p.rotation, broadcast<L>(p.rotation_angle));
-    const std::size_t at = c * lane_count<L>;
-    store(b.rigorous + at, max(load<L>(b.rigorous + at), bound));
-    const L deviation = bound - abs(mean) + abs(mean - p.center_mean[c]);
-    store(b.deviation + at, max(load<L>(b.deviation + at), deviation));
+  for (std::size_t k = 0; k < p.chain.count; ++k) {
+    const L(&column)[6] = room.joints[k].column;
+    const L norm2 = fma(column[2], column[2], fma(column[1], column[1], column[0] * column[0]));
+    of_position = fma(p.per_column[k], sqrt(norm2), of_position);
+  }
+  for (std::size_t c = 0; c < p.coordinates; ++c) {
+    if (p.rows[c] >= 6) continue;
+    const L worst = room.worst[2 * c], less = worst - room.worst[2 * c + 1];
+    const L bound =
+        p.rows[c] < 3 ? worst + of_position : min(worst + p.rotation, broadcast<L>(p.rotation_angle));
+    double* const rigorous = b.rigorous + c * lane_count<L>;
+    double* const deviation = b.deviation + c * lane_count<L>;
+    store(rigorous, max(load<L>(rigorous), bound));
+    store(deviation, max(load<L>(deviation), bound - less));
   }
 }
 
-/// Errors of a batch of instants: of the pose (tip_error), and what the Jacobian makes of those of the
-/// encoders (operational_error).
+/// One coordinate at some instants: its rate along any column, and what is unbounded of it.
 template <class L>
-void errors(const ErrorPlan& p, const ErrorBatch& b) {
+struct Row {
+  int of;  ///< of the Jacobian; of Euler angles none
+  const L* rate;
+  const Bits<L>* unbounded;
+
+  [[gnu::always_inline]] L along(const L* column) const {
+    if (!rate) return column[of];
+    return fma(rate[2], column[5], fma(rate[1], column[4], rate[0] * column[3]));
+  }
+};
+
+template <class L>
+[[gnu::always_inline]] inline const L* column_of(const ErrorPlan& p, const ErrorRoom<L>& room,
+                                                 std::size_t e) {
+  const ErrorColumn& column = p.columns[e];
+  return column.direct ? room.joints[p.parts[column.first].joint].column : room.mixed[e];
+}
+
+/// Parts of all encoders in one coordinate, their sum and the sum of their sizes.
+///
+/// @tparam summed  squares are summed up over the batch, else kept of every instant
+template <bool summed, class L>
+[[gnu::always_inline]] inline L encoder_parts(const ErrorPlan& p, const ErrorBatch& b, std::size_t i,
+                                              std::size_t c, const Row<L>& row, const ErrorRoom<L>& room) {
+  const std::size_t m = p.coordinates;
+  L linear{}, sizes{};
+  for (std::size_t e = 0; e < p.encoders; ++e) {
+    L weighted = row.along(column_of(p, room, e));
+    sizes += abs(weighted);
+    if (row.unbounded) weighted = *row.unbounded ? broadcast<L>(__builtin_inf()) : weighted;
+    const L part = weighted * room.missed[e];
+    room.channels[m * (2 + e) + c] = part;
+    linear += part;
+    double* const squares = b.squares + (e * m + c) * batch_size + (summed ? 0 : i);
+    store(squares, summed ? fma(weighted, weighted, load<L>(squares)) : weighted * weighted);
+  }
+  room.channels[m + c] = linear;
+  return sizes;
+}
+
+/// The Jacobian's part of the errors at the instants from `i`, and bounds along the path.
+template <bool summed, class L>
+[[gnu::always_inline]] inline void linear_errors(const ErrorPlan& p, const ErrorBatch& b, std::size_t i,
+                                                 const EulerRates<L>& rates, const ErrorRoom<L>& room) {
+  const std::size_t m = p.coordinates;
+  for (std::size_t e = 0; e < p.encoders; ++e) {
+    const std::size_t at = e * batch_size + i;
+    room.missed[e] = (load<L>(b.measured + at) - load<L>(b.encoder + at)) * p.per_resolution[e];
+  }
+  Bits<L> higher{};
+  for (std::size_t c = 0; c < m; ++c) {
+    const int of = p.rows[c];
+    const bool angle = of >= 6;
+    const Row<L> row{of, angle ? rates.of[of - 6] : nullptr, angle && of != 7 ? &rates.unbounded : nullptr};
+    L worst = 0.5 * encoder_parts<summed>(p, b, i, c, row, room), mean{};
+    if (p.biased || p.sources > 0) {
+      for (std::size_t e = 0; e < p.encoders; ++e)
+        mean = fma(p.columns[e].mean, row.along(column_of(p, room, e)), mean);
+      for (std::size_t s = p.encoders; s < p.encoders + p.sources; ++s) {
+        const L along = row.along(column_of(p, room, s));
+        mean = fma(p.columns[s].mean, along, mean);
+        worst = fma(p.columns[s].half_width, abs(along), worst);
+      }
+      worst += abs(mean);
+    }
+    if (p.biased) room.channels[m * (2 + p.encoders) + c] = mean;
+    if (angle) continue;
+    const L deviation = worst - abs(mean) + abs(mean - p.center_mean[c]);
+    room.worst[2 * c] = worst;
+    room.worst[2 * c + 1] = deviation;
+    const double most = of < 3 ? p.largest_remainder : p.rotation;
+    higher |= (worst + most > load<L>(b.rigorous + c * lane_count<L>)) |
+              (deviation + most > load<L>(b.deviation + c * lane_count<L>));
+  }
+  // Records are rare, and the roots of the remainder dear.
+  if (any<L>(higher)) raise_bounds(p, b, room);
+}
+
+/// Estimate minus truth of the pose: positions; the rotation vector of R_hat R^T; Euler angles.
+template <class L>
+[[gnu::always_inline]] inline void pose_error(const ErrorPlan& p, const Frame<L>& estimate,
+                                              const Frame<L>& truth, L* error) {
+#pragma GCC unroll 3
+  for (int k = 0; k < 3; ++k) error[k] = estimate.o[k] - truth.o[k];
+  if (!p.rotations && !p.angles) return;
+  Axes<L> seen, real;
+  if (p.as_modelled && !p.angles) {
+    // The constant turn behind the last joint drops out of R_hat R^T.
+    seen = axes_of(estimate);
+    real = axes_of(truth);
+  } else {
+    seen = axes_of(estimate, p.chain.tip_axes);
+    real = axes_of(truth, p.built.tip_axes);
+  }
+  L three[3];
+  if (p.rotations) {
+    rotation_vector(seen, real, three);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k) error[3 + k] = three[k];
+  }
+  if (p.angles) {
+    roll_pitch_yaw(seen, real, three);
+#pragma GCC unroll 3
+    for (int k = 0; k < 3; ++k) error[6 + k] = three[k];
+  }
+}
+
+/// Errors of a batch of instants: of the pose, and what the Jacobian makes of those of the encoders
+/// (operational_error).
+template <bool summed, class L>
+void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
   const ErrorRoom<L> room = furnished<L>(p, b.room);
-  const bool turned = p.rotations || p.angles;
   shift_origins(p, 0, base_frame<L>(), room);
   for (std::size_t c = p.coordinates; c < p.width; ++c) room.channels[c] = L{};
+  if (summed)
+    for (std::size_t k = 0; k < p.encoders * p.coordinates; ++k) store(b.squares + k * batch_size, L{});
+  EulerRates<L> rates;
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const auto pass_by = [](std::size_t, const Frame<L>&) {};
-    const Frame<L> estimate = walk<L>(p.chain, b.estimate + i, batch_size, room.moved, pass_by, pass_by);
+    const Frame<L> estimate = walk<L>(p.chain, b.estimate + i, batch_size, room.moved, PassBy{}, PassBy{});
     const Frame<L> modelled = columns<L>(p.chain, p.scale, b.joint + i, batch_size, room.moved, room.joints,
                                          [&](std::size_t k, const Frame<L>& f) {
                                            if (p.sources > 0) shift_origins(p, k + 1, f, room);
                                          });
-    mix_columns(p, room);
-    const Frame<L> truth =
-        p.as_modelled ? modelled
-                      : walk<L>(p.built, b.built_joint + i, batch_size, room.moved, pass_by, pass_by);
-    L error[9] = {};
-#pragma GCC unroll 3
-    for (int k = 0; k < 3; ++k) error[k] = estimate.o[k] - truth.o[k];
-    EulerRates<L> rates;
-    if (turned) {
-      const Axes<L> seen = axes_of(estimate, p.chain.tip_axes), real = axes_of(truth, p.built.tip_axes);
-      if (p.rotations) {
-        L vector[3];
-        rotation_vector(seen, real, vector);
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) error[3 + k] = vector[k];
-      }
-      if (p.angles) {
-        L angles[3];
-        roll_pitch_yaw(seen, real, angles);
-#pragma GCC unroll 3
-        for (int k = 0; k < 3; ++k) error[6 + k] = angles[k];
-        rates = euler_rates(axes_of(modelled, p.chain.tip_axes));
-      }
-    }
-    for (std::size_t c = 0; c < p.coordinates; ++c) room.channels[c] = error[p.rows[c]];
-    linear_errors(p, b, i, rates, room);
+    if (p.mixed) mix_columns(p, room);
+    if (p.as_modelled)
+      pose_error(p, estimate, modelled, room.pose);
+    else
+      pose_error(p, estimate, walk<L>(p.built, b.built_joint + i, batch_size, room.moved, PassBy{}, PassBy{}),
+                 room.pose);
+    if (p.angles) rates = euler_rates(axes_of(modelled, p.chain.tip_axes));
+    for (std::size_t c = 0; c < p.coordinates; ++c) room.channels[c] = room.pose[p.rows[c]];
+    linear_errors<summed>(p, b, i, rates, room);
     into_rows(room.channels, p.width, b.rows + i * p.width);
   }
+}
+
+template <class L>
+void errors(const ErrorPlan& p, const ErrorBatch& b) {
+  b.summed ? errors_of<true, L>(p, b) : errors_of<false, L>(p, b);
 }
 
 }  // namespace

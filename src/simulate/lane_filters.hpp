@@ -74,19 +74,24 @@ void section_of_kind(const SectionPlan& s, const double* in, std::size_t stride,
   }
 }
 
+/// Vectors of a group: as many as the registers hold with what is kept of each.
+template <class L>
+constexpr int largest_group = lane_count<L> == 8 ? 8 : 4;
+
+/// kernel<group>(first channel) for groups of vectors, the largest first.
+template <int group, class L, class Kernel>
+[[gnu::always_inline]] inline void in_groups(std::size_t c, std::size_t width, Kernel kernel) {
+  for (; c + group * lane_count<L> <= width; c += group * lane_count<L>) kernel.template operator()<group>(c);
+  if constexpr (group > 1)
+    if (c < width) in_groups<group - 1, L>(c, width, kernel);
+}
+
 template <class L>
 void section(const SectionPlan& s, const double* in, std::size_t stride, std::size_t rows, std::size_t width,
              double* state, double* out) {
-  constexpr auto lanes = lane_count<L>;
-  for (std::size_t c = 0; c < width;) {
-    const std::size_t left = (width - c) / lanes;
-    auto* const kernel = left >= 4   ? section_of_kind<L, 4>
-                         : left == 3 ? section_of_kind<L, 3>
-                         : left == 2 ? section_of_kind<L, 2>
-                                     : section_of_kind<L, 1>;
-    kernel(s, in + c, stride, rows, width, state + c, out + c);
-    c += lanes * (left >= 4 ? 4 : left);
-  }
+  in_groups<largest_group<L>, L>(0, width, [&]<int group>(std::size_t c) {
+    section_of_kind<L, group>(s, in + c, stride, rows, width, state + c, out + c);
+  });
 }
 
 template <class L>
@@ -134,11 +139,10 @@ template <class L, int group, bool peaks>
 template <class L>
 void tally(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
            const Tally& t) {
-  constexpr auto lanes = lane_count<L>;
-  std::size_t c = 0;
-  for (; c < peaks; c += lanes) tally_on<L, 1, true>(in, stride, rows, c, t);
-  for (; c + 4 * lanes <= width; c += 4 * lanes) tally_on<L, 4, false>(in, stride, rows, c, t);
-  for (; c < width; c += lanes) tally_on<L, 1, false>(in, stride, rows, c, t);
+  in_groups<4, L>(0, width, [&]<int group>(std::size_t c) {
+    c < peaks ? tally_on<L, group, true>(in, stride, rows, c, t)
+              : tally_on<L, group, false>(in, stride, rows, c, t);
+  });
 }
 
 }  // namespace

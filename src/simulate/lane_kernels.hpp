@@ -57,25 +57,69 @@ bool quantize(const Quantizer& q, const double* position, double* counts, double
 }
 
 template <class L>
-void sums(const double* rows, std::size_t count, std::size_t first, std::size_t last, double* to) {
-  const bool whole = first == 0 && last == batch_size;
+double largest(const double* row) {
+  L all{};
+#pragma GCC unroll 4
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) all = max(abs(load<L>(row + i)), all);
+  double one = 0;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) one = one < all[i] ? all[i] : one;
+  return one;
+}
+
+template <class L>
+void sums(const double* rows, std::size_t count, bool summed, std::size_t first, std::size_t last,
+          double* to) {
+  constexpr auto lanes = lane_count<L>;
+  Bits<L> lane;
+  for (std::size_t i = 0; i < lanes; ++i) lane[i] = static_cast<std::int64_t>(i);
+  const auto from = static_cast<std::int64_t>(first), end = static_cast<std::int64_t>(last);
   for (std::size_t row = 0; row < count; ++row) {
     const double* const values = rows + row * batch_size;
-    double sum = 0;
-    if (whole) {
-      L all = load<L>(values);
-      for (std::size_t i = lane_count<L>; i < batch_size; i += lane_count<L>) all += load<L>(values + i);
-      for (std::size_t i = 0; i < lane_count<L>; ++i) sum += all[i];
+    L all{};
+    if (summed) {
+      all = load<L>(values);
     } else {
-      for (std::size_t i = first; i < last; ++i) sum += values[i];
+      for (std::size_t i = first / lanes * lanes; i < last; i += lanes) {
+        const Bits<L> at = lane + static_cast<std::int64_t>(i);
+        all += (at >= from) & (at < end) ? load<L>(values + i) : L{};
+      }
     }
+    double sum = 0;
+#pragma GCC unroll 8
+    for (std::size_t i = 0; i < lanes; ++i) sum += all[i];
     to[row] = sum;
   }
 }
 
+/// {s}(1 - {s}) of s = x[k] - earlier[k], summed over k = 0, step, ...
+template <class L>
+double losses(const double* x, const double* earlier, std::size_t count, std::size_t step) {
+  constexpr double magic = 0x1.8p52;  // added and taken away again it leaves the nearest integer
+  constexpr auto lanes = lane_count<L>;
+  L sums[2]{};
+  std::size_t k = 0;
+  if (step == 1)
+    for (; k + 2 * lanes <= count; k += 2 * lanes)
+#pragma GCC unroll 2
+      for (std::size_t h = 0; h < 2; ++h) {
+        const L s = load<L>(x + k + h * lanes) - load<L>(earlier + k + h * lanes);
+        const L part = abs(s - ((s + magic) - magic));
+        sums[h] += fma(-part, part, part);
+      }
+  sums[0] += sums[1];
+  double sum = 0;
+  for (std::size_t i = 0; i < lanes; ++i) sum += sums[0][i];
+  for (; k < count; k += step) {
+    const double s = x[k] - earlier[k], off = s - ((s + magic) - magic), part = off < 0 ? -off : off;
+    sum += part * (1 - part);
+  }
+  return sum;
+}
+
 template <int n, class L = Lanes<n>>
-constexpr SimulationKernels simulation_kernels{n,         errors_room<L>, positions<L>, mix<L>,  quantize<L>,
-                                               errors<L>, sums<L>,        section<L>,   taps<L>, tally<L>};
+constexpr SimulationKernels simulation_kernels{n,           errors_room<L>, positions<L>, mix<L>,
+                                               quantize<L>, largest<L>,     errors<L>,    sums<L>,
+                                               section<L>,  taps<L>,        tally<L>,     losses<L>};
 
 }  // namespace
 }  // namespace qerr::lanes

@@ -60,6 +60,18 @@ template <class L>
 }
 
 template <class L>
+[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f) {
+  Axes<L> a;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    a.x[i] = f.x[i];
+    a.y[i] = f.y[i];
+    a.z[i] = f.z[i];
+  }
+  return a;
+}
+
+template <class L>
 [[gnu::always_inline]] inline L dot(const L (&a)[3], const L (&b)[3]) {
   return fma(a[2], b[2], fma(a[1], b[1], a[0] * b[0]));
 }

@@ -39,14 +39,14 @@ FoldedPath along(const FoldedChain& chain, const std::vector<FoldedJoint>& joint
   return path;
 }
 
-bool within_lanes(const FoldedChain& chain, const double* joints) {
-  return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
-    if (joint.prismatic) return true;
-    double largest = 0;
-    for (std::size_t i = 0; i < batch_size; ++i)
-      largest = std::max(largest, std::abs(joints[joint.coordinate * batch_size + i]));
-    return std::abs(joint.multiplier) * largest + std::abs(joint.offset) <= lanes::largest_angle;
-  });
+/// No column of a revolute joint is longer, wherever the joints are; infinite where a joint slides.
+double longest_arm(const Chain& chain) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    if (joint.prismatic) return std::numeric_limits<double>::infinity();
+    sum += joint.origin.translation().norm();
+  }
+  return sum;
 }
 
 }  // namespace
@@ -69,7 +69,7 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
   rows_ = of_lanes(plan_.width);
   squares_ = of_lanes(m * plan_.encoders);
-  variance_ = of_lanes(m);
+  squares_sum_.resize(channels_.coordinates, channels_.encoders);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
   room_ = AlignedNumbers(kernels_.errors_room(plan_));
@@ -136,6 +136,9 @@ void PathErrors::bound(const OperationalModel& model) {
   plan_.remainder = r.position;
   plan_.rotation = r.rotation;
   plan_.rotation_angle = r.rotation_angle;
+  const double arm = longest_arm(model.chain);
+  plan_.largest_remainder =
+      r.per_column.sum() > 0 ? r.position + r.per_column.sum() * (1 + 1e-12) * arm : r.position;
   for (std::size_t k = 0; k < scale_.size(); ++k)
     per_column_.push_back(r.per_column[static_cast<Eigen::Index>(k)] / std::abs(scale_[k]));
 }
@@ -155,10 +158,11 @@ void PathErrors::set_plan(const OperationalModel& model) {
   plan_.per_resolution = per_resolution_.data();
   plan_.coordinates = coordinates_.size();
   plan_.rows = coordinates_.data();
-  plan_.positions = asked(is_position);
   plan_.rotations = asked(is_rotation_vector);
   plan_.angles = asked(is_euler_angle);
   plan_.biased = channels_.biased;
+  plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
+                            [](const ErrorColumn& c) { return !c.direct && !c.origin; });
   plan_.per_column = per_column_.data();
   plan_.center_mean = center_mean_.data();
   const auto count = static_cast<std::size_t>(channels_.count());
@@ -170,17 +174,27 @@ void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
   for (std::size_t k = 0; k < chain.joints.size(); ++k) {
     const FoldedJoint& joint = chain.joints[k];
     for (std::size_t i = 0; i < batch_size; ++i) {
-      const double motion = joint.multiplier * joints[joint.coordinate * batch_size + i] + joint.offset;
-      to[k * batch_size + i] = joint.prismatic ? motion : std::atan2(std::sin(motion), std::cos(motion));
+      const double motion = joint.multiplier * joints[joint.coordinate * batch_size + i];
+      to[k * batch_size + i] =
+          joint.offset + (joint.prismatic ? motion : std::atan2(std::sin(motion), std::cos(motion)));
     }
   }
 }
 
-void PathErrors::operator()(const SensedBatch& b) {
-  ErrorBatch batch{b.joint,          b.joint,           b.estimate,      b.encoder,
-                   b.measured,       rows_.data(),      squares_.data(), variance_.data(),
-                   rigorous_.data(), deviation_.data(), room_.data()};
-  if (within_lanes(chain_, b.joint) && within_lanes(built_, b.joint) && within_lanes(chain_, b.estimate))
+bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) const {
+  return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
+    const double largest = kernels_.largest(joints + joint.coordinate * batch_size);
+    return joint.prismatic ||
+           std::abs(joint.multiplier) * largest + std::abs(joint.offset) <= lanes::largest_angle;
+  });
+}
+
+void PathErrors::operator()(const SensedBatch& b, bool parts) {
+  summed_ = !parts;
+  ErrorBatch batch{b.joint,         b.joint, b.estimate,       b.encoder,         b.measured,  rows_.data(),
+                   squares_.data(), summed_, rigorous_.data(), deviation_.data(), room_.data()};
+  if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
+      (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);
   ErrorPlan plan = plan_;
   plan.chain = along(chain_, direct_chain_);
@@ -194,16 +208,10 @@ void PathErrors::operator()(const SensedBatch& b) {
   kernels_.errors(plan, batch);
 }
 
-Eigen::ArrayXd PathErrors::variance(std::size_t first, std::size_t last) const {
-  Eigen::ArrayXd sum(static_cast<Eigen::Index>(plan_.coordinates));
-  kernels_.sums(variance_.data(), plan_.coordinates, first, last, sum.data());
-  return sum;
-}
-
-Eigen::MatrixXd PathErrors::squares(std::size_t first, std::size_t last) const {
-  Eigen::MatrixXd sum(channels_.coordinates, channels_.encoders);
-  kernels_.sums(squares_.data(), plan_.coordinates * plan_.encoders, first, last, sum.data());
-  return sum;
+const Eigen::MatrixXd& PathErrors::squares(std::size_t first, std::size_t last) {
+  kernels_.sums(squares_.data(), plan_.coordinates * plan_.encoders, summed_, first, last,
+                squares_sum_.data());
+  return squares_sum_;
 }
 
 Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {

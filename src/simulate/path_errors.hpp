@@ -20,21 +20,17 @@ class PathErrors {
   PathErrors(const OperationalModel&, const Chain& built, const Eigen::VectorXd& center_mean,
              InstructionSet = instruction_set());
 
+  /// @param parts  whether sums over parts of the batch will be asked for, not only over all of it
   /// @pre the batch is full; behind the end of a motion its last instant stands again and again
-  void operator()(const SensedBatch&);
+  void operator()(const SensedBatch&, bool parts = true);
 
   std::size_t width() const { return plan_.width; }
   /// Channels of the last batch, [instant][width].
   const double* rows() const { return rows_.data(); }
 
-  /// Of the last batch, over its instants first .. last - 1: sums of the variances by coordinate, up to a
-  /// factor, and of the squares by coordinate and encoder.
-  Eigen::ArrayXd variance(std::size_t first, std::size_t last) const;
-  Eigen::MatrixXd squares(std::size_t first, std::size_t last) const;
-  /// Of one instant.
-  double variance_at(Eigen::Index coordinate, std::size_t instant) const {
-    return variance_[static_cast<std::size_t>(coordinate) * batch_size + instant];
-  }
+  /// Sum of (J C Delta)^2, coordinates x encoders, over the instants first .. last - 1 of the last batch;
+  /// until the next call.
+  const Eigen::MatrixXd& squares(std::size_t first = 0, std::size_t last = batch_size);
 
   /// The largest bounds over all batches so far: of the error, and of its difference from the mean.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }
@@ -47,6 +43,7 @@ class PathErrors {
   void fix_scale(const OperationalModel&);
   void bound(const OperationalModel&);
   void set_plan(const OperationalModel&);
+  bool within_lanes(const FoldedChain&, const double* joints) const;
   void reduce_angles(const FoldedChain&, const double* joints, const AlignedNumbers& to) const;
   Eigen::VectorXd largest(const AlignedNumbers&) const;
 
@@ -59,7 +56,9 @@ class PathErrors {
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
   ErrorPlan plan_{};
-  AlignedNumbers rows_, squares_, variance_, rigorous_, deviation_, room_;
+  bool summed_ = false;
+  Eigen::MatrixXd squares_sum_;
+  AlignedNumbers rows_, squares_, rigorous_, deviation_, room_;
 
   // For angles beyond those of the lanes' sine: the same chains, moved by angles within a turn.
   std::vector<FoldedJoint> direct_chain_, direct_built_;

@@ -59,18 +59,17 @@ class Run {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first));
       const SensedBatch& sensed = sensing_.sense(first, count);
       for (std::size_t i = 0; visited_ && i < count; ++i) job_.options.visit(sensing_.reading(i));
-      errors_(sensed);
+      errors_(sensed, !in_one_part(first, count));
       // The first error stands for all before it: a constant one is no step.
       if (first == 0)
         for (ChannelFilter& filter : filters_) filter.settle(errors_.rows());
-      in_parts(first, count, AlongPath::stretches, [&](std::size_t from, std::size_t to, std::size_t part) {
-        result_.path.add(errors_.squares(from, to), to - from, part);
-      });
+      expect(first, count);
       const std::uint64_t settling = std::clamp(job_.settling, first, first + count) - first;
       filter(first, 0, settling, {});
       in_parts(first, count, job_.blocks, [&](std::size_t from, std::size_t to, std::size_t block) {
-        result_.outputs[0].add(errors_.rows() + from * errors_.width(), errors_.width(), to - from,
-                               errors_.width(), errors_.variance(from, to), block, kernels_, room_.data());
+        const std::size_t width = errors_.width();
+        result_.outputs[0].add(errors_.rows() + from * width, width, to - from, width, block, kernels_,
+                               room_.data());
         filter(first, from, to, block);
       });
       if (first % tick_samples == 0) tick();
@@ -110,19 +109,42 @@ class Run {
       if (start >= to) continue;
       const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
       const double* const out = filters_[f](errors_.rows() + start * width, every * width, rows);
-      if (block)
-        result_.outputs[f + 1].add(out, width, rows, width, expected(start, to, every), *block, kernels_,
-                                   room_.data());
+      if (block) result_.outputs[f + 1].add(out, width, rows, width, *block, kernels_, room_.data());
     }
   }
 
-  /// Sum of the variances at every n-th sample.
-  Eigen::ArrayXd expected(std::size_t from, std::size_t to, std::uint64_t every) const {
-    if (every == 1) return errors_.variance(from, to);
-    Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(channels_.coordinates);
-    for (Eigen::Index c = 0; c < sum.size(); ++c)
-      for (std::size_t i = from; i < to; i += every) sum[c] += errors_.variance_at(c, i);
-    return sum;
+  /// Whether all samples of a full batch count, and in one and the same part of everything.
+  bool in_one_part(std::uint64_t first, std::size_t count) const {
+    if (count < batch_size || first < job_.settling) return false;
+    std::size_t parts = 0;
+    for (const std::uint64_t number : {std::uint64_t{AlongPath::stretches}, job_.blocks})
+      in_parts(first, count, number, [&](std::size_t, std::size_t, std::size_t) { ++parts; });
+    return parts == 2 && std::all_of(job_.every.begin(), job_.every.end(), [](auto n) { return n == 1; });
+  }
+
+  /// What the Jacobian says of these samples, to the path and to the statistics.
+  void expect(std::uint64_t first, std::size_t count) {
+    in_parts(first, count, AlongPath::stretches, [&](std::size_t from, std::size_t to, std::size_t part) {
+      const Eigen::MatrixXd& squares = errors_.squares(from, to);
+      result_.path.add(squares, to - from, part);
+      variance_ = squares.rowwise().sum();
+      in_parts(first + from, to - from, job_.blocks, [&](std::size_t a, std::size_t b, std::size_t block) {
+        if (b - a != to - from) variance_ = errors_.squares(from + a, from + b).rowwise().sum();
+        result_.outputs[0].expect(variance_, block);
+        for (std::size_t f = 0; f < filters_.size(); ++f)
+          if (job_.every[f] == 1) result_.outputs[f + 1].expect(variance_, block);
+      });
+    });
+    for (std::size_t f = 0; f < filters_.size(); ++f)
+      if (job_.every[f] > 1) expect_some(first, count, job_.every[f], result_.outputs[f + 1]);
+  }
+
+  /// The same of every n-th sample.
+  void expect_some(std::uint64_t first, std::size_t count, std::uint64_t every, RunStatistics& output) {
+    in_parts(first, count, job_.blocks, [&](std::size_t from, std::size_t to, std::size_t block) {
+      for (std::size_t i = from; i < to; ++i)
+        if ((first + i) % every == 0) output.expect(errors_.squares(i, i + 1).rowwise().sum().array(), block);
+    });
   }
 
   const Job& job_;
@@ -132,6 +154,7 @@ class Run {
   PathErrors errors_;
   const SimulationKernels& kernels_;
   AlignedNumbers room_;  // of the statistics
+  Eigen::ArrayXd variance_;
   std::vector<ChannelFilter> filters_;
   RunResult result_;
 };

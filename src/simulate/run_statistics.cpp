@@ -19,8 +19,7 @@ RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::
       peak_(Eigen::ArrayXd::Zero(expected)) {}
 
 void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::size_t width,
-                        const Eigen::ArrayXd& variance, std::uint64_t block, const SimulationKernels& kernels,
-                        double* room) {
+                        std::uint64_t block, const SimulationKernels& kernels, double* room) {
   const Tally tally{room, room + width, room + 2 * width, room + 3 * width};
   const Eigen::Index peaks = peak_.size();
   kernels.tally(values, stride, rows, width, static_cast<std::size_t>(peaks), tally);
@@ -30,7 +29,7 @@ void RunStatistics::add(const double* values, std::size_t stride, std::size_t ro
     return Eigen::Map<const Eigen::ArrayXd>(numbers, s.mean.size());
   };
   const Eigen::ArrayXd off = of(tally.sum) / n;
-  s.join({n, of(tally.shift) + off, of(tally.squares) - off * of(tally.sum), variance});
+  s.join({n, of(tally.shift) + off, of(tally.squares) - off * of(tally.sum), Eigen::ArrayXd::Zero(peaks)});
   peak_ = peak_.max(of(tally.peak).head(peaks));
 }
 

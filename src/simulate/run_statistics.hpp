@@ -25,10 +25,15 @@ class RunStatistics {
   /// number times the deviation: whatever the mean, 2 digits are lost at most.
   /// @param rows      at most batch_size, and at least 1
   /// @param width     of a row: the channels, filled up to whole lanes
-  /// @param variance  sum of what theory expects of the first channels in these rows, up to a factor
   /// @param room      4 width numbers, aligned to 64 bytes
-  void add(const double* values, std::size_t stride, std::size_t rows, std::size_t width,
-           const Eigen::ArrayXd& variance, std::uint64_t block, const SimulationKernels&, double* room);
+  void add(const double* values, std::size_t stride, std::size_t rows, std::size_t width, std::uint64_t block,
+           const SimulationKernels&, double* room);
+
+  /// @param variance  sum of what theory expects of the first channels in some rows of a block, up to a
+  /// factor
+  void expect(const Eigen::Ref<const Eigen::ArrayXd>& variance, std::uint64_t block) {
+    blocks_[block].expected += variance;
+  }
 
   /// Adds the blocks of a later run.
   void append(const RunStatistics& later);

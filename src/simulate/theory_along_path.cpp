@@ -8,12 +8,14 @@
 namespace qerr {
 
 AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
-    : squares_(stretches, Eigen::MatrixXd::Zero(coordinates, encoders)),
+    : encoders_(encoders),
+      squares_(Eigen::MatrixXd::Zero(coordinates * encoders, stretches)),
       rigorous_(Eigen::VectorXd::Zero(coordinates)),
       deviation_(rigorous_) {}
 
-void AlongPath::add(const Eigen::MatrixXd& squares, std::size_t samples, std::size_t stretch) {
-  squares_[stretch] += squares;
+void AlongPath::add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples,
+                    std::size_t stretch) {
+  squares_.col(static_cast<Eigen::Index>(stretch)) += squares.reshaped();
   counted_ += static_cast<double>(samples);
 }
 
@@ -24,20 +26,18 @@ void AlongPath::bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd&
 
 void AlongPath::append(const AlongPath& later) {
   counted_ += later.counted_;
-  for (std::size_t s = 0; s < stretches; ++s) squares_[s] += later.squares_[s];
+  squares_ += later.squares_;
   rigorous_ = rigorous_.cwiseMax(later.rigorous_);
   deviation_ = deviation_.cwiseMax(later.deviation_);
 }
 
-Eigen::MatrixXd AlongPath::mean_squares() const {
-  return mean_squares(Eigen::MatrixXd::Ones(1, squares_[0].cols()));
-}
+Eigen::MatrixXd AlongPath::mean_squares() const { return mean_squares(Eigen::MatrixXd::Ones(1, encoders_)); }
 
 Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(squares_[0].rows(), squares_[0].cols());
-  for (std::size_t s = 0; s < stretches; ++s) {
-    const auto row = static_cast<Eigen::Index>(s) * weights.rows() / static_cast<Eigen::Index>(stretches);
-    sum += squares_[s] * weights.row(row).asDiagonal();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rigorous_.size(), encoders_);
+  for (Eigen::Index s = 0; s < squares_.cols(); ++s) {
+    const Eigen::Index row = s * weights.rows() / squares_.cols();
+    sum += squares_.col(s).reshaped(sum.rows(), sum.cols()) * weights.row(row).asDiagonal();
   }
   return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
 }

@@ -18,7 +18,7 @@ class AlongPath {
 
   /// Samples of one stretch of the part that counts.
   /// @param squares  sum of (J C Delta)^2 over them, coordinates x encoders
-  void add(const Eigen::MatrixXd& squares, std::size_t samples, std::size_t stretch);
+  void add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples, std::size_t stretch);
   /// All samples, before the part that counts too: a filter remembers what was there.
   void bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation);
   void append(const AlongPath& later);
@@ -35,7 +35,8 @@ class AlongPath {
 
  private:
   double counted_ = 0;
-  std::vector<Eigen::MatrixXd> squares_;
+  Eigen::Index encoders_;
+  Eigen::MatrixXd squares_;  // of a stretch in each column
   Eigen::VectorXd rigorous_, deviation_;
 };
 

@@ -5,8 +5,8 @@
 //   build/tests/bench_simulate
 //
 // One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
-// median over the iterations of plain time over qerr's; the others are samples per second at best. What
-// qerr does besides (theory of every filter along the path) is part of its time.
+// median over the iterations of plain time over qerr's; the others are samples per second at best. Theory of
+// every filter along the path (sigma_exact) is part of both, and in a single run without filters of none.
 
 #include "qerr/simulate/simulate.hpp"
 
@@ -66,11 +66,12 @@ std::vector<Eigen::VectorXd> displacements(const SimulationOptions& o, const Eig
   return all;
 }
 
-Case make_case(bool calibrated, std::size_t coordinates, std::uint64_t runs) {
+Case make_case(bool calibrated, std::size_t coordinates, std::uint64_t runs, std::size_t filters) {
   Spec spec = read_spec(QERR_SOURCE_DIR "/configs/kuka_lwr/spec.yaml");
   Case c{spec.model, designed_filters(spec), {}, {}, {}, {}};
   if (calibrated) calibrate(c.model.chain);
   c.model.coordinates.resize(coordinates);
+  c.filters.resize(filters);
   for (const Filter& filter : c.filters) c.norms.push_back(norms(filter));
   c.motion.sample_rate = 1000;
   c.motion.duration = runs == 1 ? 128 : 2;
@@ -115,6 +116,7 @@ double difference(const Case& c) {
       const auto row = static_cast<Eigen::Index>(i);
       const double h2 = o == 0 ? 1 : c.norms[o - 1].h2;
       compare(a.sigma_ipqn_path, h2 * std::sqrt(theirs.path_squares.row(row).sum() / 12));
+      if (o > 0) compare(a.sigma_exact, theirs.exact(row, static_cast<Eigen::Index>(o - 1)));
       if (o == 0) compare(a.worst_case_path, theirs.rigorous[row]);
     }
   return worst;
@@ -135,7 +137,8 @@ double seconds(Part part) {
 
 void side_by_side(benchmark::State& state, bool calibrated) {
   const auto runs = static_cast<std::uint64_t>(state.range(1));
-  const Case c = make_case(calibrated, static_cast<std::size_t>(state.range(0)), runs);
+  const Case c = make_case(calibrated, static_cast<std::size_t>(state.range(0)), runs,
+                           static_cast<std::size_t>(state.range(2)));
   if (const double d = difference(c); !(d < 1e-11)) {
     std::fprintf(stderr, "qerr and the plain simulation differ by %.2g\n", d);
     std::exit(1);
@@ -158,8 +161,8 @@ void side_by_side(benchmark::State& state, bool calibrated) {
 }
 
 void cases(benchmark::internal::Benchmark* b) {
-  b->ArgNames({"coordinates", "runs"})->ArgsProduct({{3, 6}, {1, 64}});
-  b->UseManualTime()->Iterations(11)->Unit(benchmark::kMillisecond);
+  b->ArgNames({"coordinates", "runs", "filters"})->ArgsProduct({{3, 6}, {1, 64}, {2, 0}});
+  b->UseManualTime()->Iterations(7)->Unit(benchmark::kMillisecond);
 }
 
 BENCHMARK_CAPTURE(side_by_side, kuka_lwr, false)->Apply(cases);
