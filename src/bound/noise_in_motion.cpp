@@ -89,22 +89,14 @@ double slow_sine_sigma(const Autocorrelation& a, double peak) {
 }
 
 double path_sigma(const Autocorrelation& a, std::span<const double> x, std::size_t first) {
-  return path_sigma(a, x, first,
-                    [](const double* late, const double* early, std::size_t count, std::size_t step) {
-                      double sum = 0;
-                      for (std::size_t k = 0; k < count; k += step) sum += loss(late[k] - early[k]);
-                      return sum;
-                    });
-}
-
-double path_sigma(const Autocorrelation& a, std::span<const double> x, std::size_t first, PathLosses losses) {
   constexpr double most_pairs = 2e8;
   const double pairs = static_cast<double>(a.r.size()) * static_cast<double>(x.size() - first);
   const auto step = static_cast<std::size_t>(1 + pairs / most_pairs);
   return sigma_of(a, [&](std::size_t n) {
     const std::size_t from = std::max(first, n);
     if (from >= x.size()) return 1.0 / 6;
-    const double sum = losses(x.data() + from, x.data() + from - n, x.size() - from, step);
+    double sum = 0;
+    for (std::size_t k = from; k < x.size(); k += step) sum += loss(x[k] - x[k - n]);
     return sum / static_cast<double>((x.size() - from + step - 1) / step);
   });
 }

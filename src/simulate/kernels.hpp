@@ -119,8 +119,9 @@ struct SimulationKernels {
   /// @param peaks  of how many channels the peak is asked for
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 const Tally&);
-  /// As PathLosses (noise_in_motion.hpp).
-  double (*losses)(const double* x, const double* earlier, std::size_t count, std::size_t step);
+  /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags - 1, k = 0 .. count - 1.
+  /// @pre numbers, whatever they are, may be read up to a vector beyond x + count
+  double (*losses)(const double* r, std::size_t lags, const double* x, std::size_t count);
 };
 
 extern const SimulationKernels portable_simulation, avx2_simulation, avx512_simulation;

@@ -91,27 +91,54 @@ void sums(const double* rows, std::size_t count, bool summed, std::size_t first,
   }
 }
 
-/// {s}(1 - {s}) of s = x[k] - earlier[k], summed over k = 0, step, ...
+/// The nearest whole number.
 template <class L>
-double losses(const double* x, const double* earlier, std::size_t count, std::size_t step) {
-  constexpr double magic = 0x1.8p52;  // added and taken away again it leaves the nearest integer
+[[gnu::always_inline]] inline L nearest(const L& x) {
+  if constexpr (lane_count<L> == 2) {  // without an instruction for it; |x| < 2^51
+    constexpr double shift = 0x1.8p52;
+    return (x + shift) - shift;
+  }
+  L whole;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < lane_count<L>; ++i) whole[i] = __builtin_nearbyint(x[i]);
+  return whole;
+}
+
+/// Sums over the lags of `group` vectors of positions, from the small end.
+template <class L, std::size_t group>
+[[gnu::always_inline]] inline void weigh_losses(const double* r, std::size_t lags, const double* x,
+                                                L (&sums)[group]) {
   constexpr auto lanes = lane_count<L>;
-  L sums[2]{};
-  std::size_t k = 0;
-  if (step == 1)
-    for (; k + 2 * lanes <= count; k += 2 * lanes)
-#pragma GCC unroll 2
-      for (std::size_t h = 0; h < 2; ++h) {
-        const L s = load<L>(x + k + h * lanes) - load<L>(earlier + k + h * lanes);
-        const L part = abs(s - ((s + magic) - magic));
-        sums[h] += fma(-part, part, part);
-      }
-  sums[0] += sums[1];
+  L here[group];
+#pragma GCC unroll 8
+  for (std::size_t g = 0; g < group; ++g) {
+    here[g] = load<L>(x + g * lanes);
+    sums[g] = L{};
+  }
+  for (std::size_t n = lags; n-- > 1;) {
+#pragma GCC unroll 8
+    for (std::size_t g = 0; g < group; ++g) {
+      const L moved = here[g] - load<L>(x + g * lanes - n), part = abs(moved - nearest(moved));
+      sums[g] = fma(r[n], fma(-part, part, part), sums[g]);
+    }
+  }
+}
+
+/// Positions are lanes, so that the sums over the lags need no adding up across them.
+template <class L>
+double losses(const double* r, std::size_t lags, const double* x, std::size_t count) {
+  constexpr std::size_t lanes = lane_count<L>, group = 4;
   double sum = 0;
-  for (std::size_t i = 0; i < lanes; ++i) sum += sums[0][i];
-  for (; k < count; k += step) {
-    const double s = x[k] - earlier[k], off = s - ((s + magic) - magic), part = off < 0 ? -off : off;
-    sum += part * (1 - part);
+  std::size_t k = 0;
+  for (; k + group * lanes <= count; k += group * lanes) {
+    L sums[group];
+    weigh_losses(r, lags, x + k, sums);
+    for (std::size_t i = 0; i < lanes; ++i) sum += (sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]);
+  }
+  for (; k < count; k += lanes) {
+    L sums[1];
+    weigh_losses(r, lags, x + k, sums);
+    for (std::size_t i = 0; i < lanes && k + i < count; ++i) sum += sums[0][i];
   }
   return sum;
 }

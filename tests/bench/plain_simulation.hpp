@@ -279,7 +279,7 @@ class Simulator {
         }
         for (std::size_t t = s * 512 / stretches; t < (s + 1) * 512 / stretches; ++t)
           for (Eigen::Index c = 0; c < variance.size(); ++c)
-            variance[c] += stretch_squares_[t](c, e) * power / count;
+            variance[c] += stretch_squares_[t](c, e) * std::max(power, 0.0) / count;
       }
     }
     return variance.cwiseSqrt();

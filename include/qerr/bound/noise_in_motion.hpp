@@ -57,12 +57,6 @@ double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
 /// @param positions  [quanta], more than `first`
 double path_sigma(const Autocorrelation&, std::span<const double> positions, std::size_t first = 0);
 
-/// Sum of {s}(1 - {s}) for s = x[k] - earlier[k], k = 0, step, 2 step, ... below count.
-using PathLosses = double (*)(const double* x, const double* earlier, std::size_t count, std::size_t step);
-
-/// The same with somebody else's sums, which is where the time goes.
-double path_sigma(const Autocorrelation&, std::span<const double> positions, std::size_t first, PathLosses);
-
 /// sigma under IPQN, ||H||_2/sqrt(12).
 double ipqn_sigma(const Autocorrelation&);
 
