@@ -73,7 +73,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   // A position of a million radians is known to 1e-10 of one.
   const double largest_angle =
       Eigen::Map<const Eigen::ArrayXd>(batch_of_instants.joint, n * 64).abs().maxCoeff();
-  const double tolerance = 3e-15 * size_of(model.chain) * (1 + largest_angle);
+  const double tolerance = (3e-15 + 1e-14 * largest_angle) * size_of(model.chain);
   const double relative = 1e-12 + 3e-15 * largest_angle;
   Eigen::ArrayXd rigorous = Eigen::ArrayXd::Zero(m), deviation = rigorous, variance = rigorous;
   for (std::size_t i = 0; i < batch_size; ++i) {

@@ -66,6 +66,7 @@ struct ErrorPlan {
   double rotation, rotation_angle;
   const double* center_mean;  ///< of each coordinate
   std::size_t width;          ///< of a row of channels: their count, filled up to whole lanes
+  std::size_t squares_width;  ///< the same of the squares
 };
 
 /// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
@@ -74,8 +75,8 @@ struct ErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
   const double *encoder, *measured;              ///< true and as read
   double* rows;       ///< [instant][width]: error, its linear part, parts of the encoders, and mean
-  double* squares;    ///< [encoder][coordinate]: (J C Delta)^2, of each instant, or
-  bool summed;        ///< summed up over the batch, some lanes at the beginning of each row
+  double* squares;    ///< [instant][squares_width], of encoder after encoder: (J C Delta)^2, or
+  bool summed;        ///< a single such row: their sums
   double* rigorous;   ///< [coordinate]: largest bound so far
   double* deviation;  ///< [coordinate]: and of the difference from the mean at the centre
   double* room;
@@ -107,9 +108,8 @@ struct SimulationKernels {
   /// The largest |number| of a row of 64.
   double (*largest)(const double* row);
   void (*errors)(const ErrorPlan&, const ErrorBatch&);
-  /// Sums over the instants first .. last - 1 of rows of 64, or, `summed`, of the lanes at their beginning.
-  void (*sums)(const double* rows, std::size_t count, bool summed, std::size_t first, std::size_t last,
-               double* to);
+  /// The sum of the rows first .. last - 1.
+  void (*sums)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
   /// Rows `stride` apart through a section, into rows side by side.
   void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
                   std::size_t width, double* state, double* out);

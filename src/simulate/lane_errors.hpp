@@ -16,6 +16,7 @@ struct ErrorRoom {
   L (*mixed)[6];         // [column]: those that are not a joint's own
   L* channels;           // [width]
   L* missed;             // [encoder]: its error over its resolution
+  L* squares;            // [squares_width]
   L* worst;              // [coordinate][2]: linear bound, and that of the difference from the mean
   L* pose;               // [9]: error of the pose
 };
@@ -27,7 +28,8 @@ inline std::size_t joints_of(const ErrorPlan& p) {
 template <class L>
 std::size_t errors_room(const ErrorPlan& p) {
   return joints_of(p) * room_per_joint<L> +
-         ((p.encoders + p.sources) * 6 + p.width + p.encoders + 2 * p.coordinates + 9) * lane_count<L>;
+         ((p.encoders + p.sources) * 6 + p.width + p.squares_width + p.encoders + 2 * p.coordinates + 9) *
+             lane_count<L>;
 }
 
 template <class L>
@@ -38,7 +40,8 @@ ErrorRoom<L> furnished(const ErrorPlan& p, double* room) {
   r.mixed = reinterpret_cast<L(*)[6]>(r.joints + joints_of(p));
   r.channels = reinterpret_cast<L*>(r.mixed + p.encoders + p.sources);
   r.missed = r.channels + p.width;
-  r.worst = r.missed + p.encoders;
+  r.squares = r.missed + p.encoders;
+  r.worst = r.squares + p.squares_width;
   r.pose = r.worst + 2 * p.coordinates;
   return r;
 }
@@ -73,6 +76,21 @@ template <class L>
     cross_rows<n / 2>(square);
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < n; ++i) store(rows + i * width + c, square[i]);
+  }
+}
+
+/// The sum over the lanes of every channel.
+template <class L>
+[[gnu::always_inline]] inline void add_lanes(const L* channels, std::size_t width, double* sums) {
+  constexpr auto n = lane_count<L>;
+  for (std::size_t c = 0; c < width; c += n) {
+    L square[n];
+#pragma GCC unroll 8
+    for (std::size_t i = 0; i < n; ++i) square[i] = channels[c + i];
+    cross_rows<n / 2>(square);
+#pragma GCC unroll 8
+    for (std::size_t i = 1; i < n; ++i) square[0] += square[i];
+    store(sums + c, square[0]);
   }
 }
 
@@ -161,19 +179,19 @@ template <class L>
 ///
 /// @tparam summed  squares are summed up over the batch, else kept of every instant
 template <bool summed, class L>
-[[gnu::always_inline]] inline L encoder_parts(const ErrorPlan& p, const ErrorBatch& b, std::size_t i,
-                                              std::size_t c, const Row<L>& row, const ErrorRoom<L>& room) {
+[[gnu::always_inline]] inline L encoder_parts(const ErrorPlan& p, std::size_t c, const Row<L>& row,
+                                              const ErrorRoom<L>& room) {
   const std::size_t m = p.coordinates;
   L linear{}, sizes{};
   for (std::size_t e = 0; e < p.encoders; ++e) {
     L weighted = row.along(column_of(p, room, e));
     sizes += abs(weighted);
     if (row.unbounded) weighted = *row.unbounded ? broadcast<L>(__builtin_inf()) : weighted;
-    const L part = weighted * room.missed[e];
+    const L part = weighted * room.missed[e], square = weighted * weighted;
     room.channels[m * (2 + e) + c] = part;
     linear += part;
-    double* const squares = b.squares + (e * m + c) * batch_size + (summed ? 0 : i);
-    store(squares, summed ? fma(weighted, weighted, load<L>(squares)) : weighted * weighted);
+    L& squares = room.squares[e * m + c];
+    squares = summed ? squares + square : square;
   }
   room.channels[m + c] = linear;
   return sizes;
@@ -193,7 +211,7 @@ template <bool summed, class L>
     const int of = p.rows[c];
     const bool angle = of >= 6;
     const Row<L> row{of, angle ? rates.of[of - 6] : nullptr, angle && of != 7 ? &rates.unbounded : nullptr};
-    L worst = 0.5 * encoder_parts<summed>(p, b, i, c, row, room), mean{};
+    L worst = 0.5 * encoder_parts<summed>(p, c, row, room), mean{};
     if (p.biased || p.sources > 0) {
       for (std::size_t e = 0; e < p.encoders; ++e)
         mean = fma(p.columns[e].mean, row.along(column_of(p, room, e)), mean);
@@ -253,8 +271,7 @@ void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
   const ErrorRoom<L> room = furnished<L>(p, b.room);
   shift_origins(p, 0, base_frame<L>(), room);
   for (std::size_t c = p.coordinates; c < p.width; ++c) room.channels[c] = L{};
-  if (summed)
-    for (std::size_t k = 0; k < p.encoders * p.coordinates; ++k) store(b.squares + k * batch_size, L{});
+  for (std::size_t k = 0; k < p.squares_width; ++k) room.squares[k] = L{};
   EulerRates<L> rates;
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     const Frame<L> estimate = walk<L>(p.chain, b.estimate + i, batch_size, room.moved, PassBy{}, PassBy{});
@@ -272,7 +289,9 @@ void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
     for (std::size_t c = 0; c < p.coordinates; ++c) room.channels[c] = room.pose[p.rows[c]];
     linear_errors<summed>(p, b, i, rates, room);
     into_rows(room.channels, p.width, b.rows + i * p.width);
+    if (!summed) into_rows(room.squares, p.squares_width, b.squares + i * p.squares_width);
   }
+  if (summed) add_lanes(room.squares, p.squares_width, b.squares);
 }
 
 template <class L>

@@ -67,27 +67,11 @@ double largest(const double* row) {
 }
 
 template <class L>
-void sums(const double* rows, std::size_t count, bool summed, std::size_t first, std::size_t last,
-          double* to) {
-  constexpr auto lanes = lane_count<L>;
-  Bits<L> lane;
-  for (std::size_t i = 0; i < lanes; ++i) lane[i] = static_cast<std::int64_t>(i);
-  const auto from = static_cast<std::int64_t>(first), end = static_cast<std::int64_t>(last);
-  for (std::size_t row = 0; row < count; ++row) {
-    const double* const values = rows + row * batch_size;
-    L all{};
-    if (summed) {
-      all = load<L>(values);
-    } else {
-      for (std::size_t i = first / lanes * lanes; i < last; i += lanes) {
-        const Bits<L> at = lane + static_cast<std::int64_t>(i);
-        all += (at >= from) & (at < end) ? load<L>(values + i) : L{};
-      }
-    }
-    double sum = 0;
-#pragma GCC unroll 8
-    for (std::size_t i = 0; i < lanes; ++i) sum += all[i];
-    to[row] = sum;
+void sums(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to) {
+  for (std::size_t c = 0; c < width; c += lane_count<L>) {
+    L sum{};
+    for (std::size_t i = first; i < last; ++i) sum += load<L>(rows + i * width + c);
+    store(to + c, sum);
   }
 }
 

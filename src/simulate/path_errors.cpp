@@ -68,8 +68,8 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   const auto of_lanes = [&](std::size_t rows) { return AlignedNumbers(rows * batch_size); };
   const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
   rows_ = of_lanes(plan_.width);
-  squares_ = of_lanes(m * plan_.encoders);
-  squares_sum_.resize(channels_.coordinates, channels_.encoders);
+  squares_ = of_lanes(plan_.squares_width);
+  squares_sum_ = AlignedNumbers(plan_.squares_width);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
   room_ = AlignedNumbers(kernels_.errors_room(plan_));
@@ -165,8 +165,11 @@ void PathErrors::set_plan(const OperationalModel& model) {
                             [](const ErrorColumn& c) { return !c.direct && !c.origin; });
   plan_.per_column = per_column_.data();
   plan_.center_mean = center_mean_.data();
-  const auto count = static_cast<std::size_t>(channels_.count());
-  plan_.width = (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
+  const auto whole_lanes = [&](std::size_t count) {
+    return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
+  };
+  plan_.width = whole_lanes(static_cast<std::size_t>(channels_.count()));
+  plan_.squares_width = whole_lanes(plan_.coordinates * plan_.encoders);
 }
 
 void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
@@ -208,10 +211,9 @@ void PathErrors::operator()(const SensedBatch& b, bool parts) {
   kernels_.errors(plan, batch);
 }
 
-const Eigen::MatrixXd& PathErrors::squares(std::size_t first, std::size_t last) {
-  kernels_.sums(squares_.data(), plan_.coordinates * plan_.encoders, summed_, first, last,
-                squares_sum_.data());
-  return squares_sum_;
+Eigen::Map<const Eigen::MatrixXd> PathErrors::squares(std::size_t first, std::size_t last) {
+  if (!summed_) kernels_.sums(squares_.data(), plan_.squares_width, first, last, squares_sum_.data());
+  return {summed_ ? squares_.data() : squares_sum_.data(), channels_.coordinates, channels_.encoders};
 }
 
 Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {

@@ -30,7 +30,7 @@ class PathErrors {
 
   /// Sum of (J C Delta)^2, coordinates x encoders, over the instants first .. last - 1 of the last batch;
   /// until the next call.
-  const Eigen::MatrixXd& squares(std::size_t first = 0, std::size_t last = batch_size);
+  Eigen::Map<const Eigen::MatrixXd> squares(std::size_t first = 0, std::size_t last = batch_size);
 
   /// The largest bounds over all batches so far: of the error, and of its difference from the mean.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }
@@ -57,8 +57,7 @@ class PathErrors {
   std::vector<int> coordinates_;
   ErrorPlan plan_{};
   bool summed_ = false;
-  Eigen::MatrixXd squares_sum_;
-  AlignedNumbers rows_, squares_, rigorous_, deviation_, room_;
+  AlignedNumbers rows_, squares_, squares_sum_, rigorous_, deviation_, room_;
 
   // For angles beyond those of the lanes' sine: the same chains, moved by angles within a turn.
   std::vector<FoldedJoint> direct_chain_, direct_built_;

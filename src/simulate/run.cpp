@@ -125,7 +125,7 @@ class Run {
   /// What the Jacobian says of these samples, to the path and to the statistics.
   void expect(std::uint64_t first, std::size_t count) {
     in_parts(first, count, AlongPath::stretches, [&](std::size_t from, std::size_t to, std::size_t part) {
-      const Eigen::MatrixXd& squares = errors_.squares(from, to);
+      const Eigen::Map<const Eigen::MatrixXd> squares = errors_.squares(from, to);
       result_.path.add(squares, to - from, part);
       variance_ = squares.rowwise().sum();
       in_parts(first + from, to - from, job_.blocks, [&](std::size_t a, std::size_t b, std::size_t block) {
