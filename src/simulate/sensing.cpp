@@ -143,23 +143,23 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   return count;
 }
 
-void Sensing::mix(const Eigen::MatrixXd& m, const AlignedNumbers& from, const AlignedNumbers& to) const {
-  if (uncoupled_) {
-    std::copy_n(from.data(), from.size(), to.data());
-    return;
-  }
+/// The rows times a matrix; the rows themselves where encoders and joints are the same.
+const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& from,
+                             const AlignedNumbers& to) const {
+  if (uncoupled_) return from.data();
   const Eigen::MatrixXd by_row = m.transpose();
   simulation_kernels(set_).mix(actions_.size(), by_row.data(), from.data(), to.data());
+  return to.data();
 }
 
-void Sensing::turn_shafts(std::size_t count) {
+const double* Sensing::turn_shafts(std::size_t count) {
   for (std::size_t joint = 0; joint < actions_.size(); ++joint) {
     const Actions& a = actions_[joint];
     const bool as_it_is = a.clock.empty() && a.motion.empty();
     for (std::size_t i = 0; i < count; ++i)
       turn_[joint * batch_size + i] = as_it_is ? joint_[joint * batch_size + i] : turned(joint, i);
   }
-  mix(to_encoders_, turn_, shaft_);
+  return mixed(to_encoders_, turn_, shaft_);
 }
 
 void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t count) {
@@ -178,10 +178,9 @@ void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t 
 }
 
 /// Behind the end of the motion nothing is sensed: effects and efforts are not asked about it.
-void Sensing::repeat_last(std::size_t count) {
-  for (const AlignedNumbers* rows : {&joint_, &encoder_, &counts_, &measured_, &efforts_})
-    for (std::size_t at = 0; at < rows->size(); at += batch_size)
-      std::fill_n(rows->data() + at + count, batch_size - count, (*rows)[at + count - 1]);
+void Sensing::repeat_last(const AlignedNumbers& rows, std::size_t count) {
+  for (std::size_t at = 0; at < rows.size(); at += batch_size)
+    std::fill_n(rows.data() + at + count, batch_size - count, rows[at + count - 1]);
 }
 
 const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
@@ -200,12 +199,13 @@ const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
     for (std::size_t joint = 0; joint < n; ++joint)
       efforts_[joint * batch_size + i] = now[static_cast<Eigen::Index>(joint)];
   }
-  mix(to_encoders_, joint_, encoder_);
-  if (turned_) turn_shafts(count);
-  const double* const shafts = turned_ ? shaft_.data() : encoder_.data();
+  if (count < batch_size) repeat_last(joint_, count);
+  batch_.encoder = mixed(to_encoders_, joint_, encoder_);
+  const double* const shafts = turned_ ? turn_shafts(count) : batch_.encoder;
   for (std::size_t e = 0; e < n; ++e) count_shaft(e, shafts + e * batch_size, count);
-  if (count < batch_size) repeat_last(count);
-  mix(transmission_.coupling, measured_, estimate_);
+  if (count < batch_size)
+    for (const AlignedNumbers* rows : {&counts_, &measured_, &efforts_}) repeat_last(*rows, count);
+  batch_.estimate = mixed(transmission_.coupling, measured_, estimate_);
   return batch_;
 }
 
@@ -217,10 +217,10 @@ Reading& Sensing::reading(std::size_t i) {
     const auto row = static_cast<Eigen::Index>(j);
     const std::size_t at = j * batch_size + i;
     r.joint[row] = joint_[at];
-    r.encoder[row] = encoder_[at];
+    r.encoder[row] = batch_.encoder[at];
     r.counts[row] = counts_[at];
     r.measured[row] = measured_[at];
-    r.estimate[row] = estimate_[at];
+    r.estimate[row] = batch_.estimate[at];
     if (effort_) r.effort[row] = efforts_[at];
     Moment now = moment(j, i);
     now.effort = 0;

@@ -84,10 +84,10 @@ class Sensing {
   double turned(std::size_t joint, std::size_t in_batch);
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
   Moment moment(std::size_t joint, std::size_t in_batch) const;
-  void mix(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
-  void turn_shafts(std::size_t count);
+  const double* mixed(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
+  const double* turn_shafts(std::size_t count);
   void count_shaft(std::size_t encoder, const double* shaft, std::size_t count);
-  void repeat_last(std::size_t count);
+  static void repeat_last(const AlignedNumbers& rows, std::size_t count);
   [[noreturn]] void fail_to_count(std::size_t encoder, std::size_t in_batch) const;
 
   Chain built_;
