@@ -6,7 +6,7 @@
 //
 // One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
 // median over the iterations of plain time over qerr's; the others are samples per second at best. Theory of
-// every filter along the path (sigma_exact) is part of both, and in a single run without filters of none.
+// every filter along the path (sigma_exact) is part of both; without filters there is none.
 
 #include "qerr/simulate/simulate.hpp"
 
