@@ -78,17 +78,18 @@ TEST(Statistic, PercentilesAreNumpysLinearOnes) {
   }
 }
 
-// 1e-3 whatever the values are; 2e-5 where 200000 of them lie in ten octaves.
+// 1e-3 whatever the values are; 5e-5 where 200000 of them lie evenly.
 TEST(Histogram, PercentilesAreWithinTheirStatedError) {
   Dice dice(1);
-  for (const double decades : {30.0, 3.0}) {
+  for (const bool evenly : {false, true}) {
     std::vector<double> values(200000);
-    for (double& v : values) v = std::pow(10.0, 3 - decades * std::pow(dice.between(0, 1), 4));
+    for (double& v : values)
+      v = evenly ? dice.between(10, 1000) : std::pow(10.0, 3 - 30 * std::pow(dice.between(0, 1), 4));
     values.resize(values.size() + 1000, 0.0);
     const Statistic binned = binned_statistic_of(values, 1.0), exact = statistic_of(values);
     EXPECT_NE(binned.p50, exact.p50) << "bins were not in use";
     for (const auto p : {&Statistic::p50, &Statistic::p95, &Statistic::p99})
-      EXPECT_NEAR(binned.*p, exact.*p, (decades > 10 ? 1e-3 : 2e-5) * exact.*p);
+      EXPECT_NEAR(binned.*p, exact.*p, (evenly ? 5e-5 : 1e-3) * exact.*p);
     EXPECT_EQ(binned.min, 0);
     EXPECT_EQ(binned.max, exact.max);
   }

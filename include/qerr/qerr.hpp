@@ -66,6 +66,7 @@
 #include "qerr/bound/noise_in_motion.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/quantized_sine.hpp"
+#include "qerr/bound/remainder.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/bound/tally.hpp"
 #include "qerr/bound/velocity_estimators.hpp"

@@ -4,7 +4,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "second_order.hpp"
+#include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/remainder.hpp"
 
 namespace qerr {
 
@@ -140,13 +141,13 @@ void PlannedError::set_direct() {
 }
 
 void PlannedError::set_remainder(const OperationalModel& model) {
-  const SecondOrder second(model);
-  plan_.remainder = second.position_constant;
-  plan_.angle_remainder = second.rotation;
-  plan_.angle = second.rotation_angle;
+  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  plan_.remainder = r.position;
+  plan_.angle_remainder = r.rotation;
+  plan_.angle = r.rotation_angle;
   for (std::size_t k = 0; k < column_scale_.size(); ++k) {
     const double scale = std::abs(column_scale_[k]);
-    reach_.push_back(scale > 0 ? second.position_weights[static_cast<Eigen::Index>(k)] / scale : 0);
+    reach_.push_back(scale > 0 ? r.per_column[static_cast<Eigen::Index>(k)] / scale : 0);
   }
   plan_.reach = reach_.data();
 }

@@ -295,12 +295,9 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors
 template <class L, bool direct>
 [[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q, const Room<L>& room,
                                              double* sums) {
-  const auto give = [&](std::size_t k, const L(&linear)[3], const L(&)[3]) {
-#pragma GCC unroll 3
-    for (int r = 0; r < 3; ++r) room.joints[k].column[r] = linear[r];
-  };
+  const KeepColumns<L> give{room.joints};
   if constexpr (direct) {
-    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, ignore, give);
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, give);
     return Bits<L>{};
   } else {
     const auto leave = [&](std::size_t k, const Frame<L>& f) {

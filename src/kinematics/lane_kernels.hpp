@@ -12,7 +12,7 @@ void jacobians(const FoldedPath& chain, const double* signs, const double* q, do
   auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
   auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    columns<L>(chain, signs, q + i, batch_size, moved, joints, ignore,
+    columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{},
                [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
 #pragma GCC unroll 3
                  for (std::size_t row = 0; row < 3; ++row) {

@@ -4,6 +4,10 @@
 #include <cmath>
 #include <numbers>
 
+#include "kernels.hpp"
+#include "qerr/core/batch.hpp"
+#include "qerr/core/lanes.hpp"
+
 namespace qerr {
 
 namespace {
@@ -134,6 +138,28 @@ JointState MotionPath::at(std::size_t joint, double time) const {
     state.acceleration -= rate * rate * sine_part;
   }
   return state;
+}
+
+bool MotionPath::within_lanes(const JointMotion& m, const double* time) const {
+  const double latest = std::max(std::abs(time[0]), std::abs(time[batch_size - 1]));
+  return std::all_of(m.sines.begin(), m.sines.end(), [&](const Sine& sine) {
+    return 2 * std::numbers::pi * std::abs(sine.frequency) * latest + std::abs(sine.phase) <=
+           lanes::largest_angle;
+  });
+}
+
+void MotionPath::positions(std::size_t joint, const double* time, double* to, InstructionSet set) const {
+  if (motion_.joints.empty() || !motion_.joints[joint].moves.empty() ||
+      !within_lanes(motion_.joints[joint], time)) {
+    for (std::size_t i = 0; i < batch_size; ++i) to[i] = position(joint, time[i]);
+    return;
+  }
+  const JointMotion& m = motion_.joints[joint];
+  std::vector<Oscillation> oscillations;
+  for (const Sine& sine : m.sines)
+    oscillations.push_back({sine.amplitude, 2 * std::numbers::pi * sine.frequency, sine.phase});
+  simulation_kernels(set).positions({m.center, m.velocity, oscillations.data(), oscillations.size()}, time,
+                                    to);
 }
 
 Eigen::VectorXd MotionPath::position(double time) const {

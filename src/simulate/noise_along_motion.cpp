@@ -4,6 +4,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels.hpp"
+#include "qerr/core/aligned.hpp"
+#include "qerr/core/batch.hpp"
+
 namespace qerr {
 
 namespace {
@@ -19,6 +23,19 @@ std::size_t stretches_of(std::size_t samples, std::size_t before, std::size_t mo
   return stretches;
 }
 
+/// path_sigma^2, in lanes, over `count` positions behind those that the filter remembers; behind them lies
+/// what is not looked at.
+double power_along(const Autocorrelation& a, const std::vector<double>& x, std::size_t count,
+                   const SimulationKernels& kernels) {
+  const std::size_t before = a.r.size();
+  // Longer work is thinned out there.
+  constexpr double most_pairs = 2e8;
+  if (static_cast<double>(before) * static_cast<double>(count) > most_pairs)
+    return std::pow(path_sigma(a, std::span(x).first(before + count), before), 2);
+  const double sum = kernels.losses(a.r.data(), before, x.data() + before, count);
+  return std::max(0.0, a.dc_gain * a.dc_gain / 12 - sum / static_cast<double>(count));
+}
+
 }  // namespace
 
 Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const Motion& motion,
@@ -29,6 +46,10 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
       resolutions(transmission).cwiseInverse().asDiagonal() * transmission.coupling.inverse();
   const auto whole =
       static_cast<std::size_t>(std::max(1.0, std::floor((motion.duration - start) * sample_rate)));
+  const SimulationKernels& kernels = simulation_kernels(instruction_set());
+  const Eigen::MatrixXd by_row = to_quanta.transpose();
+  const AlignedNumbers time(batch_size), joints(path.joints() * batch_size),
+      turned(path.joints() * batch_size);
   const std::size_t before = memory.r.size(), stretches = stretches_of(whole, before, most);
   const Eigen::Index n = to_quanta.rows();
   Eigen::MatrixXd power(static_cast<Eigen::Index>(stretches), n);
@@ -38,15 +59,20 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
     const std::size_t looked_at = std::min(end - begin, most_samples / stretches);
     // In the middle of what is too long to be looked at in full.
     const std::size_t first = begin + (end - begin - looked_at) / 2;
-    for (auto& row : quanta) row.resize(before + looked_at);
-    for (std::size_t k = 0; k < before + looked_at; ++k) {
-      const double sample = static_cast<double>(first + k) - static_cast<double>(before);
-      const Eigen::VectorXd x = to_quanta * path.position(start + sample / sample_rate);
-      for (Eigen::Index i = 0; i < n; ++i) quanta[static_cast<std::size_t>(i)][k] = x[i];
+    for (auto& row : quanta) row.resize(before + looked_at + batch_size);
+    for (std::size_t k = 0; k < before + looked_at; k += batch_size) {
+      for (std::size_t i = 0; i < batch_size; ++i)
+        time[i] = start + (static_cast<double>(first + k + i) - static_cast<double>(before)) / sample_rate;
+      for (std::size_t j = 0; j < path.joints(); ++j)
+        path.positions(j, time.data(), joints.data() + j * batch_size);
+      kernels.mix(path.joints(), by_row.data(), joints.data(), turned.data());
+      const std::size_t count = std::min(batch_size, before + looked_at - k);
+      for (std::size_t i = 0; i < path.joints(); ++i)
+        std::copy_n(turned.data() + i * batch_size, count, quanta[i].data() + k);
     }
     for (Eigen::Index i = 0; i < n; ++i)
       power(static_cast<Eigen::Index>(s), i) =
-          std::pow(path_sigma(memory, quanta[static_cast<std::size_t>(i)], before), 2);
+          power_along(memory, quanta[static_cast<std::size_t>(i)], looked_at, kernels);
   }
   return power;
 }

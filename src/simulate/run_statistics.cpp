@@ -16,16 +16,21 @@ constexpr std::size_t most_blocks = 512;
 RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::uint64_t blocks)
     : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels),
                            Eigen::ArrayXd::Zero(expected)}),
-      peak_(Eigen::ArrayXd::Zero(channels)) {}
+      peak_(Eigen::ArrayXd::Zero(expected)) {}
 
-void RunStatistics::add(const Eigen::ArrayXd& values, const Eigen::ArrayXd& variance, std::uint64_t block) {
+void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::size_t width,
+                        std::uint64_t block, const SimulationKernels& kernels, double* room) {
+  const Tally tally{room, room + width, room + 2 * width, room + 3 * width};
+  const Eigen::Index peaks = peak_.size();
+  kernels.tally(values, stride, rows, width, static_cast<std::size_t>(peaks), tally);
+  const auto n = static_cast<double>(rows);
   Sums& s = blocks_[block];
-  s.count += 1;
-  const Eigen::ArrayXd off = values - s.mean;
-  s.mean += off / s.count;
-  s.squares += off * (values - s.mean);
-  s.expected += variance;
-  peak_ = peak_.max(values.abs());
+  const auto of = [&](const double* numbers) {
+    return Eigen::Map<const Eigen::ArrayXd>(numbers, s.mean.size());
+  };
+  const Eigen::ArrayXd off = of(tally.sum) / n;
+  s.join({n, of(tally.shift) + off, of(tally.squares) - off * of(tally.sum), Eigen::ArrayXd::Zero(peaks)});
+  peak_ = peak_.max(of(tally.peak).head(peaks));
 }
 
 /// Two parts of a record as one: their squares, and what their means differ by.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "kernels.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"
@@ -38,15 +39,17 @@ bool needs_effort(const std::vector<Effect>& effects) {
 }
 
 Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std::vector<Effect>& effects,
-                 const Options& options)
+                 const Options& options, InstructionSet set)
     : built_(as_built(model.chain, effects)),
       transmission_(model.transmission),
       path_(motion),
       sample_rate_(motion.sample_rate),
       to_encoders_(model.transmission.coupling.inverse()),
+      uncoupled_(model.transmission.coupling.isIdentity(0)),
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),
-      effort_(has_masses(built_) && (options.effort || needs_effort(effects))) {
+      effort_(has_masses(built_) && (options.effort || needs_effort(effects))),
+      set_(set) {
   for (const Effect& effect : effects)
     if (const auto rebuilt = effect_kind(effect.type).rebuilt)
       rebuilt(transmission_.encoders[independent_index(model.chain, effect.joint)]);
@@ -66,10 +69,26 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       list.push_back(kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i));
     }
   }
-  const auto n = static_cast<Eigen::Index>(actions_.size());
-  for (Eigen::VectorXd* v :
-       {&reading_.joint, &reading_.counts, &reading_.measured, &reading_.logged, &reading_.reference})
-    v->resize(n);
+  turned_ = std::any_of(actions_.begin(), actions_.end(),
+                        [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
+  const std::size_t n = actions_.size();
+  time_ = AlignedNumbers(batch_size);
+  for (AlignedNumbers* rows :
+       {&joint_, &encoder_, &turn_, &shaft_, &counts_, &measured_, &estimate_, &efforts_})
+    *rows = AlignedNumbers(n * batch_size);
+  const double* const no_effort = nullptr;
+  batch_ = {0,
+            time_.data(),
+            joint_.data(),
+            encoder_.data(),
+            counts_.data(),
+            measured_.data(),
+            estimate_.data(),
+            effort_ ? efforts_.data() : no_effort};
+  for (Eigen::VectorXd* v : {&reading_.joint, &reading_.encoder, &reading_.counts, &reading_.measured,
+                             &reading_.estimate, &reading_.logged, &reading_.reference})
+    v->resize(static_cast<Eigen::Index>(n));
+  if (effort_) reading_.effort.resize(static_cast<Eigen::Index>(n));
 }
 
 double Sensing::position(std::size_t joint, double time) const {
@@ -88,60 +107,133 @@ Eigen::VectorXd Sensing::effort(double time) const {
   return inverse_dynamics(built_, q, velocity, acceleration);
 }
 
-/// The joint as the shaft of the encoder feels it: at its clock's instant, behind link and gear.
-double Sensing::turned(std::size_t joint) {
-  const auto row = static_cast<Eigen::Index>(joint);
-  Actions& a = actions_[joint];
-  Moment moment{reading_.index, reading_.time, reading_.joint[row], effort_ ? reading_.effort[row] : 0, 0};
-  if (!a.clock.empty()) {
-    const double instant = through(a.clock, reading_.time, moment);
-    moment.joint = position(joint, instant);
-    if (effort_ && !a.motion.empty()) moment.effort = effort(instant)[row];
-  }
-  return through(a.motion, moment.joint, moment);
+Moment Sensing::moment(std::size_t joint, std::size_t i) const {
+  const std::size_t at = joint * batch_size + i;
+  return {batch_.first + i, time_[i], joint_[at], effort_ ? efforts_[at] : 0, 0};
 }
 
-double Sensing::count(std::size_t encoder, double shaft) {
+/// The joint as the shaft of the encoder feels it: at its clock's instant, behind link and gear.
+double Sensing::turned(std::size_t joint, std::size_t i) {
+  Actions& a = actions_[joint];
+  Moment now = moment(joint, i);
+  if (!a.clock.empty()) {
+    const double instant = through(a.clock, now.time, now);
+    now.joint = position(joint, instant);
+    if (effort_ && !a.motion.empty()) now.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
+  }
+  return through(a.motion, now.joint, now);
+}
+
+void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
+  throw Error({{},
+               "effects",
+               "a count must be a whole number within 2^53",
+               "encoder " + std::to_string(encoder + 1) + " at " + shortest(time_[i]) + " s",
+               "make the effects smaller"});
+}
+
+double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   const Encoder& e = transmission_.encoders[encoder];
   Actions& a = actions_[encoder];
-  const Moment moment{reading_.index, reading_.time, reading_.joint[static_cast<Eigen::Index>(encoder)], 0,
-                      0};
-  const double seen = through(a.encoder, shaft, moment);
-  const double count = through(a.decoder, std::round(quantize(e, seen) / e.resolution), moment);
-  if (!(std::abs(count) <= 0x1p53))
-    throw Error({{},
-                 "effects",
-                 "a count must be a whole number within 2^53",
-                 "encoder " + std::to_string(encoder + 1) + " at " + shortest(reading_.time) + " s",
-                 "make the effects smaller"});
+  Moment now = moment(encoder, i);
+  now.effort = 0;
+  const double seen = through(a.encoder, shaft, now);
+  const double count = through(a.decoder, std::round(quantize(e, seen) / e.resolution), now);
+  if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }
 
-Reading& Sensing::read(std::uint64_t index) {
-  Reading& r = reading_;
-  r.index = index;
-  r.time = static_cast<double>(index) / sample_rate_;
+/// The rows times a matrix; the rows themselves where encoders and joints are the same.
+const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& from,
+                             const AlignedNumbers& to) const {
+  if (uncoupled_) return from.data();
+  const Eigen::MatrixXd by_row = m.transpose();
+  simulation_kernels(set_).mix(actions_.size(), by_row.data(), from.data(), to.data());
+  return to.data();
+}
+
+const double* Sensing::turn_shafts(std::size_t count) {
+  for (std::size_t joint = 0; joint < actions_.size(); ++joint) {
+    const Actions& a = actions_[joint];
+    const bool as_it_is = a.clock.empty() && a.motion.empty();
+    for (std::size_t i = 0; i < count; ++i)
+      turn_[joint * batch_size + i] = as_it_is ? joint_[joint * batch_size + i] : turned(joint, i);
+  }
+  return mixed(to_encoders_, turn_, shaft_);
+}
+
+void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t count) {
+  const Encoder& e = transmission_.encoders[encoder];
+  const Actions& a = actions_[encoder];
+  double* const counts = counts_.data() + encoder * batch_size;
+  double* const measured = measured_.data() + encoder * batch_size;
+  if (a.encoder.empty() && a.decoder.empty()) {
+    const Quantizer quantizer{e.resolution, e.rounding == Rounding::down};
+    if (simulation_kernels(set_).quantize(quantizer, shaft, counts, measured)) return;
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    counts[i] = this->count(encoder, shaft[i], i);
+    measured[i] = counts[i] * e.resolution;
+  }
+}
+
+/// Behind the end of the motion nothing is sensed: effects and efforts are not asked about it.
+void Sensing::repeat_last(const AlignedNumbers& rows, std::size_t count) {
+  for (std::size_t at = 0; at < rows.size(); at += batch_size)
+    std::fill_n(rows.data() + at + count, batch_size - count, rows[at + count - 1]);
+}
+
+const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
+  batch_.first = first;
+  for (std::size_t i = 0; i < batch_size; ++i)
+    time_[i] = static_cast<double>(first + std::min(i, count - 1)) / sample_rate_;
   const std::size_t n = actions_.size();
-  for (std::size_t i = 0; i < n; ++i) r.joint[static_cast<Eigen::Index>(i)] = position(i, r.time);
-  if (effort_) r.effort = effort(r.time);
+  for (std::size_t joint = 0; joint < n; ++joint) {
+    double* const row = joint_.data() + joint * batch_size;
+    path_.positions(joint, time_.data(), row, set_);
+    const double shift = shift_[static_cast<Eigen::Index>(joint)];
+    for (std::size_t i = 0; i < batch_size; ++i) row[i] += shift;
+  }
+  for (std::size_t i = 0; effort_ && i < count; ++i) {
+    const Eigen::VectorXd now = effort(time_[i]);
+    for (std::size_t joint = 0; joint < n; ++joint)
+      efforts_[joint * batch_size + i] = now[static_cast<Eigen::Index>(joint)];
+  }
+  if (count < batch_size) repeat_last(joint_, count);
+  batch_.encoder = mixed(to_encoders_, joint_, encoder_);
+  const double* const shafts = turned_ ? turn_shafts(count) : batch_.encoder;
+  for (std::size_t e = 0; e < n; ++e) count_shaft(e, shafts + e * batch_size, count);
+  if (count < batch_size)
+    for (const AlignedNumbers* rows : {&counts_, &measured_, &efforts_}) repeat_last(*rows, count);
+  batch_.estimate = mixed(transmission_.coupling, measured_, estimate_);
+  return batch_;
+}
+
+Reading& Sensing::reading(std::size_t i) {
+  Reading& r = reading_;
+  r.index = batch_.first + i;
+  r.time = time_[i];
+  for (std::size_t j = 0; j < actions_.size(); ++j) {
+    const auto row = static_cast<Eigen::Index>(j);
+    const std::size_t at = j * batch_size + i;
+    r.joint[row] = joint_[at];
+    r.encoder[row] = batch_.encoder[at];
+    r.counts[row] = counts_[at];
+    r.measured[row] = measured_[at];
+    r.estimate[row] = batch_.estimate[at];
+    if (effort_) r.effort[row] = efforts_[at];
+    Moment now = moment(j, i);
+    now.effort = 0;
+    r.logged[row] = through(actions_[j].log, r.estimate[row], now);
+    r.reference[row] = through(actions_[j].log, through(actions_[j].reference, r.joint[row], now), now);
+  }
   r.tip = forward_kinematics(built_, r.joint);
-  r.encoder = to_encoders_ * r.joint;
-  Eigen::VectorXd shafts(r.joint.size());
-  for (std::size_t i = 0; i < n; ++i) shafts[static_cast<Eigen::Index>(i)] = turned(i);
-  shafts = to_encoders_ * shafts;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    r.counts[row] = count(i, shafts[row]);
-    r.measured[row] = r.counts[row] * transmission_.encoders[i].resolution;
-  }
-  r.estimate = transmission_.coupling * r.measured;
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto row = static_cast<Eigen::Index>(i);
-    const Moment moment{index, r.time, r.joint[row], 0, 0};
-    r.logged[row] = through(actions_[i].log, r.estimate[row], moment);
-    r.reference[row] = through(actions_[i].log, through(actions_[i].reference, r.joint[row], moment), moment);
-  }
   return r;
+}
+
+Reading& Sensing::read(std::uint64_t index) {
+  if (index % batch_size == 0) sense(index);
+  return reading(index % batch_size);
 }
 
 }  // namespace qerr

@@ -7,36 +7,37 @@
 
 namespace qerr {
 
-AlongPath::AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders)
-    : squares_(stretches, Eigen::MatrixXd::Zero(mean.size(), encoders)),
-      mean_(mean),
-      rigorous_(Eigen::VectorXd::Zero(mean.size())),
+AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
+    : encoders_(encoders),
+      squares_(Eigen::MatrixXd::Zero(coordinates * encoders, stretches)),
+      rigorous_(Eigen::VectorXd::Zero(coordinates)),
       deviation_(rigorous_) {}
 
-void AlongPath::add(const OperationalError& e, double progress) {
-  rigorous_ = rigorous_.cwiseMax(e.rigorous);
-  deviation_ = deviation_.cwiseMax(e.rigorous - e.mean.cwiseAbs() + (e.mean - mean_).cwiseAbs());
-  if (progress < 0) return;
-  squares_[static_cast<std::size_t>(progress * stretches)] += e.weighted.cwiseAbs2();
-  counted_ += 1;
+void AlongPath::add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples,
+                    std::size_t stretch) {
+  squares_.col(static_cast<Eigen::Index>(stretch)) += squares.reshaped();
+  counted_ += static_cast<double>(samples);
+}
+
+void AlongPath::bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation) {
+  rigorous_ = rigorous_.cwiseMax(rigorous);
+  deviation_ = deviation_.cwiseMax(deviation);
 }
 
 void AlongPath::append(const AlongPath& later) {
   counted_ += later.counted_;
-  for (std::size_t s = 0; s < stretches; ++s) squares_[s] += later.squares_[s];
+  squares_ += later.squares_;
   rigorous_ = rigorous_.cwiseMax(later.rigorous_);
   deviation_ = deviation_.cwiseMax(later.deviation_);
 }
 
-Eigen::MatrixXd AlongPath::mean_squares() const {
-  return mean_squares(Eigen::MatrixXd::Ones(1, squares_[0].cols()));
-}
+Eigen::MatrixXd AlongPath::mean_squares() const { return mean_squares(Eigen::MatrixXd::Ones(1, encoders_)); }
 
 Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
-  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(squares_[0].rows(), squares_[0].cols());
-  for (std::size_t s = 0; s < stretches; ++s) {
-    const auto row = static_cast<Eigen::Index>(s) * weights.rows() / static_cast<Eigen::Index>(stretches);
-    sum += squares_[s] * weights.row(row).asDiagonal();
+  Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rigorous_.size(), encoders_);
+  for (Eigen::Index s = 0; s < squares_.cols(); ++s) {
+    const Eigen::Index row = s * weights.rows() / squares_.cols();
+    sum += squares_.col(s).reshaped(sum.rows(), sum.cols()) * weights.row(row).asDiagonal();
   }
   return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
 }

@@ -14,13 +14,13 @@ class AlongPath {
  public:
   static constexpr std::size_t stretches = 512;
 
-  /// @param mean  of the error at the centre: a filter makes |H(1)| of it, and the l1 norm of what differs
-  /// from it
-  AlongPath(const Eigen::VectorXd& mean, Eigen::Index encoders);
+  AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
 
-  /// @param progress  of the sample through the part that counts, in [0, 1); negative before it: a filter
-  ///   remembers what was there
-  void add(const OperationalError&, double progress);
+  /// Samples of one stretch of the part that counts.
+  /// @param squares  sum of (J C Delta)^2 over them, coordinates x encoders
+  void add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples, std::size_t stretch);
+  /// All samples, before the part that counts too: a filter remembers what was there.
+  void bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation);
   void append(const AlongPath& later);
 
   /// Mean of (J C Delta)^2, coordinates x encoders: over the whole, and with weights for the parts.
@@ -28,13 +28,16 @@ class AlongPath {
   /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
   Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
 
-  const Eigen::VectorXd& rigorous() const { return rigorous_; }    ///< largest bound of the position error
-  const Eigen::VectorXd& deviation() const { return deviation_; }  ///< and of its difference from the mean
+  const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
+  /// And of its difference from the mean error at the centre: a filter makes |H(1)| of that one, and the l1
+  /// norm of what differs from it.
+  const Eigen::VectorXd& deviation() const { return deviation_; }
 
  private:
   double counted_ = 0;
-  std::vector<Eigen::MatrixXd> squares_;
-  Eigen::VectorXd mean_, rigorous_, deviation_;
+  Eigen::Index encoders_;
+  Eigen::MatrixXd squares_;  // of a stretch in each column
+  Eigen::VectorXd rigorous_, deviation_;
 };
 
 /// Theory of one coordinate behind one filter (SimulatedSignal says what each is).

@@ -116,8 +116,11 @@ template <class L>
   to[2] = fma(a[0], b[1], -(a[1] * b[0]));
 }
 
-/// For kernels that do not look at what lies behind a joint.
-constexpr auto ignore = [](std::size_t, const auto&) {};
+/// For walks that keep nothing of the frames.
+struct PassBy {
+  template <class L>
+  [[gnu::always_inline]] void operator()(std::size_t, const Frame<L>&) const {}
+};
 
 /// What a kernel keeps of each moving joint while it works: the kernel's caller gives it the room, as chains
 /// may have any length.
@@ -168,6 +171,16 @@ template <class L, class Leave, class Give>
   }
   return tip;
 }
+
+/// Keeps the columns with what is kept of the joints.
+template <class L>
+struct KeepColumns {
+  JointRoom<L>* joints;
+  [[gnu::always_inline]] void operator()(std::size_t k, const L (&linear)[3], const L (&)[3]) const {
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) joints[k].column[i] = linear[i];
+  }
+};
 
 /// Numbers of room a kernel needs for its moving joints: their motions and what is kept of them.
 template <class L>

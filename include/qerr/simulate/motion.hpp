@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "qerr/core/instruction_set.hpp"
+
 namespace qerr {
 
 /// amplitude * sin(2 pi frequency t + phase).
@@ -78,6 +80,10 @@ class MotionPath {
   /// One joint alone.
   double position(std::size_t joint, double time) const { return at(joint, time).position; }
 
+  /// One joint at `batch_size` instants, many of them at once; in the last bits `position` may differ.
+  /// @param time  increasing, as is best for speed, and as `to` aligned to 64 bytes [s]
+  void positions(std::size_t joint, const double* time, double* to, InstructionSet = instruction_set()) const;
+
   std::size_t joints() const { return count_; }
 
  private:
@@ -95,6 +101,8 @@ class MotionPath {
   static JointState of_moves(const Moves&, double time);
   static JointState of_phases(const std::vector<Phase>&, double time);
   static double append(const Move&, double from, double start, std::vector<Phase>&);
+
+  bool within_lanes(const JointMotion&, const double* time) const;
 
   Motion motion_;
   std::vector<Moves> moves_;

@@ -5,6 +5,9 @@
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
+#include "qerr/core/aligned.hpp"
+#include "qerr/core/batch.hpp"
+#include "qerr/core/instruction_set.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/simulate/motion.hpp"
 
@@ -25,17 +28,25 @@ struct Reading {
   Eigen::Isometry3d tip;      ///< true pose of the tip
 };
 
+/// What a controller records at `batch_size` samples: each a row of them for every joint or encoder, aligned
+/// to 64 bytes. Meanings and units as in `Reading`.
+struct SensedBatch {
+  std::uint64_t first = 0;  ///< number of the first sample
+  const double *time, *joint, *encoder, *counts, *measured, *estimate;
+  const double* effort;  ///< null unless asked for
+};
+
 /// The chain as it was built: with the joints displaced that `geometry` effects displace.
 Chain as_built(const Chain&, const std::vector<Effect>&);
 
 /// Whether an effect needs to know the joints' efforts.
 bool needs_effort(const std::vector<Effect>&);
 
-/// One run of the robot's encoders along a motion, sample by sample and in order.
+/// One run of the robot's encoders along a motion, in the order of time: sample by sample, or in batches.
 ///
 /// The joint moves, is read at its clock's instant, winds up and plays, and turns the encoder's shaft; disc,
 /// line and comparator distort what the quantizer sees; the decoder counts. The order of the stages is that
-/// of `Stage`.
+/// of `Stage`. What has no effect on its way is done for many samples at once, to the same counts.
 class Sensing {
  public:
   struct Options {
@@ -44,11 +55,25 @@ class Sensing {
     std::uint64_t seed = 0;        ///< of this run's random effects
     bool effort = false;  ///< read it, where the robot has masses; effects that need it have it anyway
   };
-  Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&);
+  Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&,
+          InstructionSet = instruction_set());
 
-  /// The sample `index` at time index / sample_rate.
-  /// @pre called with 0, 1, 2, ...
+  /// Samples first .. first + count - 1, at time index / sample_rate; behind them the last one again and
+  /// again.
+  /// @param count  at most batch_size; less only at the end
+  /// @pre called with 0, batch_size, 2 batch_size, ...
+  /// @throws Error (input; key `effects`) where a count is beyond 2^53
+  const SensedBatch& sense(std::uint64_t first, std::size_t count = batch_size);
+
+  /// A sample of the batch sensed last.
+  /// @pre called for every sample, in order
+  Reading& reading(std::size_t in_batch);
+
+  /// The sample `index`, of a batch that is sensed when its first sample is read.
+  /// @pre called with 0, 1, 2, ...; `sense` is not
   Reading& read(std::uint64_t index);
+
+  const Chain& built() const { return built_; }
 
  private:
   struct Actions {
@@ -56,17 +81,27 @@ class Sensing {
   };
   double position(std::size_t joint, double time) const;
   Eigen::VectorXd effort(double time) const;
-  double turned(std::size_t joint);
-  double count(std::size_t encoder, double shaft);
+  double turned(std::size_t joint, std::size_t in_batch);
+  double count(std::size_t encoder, double shaft, std::size_t in_batch);
+  Moment moment(std::size_t joint, std::size_t in_batch) const;
+  const double* mixed(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
+  const double* turn_shafts(std::size_t count);
+  void count_shaft(std::size_t encoder, const double* shaft, std::size_t count);
+  static void repeat_last(const AlignedNumbers& rows, std::size_t count);
+  [[noreturn]] void fail_to_count(std::size_t encoder, std::size_t in_batch) const;
 
   Chain built_;
   Transmission transmission_;
   MotionPath path_;
   double sample_rate_;
   Eigen::MatrixXd to_encoders_;
+  bool uncoupled_;
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
-  bool effort_;
+  bool effort_, turned_;  // efforts are known; shafts are elsewhere than the true joints
+  InstructionSet set_;
+  AlignedNumbers time_, joint_, encoder_, turn_, shaft_, counts_, measured_, estimate_, efforts_;
+  SensedBatch batch_;
   Reading reading_;
 };
 

@@ -48,6 +48,7 @@ struct SimulationOptions {
   bool random_phase = false;  ///< every run is displaced by a random part of each encoder's count
   std::uint64_t seed = 1;
   unsigned threads = 0;
+  InstructionSet instructions = instruction_set();
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
   std::function<void(const Reading&)> visit = {};  ///< every sample of the first run, in order
 };

@@ -55,7 +55,7 @@ double multiplications(const FoldedPath& chain, const double* scale, const doubl
   auto* const moved = reinterpret_cast<lanes::SineCosine<Counted>*>(room);
   multiplied = 0;
   lanes::columns<Counted>(chain, scale, q, batch_size, moved,
-                          reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count), lanes::ignore,
+                          reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count), lanes::PassBy{},
                           [](std::size_t, const Counted(&)[3], const Counted(&)[3]) {});
   return multiplied;
 }

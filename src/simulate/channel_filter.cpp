@@ -1,0 +1,82 @@
+#include "channel_filter.hpp"
+
+#include <algorithm>
+
+#include "qerr/core/batch.hpp"
+
+namespace qerr {
+
+namespace {
+
+SectionPlan::Output output_of(double b0, double b1, double b2) {
+  using Output = SectionPlan::Output;
+  if (b1 == 0 && b2 == 0) return Output::low;
+  if (b0 == 0 && b2 == 0) return Output::band;
+  return b0 == 0 && b1 == 0 ? Output::high : Output::all;
+}
+
+}  // namespace
+
+ChannelFilter::ChannelFilter(const Filter& filter, std::size_t width, InstructionSet set)
+    : taps_(filter.taps), width_(width), kernels_(simulation_kernels(set)) {
+  const auto plain = [](auto c) { return static_cast<double>(c); };
+  auto gain = static_cast<double>(filter.gain);
+  for (const Section& s : filter.sections) {
+    const double a0 = plain(s.a[0]), a01 = a0 + plain(s.a[1]), inverse = 1 / (a01 + plain(s.a[2]));
+    const double b0 = plain(s.b[0]), b1 = plain(s.b[1]), b2 = plain(s.b[2]);
+    // The highest derivative times a01 + a2: that factor of every section is put into the last one.
+    gain *= inverse;
+    sections_.push_back({plain(s.a[2]) != 0, output_of(b0, b1, b2), a0 * inverse, a01 * inverse, b0, b1, b2});
+  }
+  if (!sections_.empty()) {
+    SectionPlan& last = sections_.back();
+    last.b0 *= gain;
+    last.b1 *= gain;
+    last.b2 *= gain;
+  } else if (taps_.empty()) {
+    taps_ = {gain};
+  } else {
+    for (double& tap : taps_) tap *= gain;
+  }
+  state_ = AlignedNumbers(2 * sections_.size() * width);
+  if (!taps_.empty()) past_ = AlignedNumbers((taps_.size() - 1 + batch_size) * width);
+  out_ = AlignedNumbers(batch_size * width);
+}
+
+void ChannelFilter::settle(const double* row) {
+  for (std::size_t c = 0; c < width_; ++c) {
+    double x = row[c];
+    double* state = state_.data() + c;
+    for (const SectionPlan& s : sections_) {
+      // Nothing changes: the highest derivative is 0, and k0 times the low-pass state is the input.
+      const double low = x / s.k0;
+      state[s.second ? width_ : 0] = low;
+      x = s.b0 * low;
+      state += 2 * width_;
+    }
+    for (std::size_t k = 0; k + 1 < taps_.size(); ++k) past_[k * width_ + c] = x;
+  }
+}
+
+const double* ChannelFilter::operator()(const double* in, std::size_t stride, std::size_t rows) {
+  if (!taps_.empty()) return through_taps(in, stride, rows);
+  double* state = state_.data();
+  for (const SectionPlan& s : sections_) {
+    kernels_.section(s, in, stride, rows, width_, state, out_.data());
+    in = out_.data();
+    stride = width_;
+    state += 2 * width_;
+  }
+  return out_.data();
+}
+
+const double* ChannelFilter::through_taps(const double* in, std::size_t stride, std::size_t rows) {
+  const std::size_t before = (taps_.size() - 1) * width_;
+  for (std::size_t row = 0; row < rows; ++row)
+    std::copy_n(in + row * stride, width_, past_.data() + before + row * width_);
+  kernels_.taps(taps_.data(), taps_.size(), past_.data() + before, rows, width_, out_.data());
+  std::copy_n(past_.data() + rows * width_, before, past_.data());
+  return out_.data();
+}
+
+}  // namespace qerr

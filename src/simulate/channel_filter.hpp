@@ -1,0 +1,37 @@
+#pragma once
+
+#include <vector>
+
+#include "kernels.hpp"
+#include "qerr/core/aligned.hpp"
+#include "qerr/filter/filter.hpp"
+
+namespace qerr {
+
+/// One filter on many channels that stand side by side, batch after batch: a FilterBank in lanes, from which
+/// it differs by rounding.
+class ChannelFilter {
+ public:
+  /// @param width  of a row of channels, a multiple of the lanes
+  ChannelFilter(const Filter&, std::size_t width, InstructionSet = instruction_set());
+
+  /// As if this row had always been the input: no transient of a constant remains.
+  void settle(const double* row);
+
+  /// Filters rows that stand `stride` numbers apart, at most batch_size of them.
+  /// @returns the outputs, `width` apart; until the next call
+  const double* operator()(const double* in, std::size_t stride, std::size_t rows);
+
+ private:
+  const double* through_taps(const double* in, std::size_t stride, std::size_t rows);
+
+  std::vector<SectionPlan> sections_;
+  std::vector<double> taps_;
+  std::size_t width_;
+  const SimulationKernels& kernels_;
+  AlignedNumbers state_;  // [section][2][width]
+  AlignedNumbers past_;   // the inputs that the taps reach back to, then those of the batch
+  AlignedNumbers out_;
+};
+
+}  // namespace qerr

@@ -1,0 +1,7 @@
+#include "../lane_kernels.hpp"
+
+namespace qerr {
+
+const SimulationKernels avx2_simulation = lanes::simulation_kernels<4>;
+
+}  // namespace qerr

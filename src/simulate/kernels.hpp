@@ -1,0 +1,131 @@
+#pragma once
+
+#include <cstddef>
+
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/kinematics/folded_path.hpp"
+
+// What the kernels of the simulation take; files that are compiled per instruction set include this (see
+// folded_path.hpp for what they must not).
+//
+// Lanes are instants where nothing is remembered from sample to sample (motion, quantizers, kinematics), and
+// channels where something is (filters). Runs would do for both, but most simulations are a single run.
+
+namespace qerr {
+
+/// amplitude sin(rate t + phase).
+struct Oscillation {
+  double amplitude, rate, phase;
+};
+
+/// center + velocity t + oscillations.
+struct SmoothPath {
+  double center, velocity;
+  const Oscillation* oscillations;
+  std::size_t count;
+};
+
+/// An encoder's counts: floor(position/resolution + 1/2), or floor(position/resolution).
+struct Quantizer {
+  double resolution;
+  bool down;
+};
+
+/// One joint's part in a column: a factor of the joint's column as `ErrorPlan::scale` leaves it.
+struct ColumnPart {
+  std::size_t joint;
+  double factor;
+};
+
+/// How the tip moves with an error: first of all encoders, then of what else errs.
+struct ErrorColumn {
+  std::size_t first, parts;  ///< of its ColumnParts; a single one of factor 1 is the joint's own column
+  bool direct;
+  bool origin;       ///< a displaced origin of a joint: `direction` in the axes behind joint `link - 1`, or
+  std::size_t link;  ///< of link 0 in those of the base
+  double direction[3];
+  double mean, half_width;  ///< of an encoder in resolutions
+};
+
+/// What of the error along the path does not change from instant to instant.
+struct ErrorPlan {
+  FoldedPath chain, built;  ///< as modelled, and as the robot is
+  bool as_modelled;         ///< they are the same
+  const double* scale;      ///< of each joint's column, with its axis' sign
+  std::size_t encoders, sources;
+  const ErrorColumn* columns;
+  const ColumnPart* parts;
+  const double* per_resolution;  ///< 1/Delta of each encoder
+  std::size_t coordinates;
+  const int* rows;  ///< 0..2 position, 3..5 rotation vector, 6..8 roll pitch yaw
+  bool rotations, angles, biased;
+  bool mixed;                ///< some columns are sums
+  double remainder;          ///< of the position (remainder.hpp)
+  double largest_remainder;  ///< a bound of it wherever the joints are; infinite where that is not known
+  const double* per_column;  ///< of |scaled column|
+  double rotation, rotation_angle;
+  const double* center_mean;  ///< of each coordinate
+  std::size_t width;          ///< of a row of channels: their count, filled up to whole lanes
+  std::size_t squares_width;  ///< the same of the squares
+};
+
+/// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
+/// rows.
+struct ErrorBatch {
+  const double *joint, *built_joint, *estimate;  ///< independent joints
+  const double *encoder, *measured;              ///< true and as read
+  double* rows;       ///< [instant][width]: error, its linear part, parts of the encoders, and mean
+  double* squares;    ///< [instant][squares_width], of encoder after encoder: (J C Delta)^2, or
+  bool summed;        ///< a single such row: their sums
+  double* rigorous;   ///< [coordinate]: largest bound so far
+  double* deviation;  ///< [coordinate]: and of the difference from the mean at the centre
+  double* room;
+};
+
+/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative, times
+/// what all sections together are to be multiplied with in the last one.
+struct SectionPlan {
+  enum class Output { low, band, high, all };
+  bool second;
+  Output output;  ///< the only one of b0, b1, b2 that is not 0
+  double k0, k1;  ///< high = x - k1 s1 - k0 s2; of first order x - k0 s1
+  double b0, b1, b2;
+};
+
+/// Sums of channels about their first values in these rows: no digits are lost to a large mean.
+struct Tally {
+  double *shift, *sum, *squares, *peak;  ///< [width]
+};
+
+struct SimulationKernels {
+  std::size_t lanes;
+  std::size_t (*errors_room)(const ErrorPlan&);  ///< numbers
+  void (*positions)(const SmoothPath&, const double* time, double* to);
+  /// to = matrix from: rows of 64 instants, the matrix row by row.
+  void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
+  /// Counts and counts * resolution of one encoder. @returns whether all of them are whole within 2^53
+  bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
+  /// The largest |number| of a row of 64.
+  double (*largest)(const double* row);
+  void (*errors)(const ErrorPlan&, const ErrorBatch&);
+  /// The sum of the rows first .. last - 1.
+  void (*sums)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
+  /// Rows `stride` apart through a section, into rows side by side.
+  void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
+                  std::size_t width, double* state, double* out);
+  /// @param in  the row of the first output; those before it stand before it
+  void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
+               double* out);
+  /// @param peaks  of how many channels the peak is asked for
+  void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
+                const Tally&);
+  /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags - 1, k = 0 .. count - 1.
+  /// @pre numbers, whatever they are, may be read up to a vector beyond x + count
+  double (*losses)(const double* r, std::size_t lags, const double* x, std::size_t count);
+};
+
+extern const SimulationKernels portable_simulation, avx2_simulation, avx512_simulation;
+
+const SimulationKernels& simulation_kernels(InstructionSet);
+
+}  // namespace qerr

@@ -1,0 +1,160 @@
+#pragma once
+
+#include "kernels.hpp"
+#include "qerr/kinematics/walk.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+/// Whether a comparison holds in any lane.
+template <class L>
+[[gnu::always_inline]] inline bool any(const Bits<L>& mask) {
+  std::int64_t all = 0;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < lane_count<L>; ++i) all |= mask[i];
+  return all != 0;
+}
+
+/// Largest sine and tangent that the series below take: then 7 terms give all digits.
+constexpr double small_angle = 0x1p-4;
+
+/// asin(s)/s of s^2, |s| <= small_angle.
+template <class L>
+[[gnu::always_inline]] inline L arc_of_sine(const L& s2) {
+  L sum = broadcast<L>(231.0 / 13312);
+#pragma GCC unroll 6
+  for (const double c : {63.0 / 2816, 35.0 / 1152, 5.0 / 112, 3.0 / 40, 1.0 / 6, 1.0})
+    sum = fma(sum, s2, broadcast<L>(c));
+  return sum;
+}
+
+/// atan(t)/t of t^2, |t| <= small_angle.
+template <class L>
+[[gnu::always_inline]] inline L arc_of_tangent(const L& t2) {
+  L sum = broadcast<L>(1.0 / 13);
+#pragma GCC unroll 6
+  for (const double c : {-1.0 / 11, 1.0 / 9, -1.0 / 7, 1.0 / 5, -1.0 / 3, 1.0})
+    sum = fma(sum, t2, broadcast<L>(c));
+  return sum;
+}
+
+/// Axes of a tip: columns of its rotation.
+template <class L>
+struct Axes {
+  L x[3], y[3], z[3];
+};
+
+template <class L>
+[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f, const double* turned) {
+  Axes<L> a;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    const auto along = [&](int c) {
+      return fma(turned[3 * c + 2], f.z[i], fma(turned[3 * c + 1], f.y[i], turned[3 * c] * f.x[i]));
+    };
+    a.x[i] = along(0);
+    a.y[i] = along(1);
+    a.z[i] = along(2);
+  }
+  return a;
+}
+
+template <class L>
+[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f) {
+  Axes<L> a;
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    a.x[i] = f.x[i];
+    a.y[i] = f.y[i];
+    a.z[i] = f.z[i];
+  }
+  return a;
+}
+
+template <class L>
+[[gnu::always_inline]] inline L dot(const L (&a)[3], const L (&b)[3]) {
+  return fma(a[2], b[2], fma(a[1], b[1], a[0] * b[0]));
+}
+
+/// The rotation vector of R_hat R^T (tip_error): its axis from the antisymmetric part, which is the sum of
+/// the cross products of true and estimated axes.
+template <class L>
+[[gnu::always_inline]] inline void rotation_vector(const Axes<L>& estimate, const Axes<L>& truth,
+                                                   L (&vector)[3]) {
+  L x[3], y[3], z[3];
+  cross(truth.x, estimate.x, x);
+  cross(truth.y, estimate.y, y);
+  cross(truth.z, estimate.z, z);
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) vector[i] = 0.5 * (x[i] + y[i] + z[i]);
+  const L sine2 = dot(vector, vector);
+  const L cosine = 0.5 * (dot(truth.x, estimate.x) + dot(truth.y, estimate.y) + dot(truth.z, estimate.z) - 1);
+  L factor = arc_of_sine(sine2);
+  const Bits<L> large = ~((sine2 <= small_angle * small_angle) & (cosine > 0));
+  if (any<L>(large)) {
+    for (std::size_t i = 0; i < lane_count<L>; ++i) {
+      const double sine = __builtin_sqrt(sine2[i]);
+      if (large[i]) factor[i] = sine < 1e-300 ? 0 : __builtin_atan2(sine, cosine[i]) / sine;
+    }
+  }
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) vector[i] *= factor;
+}
+
+/// The angle from (bx, by) to (ax, ay), in [-pi, pi].
+template <class L>
+[[gnu::always_inline]] inline L angle_between(const L& ay, const L& ax, const L& by, const L& bx) {
+  const L along = fma(ax, bx, ay * by), tangent = fma(ay, bx, -(ax * by)) / along;
+  L angle = tangent * arc_of_tangent(tangent * tangent);
+  const Bits<L> large = ~((along > 0) & (abs(tangent) <= small_angle));
+  if (any<L>(large)) {
+    for (std::size_t i = 0; i < lane_count<L>; ++i)
+      if (large[i])
+        angle[i] = __builtin_remainder(__builtin_atan2(ay[i], ax[i]) - __builtin_atan2(by[i], bx[i]),
+                                       6.283185307179586);
+  }
+  return angle;
+}
+
+template <class L>
+[[gnu::always_inline]] inline L cosine_of_pitch(const Axes<L>& a) {
+  return sqrt(fma(a.x[0], a.x[0], a.x[1] * a.x[1]));
+}
+
+/// Roll, pitch and yaw, estimate minus truth.
+template <class L>
+[[gnu::always_inline]] inline void roll_pitch_yaw(const Axes<L>& a, const Axes<L>& b, L (&angles)[3]) {
+  angles[0] = angle_between(a.y[2], a.z[2], b.y[2], b.z[2]);
+  angles[1] = angle_between<L>(-a.x[2], cosine_of_pitch(a), -b.x[2], cosine_of_pitch(b));
+  angles[2] = angle_between(a.x[1], a.x[0], b.x[1], b.x[0]);
+}
+
+/// Rates of roll, pitch and yaw per angular velocity (coordinates.hpp); 0 where they have no bound.
+template <class L>
+struct EulerRates {
+  L of[3][3];
+  Bits<L> unbounded;
+};
+
+template <class L>
+[[gnu::always_inline]] inline EulerRates<L> euler_rates(const Axes<L>& a) {
+  EulerRates<L> r;
+  const L cosine = cosine_of_pitch(a);
+  r.unbounded = cosine < 1e-12;
+  const L inverse = r.unbounded ? L{} : 1 / cosine;
+  const L cos_yaw = a.x[0] * inverse, sin_yaw = a.x[1] * inverse, tan_pitch = -a.x[2] * inverse;
+  const L bounded = r.unbounded ? L{} : broadcast<L>(1);
+  r.of[0][0] = cos_yaw * inverse;
+  r.of[0][1] = sin_yaw * inverse;
+  r.of[0][2] = L{};
+  r.of[1][0] = -sin_yaw;
+  r.of[1][1] = r.unbounded ? broadcast<L>(1) : cos_yaw;
+  r.of[1][2] = L{};
+  r.of[2][0] = tan_pitch * cos_yaw;
+  r.of[2][1] = tan_pitch * sin_yaw;
+  r.of[2][2] = bounded;
+  return r;
+}
+
+}  // namespace
+}  // namespace qerr::lanes

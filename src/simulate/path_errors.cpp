@@ -1,0 +1,230 @@
+#include "path_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "qerr/bound/remainder.hpp"
+#include "qerr/core/lanes.hpp"
+
+namespace qerr {
+
+namespace {
+
+bool turned(const OperationalModel& model) {
+  return std::any_of(model.coordinates.begin(), model.coordinates.end(),
+                     [](Coordinate c) { return !is_position(c); });
+}
+
+bool same_place(const Chain& a, const Chain& b) {
+  for (std::size_t k = 0; k < a.joints.size(); ++k)
+    if (a.joints[k].origin.matrix() != b.joints[k].origin.matrix()) return false;
+  return true;
+}
+
+/// Joints that move by a coordinate each, as it is.
+std::vector<FoldedJoint> moved_directly(const FoldedChain& chain) {
+  std::vector<FoldedJoint> joints = chain.joints;
+  for (std::size_t k = 0; k < joints.size(); ++k) {
+    joints[k].coordinate = k;
+    joints[k].multiplier = 1;
+    joints[k].offset = 0;
+  }
+  return joints;
+}
+
+FoldedPath along(const FoldedChain& chain, const std::vector<FoldedJoint>& joints) {
+  FoldedPath path = path_of(chain);
+  path.joints = joints.data();
+  return path;
+}
+
+/// No column of a revolute joint is longer, wherever the joints are; infinite where a joint slides.
+double longest_arm(const Chain& chain) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    if (joint.prismatic) return std::numeric_limits<double>::infinity();
+    sum += joint.origin.translation().norm();
+  }
+  return sum;
+}
+
+}  // namespace
+
+PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const Eigen::VectorXd& center_mean,
+                       InstructionSet set)
+    : channels_(model),
+      chain_(fold(model.chain, turned(model))),
+      built_(fold(built, turned(model))),
+      as_modelled_(same_place(model.chain, built)),
+      kernels_(simulation_kernels(set)),
+      center_mean_(center_mean.begin(), center_mean.end()) {
+  for (const FoldedJoint& joint : chain_.joints) scale_.push_back(joint.sign);
+  for (const Coordinate c : model.coordinates) coordinates_.push_back(static_cast<int>(c));
+  add_columns(model);
+  fix_scale(model);
+  bound(model);
+  set_plan(model);
+  const auto of_lanes = [&](std::size_t rows) { return AlignedNumbers(rows * batch_size); };
+  const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
+  rows_ = of_lanes(plan_.width);
+  squares_ = of_lanes(plan_.squares_width);
+  squares_sum_ = AlignedNumbers(plan_.squares_width);
+  rigorous_ = AlignedNumbers(m * kernels_.lanes);
+  deviation_ = AlignedNumbers(m * kernels_.lanes);
+  room_ = AlignedNumbers(kernels_.errors_room(plan_));
+  for (AlignedNumbers* a : {&direct_joint_, &direct_built_joint_, &direct_estimate_}) *a = of_lanes(joints);
+  direct_chain_ = moved_directly(chain_);
+  direct_built_ = moved_directly(built_);
+}
+
+/// @param of_independent  how the independent joints move with the error
+void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_independent, double mean,
+                            double half_width) {
+  ErrorColumn column{parts_.size(), 0, false, false, 0, {}, mean, half_width};
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const ChainJoint& joint = chain.joints[k];
+    const double factor = joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    if (factor != 0) parts_.push_back({k, factor});
+  }
+  column.parts = parts_.size() - column.first;
+  columns_.push_back(column);
+}
+
+void PathErrors::add_origin(const Chain& chain, const ErrorSource& s) {
+  ErrorColumn column{parts_.size(), 0, false, true, s.link, {}, s.mean, s.half_width};
+  Eigen::Vector3d direction = chain.joints[s.link].parent_axes * s.direction;
+  if (s.link > 0) direction = chain_.link_axes[s.link - 1] * direction;
+  Eigen::Map<Eigen::Vector3d>(column.direction) = direction;
+  columns_.push_back(column);
+}
+
+void PathErrors::add_columns(const OperationalModel& model) {
+  const Transmission& t = model.transmission;
+  for (std::size_t e = 0; e < t.encoders.size(); ++e) {
+    const Encoder& encoder = t.encoders[e];
+    per_resolution_.push_back(1 / encoder.resolution);
+    add_column(model.chain, t.coupling.col(static_cast<Eigen::Index>(e)) * encoder.resolution,
+               mean_error(encoder) / encoder.resolution, 0.5);
+  }
+  for (const ErrorSource& s : model.sources) {
+    const auto i = static_cast<Eigen::Index>(s.owner);
+    if (s.where == ErrorSource::Where::origin)
+      add_origin(model.chain, s);
+    else if (s.where == ErrorSource::Where::encoder)
+      add_column(model.chain, t.coupling.col(i), s.mean, s.half_width);
+    else
+      add_column(model.chain, Eigen::VectorXd::Unit(t.coupling.rows(), i), s.mean, s.half_width);
+  }
+}
+
+/// Columns of joints are scaled so that those of encoders that move one joint alone need no further factor.
+void PathErrors::fix_scale(const OperationalModel& model) {
+  std::vector<double> first(model.chain.joints.size(), 0);
+  for (const ColumnPart& part : parts_)
+    if (first[part.joint] == 0) first[part.joint] = part.factor;
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (first[k] == 0) first[k] = 1;
+  for (std::size_t k = 0; k < first.size(); ++k) scale_[k] *= first[k];
+  for (ColumnPart& part : parts_) part.factor /= first[part.joint];
+  for (ErrorColumn& column : columns_)
+    column.direct = !column.origin && column.parts == 1 && parts_[column.first].factor == 1;
+}
+
+void PathErrors::bound(const OperationalModel& model) {
+  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  plan_.remainder = r.position;
+  plan_.rotation = r.rotation;
+  plan_.rotation_angle = r.rotation_angle;
+  const double arm = longest_arm(model.chain);
+  plan_.largest_remainder =
+      r.per_column.sum() > 0 ? r.position + r.per_column.sum() * (1 + 1e-12) * arm : r.position;
+  for (std::size_t k = 0; k < scale_.size(); ++k)
+    per_column_.push_back(r.per_column[static_cast<Eigen::Index>(k)] / std::abs(scale_[k]));
+}
+
+void PathErrors::set_plan(const OperationalModel& model) {
+  const auto asked = [&](auto property) {
+    return std::any_of(model.coordinates.begin(), model.coordinates.end(), property);
+  };
+  plan_.chain = path_of(chain_);
+  plan_.built = path_of(built_);
+  plan_.as_modelled = as_modelled_;
+  plan_.scale = scale_.data();
+  plan_.encoders = model.transmission.encoders.size();
+  plan_.sources = model.sources.size();
+  plan_.columns = columns_.data();
+  plan_.parts = parts_.data();
+  plan_.per_resolution = per_resolution_.data();
+  plan_.coordinates = coordinates_.size();
+  plan_.rows = coordinates_.data();
+  plan_.rotations = asked(is_rotation_vector);
+  plan_.angles = asked(is_euler_angle);
+  plan_.biased = channels_.biased;
+  plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
+                            [](const ErrorColumn& c) { return !c.direct && !c.origin; });
+  plan_.per_column = per_column_.data();
+  plan_.center_mean = center_mean_.data();
+  const auto whole_lanes = [&](std::size_t count) {
+    return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
+  };
+  plan_.width = whole_lanes(static_cast<std::size_t>(channels_.count()));
+  plan_.squares_width = whole_lanes(plan_.coordinates * plan_.encoders);
+}
+
+void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
+                               const AlignedNumbers& to) const {
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const FoldedJoint& joint = chain.joints[k];
+    for (std::size_t i = 0; i < batch_size; ++i) {
+      const double motion = joint.multiplier * joints[joint.coordinate * batch_size + i];
+      to[k * batch_size + i] =
+          joint.offset + (joint.prismatic ? motion : std::atan2(std::sin(motion), std::cos(motion)));
+    }
+  }
+}
+
+bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) const {
+  return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
+    const double largest = kernels_.largest(joints + joint.coordinate * batch_size);
+    return joint.prismatic ||
+           std::abs(joint.multiplier) * largest + std::abs(joint.offset) <= lanes::largest_angle;
+  });
+}
+
+void PathErrors::operator()(const SensedBatch& b, bool parts) {
+  summed_ = !parts;
+  ErrorBatch batch{b.joint,         b.joint, b.estimate,       b.encoder,         b.measured,  rows_.data(),
+                   squares_.data(), summed_, rigorous_.data(), deviation_.data(), room_.data()};
+  if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
+      (as_modelled_ || within_lanes(built_, b.joint)))
+    return kernels_.errors(plan_, batch);
+  ErrorPlan plan = plan_;
+  plan.chain = along(chain_, direct_chain_);
+  plan.built = along(built_, direct_built_);
+  reduce_angles(chain_, b.joint, direct_joint_);
+  reduce_angles(built_, b.joint, direct_built_joint_);
+  reduce_angles(chain_, b.estimate, direct_estimate_);
+  batch.joint = direct_joint_.data();
+  batch.built_joint = direct_built_joint_.data();
+  batch.estimate = direct_estimate_.data();
+  kernels_.errors(plan, batch);
+}
+
+Eigen::Map<const Eigen::MatrixXd> PathErrors::squares(std::size_t first, std::size_t last) {
+  if (!summed_) kernels_.sums(squares_.data(), plan_.squares_width, first, last, squares_sum_.data());
+  return {summed_ ? squares_.data() : squares_sum_.data(), channels_.coordinates, channels_.encoders};
+}
+
+Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {
+  Eigen::VectorXd all(channels_.coordinates);
+  for (std::size_t c = 0; c < plan_.coordinates; ++c) {
+    const double* const values = of_lanes.data() + c * kernels_.lanes;
+    all[static_cast<Eigen::Index>(c)] = coordinates_[c] >= 6
+                                            ? std::numeric_limits<double>::infinity()
+                                            : *std::max_element(values, values + kernels_.lanes);
+  }
+  return all;
+}
+
+}  // namespace qerr
