@@ -31,7 +31,7 @@ struct Quantizer {
   bool down;
 };
 
-/// One joint's part in a column: a factor of the joint's column as `ErrorPlan::scale` leaves it.
+/// One joint's part in a column: a factor of the joint's column as `PathErrorPlan::scale` leaves it.
 struct ColumnPart {
   std::size_t joint;
   double factor;
@@ -48,7 +48,7 @@ struct ErrorColumn {
 };
 
 /// What of the error along the path does not change from instant to instant.
-struct ErrorPlan {
+struct PathErrorPlan {
   FoldedPath chain, built;  ///< as modelled, and as the robot is
   bool as_modelled;         ///< they are the same
   const double* scale;      ///< of each joint's column, with its axis' sign
@@ -71,7 +71,7 @@ struct ErrorPlan {
 
 /// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
 /// rows.
-struct ErrorBatch {
+struct PathErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
   const double *encoder, *measured;              ///< true and as read
   double* rows;       ///< [instant][width]: error, its linear part, parts of the encoders, and mean
@@ -99,7 +99,7 @@ struct Tally {
 
 struct SimulationKernels {
   std::size_t lanes;
-  std::size_t (*errors_room)(const ErrorPlan&);  ///< numbers
+  std::size_t (*errors_room)(const PathErrorPlan&);  ///< numbers
   void (*positions)(const SmoothPath&, const double* time, double* to);
   /// to = matrix from: rows of 64 instants, the matrix row by row.
   void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
@@ -107,7 +107,7 @@ struct SimulationKernels {
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
   /// The largest |number| of a row of 64.
   double (*largest)(const double* row);
-  void (*errors)(const ErrorPlan&, const ErrorBatch&);
+  void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
   /// The sum of the rows first .. last - 1.
   void (*sums)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
   /// Rows `stride` apart through a section, into rows side by side.

@@ -21,19 +21,19 @@ struct ErrorRoom {
   L* pose;               // [9]: error of the pose
 };
 
-inline std::size_t joints_of(const ErrorPlan& p) {
+inline std::size_t joints_of(const PathErrorPlan& p) {
   return p.chain.count > p.built.count ? p.chain.count : p.built.count;
 }
 
 template <class L>
-std::size_t errors_room(const ErrorPlan& p) {
+std::size_t errors_room(const PathErrorPlan& p) {
   return joints_of(p) * room_per_joint<L> +
          ((p.encoders + p.sources) * 6 + p.width + p.squares_width + p.encoders + 2 * p.coordinates + 9) *
              lane_count<L>;
 }
 
 template <class L>
-ErrorRoom<L> furnished(const ErrorPlan& p, double* room) {
+ErrorRoom<L> furnished(const PathErrorPlan& p, double* room) {
   ErrorRoom<L> r;
   r.moved = reinterpret_cast<SineCosine<L>*>(room);
   r.joints = reinterpret_cast<JointRoom<L>*>(r.moved + joints_of(p));
@@ -96,7 +96,7 @@ template <class L>
 
 /// Columns that are sums of several joints', or another factor of one; of displaced origins their shift.
 template <class L>
-[[gnu::always_inline]] inline void mix_columns(const ErrorPlan& p, const ErrorRoom<L>& room) {
+[[gnu::always_inline]] inline void mix_columns(const PathErrorPlan& p, const ErrorRoom<L>& room) {
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
     const ErrorColumn& column = p.columns[e];
     if (column.direct || column.origin) continue;
@@ -113,7 +113,7 @@ template <class L>
 
 /// Shifts of the origins that stand behind joint `link - 1`.
 template <class L>
-[[gnu::always_inline]] inline void shift_origins(const ErrorPlan& p, std::size_t link, const Frame<L>& f,
+[[gnu::always_inline]] inline void shift_origins(const PathErrorPlan& p, std::size_t link, const Frame<L>& f,
                                                  const ErrorRoom<L>& room) {
   for (std::size_t s = p.encoders; s < p.encoders + p.sources; ++s) {
     const ErrorColumn& source = p.columns[s];
@@ -136,7 +136,8 @@ template <class L>
 
 /// Takes the bounds of these instants into the largest ones.
 template <class L>
-[[gnu::noinline]] void raise_bounds(const ErrorPlan& p, const ErrorBatch& b, const ErrorRoom<L>& room) {
+[[gnu::noinline]] void raise_bounds(const PathErrorPlan& p, const PathErrorBatch& b,
+                                    const ErrorRoom<L>& room) {
   L of_position = broadcast<L>(p.remainder);
   for (std::size_t k = 0; k < p.chain.count; ++k) {
     const L(&column)[6] = room.joints[k].column;
@@ -169,7 +170,7 @@ struct Row {
 };
 
 template <class L>
-[[gnu::always_inline]] inline const L* column_of(const ErrorPlan& p, const ErrorRoom<L>& room,
+[[gnu::always_inline]] inline const L* column_of(const PathErrorPlan& p, const ErrorRoom<L>& room,
                                                  std::size_t e) {
   const ErrorColumn& column = p.columns[e];
   return column.direct ? room.joints[p.parts[column.first].joint].column : room.mixed[e];
@@ -179,7 +180,7 @@ template <class L>
 ///
 /// @tparam summed  squares are summed up over the batch, else kept of every instant
 template <bool summed, class L>
-[[gnu::always_inline]] inline L encoder_parts(const ErrorPlan& p, std::size_t c, const Row<L>& row,
+[[gnu::always_inline]] inline L encoder_parts(const PathErrorPlan& p, std::size_t c, const Row<L>& row,
                                               const ErrorRoom<L>& room) {
   const std::size_t m = p.coordinates;
   L linear{}, sizes{};
@@ -199,8 +200,9 @@ template <bool summed, class L>
 
 /// The Jacobian's part of the errors at the instants from `i`, and bounds along the path.
 template <bool summed, class L>
-[[gnu::always_inline]] inline void linear_errors(const ErrorPlan& p, const ErrorBatch& b, std::size_t i,
-                                                 const EulerRates<L>& rates, const ErrorRoom<L>& room) {
+[[gnu::always_inline]] inline void linear_errors(const PathErrorPlan& p, const PathErrorBatch& b,
+                                                 std::size_t i, const EulerRates<L>& rates,
+                                                 const ErrorRoom<L>& room) {
   const std::size_t m = p.coordinates;
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const std::size_t at = e * batch_size + i;
@@ -237,7 +239,7 @@ template <bool summed, class L>
 
 /// Estimate minus truth of the pose: positions; the rotation vector of R_hat R^T; Euler angles.
 template <class L>
-[[gnu::always_inline]] inline void pose_error(const ErrorPlan& p, const Frame<L>& estimate,
+[[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
                                               const Frame<L>& truth, L* error) {
 #pragma GCC unroll 3
   for (int k = 0; k < 3; ++k) error[k] = estimate.o[k] - truth.o[k];
@@ -267,7 +269,7 @@ template <class L>
 /// Errors of a batch of instants: of the pose, and what the Jacobian makes of those of the encoders
 /// (operational_error).
 template <bool summed, class L>
-void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
+void errors_of(const PathErrorPlan& p, const PathErrorBatch& b) {
   const ErrorRoom<L> room = furnished<L>(p, b.room);
   shift_origins(p, 0, base_frame<L>(), room);
   for (std::size_t c = p.coordinates; c < p.width; ++c) room.channels[c] = L{};
@@ -275,11 +277,12 @@ void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
   EulerRates<L> rates;
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     const Frame<L> estimate = walk<L>(p.chain, b.estimate + i, batch_size, room.moved, PassBy{}, PassBy{});
-    const Frame<L> modelled = columns<L>(p.chain, p.scale, b.joint + i, batch_size, room.moved, room.joints,
-                                         [&](std::size_t k, const Frame<L>& f) {
-                                           if (p.sources > 0)
-                                             shift_origins(p, k + 1, f, room, KeepColumns<L>{room.joints});
-                                         });
+    const Frame<L> modelled = columns<L>(
+        p.chain, p.scale, b.joint + i, batch_size, room.moved, room.joints,
+        [&](std::size_t k, const Frame<L>& f) {
+          if (p.sources > 0) shift_origins(p, k + 1, f, room);
+        },
+        KeepColumns<L>{room.joints});
     if (p.mixed) mix_columns(p, room);
     if (p.as_modelled)
       pose_error(p, estimate, modelled, room.pose);
@@ -296,7 +299,7 @@ void errors_of(const ErrorPlan& p, const ErrorBatch& b) {
 }
 
 template <class L>
-void errors(const ErrorPlan& p, const ErrorBatch& b) {
+void errors(const PathErrorPlan& p, const PathErrorBatch& b) {
   b.summed ? errors_of<true, L>(p, b) : errors_of<false, L>(p, b);
 }
 

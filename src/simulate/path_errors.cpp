@@ -194,12 +194,13 @@ bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) co
 
 void PathErrors::operator()(const SensedBatch& b, bool parts) {
   summed_ = !parts;
-  ErrorBatch batch{b.joint,         b.joint, b.estimate,       b.encoder,         b.measured,  rows_.data(),
-                   squares_.data(), summed_, rigorous_.data(), deviation_.data(), room_.data()};
+  PathErrorBatch batch{b.joint,          b.joint,           b.estimate,      b.encoder,
+                       b.measured,       rows_.data(),      squares_.data(), summed_,
+                       rigorous_.data(), deviation_.data(), room_.data()};
   if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
       (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);
-  ErrorPlan plan = plan_;
+  PathErrorPlan plan = plan_;
   plan.chain = along(chain_, direct_chain_);
   plan.built = along(built_, direct_built_);
   reduce_angles(chain_, b.joint, direct_joint_);

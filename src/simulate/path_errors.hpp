@@ -55,7 +55,7 @@ class PathErrors {
   std::vector<ErrorColumn> columns_;
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
-  ErrorPlan plan_{};
+  PathErrorPlan plan_{};
   bool summed_ = false;
   AlignedNumbers rows_, squares_, squares_sum_, rigorous_, deviation_, room_;
 
