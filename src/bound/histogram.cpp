@@ -52,7 +52,7 @@ void Histogram::append(const Histogram& other) {
 
 double Histogram::order_statistic(std::uint64_t rank, double min, double max) const {
   std::uint64_t before = 0;
-  for (std::size_t b = 0; b < bin_count; ++b) {
+  for (std::size_t b = bin_of(min, lowest_); b < bin_count; ++b) {
     const std::uint64_t here = at(b);
     if (before + here <= rank) {
       before += here;
