@@ -186,6 +186,7 @@ void PlannedError::lay_out(const ErrorFigures& asked) {
   plan_.keep_covariance = asked.covariance;
   plan_.shares = asked.shares;
   plan_.rigorous = asked.rigorous;
+  plan_.columns_again = asked.shares || asked.rigorous || plan_.filters > 0;
   const std::size_t m = plan_.coordinates, entries = m * (m + 1) / 2, f = plan_.filters;
   const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
     const std::size_t at = total;

@@ -44,7 +44,8 @@ struct ErrorPlan {
   bool any_euler, any_position;
   bool keep_covariance;  ///< of every configuration, as figures
   bool shares, rigorous;
-  const double* arm;  ///< of every encoder: 1/s, for its largest |dp/dx|
+  bool columns_again;  ///< whether linear columns are looked at after they have been summed
+  const double* arm;   ///< of every encoder: 1/s, for its largest |dp/dx|
   /// rho = remainder + sum_k reach[k] |linear column k|; an angle's: linear + angle_remainder, at most angle.
   double remainder, angle_remainder, angle;
   const double* reach;

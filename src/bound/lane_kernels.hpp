@@ -10,6 +10,7 @@ namespace {
 
 constexpr std::size_t most_coordinates = 9;
 constexpr double infinity = __builtin_inf();
+constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;  // sqrt(3): of a uniform error
 
 /// How the coordinates move with a part; of a plain, direct model the columns of the joints themselves.
 template <class L>
@@ -144,7 +145,6 @@ template <std::size_t from, class L>
     s[4] = fma(y, z, s[4]);
     s[5] = fma(z, z, s[5]);
   }
-  constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;  // sqrt(3)
 #pragma GCC unroll 3
   for (std::size_t r = 0; r < 3; ++r) {
     e.half[from + r] = half_width_of_sigma * a[r];
@@ -290,6 +290,42 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors
   }
 }
 
+/// The sums of `sum_three<0>` and `sum_mixed`, taken as the columns come: they need not be read again, where
+/// a processor has registers for all of them.
+template <class L>
+struct RunningSums {
+  static constexpr bool fit = lane_count<L> == 8;  // 32 registers
+  L a[3] = {}, s[6] = {}, x[9] = {};
+
+  [[gnu::always_inline]] void add(const L (&u)[3], const L (&w)[3]) {
+    a[0] += abs(u[0]);
+    a[1] += abs(u[1]);
+    a[2] += abs(u[2]);
+    s[0] = fma(u[0], u[0], s[0]);
+    s[1] = fma(u[0], u[1], s[1]);
+    s[2] = fma(u[1], u[1], s[2]);
+    s[3] = fma(u[0], u[2], s[3]);
+    s[4] = fma(u[1], u[2], s[4]);
+    s[5] = fma(u[2], u[2], s[5]);
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r)
+#pragma GCC unroll 3
+      for (int c = 0; c < 3; ++c) x[3 * r + c] = fma(w[r], u[c], x[3 * r + c]);
+  }
+
+  [[gnu::always_inline]] void put(Errors<L>& e, const CovarianceTo<L>& covariance) const {
+#pragma GCC unroll 3
+    for (std::size_t r = 0; r < 3; ++r) {
+      e.half[r] = half_width_of_sigma * a[r];
+      e.variance[r] = s[entry(r, r)];
+#pragma GCC unroll 3
+      for (std::size_t c = 0; c <= r; ++c) covariance.put(entry(r, c), s[entry(r, c)]);
+#pragma GCC unroll 3
+      for (std::size_t c = 0; c < 3; ++c) covariance.put(entry(3 + r, c), x[3 * r + c]);
+    }
+  }
+};
+
 /// Columns of the joints, and how the coordinates move with every part.
 /// @returns where roll and yaw have no bound
 template <class L, bool direct>
@@ -320,12 +356,28 @@ void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* 
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
   const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)}
                                     : Spreads<L>{room.spreads, most_coordinates};
+  begin_columns(plan.chain, plan.column_scale, room.joints);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const Bits<L> locked = spread<L, direct>(plan, q + i, room, sums);
     double* const to = figures + i;
     const CovarianceTo<L> covariance(plan, to, sums);
     Errors<L> e;
-    if constexpr (fixed > 0) {
+    Bits<L> locked{};
+    constexpr bool fused = direct && fixed == 6 && RunningSums<L>::fit;
+    if constexpr (fused) {
+      RunningSums<L> running;
+      const KeepColumns<L> keep{room.joints};
+      columns<L>(plan.chain, plan.column_scale, q + i, batch_size, room.moved, room.joints, PassBy{},
+                 [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
+                   if (plan.columns_again) keep(k, linear, angular);
+                   if (k < plan.moving_parts) running.add(linear, angular);
+                 });
+      running.put(e, covariance);
+      sum_three<3>(spreads, plan.parts, e, covariance);
+    } else {
+      locked = spread<L, direct>(plan, q + i, room, sums);
+    }
+    if constexpr (fused) {
+    } else if constexpr (fixed > 0) {
       sum_three<0>(spreads, plan.moving_parts, e, covariance);
       if constexpr (fixed > 3) {
         sum_three<3>(spreads, plan.parts, e, covariance);

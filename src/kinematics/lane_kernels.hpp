@@ -11,6 +11,7 @@ template <class L>
 void jacobians(const FoldedPath& chain, const double* signs, const double* q, double* to, double* room) {
   auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
   auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
+  begin_columns(chain, signs, joints);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{},
                [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {

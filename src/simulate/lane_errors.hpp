@@ -275,6 +275,7 @@ void errors_of(const PathErrorPlan& p, const PathErrorBatch& b) {
   for (std::size_t c = p.coordinates; c < p.width; ++c) room.channels[c] = L{};
   for (std::size_t k = 0; k < p.squares_width; ++k) room.squares[k] = L{};
   EulerRates<L> rates;
+  begin_columns(p.chain, p.scale, room.joints);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     const Frame<L> estimate = walk<L>(p.chain, b.estimate + i, batch_size, room.moved, PassBy{}, PassBy{});
     const Frame<L> modelled = columns<L>(

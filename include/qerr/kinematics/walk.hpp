@@ -130,12 +130,24 @@ struct JointRoom {
   L point[3];   ///< on the joint's axis
 };
 
+/// What `columns` keeps of a first joint that turns: its axis stands still whatever the configuration.
+template <class L>
+[[gnu::always_inline]] inline void begin_columns(const FoldedPath& chain, const double* scale,
+                                                 JointRoom<L>* joints) {
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) {
+    joints[0].column[3 + i] = broadcast<L>(scale[0] * chain.first_axes[6 + i]);
+    joints[0].point[i] = broadcast<L>(chain.first_point[i]);
+  }
+}
+
 /// Walks the chain, then gives the columns of the Jacobian of the moving joints, times a factor each.
 ///
 /// @param leave   as of `walk`
 /// @param give    called with (k, linear, angular) for every moving joint; angular also stays in
 /// joints[k].column
 /// @returns as `walk`
+/// @pre `begin_columns` has been called, once for all configurations
 template <class L, class Leave, class Give>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
                                                std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
@@ -143,6 +155,7 @@ template <class L, class Leave, class Give>
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
+        if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) {
           joints[k].column[3 + i] = scale[k] * f.z[i];

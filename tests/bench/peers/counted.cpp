@@ -54,8 +54,9 @@ using lanes::multiplied;
 double multiplications(const FoldedPath& chain, const double* scale, const double* q, double* room) {
   auto* const moved = reinterpret_cast<lanes::SineCosine<Counted>*>(room);
   multiplied = 0;
-  lanes::columns<Counted>(chain, scale, q, batch_size, moved,
-                          reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count), lanes::PassBy{},
+  auto* const joints = reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count);
+  lanes::begin_columns(chain, scale, joints);
+  lanes::columns<Counted>(chain, scale, q, batch_size, moved, joints, lanes::PassBy{},
                           [](std::size_t, const Counted(&)[3], const Counted(&)[3]) {});
   return multiplied;
 }
