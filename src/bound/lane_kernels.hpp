@@ -469,28 +469,30 @@ void tally(const double* figures, std::size_t count, std::uint64_t first, Tally*
   if (any) find_maxima(figures, count, first, tallies);  // rare
 }
 
-template <class L>
-struct KeysOf {
-  typedef std::uint16_t type __attribute__((vector_size(2 * lane_count<L>)));
-};
-
-template <class L>
+/// Eight at a time whatever the lanes: of a double's bits the upper half is enough, and 32-bit numbers have
+/// minima and maxima on every instruction set.
 void bins(const double* figures, std::size_t count, const std::int64_t* lowest, std::uint16_t* keys,
           std::size_t stride) {
+  typedef std::int32_t Halves __attribute__((vector_size(64)));
+  typedef std::int32_t Bins __attribute__((vector_size(32)));
+  typedef std::uint16_t Narrow __attribute__((vector_size(16)));
+  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
   for (std::size_t f = 0; f < count; ++f)
 #pragma GCC unroll 4
-    for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-      Bits<L> key =
-          (__builtin_bit_cast(Bits<L>, load<L>(figures + f * batch_size + i)) >> bin_shift) - lowest[f];
-      key = key < 0 ? Bits<L>{} : key;
-      key = key > last_bin ? Bits<L>{} + last_bin : key;
-      const auto narrow = __builtin_convertvector(key, typename KeysOf<L>::type);
+    for (std::size_t i = 0; i < batch_size; i += 8) {
+      Halves halves;
+      __builtin_memcpy(&halves, figures + f * batch_size + i, sizeof halves);
+      Bins bin = __builtin_shufflevector(halves, halves, 1, 3, 5, 7, 9, 11, 13, 15) >> (bin_shift - 32);
+      bin -= static_cast<std::int32_t>(lowest[f]);
+      bin = bin < 0 ? Bins{} : bin;
+      bin = bin > static_cast<std::int32_t>(last_bin) ? Bins{} + static_cast<std::int32_t>(last_bin) : bin;
+      const auto narrow = __builtin_convertvector(bin, Narrow);
       __builtin_memcpy(keys + f * stride + i, &narrow, sizeof narrow);
     }
 }
 
 template <int n>
-constexpr BoundKernels bound_kernels{n, room<Lanes<n>>, errors<Lanes<n>>, tally<Lanes<n>>, bins<Lanes<n>>};
+constexpr BoundKernels bound_kernels{n, room<Lanes<n>>, errors<Lanes<n>>, tally<Lanes<n>>, bins};
 
 }  // namespace
 }  // namespace qerr::lanes
