@@ -8,6 +8,7 @@
 
 #include "qerr/bound/histogram.hpp"
 #include "qerr/core/aligned.hpp"
+#include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/sampler.hpp"
 #include "random_chain.hpp"
@@ -313,6 +314,27 @@ TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurations) {
   EXPECT_EQ(s.min, *std::min_element(sigma.begin(), sigma.end()));
   for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
     EXPECT_NEAR(value, exact_percentile(sigma, p), 1e-4 * value);
+}
+
+// A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.
+TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
+  OperationalModel m = random_model(10, true);
+  m.chain.joints.resize(1);
+  m.chain.joints[0] = {};
+  m.chain.joints[0].axis = Eigen::Vector3d::UnitZ();
+  m.chain.independent.resize(1);
+  m.chain.tip_offset = Eigen::Isometry3d::Identity();
+  m.chain.tip_offset.translation() = Eigen::Vector3d::UnitX();
+  m.transmission = {{{1e-4}}, Eigen::MatrixXd::Identity(1, 1)};
+  m.coordinates = {Coordinate::x};
+  Configurations c;
+  c.method = SamplingMethod::grid;
+  c.count = 200000;
+  c.ranges = {{0, 1.5}};
+  // x moves by sin q: its median over the grid is sin 0.75.
+  EXPECT_NEAR(workspace(m, {}, c).coordinates[0].worst_case.p50, 5e-5 * std::sin(0.75), 5e-8);
+  c.ranges = {{0, 1e7}};
+  EXPECT_THROW(workspace(m, {}, c), Error);
 }
 
 TEST(Workspace, DerivativesAreTheFiltersNormsTimesTheCoordinatesErrors) {

@@ -7,7 +7,11 @@
 #include "kernels.hpp"
 #include "qerr/bound/histogram.hpp"
 #include "qerr/core/aligned.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/core/lanes.hpp"
 #include "qerr/core/parallel.hpp"
+#include "qerr/core/quantity.hpp"
+#include "qerr/core/random.hpp"
 #include "qerr/kinematics/sampler.hpp"
 
 namespace qerr {
@@ -114,14 +118,20 @@ class Job {
     return w;
   }
 
-  /// By the figures of the first batch, so that every thread bins alike.
+  /// By the figures of some batches from all over the job, before it starts: every thread bins alike.
   void set_lowest_bins() {
+    constexpr std::uint64_t looks = 64;
     Worker w = worker();
-    w.sampler(0, w.q.data());
-    w.errors(w.q.data(), w.figures.data());
-    for (std::size_t f = 0; f < joined_.size(); ++f)
-      lowest_bins_.push_back(Histogram::lowest_bin(
-          *std::max_element(&w.figures[f * batch_size], &w.figures[f * batch_size] + batch_size)));
+    std::vector<double> typical(joined_.size());
+    for (std::uint64_t look = 0; look < looks; ++look) {
+      w.sampler(random_bits(look, 0, 0) % (total_ / batch_size) * batch_size, w.q.data());
+      w.errors(w.q.data(), w.figures.data());
+      for (std::size_t f = 0; f < joined_.size(); ++f)
+        for (std::size_t i = 0; i < batch_size; ++i)
+          if (const double value = w.figures[f * batch_size + i]; std::isfinite(value))
+            typical[f] = std::max(typical[f], value);
+    }
+    for (const double value : typical) lowest_bins_.push_back(Histogram::lowest_bin(value));
   }
 
   BlockResult block(Worker& w, std::uint64_t first) {
@@ -201,6 +211,31 @@ class Job {
   std::vector<long double> sums_;
   std::vector<Histogram> histograms_;  // [figure]
 };
+
+/// Largest |coordinate| of an independent joint over the configurations [rad or m].
+double largest_coordinate(const Configurations& c, std::size_t joint) {
+  if (c.method != SamplingMethod::list)
+    return std::max(std::abs(c.ranges[joint].lower), std::abs(c.ranges[joint].upper));
+  double largest = 0;
+  for (const Eigen::VectorXd& point : c.points)
+    largest = std::max(largest, std::abs(point[static_cast<Eigen::Index>(joint)]));
+  return largest;
+}
+
+/// Beyond, sines lose the digits that are promised.
+void require_moderate_angles(const Chain& chain, const Configurations& c) {
+  for (const ChainJoint& joint : chain.joints) {
+    if (joint.prismatic) continue;
+    const double angle =
+        std::abs(joint.multiplier) * largest_coordinate(c, joint.coordinate) + std::abs(joint.offset);
+    if (!(angle <= lanes::largest_angle))
+      throw Error({{},
+                   "configurations",
+                   "joint '" + joint.name + "' must stay within 2^20 rad, some 167 000 turns",
+                   shortest(angle) + " rad",
+                   "angles that differ by whole turns are the same: take smaller ones"});
+  }
+}
 
 /// Makes a Workspace of what the job has found.
 class Summary {
@@ -314,6 +349,7 @@ Statistic scaled(const Statistic& s, double factor) {
 
 Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
                     const Configurations& configurations, const WorkspaceOptions& options) {
+  require_moderate_angles(model.chain, configurations);
   Job job(model, filters, configurations, options);
   job.run();
   return Summary(job, model, filters, configurations, options).workspace();

@@ -80,6 +80,7 @@ struct WorkspaceOptions {
 /// Memory does not grow with their number beyond `exact_percentiles_limit`. Blocks of configurations are
 /// summed and joined in a fixed order: the same bytes for any number of threads.
 /// @param filters  norms of the derivative filters, one set of derivative statistics each
+/// @throws Error (input; key `configurations`) when a joint turns beyond 2^20 rad
 Workspace workspace(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
                     const WorkspaceOptions& = {});
 
