@@ -110,7 +110,7 @@ def check_outputs(t, qerr, folder, spec):
 
 def check_interrupt(t, qerr, folder, spec):
     long_run = folder / "long.yaml"
-    long_run.write_text(spec.read_text().replace("count: 20", "count: 50000000"))
+    long_run.write_text(spec.read_text().replace("count: 20", "count: 50000000000"))
     for number, wanted in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
         process = subprocess.Popen([str(qerr), "analyze", str(long_run), "--format", "json", "-o", str(folder / "long.json")],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=os.setsid)
