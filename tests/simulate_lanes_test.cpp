@@ -8,6 +8,7 @@
 #include "design_filter.hpp"
 #include "random_chain.hpp"
 #include "reference_simulation.hpp"
+#include "simulate_experiment.hpp"
 
 /// The lanes of a simulation against the scalar functions, one sample after the other.
 namespace qerr {
@@ -313,17 +314,7 @@ TEST(Simulate, OfManyRunsIsTheSameForAnyNumberOfThreadsOnEverySet) {
     const Simulation one = run(e, options);
     for (const unsigned threads : {2u, 5u}) {
       options.threads = threads;
-      const Simulation several = run(e, options);
-      for (std::size_t f = 0; f < one.results.size(); ++f)
-        for (std::size_t c = 0; c < one.results[f].size(); ++c) {
-          const SimulatedSignal &a = one.results[f][c], &b = several.results[f][c];
-          EXPECT_EQ(a.sigma_simulated, b.sigma_simulated);
-          EXPECT_EQ(a.mean_simulated, b.mean_simulated);
-          EXPECT_EQ(a.peak_simulated, b.peak_simulated);
-          EXPECT_EQ(a.sigma_upper, b.sigma_upper);
-          EXPECT_EQ(a.worst_case_path, b.worst_case_path);
-          EXPECT_EQ(a.ladder.nonlinear, b.ladder.nonlinear);
-        }
+      testing::expect_same(one, run(e, options));
     }
   }
 }

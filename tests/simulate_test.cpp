@@ -17,6 +17,7 @@ namespace {
 
 using testing::ChainMix;
 using testing::Dice;
+using testing::expect_same;
 using testing::Experiment;
 
 constexpr double pi = std::numbers::pi;
@@ -96,20 +97,6 @@ TEST(Simulate, LadderLeadsFromTheCentreToTheSimulation) {
       EXPECT_NEAR(r.sigma_ipqn * l.varying_jacobian * l.joint_error * l.correlated_joints * l.nonlinear,
                   r.sigma_simulated, 1e-12 * r.sigma_simulated);
       EXPECT_NEAR(l.nonlinear, 1, 1e-3);
-    }
-}
-
-void expect_same(const Simulation& a, const Simulation& b) {
-  for (std::size_t f = 0; f < a.results.size(); ++f)
-    for (std::size_t c = 0; c < a.results[f].size(); ++c) {
-      const SimulatedSignal &x = a.results[f][c], &y = b.results[f][c];
-      EXPECT_EQ(x.sigma_simulated, y.sigma_simulated);
-      EXPECT_EQ(x.sigma_lower, y.sigma_lower);
-      EXPECT_EQ(x.peak_simulated, y.peak_simulated);
-      EXPECT_EQ(x.mean_simulated, y.mean_simulated);
-      EXPECT_EQ(x.ladder.correlated_joints, y.ladder.correlated_joints);
-      EXPECT_EQ(x.worst_case_path, y.worst_case_path);
-      EXPECT_EQ(x.sigma_exact, y.sigma_exact);
     }
 }
 

@@ -35,6 +35,7 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/euler_rates.hpp"
 #include "qerr/kinematics/folded_chain.hpp"
 #include "qerr/kinematics/folded_path.hpp"
 #include "qerr/kinematics/inverse_dynamics.hpp"

@@ -11,8 +11,6 @@ namespace qerr {
 
 namespace {
 
-const double half_width_of_sigma = std::sqrt(3.0);
-
 bool any_of_kind(const std::vector<Coordinate>& coordinates, bool (*kind)(Coordinate)) {
   return std::any_of(coordinates.begin(), coordinates.end(), kind);
 }
@@ -72,16 +70,11 @@ void PlannedError::add_encoders(const OperationalModel& model) {
           joint.multiplier * model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate), j);
       if (weight != 0) weights.push_back({k, weight * sigma});
     }
-    parts_.push_back({nullptr,
-                      nullptr,
-                      0,
-                      {},
-                      1,
-                      half_width_of_sigma,
-                      mean[j] / sigma,
-                      half_width_of_sigma,
-                      static_cast<std::size_t>(j),
-                      false});
+    parts_.push_back({.sigma = 1,
+                      .half_width = half_width_of_sigma,
+                      .mean = mean[j] / sigma,
+                      .width = half_width_of_sigma,
+                      .owner = static_cast<std::size_t>(j)});
     arm_.push_back(1 / sigma);
   }
 }
@@ -90,16 +83,12 @@ void PlannedError::add_source(const OperationalModel& model, const ErrorSource& 
   const double largest = std::max({source.sigma, source.half_width, std::abs(source.mean)});
   const double scale = largest > 0 ? largest : 1;
   std::vector<JointWeight>& weights = weights_.emplace_back();
-  ErrorPart part{nullptr,
-                 nullptr,
-                 0,
-                 {},
-                 source.sigma / scale,
-                 source.half_width / scale,
-                 source.mean / scale,
-                 (std::abs(source.mean) + source.half_width) / scale,
-                 source.owner,
-                 true};
+  ErrorPart part{.sigma = source.sigma / scale,
+                 .half_width = source.half_width / scale,
+                 .mean = source.mean / scale,
+                 .width = (std::abs(source.mean) + source.half_width) / scale,
+                 .owner = source.owner,
+                 .source = true};
   if (source.where == ErrorSource::Where::origin) {
     const Eigen::Vector3d along = scale * (model.chain.joints[source.link].parent_axes * source.direction);
     const Eigen::Vector3d direction =

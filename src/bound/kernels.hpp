@@ -12,6 +12,9 @@ namespace qerr {
 
 // As folded_path.hpp: without Eigen and containers, for files that are compiled per instruction set.
 
+/// Half width over sigma of a uniform error: sqrt(3).
+inline constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;
+
 /// A column of the Jacobian of a moving joint, as a part of an error takes it.
 struct JointWeight {
   std::size_t joint;
@@ -21,13 +24,13 @@ struct JointWeight {
 /// One independent error: of an encoder, or of a source beside it. Its size is a common scale s; `spread` is
 /// what the coordinates move by when it is s.
 struct ErrorPart {
-  const JointWeight *begin, *end;  ///< columns it moves by, times s
-  std::size_t link;                ///< of a displaced origin: behind which moving joint, plus 1; else 0
-  double direction[3];             ///< of that, in the folded frame there (0: the base's), times s
-  double sigma, half_width, mean;  ///< over s
-  double width;                    ///< over s: what it counts for among the worst cases
-  std::size_t owner;               ///< index of the encoder it is counted with
-  bool source;                     ///< beside the quantization
+  const JointWeight *begin = nullptr, *end = nullptr;  ///< columns it moves by, times s
+  std::size_t link = 0;      ///< of a displaced origin: behind which moving joint, plus 1; else 0
+  double direction[3] = {};  ///< of that, in the folded frame there (0: the base's), times s
+  double sigma = 0, half_width = 0, mean = 0;  ///< over s
+  double width = 0;                            ///< over s: what it counts for among the worst cases
+  std::size_t owner = 0;                       ///< index of the encoder it is counted with
+  bool source = false;                         ///< beside the quantization
 };
 
 /// What the batched kernel works by (error_plan.hpp makes it from a model). At most nine coordinates.

@@ -36,7 +36,7 @@ std::uint64_t sobol_point(const std::uint64_t* directions, std::uint64_t index) 
 
 }  // namespace
 
-Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(c), set_(set) {
+Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(&c), set_(set) {
   for (const Limits& range : c.ranges) {
     lower_.push_back(range.lower);
     width_.push_back(range.upper - range.lower);
@@ -74,7 +74,7 @@ void Sampler::sobol(std::uint64_t first) {
 
 void Sampler::operator()(std::uint64_t first, double* to) {
   const SampledRanges ranges{lower_.size(), lower_.data(), width_.data(), upper_.data()};
-  switch (configurations_.method) {
+  switch (configurations_->method) {
     case SamplingMethod::sobol:
       sobol(first);
       return kinematic_kernels(set_).sobol(ranges, start_.data(), patterns_.data(), to);
@@ -84,21 +84,21 @@ void Sampler::operator()(std::uint64_t first, double* to) {
       return grid(first, to);
     case SamplingMethod::list:
       for (std::size_t i = 0; i < batch_size; ++i) {
-        const std::size_t point = std::min<std::size_t>(first + i, configurations_.points.size() - 1);
+        const std::size_t point = std::min<std::size_t>(first + i, configurations_->points.size() - 1);
         for (std::size_t j = 0; j < lower_.size(); ++j)
-          to[j * batch_size + i] = configurations_.points[point][static_cast<Eigen::Index>(j)];
+          to[j * batch_size + i] = configurations_->points[point][static_cast<Eigen::Index>(j)];
       }
   }
 }
 
 /// An odometer: divisions for the first point of the batch alone.
 void Sampler::grid(std::uint64_t first, double* to) const {
-  const std::uint64_t count = configurations_.count;
+  const std::uint64_t count = configurations_->count;
   std::vector<std::uint64_t> digits(lower_.size());
   for (std::size_t j = digits.size(); j-- > 0; first /= count) digits[j] = first % count;
   for (std::size_t i = 0; i < batch_size; ++i) {
     for (std::size_t j = 0; j < digits.size(); ++j)
-      to[j * batch_size + i] = grid_value(configurations_.ranges[j], digits[j], count);
+      to[j * batch_size + i] = grid_value(configurations_->ranges[j], digits[j], count);
     for (std::size_t j = digits.size(); j-- > 0;) {
       if (++digits[j] < count) break;
       digits[j] = 0;

@@ -93,7 +93,7 @@ struct SectionPlan {
 };
 
 /// Sums of channels about their first values in these rows: no digits are lost to a large mean.
-struct Tally {
+struct ChannelTally {
   double *shift, *sum, *squares, *peak;  ///< [width]
 };
 
@@ -118,7 +118,7 @@ struct SimulationKernels {
                double* out);
   /// @param peaks  of how many channels the peak is asked for
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
-                const Tally&);
+                const ChannelTally&);
   /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags - 1, k = 0 .. count - 1.
   /// @pre numbers, whatever they are, may be read up to a vector beyond x + count
   double (*losses)(const double* r, std::size_t lags, const double* x, std::size_t count);

@@ -4,6 +4,7 @@
 
 #include "lane_pose_error.hpp"
 #include "qerr/core/batch.hpp"
+#include "qerr/kinematics/euler_rates.hpp"
 
 namespace qerr::lanes {
 namespace {
@@ -65,15 +66,22 @@ template <std::size_t distance, class L>
   if constexpr (distance > 1) cross_rows<distance / 2>(rows);
 }
 
+/// Lanes and channels of a square change places.
+template <class L>
+[[gnu::always_inline]] inline void turn_square(const L* channels, L (&square)[lane_count<L>]) {
+  constexpr auto n = lane_count<L>;
+#pragma GCC unroll 8
+  for (std::size_t i = 0; i < n; ++i) square[i] = channels[i];
+  cross_rows<n / 2>(square);
+}
+
 /// Channels of these instants into their rows.
 template <class L>
 [[gnu::always_inline]] inline void into_rows(const L* channels, std::size_t width, double* rows) {
   constexpr auto n = lane_count<L>;
   for (std::size_t c = 0; c < width; c += n) {
     L square[n];
-#pragma GCC unroll 8
-    for (std::size_t i = 0; i < n; ++i) square[i] = channels[c + i];
-    cross_rows<n / 2>(square);
+    turn_square(channels + c, square);
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < n; ++i) store(rows + i * width + c, square[i]);
   }
@@ -85,9 +93,7 @@ template <class L>
   constexpr auto n = lane_count<L>;
   for (std::size_t c = 0; c < width; c += n) {
     L square[n];
-#pragma GCC unroll 8
-    for (std::size_t i = 0; i < n; ++i) square[i] = channels[c + i];
-    cross_rows<n / 2>(square);
+    turn_square(channels + c, square);
 #pragma GCC unroll 8
     for (std::size_t i = 1; i < n; ++i) square[0] += square[i];
     store(sums + c, square[0]);
@@ -138,12 +144,7 @@ template <class L>
 template <class L>
 [[gnu::noinline]] void raise_bounds(const PathErrorPlan& p, const PathErrorBatch& b,
                                     const ErrorRoom<L>& room) {
-  L of_position = broadcast<L>(p.remainder);
-  for (std::size_t k = 0; k < p.chain.count; ++k) {
-    const L(&column)[6] = room.joints[k].column;
-    const L norm2 = fma(column[2], column[2], fma(column[1], column[1], column[0] * column[0]));
-    of_position = fma(p.per_column[k], sqrt(norm2), of_position);
-  }
+  const L of_position = p.remainder + weighted_arms(p.chain, p.per_column, room.joints);
   for (std::size_t c = 0; c < p.coordinates; ++c) {
     if (p.rows[c] >= 6) continue;
     const L worst = room.worst[2 * c], less = worst - room.worst[2 * c + 1];
@@ -290,7 +291,7 @@ void errors_of(const PathErrorPlan& p, const PathErrorBatch& b) {
     else
       pose_error(p, estimate, walk<L>(p.built, b.built_joint + i, batch_size, room.moved, PassBy{}, PassBy{}),
                  room.pose);
-    if (p.angles) rates = euler_rates(axes_of(modelled, p.chain.tip_axes));
+    if (p.angles) rates = euler_rates(axes_of(modelled, p.chain.tip_axes).x);
     for (std::size_t c = 0; c < p.coordinates; ++c) room.channels[c] = room.pose[p.rows[c]];
     linear_errors<summed>(p, b, i, rates, room);
     into_rows(room.channels, p.width, b.rows + i * p.width);

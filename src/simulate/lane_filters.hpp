@@ -109,7 +109,7 @@ void taps(const double* taps, std::size_t count, const double* in, std::size_t r
 
 template <class L, int group, bool peaks>
 [[gnu::always_inline]] inline void tally_on(const double* in, std::size_t stride, std::size_t rows,
-                                            std::size_t c, const Tally& t) {
+                                            std::size_t c, const ChannelTally& t) {
   constexpr auto lanes = lane_count<L>;
   L shift[group], sum[group], squares[group], peak[group];
 #pragma GCC unroll 8
@@ -138,7 +138,7 @@ template <class L, int group, bool peaks>
 
 template <class L>
 void tally(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
-           const Tally& t) {
+           const ChannelTally& t) {
   in_groups<4, L>(0, width, [&]<int group>(std::size_t c) {
     c < peaks ? tally_on<L, group, true>(in, stride, rows, c, t)
               : tally_on<L, group, false>(in, stride, rows, c, t);

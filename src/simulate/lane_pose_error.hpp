@@ -129,32 +129,5 @@ template <class L>
   angles[2] = angle_between(a.x[1], a.x[0], b.x[1], b.x[0]);
 }
 
-/// Rates of roll, pitch and yaw per angular velocity (coordinates.hpp); 0 where they have no bound.
-template <class L>
-struct EulerRates {
-  L of[3][3];
-  Bits<L> unbounded;
-};
-
-template <class L>
-[[gnu::always_inline]] inline EulerRates<L> euler_rates(const Axes<L>& a) {
-  EulerRates<L> r;
-  const L cosine = cosine_of_pitch(a);
-  r.unbounded = cosine < 1e-12;
-  const L inverse = r.unbounded ? L{} : 1 / cosine;
-  const L cos_yaw = a.x[0] * inverse, sin_yaw = a.x[1] * inverse, tan_pitch = -a.x[2] * inverse;
-  const L bounded = r.unbounded ? L{} : broadcast<L>(1);
-  r.of[0][0] = cos_yaw * inverse;
-  r.of[0][1] = sin_yaw * inverse;
-  r.of[0][2] = L{};
-  r.of[1][0] = -sin_yaw;
-  r.of[1][1] = r.unbounded ? broadcast<L>(1) : cos_yaw;
-  r.of[1][2] = L{};
-  r.of[2][0] = tan_pitch * cos_yaw;
-  r.of[2][1] = tan_pitch * sin_yaw;
-  r.of[2][2] = bounded;
-  return r;
-}
-
 }  // namespace
 }  // namespace qerr::lanes

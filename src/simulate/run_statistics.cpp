@@ -20,7 +20,7 @@ RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::
 
 void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::size_t width,
                         std::uint64_t block, const SimulationKernels& kernels, double* room) {
-  const Tally tally{room, room + width, room + 2 * width, room + 3 * width};
+  const ChannelTally tally{room, room + width, room + 2 * width, room + 3 * width};
   const Eigen::Index peaks = peak_.size();
   kernels.tally(values, stride, rows, width, static_cast<std::size_t>(peaks), tally);
   const auto n = static_cast<double>(rows);

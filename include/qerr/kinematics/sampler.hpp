@@ -12,6 +12,7 @@ namespace qerr {
 /// same numbers as those of `draw`, to the last bit, on every instruction set.
 class Sampler {
  public:
+  /// @pre the configurations outlive it
   explicit Sampler(const Configurations&, InstructionSet = instruction_set());
 
   /// Configurations first .. first + 63.
@@ -25,7 +26,7 @@ class Sampler {
   void sobol(std::uint64_t first);
   void grid(std::uint64_t first, double* to) const;
 
-  Configurations configurations_;
+  const Configurations* configurations_;
   InstructionSet set_;
   std::vector<double> lower_, width_, upper_;  // [joint]
   std::vector<std::uint64_t> keys_;            // [joint]: shift of Sobol's sequence, key of random points

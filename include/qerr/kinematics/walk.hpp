@@ -195,6 +195,18 @@ struct KeepColumns {
   }
 };
 
+/// sum_k weight_k |linear column k|.
+template <class L>
+[[gnu::always_inline]] inline L weighted_arms(const FoldedPath& chain, const double* weight,
+                                              const JointRoom<L>* joints) {
+  L sum{};
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    const L(&u)[6] = joints[k].column;
+    sum = fma(weight[k], sqrt(fma(u[0], u[0], fma(u[1], u[1], u[2] * u[2]))), sum);
+  }
+  return sum;
+}
+
 /// Numbers of room a kernel needs for its moving joints: their motions and what is kept of them.
 template <class L>
 constexpr std::size_t room_per_joint = (sizeof(SineCosine<L>) + sizeof(JointRoom<L>)) / sizeof(double);

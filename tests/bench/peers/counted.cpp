@@ -24,6 +24,7 @@ Counted operator*(double a, Counted b) { return product(a, b.value); }
 Counted operator/(double a, Counted b) { return {a / b.value}; }
 Counted operator+(Counted a, Counted b) { return {a.value + b.value}; }
 Counted operator+(Counted a, double b) { return {a.value + b}; }
+Counted operator+(double a, Counted b) { return {a + b.value}; }
 Counted operator-(Counted a, Counted b) { return {a.value - b.value}; }
 Counted operator-(Counted a, double b) { return {a.value - b}; }
 Counted operator-(double a, Counted b) { return {a - b.value}; }

@@ -1,0 +1,104 @@
+#pragma once
+
+#include "kernels.hpp"
+#include "qerr/core/batch.hpp"
+#include "qerr/kinematics/euler_rates.hpp"
+#include "qerr/kinematics/walk.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+constexpr std::size_t most_coordinates = 9;
+
+/// How the coordinates move with a part; of a plain, direct model the columns of the joints themselves.
+template <class L>
+struct Spreads {
+  const L* first;
+  std::size_t stride;  ///< lanes from one part to the next
+  [[gnu::always_inline]] const L* of(std::size_t part) const { return first + part * stride; }
+};
+
+/// Room of the kernel: motions, joints, then spreads and frames of models that are not plain.
+template <class L>
+struct Room {
+  SineCosine<L>* moved;
+  JointRoom<L>* joints;
+  L* frames;   // [joint][x, y, z][3]
+  L* spreads;  // [part][9]
+
+  Room(const ErrorPlan& plan, double* room)
+      : moved(reinterpret_cast<SineCosine<L>*>(room)),
+        joints(reinterpret_cast<JointRoom<L>*>(moved + plan.chain.count)),
+        frames(reinterpret_cast<L*>(joints + plan.chain.count)),
+        spreads(frames + 9 * plan.chain.count) {}
+};
+
+template <class L>
+std::size_t room(const ErrorPlan& plan) {
+  return plan.chain.count * room_per_joint<L> +
+         (9 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
+}
+
+/// Spreads of a part, given how the tip moves with it.
+template <class L>
+[[gnu::always_inline]] inline void spread_of(const ErrorPart& part, const Room<L>& room, L (&u)[6]) {
+  for (const JointWeight* w = part.begin; w != part.end; ++w)
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) u[i] = fma(w->weight, room.joints[w->joint].column[i], u[i]);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i) {
+      if (part.link > 0)
+        u[i] = fma(part.direction[axis], room.frames[9 * (part.link - 1) + 3 * axis + i], u[i]);
+      else if (axis == i)
+        u[i] = u[i] + part.direction[axis];
+    }
+}
+
+/// Spreads of parts that move by several columns, or by a displaced origin, or in other coordinates.
+/// @returns where roll and yaw have no bound
+template <class L>
+Bits<L> gather(const ErrorPlan& plan, const Room<L>& room, const Frame<L>& tip, double* sums) {
+  const double* const t = plan.chain.tip_axes;
+  L x[3];
+#pragma GCC unroll 3
+  for (int i = 0; i < 3; ++i) x[i] = fma(t[0], tip.x[i], fma(t[1], tip.y[i], t[2] * tip.z[i]));
+  const EulerRates<L> euler = euler_rates(x);
+  for (std::size_t p = 0; p < plan.parts; ++p) {
+    L u[6] = {};
+    spread_of(plan.part[p], room, u);
+    L* const spread = room.spreads + most_coordinates * p;
+    for (std::size_t c = 0; c < plan.coordinates; ++c)
+      spread[c] = plan.coordinate[c] < 6 ? u[plan.coordinate[c]] : euler.along(plan.coordinate[c] - 6, u + 3);
+  }
+  if (!plan.any_euler) return Bits<L>{};
+  double* const pitch = sums + plan.sums.pitch * lane_count<L>;
+  store(pitch, max(load<L>(pitch), 1.0 - euler.cosine));
+  return euler.unbounded;
+}
+
+/// Columns of the joints, and how the coordinates move with every part.
+/// @returns where roll and yaw have no bound
+template <class L, bool direct>
+[[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q, const Room<L>& room,
+                                             double* sums) {
+  const KeepColumns<L> give{room.joints};
+  if constexpr (direct) {
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, give);
+    return Bits<L>{};
+  } else {
+    const auto leave = [&](std::size_t k, const Frame<L>& f) {
+#pragma GCC unroll 3
+      for (int r = 0; r < 3; ++r) {
+        room.frames[9 * k + r] = f.x[r];
+        room.frames[9 * k + 3 + r] = f.y[r];
+        room.frames[9 * k + 6 + r] = f.z[r];
+      }
+    };
+    const Frame<L> tip =
+        columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, leave, give);
+    return gather(plan, room, tip, sums);
+  }
+}
+
+}  // namespace
+}  // namespace qerr::lanes

@@ -1,0 +1,174 @@
+#pragma once
+
+#include "lane_spreads.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+/// What one configuration per lane gives before it is put into figures and sums.
+template <class L>
+struct Errors {
+  L half[most_coordinates], mean[most_coordinates], variance[most_coordinates];
+};
+
+constexpr std::size_t entry(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
+
+/// Where the entries of the covariance go: kept of every configuration, or added to the sum.
+template <class L>
+struct CovarianceTo {
+  double* to;
+  std::size_t stride;
+  bool add;
+
+  CovarianceTo(const ErrorPlan& plan, double* figures, double* sums)
+      : to(plan.keep_covariance ? figures + plan.figures.covariance * batch_size
+                                : sums + plan.sums.covariance * lane_count<L>),
+        stride(plan.keep_covariance ? batch_size : lane_count<L>),
+        add(!plan.keep_covariance) {}
+
+  [[gnu::always_inline]] void put(std::size_t e, const L& value) const {
+    store(to + e * stride, add ? load<L>(to + e * stride) + value : value);
+  }
+};
+
+/// Sums of three coordinates of a plain model: as many as a processor's registers hold at once.
+template <class L>
+struct ThreeSums {
+  L a[3] = {}, s[6] = {};
+
+  [[gnu::always_inline]] void add(const L& x, const L& y, const L& z) {
+    a[0] += abs(x);
+    a[1] += abs(y);
+    a[2] += abs(z);
+    s[0] = fma(x, x, s[0]);
+    s[1] = fma(x, y, s[1]);
+    s[2] = fma(y, y, s[2]);
+    s[3] = fma(x, z, s[3]);
+    s[4] = fma(y, z, s[4]);
+    s[5] = fma(z, z, s[5]);
+  }
+
+  template <std::size_t from>
+  [[gnu::always_inline]] void put(Errors<L>& e, const CovarianceTo<L>& covariance) const {
+#pragma GCC unroll 3
+    for (std::size_t r = 0; r < 3; ++r) {
+      e.half[from + r] = half_width_of_sigma * a[r];
+      e.variance[from + r] = s[entry(r, r)];
+#pragma GCC unroll 3
+      for (std::size_t c = 0; c <= r; ++c) covariance.put(entry(from + r, from + c), s[entry(r, c)]);
+    }
+  }
+};
+
+/// Covariance of positions u and rotations w.
+template <class L>
+struct MixedSums {
+  L s[9] = {};
+
+  [[gnu::always_inline]] void add(const L* u, const L* w) {
+#pragma GCC unroll 3
+    for (int r = 0; r < 3; ++r)
+#pragma GCC unroll 3
+      for (int c = 0; c < 3; ++c) s[3 * r + c] = fma(w[r], u[c], s[3 * r + c]);
+  }
+
+  [[gnu::always_inline]] void put(const CovarianceTo<L>& covariance) const {
+#pragma GCC unroll 3
+    for (std::size_t r = 0; r < 3; ++r)
+#pragma GCC unroll 3
+      for (std::size_t c = 0; c < 3; ++c) covariance.put(entry(3 + r, c), s[3 * r + c]);
+  }
+};
+
+template <std::size_t from, class L>
+[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Errors<L>& e,
+                                             const CovarianceTo<L>& covariance) {
+  ThreeSums<L> sums;
+  for (std::size_t p = 0; p < parts; ++p) {
+    const L* const u = spreads.of(p) + from;
+    sums.add(u[0], u[1], u[2]);
+  }
+  sums.template put<from>(e, covariance);
+}
+
+template <class L>
+[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts,
+                                             const CovarianceTo<L>& covariance) {
+  MixedSums<L> sums;
+  for (std::size_t p = 0; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
+  sums.put(covariance);
+}
+
+/// Any coordinates and parts.
+template <class L>
+void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e,
+             const CovarianceTo<L>& covariance) {
+  for (std::size_t r = 0; r < plan.coordinates; ++r) {
+    e.half[r] = e.mean[r] = L{};
+    for (std::size_t p = 0; p < plan.parts; ++p) {
+      e.half[r] = fma(plan.part[p].half_width, abs(spreads.of(p)[r]), e.half[r]);
+      e.mean[r] = fma(plan.part[p].mean, spreads.of(p)[r], e.mean[r]);
+    }
+    for (std::size_t c = 0; c <= r; ++c) {
+      L sum{};
+      for (std::size_t p = 0; p < plan.parts; ++p) {
+        const L* const u = spreads.of(p);
+        sum = fma((plan.part[p].sigma * plan.part[p].sigma) * u[r], u[c], sum);
+      }
+      covariance.put(entry(r, c), sum);
+      if (c == r) e.variance[r] = sum;
+    }
+  }
+}
+
+/// Whether a processor has registers (32) for the sums of positions and the mixed ones together: then they
+/// are taken as the columns come, which need not be read again.
+template <class L>
+constexpr bool sums_fit = lane_count<L> == 8;
+
+/// Columns of the joints of a direct, plain model in six coordinates, and all sums over them.
+template <class L>
+[[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, const double* q, const Room<L>& room,
+                                               const Spreads<L>& spreads, Errors<L>& e,
+                                               const CovarianceTo<L>& covariance) {
+  ThreeSums<L> positions;
+  MixedSums<L> mixed;
+  const KeepColumns<L> keep{room.joints};
+  columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{},
+             [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
+               if (plan.columns_again) keep(k, linear, angular);
+               if (k >= plan.moving_parts) return;
+               positions.add(linear[0], linear[1], linear[2]);
+               mixed.add(linear, angular);
+             });
+  positions.template put<0>(e, covariance);
+  mixed.put(covariance);
+  sum_three<3>(spreads, plan.parts, e, covariance);
+}
+
+/// How the coordinates move with every part, and all sums over the parts.
+/// @returns where roll and yaw have no bound
+template <class L, std::size_t fixed, bool direct>
+[[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q, const Room<L>& room,
+                                                const Spreads<L>& spreads, Errors<L>& e,
+                                                const CovarianceTo<L>& covariance, double* sums) {
+  if constexpr (direct && fixed == 6 && sums_fit<L>) {
+    sum_columns(plan, q, room, spreads, e, covariance);
+    return Bits<L>{};
+  } else {
+    const Bits<L> unbounded = spread<L, direct>(plan, q, room, sums);
+    if constexpr (fixed == 0) {
+      sum_any(plan, spreads, e, covariance);
+    } else {
+      sum_three<0>(spreads, plan.moving_parts, e, covariance);
+      if constexpr (fixed > 3) {
+        sum_three<3>(spreads, plan.parts, e, covariance);
+        sum_mixed(spreads, plan.moving_parts, covariance);
+      }
+    }
+    return unbounded;
+  }
+}
+
+}  // namespace
+}  // namespace qerr::lanes

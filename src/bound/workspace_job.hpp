@@ -1,0 +1,80 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "kernels.hpp"
+#include "qerr/bound/histogram.hpp"
+#include "qerr/bound/workspace.hpp"
+#include "qerr/core/aligned.hpp"
+#include "qerr/kinematics/sampler.hpp"
+
+namespace qerr {
+
+/// The work behind `workspace`: blocks of configurations, taken by whichever thread is free, joined in their
+/// order.
+class WorkspaceJob {
+ public:
+  WorkspaceJob(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
+               const WorkspaceOptions&);
+
+  void run();
+
+  const BatchedError& errors() const { return errors_; }
+  std::uint64_t total() const { return total_; }
+  bool exact() const { return exact_; }
+
+  /// Sum number s (SumLayout), averaged over the configurations; maxima as they are.
+  double mean_sum(std::size_t s) const {
+    return static_cast<double>(sums_[s] / static_cast<long double>(total_));
+  }
+  double maximum(std::size_t s) const { return static_cast<double>(sums_[s]); }
+  std::uint64_t at_max(std::size_t figure) const { return joined_[figure].at_max(); }
+
+  /// Without `at_max`.
+  Statistic statistic_of(std::size_t figure) const;
+
+ private:
+  static constexpr std::uint64_t block_size = 64 * batch_size;
+
+  /// What one block of configurations gives.
+  struct BlockResult {
+    std::uint64_t count = 0;
+    std::vector<Tally> tallies;
+    std::vector<double> sums;
+    std::string text;
+  };
+
+  /// All that a thread writes to while it works.
+  struct Worker {
+    Sampler sampler;
+    BatchedError errors;
+    AlignedNumbers q, figures;
+    std::vector<std::uint16_t> bins;    // [figure][block_size]
+    std::vector<Histogram> histograms;  // [figure]
+  };
+
+  std::uint64_t blocks() const { return (total_ + block_size - 1) / block_size; }
+  Worker worker() const;
+  void set_lowest_bins();
+  BlockResult block(Worker&, std::uint64_t first);
+  std::vector<double> fill_up(Worker&, std::size_t count) const;
+  void keep(Worker&, std::uint64_t first, std::size_t count, std::uint64_t place, std::vector<Tally>&);
+  void join(const BlockResult&);
+
+  std::size_t joints_;
+  std::uint64_t total_;
+  const WorkspaceOptions& options_;
+  const BoundKernels& kernels_;
+  Sampler sampler_;
+  BatchedError errors_;
+  bool exact_;
+  AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
+  std::vector<std::int64_t> lowest_bins_;  // [figure]
+  std::vector<JoinedTally> joined_;        // [figure]
+  std::vector<double> largest_;            // [figure], of the waves before
+  std::vector<long double> sums_;
+  std::vector<Histogram> histograms_;  // [figure]
+};
+
+}  // namespace qerr
