@@ -33,7 +33,6 @@ Counted& operator+=(Counted& a, Counted b) { return a = a + b; }
 bool operator<(Counted a, Counted b) { return a.value < b.value; }
 bool operator>(Counted a, Counted b) { return a.value > b.value; }
 bool operator<(Counted a, double b) { return a.value < b; }
-bool operator>(Counted a, double b) { return a.value > b; }
 Counted abs(const Counted& a) { return {a.value < 0 ? -a.value : a.value}; }
 Counted sqrt(const Counted& a) { return {__builtin_sqrt(a.value)}; }
 
