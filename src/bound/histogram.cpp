@@ -29,10 +29,14 @@ std::int64_t Histogram::lowest_bin(double typical) {
   return std::max<std::int64_t>(exponent - octaves_below, 0) << octave;
 }
 
-void Histogram::add(const std::uint16_t* bins, std::size_t count) {
+std::uint32_t* Histogram::counts_for(std::size_t count) {
   if (added_ + count > most_few) spill();
   added_ += count;
-  std::uint32_t* const counts = few_.get();
+  return few_.get();
+}
+
+void Histogram::add(const std::uint16_t* bins, std::size_t count) {
+  std::uint32_t* const counts = counts_for(count);
   for (std::size_t i = 0; i < count; ++i) ++counts[bins[i]];
 }
 

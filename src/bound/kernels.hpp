@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "qerr/bound/bins.hpp"
 #include "qerr/bound/figure_layout.hpp"
 #include "qerr/bound/tally.hpp"
 #include "qerr/core/instruction_set.hpp"
@@ -46,6 +47,7 @@ struct ErrorPlan {
   bool positions_first;   ///< the coordinates begin with x y z, and are these or these and rx ry rz
   bool any_euler, any_position;
   bool keep_covariance;  ///< of every configuration, as figures
+  bool roots;            ///< of the variances are taken; else the tally takes them
   bool shares, rigorous;
   bool columns_again;  ///< whether linear columns are looked at after they have been summed
   const double* arm;   ///< of every encoder: 1/s, for its largest |dp/dx|
@@ -60,17 +62,24 @@ struct ErrorPlan {
   SumLayout sums;
 };
 
+/// What a tally does with the figures of a batch.
+struct TallyPlan {
+  std::size_t count;              ///< of the figures
+  std::size_t first_root, roots;  ///< these are variances still, and replaced by their roots
+  const std::int64_t* lowest;     ///< bin of every figure (bins.hpp); null: bins are not asked for
+  std::uint16_t* bins;            ///< those of figure f from bins + f * bin_stride
+  std::size_t bin_stride;
+  BinBacklog backlog;  ///< bins of earlier batches to be counted meanwhile
+};
+
 struct BoundKernels {
   std::size_t lanes;
   /// Numbers of room that `errors` works in.
   std::size_t (*room)(const ErrorPlan&);
   /// Figures of 64 configurations, and their sums added to those before.
   void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* room);
-  /// 64 values each of `count` figures into their tallies.
-  void (*tally)(const double* figures, std::size_t count, std::uint64_t first, Tally*);
-  /// Their bins (histogram.hpp), those of figure f from keys + f * stride.
-  void (*bins)(const double* figures, std::size_t count, const std::int64_t* lowest, std::uint16_t* keys,
-               std::size_t stride);
+  /// 64 values of every figure into their tallies.
+  void (*tally)(const TallyPlan&, double* figures, std::uint64_t first, Tally*);
 };
 
 extern const BoundKernels portable_bounds, avx2_bounds, avx512_bounds;

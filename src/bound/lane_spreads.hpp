@@ -81,9 +81,9 @@ Bits<L> gather(const ErrorPlan& plan, const Room<L>& room, const Frame<L>& tip, 
 template <class L, bool direct>
 [[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q, const Room<L>& room,
                                              double* sums) {
-  const KeepColumns<L> give{room.joints};
+  const KeepColumns<L> keep{room.joints};
   if constexpr (direct) {
-    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, give);
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, keep);
     return Bits<L>{};
   } else {
     const auto leave = [&](std::size_t k, const Frame<L>& f) {
@@ -95,7 +95,7 @@ template <class L, bool direct>
       }
     };
     const Frame<L> tip =
-        columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, leave, give);
+        columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, leave, keep);
     return gather(plan, room, tip, sums);
   }
 }

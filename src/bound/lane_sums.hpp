@@ -14,20 +14,16 @@ struct Errors {
 constexpr std::size_t entry(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
 
 /// Where the entries of the covariance go: kept of every configuration, or added to the sum.
-template <class L>
+template <class L, bool keep>
 struct CovarianceTo {
+  static constexpr std::size_t stride = keep ? batch_size : lane_count<L>;
   double* to;
-  std::size_t stride;
-  bool add;
 
   CovarianceTo(const ErrorPlan& plan, double* figures, double* sums)
-      : to(plan.keep_covariance ? figures + plan.figures.covariance * batch_size
-                                : sums + plan.sums.covariance * lane_count<L>),
-        stride(plan.keep_covariance ? batch_size : lane_count<L>),
-        add(!plan.keep_covariance) {}
+      : to(keep ? figures + plan.figures.covariance * batch_size : sums + plan.sums.covariance * stride) {}
 
   [[gnu::always_inline]] void put(std::size_t e, const L& value) const {
-    store(to + e * stride, add ? load<L>(to + e * stride) + value : value);
+    store(to + e * stride, keep ? value : load<L>(to + e * stride) + value);
   }
 };
 
@@ -48,8 +44,17 @@ struct ThreeSums {
     s[5] = fma(z, z, s[5]);
   }
 
-  template <std::size_t from>
-  [[gnu::always_inline]] void put(Errors<L>& e, const CovarianceTo<L>& covariance) const {
+  /// The first one, whose third coordinate is 0.
+  [[gnu::always_inline]] void begin(const L& x, const L& y) {
+    a[0] = abs(x);
+    a[1] = abs(y);
+    s[0] = x * x;
+    s[1] = x * y;
+    s[2] = y * y;
+  }
+
+  template <std::size_t from, class To>
+  [[gnu::always_inline]] void put(Errors<L>& e, const To& covariance) const {
 #pragma GCC unroll 3
     for (std::size_t r = 0; r < 3; ++r) {
       e.half[from + r] = half_width_of_sigma * a[r];
@@ -65,6 +70,12 @@ template <class L>
 struct MixedSums {
   L s[9] = {};
 
+  /// The first one: of a joint about z, whose column is (x, y, 0, 0, 0, w).
+  [[gnu::always_inline]] void begin(const L& x, const L& y, double w) {
+    s[6] = w * x;
+    s[7] = w * y;
+  }
+
   [[gnu::always_inline]] void add(const L* u, const L* w) {
 #pragma GCC unroll 3
     for (int r = 0; r < 3; ++r)
@@ -72,7 +83,8 @@ struct MixedSums {
       for (int c = 0; c < 3; ++c) s[3 * r + c] = fma(w[r], u[c], s[3 * r + c]);
   }
 
-  [[gnu::always_inline]] void put(const CovarianceTo<L>& covariance) const {
+  template <class To>
+  [[gnu::always_inline]] void put(const To& covariance) const {
 #pragma GCC unroll 3
     for (std::size_t r = 0; r < 3; ++r)
 #pragma GCC unroll 3
@@ -80,9 +92,9 @@ struct MixedSums {
   }
 };
 
-template <std::size_t from, class L>
+template <std::size_t from, class L, class To>
 [[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Errors<L>& e,
-                                             const CovarianceTo<L>& covariance) {
+                                             const To& covariance) {
   ThreeSums<L> sums;
   for (std::size_t p = 0; p < parts; ++p) {
     const L* const u = spreads.of(p) + from;
@@ -91,18 +103,17 @@ template <std::size_t from, class L>
   sums.template put<from>(e, covariance);
 }
 
-template <class L>
+template <class L, class To>
 [[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts,
-                                             const CovarianceTo<L>& covariance) {
+                                             const To& covariance) {
   MixedSums<L> sums;
   for (std::size_t p = 0; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
   sums.put(covariance);
 }
 
 /// Any coordinates and parts.
-template <class L>
-void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e,
-             const CovarianceTo<L>& covariance) {
+template <class L, class To>
+void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e, const To& covariance) {
   for (std::size_t r = 0; r < plan.coordinates; ++r) {
     e.half[r] = e.mean[r] = L{};
     for (std::size_t p = 0; p < plan.parts; ++p) {
@@ -126,32 +137,45 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e,
 template <class L>
 constexpr bool sums_fit = lane_count<L> == 8;
 
-/// Columns of the joints of a direct, plain model in six coordinates, and all sums over them.
+/// Takes the columns of a direct, plain model into the sums that need both halves of a column.
 template <class L>
+struct SumColumns {
+  KeepColumns<L> keep;
+  bool again;                ///< columns are looked at after they have been summed
+  std::size_t moving_parts;  ///< the last one may turn the tip without moving it
+  ThreeSums<L> positions = {};
+  MixedSums<L> mixed = {};
+
+  [[gnu::always_inline]] void upright(const L& x, const L& y, double w) {
+    if (again) keep.upright(x, y, w);
+    positions.begin(x, y);
+    mixed.begin(x, y, w);
+  }
+  [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) {
+    if (again) keep.column(k, linear, angular);
+    if (k >= moving_parts) return;
+    positions.add(linear[0], linear[1], linear[2]);
+    mixed.add(linear, angular);
+  }
+};
+
+template <class L, class To>
 [[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, const double* q, const Room<L>& room,
                                                const Spreads<L>& spreads, Errors<L>& e,
-                                               const CovarianceTo<L>& covariance) {
-  ThreeSums<L> positions;
-  MixedSums<L> mixed;
-  const KeepColumns<L> keep{room.joints};
-  columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{},
-             [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
-               if (plan.columns_again) keep(k, linear, angular);
-               if (k >= plan.moving_parts) return;
-               positions.add(linear[0], linear[1], linear[2]);
-               mixed.add(linear, angular);
-             });
-  positions.template put<0>(e, covariance);
-  mixed.put(covariance);
+                                               const To& covariance) {
+  SumColumns<L> sums{{room.joints}, plan.columns_again, plan.moving_parts};
+  columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, sums);
+  sums.positions.template put<0>(e, covariance);
+  sums.mixed.put(covariance);
   sum_three<3>(spreads, plan.parts, e, covariance);
 }
 
 /// How the coordinates move with every part, and all sums over the parts.
 /// @returns where roll and yaw have no bound
-template <class L, std::size_t fixed, bool direct>
+template <class L, std::size_t fixed, bool direct, class To>
 [[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q, const Room<L>& room,
-                                                const Spreads<L>& spreads, Errors<L>& e,
-                                                const CovarianceTo<L>& covariance, double* sums) {
+                                                const Spreads<L>& spreads, Errors<L>& e, const To& covariance,
+                                                double* sums) {
   if constexpr (direct && fixed == 6 && sums_fit<L>) {
     sum_columns(plan, q, room, spreads, e, covariance);
     return Bits<L>{};

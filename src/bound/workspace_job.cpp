@@ -19,6 +19,7 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
       errors_(model,
               {.rigorous = !options.brief,
                .shares = !options.brief,
+               .roots = false,
                .filters = filters,
                .noise_in_motion = options.noise_in_motion},
               options.instructions),
@@ -29,7 +30,7 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
   if (exact_)
     values_ = AlignedNumbers(joined_.size() * total_);
   else
-    set_lowest_bins();
+    look_around();
 }
 
 void WorkspaceJob::run() {
@@ -46,13 +47,16 @@ void WorkspaceJob::run() {
         results[b] = block(workers[i], (wave + b) * block_size);
     });
     for (const BlockResult& result : results) join(result);
-    for (std::size_t f = 0; f < joined_.size(); ++f) largest_[f] = joined_[f].max();
+    for (std::size_t f = 0; f < joined_.size(); ++f) largest_[f] = std::max(largest_[f], joined_[f].max());
     if (options_.progress) options_.progress(std::min(total_, (wave + results.size()) * block_size), total_);
   }
-  for (std::size_t i = 1; i < workers.size() && !exact_; ++i)
-    for (std::size_t f = 0; f < joined_.size(); ++f)
-      workers[0].histograms[f].append(workers[i].histograms[f]);
-  if (!exact_ && !workers.empty()) histograms_ = std::move(workers[0].histograms);
+  for (Worker& worker : workers) {
+    std::vector<Histogram> histograms = worker.counts.finish();
+    if (histograms_.empty())
+      histograms_ = std::move(histograms);
+    else
+      for (std::size_t f = 0; f < histograms.size(); ++f) histograms_[f].append(histograms[f]);
+  }
 }
 
 Statistic WorkspaceJob::statistic_of(std::size_t figure) const {
@@ -64,29 +68,35 @@ Statistic WorkspaceJob::statistic_of(std::size_t figure) const {
 }
 
 WorkspaceJob::Worker WorkspaceJob::worker() const {
-  Worker w{
-      sampler_, errors_, AlignedNumbers(joints_ * batch_size), AlignedNumbers(joined_.size() * batch_size),
-      {},       {}};
-  if (exact_) return w;
-  w.bins.resize(joined_.size() * block_size);
-  for (const std::int64_t lowest : lowest_bins_) w.histograms.emplace_back(lowest);
-  return w;
+  return {sampler_, errors_, AlignedNumbers(joints_ * batch_size),
+          AlignedNumbers(joined_.size() * batch_size), DeferredCounts(lowest_bins_)};
 }
 
-/// By the figures of some batches from all over the job, before it starts: every thread bins alike.
-void WorkspaceJob::set_lowest_bins() {
+TallyPlan WorkspaceJob::tally_plan() const {
+  const FigureLayout& at = errors_.figures();
+  return {at.count, at.sigma, at.coordinates, nullptr, nullptr, 0, {}};
+}
+
+/// Looks at some batches from all over the job before it starts: every thread bins alike, by the size of what
+/// they show, and what is clearly smaller than their largest is no news to any.
+void WorkspaceJob::look_around() {
   constexpr std::uint64_t looks = 64;
+  constexpr double clearly_smaller = 1 - 1e-6;
   Worker w = worker();
   std::vector<double> typical(joined_.size());
   for (std::uint64_t look = 0; look < looks; ++look) {
     w.sampler(random_bits(look, 0, 0) % (total_ / batch_size) * batch_size, w.q.data());
     w.errors(w.q.data(), w.figures.data());
+    kernels_.tally(tally_plan(), w.figures.data(), 0, std::vector<Tally>(joined_.size()).data());
     for (std::size_t f = 0; f < joined_.size(); ++f)
       for (std::size_t i = 0; i < batch_size; ++i)
         if (const double value = w.figures[f * batch_size + i]; std::isfinite(value))
           typical[f] = std::max(typical[f], value);
   }
-  for (const double value : typical) lowest_bins_.push_back(Histogram::lowest_bin(value));
+  for (std::size_t f = 0; f < joined_.size(); ++f) {
+    lowest_bins_.push_back(Histogram::lowest_bin(typical[f]));
+    if (typical[f] > 0) largest_[f] = clearly_smaller * typical[f];
+  }
 }
 
 WorkspaceJob::BlockResult WorkspaceJob::block(Worker& w, std::uint64_t first) {
@@ -99,12 +109,11 @@ WorkspaceJob::BlockResult WorkspaceJob::block(Worker& w, std::uint64_t first) {
     w.sampler(first + done, w.q.data());
     if (count < batch_size) surplus = fill_up(w, count);
     w.errors(w.q.data(), w.figures.data());
-    keep(w, first + done, count, done, result.tallies);
+    keep(w, first + done, count, done / batch_size, result.tallies);
     if (options_.text)
       result.text += options_.text({first + done, count, w.q.data(), w.figures.data(), errors_.figures()});
   }
-  for (std::size_t f = 0; f < w.histograms.size(); ++f)
-    w.histograms[f].add(w.bins.data() + f * block_size, result.count);
+  w.counts.end_of_block(result.count);
   result.sums = w.errors.take_sums();
   for (std::size_t s = 0; s < result.sums.size(); ++s)
     if (s < errors_.sums().arms && std::isfinite(result.sums[s])) result.sums[s] -= surplus[s];
@@ -127,14 +136,17 @@ std::vector<double> WorkspaceJob::fill_up(Worker& w, std::size_t count) const {
   return surplus;
 }
 
-/// @param place  of the batch in its block
-void WorkspaceJob::keep(Worker& w, std::uint64_t first, std::size_t count, std::uint64_t place,
+/// @param batch  number of the batch in its block
+void WorkspaceJob::keep(Worker& w, std::uint64_t first, std::size_t count, std::size_t batch,
                         std::vector<Tally>& tallies) {
-  const double* const figures = w.figures.data();
-  if (!exact_) kernels_.bins(figures, tallies.size(), lowest_bins_.data(), w.bins.data() + place, block_size);
+  TallyPlan plan = tally_plan();
+  if (!exact_) w.counts.plan(batch, plan);
+  double* const figures = w.figures.data();
   if (count == batch_size) {
-    kernels_.tally(figures, tallies.size(), first, tallies.data());
-  } else {
+    kernels_.tally(plan, figures, first, tallies.data());
+  } else {  // the rest of the batch is no configuration
+    std::vector<Tally> of_all(tallies.size());
+    kernels_.tally(plan, figures, first, of_all.data());
     for (std::size_t f = 0; f < tallies.size(); ++f)
       tally_some(figures + f * batch_size, count, first, tallies[f]);
   }

@@ -3,8 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "kernels.hpp"
-#include "qerr/bound/histogram.hpp"
+#include "deferred_counts.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/aligned.hpp"
 #include "qerr/kinematics/sampler.hpp"
@@ -35,7 +34,7 @@ class WorkspaceJob {
   Statistic statistic_of(std::size_t figure) const;
 
  private:
-  static constexpr std::uint64_t block_size = 64 * batch_size;
+  static constexpr std::uint64_t block_size = DeferredCounts::block_size;
 
   /// What one block of configurations gives.
   struct BlockResult {
@@ -50,16 +49,16 @@ class WorkspaceJob {
     Sampler sampler;
     BatchedError errors;
     AlignedNumbers q, figures;
-    std::vector<std::uint16_t> bins;    // [figure][block_size]
-    std::vector<Histogram> histograms;  // [figure]
+    DeferredCounts counts;
   };
 
   std::uint64_t blocks() const { return (total_ + block_size - 1) / block_size; }
   Worker worker() const;
-  void set_lowest_bins();
+  TallyPlan tally_plan() const;
+  void look_around();
   BlockResult block(Worker&, std::uint64_t first);
   std::vector<double> fill_up(Worker&, std::size_t count) const;
-  void keep(Worker&, std::uint64_t first, std::size_t count, std::uint64_t place, std::vector<Tally>&);
+  void keep(Worker&, std::uint64_t first, std::size_t count, std::size_t batch, std::vector<Tally>&);
   void join(const BlockResult&);
 
   std::size_t joints_;
@@ -72,7 +71,7 @@ class WorkspaceJob {
   AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
   std::vector<std::int64_t> lowest_bins_;  // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
-  std::vector<double> largest_;            // [figure], of the waves before
+  std::vector<double> largest_;            // [figure], that is known to be reached
   std::vector<long double> sums_;
   std::vector<Histogram> histograms_;  // [figure]
 };

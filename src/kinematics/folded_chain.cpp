@@ -102,6 +102,7 @@ class Folder {
     link_axes(about_z(-turn));
     FoldedJoint& last = folded_.joints.back();
     if (!orientation && folded_.tip_x == 0 && folded_.tip_y == 0) last.turns = false;
+    share_points();
     return std::move(folded_);
   }
 
@@ -195,6 +196,15 @@ class Folder {
     folded_.link_axes.push_back(m.cast<double>());
   }
 
+  /// Where axes meet, one point serves for both.
+  void share_points() {
+    bool there = false;  // the frame's point is the one kept last
+    for (FoldedJoint& f : folded_.joints) {
+      f.own_point = !(there && f.a == 0 && f.b == 0);
+      there = !f.prismatic && (f.own_point || f.d == 0);
+    }
+  }
+
   FoldedChain folded_;
   Matrix pending_ = Matrix::Identity();  // from the frame of the last axis to the chain's frame
   Real turn_ = 0;                        // constant turn about the last axis so far
@@ -205,7 +215,11 @@ class Folder {
 }  // namespace
 
 FoldedPath path_of(const FoldedChain& c) {
-  return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.upright,
+  const auto turns = [&](std::size_t k) {
+    return k < c.joints.size() && c.joints[k].turns && !c.joints[k].prismatic;
+  };
+  const bool level = c.upright && turns(0) && turns(1) && c.joints[1].tilt == FoldedJoint::Tilt::right;
+  return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.upright, level,
           c.tip_x,         c.tip_y,         c.tip_axes.data()};
 }
 

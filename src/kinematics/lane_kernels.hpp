@@ -7,20 +7,30 @@
 namespace qerr::lanes {
 namespace {
 
+/// Columns of one configuration per lane into [6 k + row][batch_size].
+template <class L>
+struct PutColumns {
+  double* to;
+  [[gnu::always_inline]] void upright(const L& x, const L& y, double w) const {
+    column(0, {x, y, L{}}, {L{}, L{}, broadcast<L>(w)});
+  }
+  [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) const {
+#pragma GCC unroll 3
+    for (std::size_t row = 0; row < 3; ++row) {
+      store(to + (6 * k + row) * batch_size, linear[row]);
+      store(to + (6 * k + 3 + row) * batch_size, angular[row]);
+    }
+  }
+};
+
 template <class L>
 void jacobians(const FoldedPath& chain, const double* signs, const double* q, double* to, double* room) {
   auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
   auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
   begin_columns(chain, signs, joints);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{},
-               [&](std::size_t k, const L(&linear)[3], const L(&angular)[3]) {
-#pragma GCC unroll 3
-                 for (std::size_t row = 0; row < 3; ++row) {
-                   store(to + (6 * k + row) * batch_size + i, linear[row]);
-                   store(to + (6 * k + 3 + row) * batch_size + i, angular[row]);
-                 }
-               });
+    const PutColumns<L> put{to + i};
+    columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{}, put);
   }
 }
 
@@ -52,22 +62,35 @@ template <class L>
 #endif
 }
 
-/// lower + fraction (upper - lower), inside the range; the fraction is the top 53 bits.
-///
-/// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum.
+/// A joint's range in registers: what is stored might be the range itself, for all the compiler knows.
 template <class L>
-[[gnu::always_inline]] inline L between(const SampledRanges& r, std::size_t joint, const Words<L>& bits) {
-  const L value = rounded(number<L>(bits >> 11) * (0x1p-53 * r.width[joint])) + r.lower[joint];
-  return min(max(value, broadcast<L>(r.lower[joint])), broadcast<L>(r.upper[joint]));
-}
+struct Range {
+  L lower, scale, upper;
+
+  [[gnu::always_inline]] Range(const SampledRanges& r, std::size_t joint)
+      : lower(broadcast<L>(r.lower[joint])),
+        scale(broadcast<L>(0x1p-53 * r.width[joint])),
+        upper(broadcast<L>(r.upper[joint])) {}
+
+  /// lower + fraction (upper - lower), inside the range; the fraction is the top 53 bits.
+  ///
+  /// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum; that is not
+  /// below `lower`.
+  [[gnu::always_inline]] L at(const Words<L>& bits) const {
+    return min(rounded(number<L>(bits >> 11) * scale) + lower, upper);
+  }
+};
 
 template <class L>
 void sobol(const SampledRanges& r, const std::uint64_t* start, const std::uint64_t* patterns, double* to) {
-  for (std::size_t joint = 0; joint < r.joints; ++joint)
+  for (std::size_t joint = 0; joint < r.joints; ++joint) {
+    const Range<L> range(r, joint);
+    const Words<L> first = Words<L>{} + start[joint];
     for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
       const std::size_t at = joint * batch_size + i;
-      store(to + at, between<L>(r, joint, load_words<L>(patterns + at) ^ start[joint]));
+      store(to + at, range.at(load_words<L>(patterns + at) ^ first));
     }
+  }
 }
 
 template <class W>
@@ -81,12 +104,14 @@ template <class L>
 void random(const SampledRanges& r, const std::uint64_t* keys, std::uint64_t first, double* to) {
   Words<L> lane;
   for (std::size_t i = 0; i < lane_count<L>; ++i) lane[i] = i;
-  for (std::size_t joint = 0; joint < r.joints; ++joint)
+  for (std::size_t joint = 0; joint < r.joints; ++joint) {
+    const Range<L> range(r, joint);
+    const std::uint64_t key = keys[joint];
     for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
       const Words<L> index = lane + (first + i);
-      const Words<L> bits = mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + keys[joint]);
-      store(to + joint * batch_size + i, between<L>(r, joint, bits));
+      store(to + joint * batch_size + i, range.at(mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + key)));
     }
+  }
 }
 
 template <int lanes>

@@ -24,6 +24,9 @@ class Histogram {
 
   void add(const std::uint16_t* bins, std::size_t count);
 
+  /// Where as many bins may be counted by hand, which are taken as counted; for as long as it lives.
+  std::uint32_t* counts_for(std::size_t count);
+
   /// Adds what another one with the same lowest bin has counted.
   void append(const Histogram&);
 

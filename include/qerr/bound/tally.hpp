@@ -8,8 +8,8 @@ namespace qerr {
 /// Maxima within this factor are the same but for rounding: the first configuration has it.
 inline constexpr double same_maximum = 1 + 1e-13;
 
-/// What is known of one figure after some configurations. Plain, for the batched kernels.
-struct Tally {
+/// What is known of one figure after some configurations. Plain, and aligned for the batched kernels.
+struct alignas(64) Tally {
   static constexpr double infinite = __builtin_inf();
   double sum[8] = {};  ///< by lane, as `min`
   double min[8] = {infinite, infinite, infinite, infinite, infinite, infinite, infinite, infinite};

@@ -27,6 +27,7 @@ struct FoldedJoint {
   double multiplier = 1, offset = 0;      ///< of the angle [rad], or of the slide [m]
   std::size_t coordinate = 0;             ///< index of the independent joint
   double sign = 1;
+  bool own_point = true;  ///< false: the point kept of the joint before lies on this one's axis, too
 };
 
 /// A folded chain (folded_chain.hpp) as the batched kernels take it. Matrices stand column by column.
@@ -34,7 +35,8 @@ struct FoldedPath {
   const FoldedJoint* joints;
   std::size_t count;
   const double *first_axes, *first_point;
-  bool upright;
+  bool upright;  ///< first_axes is the identity
+  bool level;    ///< and the second joint turns about an axis at right angles to the first one's, which turns
   double tip_x, tip_y;
   const double* tip_axes;
 };

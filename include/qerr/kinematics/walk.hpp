@@ -99,6 +99,15 @@ template <class L, class Arrive, class Leave>
       f.x[0] = f.y[1] = moved[k].cosine;
       f.x[1] = moved[k].sine;
       f.y[0] = -moved[k].sine;
+    } else if (k == 1 && chain.level) {  // y is (0, 0, 1) now, and x has no z
+      const auto [sine, cosine] = moved[k];
+#pragma GCC unroll 2
+      for (int i = 0; i < 2; ++i) {
+        f.y[i] = -(sine * f.x[i]);
+        f.x[i] = cosine * f.x[i];
+      }
+      f.x[2] = sine;
+      f.y[2] = cosine;
     } else if (joint.turns) {
       turn(moved[k].cosine, moved[k].sine, f);
     }
@@ -143,44 +152,53 @@ template <class L>
 
 /// Walks the chain, then gives the columns of the Jacobian of the moving joints, times a factor each.
 ///
-/// @param leave   as of `walk`
-/// @param give    called with (k, linear, angular) for every moving joint; angular also stays in
+/// @param leave  as of `walk`
+/// @param take   its `column(k, linear, angular)` is called for every moving joint, but `upright(x, y, w)`
+/// for a first one about the base's z: linear (x, y, 0), angular (0, 0, w). Angular also stays in
 /// joints[k].column
 /// @returns as `walk`
 /// @pre `begin_columns` has been called, once for all configurations
-template <class L, class Leave, class Give>
+template <class L, class Leave, class Take>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
                                                std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
-                                               Leave leave, Give give) {
+                                               Leave leave, Take&& take) {
+  const bool upright = chain.upright && chain.joints[0].turns && !chain.joints[0].prismatic;
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
 #pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-          joints[k].column[3 + i] = scale[k] * f.z[i];
-          joints[k].point[i] = f.o[i];
-        }
+        for (int i = 0; i < 3; ++i) joints[k].column[3 + i] = scale[k] * f.z[i];
+        if (!chain.joints[k].own_point) return;
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) joints[k].point[i] = f.o[i];
       },
       leave);
-  for (std::size_t k = 0; k < chain.count; ++k) {
+  L arm[3] = {};
+  if (upright) {
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) arm[i] = tip.o[i] - chain.first_point[i];
+    take.upright(-(scale[0] * arm[1]), scale[0] * arm[0], scale[0]);
+  }
+  for (std::size_t k = upright ? 1 : 0; k < chain.count; ++k) {
+    const FoldedJoint& joint = chain.joints[k];
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};
     const L still[3] = {};
-    if (!chain.joints[k].turns && !chain.joints[k].prismatic) {  // the tip lies on the axis
-      give(k, still, axis);
-      continue;
-    }
-    if (chain.joints[k].prismatic) {
+    if (joint.prismatic) {
       column[3] = column[4] = column[5] = L{};
-      give(k, axis, still);
-      continue;
+      take.column(k, axis, still);
+    } else if (!joint.turns) {  // the tip lies on the axis
+      take.column(k, still, axis);
+    } else {
+      if (joint.own_point) {
+#pragma GCC unroll 3
+        for (int i = 0; i < 3; ++i) arm[i] = tip.o[i] - joints[k].point[i];
+      }
+      L linear[3];
+      cross(axis, arm, linear);
+      take.column(k, linear, axis);
     }
-    const L(&point)[3] = joints[k].point;
-    const L arm[3] = {tip.o[0] - point[0], tip.o[1] - point[1], tip.o[2] - point[2]};
-    L linear[3];
-    cross(axis, arm, linear);
-    give(k, linear, axis);
   }
   return tip;
 }
@@ -189,7 +207,12 @@ template <class L, class Leave, class Give>
 template <class L>
 struct KeepColumns {
   JointRoom<L>* joints;
-  [[gnu::always_inline]] void operator()(std::size_t k, const L (&linear)[3], const L (&)[3]) const {
+  [[gnu::always_inline]] void upright(const L& x, const L& y, double) const {
+    joints[0].column[0] = x;
+    joints[0].column[1] = y;
+    joints[0].column[2] = L{};
+  }
+  [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&)[3]) const {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) joints[k].column[i] = linear[i];
   }

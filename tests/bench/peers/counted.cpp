@@ -1,6 +1,6 @@
 #include "counted.hpp"
 
-#include "../../../src/bound/lane_kernels.hpp"
+#include "../../../src/bound/lane_errors.hpp"
 
 namespace qerr::lanes {
 namespace {
@@ -56,8 +56,8 @@ double multiplications(const FoldedPath& chain, const double* scale, const doubl
   multiplied = 0;
   auto* const joints = reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count);
   lanes::begin_columns(chain, scale, joints);
-  lanes::columns<Counted>(chain, scale, q, batch_size, moved, joints, lanes::PassBy{},
-                          [](std::size_t, const Counted(&)[3], const Counted(&)[3]) {});
+  lanes::KeepColumns<Counted> keep{joints};
+  lanes::columns<Counted>(chain, scale, q, batch_size, moved, joints, lanes::PassBy{}, keep);
   return multiplied;
 }
 

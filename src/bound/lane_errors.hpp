@@ -1,0 +1,79 @@
+#pragma once
+
+#include "kernels.hpp"
+#include "lane_shares.hpp"
+
+namespace qerr::lanes {
+namespace {
+
+/// Worst case, sigma and rigorous bound of every coordinate into their places.
+template <class L, std::size_t fixed, bool keep_covariance>
+[[gnu::always_inline]] inline void put_figures(const ErrorPlan& plan, const Room<L>& room, Errors<L>& e,
+                                               const Bits<L>& unbounded, double* to) {
+  const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
+  const L rho = plan.rigorous ? plan.remainder + weighted_arms(plan.chain, plan.reach, room.joints) : L{};
+  L trace{};
+#pragma GCC unroll 6
+  for (std::size_t c = 0; c < m; ++c) {
+    const int coordinate = fixed > 0 ? static_cast<int>(c) : plan.coordinate[c];
+    L worst = e.half[c];
+    if constexpr (fixed == 0) {
+      worst = bounded(coordinate, unbounded, worst + abs(e.mean[c]));
+      e.variance[c] = bounded(coordinate, unbounded, e.variance[c]);
+    }
+    store(to + (plan.figures.worst_case + c) * batch_size, worst);
+    if (!keep_covariance)
+      store(to + (plan.figures.sigma + c) * batch_size, plan.roots ? sqrt(e.variance[c]) : e.variance[c]);
+    if (coordinate < 3 || !plan.any_position) trace += e.variance[c];
+    if (!plan.rigorous) continue;
+    store(to + (plan.figures.rigorous + c) * batch_size,
+          coordinate < 3   ? worst + rho
+          : coordinate < 6 ? min(worst + plan.angle_remainder, broadcast<L>(plan.angle))
+                           : broadcast<L>(infinity));
+  }
+  if (plan.shares) store(to + plan.figures.trace * batch_size, trace);
+}
+
+/// @tparam fixed   coordinates of a plain model: 3 are x y z, 6 also rx ry rz; 0: any coordinates and model
+/// @tparam direct  each part moves by one column alone
+/// @tparam keep_covariance  of every configuration, as figures
+template <class L, std::size_t fixed, bool direct, bool keep_covariance>
+void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* memory) {
+  const Room<L> room(plan, memory);
+  const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)}
+                                    : Spreads<L>{room.spreads, most_coordinates};
+  begin_columns(plan.chain, plan.column_scale, room.joints);
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
+    double* const to = figures + i;
+    const CovarianceTo<L, keep_covariance> covariance(plan, to, sums);
+    Errors<L> e{};
+    const Bits<L> unbounded = sum_parts<L, fixed, direct>(plan, q + i, room, spreads, e, covariance, sums);
+    put_figures<L, fixed, keep_covariance>(plan, room, e, unbounded, to);
+    if (plan.shares) add_shares<L, fixed>(plan, spreads, e, sums);
+    if (plan.filters > 0) {
+      Errors<L> seen;  // what a function may look at cannot stay in registers
+#pragma GCC unroll 9
+      for (std::size_t c = 0; c < most_coordinates; ++c) {
+        seen.half[c] = e.half[c];
+        seen.mean[c] = e.mean[c];
+      }
+      add_filtered(plan, spreads, seen, unbounded, to, sums);
+    }
+  }
+}
+
+template <class L, bool keep_covariance>
+[[gnu::always_inline]] inline auto errors_by(const ErrorPlan& plan) {
+  if (!plan.plain || !plan.positions_first) return errors_of<L, 0, false, keep_covariance>;
+  if (plan.coordinates == 3)
+    return plan.direct ? errors_of<L, 3, true, keep_covariance> : errors_of<L, 3, false, keep_covariance>;
+  return plan.direct ? errors_of<L, 6, true, keep_covariance> : errors_of<L, 6, false, keep_covariance>;
+}
+
+template <class L>
+void errors(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* room) {
+  (plan.keep_covariance ? errors_by<L, true>(plan) : errors_by<L, false>(plan))(plan, q, figures, sums, room);
+}
+
+}  // namespace
+}  // namespace qerr::lanes
