@@ -71,7 +71,8 @@ struct MixedSums {
   L s[9] = {};
 
   /// The first one: of a joint about z, whose column is (x, y, 0, 0, 0, w).
-  [[gnu::always_inline]] void begin(const L& x, const L& y, double w) {
+  template <class W>
+  [[gnu::always_inline]] void begin(const L& x, const L& y, const W& w) {
     s[6] = w * x;
     s[7] = w * y;
   }
@@ -92,11 +93,13 @@ struct MixedSums {
   }
 };
 
+/// @param upright  whether the first part's linear column is (x, y, 0), its angular one (0, 0, w)
 template <std::size_t from, class L, class To>
-[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Errors<L>& e,
-                                             const To& covariance) {
+[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, bool upright,
+                                             Errors<L>& e, const To& covariance) {
   ThreeSums<L> sums;
-  for (std::size_t p = 0; p < parts; ++p) {
+  if (from == 0 && upright) sums.begin(spreads.of(0)[0], spreads.of(0)[1]);
+  for (std::size_t p = from == 0 && upright; p < parts; ++p) {
     const L* const u = spreads.of(p) + from;
     sums.add(u[0], u[1], u[2]);
   }
@@ -104,10 +107,11 @@ template <std::size_t from, class L, class To>
 }
 
 template <class L, class To>
-[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts,
+[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, bool upright,
                                              const To& covariance) {
   MixedSums<L> sums;
-  for (std::size_t p = 0; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
+  if (upright) sums.begin(spreads.of(0)[0], spreads.of(0)[1], spreads.of(0)[5]);
+  for (std::size_t p = upright; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
   sums.put(covariance);
 }
 
@@ -167,7 +171,7 @@ template <class L, class To>
   columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, sums);
   sums.positions.template put<0>(e, covariance);
   sums.mixed.put(covariance);
-  sum_three<3>(spreads, plan.parts, e, covariance);
+  sum_three<3>(spreads, plan.parts, true, e, covariance);
 }
 
 /// How the coordinates move with every part, and all sums over the parts.
@@ -184,10 +188,11 @@ template <class L, std::size_t fixed, bool direct, class To>
     if constexpr (fixed == 0) {
       sum_any(plan, spreads, e, covariance);
     } else {
-      sum_three<0>(spreads, plan.moving_parts, e, covariance);
+      const bool upright = direct && begins_upright(plan.chain);
+      sum_three<0>(spreads, plan.moving_parts, upright, e, covariance);
       if constexpr (fixed > 3) {
-        sum_three<3>(spreads, plan.parts, e, covariance);
-        sum_mixed(spreads, plan.moving_parts, covariance);
+        sum_three<3>(spreads, plan.parts, upright, e, covariance);
+        sum_mixed(spreads, plan.moving_parts, upright, covariance);
       }
     }
     return unbounded;

@@ -18,11 +18,16 @@ template <class L, class A>
   for (int i = 0; i < 3; ++i) point[i] = fma(length, along[i], point[i]);
 }
 
+/// By its bits: a comparison of doubles takes more steps, and a -0 may pass for a length.
+[[gnu::always_inline]] inline bool is_zero(double length) {
+  return __builtin_bit_cast(std::uint64_t, length) == 0;
+}
+
 /// From the frame behind the joint before to that of the joint, still unturned.
 template <class L>
 [[gnu::always_inline]] inline void approach(const FoldedJoint& joint, Frame<L>& f) {
-  if (joint.a != 0) advance(f.o, joint.a, f.x);
-  if (joint.b != 0) advance(f.o, joint.b, f.y);
+  if (!is_zero(joint.a)) advance(f.o, joint.a, f.x);
+  if (!is_zero(joint.b)) advance(f.o, joint.b, f.y);
   if (joint.tilt == FoldedJoint::Tilt::right) {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
@@ -38,7 +43,7 @@ template <class L>
       f.y[i] = fma(joint.cosine, y, joint.sine * z);
     }
   }
-  if (joint.d != 0) advance(f.o, joint.d, f.z);
+  if (!is_zero(joint.d)) advance(f.o, joint.d, f.z);
 }
 
 template <class L, class C>
@@ -113,8 +118,8 @@ template <class L, class Arrive, class Leave>
     }
     leave(k, f);
   }
-  if (chain.tip_x != 0) advance(f.o, chain.tip_x, f.x);
-  if (chain.tip_y != 0) advance(f.o, chain.tip_y, f.y);
+  if (!is_zero(chain.tip_x)) advance(f.o, chain.tip_x, f.x);
+  if (!is_zero(chain.tip_y)) advance(f.o, chain.tip_y, f.y);
   return f;
 }
 
@@ -139,6 +144,11 @@ struct JointRoom {
   L point[3];   ///< on the joint's axis
 };
 
+/// Whether the first joint turns about the base's z.
+[[gnu::always_inline]] inline bool begins_upright(const FoldedPath& chain) {
+  return chain.upright && chain.joints[0].turns && !chain.joints[0].prismatic;
+}
+
 /// What `columns` keeps of a first joint that turns: its axis stands still whatever the configuration.
 template <class L>
 [[gnu::always_inline]] inline void begin_columns(const FoldedPath& chain, const double* scale,
@@ -162,7 +172,7 @@ template <class L, class Leave, class Take>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
                                                std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
                                                Leave leave, Take&& take) {
-  const bool upright = chain.upright && chain.joints[0].turns && !chain.joints[0].prismatic;
+  const bool upright = begins_upright(chain);
   const Frame<L> tip = walk<L>(
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
