@@ -40,7 +40,6 @@ ChannelFilter::ChannelFilter(const Filter& filter, std::size_t width, Instructio
   }
   state_ = AlignedNumbers(2 * sections_.size() * width);
   if (!taps_.empty()) past_ = AlignedNumbers((taps_.size() - 1 + batch_size) * width);
-  out_ = AlignedNumbers(batch_size * width);
 }
 
 void ChannelFilter::settle(const double* row) {
@@ -58,25 +57,23 @@ void ChannelFilter::settle(const double* row) {
   }
 }
 
-const double* ChannelFilter::operator()(const double* in, std::size_t stride, std::size_t rows) {
-  if (!taps_.empty()) return through_taps(in, stride, rows);
+void ChannelFilter::operator()(const double* in, std::size_t stride, std::size_t rows, double* out) {
+  if (!taps_.empty()) return through_taps(in, stride, rows, out);
   double* state = state_.data();
   for (const SectionPlan& s : sections_) {
-    kernels_.section(s, in, stride, rows, width_, state, out_.data());
-    in = out_.data();
+    kernels_.section(s, in, stride, rows, width_, state, out);
+    in = out;
     stride = width_;
     state += 2 * width_;
   }
-  return out_.data();
 }
 
-const double* ChannelFilter::through_taps(const double* in, std::size_t stride, std::size_t rows) {
+void ChannelFilter::through_taps(const double* in, std::size_t stride, std::size_t rows, double* out) {
   const std::size_t before = (taps_.size() - 1) * width_;
   for (std::size_t row = 0; row < rows; ++row)
     std::copy_n(in + row * stride, width_, past_.data() + before + row * width_);
-  kernels_.taps(taps_.data(), taps_.size(), past_.data() + before, rows, width_, out_.data());
+  kernels_.taps(taps_.data(), taps_.size(), past_.data() + before, rows, width_, out);
   std::copy_n(past_.data() + rows * width_, before, past_.data());
-  return out_.data();
 }
 
 }  // namespace qerr

@@ -109,14 +109,16 @@ void taps(const double* taps, std::size_t count, const double* in, std::size_t r
 
 template <class L, int group, bool peaks>
 [[gnu::always_inline]] inline void tally_on(const double* in, std::size_t stride, std::size_t rows,
-                                            std::size_t c, const ChannelTally& t) {
+                                            std::size_t c, bool fresh, const ChannelTally& t) {
   constexpr auto lanes = lane_count<L>;
   L shift[group], sum[group], squares[group], peak[group];
 #pragma GCC unroll 8
   for (int g = 0; g < group; ++g) {
-    shift[g] = load<L>(in + c + g * lanes);
-    sum[g] = squares[g] = L{};
-    peak[g] = L{};
+    const std::size_t at = c + g * lanes;
+    shift[g] = load<L>(fresh ? in + at : t.shift + at);
+    sum[g] = load<L>(t.sum + at);
+    squares[g] = load<L>(t.squares + at);
+    peak[g] = peaks ? load<L>(t.peak + at) : L{};
   }
   for (std::size_t row = 0; row < rows; ++row) {
 #pragma GCC unroll 8
@@ -129,19 +131,20 @@ template <class L, int group, bool peaks>
   }
 #pragma GCC unroll 8
   for (int g = 0; g < group; ++g) {
-    store(t.shift + c + g * lanes, shift[g]);
-    store(t.sum + c + g * lanes, sum[g]);
-    store(t.squares + c + g * lanes, squares[g]);
-    if (peaks) store(t.peak + c + g * lanes, peak[g]);
+    const std::size_t at = c + g * lanes;
+    if (fresh) store(t.shift + at, shift[g]);
+    store(t.sum + at, sum[g]);
+    store(t.squares + at, squares[g]);
+    if (peaks) store(t.peak + at, peak[g]);
   }
 }
 
 template <class L>
 void tally(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
-           const ChannelTally& t) {
+           bool fresh, const ChannelTally& t) {
   in_groups<4, L>(0, width, [&]<int group>(std::size_t c) {
-    c < peaks ? tally_on<L, group, true>(in, stride, rows, c, t)
-              : tally_on<L, group, false>(in, stride, rows, c, t);
+    c < peaks ? tally_on<L, group, true>(in, stride, rows, c, fresh, t)
+              : tally_on<L, group, false>(in, stride, rows, c, fresh, t);
   });
 }
 

@@ -23,16 +23,23 @@ std::size_t stretches_of(std::size_t samples, std::size_t before, std::size_t mo
   return stretches;
 }
 
-/// path_sigma^2, in lanes, over `count` positions behind those that the filter remembers; behind them lies
-/// what is not looked at.
-double power_along(const Autocorrelation& a, const std::vector<double>& x, std::size_t count,
-                   const SimulationKernels& kernels) {
+/// r[n] from the longest lag down to 1, filled up with zeros before the longest one.
+std::vector<double> weights_of(const Autocorrelation& a) {
+  const std::size_t lags = (std::max<std::size_t>(a.r.size(), 2) - 1 + lags_at_once - 1) / lags_at_once;
+  std::vector<double> weights(lags * lags_at_once, 0);
+  for (std::size_t n = 1; n < a.r.size(); ++n) weights[weights.size() - n] = a.r[n];
+  return weights;
+}
+
+/// path_sigma^2, in lanes, over `count` positions from x; before it stand those that the weights reach.
+double power_along(const Autocorrelation& a, const std::vector<double>& weights, const double* x,
+                   std::size_t count, const SimulationKernels& kernels) {
   const std::size_t before = a.r.size();
   // Longer work is thinned out there.
   constexpr double most_pairs = 2e8;
   if (static_cast<double>(before) * static_cast<double>(count) > most_pairs)
-    return std::pow(path_sigma(a, std::span(x).first(before + count), before), 2);
-  const double sum = kernels.losses(a.r.data(), before, x.data() + before, count);
+    return std::pow(path_sigma(a, std::span(x - before, before + count), before), 2);
+  const double sum = kernels.losses(weights.data(), weights.size(), x, count);
   return std::max(0.0, a.dc_gain * a.dc_gain / 12 - sum / static_cast<double>(count));
 }
 
@@ -53,13 +60,15 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
   const std::size_t before = memory.r.size(), stretches = stretches_of(whole, before, most);
   const Eigen::Index n = to_quanta.rows();
   Eigen::MatrixXd power(static_cast<Eigen::Index>(stretches), n);
+  const std::vector<double> weights = weights_of(memory);
+  const std::size_t filled = weights.size() + 1 - before;  // before what the filter remembers
   std::vector<std::vector<double>> quanta(static_cast<std::size_t>(n));
   for (std::size_t s = 0; s < stretches; ++s) {
     const std::size_t begin = s * whole / stretches, end = (s + 1) * whole / stretches;
     const std::size_t looked_at = std::min(end - begin, most_samples / stretches);
     // In the middle of what is too long to be looked at in full.
     const std::size_t first = begin + (end - begin - looked_at) / 2;
-    for (auto& row : quanta) row.resize(before + looked_at + batch_size);
+    for (auto& row : quanta) row.resize(filled + before + looked_at);
     for (std::size_t k = 0; k < before + looked_at; k += batch_size) {
       for (std::size_t i = 0; i < batch_size; ++i)
         time[i] = start + (static_cast<double>(first + k + i) - static_cast<double>(before)) / sample_rate;
@@ -67,12 +76,15 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
         path.positions(j, time.data(), joints.data() + j * batch_size);
       kernels.mix(path.joints(), by_row.data(), joints.data(), turned.data());
       const std::size_t count = std::min(batch_size, before + looked_at - k);
-      for (std::size_t i = 0; i < path.joints(); ++i)
-        std::copy_n(turned.data() + i * batch_size, count, quanta[i].data() + k);
+      for (std::size_t i = 0; i < path.joints(); ++i) {
+        double* const row = turned.data() + i * batch_size;
+        kernels.drop_whole(row);
+        std::copy_n(row, count, quanta[i].data() + filled + k);
+      }
     }
     for (Eigen::Index i = 0; i < n; ++i)
-      power(static_cast<Eigen::Index>(s), i) =
-          power_along(memory, quanta[static_cast<std::size_t>(i)], looked_at, kernels);
+      power(static_cast<Eigen::Index>(s), i) = power_along(
+          memory, weights, quanta[static_cast<std::size_t>(i)].data() + filled + before, looked_at, kernels);
   }
   return power;
 }

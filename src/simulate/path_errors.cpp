@@ -68,8 +68,10 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   const auto of_lanes = [&](std::size_t rows) { return AlignedNumbers(rows * batch_size); };
   const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
   rows_ = of_lanes(plan_.width);
-  squares_ = of_lanes(plan_.squares_width);
-  squares_sum_ = AlignedNumbers(plan_.squares_width);
+  variance_ = of_lanes(m);
+  kept_ = of_lanes(plan_.squares_width);
+  kept_rows_ = of_lanes(plan_.squares_width);
+  summed_ = AlignedNumbers(plan_.squares_width * kernels_.lanes);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
   room_ = AlignedNumbers(kernels_.errors_room(plan_));
@@ -192,11 +194,23 @@ bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) co
   });
 }
 
-void PathErrors::operator()(const SensedBatch& b, bool parts) {
-  summed_ = !parts;
-  PathErrorBatch batch{b.joint,          b.joint,           b.estimate,      b.encoder,
-                       b.measured,       rows_.data(),      squares_.data(), summed_,
-                       rigorous_.data(), deviation_.data(), room_.data()};
+void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
+  RunStatistics::Place place{};
+  if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
+  PathErrorBatch batch{b.joint,
+                       b.joint,
+                       b.estimate,
+                       b.encoder,
+                       b.measured,
+                       wanted.rows ? rows_.data() : nullptr,
+                       place.tally,
+                       place.fresh,
+                       variance_.data(),
+                       wanted.squares == Squares::kept ? kept_.data() : nullptr,
+                       wanted.squares == Squares::summed ? summed_.data() : nullptr,
+                       rigorous_.data(),
+                       deviation_.data(),
+                       room_.data()};
   if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
       (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);
@@ -212,9 +226,12 @@ void PathErrors::operator()(const SensedBatch& b, bool parts) {
   kernels_.errors(plan, batch);
 }
 
-Eigen::Map<const Eigen::MatrixXd> PathErrors::squares(std::size_t first, std::size_t last) {
-  if (!summed_) kernels_.sums(squares_.data(), plan_.squares_width, first, last, squares_sum_.data());
-  return {summed_ ? squares_.data() : squares_sum_.data(), channels_.coordinates, channels_.encoders};
+void PathErrors::take_summed(double* squares) {
+  for (std::size_t k = 0; k < plan_.coordinates * plan_.encoders; ++k)
+    for (std::size_t i = k * kernels_.lanes; i < (k + 1) * kernels_.lanes; ++i) {
+      squares[k] += summed_[i];
+      summed_[i] = 0;
+    }
 }
 
 Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {
