@@ -92,7 +92,7 @@ template <class L>
 
 /// Shifts of the origins that stand behind joint `link - 1`.
 template <class L>
-[[gnu::always_inline]] inline void shift_origins(const PathErrorPlan& p, std::size_t link, const Frame<L>& f,
+[[gnu::always_inline]] inline void shift_origins(const PathErrorPlan& p, std::size_t link, Frame<L> f,
                                                  std::size_t vector, const ErrorRoom<L>& room) {
   for (std::size_t s = p.encoders; s < p.encoders + p.sources; ++s) {
     const ErrorColumn& source = p.columns[s];

@@ -6,6 +6,15 @@
 namespace qerr::lanes {
 namespace {
 
+/// step(0), step(1), step(2): written out, as GCC keeps a frame in registers from joint to joint only where
+/// it knows before all loops which of its numbers is meant.
+template <class Step>
+[[gnu::always_inline]] inline void each_of_three(Step step) {
+  step(0);
+  step(1);
+  step(2);
+}
+
 /// A frame of the folded chain in the base frame: its axes and a point on its joint's axis.
 template <class L>
 struct Frame {
@@ -14,8 +23,7 @@ struct Frame {
 
 template <class L, class A>
 [[gnu::always_inline]] inline void advance(L (&point)[3], const A& length, const L (&along)[3]) {
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) point[i] = fma(length, along[i], point[i]);
+  each_of_three([&](int i) __attribute__((always_inline)) { point[i] = fma(length, along[i], point[i]); });
 }
 
 /// From the frame behind the joint before to that of the joint, still unturned.
@@ -24,31 +32,28 @@ template <class L>
   if (joint.a != 0) advance(f.o, joint.a, f.x);
   if (joint.b != 0) advance(f.o, joint.b, f.y);
   if (joint.tilt == FoldedJoint::Tilt::right) {
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
+    each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i];
       f.z[i] = f.y[i];
       f.y[i] = z;
-    }
+    });
   } else if (joint.tilt == FoldedJoint::Tilt::general) {
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
+    each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i], y = f.y[i];
       f.z[i] = fma(joint.cosine, z, -(joint.sine * y));
       f.y[i] = fma(joint.cosine, y, joint.sine * z);
-    }
+    });
   }
   if (joint.d != 0) advance(f.o, joint.d, f.z);
 }
 
 template <class L, class C>
 [[gnu::always_inline]] inline void turn(const C& cosine, const C& sine, Frame<L>& f) {
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
     const L x = f.x[i], y = f.y[i];
     f.x[i] = fma(cosine, x, sine * y);
     f.y[i] = fma(cosine, y, -(sine * x));
-  }
+  });
 }
 
 /// The motion of every joint: its slide, or the sine and cosine of its turn.
@@ -81,13 +86,12 @@ template <class L, class Arrive, class Leave>
                                             SineCosine<L>* moved, Arrive arrive, Leave leave) {
   motions(chain, q, stride, moved);
   Frame<L> f;
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
     f.x[i] = broadcast<L>(chain.first_axes[i]);
     f.y[i] = broadcast<L>(chain.first_axes[3 + i]);
     f.z[i] = broadcast<L>(chain.first_axes[6 + i]);
     f.o[i] = broadcast<L>(chain.first_point[i]);
-  }
+  });
   for (std::size_t k = 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
     if (k > 0) approach(joint, f);
@@ -104,9 +108,10 @@ template <class L, class Arrive, class Leave>
     }
     leave(k, f);
   }
-  if (chain.tip_x != 0) advance(f.o, chain.tip_x, f.x);
-  if (chain.tip_y != 0) advance(f.o, chain.tip_y, f.y);
-  return f;
+  Frame<L> tip = f;  // which the caller may index as it likes
+  if (chain.tip_x != 0) advance(tip.o, chain.tip_x, f.x);
+  if (chain.tip_y != 0) advance(tip.o, chain.tip_y, f.y);
+  return tip;
 }
 
 template <class L>
@@ -156,11 +161,10 @@ template <class L, class Leave, class Give>
       chain, q, stride, moved,
       [&](std::size_t k, const Frame<L>& f) {
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
+        each_of_three([&](int i) __attribute__((always_inline)) {
           joints[k].column[3 + i] = scale[k] * f.z[i];
           joints[k].point[i] = f.o[i];
-        }
+        });
       },
       leave);
   for (std::size_t k = 0; k < chain.count; ++k) {
