@@ -92,18 +92,17 @@ template <class L>
 
 /// Shifts of the origins that stand behind joint `link - 1`.
 template <class L>
-[[gnu::always_inline]] inline void shift_origins(const PathErrorPlan& p, std::size_t link, Frame<L> f,
+[[gnu::always_inline]] inline void shift_origins(const PathErrorPlan& p, std::size_t link, const Frame<L>& f,
                                                  std::size_t vector, const ErrorRoom<L>& room) {
   for (std::size_t s = p.encoders; s < p.encoders + p.sources; ++s) {
     const ErrorColumn& source = p.columns[s];
     if (!source.origin || source.link != link) continue;
     const double* d = source.direction;
     L* const to = column_of(p, room, s) + vector * next_vector(room);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
+    each_of_three([&](int i) __attribute__((always_inline)) {
       to[i] = fma(d[2], f.z[i], fma(d[1], f.y[i], d[0] * f.x[i]));
       to[3 + i] = L{};
-    }
+    });
   }
 }
 
@@ -141,8 +140,8 @@ void begin_errors(const PathErrorPlan& p, const ErrorRoom<L>& room) {
 template <class L>
 [[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
                                               const Frame<L>& truth, L* error) {
-#pragma GCC unroll 3
-  for (std::size_t k = 0; k < 3; ++k) error[depth * k] = estimate.o[k] - truth.o[k];
+  each_of_three([&](std::size_t k)
+                    __attribute__((always_inline)) { error[depth * k] = estimate.o[k] - truth.o[k]; });
   if (!p.rotations && !p.angles) return;
   Axes<L> seen, real;
   if (p.as_modelled && !p.angles) {
@@ -156,13 +155,11 @@ template <class L>
   L three[3];
   if (p.rotations) {
     rotation_vector(seen, real, three);
-#pragma GCC unroll 3
-    for (std::size_t k = 0; k < 3; ++k) error[depth * (3 + k)] = three[k];
+    each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (3 + k)] = three[k]; });
   }
   if (p.angles) {
     roll_pitch_yaw(seen, real, three);
-#pragma GCC unroll 3
-    for (std::size_t k = 0; k < 3; ++k) error[depth * (6 + k)] = three[k];
+    each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (6 + k)] = three[k]; });
   }
 }
 
