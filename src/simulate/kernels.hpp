@@ -115,8 +115,8 @@ struct SimulationKernels {
   void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
   /// Counts and counts * resolution of one encoder. @returns whether all of them are whole within 2^53
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
-  /// The largest |number| of a row of 64.
-  double (*largest)(const double* row);
+  /// Whether |factor x| <= limit for all numbers of a row of 64.
+  bool (*within)(const double* row, double factor, double limit);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
   /// `width` channels of 64 instants into rows of them; the channels are 0 afterwards.
   void (*turn)(double* channels, std::size_t width, double* rows);

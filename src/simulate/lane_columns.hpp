@@ -163,17 +163,48 @@ template <class L>
   }
 }
 
+/// Largest angle of a joint's error that `move_on` takes [rad]: the series' next terms are below 5e-18.
+constexpr double small_error = 0x1p-8;
+
+/// Moves joints on by what encoders miss: from the sine and cosine of an angle to those of one close to it.
+///
+/// @param moved  at q; at the estimate afterwards, unless it is too far away
+/// @returns whether it is not
+template <class L>
+[[gnu::always_inline]] inline bool move_on(const FoldedPath& chain, const double* q, const double* estimate,
+                                           SineCosine<L>* moved) {
+  Bits<L> far{};
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    const FoldedJoint& joint = chain.joints[k];
+    const std::size_t at = joint.coordinate * batch_size;
+    const L seen = load<L>(estimate + at), d = joint.multiplier * (seen - load<L>(q + at));
+    if (joint.prismatic) {
+      moved[k].sine = fma(joint.multiplier, seen, broadcast<L>(joint.offset));
+    } else if (joint.turns) {
+      const L s = moved[k].sine, c = moved[k].cosine, d2 = d * d;
+      const L sine = fma(d * d2, fma(d2, 1.0 / 120, broadcast<L>(-1.0 / 6)), d);
+      const L less = d2 * fma(d2, 1.0 / 24, broadcast<L>(-0.5));  // than 1: the cosine
+      moved[k].sine = fma(c, sine, fma(s, less, s));
+      moved[k].cosine = fma(c, less, c) - s * sine;
+      far |= ~(abs(d) <= small_error);
+    }
+  }
+  return !any<L>(far);
+}
+
 /// Columns and error of the pose at the i-th vector of instants, those from `at`.
 template <class L>
 [[gnu::always_inline]] inline void move_tip(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
                                             std::size_t i, const ErrorRoom<L>& room) {
-  const Frame<L> estimate = walk<L>(p.chain, b.estimate + at, batch_size, room.moved, PassBy{}, PassBy{});
   const Frame<L> modelled = columns<L>(
       p.chain, p.scale, b.joint + at, batch_size, room.moved, room.joints(i),
       [&](std::size_t k, const Frame<L>& f) {
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },
       KeepColumns<L>{room.joints(i)});
+  if (!move_on(p.chain, b.joint + at, b.estimate + at, room.moved))
+    motions(p.chain, b.estimate + at, batch_size, room.moved);
+  const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
   if (p.mixed || p.angles) mix_columns(p, i, room);
   if (p.angles) turn_angles(p, modelled, i, room);
   if (p.as_modelled)

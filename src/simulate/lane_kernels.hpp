@@ -47,13 +47,27 @@ template <class L>
   return whole;
 }
 
+/// Numbers over one and the same divisor.
+///
+/// Rounded as a division is, so that a tie of an encoder is a tie here too: the rest of a first quotient is
+/// exact, and corrects it.
+template <class L>
+[[gnu::always_inline]] inline L over(const L& x, double divisor, double inverse) {
+#if defined(__FMA__) || defined(__aarch64__)
+  const L quotient = x * inverse;
+  return fma(fma(-quotient, divisor, x), inverse, quotient);
+#else
+  static_cast<void>(inverse);
+  return x / divisor;
+#endif
+}
+
 template <class L>
 bool quantize(const Quantizer& q, const double* position, double* counts, double* measured) {
-  const double half = q.down ? 0 : 0.5;
+  const double half = q.down ? 0 : 0.5, inverse = 1 / q.resolution;
   Bits<L> outside{};
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    // Divided as Encoder's quantize does, so that a tie is a tie here too.
-    const L count = floor(load<L>(position + i) / q.resolution + half);
+    const L count = floor(over(load<L>(position + i), q.resolution, inverse) + half);
     outside |= ~(abs(count) <= 0x1p53);
     store(counts + i, count);
     store(measured + i, count * q.resolution);
@@ -62,13 +76,11 @@ bool quantize(const Quantizer& q, const double* position, double* counts, double
 }
 
 template <class L>
-double largest(const double* row) {
-  L all{};
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) all = max(abs(load<L>(row + i)), all);
-  double one = 0;
-  for (std::size_t i = 0; i < lane_count<L>; ++i) one = one < all[i] ? all[i] : one;
-  return one;
+bool within(const double* row, double factor, double limit) {
+  Bits<L> inside = ~Bits<L>{};
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>)
+    inside &= factor * abs(load<L>(row + i)) <= limit;
+  return !any<L>(~inside);
 }
 
 /// The nearest whole number.
@@ -137,7 +149,7 @@ double losses(const double* weights, std::size_t lags, const double* x, std::siz
 
 template <int n, class L = Lanes<n>>
 constexpr SimulationKernels simulation_kernels{
-    n,       errors_room<L>, positions<L>,   displace<L>, mix<L>,  quantize<L>, largest<L>,    errors<L>,
+    n,       errors_room<L>, positions<L>,   displace<L>, mix<L>,  quantize<L>, within<L>,     errors<L>,
     turn<L>, add_rows<L>,    sum_between<L>, section<L>,  taps<L>, tally<L>,    drop_whole<L>, losses<L>};
 
 }  // namespace

@@ -188,9 +188,9 @@ void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
 
 bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) const {
   return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
-    const double largest = kernels_.largest(joints + joint.coordinate * batch_size);
     return joint.prismatic ||
-           std::abs(joint.multiplier) * largest + std::abs(joint.offset) <= lanes::largest_angle;
+           kernels_.within(joints + joint.coordinate * batch_size, std::abs(joint.multiplier),
+                           lanes::largest_angle - std::abs(joint.offset));
   });
 }
 

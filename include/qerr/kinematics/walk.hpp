@@ -73,18 +73,15 @@ template <class L>
   }
 }
 
-/// Walks a folded chain from base to tip, one configuration per lane.
+/// Walks a folded chain from base to tip, one configuration per lane, its joints moved as `motions` says.
 ///
-/// @param q       of independent joint i at q + i * stride [rad or m]
 /// @param arrive  called with (k, frame) when the frame stands on the axis of moving joint k: z is the axis
 /// times FoldedJoint::sign, o a point on it
 /// @param leave   called with (k, frame) when joint k has moved
-/// @param moved   room for one of each joint
 /// @returns the frame behind the last joint, its point moved to the tip
 template <class L, class Arrive, class Leave>
-[[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
-                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
-  motions(chain, q, stride, moved);
+[[gnu::always_inline]] inline Frame<L> walk_moved(const FoldedPath& chain, const SineCosine<L>* moved,
+                                                  Arrive arrive, Leave leave) {
   Frame<L> f;
   each_of_three([&](int i) __attribute__((always_inline)) {
     f.x[i] = broadcast<L>(chain.first_axes[i]);
@@ -112,6 +109,17 @@ template <class L, class Arrive, class Leave>
   if (chain.tip_x != 0) advance(tip.o, chain.tip_x, f.x);
   if (chain.tip_y != 0) advance(tip.o, chain.tip_y, f.y);
   return tip;
+}
+
+/// The same of joints at q.
+///
+/// @param q      of independent joint i at q + i * stride [rad or m]
+/// @param moved  room for one of each joint
+template <class L, class Arrive, class Leave>
+[[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
+                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
+  motions(chain, q, stride, moved);
+  return walk_moved<L>(chain, moved, arrive, leave);
 }
 
 template <class L>
