@@ -48,11 +48,13 @@ struct Linear {
 /// (J C Delta)^2 of coordinate and encoder k.
 template <class L>
 [[gnu::always_inline]] inline void add_squares(const PathErrorBatch& b, std::size_t k, std::size_t at,
-                                               const L (&square)[depth]) {
+                                               const L (&weighted)[depth], const L (&square)[depth]) {
   constexpr auto lanes = lane_count<L>;
   if (b.summed) {
     double* const to = b.summed + k * lanes;
-    store(to, load<L>(to) + ((square[0] + square[1]) + (square[2] + square[3])));
+    // From the factors: units that multiply have more time left than those that add.
+    const L half = fma(weighted[1], weighted[1], square[0]), other = fma(weighted[3], weighted[3], square[2]);
+    store(to, load<L>(to) + (half + other));
   }
   if (b.squares) {
     double* const to = b.squares + k * batch_size + at;
@@ -68,19 +70,20 @@ template <bool bounded, class L>
   Linear<L> all{};
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const L* const column = column_of(p, room, e) + p.rows[c];
-    L part[depth], square[depth];
+    L weighted[depth], part[depth], square[depth];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < depth; ++i) {
-      L weighted = column[i * next_vector(room)];
-      if (!bounded) weighted = room.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted;
-      part[i] = weighted * room.missed[depth * e + i];
-      square[i] = weighted * weighted;
-      all.sizes[i] += abs(weighted);
-      all.error[i] += part[i];
+      const L missed = room.missed[depth * e + i];
+      weighted[i] = column[i * next_vector(room)];
+      if (!bounded) weighted[i] = room.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted[i];
+      part[i] = weighted[i] * missed;
+      square[i] = weighted[i] * weighted[i];
+      all.sizes[i] += abs(weighted[i]);
+      all.error[i] = fma(weighted[i], missed, all.error[i]);
       all.squares[i] += square[i];
     }
     add_channel(b, room, p.coordinates * (2 + e) + c, b.fresh && at == 0, part);
-    add_squares(b, e * p.coordinates + c, at, square);
+    add_squares(b, e * p.coordinates + c, at, weighted, square);
   }
   return all;
 }
