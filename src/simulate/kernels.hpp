@@ -93,12 +93,13 @@ struct PathErrorBatch {
   double* room;
 };
 
-/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative, times
-/// what all sections together are to be multiplied with in the last one.
+/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative. The last
+/// one of a filter multiplies by what all of them are to be multiplied with.
 struct SectionPlan {
-  enum class Output { low, band, high, all };
+  /// Which of b0, b1, b2 are not 0; of a single one that stands for 1, or is multiplied with.
+  enum class Output { low, band, high, scaled_low, scaled_band, scaled_high, all };
   bool second;
-  Output output;  ///< the only one of b0, b1, b2 that is not 0
+  Output output;
   double k0, k1;  ///< high = x - k1 s1 - k0 s2; of first order x - k0 s1
   double b0, b1, b2;
 };
