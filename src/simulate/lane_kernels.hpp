@@ -6,18 +6,28 @@
 namespace qerr::lanes {
 namespace {
 
+/// Some vectors of instants at a time: a sine is a long chain of operations, and others fill its waits.
 template <class L>
 void positions(const SmoothPath& path, const double* time, double* to) {
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const L t = load<L>(time + i);
-    L position = fma(path.velocity, t, broadcast<L>(path.center));
-    for (std::size_t k = 0; k < path.count; ++k) {
-      const Oscillation& o = path.oscillations[k];
-      // Rounded as MotionPath::at does: late in a motion this is the larger part of its rounding errors.
-      const L argument = rounded<L>(o.rate * t) + o.phase;
-      position = fma(o.amplitude, sincos(argument).sine, position);
+  constexpr std::size_t lanes = lane_count<L>, group = 4;
+  for (std::size_t i = 0; i < batch_size; i += group * lanes) {
+    L t[group], position[group];
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) {
+      t[g] = load<L>(time + i + g * lanes);
+      position[g] = fma(path.velocity, t[g], broadcast<L>(path.center));
     }
-    store(to + i, position);
+    for (std::size_t k = 0; k < path.count; ++k) {
+      const Oscillation o = path.oscillations[k];
+#pragma GCC unroll 4
+      for (std::size_t g = 0; g < group; ++g) {
+        // Rounded as MotionPath::at does: late in a motion this is the larger part of its rounding errors.
+        const L argument = rounded<L>(o.rate * t[g]) + o.phase;
+        position[g] = fma(o.amplitude, sincos(argument).sine, position[g]);
+      }
+    }
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) store(to + i + g * lanes, position[g]);
   }
 }
 

@@ -71,9 +71,11 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
   turned_ = std::any_of(actions_.begin(), actions_.end(),
                         [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
   const std::size_t n = actions_.size();
-  for (AlignedNumbers* rows :
-       {&joint_, &encoder_, &turn_, &shaft_, &counts_, &measured_, &estimate_, &efforts_})
-    *rows = AlignedNumbers(n * batch_size);
+  for (AlignedNumbers* rows : {&joint_, &counts_, &measured_}) *rows = AlignedNumbers(n * batch_size);
+  if (!uncoupled_)
+    for (AlignedNumbers* rows : {&encoder_, &shaft_, &estimate_}) *rows = AlignedNumbers(n * batch_size);
+  if (turned_) turn_ = AlignedNumbers(n * batch_size);
+  if (effort_) efforts_ = AlignedNumbers(n * batch_size);
   const double* const no_effort = nullptr;
   batch_ = {0,
             nullptr,
