@@ -20,12 +20,9 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
   if (!job.options.random_phase) return d;
-  // x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
-  double x = 1.5;
-  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(d.size() + 1));
   double step = 1;
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    step /= x;
+    step /= job.spread;
     const double start =
         unit_interval(random_bits(job.options.seed, static_cast<std::uint64_t>(i), displacement_stream));
     const double phase = start + static_cast<double>(run) * step;
@@ -212,6 +209,12 @@ class Runs {
 };
 
 }  // namespace
+
+double even_spread(Eigen::Index dimensions) {
+  double x = 1.5;
+  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(dimensions + 1));
+  return x;
+}
 
 RunsResult run_together(const Job& job, std::uint64_t first, std::size_t count,
                         const std::function<void()>& tick) {

@@ -21,7 +21,11 @@ struct Job {
   std::uint64_t samples, settling, blocks;
   std::size_t stretches;  ///< of the path (AlongPath)
   Eigen::VectorXd mean;   ///< of the error at the centre of the motion
+  double spread;          ///< of the runs' displacements (even_spread)
 };
+
+/// x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
+double even_spread(Eigen::Index dimensions);
 
 /// What runs give that go side by side: statistics of each, and theory at the samples of all.
 struct RunsResult {

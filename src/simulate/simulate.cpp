@@ -89,7 +89,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
           // Runs differ in their phases, parts of one run do not.
           options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
           // Only behind filters it matters how fast the joints move where.
-          filters.empty() ? std::size_t{1} : most_stretches, middle.mean};
+          filters.empty() ? std::size_t{1} : most_stretches, middle.mean,
+          even_spread(static_cast<Eigen::Index>(model.transmission.encoders.size()))};
   const Channels channels(model);
 
   // Runs are joined in their order, a wave at a time, so that memory does not grow with their number. Which

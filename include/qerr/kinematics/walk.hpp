@@ -154,7 +154,8 @@ template <class L>
   }
 }
 
-/// Walks the chain, then gives the columns of the Jacobian of the moving joints, times a factor each.
+/// Walks the chain, its joints moved as `motions` says, then gives the columns of the Jacobian of the moving
+/// joints, times a factor each.
 ///
 /// @param leave   as of `walk`
 /// @param give    called with (k, linear, angular) for every moving joint; angular also stays in
@@ -162,11 +163,11 @@ template <class L>
 /// @returns as `walk`
 /// @pre `begin_columns` has been called, once for all configurations
 template <class L, class Leave, class Give>
-[[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
-                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
-                                               Leave leave, Give give) {
-  const Frame<L> tip = walk<L>(
-      chain, q, stride, moved,
+[[gnu::always_inline]] inline Frame<L> columns_moved(const FoldedPath& chain, const double* scale,
+                                                     const SineCosine<L>* moved, JointRoom<L>* joints,
+                                                     Leave leave, Give give) {
+  const Frame<L> tip = walk_moved<L>(
+      chain, moved,
       [&](std::size_t k, const Frame<L>& f) {
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
         each_of_three([&](int i) __attribute__((always_inline)) {
@@ -195,6 +196,15 @@ template <class L, class Leave, class Give>
     give(k, linear, axis);
   }
   return tip;
+}
+
+/// The same of joints at q, as `walk` takes it.
+template <class L, class Leave, class Give>
+[[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
+                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
+                                               Leave leave, Give give) {
+  motions(chain, q, stride, moved);
+  return columns_moved<L>(chain, scale, moved, joints, leave, give);
 }
 
 /// Keeps the columns with what is kept of the joints.
