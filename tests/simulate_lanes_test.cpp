@@ -69,7 +69,10 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   Sensing sensing(model, motion, {}, {dice.vector(n, -1e-3, 1e-3)}, set);
   const Eigen::VectorXd center_mean = dice.vector(m, -1e-3, 1e-3);
   PathErrors errors(model, built, center_mean, set);
-  const SensedBatch& batch_of_instants = sensing.sense(batch * batch_size);
+  PathBatch path(motion, set);
+  path.at(batch * batch_size, batch_size);
+  const SensedBatch& batch_of_instants = sensing.sense(path);
+  if (dice.chance(0.5)) errors.share(path);
   errors(batch_of_instants, {});
   // A position of a million radians is known to 1e-10 of one.
   const double largest_angle =

@@ -76,11 +76,22 @@ struct ChannelTally {
   double *shift, *sum, *squares, *peak;
 };
 
+/// How far a run is displaced along a joint: the sine of the angle and its cosine less 1, or the slide.
+struct Displacement {
+  double sine, less;
+};
+
+/// Largest angle by which joints are moved on from where their sine and cosine are known [rad]: the next
+/// terms of the series that do it are below 5e-18.
+inline constexpr double small_turn = 0x1p-8;
+
 /// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
 /// rows.
 struct PathErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
   const double *encoder, *measured;              ///< true and as read
+  const double* path_sines;                      ///< of all runs' path, as `sines` gives them; or null
+  const Displacement* turns;                     ///< [moving joint]: of this run from there
   double* rows;               ///< [instant][width]: error, its linear part, parts of the encoders, and mean;
                               ///< or null
   const ChannelTally* tally;  ///< of those channels in lanes of instants, the peak of the error; or null
@@ -118,6 +129,9 @@ struct SimulationKernels {
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
   /// Whether |factor x| <= limit for all numbers of a row of 64.
   bool (*within)(const double* row, double factor, double limit);
+  /// Sines and cosines of the moving joints, or their slides, along a path: of as many instants as there are
+  /// lanes, then of the next ones; 2 numbers for each joint and instant.
+  void (*sines)(const FoldedPath&, const double* joint, double* to);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
   /// `width` channels of 64 instants into rows of them; the channels are 0 afterwards.
   void (*turn)(double* channels, std::size_t width, double* rows);

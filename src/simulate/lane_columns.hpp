@@ -163,8 +163,31 @@ template <class L>
   }
 }
 
-/// Largest angle of a joint's error that `move_on` takes [rad]: the series' next terms are below 5e-18.
-constexpr double small_error = 0x1p-8;
+template <class L>
+void sines(const FoldedPath& chain, const double* joint, double* to) {
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>, to += chain.count * 2 * lane_count<L>)
+    motions(chain, joint + i, batch_size, reinterpret_cast<SineCosine<L>*>(to));
+}
+
+/// From the sine and cosine of an angle to those of one that is farther by the angle of this sine, whose
+/// cosine is 1 + less.
+template <class L, class S>
+[[gnu::always_inline]] inline SineCosine<L> turned_on(const SineCosine<L>& a, const S& sine, const S& less) {
+  return {fma(a.cosine, sine, fma(a.sine, less, a.sine)), fma(a.cosine, less, a.cosine) - a.sine * sine};
+}
+
+/// Joints of one run, from the path that all of them share.
+template <class L>
+[[gnu::always_inline]] inline void displaced(const FoldedPath& chain, const double* path_sines,
+                                             const Displacement* turns, SineCosine<L>* to) {
+  const auto* const path = reinterpret_cast<const SineCosine<L>*>(path_sines);
+  for (std::size_t k = 0; k < chain.count; ++k) {
+    if (chain.joints[k].prismatic)
+      to[k].sine = path[k].sine + turns[k].sine;
+    else if (chain.joints[k].turns)
+      to[k] = turned_on(path[k], broadcast<L>(turns[k].sine), broadcast<L>(turns[k].less));
+  }
+}
 
 /// Moves joints on by what encoders miss: from the sine and cosine of an angle to those of one close to it.
 ///
@@ -181,12 +204,11 @@ template <class L>
     if (joint.prismatic) {
       moved[k].sine = fma(joint.multiplier, seen, broadcast<L>(joint.offset));
     } else if (joint.turns) {
-      const L s = moved[k].sine, c = moved[k].cosine, d2 = d * d;
+      const L d2 = d * d;
       const L sine = fma(d * d2, fma(d2, 1.0 / 120, broadcast<L>(-1.0 / 6)), d);
       const L less = d2 * fma(d2, 1.0 / 24, broadcast<L>(-0.5));  // than 1: the cosine
-      moved[k].sine = fma(c, sine, fma(s, less, s));
-      moved[k].cosine = fma(c, less, c) - s * sine;
-      far |= ~(abs(d) <= small_error);
+      moved[k] = turned_on(moved[k], sine, less);
+      far |= ~(abs(d) <= small_turn);
     }
   }
   return !any<L>(far);
@@ -196,8 +218,12 @@ template <class L>
 template <class L>
 [[gnu::always_inline]] inline void move_tip(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
                                             std::size_t i, const ErrorRoom<L>& room) {
-  const Frame<L> modelled = columns<L>(
-      p.chain, p.scale, b.joint + at, batch_size, room.moved, room.joints(i),
+  if (b.path_sines)
+    displaced(p.chain, b.path_sines + 2 * p.chain.count * at, b.turns, room.moved);
+  else
+    motions(p.chain, b.joint + at, batch_size, room.moved);
+  const Frame<L> modelled = columns_moved<L>(
+      p.chain, p.scale, room.moved, room.joints(i),
       [&](std::size_t k, const Frame<L>& f) {
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },

@@ -159,8 +159,9 @@ double losses(const double* weights, std::size_t lags, const double* x, std::siz
 
 template <int n, class L = Lanes<n>>
 constexpr SimulationKernels simulation_kernels{
-    n,       errors_room<L>, positions<L>,   displace<L>, mix<L>,  quantize<L>, within<L>,     errors<L>,
-    turn<L>, add_rows<L>,    sum_between<L>, section<L>,  taps<L>, tally<L>,    drop_whole<L>, losses<L>};
+    n,          errors_room<L>, positions<L>, displace<L>,   mix<L>,      quantize<L>,
+    within<L>,  sines<L>,       errors<L>,    turn<L>,       add_rows<L>, sum_between<L>,
+    section<L>, taps<L>,        tally<L>,     drop_whole<L>, losses<L>};
 
 }  // namespace
 }  // namespace qerr::lanes

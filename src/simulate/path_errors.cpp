@@ -194,7 +194,29 @@ bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) co
   });
 }
 
+void PathErrors::share(const PathBatch& path) {
+  if (path_sines_.size() == 0) path_sines_ = AlignedNumbers(2 * chain_.joints.size() * batch_size);
+  shared_ = within_lanes(chain_, path.joints());
+  if (shared_) kernels_.sines(plan_.chain, path.joints(), path_sines_.data());
+}
+
+/// @returns whether the run is near enough to the shared path
+bool PathErrors::displace(const double* shift) {
+  turns_.clear();
+  for (const FoldedJoint& joint : chain_.joints) {
+    const double d = joint.multiplier * shift[joint.coordinate], d2 = d * d;
+    if (joint.prismatic) {
+      turns_.push_back({d, 0});
+      continue;
+    }
+    if (!(std::abs(d) <= small_turn)) return false;
+    turns_.push_back({d + d * d2 * (d2 / 120 - 1.0 / 6), d2 * (d2 / 24 - 0.5)});
+  }
+  return true;
+}
+
 void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
+  const bool near_path = shared_ && displace(b.shift);
   RunStatistics::Place place{};
   if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
   PathErrorBatch batch{b.joint,
@@ -202,6 +224,8 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        b.estimate,
                        b.encoder,
                        b.measured,
+                       near_path ? path_sines_.data() : nullptr,
+                       turns_.data(),
                        wanted.rows ? rows_.data() : nullptr,
                        place.tally,
                        place.fresh,
@@ -211,7 +235,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        rigorous_.data(),
                        deviation_.data(),
                        room_.data()};
-  if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
+  if ((near_path || within_lanes(chain_, b.joint)) && within_lanes(chain_, b.estimate) &&
       (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);
   PathErrorPlan plan = plan_;
@@ -220,6 +244,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
   reduce_angles(chain_, b.joint, direct_joint_);
   reduce_angles(built_, b.joint, direct_built_joint_);
   reduce_angles(chain_, b.estimate, direct_estimate_);
+  batch.path_sines = nullptr;
   batch.joint = direct_joint_.data();
   batch.built_joint = direct_built_joint_.data();
   batch.estimate = direct_estimate_.data();

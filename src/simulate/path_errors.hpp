@@ -33,6 +33,9 @@ class PathErrors {
     std::uint64_t block = 0;
   };
 
+  /// Several runs follow along this path: what they share is worked out once. Until the next call.
+  void share(const PathBatch&);
+
   /// @pre the batch is full; behind the end of a motion its last instant stands again and again
   void operator()(const SensedBatch&, const Wanted&);
 
@@ -67,6 +70,7 @@ class PathErrors {
   void bound(const OperationalModel&);
   void set_plan(const OperationalModel&);
   bool within_lanes(const FoldedChain&, const double* joints) const;
+  bool displace(const double* shift);
   void reduce_angles(const FoldedChain&, const double* joints, const AlignedNumbers& to) const;
   Eigen::VectorXd largest(const AlignedNumbers&) const;
 
@@ -79,6 +83,9 @@ class PathErrors {
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
   PathErrorPlan plan_{};
+  bool shared_ = false;
+  AlignedNumbers path_sines_;
+  std::vector<Displacement> turns_;
   AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, room_;
 
   // For angles beyond those of the lanes' sine: the same chains, moved by angles within a turn.

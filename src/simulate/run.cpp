@@ -90,6 +90,7 @@ class Runs {
   RunsResult operator()(const std::function<void()>& tick) {
     for (std::uint64_t first = 0; first < job_.samples; first += batch_size) {
       path_.at(first, static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first)));
+      if (runs_.size() > 1) errors_.share(path_);
       blocks_ = parts_of(job_, first, path_.count(), job_.blocks);
       const std::vector<Part> stretches = parts_of(job_, first, path_.count(), job_.stretches);
       const PathErrors::Squares squares = squares_of(stretches);

@@ -84,7 +84,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
             counts_.data(),
             measured_.data(),
             estimate_.data(),
-            effort_ ? efforts_.data() : no_effort};
+            effort_ ? efforts_.data() : no_effort,
+            shift_.data()};
   for (Eigen::VectorXd* v : {&reading_.joint, &reading_.encoder, &reading_.counts, &reading_.measured,
                              &reading_.estimate, &reading_.logged, &reading_.reference})
     v->resize(static_cast<Eigen::Index>(n));

@@ -34,6 +34,7 @@ struct SensedBatch {
   std::uint64_t first = 0;  ///< number of the first sample
   const double *time, *joint, *encoder, *counts, *measured, *estimate;
   const double* effort;  ///< null unless asked for
+  const double* shift;   ///< of each joint from the path: the same in all of a run
 };
 
 /// Where the joints of a motion are at `batch_size` samples: what all runs along it share.
