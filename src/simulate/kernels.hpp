@@ -69,9 +69,9 @@ struct PathErrorPlan {
   std::size_t squares_width;  ///< the same of the squares
 };
 
-/// Sums of channels about their first values: no digits are lost to a large mean. Of rows of channels they
-/// stand side by side; of channels that stand in lanes of instants, every sum is a vector of sums, and those
-/// of a channel that has none later are of a part of the instants each.
+/// Sums of channels about their first values: no digits are lost to a large mean. A number for each channel;
+/// where lanes are instants, sum, squares and peak are a vector of each channel, a part of the instants in
+/// each lane.
 struct ChannelTally {
   double *shift, *sum, *squares, *peak;
 };
