@@ -69,8 +69,11 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   Sensing sensing(model, motion, {}, {dice.vector(n, -1e-3, 1e-3)}, set);
   const Eigen::VectorXd center_mean = dice.vector(m, -1e-3, 1e-3);
   PathErrors errors(model, built, center_mean, set);
-  const SensedBatch& batch_of_instants = sensing.sense(batch * batch_size);
-  errors(batch_of_instants);
+  PathBatch path(motion, set);
+  path.at(batch * batch_size, batch_size);
+  const SensedBatch& batch_of_instants = sensing.sense(path);
+  if (dice.chance(0.5)) errors.share(path);
+  errors(batch_of_instants, {});
   // A position of a million radians is known to 1e-10 of one.
   const double largest_angle =
       Eigen::Map<const Eigen::ArrayXd>(batch_of_instants.joint, n * 64).abs().maxCoeff();
@@ -103,15 +106,37 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
     deviation = deviation.max(theory.rigorous.array() - theory.mean.array().abs() +
                               (theory.mean - center_mean).array().abs());
   }
-  const auto summed = [&](std::size_t from, std::size_t to) {
-    return Eigen::ArrayXd(errors.squares(from, to).rowwise().sum().array());
+  const auto variance_in = [&](std::size_t from, std::size_t to) {
+    Eigen::ArrayXd sums(m);
+    for (Eigen::Index c = 0; c < m; ++c) sums[c] = errors.variance(c, from, to);
+    return sums;
   };
-  EXPECT_LT((summed(0, batch_size) - variance).abs().maxCoeff(), relative * variance.maxCoeff());
-  EXPECT_LT((summed(0, 13) + summed(13, 50) + summed(50, batch_size) - variance).abs().maxCoeff(),
-            relative * variance.maxCoeff());
-  const Eigen::MatrixXd by_encoder = errors.squares();
-  errors(batch_of_instants, false);
-  EXPECT_LT((errors.squares() - by_encoder).cwiseAbs().maxCoeff(), relative * variance.maxCoeff());
+  const auto expect_variance = [&](const Eigen::ArrayXd& of_lanes) {
+    EXPECT_LT((of_lanes - variance).abs().maxCoeff(), relative * variance.maxCoeff());
+  };
+  expect_variance(variance_in(0, batch_size));
+  expect_variance(variance_in(0, 13) + variance_in(13, 50) + variance_in(50, batch_size));
+  // The squares: kept by instants, in pieces; and summed up at once.
+  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(m, n + 1), sum = kept;
+  errors.take_kept();
+  for (const auto& [from, to] : {std::pair{0, 13}, {13, 50}, {50, 64}})
+    errors.add_kept(from, to, kept.data());
+  expect_variance(kept.leftCols(n).rowwise().sum());
+  const Eigen::ArrayXXd rows =
+      Eigen::Map<const Eigen::ArrayXXd>(errors.rows(), static_cast<Eigen::Index>(errors.width()), batch_size);
+  RunStatistics statistics(m * (3 + n), m, errors.width(), 1, simulation_kernels(set));
+  errors(batch_of_instants, {false, PathErrors::Squares::summed, &statistics, 0});
+  errors.take_summed(sum.data());
+  EXPECT_LT((sum - kept).leftCols(n).cwiseAbs().maxCoeff(), relative * variance.maxCoeff());
+  statistics.finish();
+  for (Eigen::Index k = 0; k < m * (3 + n); ++k) {
+    const double mean = rows.row(k).mean(), squares = (rows.row(k) - mean).square().mean();
+    EXPECT_NEAR(statistics.mean(k), mean, 1e-12 * rows.row(k).abs().maxCoeff());
+    EXPECT_NEAR(statistics.variance(k), squares, 1e-11 * squares + 1e-26);
+    if (k < m) {
+      EXPECT_EQ(statistics.peak(k), rows.row(k).abs().maxCoeff());
+    }
+  }
   EXPECT_LT((errors.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
   EXPECT_LT((errors.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
   EXPECT_EQ(errors.rigorous()[8], std::numeric_limits<double>::infinity());
@@ -191,18 +216,18 @@ TEST(ChannelFilter, IsTheFilterBankInAnyPieces) {
         const auto channels = static_cast<Eigen::Index>(width);
         FilterBank bank(filters[f], channels);
         ChannelFilter filter(filters[f], width, set);
-        AlignedNumbers rows(2 * batch_size * width);
+        AlignedNumbers rows(2 * batch_size * width), out(batch_size * width);
         for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = 1e-4 * dice.between(0.5, 1);
         bank.settle(Eigen::Map<const Eigen::ArrayXd>(rows.data(), channels));
         filter.settle(rows.data());
         double scale = 0, worst = 0;
         for (const std::size_t piece : {64, 1, 63, 17, 2, 64, 64}) {
           const std::size_t stride = piece % 2 == 1 ? 2 * width : width;
-          const double* const out = filter(rows.data(), stride, piece);
+          filter(rows.data(), stride, piece, out.data());
           for (std::size_t row = 0; row < piece; ++row) {
             Eigen::ArrayXd x = Eigen::Map<const Eigen::ArrayXd>(rows.data() + row * stride, channels);
             bank.step(x);
-            const Eigen::Map<const Eigen::ArrayXd> y(out + row * width, channels);
+            const Eigen::Map<const Eigen::ArrayXd> y(out.data() + row * width, channels);
             scale = std::max(scale, x.abs().maxCoeff());
             worst = std::max(worst, (x - y).abs().maxCoeff());
           }

@@ -1,6 +1,7 @@
 #include "channel_filter.hpp"
 
 #include <algorithm>
+#include <utility>
 
 #include "qerr/core/batch.hpp"
 
@@ -8,11 +9,26 @@ namespace qerr {
 
 namespace {
 
-SectionPlan::Output output_of(double b0, double b1, double b2) {
+/// Divides the section by the only one of b0, b1, b2 that is not 0, if there is one. @returns it, or 1
+double take_factor(SectionPlan& s) {
   using Output = SectionPlan::Output;
-  if (b1 == 0 && b2 == 0) return Output::low;
-  if (b0 == 0 && b2 == 0) return Output::band;
-  return b0 == 0 && b1 == 0 ? Output::high : Output::all;
+  const auto only = [&](double& b, Output output) {
+    s.output = output;
+    return std::exchange(b, 1);
+  };
+  if (s.b1 == 0 && s.b2 == 0) return only(s.b0, Output::low);
+  if (s.b0 == 0 && s.b2 == 0) return only(s.b1, Output::band);
+  if (s.b0 == 0 && s.b1 == 0) return only(s.b2, Output::high);
+  s.output = Output::all;
+  return 1;
+}
+
+void multiply(SectionPlan& s, double gain) {
+  using Output = SectionPlan::Output;
+  if (s.output == Output::low) s.output = Output::scaled_low;
+  if (s.output == Output::band) s.output = Output::scaled_band;
+  if (s.output == Output::high) s.output = Output::scaled_high;
+  for (double* b : {&s.b0, &s.b1, &s.b2}) *b *= gain;
 }
 
 }  // namespace
@@ -23,16 +39,13 @@ ChannelFilter::ChannelFilter(const Filter& filter, std::size_t width, Instructio
   auto gain = static_cast<double>(filter.gain);
   for (const Section& s : filter.sections) {
     const double a0 = plain(s.a[0]), a01 = a0 + plain(s.a[1]), inverse = 1 / (a01 + plain(s.a[2]));
-    const double b0 = plain(s.b[0]), b1 = plain(s.b[1]), b2 = plain(s.b[2]);
-    // The highest derivative times a01 + a2: that factor of every section is put into the last one.
-    gain *= inverse;
-    sections_.push_back({plain(s.a[2]) != 0, output_of(b0, b1, b2), a0 * inverse, a01 * inverse, b0, b1, b2});
+    sections_.push_back({plain(s.a[2]) != 0, SectionPlan::Output::all, a0 * inverse, a01 * inverse,
+                         plain(s.b[0]), plain(s.b[1]), plain(s.b[2])});
+    // Its highest derivative is times a01 + a2. Such factors of every section are put into the last one.
+    gain *= inverse * take_factor(sections_.back());
   }
   if (!sections_.empty()) {
-    SectionPlan& last = sections_.back();
-    last.b0 *= gain;
-    last.b1 *= gain;
-    last.b2 *= gain;
+    multiply(sections_.back(), gain);
   } else if (taps_.empty()) {
     taps_ = {gain};
   } else {
@@ -40,7 +53,6 @@ ChannelFilter::ChannelFilter(const Filter& filter, std::size_t width, Instructio
   }
   state_ = AlignedNumbers(2 * sections_.size() * width);
   if (!taps_.empty()) past_ = AlignedNumbers((taps_.size() - 1 + batch_size) * width);
-  out_ = AlignedNumbers(batch_size * width);
 }
 
 void ChannelFilter::settle(const double* row) {
@@ -58,25 +70,23 @@ void ChannelFilter::settle(const double* row) {
   }
 }
 
-const double* ChannelFilter::operator()(const double* in, std::size_t stride, std::size_t rows) {
-  if (!taps_.empty()) return through_taps(in, stride, rows);
+void ChannelFilter::operator()(const double* in, std::size_t stride, std::size_t rows, double* out) {
+  if (!taps_.empty()) return through_taps(in, stride, rows, out);
   double* state = state_.data();
   for (const SectionPlan& s : sections_) {
-    kernels_.section(s, in, stride, rows, width_, state, out_.data());
-    in = out_.data();
+    kernels_.section(s, in, stride, rows, width_, state, out);
+    in = out;
     stride = width_;
     state += 2 * width_;
   }
-  return out_.data();
 }
 
-const double* ChannelFilter::through_taps(const double* in, std::size_t stride, std::size_t rows) {
+void ChannelFilter::through_taps(const double* in, std::size_t stride, std::size_t rows, double* out) {
   const std::size_t before = (taps_.size() - 1) * width_;
   for (std::size_t row = 0; row < rows; ++row)
     std::copy_n(in + row * stride, width_, past_.data() + before + row * width_);
-  kernels_.taps(taps_.data(), taps_.size(), past_.data() + before, rows, width_, out_.data());
+  kernels_.taps(taps_.data(), taps_.size(), past_.data() + before, rows, width_, out);
   std::copy_n(past_.data() + rows * width_, before, past_.data());
-  return out_.data();
 }
 
 }  // namespace qerr

@@ -19,11 +19,11 @@ class ChannelFilter {
   void settle(const double* row);
 
   /// Filters rows that stand `stride` numbers apart, at most batch_size of them.
-  /// @returns the outputs, `width` apart; until the next call
-  const double* operator()(const double* in, std::size_t stride, std::size_t rows);
+  /// @param out  rows side by side, aligned to 64 bytes
+  void operator()(const double* in, std::size_t stride, std::size_t rows, double* out);
 
  private:
-  const double* through_taps(const double* in, std::size_t stride, std::size_t rows);
+  void through_taps(const double* in, std::size_t stride, std::size_t rows, double* out);
 
   std::vector<SectionPlan> sections_;
   std::vector<double> taps_;
@@ -31,7 +31,6 @@ class ChannelFilter {
   const SimulationKernels& kernels_;
   AlignedNumbers state_;  // [section][2][width]
   AlignedNumbers past_;   // the inputs that the taps reach back to, then those of the batch
-  AlignedNumbers out_;
 };
 
 }  // namespace qerr

@@ -69,47 +69,76 @@ struct PathErrorPlan {
   std::size_t squares_width;  ///< the same of the squares
 };
 
+/// Sums of channels about their first values: no digits are lost to a large mean. A number for each channel;
+/// where lanes are instants, sum, squares and peak are a vector of each channel, a part of the instants in
+/// each lane.
+struct ChannelTally {
+  double *shift, *sum, *squares, *peak;
+};
+
+/// How far a run is displaced along a joint: the sine of the angle and its cosine less 1, or the slide.
+struct Displacement {
+  double sine, less;
+};
+
+/// Largest angle by which joints are moved on from where their sine and cosine are known [rad]: the next
+/// terms of the series that do it are below 5e-18.
+inline constexpr double small_turn = 0x1p-8;
+
 /// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
 /// rows.
 struct PathErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
   const double *encoder, *measured;              ///< true and as read
-  double* rows;       ///< [instant][width]: error, its linear part, parts of the encoders, and mean
-  double* squares;    ///< [instant][squares_width], of encoder after encoder: (J C Delta)^2, or
-  bool summed;        ///< a single such row: their sums
-  double* rigorous;   ///< [coordinate]: largest bound so far
-  double* deviation;  ///< [coordinate]: and of the difference from the mean at the centre
+  const double* path_sines;                      ///< of all runs' path, as `sines` gives them; or null
+  const Displacement* turns;                     ///< [moving joint]: of this run from there
+  double* rows;               ///< [instant][width]: error, its linear part, parts of the encoders, and mean;
+                              ///< or null
+  const ChannelTally* tally;  ///< of those channels in lanes of instants, the peak of the error; or null
+  bool fresh;                 ///< nothing has been added to the tally yet: it needs its shifts
+  double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders
+  double* squares;            ///< [encoder][coordinate], added to: (J C Delta)^2; or null
+  double* summed;             ///< the same, a vector of sums of each; or null
+  double* rigorous;           ///< [coordinate]: largest bound so far
+  double* deviation;          ///< [coordinate]: and of the difference from the mean at the centre
   double* room;
 };
 
-/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative, times
-/// what all sections together are to be multiplied with in the last one.
+/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative. The last
+/// one of a filter multiplies by what all of them are to be multiplied with.
 struct SectionPlan {
-  enum class Output { low, band, high, all };
+  /// Which of b0, b1, b2 are not 0; of a single one that stands for 1, or is multiplied with.
+  enum class Output { low, band, high, scaled_low, scaled_band, scaled_high, all };
   bool second;
-  Output output;  ///< the only one of b0, b1, b2 that is not 0
+  Output output;
   double k0, k1;  ///< high = x - k1 s1 - k0 s2; of first order x - k0 s1
   double b0, b1, b2;
 };
 
-/// Sums of channels about their first values in these rows: no digits are lost to a large mean.
-struct ChannelTally {
-  double *shift, *sum, *squares, *peak;  ///< [width]
-};
+inline constexpr std::size_t lags_at_once = 32;
 
 struct SimulationKernels {
   std::size_t lanes;
   std::size_t (*errors_room)(const PathErrorPlan&);  ///< numbers
   void (*positions)(const SmoothPath&, const double* time, double* to);
+  /// A row of 64 instants and a shift.
+  void (*displace)(const double* row, double shift, double* to);
   /// to = matrix from: rows of 64 instants, the matrix row by row.
   void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
   /// Counts and counts * resolution of one encoder. @returns whether all of them are whole within 2^53
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
-  /// The largest |number| of a row of 64.
-  double (*largest)(const double* row);
+  /// Whether |factor x| <= limit for all numbers of a row of 64.
+  bool (*within)(const double* row, double factor, double limit);
+  /// Sines and cosines of the moving joints, or their slides, along a path: of as many instants as there are
+  /// lanes, then of the next ones; 2 numbers for each joint and instant.
+  void (*sines)(const FoldedPath&, const double* joint, double* to);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
-  /// The sum of the rows first .. last - 1.
-  void (*sums)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
+  /// `width` channels of 64 instants into rows of them; the channels are 0 afterwards.
+  void (*turn)(double* channels, std::size_t width, double* rows);
+  /// Adds the rows first .. last - 1.
+  void (*add_rows)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
+  /// The sum of the numbers first .. last - 1 of a row.
+  double (*sum_between)(const double* row, std::size_t first, std::size_t last);
   /// Rows `stride` apart through a section, into rows side by side.
   void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
                   std::size_t width, double* state, double* out);
@@ -117,11 +146,16 @@ struct SimulationKernels {
   void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
                double* out);
   /// @param peaks  of how many channels the peak is asked for
+  /// @param fresh  nothing has been added to the tally yet
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
-                const ChannelTally&);
-  /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags - 1, k = 0 .. count - 1.
-  /// @pre numbers, whatever they are, may be read up to a vector beyond x + count
-  double (*losses)(const double* r, std::size_t lags, const double* x, std::size_t count);
+                bool fresh, const ChannelTally&);
+  /// A row of 64 numbers less the whole numbers nearest to them.
+  void (*drop_whole)(double* row);
+  /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags, k = 0 .. count - 1.
+  /// @param weights  r[lags], ..., r[1]
+  /// @param x        within half a count of 0, as `drop_whole` leaves them
+  /// @pre lags is a multiple of `lags_at_once`
+  double (*losses)(const double* weights, std::size_t lags, const double* x, std::size_t count);
 };
 
 extern const SimulationKernels portable_simulation, avx2_simulation, avx512_simulation;

@@ -6,19 +6,34 @@
 namespace qerr::lanes {
 namespace {
 
+/// Some vectors of instants at a time: a sine is a long chain of operations, and others fill its waits.
 template <class L>
 void positions(const SmoothPath& path, const double* time, double* to) {
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const L t = load<L>(time + i);
-    L position = fma(path.velocity, t, broadcast<L>(path.center));
-    for (std::size_t k = 0; k < path.count; ++k) {
-      const Oscillation& o = path.oscillations[k];
-      // Rounded as MotionPath::at does: late in a motion this is the larger part of its rounding errors.
-      const L argument = rounded<L>(o.rate * t) + o.phase;
-      position = fma(o.amplitude, sincos(argument).sine, position);
+  constexpr std::size_t lanes = lane_count<L>, group = 4;
+  for (std::size_t i = 0; i < batch_size; i += group * lanes) {
+    L t[group], position[group];
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) {
+      t[g] = load<L>(time + i + g * lanes);
+      position[g] = fma(path.velocity, t[g], broadcast<L>(path.center));
     }
-    store(to + i, position);
+    for (std::size_t k = 0; k < path.count; ++k) {
+      const Oscillation o = path.oscillations[k];
+#pragma GCC unroll 4
+      for (std::size_t g = 0; g < group; ++g) {
+        // Rounded as MotionPath::at does: late in a motion this is the larger part of its rounding errors.
+        const L argument = rounded<L>(o.rate * t[g]) + o.phase;
+        position[g] = fma(o.amplitude, sincos(argument).sine, position[g]);
+      }
+    }
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) store(to + i + g * lanes, position[g]);
   }
+}
+
+template <class L>
+void displace(const double* row, double shift, double* to) {
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) store(to + i, load<L>(row + i) + shift);
 }
 
 template <class L>
@@ -42,13 +57,27 @@ template <class L>
   return whole;
 }
 
+/// Numbers over one and the same divisor.
+///
+/// Rounded as a division is, so that a tie of an encoder is a tie here too: the rest of a first quotient is
+/// exact, and corrects it.
+template <class L>
+[[gnu::always_inline]] inline L over(const L& x, double divisor, double inverse) {
+#if defined(__FMA__) || defined(__aarch64__)
+  const L quotient = x * inverse;
+  return fma(fma(-quotient, divisor, x), inverse, quotient);
+#else
+  static_cast<void>(inverse);
+  return x / divisor;
+#endif
+}
+
 template <class L>
 bool quantize(const Quantizer& q, const double* position, double* counts, double* measured) {
-  const double half = q.down ? 0 : 0.5;
+  const double half = q.down ? 0 : 0.5, inverse = 1 / q.resolution;
   Bits<L> outside{};
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    // Divided as Encoder's quantize does, so that a tie is a tie here too.
-    const L count = floor(load<L>(position + i) / q.resolution + half);
+    const L count = floor(over(load<L>(position + i), q.resolution, inverse) + half);
     outside |= ~(abs(count) <= 0x1p53);
     store(counts + i, count);
     store(measured + i, count * q.resolution);
@@ -57,22 +86,11 @@ bool quantize(const Quantizer& q, const double* position, double* counts, double
 }
 
 template <class L>
-double largest(const double* row) {
-  L all{};
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) all = max(abs(load<L>(row + i)), all);
-  double one = 0;
-  for (std::size_t i = 0; i < lane_count<L>; ++i) one = one < all[i] ? all[i] : one;
-  return one;
-}
-
-template <class L>
-void sums(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to) {
-  for (std::size_t c = 0; c < width; c += lane_count<L>) {
-    L sum{};
-    for (std::size_t i = first; i < last; ++i) sum += load<L>(rows + i * width + c);
-    store(to + c, sum);
-  }
+bool within(const double* row, double factor, double limit) {
+  Bits<L> inside = ~Bits<L>{};
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>)
+    inside &= factor * abs(load<L>(row + i)) <= limit;
+  return !any<L>(~inside);
 }
 
 /// The nearest whole number.
@@ -88,49 +106,62 @@ template <class L>
   return whole;
 }
 
-/// Sums over the lags of `group` vectors of positions, from the small end.
-template <class L, std::size_t group>
-[[gnu::always_inline]] inline void weigh_losses(const double* r, std::size_t lags, const double* x,
-                                                L (&sums)[group]) {
-  constexpr auto lanes = lane_count<L>;
-  L here[group];
-#pragma GCC unroll 8
-  for (std::size_t g = 0; g < group; ++g) {
-    here[g] = load<L>(x + g * lanes);
-    sums[g] = L{};
+template <class L>
+void drop_whole(double* row) {
+  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
+    const L x = load<L>(row + i);
+    store(row + i, x - nearest(x));
   }
-  for (std::size_t n = lags; n-- > 1;) {
+}
+
+/// Adds {s}(1 - {s}) between `tile` positions a vector apart and the lags of four vectors. What stands a
+/// vector later has the same distance from a position a vector later: few numbers are read for many pairs.
+///
+/// @param x     the first position
+/// @param past  what the first lag of the first lane leads to
+template <class L, int tile>
+[[gnu::always_inline]] inline void add_losses(const double* x, const double* past, L (&sums)[4]) {
+  constexpr auto lanes = lane_count<L>;
+  L then[tile + 3];
 #pragma GCC unroll 8
-    for (std::size_t g = 0; g < group; ++g) {
-      const L moved = here[g] - load<L>(x + g * lanes - n), part = abs(moved - nearest(moved));
-      sums[g] = fma(r[n], fma(-part, part, part), sums[g]);
+  for (int u = 0; u < tile + 3; ++u) then[u] = load<L>(past + u * lanes);
+#pragma GCC unroll 4
+  for (int k = 0; k < tile; ++k) {
+    const L now = broadcast<L>(x[k * lanes]);
+#pragma GCC unroll 4
+    for (int v = 0; v < 4; ++v) {
+      // Of two numbers within half a count the difference is within one: {s} is its size, or 1 less that.
+      const L part = abs(now - then[k + v]);
+      sums[v] = fma(part, 1 - part, sums[v]);
     }
   }
 }
 
-/// Positions are lanes, so that the sums over the lags need no adding up across them.
+/// Lags are lanes, the longest first.
 template <class L>
-double losses(const double* r, std::size_t lags, const double* x, std::size_t count) {
-  constexpr std::size_t lanes = lane_count<L>, group = 4;
+double losses(const double* weights, std::size_t lags, const double* x, std::size_t count) {
+  constexpr std::size_t lanes = lane_count<L>, tile = 4;
+  L total{};
+  for (std::size_t p = 0; p < lags; p += 4 * lanes) {
+    const double* const past = x - lags + p;
+    L sums[4] = {};
+    std::size_t k = 0;
+    for (; k + tile * lanes <= count; k += tile * lanes)
+      for (std::size_t i = k; i < k + lanes; ++i) add_losses<L, tile>(x + i, past + i, sums);
+    for (; k < count; ++k) add_losses<L, 1>(x + k, past + k, sums);
+#pragma GCC unroll 4
+    for (std::size_t v = 0; v < 4; ++v) total = fma(load<L>(weights + p + v * lanes), sums[v], total);
+  }
   double sum = 0;
-  std::size_t k = 0;
-  for (; k + group * lanes <= count; k += group * lanes) {
-    L sums[group];
-    weigh_losses(r, lags, x + k, sums);
-    for (std::size_t i = 0; i < lanes; ++i) sum += (sums[0][i] + sums[1][i]) + (sums[2][i] + sums[3][i]);
-  }
-  for (; k < count; k += lanes) {
-    L sums[1];
-    weigh_losses(r, lags, x + k, sums);
-    for (std::size_t i = 0; i < lanes && k + i < count; ++i) sum += sums[0][i];
-  }
+  for (std::size_t i = 0; i < lanes; ++i) sum += total[i];
   return sum;
 }
 
 template <int n, class L = Lanes<n>>
-constexpr SimulationKernels simulation_kernels{n,           errors_room<L>, positions<L>, mix<L>,
-                                               quantize<L>, largest<L>,     errors<L>,    sums<L>,
-                                               section<L>,  taps<L>,        tally<L>,     losses<L>};
+constexpr SimulationKernels simulation_kernels{
+    n,          errors_room<L>, positions<L>, displace<L>,   mix<L>,      quantize<L>,
+    within<L>,  sines<L>,       errors<L>,    turn<L>,       add_rows<L>, sum_between<L>,
+    section<L>, taps<L>,        tally<L>,     drop_whole<L>, losses<L>};
 
 }  // namespace
 }  // namespace qerr::lanes

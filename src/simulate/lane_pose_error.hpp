@@ -9,10 +9,15 @@ namespace {
 /// Whether a comparison holds in any lane.
 template <class L>
 [[gnu::always_inline]] inline bool any(const Bits<L>& mask) {
-  std::int64_t all = 0;
-#pragma GCC unroll 8
-  for (std::size_t i = 0; i < lane_count<L>; ++i) all |= mask[i];
-  return all != 0;
+  if constexpr (lane_count<L> == 8) {
+    return any<Lanes<4>>(__builtin_shufflevector(mask, mask, 0, 1, 2, 3) |
+                         __builtin_shufflevector(mask, mask, 4, 5, 6, 7));
+  } else if constexpr (lane_count<L> == 4) {
+    return any<Lanes<2>>(__builtin_shufflevector(mask, mask, 0, 1) |
+                         __builtin_shufflevector(mask, mask, 2, 3));
+  } else {
+    return (mask[0] | mask[1]) != 0;
+  }
 }
 
 /// Largest sine and tangent that the series below take: then 7 terms give all digits.
@@ -47,27 +52,25 @@ struct Axes {
 template <class L>
 [[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f, const double* turned) {
   Axes<L> a;
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
-    const auto along = [&](int c) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
+    const auto along = [&](int c) __attribute__((always_inline)) {
       return fma(turned[3 * c + 2], f.z[i], fma(turned[3 * c + 1], f.y[i], turned[3 * c] * f.x[i]));
     };
     a.x[i] = along(0);
     a.y[i] = along(1);
     a.z[i] = along(2);
-  }
+  });
   return a;
 }
 
 template <class L>
 [[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f) {
   Axes<L> a;
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
     a.x[i] = f.x[i];
     a.y[i] = f.y[i];
     a.z[i] = f.z[i];
-  }
+  });
   return a;
 }
 
@@ -85,8 +88,7 @@ template <class L>
   cross(truth.x, estimate.x, x);
   cross(truth.y, estimate.y, y);
   cross(truth.z, estimate.z, z);
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) vector[i] = 0.5 * (x[i] + y[i] + z[i]);
+  each_of_three([&](int i) __attribute__((always_inline)) { vector[i] = 0.5 * (x[i] + y[i] + z[i]); });
   const L sine2 = dot(vector, vector);
   const L cosine = 0.5 * (dot(truth.x, estimate.x) + dot(truth.y, estimate.y) + dot(truth.z, estimate.z) - 1);
   L factor = arc_of_sine(sine2);
@@ -97,8 +99,7 @@ template <class L>
       if (large[i]) factor[i] = sine < 1e-300 ? 0 : __builtin_atan2(sine, cosine[i]) / sine;
     }
   }
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) vector[i] *= factor;
+  each_of_three([&](int i) __attribute__((always_inline)) { vector[i] *= factor; });
 }
 
 /// The angle from (bx, by) to (ax, ay), in [-pi, pi].

@@ -76,6 +76,9 @@ MotionPath::MotionPath(const Motion& motion)
       count_(motion.joints.empty() ? static_cast<std::size_t>(motion.table.positions.rows())
                                    : motion.joints.size()) {
   for (const JointMotion& joint : motion_.joints) {
+    std::vector<Oscillation>& oscillations = oscillations_.emplace_back();
+    for (const Sine& sine : joint.sines)
+      oscillations.push_back({sine.amplitude, 2 * std::numbers::pi * sine.frequency, sine.phase});
     Moves& moves = moves_.emplace_back();
     if (joint.moves.empty()) continue;
     double from = joint.center;
@@ -89,6 +92,9 @@ MotionPath::MotionPath(const Motion& motion)
     }
   }
 }
+
+MotionPath::MotionPath(MotionPath&&) noexcept = default;
+MotionPath::~MotionPath() = default;
 
 JointState MotionPath::of_phases(const std::vector<Phase>& phases, double time) {
   const auto next = std::upper_bound(phases.begin(), phases.end(), time,
@@ -140,24 +146,21 @@ JointState MotionPath::at(std::size_t joint, double time) const {
   return state;
 }
 
-bool MotionPath::within_lanes(const JointMotion& m, const double* time) const {
+bool MotionPath::within_lanes(const std::vector<Oscillation>& oscillations, const double* time) const {
   const double latest = std::max(std::abs(time[0]), std::abs(time[batch_size - 1]));
-  return std::all_of(m.sines.begin(), m.sines.end(), [&](const Sine& sine) {
-    return 2 * std::numbers::pi * std::abs(sine.frequency) * latest + std::abs(sine.phase) <=
-           lanes::largest_angle;
+  return std::all_of(oscillations.begin(), oscillations.end(), [&](const Oscillation& o) {
+    return std::abs(o.rate) * latest + std::abs(o.phase) <= lanes::largest_angle;
   });
 }
 
 void MotionPath::positions(std::size_t joint, const double* time, double* to, InstructionSet set) const {
   if (motion_.joints.empty() || !motion_.joints[joint].moves.empty() ||
-      !within_lanes(motion_.joints[joint], time)) {
+      !within_lanes(oscillations_[joint], time)) {
     for (std::size_t i = 0; i < batch_size; ++i) to[i] = position(joint, time[i]);
     return;
   }
   const JointMotion& m = motion_.joints[joint];
-  std::vector<Oscillation> oscillations;
-  for (const Sine& sine : m.sines)
-    oscillations.push_back({sine.amplitude, 2 * std::numbers::pi * sine.frequency, sine.phase});
+  const std::vector<Oscillation>& oscillations = oscillations_[joint];
   simulation_kernels(set).positions({m.center, m.velocity, oscillations.data(), oscillations.size()}, time,
                                     to);
 }

@@ -68,8 +68,10 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   const auto of_lanes = [&](std::size_t rows) { return AlignedNumbers(rows * batch_size); };
   const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
   rows_ = of_lanes(plan_.width);
-  squares_ = of_lanes(plan_.squares_width);
-  squares_sum_ = AlignedNumbers(plan_.squares_width);
+  variance_ = of_lanes(m);
+  kept_ = of_lanes(plan_.squares_width);
+  kept_rows_ = of_lanes(plan_.squares_width);
+  summed_ = AlignedNumbers(plan_.squares_width * kernels_.lanes);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
   room_ = AlignedNumbers(kernels_.errors_room(plan_));
@@ -186,18 +188,54 @@ void PathErrors::reduce_angles(const FoldedChain& chain, const double* joints,
 
 bool PathErrors::within_lanes(const FoldedChain& chain, const double* joints) const {
   return std::all_of(chain.joints.begin(), chain.joints.end(), [&](const FoldedJoint& joint) {
-    const double largest = kernels_.largest(joints + joint.coordinate * batch_size);
     return joint.prismatic ||
-           std::abs(joint.multiplier) * largest + std::abs(joint.offset) <= lanes::largest_angle;
+           kernels_.within(joints + joint.coordinate * batch_size, std::abs(joint.multiplier),
+                           lanes::largest_angle - std::abs(joint.offset));
   });
 }
 
-void PathErrors::operator()(const SensedBatch& b, bool parts) {
-  summed_ = !parts;
-  PathErrorBatch batch{b.joint,          b.joint,           b.estimate,      b.encoder,
-                       b.measured,       rows_.data(),      squares_.data(), summed_,
-                       rigorous_.data(), deviation_.data(), room_.data()};
-  if (within_lanes(chain_, b.joint) && within_lanes(chain_, b.estimate) &&
+void PathErrors::share(const PathBatch& path) {
+  if (path_sines_.size() == 0) path_sines_ = AlignedNumbers(2 * chain_.joints.size() * batch_size);
+  shared_ = within_lanes(chain_, path.joints());
+  if (shared_) kernels_.sines(plan_.chain, path.joints(), path_sines_.data());
+}
+
+/// @returns whether the run is near enough to the shared path
+bool PathErrors::displace(const double* shift) {
+  turns_.clear();
+  for (const FoldedJoint& joint : chain_.joints) {
+    const double d = joint.multiplier * shift[joint.coordinate], d2 = d * d;
+    if (joint.prismatic) {
+      turns_.push_back({d, 0});
+      continue;
+    }
+    if (!(std::abs(d) <= small_turn)) return false;
+    turns_.push_back({d + d * d2 * (d2 / 120 - 1.0 / 6), d2 * (d2 / 24 - 0.5)});
+  }
+  return true;
+}
+
+void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
+  const bool near_path = shared_ && displace(b.shift);
+  RunStatistics::Place place{};
+  if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
+  PathErrorBatch batch{b.joint,
+                       b.joint,
+                       b.estimate,
+                       b.encoder,
+                       b.measured,
+                       near_path ? path_sines_.data() : nullptr,
+                       turns_.data(),
+                       wanted.rows ? rows_.data() : nullptr,
+                       place.tally,
+                       place.fresh,
+                       variance_.data(),
+                       wanted.squares == Squares::kept ? kept_.data() : nullptr,
+                       wanted.squares == Squares::summed ? summed_.data() : nullptr,
+                       rigorous_.data(),
+                       deviation_.data(),
+                       room_.data()};
+  if ((near_path || within_lanes(chain_, b.joint)) && within_lanes(chain_, b.estimate) &&
       (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);
   PathErrorPlan plan = plan_;
@@ -206,15 +244,19 @@ void PathErrors::operator()(const SensedBatch& b, bool parts) {
   reduce_angles(chain_, b.joint, direct_joint_);
   reduce_angles(built_, b.joint, direct_built_joint_);
   reduce_angles(chain_, b.estimate, direct_estimate_);
+  batch.path_sines = nullptr;
   batch.joint = direct_joint_.data();
   batch.built_joint = direct_built_joint_.data();
   batch.estimate = direct_estimate_.data();
   kernels_.errors(plan, batch);
 }
 
-Eigen::Map<const Eigen::MatrixXd> PathErrors::squares(std::size_t first, std::size_t last) {
-  if (!summed_) kernels_.sums(squares_.data(), plan_.squares_width, first, last, squares_sum_.data());
-  return {summed_ ? squares_.data() : squares_sum_.data(), channels_.coordinates, channels_.encoders};
+void PathErrors::take_summed(double* squares) {
+  for (std::size_t k = 0; k < plan_.coordinates * plan_.encoders; ++k)
+    for (std::size_t i = k * kernels_.lanes; i < (k + 1) * kernels_.lanes; ++i) {
+      squares[k] += summed_[i];
+      summed_[i] = 0;
+    }
 }
 
 Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {

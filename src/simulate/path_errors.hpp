@@ -7,7 +7,7 @@
 #include "qerr/core/aligned.hpp"
 #include "qerr/kinematics/folded_chain.hpp"
 #include "qerr/simulate/sensing.hpp"
-#include "theory_along_path.hpp"
+#include "run_statistics.hpp"
 
 namespace qerr {
 
@@ -20,17 +20,43 @@ class PathErrors {
   PathErrors(const OperationalModel&, const Chain& built, const Eigen::VectorXd& center_mean,
              InstructionSet = instruction_set());
 
-  /// @param parts  whether sums over parts of the batch will be asked for, not only over all of it
-  /// @pre the batch is full; behind the end of a motion its last instant stands again and again
-  void operator()(const SensedBatch&, bool parts = true);
+  /// What is done with the squares (J C Delta)^2 of a batch.
+  enum class Squares {
+    dropped,
+    summed,  ///< added to one sum over instants and batches
+    kept     ///< added, instant by instant, to those of other batches of the same instants
+  };
+  struct Wanted {
+    bool rows = true;
+    Squares squares = Squares::kept;
+    RunStatistics* statistics = nullptr;  ///< to which all instants are added, in
+    std::uint64_t block = 0;
+  };
 
+  /// Several runs follow along this path: what they share is worked out once. Until the next call.
+  void share(const PathBatch&);
+
+  /// @pre the batch is full; behind the end of a motion its last instant stands again and again
+  void operator()(const SensedBatch&, const Wanted&);
+
+  /// Of a row of channels: their count, filled up to whole lanes.
   std::size_t width() const { return plan_.width; }
   /// Channels of the last batch, [instant][width].
   const double* rows() const { return rows_.data(); }
 
-  /// Sum of (J C Delta)^2, coordinates x encoders, over the instants first .. last - 1 of the last batch;
-  /// until the next call.
-  Eigen::Map<const Eigen::MatrixXd> squares(std::size_t first = 0, std::size_t last = batch_size);
+  /// The sum over the instants first .. last - 1 of the last batch, and over all encoders, of (J C Delta)^2.
+  double variance(Eigen::Index coordinate, std::size_t first, std::size_t last) const {
+    return kernels_.sum_between(variance_.data() + static_cast<std::size_t>(coordinate) * batch_size, first,
+                                last);
+  }
+
+  /// Adds the squares that were summed up since the last call to those of a stretch.
+  void take_summed(double* squares);
+  /// The squares that were kept since the last call, in rows that `add_kept` takes.
+  void take_kept() { kernels_.turn(kept_.data(), plan_.squares_width, kept_rows_.data()); }
+  void add_kept(std::size_t first, std::size_t last, double* squares) const {
+    kernels_.add_rows(kept_rows_.data(), plan_.squares_width, first, last, squares);
+  }
 
   /// The largest bounds over all batches so far: of the error, and of its difference from the mean.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }
@@ -44,6 +70,7 @@ class PathErrors {
   void bound(const OperationalModel&);
   void set_plan(const OperationalModel&);
   bool within_lanes(const FoldedChain&, const double* joints) const;
+  bool displace(const double* shift);
   void reduce_angles(const FoldedChain&, const double* joints, const AlignedNumbers& to) const;
   Eigen::VectorXd largest(const AlignedNumbers&) const;
 
@@ -56,8 +83,10 @@ class PathErrors {
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
   PathErrorPlan plan_{};
-  bool summed_ = false;
-  AlignedNumbers rows_, squares_, squares_sum_, rigorous_, deviation_, room_;
+  bool shared_ = false;
+  AlignedNumbers path_sines_;
+  std::vector<Displacement> turns_;
+  AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, room_;
 
   // For angles beyond those of the lanes' sine: the same chains, moved by angles within a turn.
   std::vector<FoldedJoint> direct_chain_, direct_built_;

@@ -20,12 +20,9 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
   if (!job.options.random_phase) return d;
-  // x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
-  double x = 1.5;
-  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(d.size() + 1));
   double step = 1;
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    step /= x;
+    step /= job.spread;
     const double start =
         unit_interval(random_bits(job.options.seed, static_cast<std::uint64_t>(i), displacement_stream));
     const double phase = start + static_cast<double>(run) * step;
@@ -34,135 +31,195 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   return d;
 }
 
-class Run {
+/// Samples from .. to - 1 of a batch, of one of the equal parts of a record.
+struct Part {
+  std::size_t from, to, number;
+};
+
+/// The parts that samples first .. first + count - 1 lie in, of `parts` equal ones behind the settling.
+std::vector<Part> parts_of(const Job& job, std::uint64_t first, std::size_t count, std::uint64_t parts) {
+  const auto number = [&](std::size_t i) {
+    const double progress = (static_cast<double>(first + i) - static_cast<double>(job.settling)) /
+                            static_cast<double>(job.samples - job.settling);
+    return static_cast<std::size_t>(progress * static_cast<double>(parts));
+  };
+  std::vector<Part> all;
+  std::size_t from = job.settling > first ? std::min<std::size_t>(job.settling - first, count) : 0;
+  while (from < count) {
+    const std::size_t here = number(from);
+    std::size_t to = count;
+    if (number(count - 1) != here)
+      for (to = from + 1; number(to) == here;) ++to;
+    all.push_back({from, to, here});
+    from = to;
+  }
+  return all;
+}
+
+bool whole(const std::vector<Part>& parts) {
+  return parts.size() == 1 && parts[0].from == 0 && parts[0].to == batch_size;
+}
+
+class Runs {
  public:
-  Run(const Job& job, std::uint64_t index)
+  Runs(const Job& job, std::uint64_t first, std::size_t count)
       : job_(job),
         channels_(job.model),
-        visited_(index == 0 && job.options.visit),
-        sensing_(job.model, job.motion, job.effects,
-                 {displacement(job, index), random_bits(job.options.seed, index, 0), visited_},
-                 job.options.instructions),
-        errors_(job.model, sensing_.built(), job.mean, job.options.instructions),
-        kernels_(simulation_kernels(job.options.instructions)),
-        room_(4 * errors_.width()),
-        result_{{RunStatistics(channels_.count(), channels_.coordinates, job.blocks)},
-                AlongPath(channels_.coordinates, channels_.encoders)} {
-    for (const Filter& filter : job.filters) {
-      filters_.emplace_back(filter, errors_.width(), job.options.instructions);
-      result_.outputs.push_back(result_.outputs.front());
+        path_(job.motion, job.options.instructions),
+        errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
+        filtered_(rows_at_once * errors_.width()),
+        along_(channels_.coordinates, channels_.encoders, job.stretches) {
+    const SimulationKernels& kernels = simulation_kernels(job.options.instructions);
+    for (std::uint64_t index = first; index < first + count; ++index) {
+      const bool visited = index == 0 && job.options.visit;
+      One& one = runs_.emplace_back(
+          One{Sensing(job.model, job.motion, job.effects,
+                      {displacement(job, index), random_bits(job.options.seed, index, 0), visited},
+                      job.options.instructions),
+              visited,
+              {},
+              {}});
+      for (const Filter& filter : job.filters)
+        one.filters.emplace_back(filter, errors_.width(), job.options.instructions);
+      for (std::size_t f = 0; f <= job.filters.size(); ++f)
+        one.outputs.emplace_back(channels_.count(), channels_.coordinates, errors_.width(), job.blocks,
+                                 kernels);
     }
   }
 
-  RunResult operator()(const std::function<void()>& tick) {
+  RunsResult operator()(const std::function<void()>& tick) {
     for (std::uint64_t first = 0; first < job_.samples; first += batch_size) {
-      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first));
-      const SensedBatch& sensed = sensing_.sense(first, count);
-      for (std::size_t i = 0; visited_ && i < count; ++i) job_.options.visit(sensing_.reading(i));
-      errors_(sensed, !in_one_part(first, count));
-      // The first error stands for all before it: a constant one is no step.
-      if (first == 0)
-        for (ChannelFilter& filter : filters_) filter.settle(errors_.rows());
-      expect(first, count);
-      const std::uint64_t settling = std::clamp(job_.settling, first, first + count) - first;
-      filter(first, 0, settling, {});
-      in_parts(first, count, job_.blocks, [&](std::size_t from, std::size_t to, std::size_t block) {
-        const std::size_t width = errors_.width();
-        result_.outputs[0].add(errors_.rows() + from * width, width, to - from, width, block, kernels_,
-                               room_.data());
-        filter(first, from, to, block);
-      });
-      if (first % tick_samples == 0) tick();
+      path_.at(first, static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first)));
+      if (runs_.size() > 1) errors_.share(path_);
+      blocks_ = parts_of(job_, first, path_.count(), job_.blocks);
+      const std::vector<Part> stretches = parts_of(job_, first, path_.count(), job_.stretches);
+      const PathErrors::Squares squares = squares_of(stretches);
+      for (One& one : runs_) {
+        step(one, squares);
+        if (first % tick_samples == 0) tick();
+      }
+      add_squares(squares, stretches);
     }
-    result_.path.bound_by(errors_.rigorous(), errors_.deviation());
-    return std::move(result_);
+    errors_.take_summed(along_.squares(stretch_));
+    along_.bound_by(errors_.rigorous(), errors_.deviation());
+    RunsResult result{{}, std::move(along_)};
+    for (One& one : runs_) {
+      for (RunStatistics& output : one.outputs) output.finish();
+      result.outputs.push_back(std::move(one.outputs));
+    }
+    return result;
   }
 
  private:
-  /// Calls part(from, to, number) for the parts of the record, of `parts` equal ones behind the settling,
-  /// that samples first .. first + count - 1 lie in; from and to count from `first`.
-  template <class Part>
-  void in_parts(std::uint64_t first, std::size_t count, std::uint64_t parts, Part part) const {
-    const auto number = [&](std::size_t i) {
-      const double progress = (static_cast<double>(first + i) - static_cast<double>(job_.settling)) /
-                              static_cast<double>(job_.samples - job_.settling);
-      return static_cast<std::size_t>(progress * static_cast<double>(parts));
-    };
-    std::size_t from = job_.settling > first ? std::min<std::size_t>(job_.settling - first, count) : 0;
-    while (from < count) {
-      const std::size_t here = number(from);
-      std::size_t to = count;
-      if (number(count - 1) != here)
-        for (to = from + 1; number(to) == here;) ++to;
-      part(from, to, here);
-      from = to;
+  /// As many rows as stay in the first-level cache while they pass the sections of a filter.
+  static constexpr std::size_t rows_at_once = 16;
+
+  struct One {
+    Sensing sensing;
+    bool visited;
+    std::vector<ChannelFilter> filters;
+    std::vector<RunStatistics> outputs;
+  };
+
+  /// How the squares of the batch are summed up; a stretch that is over is put to the path.
+  PathErrors::Squares squares_of(const std::vector<Part>& stretches) {
+    if (stretches.empty()) return PathErrors::Squares::dropped;
+    if (!whole(stretches)) return PathErrors::Squares::kept;
+    if (stretches[0].number != stretch_) errors_.take_summed(along_.squares(stretch_));
+    stretch_ = stretches[0].number;
+    return PathErrors::Squares::summed;
+  }
+
+  void add_squares(PathErrors::Squares squares, const std::vector<Part>& stretches) {
+    if (squares == PathErrors::Squares::kept) errors_.take_kept();
+    for (const Part& part : stretches) {
+      along_.count(runs_.size() * (part.to - part.from));
+      if (squares == PathErrors::Squares::kept)
+        errors_.add_kept(part.from, part.to, along_.squares(part.number));
     }
   }
 
-  /// Samples first + from .. first + to - 1 through all filters, and what comes out into a block; of nothing,
+  /// One run through the batch.
+  void step(One& one, PathErrors::Squares squares) {
+    const std::uint64_t first = path_.first();
+    const SensedBatch& sensed = one.sensing.sense(path_);
+    for (std::size_t i = 0; one.visited && i < path_.count(); ++i) job_.options.visit(one.sensing.reading(i));
+    const bool in_lanes = whole(blocks_);
+    errors_(sensed, {!in_lanes || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
+                     in_lanes ? blocks_[0].number : 0});
+    // The first error stands for all before it: a constant one is no step.
+    if (first == 0)
+      for (ChannelFilter& filter : one.filters) filter.settle(errors_.rows());
+    const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
+    filter(one, 0, settling, {});
+    for (const Part& block : blocks_) {
+      if (!in_lanes)
+        one.outputs[0].add(errors_.rows() + block.from * errors_.width(), errors_.width(),
+                           block.to - block.from, block.number);
+      expect(one, block);
+      filter(one, block.from, block.to, block.number);
+    }
+  }
+
+  /// Samples from .. to - 1 of the batch through all filters, and what comes out into a block; of nothing,
   /// while they settle.
-  void filter(std::uint64_t first, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
+  void filter(One& one, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
     const std::size_t width = errors_.width();
-    for (std::size_t f = 0; f < filters_.size(); ++f) {
-      const std::uint64_t every = job_.every[f], passed = (first + from) % every;
-      const std::uint64_t start = from + (passed == 0 ? 0 : every - passed);
-      if (start >= to) continue;
-      const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
-      const double* const out = filters_[f](errors_.rows() + start * width, every * width, rows);
-      if (block) result_.outputs[f + 1].add(out, width, rows, width, *block, kernels_, room_.data());
+    for (; from < to; from += rows_at_once)
+      for (std::size_t f = 0; f < one.filters.size(); ++f) {
+        const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
+        const std::size_t end = std::min(from + rows_at_once, to);
+        if (start >= end) continue;
+        const auto rows = static_cast<std::size_t>((end - start - 1) / every + 1);
+        one.filters[f](errors_.rows() + start * width, every * width, rows, filtered_.data());
+        if (block) one.outputs[f + 1].add(filtered_.data(), width, rows, *block);
+      }
+  }
+
+  /// From sample i of the batch to the next one that a filter takes.
+  std::uint64_t until_next(std::size_t i, std::uint64_t every) const {
+    const std::uint64_t passed = (path_.first() + i) % every;
+    return passed == 0 ? 0 : every - passed;
+  }
+
+  /// What the Jacobian says of the samples of a block, to the statistics of what comes out at them.
+  void expect(One& one, const Part& block) const {
+    for (Eigen::Index c = 0; c < channels_.coordinates; ++c) {
+      const double all = errors_.variance(c, block.from, block.to);
+      one.outputs[0].expect(c, all, block.number);
+      for (std::size_t f = 0; f < one.filters.size(); ++f) {
+        const std::uint64_t every = job_.every[f];
+        double some = every == 1 ? all : 0;
+        for (std::uint64_t i = block.from + until_next(block.from, every); every > 1 && i < block.to;
+             i += every)
+          some += errors_.variance(c, i, i + 1);
+        one.outputs[f + 1].expect(c, some, block.number);
+      }
     }
-  }
-
-  /// Whether all samples of a full batch count, and in one and the same part of everything.
-  bool in_one_part(std::uint64_t first, std::size_t count) const {
-    if (count < batch_size || first < job_.settling) return false;
-    std::size_t parts = 0;
-    for (const std::uint64_t number : {std::uint64_t{AlongPath::stretches}, job_.blocks})
-      in_parts(first, count, number, [&](std::size_t, std::size_t, std::size_t) { ++parts; });
-    return parts == 2 && std::all_of(job_.every.begin(), job_.every.end(), [](auto n) { return n == 1; });
-  }
-
-  /// What the Jacobian says of these samples, to the path and to the statistics.
-  void expect(std::uint64_t first, std::size_t count) {
-    in_parts(first, count, AlongPath::stretches, [&](std::size_t from, std::size_t to, std::size_t part) {
-      const Eigen::Map<const Eigen::MatrixXd> squares = errors_.squares(from, to);
-      result_.path.add(squares, to - from, part);
-      variance_ = squares.rowwise().sum();
-      in_parts(first + from, to - from, job_.blocks, [&](std::size_t a, std::size_t b, std::size_t block) {
-        if (b - a != to - from) variance_ = errors_.squares(from + a, from + b).rowwise().sum();
-        result_.outputs[0].expect(variance_, block);
-        for (std::size_t f = 0; f < filters_.size(); ++f)
-          if (job_.every[f] == 1) result_.outputs[f + 1].expect(variance_, block);
-      });
-    });
-    for (std::size_t f = 0; f < filters_.size(); ++f)
-      if (job_.every[f] > 1) expect_some(first, count, job_.every[f], result_.outputs[f + 1]);
-  }
-
-  /// The same of every n-th sample.
-  void expect_some(std::uint64_t first, std::size_t count, std::uint64_t every, RunStatistics& output) {
-    in_parts(first, count, job_.blocks, [&](std::size_t from, std::size_t to, std::size_t block) {
-      for (std::size_t i = from; i < to; ++i)
-        if ((first + i) % every == 0) output.expect(errors_.squares(i, i + 1).rowwise().sum().array(), block);
-    });
   }
 
   const Job& job_;
   Channels channels_;
-  bool visited_;
-  Sensing sensing_;
+  PathBatch path_;
   PathErrors errors_;
-  const SimulationKernels& kernels_;
-  AlignedNumbers room_;  // of the statistics
-  Eigen::ArrayXd variance_;
-  std::vector<ChannelFilter> filters_;
-  RunResult result_;
+  AlignedNumbers filtered_;
+  AlongPath along_;
+  std::size_t stretch_ = 0;   // that squares are summed up of
+  std::vector<Part> blocks_;  // of the batch
+  std::vector<One> runs_;
 };
 
 }  // namespace
 
-RunResult run(const Job& job, std::uint64_t index, const std::function<void()>& tick) {
-  return Run(job, index)(tick);
+double even_spread(Eigen::Index dimensions) {
+  double x = 1.5;
+  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(dimensions + 1));
+  return x;
+}
+
+RunsResult run_together(const Job& job, std::uint64_t first, std::size_t count,
+                        const std::function<void()>& tick) {
+  return Runs(job, first, count)(tick);
 }
 
 }  // namespace qerr

@@ -9,39 +9,83 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t most_blocks = 512;
+constexpr std::size_t most_blocks = 512, most_of_piece = 4096;
 
 }  // namespace
 
-RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::uint64_t blocks)
+RunStatistics::RunStatistics(Eigen::Index channels, Eigen::Index expected, std::size_t width,
+                             std::uint64_t blocks, const SimulationKernels& kernels)
     : blocks_(blocks, Sums{0, Eigen::ArrayXd::Zero(channels), Eigen::ArrayXd::Zero(channels),
                            Eigen::ArrayXd::Zero(expected)}),
-      peak_(Eigen::ArrayXd::Zero(expected)) {}
+      peak_(Eigen::ArrayXd::Zero(expected)),
+      width_(width),
+      kernels_(&kernels) {}
 
-void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::size_t width,
-                        std::uint64_t block, const SimulationKernels& kernels, double* room) {
-  const ChannelTally tally{room, room + width, room + 2 * width, room + 3 * width};
-  const Eigen::Index peaks = peak_.size();
-  kernels.tally(values, stride, rows, width, static_cast<std::size_t>(peaks), tally);
-  const auto n = static_cast<double>(rows);
-  Sums& s = blocks_[block];
-  const auto of = [&](const double* numbers) {
-    return Eigen::Map<const Eigen::ArrayXd>(numbers, s.mean.size());
-  };
-  const Eigen::ArrayXd off = of(tally.sum) / n;
-  s.join({n, of(tally.shift) + off, of(tally.squares) - off * of(tally.sum), Eigen::ArrayXd::Zero(peaks)});
-  peak_ = peak_.max(of(tally.peak).head(peaks));
+RunStatistics::Piece RunStatistics::piece(std::size_t width, std::size_t lanes) const {
+  Piece p{lanes, 0, 0, AlignedNumbers((1 + 3 * lanes) * width), {}};
+  double* const numbers = p.numbers.data();
+  p.tally = {numbers, numbers + width, numbers + (1 + lanes) * width, numbers + (1 + 2 * lanes) * width};
+  return p;
+}
+
+/// Makes the piece ready for more samples. @returns whether they are its first ones
+bool RunStatistics::extend(Piece& p, std::size_t count, std::uint64_t block) {
+  if (p.count > 0 && (block != p.block || p.count + count > most_of_piece)) close(p);
+  p.block = block;
+  p.count += count;
+  return p.count == count;
+}
+
+void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::uint64_t block) {
+  if (rows_.numbers.size() == 0) rows_ = piece(width_, 1);
+  const bool fresh = extend(rows_, rows, block);
+  kernels_->tally(values, stride, rows, width_, static_cast<std::size_t>(peak_.size()), fresh, rows_.tally);
+}
+
+RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t block) {
+  if (instants_.numbers.size() == 0) instants_ = piece(width_, kernels_->lanes);
+  const bool fresh = extend(instants_, instants, block);
+  return {&instants_.tally, fresh};
+}
+
+void RunStatistics::finish() {
+  close(rows_);
+  close(instants_);
+}
+
+/// The piece into its block; it is empty afterwards.
+void RunStatistics::close(Piece& p) {
+  if (p.count == 0) return;
+  Sums& s = blocks_[p.block];
+  const auto n = static_cast<double>(p.count);
+  for (Eigen::Index c = 0; c < s.mean.size(); ++c) {
+    const auto first = static_cast<std::size_t>(c) * p.lanes;
+    double sum = 0, squares = 0, peak = 0;
+    for (std::size_t i = first; i < first + p.lanes; ++i) {
+      sum += p.tally.sum[i];
+      squares += p.tally.squares[i];
+      peak = std::max(peak, p.tally.peak[i]);
+    }
+    s.join(n, c, p.tally.shift[c] + sum / n, squares - sum * sum / n);
+    if (c < peak_.size()) peak_[c] = std::max(peak_[c], peak);
+  }
+  s.count += n;
+  for (std::size_t i = 0; i < p.numbers.size(); ++i) p.numbers[i] = 0;
+  p.count = 0;
 }
 
 /// Two parts of a record as one: their squares, and what their means differ by.
+void RunStatistics::Sums::join(double other_count, Eigen::Index c, double other_mean, double other_squares) {
+  const double both = count + other_count, off = other_mean - mean[c];
+  squares[c] += other_squares + off * off * (count * other_count / both);
+  mean[c] += off * (other_count / both);
+}
+
 void RunStatistics::Sums::join(const Sums& other) {
-  const double both = count + other.count;
-  if (both == 0) return;
-  const Eigen::ArrayXd off = other.mean - mean;
-  squares += other.squares + off.square() * (count * other.count / both);
-  mean += off * (other.count / both);
+  if (other.count > 0)
+    for (Eigen::Index c = 0; c < mean.size(); ++c) join(other.count, c, other.mean[c], other.squares[c]);
   expected += other.expected;
-  count = both;
+  count += other.count;
 }
 
 void RunStatistics::append(const RunStatistics& later) {

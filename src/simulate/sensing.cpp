@@ -42,8 +42,7 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
                  const Options& options, InstructionSet set)
     : built_(as_built(model.chain, effects)),
       transmission_(model.transmission),
-      path_(motion),
-      sample_rate_(motion.sample_rate),
+      path_(motion, set),
       to_encoders_(model.transmission.coupling.inverse()),
       uncoupled_(model.transmission.coupling.isIdentity(0)),
       shift_(model.transmission.coupling * options.displacement),
@@ -72,34 +71,53 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
   turned_ = std::any_of(actions_.begin(), actions_.end(),
                         [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
   const std::size_t n = actions_.size();
-  time_ = AlignedNumbers(batch_size);
-  for (AlignedNumbers* rows :
-       {&joint_, &encoder_, &turn_, &shaft_, &counts_, &measured_, &estimate_, &efforts_})
-    *rows = AlignedNumbers(n * batch_size);
+  for (AlignedNumbers* rows : {&joint_, &counts_, &measured_}) *rows = AlignedNumbers(n * batch_size);
+  if (!uncoupled_)
+    for (AlignedNumbers* rows : {&encoder_, &shaft_, &estimate_}) *rows = AlignedNumbers(n * batch_size);
+  if (turned_) turn_ = AlignedNumbers(n * batch_size);
+  if (effort_) efforts_ = AlignedNumbers(n * batch_size);
   const double* const no_effort = nullptr;
   batch_ = {0,
-            time_.data(),
+            nullptr,
             joint_.data(),
             encoder_.data(),
             counts_.data(),
             measured_.data(),
             estimate_.data(),
-            effort_ ? efforts_.data() : no_effort};
+            effort_ ? efforts_.data() : no_effort,
+            shift_.data()};
   for (Eigen::VectorXd* v : {&reading_.joint, &reading_.encoder, &reading_.counts, &reading_.measured,
                              &reading_.estimate, &reading_.logged, &reading_.reference})
     v->resize(static_cast<Eigen::Index>(n));
   if (effort_) reading_.effort.resize(static_cast<Eigen::Index>(n));
 }
 
+PathBatch::PathBatch(const Motion& motion, InstructionSet set)
+    : path_(motion),
+      sample_rate_(motion.sample_rate),
+      set_(set),
+      time_(batch_size),
+      joints_(path_.joints() * batch_size) {}
+
+void PathBatch::at(std::uint64_t first, std::size_t count) {
+  first_ = first;
+  count_ = count;
+  const auto start = static_cast<double>(first);
+  for (std::size_t i = 0; i < batch_size; ++i)
+    time_[i] = (start + static_cast<double>(static_cast<int>(std::min(i, count - 1)))) / sample_rate_;
+  for (std::size_t joint = 0; joint < path_.joints(); ++joint)
+    path_.positions(joint, time_.data(), joints_.data() + joint * batch_size, set_);
+}
+
 double Sensing::position(std::size_t joint, double time) const {
-  return path_.position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
+  return path_.path().position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
 }
 
 Eigen::VectorXd Sensing::effort(double time) const {
   const auto n = static_cast<Eigen::Index>(actions_.size());
   Eigen::VectorXd q(n), velocity(n), acceleration(n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    const JointState state = path_.at(static_cast<std::size_t>(i), time);
+    const JointState state = path_.path().at(static_cast<std::size_t>(i), time);
     q[i] = state.position + shift_[i];
     velocity[i] = state.velocity;
     acceleration[i] = state.acceleration;
@@ -109,7 +127,7 @@ Eigen::VectorXd Sensing::effort(double time) const {
 
 Moment Sensing::moment(std::size_t joint, std::size_t i) const {
   const std::size_t at = joint * batch_size + i;
-  return {batch_.first + i, time_[i], joint_[at], effort_ ? efforts_[at] : 0, 0};
+  return {batch_.first + i, batch_.time[i], joint_[at], effort_ ? efforts_[at] : 0, 0};
 }
 
 /// The joint as the shaft of the encoder feels it: at its clock's instant, behind link and gear.
@@ -128,7 +146,7 @@ void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
   throw Error({{},
                "effects",
                "a count must be a whole number within 2^53",
-               "encoder " + std::to_string(encoder + 1) + " at " + shortest(time_[i]) + " s",
+               "encoder " + std::to_string(encoder + 1) + " at " + shortest(batch_.time[i]) + " s",
                "make the effects smaller"});
 }
 
@@ -184,22 +202,23 @@ void Sensing::repeat_last(const AlignedNumbers& rows, std::size_t count) {
 }
 
 const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
-  batch_.first = first;
-  for (std::size_t i = 0; i < batch_size; ++i)
-    time_[i] = static_cast<double>(first + std::min(i, count - 1)) / sample_rate_;
-  const std::size_t n = actions_.size();
-  for (std::size_t joint = 0; joint < n; ++joint) {
-    double* const row = joint_.data() + joint * batch_size;
-    path_.positions(joint, time_.data(), row, set_);
-    const double shift = shift_[static_cast<Eigen::Index>(joint)];
-    for (std::size_t i = 0; i < batch_size; ++i) row[i] += shift;
-  }
+  path_.at(first, count);
+  return sense(path_);
+}
+
+const SensedBatch& Sensing::sense(const PathBatch& path) {
+  batch_.first = path.first();
+  batch_.time = path.time();
+  const std::size_t n = actions_.size(), count = path.count();
+  const SimulationKernels& kernels = simulation_kernels(set_);
+  for (std::size_t joint = 0; joint < n; ++joint)
+    kernels.displace(path.joints() + joint * batch_size, shift_[static_cast<Eigen::Index>(joint)],
+                     joint_.data() + joint * batch_size);
   for (std::size_t i = 0; effort_ && i < count; ++i) {
-    const Eigen::VectorXd now = effort(time_[i]);
+    const Eigen::VectorXd now = effort(path.time()[i]);
     for (std::size_t joint = 0; joint < n; ++joint)
       efforts_[joint * batch_size + i] = now[static_cast<Eigen::Index>(joint)];
   }
-  if (count < batch_size) repeat_last(joint_, count);
   batch_.encoder = mixed(to_encoders_, joint_, encoder_);
   const double* const shafts = turned_ ? turn_shafts(count) : batch_.encoder;
   for (std::size_t e = 0; e < n; ++e) count_shaft(e, shafts + e * batch_size, count);
@@ -212,7 +231,7 @@ const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
 Reading& Sensing::reading(std::size_t i) {
   Reading& r = reading_;
   r.index = batch_.first + i;
-  r.time = time_[i];
+  r.time = batch_.time[i];
   for (std::size_t j = 0; j < actions_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
     const std::size_t at = j * batch_size + i;

@@ -15,6 +15,10 @@ namespace qerr {
 
 namespace {
 
+constexpr std::size_t most_stretches = 512;
+// Longer runs are enough work for a thread each.
+constexpr std::uint64_t most_samples_together = std::uint64_t{1} << 15;
+
 std::uint64_t divisor(const Filter& filter, const Motion& motion) {
   const double ratio = motion.sample_rate / filter.sample_rate, whole = std::round(ratio);
   if (whole < 1 || std::abs(ratio - whole) > 1e-9 * whole)
@@ -83,11 +87,16 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   Job job{model, filters, motion, effects, options, every, std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
           // Runs differ in their phases, parts of one run do not.
-          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
+          options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
+          // Only behind filters it matters how fast the joints move where.
+          filters.empty() ? std::size_t{1} : most_stretches, middle.mean,
+          even_spread(static_cast<Eigen::Index>(model.transmission.encoders.size()))};
   const Channels channels(model);
 
-  // Runs are joined in their order, a wave at a time, so that memory does not grow with their number.
+  // Runs are joined in their order, a wave at a time, so that memory does not grow with their number. Which
+  // of them go together must not depend on the threads.
   constexpr std::uint64_t wave = 64;
+  const std::uint64_t together = job.samples <= most_samples_together ? 8 : 1;
   std::mutex guard;
   std::uint64_t done = 0;
   const auto tick = [&] {
@@ -96,15 +105,21 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     if (options.progress)
       options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
-  std::vector<RunStatistics> all(filters.size() + 1,
-                                 RunStatistics(channels.count(), channels.coordinates, job.blocks));
-  AlongPath path(channels.coordinates, channels.encoders);
+  const SimulationKernels& kernels = simulation_kernels(options.instructions);
+  std::vector<RunStatistics> all;
+  for (std::size_t f = 0; f <= filters.size(); ++f)
+    all.emplace_back(channels.count(), channels.coordinates, 0, job.blocks, kernels);
+  AlongPath path(channels.coordinates, channels.encoders, job.stretches);
   for (std::uint64_t first = 0; first < options.runs; first += wave) {
-    std::vector<std::optional<RunResult>> runs(std::min(wave, options.runs - first));
-    parallel_for(runs.size(), options.threads, [&](std::size_t i) { runs[i] = run(job, first + i, tick); });
-    for (const auto& one : runs) {
-      for (std::size_t f = 0; f < all.size(); ++f) all[f].append(one->outputs[f]);
-      path.append(one->path);
+    const std::uint64_t runs = std::min(wave, options.runs - first);
+    std::vector<std::optional<RunsResult>> results((runs + together - 1) / together);
+    parallel_for(results.size(), options.threads, [&](std::size_t i) {
+      results[i] = run_together(job, first + i * together, std::min(together, runs - i * together), tick);
+    });
+    for (const auto& result : results) {
+      for (const auto& outputs : result->outputs)
+        for (std::size_t f = 0; f < all.size(); ++f) all[f].append(outputs[f]);
+      path.append(result->path);
     }
   }
 

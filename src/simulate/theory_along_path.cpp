@@ -7,17 +7,12 @@
 
 namespace qerr {
 
-AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders)
+AlongPath::AlongPath(Eigen::Index coordinates, Eigen::Index encoders, std::size_t stretches)
     : encoders_(encoders),
-      squares_(Eigen::MatrixXd::Zero(coordinates * encoders, stretches)),
+      squares_(Eigen::MatrixXd::Zero(coordinates * encoders + most_lanes - 1,
+                                     static_cast<Eigen::Index>(stretches))),
       rigorous_(Eigen::VectorXd::Zero(coordinates)),
       deviation_(rigorous_) {}
-
-void AlongPath::add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples,
-                    std::size_t stretch) {
-  squares_.col(static_cast<Eigen::Index>(stretch)) += squares.reshaped();
-  counted_ += static_cast<double>(samples);
-}
 
 void AlongPath::bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation) {
   rigorous_ = rigorous_.cwiseMax(rigorous);
@@ -37,7 +32,7 @@ Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
   Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(rigorous_.size(), encoders_);
   for (Eigen::Index s = 0; s < squares_.cols(); ++s) {
     const Eigen::Index row = s * weights.rows() / squares_.cols();
-    sum += squares_.col(s).reshaped(sum.rows(), sum.cols()) * weights.row(row).asDiagonal();
+    sum += squares_.col(s).head(sum.size()).reshaped(sum.rows(), sum.cols()) * weights.row(row).asDiagonal();
   }
   return counted_ > 0 ? Eigen::MatrixXd(sum / counted_) : sum;
 }
@@ -53,8 +48,8 @@ Eigen::MatrixXd exact_variance(const AlongPath& path, const Transmission& transm
   if (!memory)
     return Eigen::MatrixXd::Constant(path.rigorous().size(), encoders,
                                      std::numeric_limits<double>::quiet_NaN());
-  return path.mean_squares(noise_power_along_motion(transmission, motion, *memory, filter.sample_rate, start,
-                                                    AlongPath::stretches));
+  return path.mean_squares(
+      noise_power_along_motion(transmission, motion, *memory, filter.sample_rate, start, path.stretches()));
 }
 
 }  // namespace

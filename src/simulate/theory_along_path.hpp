@@ -12,20 +12,23 @@ namespace qerr {
 /// where a joint moves slowly its error is another than where it moves fast.
 class AlongPath {
  public:
-  static constexpr std::size_t stretches = 512;
+  /// @param stretches  a power of two: 1 where nothing asks how fast the joints move
+  AlongPath(Eigen::Index coordinates, Eigen::Index encoders, std::size_t stretches);
 
-  AlongPath(Eigen::Index coordinates, Eigen::Index encoders);
+  std::size_t stretches() const { return static_cast<std::size_t>(squares_.cols()); }
 
-  /// Samples of one stretch of the part that counts.
-  /// @param squares  sum of (J C Delta)^2 over them, coordinates x encoders
-  void add(const Eigen::Ref<const Eigen::MatrixXd>& squares, std::size_t samples, std::size_t stretch);
+  /// Where sums of (J C Delta)^2 over samples of a stretch of the part that counts are added: encoder after
+  /// encoder, a number of each coordinate; behind them there is room for what fills up the last lanes.
+  double* squares(std::size_t stretch) { return squares_.col(static_cast<Eigen::Index>(stretch)).data(); }
+  /// So many samples have been added.
+  void count(std::size_t samples) { counted_ += static_cast<double>(samples); }
   /// All samples, before the part that counts too: a filter remembers what was there.
   void bound_by(const Eigen::VectorXd& rigorous, const Eigen::VectorXd& deviation);
   void append(const AlongPath& later);
 
   /// Mean of (J C Delta)^2, coordinates x encoders: over the whole, and with weights for the parts.
   Eigen::MatrixXd mean_squares() const;
-  /// @param weights  stretches x encoders; a power of two of them, up to `stretches`
+  /// @param weights  stretches x encoders; a power of two of them, up to `stretches()`
   Eigen::MatrixXd mean_squares(const Eigen::MatrixXd& weights) const;
 
   const Eigen::VectorXd& rigorous() const { return rigorous_; }  ///< largest bound of the position error
@@ -34,6 +37,8 @@ class AlongPath {
   const Eigen::VectorXd& deviation() const { return deviation_; }
 
  private:
+  static constexpr Eigen::Index most_lanes = 8;
+
   double counted_ = 0;
   Eigen::Index encoders_;
   Eigen::MatrixXd squares_;  // of a stretch in each column

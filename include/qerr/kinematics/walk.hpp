@@ -6,6 +6,15 @@
 namespace qerr::lanes {
 namespace {
 
+/// step(0), step(1), step(2): written out, as GCC keeps a frame in registers from joint to joint only where
+/// it knows before all loops which of its numbers is meant.
+template <class Step>
+[[gnu::always_inline]] inline void each_of_three(Step step) {
+  step(0);
+  step(1);
+  step(2);
+}
+
 /// A frame of the folded chain in the base frame: its axes and a point on its joint's axis.
 template <class L>
 struct Frame {
@@ -14,8 +23,7 @@ struct Frame {
 
 template <class L, class A>
 [[gnu::always_inline]] inline void advance(L (&point)[3], const A& length, const L (&along)[3]) {
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) point[i] = fma(length, along[i], point[i]);
+  each_of_three([&](int i) __attribute__((always_inline)) { point[i] = fma(length, along[i], point[i]); });
 }
 
 /// By its bits: a comparison of doubles takes more steps, and a -0 may pass for a length.
@@ -29,31 +37,28 @@ template <class L>
   if (!is_zero(joint.a)) advance(f.o, joint.a, f.x);
   if (!is_zero(joint.b)) advance(f.o, joint.b, f.y);
   if (joint.tilt == FoldedJoint::Tilt::right) {
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
+    each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i];
       f.z[i] = f.y[i];
       f.y[i] = z;
-    }
+    });
   } else if (joint.tilt == FoldedJoint::Tilt::general) {
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
+    each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i], y = f.y[i];
       f.z[i] = fma(joint.cosine, z, -(joint.sine * y));
       f.y[i] = fma(joint.cosine, y, joint.sine * z);
-    }
+    });
   }
   if (!is_zero(joint.d)) advance(f.o, joint.d, f.z);
 }
 
 template <class L, class C>
 [[gnu::always_inline]] inline void turn(const C& cosine, const C& sine, Frame<L>& f) {
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
     const L x = f.x[i], y = f.y[i];
     f.x[i] = fma(cosine, x, sine * y);
     f.y[i] = fma(cosine, y, -(sine * x));
-  }
+  });
 }
 
 /// The motion of every joint: its slide, or the sine and cosine of its turn.
@@ -73,26 +78,22 @@ template <class L>
   }
 }
 
-/// Walks a folded chain from base to tip, one configuration per lane.
+/// Walks a folded chain from base to tip, one configuration per lane, its joints moved as `motions` says.
 ///
-/// @param q       of independent joint i at q + i * stride [rad or m]
 /// @param arrive  called with (k, frame) when the frame stands on the axis of moving joint k: z is the axis
 /// times FoldedJoint::sign, o a point on it
 /// @param leave   called with (k, frame) when joint k has moved
-/// @param moved   room for one of each joint
 /// @returns the frame behind the last joint, its point moved to the tip
 template <class L, class Arrive, class Leave>
-[[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
-                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
-  motions(chain, q, stride, moved);
+[[gnu::always_inline]] inline Frame<L> walk_moved(const FoldedPath& chain, const SineCosine<L>* moved,
+                                                  Arrive arrive, Leave leave) {
   Frame<L> f;
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) {
+  each_of_three([&](int i) __attribute__((always_inline)) {
     f.x[i] = broadcast<L>(chain.first_axes[i]);
     f.y[i] = broadcast<L>(chain.first_axes[3 + i]);
     f.z[i] = broadcast<L>(chain.first_axes[6 + i]);
     f.o[i] = broadcast<L>(chain.first_point[i]);
-  }
+  });
   for (std::size_t k = 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
     if (k > 0) approach(joint, f);
@@ -118,9 +119,21 @@ template <class L, class Arrive, class Leave>
     }
     leave(k, f);
   }
-  if (!is_zero(chain.tip_x)) advance(f.o, chain.tip_x, f.x);
-  if (!is_zero(chain.tip_y)) advance(f.o, chain.tip_y, f.y);
-  return f;
+  Frame<L> tip = f;  // which the caller may index as it likes
+  if (!is_zero(chain.tip_x)) advance(tip.o, chain.tip_x, f.x);
+  if (!is_zero(chain.tip_y)) advance(tip.o, chain.tip_y, f.y);
+  return tip;
+}
+
+/// The same of joints at q.
+///
+/// @param q      of independent joint i at q + i * stride [rad or m]
+/// @param moved  room for one of each joint
+template <class L, class Arrive, class Leave>
+[[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
+                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
+  motions(chain, q, stride, moved);
+  return walk_moved<L>(chain, moved, arrive, leave);
 }
 
 template <class L>
@@ -160,7 +173,8 @@ template <class L>
   }
 }
 
-/// Walks the chain, then gives the columns of the Jacobian of the moving joints, times a factor each.
+/// Walks the chain, its joints moved as `motions` says, then gives the columns of the Jacobian of the moving
+/// joints, times a factor each.
 ///
 /// @param leave  as of `walk`
 /// @param take   its `column(k, linear, angular)` is called for every moving joint, but `upright(x, y, w)`
@@ -169,19 +183,18 @@ template <class L>
 /// @returns as `walk`
 /// @pre `begin_columns` has been called, once for all configurations
 template <class L, class Leave, class Take>
-[[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
-                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
-                                               Leave leave, Take&& take) {
+[[gnu::always_inline]] inline Frame<L> columns_moved(const FoldedPath& chain, const double* scale,
+                                                     const SineCosine<L>* moved, JointRoom<L>* joints,
+                                                     Leave leave, Take&& take) {
   const bool upright = begins_upright(chain);
-  const Frame<L> tip = walk<L>(
-      chain, q, stride, moved,
+  const Frame<L> tip = walk_moved<L>(
+      chain, moved,
       [&](std::size_t k, const Frame<L>& f) {
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) joints[k].column[3 + i] = scale[k] * f.z[i];
+        each_of_three([&](int i)
+                          __attribute__((always_inline)) { joints[k].column[3 + i] = scale[k] * f.z[i]; });
         if (!chain.joints[k].own_point) return;
-#pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) joints[k].point[i] = f.o[i];
+        each_of_three([&](int i) __attribute__((always_inline)) { joints[k].point[i] = f.o[i]; });
       },
       leave);
   L arm[3] = {};
@@ -211,6 +224,15 @@ template <class L, class Leave, class Take>
     }
   }
   return tip;
+}
+
+/// The same of joints at q, as `walk` takes it.
+template <class L, class Leave, class Take>
+[[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
+                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
+                                               Leave leave, Take&& take) {
+  motions(chain, q, stride, moved);
+  return columns_moved<L>(chain, scale, moved, joints, leave, take);
 }
 
 /// Keeps the columns with what is kept of the joints.

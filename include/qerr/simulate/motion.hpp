@@ -16,6 +16,8 @@ struct Sine {
   double phase = 0;      ///< [rad]
 };
 
+struct Oscillation;
+
 /// One leg of a point-to-point motion: from rest to rest, then a dwell.
 struct Move {
   double to = 0;            ///< [rad or m]
@@ -65,6 +67,8 @@ struct JointState {
 class MotionPath {
  public:
   explicit MotionPath(const Motion&);
+  MotionPath(MotionPath&&) noexcept;
+  ~MotionPath();
 
   JointState at(std::size_t joint, double time) const;
 
@@ -102,9 +106,10 @@ class MotionPath {
   static JointState of_phases(const std::vector<Phase>&, double time);
   static double append(const Move&, double from, double start, std::vector<Phase>&);
 
-  bool within_lanes(const JointMotion&, const double* time) const;
+  bool within_lanes(const std::vector<Oscillation>&, const double* time) const;
 
   Motion motion_;
+  std::vector<std::vector<Oscillation>> oscillations_;  // of each joint, as the lanes take them
   std::vector<Moves> moves_;
   std::size_t count_ = 0;
 };

@@ -34,6 +34,31 @@ struct SensedBatch {
   std::uint64_t first = 0;  ///< number of the first sample
   const double *time, *joint, *encoder, *counts, *measured, *estimate;
   const double* effort;  ///< null unless asked for
+  const double* shift;   ///< of each joint from the path: the same in all of a run
+};
+
+/// Where the joints of a motion are at `batch_size` samples: what all runs along it share.
+class PathBatch {
+ public:
+  explicit PathBatch(const Motion&, InstructionSet = instruction_set());
+
+  /// Samples first .. first + count - 1, at time index / sample_rate; behind them the last one again and
+  /// again.
+  void at(std::uint64_t first, std::size_t count);
+
+  std::uint64_t first() const { return first_; }
+  std::size_t count() const { return count_; }
+  const double* time() const { return time_.data(); }
+  const double* joints() const { return joints_.data(); }  ///< a row of each [rad or m]
+  const MotionPath& path() const { return path_; }
+
+ private:
+  MotionPath path_;
+  double sample_rate_;
+  InstructionSet set_;
+  std::uint64_t first_ = 0;
+  std::size_t count_ = 0;
+  AlignedNumbers time_, joints_;
 };
 
 /// The chain as it was built: with the joints displaced that `geometry` effects displace.
@@ -65,6 +90,9 @@ class Sensing {
   /// @throws Error (input; key `effects`) where a count is beyond 2^53
   const SensedBatch& sense(std::uint64_t first, std::size_t count = batch_size);
 
+  /// The same of samples whose path is known.
+  const SensedBatch& sense(const PathBatch&);
+
   /// A sample of the batch sensed last.
   /// @pre called for every sample, in order
   Reading& reading(std::size_t in_batch);
@@ -92,15 +120,14 @@ class Sensing {
 
   Chain built_;
   Transmission transmission_;
-  MotionPath path_;
-  double sample_rate_;
+  PathBatch path_;
   Eigen::MatrixXd to_encoders_;
   bool uncoupled_;
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
   bool effort_, turned_;  // efforts are known; shafts are elsewhere than the true joints
   InstructionSet set_;
-  AlignedNumbers time_, joint_, encoder_, turn_, shaft_, counts_, measured_, estimate_, efforts_;
+  AlignedNumbers joint_, encoder_, turn_, shaft_, counts_, measured_, estimate_, efforts_;
   SensedBatch batch_;
   Reading reading_;
 };
