@@ -13,7 +13,10 @@ constexpr std::size_t stride = DeferredCounts::block_size + batch_size;
 }  // namespace
 
 DeferredCounts::DeferredCounts(const std::vector<std::int64_t>& lowest_bins)
-    : lowest_(lowest_bins), filling_(lowest_bins.size() * stride), waiting_(filling_.size()) {
+    : lowest_(lowest_bins),
+      filling_(lowest_bins.size() * stride),
+      waiting_(filling_.size()),
+      counts_(lowest_bins.size()) {
   for (const std::int64_t lowest : lowest_) histograms_.emplace_back(lowest);
 }
 
@@ -22,8 +25,8 @@ void DeferredCounts::plan(std::size_t batch, TallyPlan& tally) {
   tally.bins = filling_.data() + batch * batch_size;
   tally.bin_stride = stride;
   const std::size_t first = counted_;
-  counted_ = std::min(counted_ + histograms_.size(), chunks_.size());
-  tally.backlog = {chunks_.data() + first, counted_ - first};
+  counted_ = std::min(counted_ + histograms_.size(), chunks_);
+  tally.backlog = {waiting_.data(), counts_.data(), first, counted_};
 }
 
 void DeferredCounts::end_of_block(std::size_t count) {
@@ -34,13 +37,9 @@ void DeferredCounts::end_of_block(std::size_t count) {
     return;
   }
   std::swap(filling_, waiting_);
-  chunks_.clear();
+  for (std::size_t f = 0; f < histograms_.size(); ++f) counts_[f] = histograms_[f].counts_for(block_size);
+  chunks_ = histograms_.size() * batches_per_block;
   counted_ = 0;
-  for (std::size_t f = 0; f < histograms_.size(); ++f) {
-    std::uint32_t* const counts = histograms_[f].counts_for(block_size);
-    for (std::size_t i = 0; i < block_size; i += batch_size)
-      chunks_.push_back({waiting_.data() + f * stride + i, counts});
-  }
 }
 
 std::vector<Histogram> DeferredCounts::finish() {
@@ -49,8 +48,12 @@ std::vector<Histogram> DeferredCounts::finish() {
 }
 
 void DeferredCounts::count_waiting() {
-  for (; counted_ < chunks_.size(); ++counted_)
-    for (std::size_t i = 0; i < batch_size; ++i) ++chunks_[counted_].counts[chunks_[counted_].bins[i]];
+  for (; counted_ < chunks_; ++counted_) {
+    const std::size_t figure = counted_ / batches_per_block;
+    const std::uint16_t* const bins =
+        waiting_.data() + figure * stride + counted_ % batches_per_block * batch_size;
+    for (std::size_t i = 0; i < batch_size; ++i) ++counts_[figure][bins[i]];
+  }
 }
 
 }  // namespace qerr

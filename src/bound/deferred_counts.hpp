@@ -14,7 +14,7 @@ namespace qerr {
 /// tallies the next block.
 class DeferredCounts {
  public:
-  static constexpr std::size_t batches_per_block = 64, block_size = batches_per_block * batch_size;
+  static constexpr std::size_t block_size = batches_per_block * batch_size;
 
   /// @param lowest_bins  of every figure's histogram; none: nothing is counted
   /// @pre they outlive this
@@ -36,8 +36,8 @@ class DeferredCounts {
   const std::vector<std::int64_t>& lowest_;
   std::vector<Histogram> histograms_;
   std::vector<std::uint16_t> filling_, waiting_;  // [figure][block_size]
-  std::vector<BinChunk> chunks_;                  // of the waiting ones, figure after figure
-  std::size_t counted_ = 0;                       // chunks of the waiting ones
+  std::vector<std::uint32_t*> counts_;            // of every figure
+  std::size_t counted_ = 0, chunks_ = 0;          // of the waiting ones: 64 bins each, figure after figure
 };
 
 }  // namespace qerr

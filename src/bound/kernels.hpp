@@ -62,6 +62,16 @@ struct ErrorPlan {
   SumLayout sums;
 };
 
+/// Bins are counted by blocks of so many batches.
+inline constexpr std::size_t batches_per_block = 64;
+
+/// Bins of an earlier block that are to be counted meanwhile: chunks of 64, of one figure after the other.
+struct BinBacklog {
+  const std::uint16_t* bins = nullptr;     ///< those of figure f from bins + f * bin_stride
+  std::uint32_t* const* counts = nullptr;  ///< of every figure
+  std::size_t next = 0, end = 0;           ///< chunks
+};
+
 /// What a tally does with the figures of a batch.
 struct TallyPlan {
   std::size_t count;              ///< of the figures
@@ -69,7 +79,7 @@ struct TallyPlan {
   const std::int64_t* lowest;     ///< bin of every figure (bins.hpp); null: bins are not asked for
   std::uint16_t* bins;            ///< those of figure f from bins + f * bin_stride
   std::size_t bin_stride;
-  BinBacklog backlog;  ///< bins of earlier batches to be counted meanwhile
+  BinBacklog backlog;
 };
 
 struct BoundKernels {

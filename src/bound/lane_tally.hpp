@@ -7,14 +7,26 @@
 namespace qerr::lanes {
 namespace {
 
+template <class L>
+[[gnu::always_inline]] inline double largest(const double* values) {
+  L high = load<L>(values);
+  for (std::size_t i = lane_count<L>; i < batch_size; i += lane_count<L>)
+    high = max(load<L>(values + i), high);
+  double most = high[0];
+#pragma GCC unroll 8
+  for (std::size_t i = 1; i < lane_count<L>; ++i) most = high[i] > most ? high[i] : most;
+  return most;
+}
+
 /// A batch with a maximum larger than before: looks for the configurations.
-[[gnu::noinline]] inline void find_maxima(const double* figures, std::size_t count, std::uint64_t first,
-                                          Tally* tallies) {
+template <class L>
+[[gnu::noinline]] void find_maxima(const double* figures, std::size_t count, std::uint64_t first,
+                                   Tally* tallies) {
   for (std::size_t f = 0; f < count; ++f) {
     const double* const values = figures + f * batch_size;
     Tally& t = tallies[f];
-    double most = t.max;
-    for (std::size_t i = 0; i < batch_size; ++i) most = values[i] > most ? values[i] : most;
+    const double most = largest<L>(values);
+    if (!(most > t.max)) continue;
     const bool is_another = most > same_maximum * t.max;
     t.max = most;
     for (std::size_t i = 0; i < batch_size && is_another; ++i)
@@ -49,8 +61,13 @@ class FigureTally {
         tally_(tally),
         root_(f - plan.first_root < plan.roots),
         bins_(plan.lowest ? plan.bins + f * plan.bin_stride : nullptr),
-        lowest_(plan.lowest ? plan.lowest[f] : 0),
-        chunk_(f < plan.backlog.count ? plan.backlog.chunks[f] : BinChunk{nullptr, nullptr}) {
+        lowest_(plan.lowest ? plan.lowest[f] : 0) {
+    const BinBacklog& backlog = plan.backlog;
+    if (const std::size_t chunk = backlog.next + f; chunk < backlog.end) {
+      const std::size_t figure = chunk / batches_per_block;
+      waiting_ = backlog.bins + figure * plan.bin_stride + chunk % batches_per_block * batch_size;
+      counts_ = backlog.counts[figure];
+    }
 #pragma GCC unroll 8
     for (std::size_t p = 0; p < packs; ++p) {
       low_[p] = load<L>(tally.min + p * lane_count<L>);
@@ -79,9 +96,9 @@ class FigureTally {
       if constexpr (packs > 1) __builtin_memcpy(&halves, values_ + i, sizeof halves);
       put_bins(halves, lowest_, bins_ + i);
     }
-    if (!chunk_.bins) return;
-    count_four(chunk_.bins + i);
-    count_four(chunk_.bins + i + 4);
+    if (!waiting_) return;
+    count_four(waiting_ + i);
+    count_four(waiting_ + i + 4);
   }
 
   /// @param news  gets true where the maximum is a new one
@@ -102,7 +119,7 @@ class FigureTally {
     std::uint64_t four;
     __builtin_memcpy(&four, bins, sizeof four);
 #pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) ++chunk_.counts[four >> (16 * k) & 0xFFFF];
+    for (int k = 0; k < 4; ++k) ++counts_[four >> (16 * k) & 0xFFFF];
   }
 
   double* values_;
@@ -111,7 +128,8 @@ class FigureTally {
   bool root_;
   std::uint16_t* bins_;
   std::int64_t lowest_;
-  BinChunk chunk_;
+  const std::uint16_t* waiting_ = nullptr;
+  std::uint32_t* counts_ = nullptr;
 };
 
 /// Two figures at a time, of both halves of them: roots and counting, which are among them, keep different
@@ -138,7 +156,7 @@ void tally(const TallyPlan& plan, double* figures, std::uint64_t first, Tally* t
   std::int64_t any = 0;
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < lane_count<L>; ++i) any |= news[i];
-  if (any) find_maxima(figures, plan.count, first, tallies);  // rare
+  if (any) find_maxima<L>(figures, plan.count, first, tallies);  // rare
 }
 
 }  // namespace

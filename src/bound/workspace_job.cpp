@@ -37,10 +37,11 @@ void WorkspaceJob::run() {
   const unsigned threads = thread_count(options_.threads);
   std::vector<Worker> workers;
   for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
-  // Texts wait in memory for their turn.
-  const std::uint64_t blocks_per_wave = options_.text ? 16 : 256;
-  for (std::uint64_t wave = 0; wave < blocks(); wave += blocks_per_wave) {
-    std::vector<BlockResult> results(std::min(blocks_per_wave, blocks() - wave));
+  // What all blocks of a wave find is known to those of the next: the first waves are short. Texts wait in
+  // memory for their turn.
+  const std::uint64_t most = options_.text ? 16 : 256;
+  for (std::uint64_t wave = 0, size = 16; wave < blocks(); wave += size, size = std::min(2 * size, most)) {
+    std::vector<BlockResult> results(std::min(size, blocks() - wave));
     std::atomic<std::size_t> next{0};
     parallel_for(workers.size(), threads, [&](std::size_t i) {
       for (std::size_t b = next++; b < results.size(); b = next++)

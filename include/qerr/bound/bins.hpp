@@ -17,16 +17,4 @@ inline std::uint16_t bin_of(double value, std::int64_t lowest) {
   return static_cast<std::uint16_t>(bin < 0 ? 0 : bin > last_bin ? last_bin : bin);
 }
 
-/// Bins of 64 values of one figure, and where they are to be counted.
-struct BinChunk {
-  const std::uint16_t* bins;
-  std::uint32_t* counts;
-};
-
-/// Chunks that wait for someone who has time for them.
-struct BinBacklog {
-  const BinChunk* chunks = nullptr;
-  std::size_t count = 0;
-};
-
 }  // namespace qerr
