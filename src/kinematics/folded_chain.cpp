@@ -102,7 +102,7 @@ class Folder {
     link_axes(about_z(-turn));
     FoldedJoint& last = folded_.joints.back();
     if (!orientation && folded_.tip_x == 0 && folded_.tip_y == 0) last.turns = false;
-    share_points();
+    prepare_joints();
     return std::move(folded_);
   }
 
@@ -150,18 +150,24 @@ class Folder {
   }
 
   void tilt(const Twist& twist, FoldedJoint& f) {
-    if (twist.sine == 0) {
-      if (twist.cosine < 0) sign_y_ = -sign_y_, sign_z_ = -sign_z_;
-    } else if (twist.cosine == 0) {
-      f.tilt = FoldedJoint::Tilt::right;
+    Real cosine = twist.cosine, sine = twist.sine;
+    if (sine > std::abs(cosine)) {
+      f.right = true;
       const Real y = sign_y_;
       sign_y_ = sign_z_;
       sign_z_ = -y;
-    } else {
-      f.tilt = FoldedJoint::Tilt::general;
-      f.cosine = static_cast<double>(twist.cosine);
-      f.sine = static_cast<double>(twist.sine * sign_y_ * sign_z_);
+      cosine = twist.sine;
+      sine = -twist.cosine;
+    } else if (cosine < 0) {
+      sign_y_ = -sign_y_;
+      sign_z_ = -sign_z_;
+      cosine = -cosine;
+      sine = -sine;
     }
+    sine *= sign_y_ * sign_z_;
+    f.tilts = sine != 0;
+    f.sine = static_cast<double>(sine);
+    f.half_tangent = static_cast<double>(sine / (1 + cosine));
   }
 
   /// Moves the last joint's point along its axis.
@@ -196,12 +202,15 @@ class Folder {
     folded_.link_axes.push_back(m.cast<double>());
   }
 
-  /// Where axes meet, one point serves for both.
-  void share_points() {
+  /// What the walk asks of every joint. Where axes meet, one point serves for both.
+  void prepare_joints() {
     bool there = false;  // the frame's point is the one kept last
     for (FoldedJoint& f : folded_.joints) {
-      f.own_point = !(there && f.a == 0 && f.b == 0);
-      there = !f.prismatic && (f.own_point || f.d == 0);
+      f.has_a = f.a != 0;
+      f.has_b = f.b != 0;
+      f.has_d = f.d != 0;
+      f.own_point = !there || f.has_a || f.has_b;
+      there = !f.prismatic && (f.own_point || !f.has_d);
     }
   }
 
@@ -218,7 +227,7 @@ FoldedPath path_of(const FoldedChain& c) {
   const auto turns = [&](std::size_t k) {
     return k < c.joints.size() && c.joints[k].turns && !c.joints[k].prismatic;
   };
-  const bool level = c.upright && turns(0) && turns(1) && c.joints[1].tilt == FoldedJoint::Tilt::right;
+  const bool level = c.upright && turns(0) && turns(1) && c.joints[1].right && !c.joints[1].tilts;
   return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.upright, level,
           c.tip_x,         c.tip_y,         c.tip_axes.data()};
 }

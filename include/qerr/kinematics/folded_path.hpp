@@ -11,17 +11,20 @@ namespace qerr {
 /// to the joint's axis, then turn about it, or slide along it.
 ///
 /// Frames are kept as their axes X, Y, Z in the base frame and a point o:
-///   Z' = cosine Z - sine Y,  Y' = cosine Y + sine Z                    (tilt; a right angle swaps them)
-///   o += a X + b Y + d Z'                                              (the joint's axis passes here along
-///   Z') X' = cos(t) X + sin(t) Y',  Y'' = cos(t) Y' - sin(t) X             (turn), t = multiplier q + offset
+///   o += a X + b Y
+///   Z' = cos Z - sin Y,  Y' = cos Y + sin Z                              (tilt)
+///   o += d Z'                                                            (the joint's axis passes here)
+///   X' = cos(t) X + sin(t) Y',  Y'' = cos(t) Y' - sin(t) X               (turn), t = multiplier q + offset
+/// Of the tilt the nearest multiple of a right angle is taken by exchanging axes; the rest, at most pi/4, in
+/// three shears, which take three products instead of four (Y1 = Y + h Z, Z' = Z - sin Y1, Y' = Y1 + h Z').
 /// A prismatic joint turns by the constant `offset` and slides o by (slide q + slide_offset) Z'. Signs that a
 /// right angle would put on an axis are carried into the numbers instead: the axis of the joint is sign Z'.
 struct FoldedJoint {
-  enum class Tilt { none, right, general };
-  Tilt tilt = Tilt::none;
-  double cosine = 1, sine = 0;
-  double a = 0, b = 0, d = 0;  ///< [m]
-  bool turns = true;           ///< false: the turn is by nothing, or changes nothing that is asked for
+  bool right = false, tilts = false;                 ///< by a right angle, and by a rest
+  double half_tangent = 0, sine = 0;                 ///< of the rest: h = tan(rest/2), and its sine
+  double a = 0, b = 0, d = 0;                        ///< [m]
+  bool has_a = false, has_b = false, has_d = false;  ///< these are not 0
+  bool turns = true;  ///< false: the turn is by nothing, or changes nothing that is asked for
   bool prismatic = false;
   double turn_cosine = 1, turn_sine = 0;  ///< of a prismatic joint's constant turn
   double multiplier = 1, offset = 0;      ///< of the angle [rad], or of the slide [m]

@@ -26,30 +26,26 @@ template <class L, class A>
   each_of_three([&](int i) __attribute__((always_inline)) { point[i] = fma(length, along[i], point[i]); });
 }
 
-/// By its bits: a comparison of doubles takes more steps, and a -0 may pass for a length.
-[[gnu::always_inline]] inline bool is_zero(double length) {
-  return __builtin_bit_cast(std::uint64_t, length) == 0;
-}
-
 /// From the frame behind the joint before to that of the joint, still unturned.
 template <class L>
 [[gnu::always_inline]] inline void approach(const FoldedJoint& joint, Frame<L>& f) {
-  if (!is_zero(joint.a)) advance(f.o, joint.a, f.x);
-  if (!is_zero(joint.b)) advance(f.o, joint.b, f.y);
-  if (joint.tilt == FoldedJoint::Tilt::right) {
+  if (joint.has_a) advance(f.o, joint.a, f.x);
+  if (joint.has_b) advance(f.o, joint.b, f.y);
+  if (joint.right) {
     each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i];
       f.z[i] = f.y[i];
       f.y[i] = z;
     });
-  } else if (joint.tilt == FoldedJoint::Tilt::general) {
+  }
+  if (joint.tilts) {
     each_of_three([&](int i) __attribute__((always_inline)) {
-      const L z = f.z[i], y = f.y[i];
-      f.z[i] = fma(joint.cosine, z, -(joint.sine * y));
-      f.y[i] = fma(joint.cosine, y, joint.sine * z);
+      const L y = fma(joint.half_tangent, f.z[i], f.y[i]);
+      f.z[i] = f.z[i] - joint.sine * y;
+      f.y[i] = fma(joint.half_tangent, f.z[i], y);
     });
   }
-  if (!is_zero(joint.d)) advance(f.o, joint.d, f.z);
+  if (joint.has_d) advance(f.o, joint.d, f.z);
 }
 
 template <class L, class C>
@@ -120,8 +116,8 @@ template <class L, class Arrive, class Leave>
     leave(k, f);
   }
   Frame<L> tip = f;  // which the caller may index as it likes
-  if (!is_zero(chain.tip_x)) advance(tip.o, chain.tip_x, f.x);
-  if (!is_zero(chain.tip_y)) advance(tip.o, chain.tip_y, f.y);
+  if (chain.tip_x != 0) advance(tip.o, chain.tip_x, f.x);
+  if (chain.tip_y != 0) advance(tip.o, chain.tip_y, f.y);
   return tip;
 }
 
