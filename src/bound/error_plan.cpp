@@ -33,8 +33,9 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& as
   plan_.plain = model.sources.empty() && mean_errors(model.transmission).isZero(0);
   set_direct();
   set_remainder(model);
-  plan_.chain = path_of(chain_);
   plan_.column_scale = column_scale_.data();
+  if (plan_.direct) share_scale();
+  plan_.chain = path_of(chain_);
   for (std::size_t p = 0; p < parts_.size(); ++p) {
     parts_[p].begin = weights_[p].data();
     parts_[p].end = weights_[p].data() + weights_[p].size();
@@ -127,6 +128,16 @@ void PlannedError::set_direct() {
   }
   parts_ = std::move(parts);
   weights_ = std::move(weights);
+}
+
+/// Equal encoders give all columns one scale, which the chain's axes take. Signs do not matter: no error has
+/// a mean.
+void PlannedError::share_scale() {
+  const double scale = std::abs(column_scale_.front());
+  for (const double of_joint : column_scale_)
+    if (std::abs(of_joint) != scale) return;
+  stretch_axes(chain_, scale);
+  plan_.column_scale = nullptr;
 }
 
 void PlannedError::set_remainder(const OperationalModel& model) {

@@ -22,6 +22,7 @@ class PlannedError {
   void add_encoders(const OperationalModel&);
   void add_source(const OperationalModel&, const ErrorSource&);
   void set_direct();
+  void share_scale();
   void set_remainder(const OperationalModel&);
   void set_filters(const OperationalModel&, const ErrorFigures&);
   void lay_out(const ErrorFigures&);

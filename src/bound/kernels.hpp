@@ -37,7 +37,7 @@ struct ErrorPart {
 /// What the batched kernel works by (error_plan.hpp makes it from a model). At most nine coordinates.
 struct ErrorPlan {
   FoldedPath chain;
-  const double* column_scale;  ///< of every moving joint
+  const double* column_scale;  ///< of every moving joint; null: the chain's axes have it
   bool direct;                 ///< part k moves by column k alone, which has its scale already
   bool plain;  ///< parts are encoders that round to nearest: sigma 1, half width sqrt(3), mean 0
   std::size_t parts, encoders, coordinates, filters;

@@ -228,8 +228,30 @@ FoldedPath path_of(const FoldedChain& c) {
     return k < c.joints.size() && c.joints[k].turns && !c.joints[k].prismatic;
   };
   const bool level = c.upright && turns(0) && turns(1) && c.joints[1].right && !c.joints[1].tilts;
-  return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.upright, level,
-          c.tip_x,         c.tip_y,         c.tip_axes.data()};
+  return {c.joints.data(),
+          c.joints.size(),
+          c.first_axes.data(),
+          c.first_point.data(),
+          c.axes_length,
+          c.upright,
+          level,
+          c.tip_x,
+          c.tip_y,
+          c.tip_axes.data()};
+}
+
+void stretch_axes(FoldedChain& chain, double length) {
+  const double by = length / chain.axes_length;
+  chain.axes_length = length;
+  chain.first_axes *= by;
+  chain.tip_x /= by;
+  chain.tip_y /= by;
+  for (FoldedJoint& f : chain.joints) {
+    for (double* along : {&f.a, &f.b, &f.d}) *along /= by;
+    if (!f.prismatic) continue;
+    f.multiplier /= by;
+    f.offset /= by;
+  }
 }
 
 FoldedChain fold(const Chain& chain, bool orientation) {

@@ -14,7 +14,8 @@ struct FoldedChain {
   /// Axes before the first joint's turn (columns X, Y', Z') and a point on its axis, in the base frame.
   Eigen::Matrix3d first_axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d first_point = Eigen::Vector3d::Zero();
-  bool upright = false;         ///< first_axes is the identity
+  double axes_length = 1;       ///< of X, Y, Z: lengths along them count in it (stretch_axes)
+  bool upright = false;         ///< first_axes is a multiple of the identity
   double tip_x = 0, tip_y = 0;  ///< tip = o + tip_x X + tip_y Y behind the last joint [m]
   /// Rotation of the tip: R = [X Y Z] tip_axes with the axes behind the last joint.
   Eigen::Matrix3d tip_axes = Eigen::Matrix3d::Identity();
@@ -24,6 +25,10 @@ struct FoldedChain {
 
 /// What the batched kernels take. @pre the chain outlives the path
 FoldedPath path_of(const FoldedChain&);
+
+/// Makes the axes X, Y, Z so long; points stay where they are. Where all columns of a Jacobian are wanted
+/// times the same factor, a walk along axes of that length needs no products for it.
+void stretch_axes(FoldedChain&, double length);
 
 /// Folds the fixed transforms of a chain, in long double.
 ///

@@ -38,8 +38,9 @@ struct FoldedPath {
   const FoldedJoint* joints;
   std::size_t count;
   const double *first_axes, *first_point;
-  bool upright;  ///< first_axes is the identity
-  bool level;    ///< and the second joint turns about an axis at right angles to the first one's, which turns
+  double axes_length;  ///< of X, Y, Z: lengths along them count in it
+  bool upright;        ///< first_axes is a multiple of the identity
+  bool level;  ///< and the second joint turns about an axis at right angles to the first one's, which turns
   double tip_x, tip_y;
   const double* tip_axes;
 };

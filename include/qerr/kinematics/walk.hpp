@@ -98,9 +98,9 @@ template <class L, class Arrive, class Leave>
       advance(f.o, moved[k].sine, f.z);
       if (joint.turns) turn(joint.turn_cosine, joint.turn_sine, f);
     } else if (k == 0 && chain.upright && joint.turns) {
-      f.x[0] = f.y[1] = moved[k].cosine;
-      f.x[1] = moved[k].sine;
-      f.y[0] = -moved[k].sine;
+      f.x[0] = f.y[1] = chain.axes_length * moved[k].cosine;
+      f.x[1] = chain.axes_length * moved[k].sine;
+      f.y[0] = -f.x[1];
     } else if (k == 1 && chain.level) {  // y is (0, 0, 1) now, and x has no z
       const auto [sine, cosine] = moved[k];
 #pragma GCC unroll 2
@@ -108,8 +108,8 @@ template <class L, class Arrive, class Leave>
         f.y[i] = -(sine * f.x[i]);
         f.x[i] = cosine * f.x[i];
       }
-      f.x[2] = sine;
-      f.y[2] = cosine;
+      f.x[2] = chain.axes_length * sine;
+      f.y[2] = chain.axes_length * cosine;
     } else if (joint.turns) {
       turn(moved[k].cosine, moved[k].sine, f);
     }
@@ -164,7 +164,7 @@ template <class L>
                                                  JointRoom<L>* joints) {
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
-    joints[0].column[3 + i] = broadcast<L>(scale[0] * chain.first_axes[6 + i]);
+    joints[0].column[3 + i] = broadcast<L>((scale ? scale[0] : 1) * chain.first_axes[6 + i]);
     joints[0].point[i] = broadcast<L>(chain.first_point[i]);
   }
 }
@@ -172,6 +172,7 @@ template <class L>
 /// Walks the chain, its joints moved as `motions` says, then gives the columns of the Jacobian of the moving
 /// joints, times a factor each.
 ///
+/// @param scale  the factors; null: all 1
 /// @param leave  as of `walk`
 /// @param take   its `column(k, linear, angular)` is called for every moving joint, but `upright(x, y, w)`
 /// for a first one about the base's z: linear (x, y, 0), angular (0, 0, w). Angular also stays in
@@ -187,8 +188,9 @@ template <class L, class Leave, class Take>
       chain, moved,
       [&](std::size_t k, const Frame<L>& f) {
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
-        each_of_three([&](int i)
-                          __attribute__((always_inline)) { joints[k].column[3 + i] = scale[k] * f.z[i]; });
+        each_of_three([&](int i) __attribute__((always_inline)) {
+          joints[k].column[3 + i] = scale ? scale[k] * f.z[i] : f.z[i];
+        });
         if (!chain.joints[k].own_point) return;
         each_of_three([&](int i) __attribute__((always_inline)) { joints[k].point[i] = f.o[i]; });
       },
@@ -197,7 +199,8 @@ template <class L, class Leave, class Take>
   if (upright) {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) arm[i] = tip.o[i] - chain.first_point[i];
-    take.upright(-(scale[0] * arm[1]), scale[0] * arm[0], scale[0]);
+    const double w = scale ? scale[0] * chain.axes_length : chain.axes_length;
+    take.upright(-(w * arm[1]), w * arm[0], w);
   }
   for (std::size_t k = upright ? 1 : 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
