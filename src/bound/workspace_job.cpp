@@ -40,12 +40,13 @@ void WorkspaceJob::run() {
   // What all blocks of a wave find is known to those of the next: the first waves are short. Texts wait in
   // memory for their turn.
   const std::uint64_t most = options_.text ? 16 : 256;
+  std::vector<BlockResult> results;
   for (std::uint64_t wave = 0, size = 16; wave < blocks(); wave += size, size = std::min(2 * size, most)) {
-    std::vector<BlockResult> results(std::min(size, blocks() - wave));
+    results.resize(std::min(size, blocks() - wave));
     std::atomic<std::size_t> next{0};
     parallel_for(workers.size(), threads, [&](std::size_t i) {
       for (std::size_t b = next++; b < results.size(); b = next++)
-        results[b] = block(workers[i], (wave + b) * block_size);
+        block(workers[i], (wave + b) * block_size, results[b]);
     });
     for (const BlockResult& result : results) join(result);
     for (std::size_t f = 0; f < joined_.size(); ++f) largest_[f] = std::max(largest_[f], joined_[f].max());
@@ -100,8 +101,10 @@ void WorkspaceJob::look_around() {
   }
 }
 
-WorkspaceJob::BlockResult WorkspaceJob::block(Worker& w, std::uint64_t first) {
-  BlockResult result{std::min(block_size, total_ - first), std::vector<Tally>(joined_.size()), {}, {}};
+void WorkspaceJob::block(Worker& w, std::uint64_t first, BlockResult& result) {
+  result.count = std::min(block_size, total_ - first);
+  result.tallies.assign(joined_.size(), Tally{});
+  result.text.clear();
   // What is not larger than what was found before is no news.
   for (std::size_t f = 0; f < joined_.size(); ++f) result.tallies[f].max = largest_[f];
   std::vector<double> surplus(errors_.sums().count);
@@ -118,7 +121,6 @@ WorkspaceJob::BlockResult WorkspaceJob::block(Worker& w, std::uint64_t first) {
   result.sums = w.errors.take_sums();
   for (std::size_t s = 0; s < result.sums.size(); ++s)
     if (s < errors_.sums().arms && std::isfinite(result.sums[s])) result.sums[s] -= surplus[s];
-  return result;
 }
 
 /// The last batch may be a part of one: the rest is filled with its first configuration, whose surplus in the

@@ -56,7 +56,8 @@ class WorkspaceJob {
   Worker worker() const;
   TallyPlan tally_plan() const;
   void look_around();
-  BlockResult block(Worker&, std::uint64_t first);
+  /// @param result  of an earlier block: its memory serves again
+  void block(Worker&, std::uint64_t first, BlockResult& result);
   std::vector<double> fill_up(Worker&, std::size_t count) const;
   void keep(Worker&, std::uint64_t first, std::size_t count, std::size_t batch, std::vector<Tally>&);
   void join(const BlockResult&);
