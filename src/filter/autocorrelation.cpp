@@ -1,11 +1,9 @@
 #include "qerr/filter/autocorrelation.hpp"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
-#include <complex>
-#include <numbers>
 
+#include "cascade.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
 
@@ -13,39 +11,12 @@ namespace qerr {
 
 namespace {
 
-using Complex = std::complex<double>;
-
-/// Decimation in time, in place; the size is a power of two. Forward; |.|^2 needs no inverse of its own.
-void fourier(std::vector<Complex>& x) {
-  const std::size_t size = x.size();
-  for (std::size_t i = 1, j = 0; i < size; ++i) {
-    std::size_t bit = size >> 1;
-    for (; j & bit; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) std::swap(x[i], x[j]);
-  }
-  std::vector<Complex> root(size / 2);
-  for (std::size_t i = 0; i < root.size(); ++i)
-    root[i] = std::polar(1.0, -2 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(size));
-  for (std::size_t half = 1; half < size; half *= 2)
-    for (std::size_t start = 0; start < size; start += 2 * half)
-      for (std::size_t i = 0; i < half; ++i) {
-        const Complex w = root[i * (size / (2 * half))], b = x[start + half + i];
-        const Complex odd{w.real() * b.real() - w.imag() * b.imag(),
-                          w.real() * b.imag() + w.imag() * b.real()};
-        x[start + half + i] = x[start + i] - odd;
-        x[start + i] += odd;
-      }
-}
-
-std::vector<double> correlated(const std::vector<double>& h) {
-  std::vector<Complex> x(std::bit_ceil(2 * h.size()));
-  std::copy(h.begin(), h.end(), x.begin());
-  fourier(x);
-  for (Complex& c : x) c = std::norm(c);
-  fourier(x);  // of an even sequence: forward and inverse differ by the factor alone
+/// r_n of a response that ends where h does: what the filter makes of that response, played backwards.
+std::vector<double> correlated(const Filter& filter, const std::vector<double>& h) {
   std::vector<double> r(h.size());
-  for (std::size_t n = 0; n < r.size(); ++n) r[n] = x[n].real() / static_cast<double>(x.size());
+  BasicCascade<double> cascade(filter);
+  // From the small end, so that the small lags are not added to large ones.
+  for (std::size_t n = h.size(); n-- > 0;) r[n] = cascade.step(h[n]);
   return r;
 }
 
@@ -78,7 +49,7 @@ Autocorrelation autocorrelation(const Filter& filter) {
     sum += std::abs(*k);
     squares += *k * *k;
   }
-  Autocorrelation a{correlated(h), dc_gain(filter), l1 * std::max(l1 - sum, 0.0)};
+  Autocorrelation a{correlated(filter, h), dc_gain(filter), l1 * std::max(l1 - sum, 0.0)};
   double rest = 0;
   while (a.r.size() > 1 && rest + std::abs(a.r.back()) <= 1e-12 * squares) {
     rest += std::abs(a.r.back());
