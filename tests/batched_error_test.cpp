@@ -44,7 +44,11 @@ OperationalModel random_model(Dice& dice, std::size_t filters) {
   OperationalModel m{make_chain(testing::random_robot(dice, mix), "", ""), {}, {}};
   m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-2, !plain || dice.chance(0.3));
   if (plain) {
-    for (Encoder& e : m.transmission.encoders) e.rounding = Rounding::nearest;
+    const bool equal = dice.chance(0.5);  // all columns have one scale
+    for (Encoder& e : m.transmission.encoders) {
+      e.rounding = Rounding::nearest;
+      if (equal) e.resolution = m.transmission.encoders[0].resolution;
+    }
     m.coordinates.assign(all_coordinates, all_coordinates + (dice.chance(0.5) ? 3 : 6));
     return m;
   }
