@@ -36,6 +36,22 @@ class Dice {
     t.rotate(Eigen::AngleAxisd(between(-std::numbers::pi, std::numbers::pi), direction()));
     return t;
   }
+  /// Along an axis of the frames, forwards or backwards.
+  Eigen::Vector3d axis() {
+    return (chance(0.5) ? 1 : -1) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(below(3)));
+  }
+  /// Turned by right angles, exactly, and moved along an axis or not at all.
+  Eigen::Isometry3d square_frame(double reach) {
+    Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
+    if (chance(0.6)) t.translate(between(0, reach) * axis());
+    Eigen::Matrix3d m;
+    m.col(0) = axis();
+    do m.col(1) = axis();
+    while (m.col(1).dot(m.col(0)) != 0);
+    m.col(2) = m.col(0).cross(m.col(1));
+    t.linear() = m;
+    return t;
+  }
   Eigen::VectorXd vector(Eigen::Index size, double lower, double upper) {
     Eigen::VectorXd v(size);
     for (double& entry : v) entry = between(lower, upper);
@@ -51,6 +67,7 @@ struct ChainMix {
   std::size_t joints = 6;  ///< moving joints from base to tip
   double prismatic = 0.25, mimic = 0.2, fixed = 0.3;
   double reach = 0.5;  ///< largest distance between two joints [m]
+  double square = 0;   ///< frames at right angles, as most arms have them, with joints about their axes
 };
 
 /// A robot with one leaf "tip": skew axes, fixed joints in between, mimics of joints before and after, mimics
@@ -58,13 +75,14 @@ struct ChainMix {
 inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
   RobotModel robot{"random", "random.urdf", {"base"}, {}, {}};
   const auto extend = [&](std::string name, JointType type) -> Joint& {
+    const bool square = mix.square > 0 && dice.chance(mix.square);
     const std::string child = "link_" + std::to_string(robot.links.size());
     robot.joints.push_back({std::move(name),
                             type,
                             robot.links.back(),
                             child,
-                            dice.frame(mix.reach),
-                            dice.direction(),
+                            square ? dice.square_frame(mix.reach) : dice.frame(mix.reach),
+                            square ? dice.axis() : dice.direction(),
                             {},
                             {},
                             {}});
@@ -83,15 +101,16 @@ inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
     const double sign = dice.chance(0.5) ? 1 : -1;
     joint.mimic = Mimic{name(target), sign * dice.between(0.3, 1.5), dice.between(-1, 1)};
   }
-  robot.joints.push_back({"tip_fixed",
-                          JointType::fixed,
-                          robot.links.back(),
-                          "tip",
-                          dice.frame(mix.reach),
-                          Eigen::Vector3d::UnitX(),
-                          {},
-                          {},
-                          {}});
+  robot.joints.push_back(
+      {"tip_fixed",
+       JointType::fixed,
+       robot.links.back(),
+       "tip",
+       mix.square > 0 && dice.chance(mix.square) ? dice.square_frame(mix.reach) : dice.frame(mix.reach),
+       Eigen::Vector3d::UnitX(),
+       {},
+       {},
+       {}});
   robot.links.push_back("tip");
   return robot;
 }
