@@ -4,6 +4,7 @@
 #include <cmath>
 #include <filesystem>
 #include <limits>
+#include <numbers>
 
 #include "qerr/core/lanes.hpp"
 #include "qerr/input/read_urdf.hpp"
@@ -211,6 +212,23 @@ TEST(Lanes, SineAndCosineAreRightToTwoUnitsOfTheLastPlace) {
       }
     }
     EXPECT_LT(worst, 2.7e-16L) << "angles up to " << span;
+  }
+}
+
+TEST(Lanes, SineAndCosineOfQuarterTurnsAreRightToTwoUnitsOfTheLastPlace) {
+  using Pair = lanes::Lanes<2>;
+  Dice dice(4);
+  for (const double span : {1e-300, 1e-8, 0.45, 0.55, 2.0, 64.0, lanes::largest_angle}) {
+    long double worst = 0;
+    for (int i = 0; i < 200000; ++i) {
+      const Pair quarters{dice.between(-span, span), dice.between(-span, span)};
+      const lanes::SineCosine<Pair> s = lanes::sincos_of_quarters(quarters);
+      for (std::size_t k = 0; k < 2; ++k) {
+        const long double x = std::remainder(quarters[k], 4.0) * (std::numbers::pi_v<long double> / 2);
+        worst = std::max({worst, std::abs(std::sin(x) - s.sine[k]), std::abs(std::cos(x) - s.cosine[k])});
+      }
+    }
+    EXPECT_LT(worst, 2.7e-16L) << "quarter turns up to " << span;
   }
 }
 

@@ -9,6 +9,7 @@
 #include "qerr/bound/histogram.hpp"
 #include "qerr/core/aligned.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/core/random.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/kinematics/sampler.hpp"
 #include "random_chain.hpp"
@@ -37,13 +38,10 @@ Statistic statistic_of(std::vector<double> values) {
 }
 
 Statistic binned_statistic_of(const std::vector<double>& values, double typical, int parts = 1) {
-  const std::int64_t lowest = Histogram::lowest_bin(typical);
+  const std::int32_t lowest = Histogram::lowest_bin(typical);
   std::vector<Histogram> histograms;
   for (int i = 0; i < parts; ++i) histograms.emplace_back(lowest);
-  for (std::size_t i = 0; i < values.size(); ++i) {
-    const std::uint16_t bin = bin_of(values[i], lowest);
-    histograms[i % histograms.size()].add(&bin, 1);
-  }
+  for (std::size_t i = 0; i < values.size(); ++i) histograms[i % histograms.size()].add(values[i]);
   for (std::size_t i = 1; i < histograms.size(); ++i) histograms[0].append(histograms[i]);
   const JoinedTally tally = tally_of(values);
   return statistic(tally, [&](std::uint64_t rank) {
@@ -105,6 +103,33 @@ TEST(Histogram, CountsTheSameInPartsAndBeyondItsSpan) {
   EXPECT_EQ(whole.p95, parts.p95);
   EXPECT_EQ(whole.p99, parts.p99);
   EXPECT_NEAR(whole.p50, 3.5, 0.1);
+}
+
+// What is counted is told exactly as if all were; of the rest it is known that it is not.
+TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
+  Dice dice(5);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<double> values(5000);
+    for (double& v : values) v = dice.between(0, 1) < 0.1 ? 0 : std::pow(dice.between(0, 1), 3);
+    std::sort(values.begin(), values.end());
+    const auto bin = [&](double p) { return leading_bits(values[static_cast<std::size_t>(p * 4999)]); };
+    const double low = dice.between(0, 0.6), high = dice.between(low, 0.7);
+    const CountedBins counted{bin(low), bin(high) + 1, bin(dice.between(high, 1))};
+    const std::int32_t lowest = Histogram::lowest_bin(1);
+    Histogram all(lowest), some(lowest, counted), other(lowest, counted);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      all.add(values[i]);
+      (i % 3 == 0 ? some : other).add(values[i]);
+    }
+    some.append(other);
+    for (std::size_t rank = 0; rank < values.size(); rank += 7) {
+      EXPECT_TRUE(all.counts(rank));
+      ASSERT_EQ(some.counts(rank), counted(leading_bits(values[rank])));
+      if (!some.counts(rank)) continue;
+      ASSERT_EQ(some.order_statistic(rank, values.front(), values.back()),
+                all.order_statistic(rank, values.front(), values.back()));
+    }
+  }
 }
 
 // Extremes and percentiles do not see how the values were cut into blocks; the mean only by rounding (1e-14).
@@ -196,13 +221,14 @@ void expect_scaled(const Workspace& a, const Workspace& b, double factor, bool r
 }
 
 TEST(Workspace, IsTheSameToTheLastBitForEveryNumberOfThreads) {
-  for (const bool nearest_only : {true, false}) {
-    const OperationalModel m = random_model(4, nearest_only);
-    const Configurations c = samples(m, 3333);
-    const Workspace one = workspace(m, velocity(), c, {1});
-    for (const unsigned threads : {2u, 3u, 7u})
-      expect_scaled(workspace(m, velocity(), c, {threads}), one, 1, true);
-  }
+  for (const bool nearest_only : {true, false})
+    for (const std::uint64_t count : {std::uint64_t{3333}, exact_percentiles_limit + 9999}) {
+      const OperationalModel m = random_model(4, nearest_only);
+      const Configurations c = samples(m, count);
+      const Workspace one = workspace(m, velocity(), c, {1});
+      for (const unsigned threads : {2u, 3u, 7u})
+        expect_scaled(workspace(m, velocity(), c, {threads}), one, 1, true);
+    }
 }
 
 // A half is exact in binary, so is everything that is linear in Delta.
@@ -294,30 +320,55 @@ TEST(Workspace, TextsComeInOrderWhateverTheThreads) {
 }
 
 // Beyond the limit percentiles come from bins: 1e-3; everything else stays.
-TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurations) {
-  const OperationalModel m = random_model(9, true);
-  const Configurations c = samples(m, exact_percentiles_limit + 777);
+/// Of some figure of every configuration.
+std::vector<double> values_of(const OperationalModel& m, const Configurations& c, std::size_t figure) {
   BatchedError batched(m, {});
   Sampler sampler(c);
   AlignedNumbers q(m.chain.independent.size() * batch_size), figures(batched.figures().count * batch_size);
-  std::vector<double> sigma;
-  for (std::uint64_t first = 0; first < c.count; first += batch_size) {
+  std::vector<double> values;
+  for (std::uint64_t first = 0; first < size(c); first += batch_size) {
     sampler(first, q.data());
     batched(q.data(), figures.data());
-    const double* const z = &figures[(batched.figures().sigma + 2) * batch_size];
-    sigma.insert(sigma.end(), z, z + std::min<std::uint64_t>(batch_size, c.count - first));
+    const double* const of_batch = &figures[figure * batch_size];
+    values.insert(values.end(), of_batch, of_batch + std::min<std::uint64_t>(batch_size, size(c) - first));
   }
-  const Workspace w = workspace(m, {}, c);
-  EXPECT_FALSE(w.exact_percentiles);
-  const Statistic& s = w.coordinates[2].sigma;
-  EXPECT_EQ(s.max, *std::max_element(sigma.begin(), sigma.end()));
-  EXPECT_EQ(s.min, *std::min_element(sigma.begin(), sigma.end()));
-  for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
-    EXPECT_NEAR(value, exact_percentile(sigma, p), 1e-4 * value);
+  return values;
 }
 
-// A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.
-TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
+void expect_statistic_of(const std::vector<double>& values, const Statistic& s) {
+  EXPECT_EQ(s.max, *std::max_element(values.begin(), values.end()));
+  EXPECT_EQ(s.min, *std::min_element(values.begin(), values.end()));
+  for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+    EXPECT_NEAR(value, exact_percentile(values, p), 1e-3 * value);
+}
+
+TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurations) {
+  const OperationalModel m = random_model(9, true);
+  for (const SamplingMethod method : {SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid}) {
+    Configurations c = samples(m, exact_percentiles_limit + 777);
+    c.method = method;
+    if (method == SamplingMethod::grid) c.count = 20;
+    const Workspace w = workspace(m, {}, c);
+    ASSERT_FALSE(w.exact_percentiles) << w.count;
+    const FigureLayout figures = BatchedError(m, {}).figures();
+    expect_statistic_of(values_of(m, c, figures.worst_case), w.coordinates[0].worst_case);
+    expect_statistic_of(values_of(m, c, figures.sigma + 2), w.coordinates[2].sigma);
+  }
+}
+
+TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurationsWithAllInstructions) {
+  const OperationalModel m = random_model(9, true);
+  const Configurations c = samples(m, exact_percentiles_limit + 777);
+  const std::vector<double> values = values_of(m, c, BatchedError(m, {}).figures().sigma + 1);
+  for (const InstructionSet set : available_instruction_sets()) {
+    const Statistic s = workspace(m, {}, c, {.brief = true, .instructions = set}).coordinates[1].sigma;
+    for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+      EXPECT_NEAR(value, exact_percentile(values, p), 1e-4 * value) << name_of(set);
+  }
+}
+
+/// A link of 1 m, turning about z: x moves by sin q.
+OperationalModel one_link() {
   OperationalModel m = random_model(10, true);
   m.chain.joints.resize(1);
   m.chain.joints[0] = {};
@@ -327,6 +378,37 @@ TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
   m.chain.tip_offset.translation() = Eigen::Vector3d::UnitX();
   m.transmission = {{{1e-4}}, Eigen::MatrixXd::Identity(1, 1)};
   m.coordinates = {Coordinate::x};
+  return m;
+}
+
+// The job looks at some configurations before it starts (WorkspaceJob::draw_look); here just these are
+// strangers to the rest.
+TEST(Workspace, BinnedPercentilesAreRightWhereTheFirstLookMisleads) {
+  Configurations c;
+  c.method = SamplingMethod::list;
+  c.count = exact_percentiles_limit + 4096;
+  c.ranges = {{0, 1.5}};
+  Dice dice(12);
+  for (std::uint64_t i = 0; i < c.count; ++i)
+    c.points.push_back(Eigen::VectorXd::Constant(1, dice.between(0.1, 0.2)));
+  for (std::uint64_t look = 0; look < 64; ++look)
+    for (std::uint64_t i = 0; i < batch_size; ++i) {
+      const std::uint64_t batch = random_bits(look, i, 0) % (c.count / batch_size);
+      c.points[batch * batch_size + random_bits(look, i, 1) % batch_size][0] = dice.between(1, 1.2);
+    }
+  std::vector<double> errors;
+  for (const Eigen::VectorXd& q : c.points) errors.push_back(5e-5 * std::sin(q[0]));
+  const Statistic s = workspace(one_link(), {}, c).coordinates[0].worst_case;
+  for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+    EXPECT_NEAR(value, exact_percentile(errors, p), 1e-4 * value);
+  const auto largest = std::max_element(errors.begin(), errors.end());
+  EXPECT_DOUBLE_EQ(s.max, *largest);
+  EXPECT_EQ(s.at_max, c.points[static_cast<std::size_t>(largest - errors.begin())]);
+}
+
+// A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.
+TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
+  const OperationalModel m = one_link();
   Configurations c;
   c.method = SamplingMethod::grid;
   c.count = 200000;

@@ -184,7 +184,6 @@ void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures
 
 void PlannedError::lay_out(const ErrorFigures& asked) {
   plan_.keep_covariance = asked.covariance;
-  plan_.roots = asked.roots;
   plan_.shares = asked.shares;
   plan_.rigorous = asked.rigorous;
   plan_.columns_again = asked.shares || asked.rigorous || plan_.filters > 0;

@@ -47,7 +47,6 @@ struct ErrorPlan {
   bool positions_first;   ///< the coordinates begin with x y z, and are these or these and rx ry rz
   bool any_euler, any_position;
   bool keep_covariance;  ///< of every configuration, as figures
-  bool roots;            ///< of the variances are taken; else the tally takes them
   bool shares, rigorous;
   bool columns_again;  ///< whether linear columns are looked at after they have been summed
   const double* arm;   ///< of every encoder: 1/s, for its largest |dp/dx|
@@ -62,24 +61,11 @@ struct ErrorPlan {
   SumLayout sums;
 };
 
-/// Bins are counted by blocks of so many batches.
-inline constexpr std::size_t batches_per_block = 64;
-
-/// Bins of an earlier block that are to be counted meanwhile: chunks of 64, of one figure after the other.
-struct BinBacklog {
-  const std::uint16_t* bins = nullptr;     ///< those of figure f from bins + f * bin_stride
-  std::uint32_t* const* counts = nullptr;  ///< of every figure
-  std::size_t next = 0, end = 0;           ///< chunks
-};
-
-/// What a tally does with the figures of a batch.
-struct TallyPlan {
-  std::size_t count;              ///< of the figures
-  std::size_t first_root, roots;  ///< these are variances still, and replaced by their roots
-  const std::int64_t* lowest;     ///< bin of every figure (bins.hpp); null: bins are not asked for
-  std::uint16_t* bins;            ///< those of figure f from bins + f * bin_stride
-  std::size_t bin_stride;
-  BinBacklog backlog;
+/// The bins of one figure, as a kernel comes across them.
+struct alignas(64) BinList {
+  std::int32_t below[8] = {};  ///< by lane: how many lie below the counted ones
+  CountedBins counted;
+  std::int32_t* next = nullptr;  ///< where the next counted ones go; up to 8 numbers from here are written to
 };
 
 struct BoundKernels {
@@ -88,8 +74,8 @@ struct BoundKernels {
   std::size_t (*room)(const ErrorPlan&);
   /// Figures of 64 configurations, and their sums added to those before.
   void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* room);
-  /// 64 values of every figure into their tallies.
-  void (*tally)(const TallyPlan&, double* figures, std::uint64_t first, Tally*);
+  /// 64 values of every figure into their tallies and, unless it is null, the lists of their bins.
+  void (*tally)(std::size_t count, const double* figures, std::uint64_t first, Tally*, BinList*);
 };
 
 extern const BoundKernels portable_bounds, avx2_bounds, avx512_bounds;

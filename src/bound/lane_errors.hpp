@@ -22,8 +22,7 @@ template <class L, std::size_t fixed, bool keep_covariance>
       e.variance[c] = bounded(coordinate, unbounded, e.variance[c]);
     }
     store(to + (plan.figures.worst_case + c) * batch_size, worst);
-    if (!keep_covariance)
-      store(to + (plan.figures.sigma + c) * batch_size, plan.roots ? sqrt(e.variance[c]) : e.variance[c]);
+    if (!keep_covariance) store(to + (plan.figures.sigma + c) * batch_size, sqrt(e.variance[c]));
     if (coordinate < 3 || !plan.any_position) trace += e.variance[c];
     if (!plan.rigorous) continue;
     store(to + (plan.figures.rigorous + c) * batch_size,

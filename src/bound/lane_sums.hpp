@@ -66,7 +66,10 @@ struct ThreeSums {
 };
 
 /// Covariance of positions u and rotations w.
-template <class L>
+///
+/// @tparam orthogonal  u w = 0 in each part, as of a single joint's column: two of the diagonal give the
+/// third
+template <class L, bool orthogonal>
 struct MixedSums {
   L s[9] = {};
 
@@ -78,18 +81,15 @@ struct MixedSums {
   }
 
   [[gnu::always_inline]] void add(const L* u, const L* w) {
-#pragma GCC unroll 3
-    for (int r = 0; r < 3; ++r)
-#pragma GCC unroll 3
-      for (int c = 0; c < 3; ++c) s[3 * r + c] = fma(w[r], u[c], s[3 * r + c]);
+#pragma GCC unroll 9
+    for (int e = 0; e < (orthogonal ? 8 : 9); ++e) s[e] = fma(w[e / 3], u[e % 3], s[e]);
   }
 
   template <class To>
   [[gnu::always_inline]] void put(const To& covariance) const {
-#pragma GCC unroll 3
-    for (std::size_t r = 0; r < 3; ++r)
-#pragma GCC unroll 3
-      for (std::size_t c = 0; c < 3; ++c) covariance.put(entry(3 + r, c), s[3 * r + c]);
+#pragma GCC unroll 8
+    for (std::size_t e = 0; e < 8; ++e) covariance.put(entry(3 + e / 3, e % 3), s[e]);
+    covariance.put(entry(5, 2), orthogonal ? -(s[0] + s[4]) : s[8]);
   }
 };
 
@@ -106,10 +106,10 @@ template <std::size_t from, class L, class To>
   sums.template put<from>(e, covariance);
 }
 
-template <class L, class To>
+template <bool orthogonal, class L, class To>
 [[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, bool upright,
                                              const To& covariance) {
-  MixedSums<L> sums;
+  MixedSums<L, orthogonal> sums;
   if (upright) sums.begin(spreads.of(0)[0], spreads.of(0)[1], spreads.of(0)[5]);
   for (std::size_t p = upright; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
   sums.put(covariance);
@@ -148,7 +148,7 @@ struct SumColumns {
   bool again;                ///< columns are looked at after they have been summed
   std::size_t moving_parts;  ///< the last one may turn the tip without moving it
   ThreeSums<L> positions = {};
-  MixedSums<L> mixed = {};
+  MixedSums<L, true> mixed = {};
 
   [[gnu::always_inline]] void upright(const L& x, const L& y, double w) {
     if (again) keep.upright(x, y, w);
@@ -192,7 +192,7 @@ template <class L, std::size_t fixed, bool direct, class To>
       sum_three<0>(spreads, plan.moving_parts, upright, e, covariance);
       if constexpr (fixed > 3) {
         sum_three<3>(spreads, plan.parts, upright, e, covariance);
-        sum_mixed(spreads, plan.moving_parts, upright, covariance);
+        sum_mixed<direct>(spreads, plan.moving_parts, upright, covariance);
       }
     }
     return unbounded;

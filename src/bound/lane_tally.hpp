@@ -1,5 +1,9 @@
 #pragma once
 
+#if defined(__AVX2__)
+#include <immintrin.h>
+#endif
+
 #include "kernels.hpp"
 #include "qerr/core/batch.hpp"
 #include "qerr/core/lanes.hpp"
@@ -37,37 +41,52 @@ template <class L>
   }
 }
 
-/// Bins of eight values. Of a double's bits the upper half is enough, and 32-bit numbers have minima and
-/// maxima on every instruction set.
-template <class Halves>
-[[gnu::always_inline]] inline void put_bins(const Halves& halves, std::int64_t lowest, std::uint16_t* to) {
-  typedef std::int32_t Bins __attribute__((vector_size(32)));
-  typedef std::uint16_t Narrow __attribute__((vector_size(16)));
-  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-  Bins bin = __builtin_shufflevector(halves, halves, 1, 3, 5, 7, 9, 11, 13, 15) >> (bin_shift - 32);
-  bin -= static_cast<std::int32_t>(lowest);
-  bin = bin < 0 ? Bins{} : bin;
-  bin = bin > static_cast<std::int32_t>(last_bin) ? Bins{} + static_cast<std::int32_t>(last_bin) : bin;
-  const auto narrow = __builtin_convertvector(bin, Narrow);
-  __builtin_memcpy(to, &narrow, sizeof narrow);
+typedef std::int32_t Bins __attribute__((vector_size(32)));
+
+#if defined(__AVX2__) && !defined(__AVX512VL__)
+/// The places of the set bits of every mask of eight, a byte each.
+constexpr struct KeptPlaces {
+  std::uint64_t of[256] = {};
+
+  constexpr KeptPlaces() {
+    for (unsigned mask = 0; mask < 256; ++mask) {
+      int shift = 0;
+      for (std::uint64_t place = 0; place < 8; ++place)
+        if (mask >> place & 1) of[mask] |= place << shift, shift += 8;
+    }
+  }
+} kept_places;
+#endif
+
+/// Puts those of eight bins that are kept (negative; the others are not) one behind the other.
+/// @returns behind the last one
+[[gnu::always_inline]] inline std::int32_t* append(const Bins& bins, const Bins& kept, std::int32_t* to) {
+#if defined(__AVX512VL__) && defined(__AVX512DQ__)
+  const auto mask = _mm256_movepi32_mask(__builtin_bit_cast(__m256i, kept));
+  const auto packed = _mm256_maskz_compress_epi32(mask, __builtin_bit_cast(__m256i, bins));
+#elif defined(__AVX2__)
+  const auto mask = static_cast<unsigned>(_mm256_movemask_ps(__builtin_bit_cast(__m256, kept)));
+  const auto places = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kept_places.of[mask])));
+  const auto packed = _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), places);
+#else
+#pragma GCC unroll 8
+  for (int i = 0; i < 8; ++i) {
+    *to = bins[i];
+    to += kept[i] < 0;
+  }
+  return to;
+#endif
+#if defined(__AVX2__)
+  __builtin_memcpy(to, &packed, sizeof packed);
+  return to + __builtin_popcount(mask);
+#endif
 }
 
 /// One figure on its way into its tally, eight values at a time.
 template <class L>
 class FigureTally {
  public:
-  [[gnu::always_inline]] FigureTally(const TallyPlan& plan, double* figures, std::size_t f, Tally& tally)
-      : values_(figures + f * batch_size),
-        tally_(tally),
-        root_(f - plan.first_root < plan.roots),
-        bins_(plan.lowest ? plan.bins + f * plan.bin_stride : nullptr),
-        lowest_(plan.lowest ? plan.lowest[f] : 0) {
-    const BinBacklog& backlog = plan.backlog;
-    if (const std::size_t chunk = backlog.next + f; chunk < backlog.end) {
-      const std::size_t figure = chunk / batches_per_block;
-      waiting_ = backlog.bins + figure * plan.bin_stride + chunk % batches_per_block * batch_size;
-      counts_ = backlog.counts[figure];
-    }
+  [[gnu::always_inline]] explicit FigureTally(const Tally& tally) {
 #pragma GCC unroll 8
     for (std::size_t p = 0; p < packs; ++p) {
       low_[p] = load<L>(tally.min + p * lane_count<L>);
@@ -76,87 +95,84 @@ class FigureTally {
     }
   }
 
-  [[gnu::always_inline]] void add(std::size_t i) {
-    typedef std::int32_t Halves __attribute__((vector_size(64)));
-    Halves halves;
+  [[gnu::always_inline]] void add(const double* values) {
 #pragma GCC unroll 8
     for (std::size_t p = 0; p < packs; ++p) {
-      double* const at = values_ + i + p * lane_count<L>;
-      L value = load<L>(at);
-      if (root_) {
-        value = sqrt(value);
-        store(at, value);
-      }
+      const L value = load<L>(values + p * lane_count<L>);
       low_[p] = min(low_[p], value);
       high_[p] = max(high_[p], value);
       sum_[p] += value;
-      if constexpr (packs == 1) halves = __builtin_bit_cast(Halves, value);
     }
-    if (bins_) {
-      if constexpr (packs > 1) __builtin_memcpy(&halves, values_ + i, sizeof halves);
-      put_bins(halves, lowest_, bins_ + i);
-    }
-    if (!waiting_) return;
-    count_four(waiting_ + i);
-    count_four(waiting_ + i + 4);
   }
 
   /// @param news  gets true where the maximum is a new one
-  [[gnu::always_inline]] void finish(Bits<L>& news) {
+  [[gnu::always_inline]] void finish(Tally& tally, Bits<L>& news) const {
 #pragma GCC unroll 8
     for (std::size_t p = 0; p < packs; ++p) {
-      store(tally_.sum + p * lane_count<L>, sum_[p]);
-      store(tally_.min + p * lane_count<L>, low_[p]);
-      news |= high_[p] > broadcast<L>(tally_.max);
+      store(tally.sum + p * lane_count<L>, sum_[p]);
+      store(tally.min + p * lane_count<L>, low_[p]);
+      news |= high_[p] > broadcast<L>(tally.max);
     }
   }
 
  private:
   static constexpr std::size_t packs = 8 / lane_count<L>;
 
-  /// Four bins by one look at the memory, which counting itself keeps busy.
-  [[gnu::always_inline]] void count_four(const std::uint16_t* bins) {
-    std::uint64_t four;
-    __builtin_memcpy(&four, bins, sizeof four);
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) ++counts_[four >> (16 * k) & 0xFFFF];
-  }
-
-  double* values_;
-  Tally& tally_;
   L low_[packs], high_[packs], sum_[packs];
-  bool root_;
-  std::uint16_t* bins_;
-  std::int64_t lowest_;
-  const std::uint16_t* waiting_ = nullptr;
-  std::uint32_t* counts_ = nullptr;
 };
 
-/// Two figures at a time, of both halves of them: roots and counting, which are among them, keep different
-/// units of the processor busy.
+/// The bins of one figure on their way into its list, eight values at a time.
+class FigureBins {
+ public:
+  [[gnu::always_inline]] explicit FigureBins(const BinList& list) : counted_(list.counted), next_(list.next) {
+    __builtin_memcpy(&below_, list.below, sizeof below_);
+  }
+
+  /// Of a double's bits the upper half is enough.
+  [[gnu::always_inline]] void add(const double* values) {
+    typedef std::int32_t Halves __attribute__((vector_size(64)));
+    static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+    Halves halves;
+    __builtin_memcpy(&halves, values, sizeof halves);
+    const Bins bins = __builtin_shufflevector(halves, halves, 1, 3, 5, 7, 9, 11, 13, 15) >> (bin_shift - 32);
+    const Bins from_begin = bins - counted_.begin;  // negative: below
+    below_ -= from_begin >> 31;
+    next_ = append(bins, (~from_begin & (bins - counted_.end)) | (counted_.top - 1 - bins), next_);
+  }
+
+  [[gnu::always_inline]] void finish(BinList& list) const {
+    __builtin_memcpy(list.below, &below_, sizeof below_);
+    list.next = next_;
+  }
+
+ private:
+  const CountedBins counted_;
+  std::int32_t* next_;
+  Bins below_;
+};
+
 template <class L>
-void tally(const TallyPlan& plan, double* figures, std::uint64_t first, Tally* tallies) {
-  const std::size_t half = (plan.count + 1) / 2;
+void tally(std::size_t count, const double* figures, std::uint64_t first, Tally* tallies, BinList* lists) {
   Bits<L> news{};
-  for (std::size_t f = 0; f < half; ++f) {
-    FigureTally<L> a(plan, figures, f, tallies[f]);
-    if (f + half == plan.count) {
-      for (std::size_t i = 0; i < batch_size; i += 8) a.add(i);
-      a.finish(news);
-      break;
+  for (std::size_t f = 0; f < count; ++f) {
+    const double* const values = figures + f * batch_size;
+    FigureTally<L> figure(tallies[f]);
+    if (lists) {
+      FigureBins bins(lists[f]);
+      for (std::size_t i = 0; i < batch_size; i += 8) {
+        figure.add(values + i);
+        bins.add(values + i);
+      }
+      bins.finish(lists[f]);
+    } else {
+      for (std::size_t i = 0; i < batch_size; i += 8) figure.add(values + i);
     }
-    FigureTally<L> b(plan, figures, f + half, tallies[f + half]);
-    for (std::size_t i = 0; i < batch_size; i += 8) {
-      a.add(i);
-      b.add(i);
-    }
-    a.finish(news);
-    b.finish(news);
+    figure.finish(tallies[f], news);
   }
   std::int64_t any = 0;
 #pragma GCC unroll 8
   for (std::size_t i = 0; i < lane_count<L>; ++i) any |= news[i];
-  if (any) find_maxima<L>(figures, plan.count, first, tallies);  // rare
+  if (any) find_maxima<L>(figures, count, first, tallies);  // rare
 }
 
 }  // namespace

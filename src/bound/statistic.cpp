@@ -34,16 +34,36 @@ void tally_some(const double* values, std::size_t count, std::uint64_t first, Ta
 
 namespace {
 
+/// A percentile lies between two order statistics.
+struct Place {
+  std::uint64_t below;
+  double part;  ///< of the way to the next one
+
+  Place(double fraction, std::uint64_t count) {
+    const double position = fraction * static_cast<double>(count - 1);
+    below = static_cast<std::uint64_t>(position);
+    part = position - static_cast<double>(below);
+  }
+};
+
 double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
-  const double position = fraction * static_cast<double>(count - 1);
-  const auto below = static_cast<std::uint64_t>(position);
-  const double part = position - static_cast<double>(below);
-  const double high = part > 0 ? order(below + 1) : 0, low = order(below);
-  if (part == 0) return low;
-  return std::isinf(high) ? high : low + part * (high - low);
+  const Place at(fraction, count);
+  const double high = at.part > 0 ? order(at.below + 1) : 0, low = order(at.below);
+  if (at.part == 0) return low;
+  return std::isinf(high) ? high : low + at.part * (high - low);
 }
 
 }  // namespace
+
+std::vector<std::uint64_t> percentile_ranks(std::uint64_t count) {
+  std::vector<std::uint64_t> ranks;
+  for (const double fraction : {0.5, 0.95, 0.99}) {
+    const Place at(fraction, count);
+    ranks.push_back(at.below);
+    if (at.part > 0) ranks.push_back(at.below + 1);
+  }
+  return ranks;
+}
 
 Statistic statistic(const JoinedTally& t, const OrderStatistic& order) {
   Statistic s;

@@ -9,17 +9,26 @@
 
 namespace qerr {
 
+namespace {
+
+constexpr std::uint64_t looks = 64;
+
+/// What is smaller by this factor is not the same but for rounding.
+constexpr double clearly_smaller = 1 - 1e-6;
+
+}  // namespace
+
 WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norms>& filters,
                            const Configurations& configurations, const WorkspaceOptions& options)
     : joints_(model.chain.independent.size()),
       total_(size(configurations)),
+      configurations_(configurations),
       options_(options),
       kernels_(bound_kernels(options.instructions)),
       sampler_(configurations, options.instructions),
       errors_(model,
               {.rigorous = !options.brief,
                .shares = !options.brief,
-               .roots = false,
                .filters = filters,
                .noise_in_motion = options.noise_in_motion},
               options.instructions),
@@ -34,6 +43,19 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
 }
 
 void WorkspaceJob::run() {
+  sweep();
+  if (exact_ || percentiles_are_counted()) return;
+  // The looks were not like the rest.
+  counted_.assign(joined_.size(), CountedBins{});
+  joined_.assign(joined_.size(), JoinedTally{});
+  sums_.assign(sums_.size(), 0);
+  for (double& largest : largest_)
+    if (largest > 0) largest *= clearly_smaller;
+  histograms_.clear();
+  sweep();
+}
+
+void WorkspaceJob::sweep() {
   const unsigned threads = thread_count(options_.threads);
   std::vector<Worker> workers;
   for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
@@ -53,12 +75,19 @@ void WorkspaceJob::run() {
     if (options_.progress) options_.progress(std::min(total_, (wave + results.size()) * block_size), total_);
   }
   for (Worker& worker : workers) {
-    std::vector<Histogram> histograms = worker.counts.finish();
+    std::vector<Histogram>& histograms = worker.counts.histograms();
     if (histograms_.empty())
       histograms_ = std::move(histograms);
     else
       for (std::size_t f = 0; f < histograms.size(); ++f) histograms_[f].append(histograms[f]);
   }
+}
+
+bool WorkspaceJob::percentiles_are_counted() const {
+  const std::vector<std::uint64_t> ranks = percentile_ranks(total_);
+  return std::all_of(histograms_.begin(), histograms_.end(), [&](const Histogram& h) {
+    return std::all_of(ranks.begin(), ranks.end(), [&](std::uint64_t rank) { return h.counts(rank); });
+  });
 }
 
 Statistic WorkspaceJob::statistic_of(std::size_t figure) const {
@@ -71,33 +100,76 @@ Statistic WorkspaceJob::statistic_of(std::size_t figure) const {
 
 WorkspaceJob::Worker WorkspaceJob::worker() const {
   return {sampler_, errors_, AlignedNumbers(joints_ * batch_size),
-          AlignedNumbers(joined_.size() * batch_size), DeferredCounts(lowest_bins_)};
+          AlignedNumbers(joined_.size() * batch_size), BlockCounts(empty_histograms())};
 }
 
-TallyPlan WorkspaceJob::tally_plan() const {
-  const FigureLayout& at = errors_.figures();
-  return {at.count, at.sigma, at.coordinates, nullptr, nullptr, 0, {}};
+std::vector<Histogram> WorkspaceJob::empty_histograms() const {
+  std::vector<Histogram> empty;
+  for (std::size_t f = 0; f < lowest_bins_.size(); ++f) empty.emplace_back(lowest_bins_[f], counted_[f]);
+  return empty;
 }
 
-/// Looks at some batches from all over the job before it starts: every thread bins alike, by the size of what
-/// they show, and what is clearly smaller than their largest is no news to any.
+/// Looks at configurations from all over the job before it starts: every thread bins alike, by the size of
+/// what they show, what is clearly smaller than their largest is no news to any, and what is far from their
+/// percentiles need not be counted.
 void WorkspaceJob::look_around() {
-  constexpr std::uint64_t looks = 64;
-  constexpr double clearly_smaller = 1 - 1e-6;
   Worker w = worker();
-  std::vector<double> typical(joined_.size());
+  std::vector<Histogram> seen;
+  std::vector<double> smallest(joined_.size(), Tally::infinite);
+  counted_.resize(joined_.size());
   for (std::uint64_t look = 0; look < looks; ++look) {
-    w.sampler(random_bits(look, 0, 0) % (total_ / batch_size) * batch_size, w.q.data());
+    draw_look(look, w);
     w.errors(w.q.data(), w.figures.data());
-    kernels_.tally(tally_plan(), w.figures.data(), 0, std::vector<Tally>(joined_.size()).data());
-    for (std::size_t f = 0; f < joined_.size(); ++f)
-      for (std::size_t i = 0; i < batch_size; ++i)
-        if (const double value = w.figures[f * batch_size + i]; std::isfinite(value))
-          typical[f] = std::max(typical[f], value);
+    for (std::size_t f = 0; f < joined_.size(); ++f) {
+      const double* const values = w.figures.data() + f * batch_size;
+      double typical = 0;
+      std::int32_t bins[batch_size];
+      for (std::size_t i = 0; i < batch_size; ++i) {
+        if (std::isfinite(values[i])) typical = std::max(typical, values[i]);
+        smallest[f] = std::min(smallest[f], values[i]);
+        bins[i] = leading_bits(values[i]);
+      }
+      if (look == 0) {
+        lowest_bins_.push_back(Histogram::lowest_bin(typical));
+        seen.emplace_back(lowest_bins_.back());
+      }
+      largest_[f] = std::max(largest_[f], clearly_smaller * typical);
+      seen[f].add(bins, batch_size, 0, 0);
+    }
   }
-  for (std::size_t f = 0; f < joined_.size(); ++f) {
-    lowest_bins_.push_back(Histogram::lowest_bin(typical[f]));
-    if (typical[f] > 0) largest_[f] = clearly_smaller * typical[f];
+  if (!options_.text) count_near_percentiles(seen, smallest);  // texts are written once
+}
+
+/// A batch from anywhere. Neighbours in a grid or a list are alike: of these, one of many batches each.
+void WorkspaceJob::draw_look(std::uint64_t look, Worker& w) const {
+  const auto anywhere = [&](std::uint64_t i) {
+    return random_bits(look, i, 0) % (total_ / batch_size) * batch_size;
+  };
+  if (configurations_.method == SamplingMethod::sobol || configurations_.method == SamplingMethod::random) {
+    w.sampler(anywhere(0), w.q.data());
+    return;
+  }
+  AlignedNumbers neighbours(w.q.size());
+  for (std::size_t i = 0; i < batch_size; ++i) {
+    w.sampler(anywhere(i), neighbours.data());
+    const std::size_t at = random_bits(look, i, 1) % batch_size;
+    for (std::size_t j = 0; j < joints_; ++j) w.q[j * batch_size + i] = neighbours[j * batch_size + at];
+  }
+}
+
+/// Five standard deviations on either side of where the median is seen, and what lies above that below where
+/// the next percentile is.
+void WorkspaceJob::count_near_percentiles(const std::vector<Histogram>& seen,
+                                          const std::vector<double>& smallest) {
+  constexpr double n = looks * batch_size;
+  const auto rank = [](double fraction, double deviations) {
+    return static_cast<std::uint64_t>(n * fraction + deviations * std::sqrt(n * fraction * (1 - fraction)));
+  };
+  for (std::size_t f = 0; f < seen.size(); ++f) {
+    const auto bin = [&](std::uint64_t at) {
+      return leading_bits(seen[f].order_statistic(at, smallest[f], Tally::infinite));
+    };
+    counted_[f] = {bin(rank(0.5, -5)), bin(rank(0.5, 5)) + 1, bin(rank(0.95, -5))};
   }
 }
 
@@ -113,11 +185,11 @@ void WorkspaceJob::block(Worker& w, std::uint64_t first, BlockResult& result) {
     w.sampler(first + done, w.q.data());
     if (count < batch_size) surplus = fill_up(w, count);
     w.errors(w.q.data(), w.figures.data());
-    keep(w, first + done, count, done / batch_size, result.tallies);
+    keep(w, first + done, count, result.tallies);
     if (options_.text)
       result.text += options_.text({first + done, count, w.q.data(), w.figures.data(), errors_.figures()});
   }
-  w.counts.end_of_block(result.count);
+  w.counts.end_of_block(result.count / batch_size * batch_size);
   result.sums = w.errors.take_sums();
   for (std::size_t s = 0; s < result.sums.size(); ++s)
     if (s < errors_.sums().arms && std::isfinite(result.sums[s])) result.sums[s] -= surplus[s];
@@ -139,19 +211,15 @@ std::vector<double> WorkspaceJob::fill_up(Worker& w, std::size_t count) const {
   return surplus;
 }
 
-/// @param batch  number of the batch in its block
-void WorkspaceJob::keep(Worker& w, std::uint64_t first, std::size_t count, std::size_t batch,
-                        std::vector<Tally>& tallies) {
-  TallyPlan plan = tally_plan();
-  if (!exact_) w.counts.plan(batch, plan);
-  double* const figures = w.figures.data();
+void WorkspaceJob::keep(Worker& w, std::uint64_t first, std::size_t count, std::vector<Tally>& tallies) {
+  const double* const figures = w.figures.data();
   if (count == batch_size) {
-    kernels_.tally(plan, figures, first, tallies.data());
+    kernels_.tally(tallies.size(), figures, first, tallies.data(), exact_ ? nullptr : w.counts.lists());
   } else {  // the rest of the batch is no configuration
-    std::vector<Tally> of_all(tallies.size());
-    kernels_.tally(plan, figures, first, of_all.data());
-    for (std::size_t f = 0; f < tallies.size(); ++f)
+    for (std::size_t f = 0; f < tallies.size(); ++f) {
       tally_some(figures + f * batch_size, count, first, tallies[f]);
+      for (std::size_t i = 0; i < count && !exact_; ++i) w.counts.add(f, figures[f * batch_size + i]);
+    }
   }
   if (!exact_) return;
   for (std::size_t f = 0; f < tallies.size(); ++f)

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "deferred_counts.hpp"
+#include "block_counts.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/aligned.hpp"
 #include "qerr/kinematics/sampler.hpp"
@@ -34,7 +34,7 @@ class WorkspaceJob {
   Statistic statistic_of(std::size_t figure) const;
 
  private:
-  static constexpr std::uint64_t block_size = DeferredCounts::block_size;
+  static constexpr std::uint64_t block_size = BlockCounts::block_size;
 
   /// What one block of configurations gives.
   struct BlockResult {
@@ -49,28 +49,34 @@ class WorkspaceJob {
     Sampler sampler;
     BatchedError errors;
     AlignedNumbers q, figures;
-    DeferredCounts counts;
+    BlockCounts counts;
   };
 
   std::uint64_t blocks() const { return (total_ + block_size - 1) / block_size; }
   Worker worker() const;
-  TallyPlan tally_plan() const;
+  std::vector<Histogram> empty_histograms() const;
   void look_around();
+  void draw_look(std::uint64_t look, Worker&) const;
+  void count_near_percentiles(const std::vector<Histogram>& seen, const std::vector<double>& smallest);
+  void sweep();
+  bool percentiles_are_counted() const;
   /// @param result  of an earlier block: its memory serves again
   void block(Worker&, std::uint64_t first, BlockResult& result);
   std::vector<double> fill_up(Worker&, std::size_t count) const;
-  void keep(Worker&, std::uint64_t first, std::size_t count, std::size_t batch, std::vector<Tally>&);
+  void keep(Worker&, std::uint64_t first, std::size_t count, std::vector<Tally>&);
   void join(const BlockResult&);
 
   std::size_t joints_;
   std::uint64_t total_;
+  const Configurations& configurations_;
   const WorkspaceOptions& options_;
   const BoundKernels& kernels_;
   Sampler sampler_;
   BatchedError errors_;
   bool exact_;
   AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
-  std::vector<std::int64_t> lowest_bins_;  // [figure]
+  std::vector<std::int32_t> lowest_bins_;  // [figure]
+  std::vector<CountedBins> counted_;       // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
   std::vector<double> largest_;            // [figure], that is known to be reached
   std::vector<long double> sums_;

@@ -1,6 +1,7 @@
 #include "qerr/kinematics/folded_chain.hpp"
 
 #include <cmath>
+#include <numbers>
 
 namespace qerr {
 
@@ -211,6 +212,7 @@ class Folder {
       f.has_d = f.d != 0;
       f.own_point = !there || f.has_a || f.has_b;
       there = !f.prismatic && (f.own_point || !f.has_d);
+      move_by(f, f.multiplier, f.offset);
     }
   }
 
@@ -238,6 +240,14 @@ FoldedPath path_of(const FoldedChain& c) {
           c.tip_x,
           c.tip_y,
           c.tip_axes.data()};
+}
+
+void move_by(FoldedJoint& joint, double multiplier, double offset) {
+  constexpr Real quarters = 2 / std::numbers::pi_v<Real>;
+  joint.multiplier = multiplier;
+  joint.offset = offset;
+  joint.quarter_multiplier = static_cast<double>(multiplier * quarters);
+  joint.quarter_offset = static_cast<double>(offset * quarters);
 }
 
 void stretch_axes(FoldedChain& chain, double length) {

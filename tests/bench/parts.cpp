@@ -110,12 +110,11 @@ void batched_bounds(benchmark::State& state, bool all) {
 
 /// Values of one figure into its histogram.
 void histogram(benchmark::State& state) {
-  const std::int64_t lowest = Histogram::lowest_bin(1e-4);
-  std::vector<std::uint16_t> bins;
+  std::vector<std::int32_t> bins;
   for (std::uint64_t i = 0; i < points; ++i)
-    bins.push_back(bin_of(1e-4 * unit_interval(random_bits(1, i, 0)), lowest));
-  Histogram all(lowest);
-  for (auto _ : state) all.add(bins.data(), bins.size());
+    bins.push_back(leading_bits(1e-4 * unit_interval(random_bits(1, i, 0))));
+  Histogram all(Histogram::lowest_bin(1e-4));
+  for (auto _ : state) all.add(bins.data(), bins.size(), 0, 0);
   state.SetItemsProcessed(state.iterations() * points);
 }
 

@@ -16,7 +16,6 @@ struct ErrorFigures {
   bool rigorous = true;     ///< the bound with the second-order remainder
   bool shares = true;       ///< what each encoder contributes, its largest arm, and the position's variance
   bool covariance = false;  ///< of every configuration, instead of sigma and the sum
-  bool roots = true;  ///< false: squares of sigma in its place, whose roots `workspace` takes as it tallies
   /// Norms of filters, and sigma of each encoder's error behind them in a motion, in quantization intervals
   /// (empty where it is not known): figures behind filters, where they are not the coordinate's times a norm.
   std::vector<Norms> filters = {};

@@ -16,34 +16,54 @@ namespace qerr {
 /// 2^24 of it as the largest (roll and yaw near the gimbal lock).
 class Histogram {
  public:
-  /// @param lowest  of `lowest_bin`
-  explicit Histogram(std::int64_t lowest);
+  /// @param lowest   of `lowest_bin`
+  /// @param counted  order statistics are known of values in these bins
+  explicit Histogram(std::int32_t lowest, const CountedBins& counted = {});
+
+  const CountedBins& counted() const { return counted_; }
 
   /// The leading bits of the lowest bin, for values of this size.
-  static std::int64_t lowest_bin(double typical);
+  static std::int32_t lowest_bin(double typical);
 
-  void add(const std::uint16_t* bins, std::size_t count);
+  void add(double value);
 
-  /// Where as many bins may be counted by hand, which are taken as counted; for as long as it lives.
-  std::uint32_t* counts_for(std::size_t count);
+  /// Values that were sorted out elsewhere: those in counted bins, by leading bits, and the number of others.
+  void add(const std::int32_t* bins, std::size_t count, std::uint64_t below, std::uint64_t between);
 
-  /// Adds what another one with the same lowest bin has counted.
+  /// Adds what another one with the same bins has counted.
   void append(const Histogram&);
 
-  /// The value that has `rank` smaller ones before it. @param min, max  of all values
+  /// Whether the value that has `rank` smaller ones before it lies in a counted bin.
+  bool counts(std::uint64_t rank) const;
+
+  /// The value that has `rank` smaller ones before it.
+  /// @param min, max  of all values
+  /// @pre counts(rank)
   double order_statistic(std::uint64_t rank, double min, double max) const;
 
  private:
-  struct Free {
-    void operator()(std::uint32_t* p) const { std::free(p); }
+  /// Of one bin. Neighbours among the values take different ones: a processor that reads a counter which it
+  /// has just written waits.
+  static constexpr std::size_t copies = 4;
+  struct Counters {
+    std::uint32_t in_turn[copies];
+    std::uint64_t sum() const { return std::uint64_t{in_turn[0]} + in_turn[1] + in_turn[2] + in_turn[3]; }
   };
-  std::uint64_t at(std::size_t bin) const { return few_[bin] + (many_.empty() ? 0 : many_[bin]); }
+  struct Free {
+    void operator()(Counters* p) const { std::free(p); }
+  };
+  std::uint64_t at(std::size_t bin) const { return few_[bin].sum() + (many_.empty() ? 0 : many_[bin]); }
+  std::size_t index(std::int32_t leading) const;
+  /// How many values lie in [begin, end) of the counted bins.
+  std::uint64_t in_the_middle() const;
   void spill();
 
-  std::int64_t lowest_;
-  std::unique_ptr<std::uint32_t[], Free> few_;  // pages that are never touched take no memory
-  std::uint64_t added_ = 0;                     // since the last spill: no counter can be larger
+  std::int32_t lowest_;
+  CountedBins counted_;
+  std::unique_ptr<Counters[], Free> few_;  // pages that are never touched take no memory
+  std::uint64_t added_ = 0;                // since the last spill: no counter can be larger
   std::vector<std::uint64_t> many_;
+  std::uint64_t below_ = 0, between_ = 0;
 };
 
 }  // namespace qerr

@@ -40,6 +40,9 @@ class JoinedTally {
 /// A few values into a tally, as the batched kernel adds 64.
 void tally_some(const double* values, std::size_t count, std::uint64_t first, Tally&);
 
+/// The order statistics that percentiles of so many values are made of.
+std::vector<std::uint64_t> percentile_ranks(std::uint64_t count);
+
 /// The value that has `rank` smaller ones before it.
 using OrderStatistic = std::function<double(std::uint64_t rank)>;
 

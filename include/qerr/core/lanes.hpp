@@ -83,13 +83,14 @@ template <class L>
   return x;
 }
 
-/// c0 + c1 x + ... + c5 x^5 (Horner): the fewest operations, which wait for each other while those of the
-/// next joints fill the time.
-template <class L>
-[[gnu::always_inline]] inline L polynomial(const L& x, double c0, double c1, double c2, double c3, double c4,
-                                           double c5) {
-  const L c45 = fma(x, c5, broadcast<L>(c4)), c345 = fma(x, c45, broadcast<L>(c3));
-  return fma(x, fma(x, fma(x, c345, broadcast<L>(c2)), broadcast<L>(c1)), broadcast<L>(c0));
+/// c0 + c1 x + ... (Horner): the fewest operations, which wait for each other while those of the next joints
+/// fill the time.
+template <class L, class... More>
+[[gnu::always_inline]] inline L polynomial(const L& x, double c0, More... more) {
+  if constexpr (sizeof...(more) == 0)
+    return broadcast<L>(c0);
+  else
+    return fma(x, polynomial(x, more...), broadcast<L>(c0));
 }
 
 template <class L>
@@ -119,6 +120,22 @@ template <class L>
   const L sine = (quarter & 1) != 0 ? a.cosine : a.sine, cosine = (quarter & 1) != 0 ? a.sine : a.cosine;
   return {__builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, sine) ^ negative_sine),
           __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, cosine) ^ negative_cosine)};
+}
+
+/// Sine and cosine of y quarter turns, to 1.6e-16 of those of the angle that y pi/2 is.
+///
+/// As `sincos`, without its reduction: quarter turns less the nearest whole ones are exact. Who has an angle
+/// in radians loses as much by making quarter turns of it as by a unit of its last place.
+template <class L>
+[[gnu::always_inline]] inline SineCosine<L> sincos_of_quarters(const L& y) {
+  constexpr double shift = 0x1.8p52;  // as below
+  const L shifted = y + shift, part = y - (shifted - shift), s = part * part;
+  const L sine =
+      polynomial(s, 0x1.921fb54442d18p+0, -0x1.4abbce625be3bp-1, 0x1.466bc67757d80p-4, -0x1.32d2cce230e2ap-8,
+                 0x1.50782f2f4eb80p-13, -0x1.e2ffddcca7a9fp-19, 0x1.e3c3709f5c019p-25);
+  const L cosine = polynomial(s, 1, -0x1.3bd3cc9be45a5p+0, 0x1.03c1f081b14bep-2, -0x1.55d3c7dcb5f56p-6,
+                              0x1.e1f4fbfc011a2p-11, -0x1.a6ca009623920p-16, 0x1.f3ef423289948p-22);
+  return turned(SineCosine<L>{part * sine, cosine}, shifted);
 }
 
 /// Sine and cosine of an angle in radians, to 1.6e-16 (2.7e-16 without fused multiply-add).

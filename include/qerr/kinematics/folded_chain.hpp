@@ -26,6 +26,9 @@ struct FoldedChain {
 /// What the batched kernels take. @pre the chain outlives the path
 FoldedPath path_of(const FoldedChain&);
 
+/// Lets a joint turn or slide by multiplier q + offset [rad or m].
+void move_by(FoldedJoint&, double multiplier, double offset);
+
 /// Makes the axes X, Y, Z so long; points stay where they are. Where all columns of a Jacobian are wanted
 /// times the same factor, a walk along axes of that length needs no products for it.
 void stretch_axes(FoldedChain&, double length);

@@ -28,6 +28,7 @@ struct FoldedJoint {
   bool prismatic = false;
   double turn_cosine = 1, turn_sine = 0;  ///< of a prismatic joint's constant turn
   double multiplier = 1, offset = 0;      ///< of the angle [rad], or of the slide [m]
+  double quarter_multiplier = 0, quarter_offset = 0;  ///< the same of the angle in quarter turns
   std::size_t coordinate = 0;             ///< index of the independent joint
   double sign = 1;
   bool own_point = true;  ///< false: the point kept of the joint before lies on this one's axis, too

@@ -65,12 +65,11 @@ template <class L>
                                            SineCosine<L>* to) {
   for (std::size_t k = 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
-    const L motion =
-        fma(joint.multiplier, load<L>(q + joint.coordinate * stride), broadcast<L>(joint.offset));
+    const L at = load<L>(q + joint.coordinate * stride);
     if (joint.prismatic)
-      to[k].sine = motion;
+      to[k].sine = fma(joint.multiplier, at, broadcast<L>(joint.offset));
     else if (joint.turns)
-      to[k] = sincos(motion);
+      to[k] = sincos_of_quarters(fma(joint.quarter_multiplier, at, broadcast<L>(joint.quarter_offset)));
   }
 }
 

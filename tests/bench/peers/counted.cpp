@@ -19,7 +19,6 @@ Counted product(double a, double b) {
 }
 
 Counted operator*(Counted a, Counted b) { return product(a.value, b.value); }
-Counted operator*(Counted a, double b) { return product(a.value, b); }
 Counted operator*(double a, Counted b) { return product(a, b.value); }
 Counted operator/(double a, Counted b) { return {a / b.value}; }
 Counted operator+(Counted a, Counted b) { return {a.value + b.value}; }
