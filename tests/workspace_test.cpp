@@ -38,7 +38,7 @@ Statistic statistic_of(std::vector<double> values) {
 }
 
 Statistic binned_statistic_of(const std::vector<double>& values, double typical, int parts = 1) {
-  const std::int32_t lowest = Histogram::lowest_bin(typical);
+  const std::int32_t lowest = Histogram::lowest_bin(leading_bits(typical));
   std::vector<Histogram> histograms;
   for (int i = 0; i < parts; ++i) histograms.emplace_back(lowest);
   for (std::size_t i = 0; i < values.size(); ++i) histograms[i % histograms.size()].add(values[i]);
@@ -115,7 +115,7 @@ TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
     const auto bin = [&](double p) { return leading_bits(values[static_cast<std::size_t>(p * 4999)]); };
     const double low = dice.between(0, 0.6), high = dice.between(low, 0.7);
     const CountedBins counted{bin(low), bin(high) + 1, bin(dice.between(high, 1))};
-    const std::int32_t lowest = Histogram::lowest_bin(1);
+    const std::int32_t lowest = Histogram::lowest_bin(leading_bits(1));
     Histogram all(lowest), some(lowest, counted), other(lowest, counted);
     for (std::size_t i = 0; i < values.size(); ++i) {
       all.add(values[i]);

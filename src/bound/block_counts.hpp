@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "kernels.hpp"
@@ -22,6 +23,10 @@ class BlockCounts {
   /// For the kernel: those of the block, of every figure.
   BinList* lists() { return lists_.data(); }
 
+  /// Where the list of figure f begins. Not a power of two apart, or all would want the same lines of the
+  /// cache; and a kernel writes beyond the end.
+  std::int32_t* list(std::size_t f) { return bins_.get() + f * (block_size + batch_size); }
+
   /// A value of figure f that the kernel has not listed.
   void add(std::size_t f, double value) { histograms_[f].add(value); }
 
@@ -32,12 +37,8 @@ class BlockCounts {
   std::vector<Histogram>& histograms() { return histograms_; }
 
  private:
-  /// Where the list of figure f begins. Not a power of two apart, or all would want the same lines of the
-  /// cache; and a kernel writes beyond the end.
-  std::int32_t* begin(std::size_t f) { return bins_.data() + f * (block_size + batch_size); }
-
   std::vector<Histogram> histograms_;
-  std::vector<std::int32_t> bins_;
+  std::unique_ptr<std::int32_t[]> bins_;
   std::vector<BinList> lists_;
 };
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <bit>
-#include <new>
 
 namespace qerr {
 
@@ -10,7 +9,7 @@ namespace {
 
 constexpr int octave = 52 - bin_shift;  // bins of one, as a power of two
 constexpr std::int32_t octaves_below = 40;
-constexpr std::uint32_t last_bin = bin_count - 1;
+constexpr std::int32_t last_bin = bin_count - 1;
 constexpr std::uint64_t most_few = std::uint64_t{1} << 31;
 
 double lower_edge(std::int32_t leading) {
@@ -19,16 +18,13 @@ double lower_edge(std::int32_t leading) {
 
 }  // namespace
 
-Histogram::Histogram(std::int32_t lowest, const CountedBins& counted)
-    : lowest_(lowest),
-      counted_(counted),
-      few_(static_cast<Counters*>(std::calloc(bin_count, sizeof(Counters)))) {
-  if (!few_) throw std::bad_alloc();
-}
+Histogram::Histogram(std::int32_t lowest, const CountedBins& counted, const Usual& usual)
+    : lowest_(lowest), counted_(counted), usual_(usual), few_(static_cast<std::size_t>(usual.count)) {}
 
-std::int32_t Histogram::lowest_bin(double typical) {
-  if (!(typical > 0) || typical > 0x1p900) typical = 1;
-  const auto exponent = static_cast<std::int32_t>(std::bit_cast<std::uint64_t>(typical) >> 52);
+std::int32_t Histogram::lowest_bin(std::int32_t typical) {
+  constexpr std::int32_t of_one = 1023, largest = of_one + 900;
+  std::int32_t exponent = typical >> octave;
+  if (exponent <= 0 || exponent > largest) exponent = of_one;
   return std::max(exponent - octaves_below, 0) << octave;
 }
 
@@ -41,13 +37,14 @@ void Histogram::add(double value) {
 void Histogram::add(const std::int32_t* bins, std::size_t count, std::uint64_t below, std::uint64_t between) {
   if (added_ + count > most_few) spill();
   added_ += count;
-  Counters* const counters = few_.get();
-  const std::int32_t lowest = lowest_;  // which the compiler would read again for every bin
+  Counters* const counters = few_.data();
+  const Usual usual = usual_;  // which the compiler would read again for every bin
   const auto count_one = [&](std::size_t i) {
-    auto bin = static_cast<std::uint32_t>(bins[i] - lowest);
-    if (bin > last_bin) [[unlikely]]
-      bin = bins[i] < lowest ? 0 : last_bin;
-    ++counters[bin].in_turn[i % copies];
+    const auto bin = static_cast<std::uint32_t>(bins[i] - usual.first);
+    if (bin < static_cast<std::uint32_t>(usual.count)) [[likely]]
+      ++counters[bin].in_turn[i % copies];
+    else
+      add_unusual(bins[i]);
   };
   std::size_t i = 0;
   for (; i + copies <= count; i += copies)
@@ -58,7 +55,7 @@ void Histogram::add(const std::int32_t* bins, std::size_t count, std::uint64_t b
 }
 
 void Histogram::append(const Histogram& other) {
-  spill();
+  many_.resize(bin_count);
   for (std::size_t b = 0; b < bin_count; ++b) many_[b] += other.at(b);
   below_ += other.below_;
   between_ += other.between_;
@@ -90,7 +87,7 @@ double Histogram::order_statistic(std::uint64_t rank, double min, double max) co
 }
 
 std::size_t Histogram::index(std::int32_t leading) const {
-  return static_cast<std::size_t>(std::clamp(leading - lowest_, 0, static_cast<std::int32_t>(last_bin)));
+  return static_cast<std::size_t>(std::clamp(leading - lowest_, 0, last_bin));
 }
 
 std::uint64_t Histogram::in_the_middle() const {
@@ -99,11 +96,22 @@ std::uint64_t Histogram::in_the_middle() const {
   return sum;
 }
 
+std::uint64_t Histogram::at(std::size_t bin) const {
+  const std::int64_t of_usual = lowest_ + static_cast<std::int64_t>(bin) - usual_.first;
+  const bool usual = of_usual >= 0 && of_usual < usual_.count;
+  return (usual ? few_[static_cast<std::size_t>(of_usual)].sum() : 0) + (many_.empty() ? 0 : many_[bin]);
+}
+
+void Histogram::add_unusual(std::int32_t leading) {
+  many_.resize(bin_count);
+  ++many_[index(leading)];
+}
+
 void Histogram::spill() {
   many_.resize(bin_count);
-  for (std::size_t b = 0; b < bin_count; ++b) {
-    many_[b] += few_[b].sum();
-    few_[b] = {};
+  for (std::size_t i = 0; i < few_.size(); ++i) {
+    many_[index(usual_.first + static_cast<std::int32_t>(i))] += few_[i].sum();
+    few_[i] = {};
   }
   added_ = 0;
 }

@@ -11,10 +11,48 @@ namespace qerr {
 
 namespace {
 
-constexpr std::uint64_t looks = 64;
-
 /// What is smaller by this factor is not the same but for rounding.
 constexpr double clearly_smaller = 1 - 1e-6;
+
+/// Bins in their order, by counting.
+class SortedBins {
+ public:
+  SortedBins(const std::int32_t* begin, const std::int32_t* end) {
+    const auto [smallest, largest] = std::minmax_element(begin, end);
+    // Nobody asks what lies so far below.
+    first_ = std::max(*smallest, *largest - static_cast<std::int32_t>(bin_count));
+    counts_.resize(static_cast<std::size_t>(*largest - first_ + 1));
+    for (const std::int32_t* bin = begin; bin != end; ++bin)
+      ++counts_[static_cast<std::size_t>(std::max(*bin, first_) - first_)];
+  }
+
+  /// From the smallest, or the first that is counted, to an octave above the largest.
+  Histogram::Usual usual(const CountedBins& counted) const {
+    constexpr std::int32_t octave = 1 << (52 - bin_shift);
+    const std::int32_t first = std::max(first_, counted.begin);
+    return {first, first_ + static_cast<std::int32_t>(counts_.size()) + octave - first};
+  }
+
+  std::int32_t operator[](std::uint64_t rank) const {
+    std::size_t at = 0;
+    for (std::uint64_t before = counts_[0]; before <= rank; before += counts_[at]) ++at;
+    return first_ + static_cast<std::int32_t>(at);
+  }
+
+ private:
+  std::int32_t first_;
+  std::vector<std::uint32_t> counts_;
+};
+
+/// Which bins are counted by what so many independent values show: five standard deviations on either side of
+/// their median, and what lies as far below the next percentile and above.
+CountedBins near_percentiles(const SortedBins& seen, double count) {
+  const auto rank = [&](double fraction, double deviations) {
+    const double off = deviations * std::sqrt(count * fraction * (1 - fraction));
+    return seen[static_cast<std::uint64_t>(count * fraction + off)];
+  };
+  return {rank(0.5, -5), rank(0.5, 5) + 1, rank(0.95, -5)};
+}
 
 }  // namespace
 
@@ -105,39 +143,33 @@ WorkspaceJob::Worker WorkspaceJob::worker() const {
 
 std::vector<Histogram> WorkspaceJob::empty_histograms() const {
   std::vector<Histogram> empty;
-  for (std::size_t f = 0; f < lowest_bins_.size(); ++f) empty.emplace_back(lowest_bins_[f], counted_[f]);
+  for (std::size_t f = 0; f < lowest_bins_.size(); ++f)
+    empty.emplace_back(lowest_bins_[f], counted_[f], usual_[f]);
   return empty;
 }
 
-/// Looks at configurations from all over the job before it starts: every thread bins alike, by the size of
-/// what they show, what is clearly smaller than their largest is no news to any, and what is far from their
-/// percentiles need not be counted.
+/// Looks at a block of configurations from all over the job before it starts: every thread bins alike, by the
+/// size of what they show, what is clearly smaller than their largest is no news to any, and what is far from
+/// their percentiles need not be counted.
 void WorkspaceJob::look_around() {
-  Worker w = worker();
-  std::vector<Histogram> seen;
-  std::vector<double> smallest(joined_.size(), Tally::infinite);
+  lowest_bins_.assign(joined_.size(), 0);
   counted_.resize(joined_.size());
-  for (std::uint64_t look = 0; look < looks; ++look) {
+  usual_.resize(joined_.size());
+  Worker w = worker();
+  std::vector<Tally> tallies(joined_.size());
+  for (std::uint64_t look = 0; look * batch_size < block_size; ++look) {
     draw_look(look, w);
     w.errors(w.q.data(), w.figures.data());
-    for (std::size_t f = 0; f < joined_.size(); ++f) {
-      const double* const values = w.figures.data() + f * batch_size;
-      double typical = 0;
-      std::int32_t bins[batch_size];
-      for (std::size_t i = 0; i < batch_size; ++i) {
-        if (std::isfinite(values[i])) typical = std::max(typical, values[i]);
-        smallest[f] = std::min(smallest[f], values[i]);
-        bins[i] = leading_bits(values[i]);
-      }
-      if (look == 0) {
-        lowest_bins_.push_back(Histogram::lowest_bin(typical));
-        seen.emplace_back(lowest_bins_.back());
-      }
-      largest_[f] = std::max(largest_[f], clearly_smaller * typical);
-      seen[f].add(bins, batch_size, 0, 0);
-    }
+    kernels_.tally(tallies.size(), w.figures.data(), 0, tallies.data(), w.counts.lists());
   }
-  if (!options_.text) count_near_percentiles(seen, smallest);  // texts are written once
+  for (std::size_t f = 0; f < joined_.size(); ++f) {
+    const SortedBins seen(w.counts.list(f), w.counts.lists()[f].next);
+    lowest_bins_[f] = Histogram::lowest_bin(seen[BlockCounts::block_size * 95 / 100]);
+    if (std::isfinite(tallies[f].max)) largest_[f] = clearly_smaller * tallies[f].max;
+    // Texts are written once: nothing may be missed.
+    if (!options_.text) counted_[f] = near_percentiles(seen, BlockCounts::block_size);
+    usual_[f] = seen.usual(counted_[f]);
+  }
 }
 
 /// A batch from anywhere. Neighbours in a grid or a list are alike: of these, one of many batches each.
@@ -154,22 +186,6 @@ void WorkspaceJob::draw_look(std::uint64_t look, Worker& w) const {
     w.sampler(anywhere(i), neighbours.data());
     const std::size_t at = random_bits(look, i, 1) % batch_size;
     for (std::size_t j = 0; j < joints_; ++j) w.q[j * batch_size + i] = neighbours[j * batch_size + at];
-  }
-}
-
-/// Five standard deviations on either side of where the median is seen, and what lies above that below where
-/// the next percentile is.
-void WorkspaceJob::count_near_percentiles(const std::vector<Histogram>& seen,
-                                          const std::vector<double>& smallest) {
-  constexpr double n = looks * batch_size;
-  const auto rank = [](double fraction, double deviations) {
-    return static_cast<std::uint64_t>(n * fraction + deviations * std::sqrt(n * fraction * (1 - fraction)));
-  };
-  for (std::size_t f = 0; f < seen.size(); ++f) {
-    const auto bin = [&](std::uint64_t at) {
-      return leading_bits(seen[f].order_statistic(at, smallest[f], Tally::infinite));
-    };
-    counted_[f] = {bin(rank(0.5, -5)), bin(rank(0.5, 5)) + 1, bin(rank(0.95, -5))};
   }
 }
 

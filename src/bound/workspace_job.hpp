@@ -57,7 +57,6 @@ class WorkspaceJob {
   std::vector<Histogram> empty_histograms() const;
   void look_around();
   void draw_look(std::uint64_t look, Worker&) const;
-  void count_near_percentiles(const std::vector<Histogram>& seen, const std::vector<double>& smallest);
   void sweep();
   bool percentiles_are_counted() const;
   /// @param result  of an earlier block: its memory serves again
@@ -77,6 +76,7 @@ class WorkspaceJob {
   AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
   std::vector<std::int32_t> lowest_bins_;  // [figure]
   std::vector<CountedBins> counted_;       // [figure]
+  std::vector<Histogram::Usual> usual_;    // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
   std::vector<double> largest_;            // [figure], that is known to be reached
   std::vector<long double> sums_;

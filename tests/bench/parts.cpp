@@ -113,7 +113,7 @@ void histogram(benchmark::State& state) {
   std::vector<std::int32_t> bins;
   for (std::uint64_t i = 0; i < points; ++i)
     bins.push_back(leading_bits(1e-4 * unit_interval(random_bits(1, i, 0))));
-  Histogram all(Histogram::lowest_bin(1e-4));
+  Histogram all(Histogram::lowest_bin(leading_bits(1e-4)));
   for (auto _ : state) all.add(bins.data(), bins.size(), 0, 0);
   state.SetItemsProcessed(state.iterations() * points);
 }

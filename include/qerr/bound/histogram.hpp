@@ -1,7 +1,5 @@
 #pragma once
 
-#include <cstdlib>
-#include <memory>
 #include <vector>
 
 #include "qerr/bound/bins.hpp"
@@ -16,14 +14,19 @@ namespace qerr {
 /// 2^24 of it as the largest (roll and yaw near the gimbal lock).
 class Histogram {
  public:
+  /// Bins that most values are expected in, by leading bits: where they are, counting is fast.
+  struct Usual {
+    std::int32_t first = 0, count = 0;
+  };
+
   /// @param lowest   of `lowest_bin`
   /// @param counted  order statistics are known of values in these bins
-  explicit Histogram(std::int32_t lowest, const CountedBins& counted = {});
+  explicit Histogram(std::int32_t lowest, const CountedBins& counted = {}, const Usual& = {0, 0});
 
   const CountedBins& counted() const { return counted_; }
 
-  /// The leading bits of the lowest bin, for values of this size.
-  static std::int32_t lowest_bin(double typical);
+  /// The leading bits of the lowest bin, for values of the size that has these.
+  static std::int32_t lowest_bin(std::int32_t typical);
 
   void add(double value);
 
@@ -49,20 +52,19 @@ class Histogram {
     std::uint32_t in_turn[copies];
     std::uint64_t sum() const { return std::uint64_t{in_turn[0]} + in_turn[1] + in_turn[2] + in_turn[3]; }
   };
-  struct Free {
-    void operator()(Counters* p) const { std::free(p); }
-  };
-  std::uint64_t at(std::size_t bin) const { return few_[bin].sum() + (many_.empty() ? 0 : many_[bin]); }
+  std::uint64_t at(std::size_t bin) const;
   std::size_t index(std::int32_t leading) const;
   /// How many values lie in [begin, end) of the counted bins.
   std::uint64_t in_the_middle() const;
+  void add_unusual(std::int32_t leading);
   void spill();
 
   std::int32_t lowest_;
   CountedBins counted_;
-  std::unique_ptr<Counters[], Free> few_;  // pages that are never touched take no memory
-  std::uint64_t added_ = 0;                // since the last spill: no counter can be larger
-  std::vector<std::uint64_t> many_;
+  Usual usual_;
+  std::vector<Counters> few_;        // of the usual bins
+  std::uint64_t added_ = 0;          // since the last spill: no counter can be larger
+  std::vector<std::uint64_t> many_;  // of all bins, once it is needed
   std::uint64_t below_ = 0, between_ = 0;
 };
 
