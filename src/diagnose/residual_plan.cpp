@@ -78,15 +78,16 @@ void add_velocities(ResidualPlan& plan, const std::vector<Filter>& filters) {
 }  // namespace
 
 ResidualPlan residual_plan(const Evidence& e, const std::vector<Filter>& filters) {
-  ResidualPlan plan{&e, stretches(e.rows(), most_rows), 0, {}, {}, {}, {}};
+  ResidualPlan plan{&e, stretches(e.rows(), most_rows), 0, {}, {}, {}, {}, {}};
   for (const Stretch& s : plan.parts) plan.rows += s.rows;
-  plan.residual = (e.measured - e.reference) / e.step();
-  if (!e.encoder.zero_known) plan.residual -= chosen(plan, plan.residual).mean();
-  plan.state.resize(e.rows());
-  for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const double turned = std::fmod(std::round(e.measured[k] / e.step()), 4.0);
-    plan.state[k] = static_cast<int>(turned < 0 ? turned + 4 : turned);
-  }
+  const Eigen::ArrayXd measured = chosen(plan, e.measured);
+  plan.residual = (measured - chosen(plan, e.reference)) / e.step();
+  if (!e.encoder.zero_known) plan.residual -= plan.residual.mean();
+  plan.state = (measured / e.step()).unaryExpr([](double counts) {
+    const double turned = std::fmod(std::round(counts), 4.0);
+    return turned < 0 ? turned + 4 : turned;
+  });
+  plan.surrogates = surrogate_plan(e, plan.parts);
   add_projections(plan);
   add_velocities(plan, filters);
   return plan;

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "qerr/filter/filter.hpp"
 #include "surrogate.hpp"
 
 namespace qerr {
@@ -35,6 +36,7 @@ struct Statistic {
 ///   evenly stamped at its rate.
 /// @param surrogates  how many
 std::vector<Statistic> residual_statistics(const Evidence&, const std::vector<Filter>&,
-                                           Eigen::Index surrogates, std::uint64_t seed, unsigned threads);
+                                           Eigen::Index surrogates, std::uint64_t seed, unsigned threads,
+                                           InstructionSet = instruction_set());
 
 }  // namespace qerr
