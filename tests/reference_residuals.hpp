@@ -57,8 +57,8 @@ class ReferenceSums {
     ++in_stretch_, ++row_;
   }
 
-  std::vector<Statistic> statistics() const {
-    std::vector<Statistic> all;
+  std::vector<ResidualStatistic> statistics() const {
+    std::vector<ResidualStatistic> all;
     const auto sigma = [](const Sums& s) -> Eigen::ArrayXd { return (12 * variance(s)).max(0.0).sqrt(); };
     const Eigen::ArrayXd mean = all_.sum / all_.rows;
     if (plan_.e->encoder.zero_known) all.push_back({"mean", Tail::both_sides, 1, 0.01, mean});
@@ -141,8 +141,9 @@ class ReferenceSums {
 };
 
 /// `residual_statistics`, row after row.
-inline std::vector<Statistic> reference_statistics(const Evidence& e, const std::vector<Filter>& filters,
-                                                   Eigen::Index surrogates, std::uint64_t seed) {
+inline std::vector<ResidualStatistic> reference_statistics(const Evidence& e,
+                                                           const std::vector<Filter>& filters,
+                                                           Eigen::Index surrogates, std::uint64_t seed) {
   const ResidualPlan plan = residual_plan(e, filters);
   ReferenceSurrogates drawn(e, seed, surrogates + 1);
   ReferenceSums sums(plan, surrogates + 1);

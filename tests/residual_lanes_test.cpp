@@ -89,7 +89,8 @@ TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
   }
 }
 
-void expect_same(const std::vector<Statistic>& a, const std::vector<Statistic>& b, Eigen::Index values) {
+void expect_same(const std::vector<ResidualStatistic>& a, const std::vector<ResidualStatistic>& b,
+                 Eigen::Index values) {
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i)
     EXPECT_TRUE((a[i].values.head(values) == b[i].values.head(values)).all()) << a[i].name;

@@ -19,7 +19,7 @@ struct Judged {
   double distance;  ///< in standard deviations
 };
 
-double tail(const Statistic& s, double expected, double scatter) {
+double tail(const ResidualStatistic& s, double expected, double scatter) {
   const double observed = s.values[0];
   const auto others = s.values.tail(s.values.size() - 1);
   const auto count = static_cast<double>(others.size());
@@ -31,7 +31,7 @@ double tail(const Statistic& s, double expected, double scatter) {
   return 2 * cdf(complement(boost::math::students_t(count - 1), t));
 }
 
-Judged judged(const std::string& joint, const Statistic& s) {
+Judged judged(const std::string& joint, const ResidualStatistic& s) {
   const auto others = s.values.tail(s.values.size() - 1);
   const auto count = static_cast<double>(others.size());
   const double expected = others.mean();
@@ -50,7 +50,7 @@ std::vector<Comparison> comparison(const std::vector<Evidence>& all, const std::
                                    const DiagnoseOptions& options) {
   std::vector<Judged> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (const Statistic& s :
+    for (const ResidualStatistic& s :
          residual_statistics(all[i], filters, surrogates, options.seed * 64 + i, options.threads))
       rows.push_back(judged(all[i].joint, s));
   std::stable_sort(rows.begin(), rows.end(), [](const Judged& a, const Judged& b) {

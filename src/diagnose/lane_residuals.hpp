@@ -8,6 +8,22 @@ namespace qerr::lanes {
 namespace {
 
 template <class L>
+void sines(const double* angle, std::size_t count, double* sine, double* cosine) {
+  constexpr auto lanes = lane_count<L>;
+  std::size_t i = 0;
+  for (; i + lanes <= count; i += lanes) {
+    const SineCosine<L> wave = sincos(load<L>(angle + i));
+    store(sine + i, wave.sine);
+    store(cosine + i, wave.cosine);
+  }
+  for (; i < count; ++i) {
+    const SineCosine<L> wave = sincos(broadcast<L>(angle[i]));
+    sine[i] = wave.sine[0];
+    cosine[i] = wave.cosine[0];
+  }
+}
+
+template <class L>
 void moments(const double* in, std::size_t rows, std::size_t width, const MomentLanes& m) {
   in_groups<4, L>(0, width, [&]<int group>(std::size_t lane) {
     L sum[group], square[group], lagged[group], last[group];
@@ -67,6 +83,13 @@ void project(const double* column, const double* in, std::size_t rows, std::size
   });
 }
 
+/// a + b in the lanes that are meant, else a.
+template <class Mask, class Any>
+[[gnu::always_inline]] inline Any added_where(const Mask& meant, const Any& a, const Any& b) {
+  if constexpr (lane_count<Mask> == 8) return meant != 0 ? a + b : a;  // one instruction
+  return a + (meant != 0 ? b : Any{});
+}
+
 template <class L>
 void by_state(const double* in, const double* state, std::size_t rows, std::size_t width, double* sums,
               double* counts) {
@@ -78,8 +101,8 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
 #pragma GCC unroll 4
       for (int s = 0; s < 4; ++s) {
         const Bits<L> here = in_state == static_cast<double>(s);
-        sum[s] += here != 0 ? x : L{};
-        count[s] -= here;
+        sum[s] = added_where(here, sum[s], x);
+        count[s] = added_where(here, count[s], Bits<L>{} + 1);
       }
     }
 #pragma GCC unroll 4
@@ -91,17 +114,23 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
   }
 }
 
+/// First the bins of all rows, then the counts: lanes that were taken out of a register one by one would wait
+/// for each other.
 template <class L>
-void distribute(const double* in, double middle, std::size_t rows, std::size_t width, std::uint32_t* bins) {
+void distribute(const double* in, double middle, std::size_t rows, std::size_t width, std::int32_t* places,
+                std::uint32_t* bins) {
   constexpr double last = residual_bins - 0.5, per_count = 0.5 * residual_bins;
+  for (std::size_t i = 0; i < rows * width; i += lane_count<L>) {
+    const L place = (load<L>(in + i) - middle + 1) * per_count;
+    const L inside = max(min(place, broadcast<L>(last)), L{});
+    const auto bin = __builtin_convertvector(inside, typename WordsOf<L>::half);
+    __builtin_memcpy(places + i, &bin, sizeof bin);
+  }
   for (std::size_t k = 0; k < rows; ++k)
-    for (std::size_t lane = 0; lane < width; lane += lane_count<L>) {
-      const L place = (load<L>(in + k * width + lane) - middle + 1) * per_count;
-      const L inside = max(min(place, broadcast<L>(last)), L{});
-      const auto bin = __builtin_convertvector(inside, typename WordsOf<L>::half);
+    for (std::size_t lane = 0; lane < width; lane += 8, places += 8) {
       std::uint32_t* const of_lane = bins + lane * residual_bins;
 #pragma GCC unroll 8
-      for (std::size_t i = 0; i < lane_count<L>; ++i) ++of_lane[i * residual_bins + bin[i]];
+      for (std::size_t i = 0; i < 8; ++i) ++of_lane[i * residual_bins + static_cast<std::size_t>(places[i])];
     }
 }
 
@@ -158,8 +187,9 @@ void taps(const double* taps, std::size_t count, const double* in, std::size_t r
 }
 
 template <int n, class L = Lanes<n>>
-constexpr ResidualKernels residual_kernels{n,          draw<L>,     read<L>,       moments<L>, means<L>,
-                                           project<L>, by_state<L>, distribute<L>, section<L>, taps<L>};
+constexpr ResidualKernels residual_kernels{n,        sines<L>,   draw<L>,     read<L>,       moments<L>,
+                                           means<L>, project<L>, by_state<L>, distribute<L>, section<L>,
+                                           taps<L>};
 
 }  // namespace
 }  // namespace qerr::lanes

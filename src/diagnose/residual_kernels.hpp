@@ -9,7 +9,8 @@
 // nothing that has code of its own.
 //
 // Lanes are surrogates: noise and filters remember their past from row to row, and all that is known of a row
-// is the same for all surrogates. Numbers of lanes stand in rows, `width` of them.
+// is the same for all surrogates. Numbers of lanes stand in rows, `width` of them:
+// a multiple of 8.
 
 namespace qerr {
 
@@ -57,6 +58,7 @@ inline constexpr int residual_bins = 64;
 
 struct ResidualKernels {
   std::size_t lanes;
+  void (*sines)(const double* angle, std::size_t count, double* sine, double* cosine);
   /// The noise of some rows that nobody looks at.
   void (*draw)(const PathNoise&, std::size_t draws, std::size_t width, const SurrogateLanes&);
   /// What the encoders read: residual [counts], and the reading's count modulo four.
@@ -71,8 +73,9 @@ struct ResidualKernels {
   void (*by_state)(const double* in, const double* state, std::size_t rows, std::size_t width, double* sums,
                    double* counts);
   /// @param bins  [lane][residual_bins]
+  /// @param places  room for the bin of every number
   void (*distribute)(const double* in, double middle, std::size_t rows, std::size_t width,
-                     std::uint32_t* bins);
+                     std::int32_t* places, std::uint32_t* bins);
   /// Rows through a section. @param out  may be `in`  @param state  [2][width]
   void (*section)(const ResidualSection&, const double* in, std::size_t rows, std::size_t width,
                   double* state, double* out);

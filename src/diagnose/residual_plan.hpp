@@ -36,6 +36,6 @@ struct ResidualPlan {
 };
 
 /// Which rows are looked at, and what their residuals are reduced to.
-ResidualPlan residual_plan(const Evidence&, const std::vector<Filter>&);
+ResidualPlan residual_plan(const Evidence&, const std::vector<Filter>&, InstructionSet = instruction_set());
 
 }  // namespace qerr

@@ -13,8 +13,8 @@ namespace {
 constexpr std::size_t lanes_together = 8, most_together = 4;
 
 /// `width` lanes from `first` on; lane 0 is the record itself.
-std::vector<Statistic> run(const ResidualPlan& plan, std::uint64_t seed, std::size_t first, std::size_t width,
-                           InstructionSet set) {
+std::vector<ResidualStatistic> run(const ResidualPlan& plan, std::uint64_t seed, std::size_t first,
+                                   std::size_t width, InstructionSet set) {
   constexpr std::size_t most_rows = ResidualSums::most_rows;
   Surrogates surrogates(plan.surrogates, seed, first, width, set);
   ResidualSums sums(plan, width, residual_kernels(set));
@@ -39,18 +39,18 @@ std::vector<Statistic> run(const ResidualPlan& plan, std::uint64_t seed, std::si
 
 }  // namespace
 
-std::vector<Statistic> residual_statistics(const Evidence& e, const std::vector<Filter>& filters,
-                                           Eigen::Index surrogates, std::uint64_t seed, unsigned threads,
-                                           InstructionSet set) {
-  const ResidualPlan plan = residual_plan(e, filters);
+std::vector<ResidualStatistic> residual_statistics(const Evidence& e, const std::vector<Filter>& filters,
+                                                   Eigen::Index surrogates, std::uint64_t seed,
+                                                   unsigned threads, InstructionSet set) {
+  const ResidualPlan plan = residual_plan(e, filters, set);
   const Eigen::Index all = surrogates + 1;
   const std::size_t vectors = (static_cast<std::size_t>(all) + lanes_together - 1) / lanes_together;
-  std::vector<std::vector<Statistic>> batches((vectors + most_together - 1) / most_together);
+  std::vector<std::vector<ResidualStatistic>> batches((vectors + most_together - 1) / most_together);
   parallel_for(batches.size(), threads, [&](std::size_t i) {
     const std::size_t first = i * vectors / batches.size(), end = (i + 1) * vectors / batches.size();
     batches[i] = run(plan, seed, first * lanes_together, (end - first) * lanes_together, set);
   });
-  std::vector<Statistic> joined = batches.front();
+  std::vector<ResidualStatistic> joined = batches.front();
   for (std::size_t s = 0; s < joined.size(); ++s) {
     Eigen::ArrayXd values(all);
     Eigen::Index at = 0;

@@ -57,6 +57,7 @@ ResidualSums::ResidualSums(const ResidualPlan& plan, std::size_t width, const Re
       width_(width),
       moments_(width, kernels),
       smooth_(width, kernels),
+      places_(most_rows * width),
       bins_(width * residual_bins),
       by_state_(4 * width),
       in_state_(4 * width),
@@ -85,7 +86,7 @@ void ResidualSums::add(const double* r, const double* state, std::size_t rows) {
       kernels_.project(plan_.projections[p].columns.col(c).data() + row_, r, rows, width_,
                        projected_[p].data() + static_cast<std::size_t>(c) * width_);
   const double middle = plan_.e->encoder.rounding == Rounding::down ? -0.5 : 0.0;
-  kernels_.distribute(r, middle, rows, width_, bins_.data());
+  kernels_.distribute(r, middle, rows, width_, places_.data(), bins_.data());
   kernels_.by_state(r, state, rows, width_, by_state_.data(), in_state_.data());
   add_velocities(r, rows);
   row_ += rows;
@@ -115,14 +116,14 @@ Eigen::ArrayXd ResidualSums::farthest_from_uniform() const {
   return farthest;
 }
 
-void ResidualSums::add_correlations(std::vector<Statistic>& all) const {
+void ResidualSums::add_correlations(std::vector<ResidualStatistic>& all) const {
   const auto parts = static_cast<double>(plan_.parts.size());
   all.push_back({"autocorrelation", Tail::both_sides, 1, 0.01, moments_.correlation(parts)});
   if (smooth_.rows() > 24 + parts)
     all.push_back({"autocorrelation_smooth", Tail::both_sides, 1, 0.1, smooth_.correlation(parts)});
 }
 
-void ResidualSums::add_projections(std::vector<Statistic>& all) const {
+void ResidualSums::add_projections(std::vector<ResidualStatistic>& all) const {
   for (std::size_t p = 0; p < projected_.size(); ++p) {
     const Projection& one = plan_.projections[p];
     const auto sums = by_lane(projected_[p], width_);
@@ -141,8 +142,8 @@ Eigen::ArrayXd ResidualSums::by_count() const {
   return (off.square() * counts / moments_.rows()).rowwise().sum().sqrt();
 }
 
-std::vector<Statistic> ResidualSums::statistics() const {
-  std::vector<Statistic> all;
+std::vector<ResidualStatistic> ResidualSums::statistics() const {
+  std::vector<ResidualStatistic> all;
   const auto root = [](const Moments& m) -> Eigen::ArrayXd { return (12 * m.variance()).max(0.0).sqrt(); };
   if (plan_.e->encoder.zero_known) all.push_back({"mean", Tail::both_sides, 1, 0.01, moments_.mean()});
   all.push_back({"sigma_ratio", Tail::both_sides, 1, 0.01, root(moments_)});

@@ -55,14 +55,14 @@ class ResidualSums {
   void add(const double* r, const double* state, std::size_t rows);
 
   /// Of every lane.
-  std::vector<Statistic> statistics() const;
+  std::vector<ResidualStatistic> statistics() const;
 
  private:
   void add_velocities(const double* r, std::size_t rows);
   Eigen::ArrayXd farthest_from_uniform() const;
   Eigen::ArrayXd by_count() const;
-  void add_correlations(std::vector<Statistic>&) const;
-  void add_projections(std::vector<Statistic>&) const;
+  void add_correlations(std::vector<ResidualStatistic>&) const;
+  void add_projections(std::vector<ResidualStatistic>&) const;
 
   const ResidualPlan& plan_;
   const ResidualKernels& kernels_;
@@ -70,6 +70,7 @@ class ResidualSums {
   Moments moments_, smooth_;
   std::vector<Moments> velocities_;
   std::vector<ResidualFilter> filters_;
+  std::vector<std::int32_t> places_;
   std::vector<std::uint32_t> bins_;
   AlignedNumbers by_state_, in_state_;     // [state][lane]
   std::vector<AlignedNumbers> projected_;  // [column][lane]

@@ -87,6 +87,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& part
   const Eigen::ArrayXi rest =
       e.ordered ? take_rests(path, 4 * noise * std::sqrt(part)) : Eigen::ArrayXi::Zero(path.size());
   SurrogatePlan plan{{}, {pole_that_keeps(part), noise, e.chance.size() > 0}, e.encoder.zero_known};
+  plan.rows.reserve(parts.size() * static_cast<std::size_t>(parts.front().rows));
   for (const Stretch& s : parts)
     for (Eigen::Index k = s.first; k < s.first + s.rows; ++k) {
       // The whole counts are taken off first, so that rounding keeps its digits far from zero.
@@ -96,7 +97,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& part
                        0,
                        0,
                        Rest::none,
-                       static_cast<std::int32_t>(std::fmod(whole, 4.0))};
+                       static_cast<std::int32_t>(whole - 4 * std::floor(0.25 * whole))};
       if (plan.noise.chance) row.chance = e.chance[k] / e.step();
       if (rest[k] > 0) {
         // One rest follows another when the joint has moved a little between them.
