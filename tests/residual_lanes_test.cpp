@@ -89,6 +89,23 @@ TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
   }
 }
 
+// Not 1e-16 of a count, which would look like a number.
+TEST(ResidualStatistics, FindNothingByCountWhereOneCountIsRead) {
+  Dice dice(64);
+  for (const InstructionSet set : available_instruction_sets())
+    for (const Eigen::Index rows : {100, 3000}) {
+      EvidenceMix mix;
+      mix.rows = rows;
+      Evidence e = random_evidence(dice, mix);
+      e.path.setConstant(0.3 * e.step());
+      e.measured.setZero();
+      for (const ResidualStatistic& s : residual_statistics(e, {}, 1, 7, 1, set))
+        if (s.name == "by_count") {
+          EXPECT_EQ(s.values[0], 0);
+        }
+    }
+}
+
 void expect_same(const std::vector<ResidualStatistic>& a, const std::vector<ResidualStatistic>& b,
                  Eigen::Index values) {
   ASSERT_EQ(a.size(), b.size());

@@ -94,7 +94,10 @@ template <class L>
 void by_state(const double* in, const double* state, std::size_t rows, std::size_t width, double* sums,
               double* counts) {
   for (std::size_t lane = 0; lane < width; lane += lane_count<L>) {
-    L sum[4] = {};
+    // Row after row as `moments`: the mean of a state that was always read is the mean of all.
+    L sum[4];
+#pragma GCC unroll 4
+    for (int s = 0; s < 4; ++s) sum[s] = load<L>(sums + s * width + lane);
     Bits<L> count[4] = {};
     for (std::size_t k = 0; k < rows; ++k) {
       const L x = load<L>(in + k * width + lane), in_state = load<L>(state + k * width + lane);
@@ -108,7 +111,7 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
 #pragma GCC unroll 4
     for (int s = 0; s < 4; ++s) {
       const std::size_t at = s * width + lane;
-      store<L>(sums + at, load<L>(sums + at) + sum[s]);
+      store(sums + at, sum[s]);
       store<L>(counts + at, load<L>(counts + at) + number_of<L>(__builtin_bit_cast(Words<L>, count[s])));
     }
   }
