@@ -86,6 +86,23 @@ TEST(IntervalLikelihood, HasTheDerivativesOfItsValue) {
               1e-3 * l.scale_curvature);
 }
 
+TEST(IntervalLikelihood, GoesOnAcrossTheBorderFromWhereItIsTakenInLogarithms) {
+  for (const double outliers : {0.0, 1e-80})
+    for (const double side : {-1.0, 1.0}) {
+      const auto at = [&](double sigmas) {
+        const double edge = side * sigmas;
+        const Intervals edges{Eigen::ArrayXd::Constant(1, side > 0 ? edge : edge - 1),
+                              Eigen::ArrayXd::Constant(1, side > 0 ? edge + 1 : edge)};
+        return interval_likelihood(edges, Eigen::ArrayXd::Zero(1), Eigen::ArrayXd::Ones(1), outliers, 10);
+      };
+      const IntervalLikelihood near = at(20 - 1e-12), beyond = at(20 + 1e-12);
+      EXPECT_NEAR(near.log_likelihood, beyond.log_likelihood, 1e-7);
+      EXPECT_NEAR(near.score[0], beyond.score[0], 1e-7 * std::abs(near.score[0]));
+      EXPECT_NEAR(near.curvature[0], beyond.curvature[0], 1e-4 * near.curvature[0]);
+      EXPECT_NEAR(near.outliers, beyond.outliers, 1e-7);
+    }
+}
+
 TEST(Explanation, KeepsTheColumnsThatWereDerivedFromATermsWhenThePathMoves) {
   // A latency of many counts moves the path, and whatever goes along it is made anew.
   const Evidence e = rows(swing([](std::size_t, double time, double angle) {

@@ -5,6 +5,7 @@
 #include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
+#include "qerr/core/parallel.hpp"
 #include "residual_statistics.hpp"
 
 namespace qerr {
@@ -19,7 +20,7 @@ struct Judged {
   double distance;  ///< in standard deviations
 };
 
-double tail(const Statistic& s, double expected, double scatter) {
+double tail(const ResidualStatistic& s, double expected, double scatter) {
   const double observed = s.values[0];
   const auto others = s.values.tail(s.values.size() - 1);
   const auto count = static_cast<double>(others.size());
@@ -31,7 +32,7 @@ double tail(const Statistic& s, double expected, double scatter) {
   return 2 * cdf(complement(boost::math::students_t(count - 1), t));
 }
 
-Judged judged(const std::string& joint, const Statistic& s) {
+Judged judged(const std::string& joint, const ResidualStatistic& s) {
   const auto others = s.values.tail(s.values.size() - 1);
   const auto count = static_cast<double>(others.size());
   const double expected = others.mean();
@@ -48,11 +49,17 @@ Judged judged(const std::string& joint, const Statistic& s) {
 
 std::vector<Comparison> comparison(const std::vector<Evidence>& all, const std::vector<Filter>& filters,
                                    const DiagnoseOptions& options) {
+  // Joints beside each other, as what a joint's surrogates share is one thread's work; threads beyond are
+  // the surrogates'.
+  const unsigned threads = thread_count(options.threads);
+  const unsigned each = std::max(1u, threads / static_cast<unsigned>(std::max<std::size_t>(1, all.size())));
+  std::vector<std::vector<ResidualStatistic>> statistics(all.size());
+  parallel_for(all.size(), threads, [&](std::size_t i) {
+    statistics[i] = residual_statistics(all[i], filters, surrogates, options.seed * 64 + i, each);
+  });
   std::vector<Judged> rows;
   for (std::size_t i = 0; i < all.size(); ++i)
-    for (const Statistic& s :
-         residual_statistics(all[i], filters, surrogates, options.seed * 64 + i, options.threads))
-      rows.push_back(judged(all[i].joint, s));
+    for (const ResidualStatistic& s : statistics[i]) rows.push_back(judged(all[i].joint, s));
   std::stable_sort(rows.begin(), rows.end(), [](const Judged& a, const Judged& b) {
     return a.row.p_value != b.row.p_value ? a.row.p_value < b.row.p_value : a.distance > b.distance;
   });

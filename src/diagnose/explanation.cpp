@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "weighted_square.hpp"
+
 namespace qerr {
 
 namespace {
@@ -61,8 +63,7 @@ double Explanation::gain(const Term& t) const {
     extra.conservativeResize(Eigen::NoChange, extra.cols() + 1);
     extra.rightCols(1) = t.fixed.matrix();
   }
-  const Eigen::MatrixXd weighted = plain_.curvature.matrix().asDiagonal() * extra;
-  Eigen::MatrixXd information = extra.transpose() * weighted;
+  Eigen::MatrixXd information = weighted_square(extra, plain_.curvature);
   const Eigen::VectorXd alone = information.diagonal();
   Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
   if (columns_.cols() > 0) {

@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "explanation.hpp"
+#include "weighted_square.hpp"
 
 namespace qerr {
 
@@ -35,10 +36,9 @@ void Explanation::begin(Eigen::VectorXd& unit) {
   const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
   Eigen::ArrayXd rest = middle.array();
   if (columns_.cols() > 0) {
-    const Eigen::MatrixXd weighted = weight.matrix().asDiagonal() * columns_;
-    Eigen::MatrixXd normal = columns_.transpose() * weighted;
+    Eigen::MatrixXd normal = weighted_square(columns_, weight);
     normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
-    unit = normal.ldlt().solve(weighted.transpose() * middle);
+    unit = normal.ldlt().solve(columns_.transpose() * (weight.matrix().asDiagonal() * middle));
     rest -= (columns_ * unit).array();
   }
   sigma_ = std::clamp(std::sqrt((rest.square() * weight).mean()), least_noise(), spread_);
@@ -54,8 +54,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
     // In units of the present sigma: x = sigma u, w = 1.
     Eigen::MatrixXd hessian(n + 1, n + 1);
     Eigen::VectorXd gradient(n + 1);
-    const Eigen::MatrixXd weighted = likelihood_.curvature.matrix().asDiagonal() * columns_;
-    hessian.topLeftCorner(n, n) = columns_.transpose() * weighted;
+    hessian.topLeftCorner(n, n) = weighted_square(columns_, likelihood_.curvature);
     hessian.col(n).head(n) = columns_.transpose() * likelihood_.cross.matrix();
     hessian.row(n).head(n) = hessian.col(n).head(n).transpose();
     hessian(n, n) = likelihood_.scale_curvature;

@@ -1,7 +1,9 @@
 #include "interval_likelihood.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace qerr {
 
@@ -10,30 +12,47 @@ namespace {
 constexpr double certain = 8.5;
 constexpr double log_root_two_pi = 0.91893853320467274178;
 
-/// log of the Gaussian's tail beyond z.
+constexpr double far = 20;  ///< from the interval; nearer than this nothing underflows
+
+/// log of the Gaussian's tail beyond z >= far.
 double log_tail(double z) {
-  if (z < 20) return std::log(0.5 * std::erfc(z / std::numbers::sqrt2));
   const double r = 1 / (z * z);
   return -0.5 * z * z - std::log(z) - log_root_two_pi + std::log1p(-r * (1 - r * (3 - 15 * r)));
 }
 
-/// log(Phi(b) - Phi(a)), a < b, by the tail on the side where both lie.
-double log_between(double a, double b) {
-  if (a + b < 0) {
-    const double mirrored = -a;
-    a = -b;
-    b = mirrored;
-  }
-  if (a <= 0) {
-    const double inside =
-        1 - 0.5 * (std::erfc(-a / std::numbers::sqrt2) + std::erfc(b / std::numbers::sqrt2));
-    return std::log(std::max(inside, 1e-300));
-  }
-  const double near = log_tail(a), far = log_tail(b);
-  return near + std::log1p(-std::exp(far - near));
+/// One reading: the log of its chance, the part of it that is no outlier's, and the densities at the edges
+/// over the chance of one that is none.
+struct Reading {
+  double log_chance, kept, at_a, at_b;
+};
+
+/// Phi(b) - Phi(a), a < b, by the tail on the side where both lie.
+double between(double a, double b) {
+  if (a + b < 0) a = -std::exchange(b, -a);
+  const double above = std::erfc(b / std::numbers::sqrt2);
+  const double twice =
+      a <= 0 ? 2 - std::erfc(-a / std::numbers::sqrt2) - above : std::erfc(a / std::numbers::sqrt2) - above;
+  return std::max(0.5 * twice, 1e-300);
 }
 
-double density_over(double z, double log_p) { return std::exp(-0.5 * z * z - log_root_two_pi - log_p); }
+/// @param other  chance of an outlier there
+Reading near_reading(double a, double b, double outliers, double other) {
+  const double p = between(a, b), own = (1 - outliers) * p, chance = own + other;
+  const double over_p = std::exp(-log_root_two_pi) / p;
+  return {std::log(chance), own / chance, std::exp(-0.5 * a * a) * over_p, std::exp(-0.5 * b * b) * over_p};
+}
+
+/// The same in logarithms.
+Reading far_reading(double a, double b, double outliers, double other) {
+  const double log_near = log_tail(std::max(a, -b)), log_beyond = log_tail(std::max(b, -a));
+  const double log_p = log_near + std::log1p(-std::exp(log_beyond - log_near));
+  const double own = std::log1p(-outliers) + log_p;
+  const auto density = [&](double z) { return std::exp(-0.5 * z * z - log_root_two_pi - log_p); };
+  if (outliers == 0) return {own, 1, density(a), density(b)};
+  const double log_other = std::log(other), more = std::max(own, log_other);
+  const double chance = more + std::log(std::exp(own - more) + std::exp(log_other - more));
+  return {chance, std::exp(own - chance), density(a), density(b)};
+}
 
 }  // namespace
 
@@ -52,17 +71,12 @@ IntervalLikelihood interval_likelihood(const Intervals& intervals, const Eigen::
       l.log_likelihood += log_kept;
       continue;
     }
-    const double log_p = log_between(a, b);
-    double kept = 1, log_mixed = log_p;
-    if (outliers > 0) {
-      const double log_other = std::log(outliers * std::min(1.0, (upper - lower) * s / spread));
-      const double more = std::max(log_kept + log_p, log_other);
-      log_mixed = more + std::log(std::exp(log_kept + log_p - more) + std::exp(log_other - more));
-      kept = std::exp(log_kept + log_p - log_mixed);
-    }
+    const double other = outliers * std::min(1.0, (upper - lower) * s / spread);
+    const auto [log_chance, kept, at_a, at_b] =
+        std::max(a, -b) < far ? near_reading(a, b, outliers, other) : far_reading(a, b, outliers, other);
     l.outliers += 1 - kept;
-    l.log_likelihood += log_mixed;
-    const double at_a = density_over(a, log_p), at_b = density_over(b, log_p), both = at_a - at_b;
+    l.log_likelihood += log_chance;
+    const double both = at_a - at_b;
     l.score[k] = kept * both / s;
     l.curvature[k] = kept * std::max(0.0, both * both + b * at_b - a * at_a) / (s * s);
     l.scale_score += kept * (upper * at_b - lower * at_a);

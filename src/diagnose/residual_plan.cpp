@@ -37,7 +37,7 @@ void project(ResidualPlan& plan, const char* name, Eigen::ArrayXXd columns,
   plan.projections.push_back({name, std::move(columns), to_counts(static_cast<double>(plan.rows), norm)});
 }
 
-void add_projections(ResidualPlan& plan) {
+void add_projections(ResidualPlan& plan, const ResidualKernels& kernels) {
   const Evidence& e = *plan.e;
   const auto rms = [](double n, double) { return 1 / std::sqrt(n); };
   const auto difference = [](double, double norm) { return 1 / norm; };
@@ -49,11 +49,11 @@ void add_projections(ResidualPlan& plan) {
   }
   if (e.effort.size() > 0) project(plan, "by_effort", chosen(plan, e.effort), rms);
   const Eigen::ArrayXd angle = chosen(plan, e.encoder.shaft_ratio * e.path);
-  Eigen::ArrayXXd wave(plan.rows, 2);
-  wave << angle.sin(), angle.cos();
   // Over less than a third of a turn a sine is any slow curve.
-  if (angle.maxCoeff() - angle.minCoeff() > 2)
-    project(plan, "by_angle", std::move(wave), [](double n, double) { return std::sqrt(2 / n); });
+  if (angle.maxCoeff() - angle.minCoeff() <= 2) return;
+  Eigen::ArrayXXd wave(plan.rows, 2);
+  kernels.sines(angle.data(), static_cast<std::size_t>(plan.rows), wave.col(0).data(), wave.col(1).data());
+  project(plan, "by_angle", std::move(wave), [](double n, double) { return std::sqrt(2 / n); });
 }
 
 void add_velocities(ResidualPlan& plan, const std::vector<Filter>& filters) {
@@ -77,17 +77,18 @@ void add_velocities(ResidualPlan& plan, const std::vector<Filter>& filters) {
 
 }  // namespace
 
-ResidualPlan residual_plan(const Evidence& e, const std::vector<Filter>& filters) {
-  ResidualPlan plan{&e, stretches(e.rows(), most_rows), 0, {}, {}, {}, {}};
+ResidualPlan residual_plan(const Evidence& e, const std::vector<Filter>& filters, InstructionSet set) {
+  ResidualPlan plan{&e, stretches(e.rows(), most_rows), 0, {}, {}, {}, {}, {}};
   for (const Stretch& s : plan.parts) plan.rows += s.rows;
-  plan.residual = (e.measured - e.reference) / e.step();
-  if (!e.encoder.zero_known) plan.residual -= chosen(plan, plan.residual).mean();
-  plan.state.resize(e.rows());
-  for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const double turned = std::fmod(std::round(e.measured[k] / e.step()), 4.0);
-    plan.state[k] = static_cast<int>(turned < 0 ? turned + 4 : turned);
-  }
-  add_projections(plan);
+  const Eigen::ArrayXd measured = chosen(plan, e.measured);
+  plan.residual = (measured - chosen(plan, e.reference)) / e.step();
+  if (!e.encoder.zero_known) plan.residual -= plan.residual.mean();
+  plan.state = (measured / e.step()).unaryExpr([](double counts) {
+    const double whole = std::round(counts);
+    return whole - 4 * std::floor(0.25 * whole);
+  });
+  plan.surrogates = surrogate_plan(e, plan.parts);
+  add_projections(plan, residual_kernels(set));
   add_velocities(plan, filters);
   return plan;
 }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "qerr/filter/filter.hpp"
 #include "surrogate.hpp"
 
 namespace qerr {
@@ -29,11 +30,12 @@ struct ResidualPlan {
   Eigen::Index rows = 0;  ///< of all parts
   std::vector<Projection> projections;
   std::vector<Velocity> velocities;
-  Eigen::ArrayXd residual;  ///< of the record [counts]
-  Eigen::ArrayXi state;     ///< its counts modulo four
+  Eigen::ArrayXd residual;  ///< of the record in these rows [counts]
+  Eigen::ArrayXd state;     ///< its counts there, modulo four
+  SurrogatePlan surrogates;
 };
 
 /// Which rows are looked at, and what their residuals are reduced to.
-ResidualPlan residual_plan(const Evidence&, const std::vector<Filter>&);
+ResidualPlan residual_plan(const Evidence&, const std::vector<Filter>&, InstructionSet = instruction_set());
 
 }  // namespace qerr

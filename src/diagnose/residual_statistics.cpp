@@ -9,22 +9,29 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index lanes_at_once = 25;
+/// Lanes come in the widest vectors of any instruction set, so that the same ones share a batch on all.
+constexpr std::size_t lanes_together = 8, most_together = 4;
 
-/// Lanes first .. first + lanes of all; lane 0 is the record itself.
-std::vector<Statistic> run(const ResidualPlan& plan, std::uint64_t seed, Eigen::Index first,
-                           Eigen::Index lanes) {
-  Surrogate surrogate(*plan.e, seed, static_cast<std::uint64_t>(first), lanes);
-  ResidualSums sums(plan, lanes);
-  Eigen::ArrayXd residual(lanes);
-  Eigen::ArrayXi state(lanes);
+/// `width` lanes from `first` on; lane 0 is the record itself.
+std::vector<ResidualStatistic> run(const ResidualPlan& plan, std::uint64_t seed, std::size_t first,
+                                   std::size_t width, InstructionSet set) {
+  constexpr std::size_t most_rows = ResidualSums::most_rows;
+  Surrogates surrogates(plan.surrogates, seed, first, width, set);
+  ResidualSums sums(plan, width, residual_kernels(set));
+  const AlignedNumbers residual(most_rows * width), state(most_rows * width);
+  std::size_t row = 0;
   for (const Stretch& s : plan.parts) {
-    surrogate.start();
+    surrogates.start();
     sums.start();
-    for (Eigen::Index k = s.first; k < s.first + s.rows; ++k) {
-      surrogate.read(k, residual, state);
-      if (first == 0) residual[0] = plan.residual[k], state[0] = plan.state[k];
-      sums.add(residual, state);
+    for (const std::size_t end = row + static_cast<std::size_t>(s.rows); row < end;) {
+      const std::size_t rows = std::min(most_rows, end - row);
+      surrogates.read(row, rows, residual.data(), state.data());
+      for (std::size_t k = 0; first == 0 && k < rows; ++k) {
+        residual[k * width] = plan.residual[static_cast<Eigen::Index>(row + k)];
+        state[k * width] = plan.state[static_cast<Eigen::Index>(row + k)];
+      }
+      sums.add(residual.data(), state.data(), rows);
+      row += rows;
     }
   }
   return sums.statistics();
@@ -32,23 +39,25 @@ std::vector<Statistic> run(const ResidualPlan& plan, std::uint64_t seed, Eigen::
 
 }  // namespace
 
-std::vector<Statistic> residual_statistics(const Evidence& e, const std::vector<Filter>& filters,
-                                           Eigen::Index surrogates, std::uint64_t seed, unsigned threads) {
-  const ResidualPlan plan = residual_plan(e, filters);
+std::vector<ResidualStatistic> residual_statistics(const Evidence& e, const std::vector<Filter>& filters,
+                                                   Eigen::Index surrogates, std::uint64_t seed,
+                                                   unsigned threads, InstructionSet set) {
+  const ResidualPlan plan = residual_plan(e, filters, set);
   const Eigen::Index all = surrogates + 1;
-  std::vector<std::vector<Statistic>> batches(
-      static_cast<std::size_t>((all + lanes_at_once - 1) / lanes_at_once));
+  const std::size_t vectors = (static_cast<std::size_t>(all) + lanes_together - 1) / lanes_together;
+  std::vector<std::vector<ResidualStatistic>> batches((vectors + most_together - 1) / most_together);
   parallel_for(batches.size(), threads, [&](std::size_t i) {
-    const Eigen::Index first = static_cast<Eigen::Index>(i) * lanes_at_once;
-    batches[i] = run(plan, seed, first, std::min(lanes_at_once, all - first));
+    const std::size_t first = i * vectors / batches.size(), end = (i + 1) * vectors / batches.size();
+    batches[i] = run(plan, seed, first * lanes_together, (end - first) * lanes_together, set);
   });
-  std::vector<Statistic> joined = batches.front();
+  std::vector<ResidualStatistic> joined = batches.front();
   for (std::size_t s = 0; s < joined.size(); ++s) {
     Eigen::ArrayXd values(all);
     Eigen::Index at = 0;
     for (const auto& batch : batches) {
-      values.segment(at, batch[s].values.size()) = batch[s].values;
-      at += batch[s].values.size();
+      const Eigen::Index lanes = std::min(all - at, batch[s].values.size());
+      values.segment(at, lanes) = batch[s].values.head(lanes);
+      at += lanes;
     }
     joined[s].values = std::move(values);
   }

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "qerr/filter/filter.hpp"
 #include "surrogate.hpp"
 
 namespace qerr {
@@ -14,7 +15,7 @@ enum class Tail {
 };
 
 /// A number that residuals of one encoder are reduced to, of the record and of every surrogate.
-struct Statistic {
+struct ResidualStatistic {
   std::string name;
   Tail tail = Tail::both_sides;
   int degrees = 1;
@@ -34,7 +35,8 @@ struct Statistic {
 /// - velocity_sigma of each of the spec's first derivatives, in Delta ||H||_2/sqrt 12, where the record is
 ///   evenly stamped at its rate.
 /// @param surrogates  how many
-std::vector<Statistic> residual_statistics(const Evidence&, const std::vector<Filter>&,
-                                           Eigen::Index surrogates, std::uint64_t seed, unsigned threads);
+std::vector<ResidualStatistic> residual_statistics(const Evidence&, const std::vector<Filter>&,
+                                                   Eigen::Index surrogates, std::uint64_t seed,
+                                                   unsigned threads, InstructionSet = instruction_set());
 
 }  // namespace qerr

@@ -1,8 +1,12 @@
 #include "scan.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
+#include <vector>
+
+#include "qerr/core/aligned.hpp"
+#include "scan_kernels.hpp"
 
 namespace qerr {
 
@@ -10,43 +14,40 @@ namespace {
 
 constexpr Eigen::Index most_rows = 8192;
 
-/// |sum of scores e^{i rate argument}|^2 over an even part of the rows.
-double power(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double rate) {
-  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows);
-  double sine = 0, cosine = 0;
-  for (Eigen::Index k = 0; k < score.size(); k += stride) {
-    sine += score[k] * std::sin(rate * argument[k]);
-    cosine += score[k] * std::cos(rate * argument[k]);
-  }
-  return sine * sine + cosine * cosine;
+/// An even part of the rows, filled up with some of no score.
+AlignedNumbers part_of(const Eigen::ArrayXd& column, double shift) {
+  const Eigen::Index stride = std::max<Eigen::Index>(1, column.size() / most_rows),
+                     rows = column.size() / stride;
+  constexpr auto together = static_cast<Eigen::Index>(scanned_together);
+  AlignedNumbers part(static_cast<std::size_t>((rows + together - 1) / together * together));
+  for (Eigen::Index k = 0; k < rows; ++k) part[static_cast<std::size_t>(k)] = column[k * stride] - shift;
+  return part;
 }
 
-/// The rate of most power among multiples of a quarter of what the argument's range resolves, then finer.
-double strongest_rate(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double least,
+/// The rate of most power |sum of scores e^{i rate argument}|^2 among multiples of a quarter of what the
+/// argument's range resolves, then finer.
+double strongest_rate(const Eigen::ArrayXd& scores, const Eigen::ArrayXd& arguments, double least,
                       double most) {
-  const double range = argument.maxCoeff() - argument.minCoeff();
+  const double lowest = arguments.minCoeff(), range = arguments.maxCoeff() - lowest;
   if (!(range > 0)) return 0;
   const double spacing = 0.5 * std::numbers::pi / range;
-  // Rates step by step: every row's e^{i rate argument} turns by the same angle each time.
-  const Eigen::Index stride = std::max<Eigen::Index>(1, score.size() / most_rows),
-                     rows = score.size() / stride;
-  Eigen::ArrayXcd phasor(rows), turn(rows);
-  for (Eigen::Index k = 0; k < rows; ++k) {
-    turn[k] = std::polar(1.0, spacing * argument[k * stride]);
-    phasor[k] = score[k * stride] * turn[k];
-  }
-  double best = 0, rate = 0;
-  for (int i = 2; i < scanned_hypotheses; ++i) {
-    phasor *= turn;
-    const double here = i * spacing;
-    if (here < least) continue;
-    if (here > most) break;
-    if (const double p = std::norm(phasor.sum()); p > best) best = p, rate = here;
-  }
+  const double first = std::max(2.0, std::ceil(least / spacing)),
+               last = std::min<double>(scanned_hypotheses - 1, std::floor(most / spacing));
+  if (!(first <= last)) return 0;
+  const ScanKernels& kernels = scan_kernels(instruction_set());
+  // Where the argument begins does not matter to the power, but to the digits of its sine.
+  const AlignedNumbers score = part_of(scores, 0), argument = part_of(arguments, lowest),
+                       angle = part_of(spacing * (arguments - lowest), 0);
+  std::vector<double> powers(static_cast<std::size_t>(last - first) + 1);
+  const AlignedNumbers room(4 * score.size() + 2 * scanned_at_once * 8);
+  kernels.powers(score.data(), angle.data(), score.size(), first, powers.size(), room.data(), powers.data());
+  const auto strongest = std::max_element(powers.begin(), powers.end());
+  double best = *strongest, rate = (first + static_cast<double>(strongest - powers.begin())) * spacing;
   for (double step = spacing / 2; step > spacing / 200; step /= 2)
     for (const double here : {rate - step, rate + step})
-      if (const double p = power(score, argument, here); p > best) best = p, rate = here;
-  return rate;
+      if (const double p = kernels.power(score.data(), argument.data(), score.size(), here); p > best)
+        best = p, rate = here;
+  return best > 0 ? rate : 0;
 }
 
 }  // namespace

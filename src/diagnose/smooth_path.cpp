@@ -66,6 +66,9 @@ double noise_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid
   return least;
 }
 
+/// Whether there are rows enough, at more than one time.
+bool has_path(const Eigen::ArrayXd& time) { return time.size() >= 8 && time[time.size() - 1] > time[0]; }
+
 /// Weights by which samples make the value and the slope of their least-squares polynomial at `at`.
 struct Fit {
   Eigen::VectorXd value, slope;
@@ -166,10 +169,15 @@ class Window {
 
 }  // namespace
 
+double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
+  if (!has_path(time)) return 0;
+  return std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
+}
+
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
   const Eigen::Index n = recorded.size();
-  if (n < 8 || !(time[n - 1] > time[0])) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
-  const double noise = std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
+  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
+  const double noise = noise_of_path(time, recorded, grid);
   const double interval = common_interval(time);
   std::optional<Window> widest;
   for (const Eigen::Index h : half_windows) {

@@ -18,6 +18,9 @@ struct SmoothPath {
 /// @param grid  step of the recorded numbers, the least noise there is [unit]
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid);
 
+/// `noise` of the smooth path alone.
+double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid);
+
 /// Side on which a joint was last pushed, -1 or +1, 0 before its first motion: reversals smaller than
 /// `threshold` are noise.
 Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold);

@@ -11,17 +11,7 @@ namespace {
 
 constexpr std::uint64_t phase_stream = 0x7068617365, noise_stream = 0x6e6f697365;
 
-/// Adding and taking off 1.5 * 2^52 rounds to nearest, without a call and in both halves of a register.
-constexpr double rounds_off = 6755399441055744.0;
-
 constexpr Eigen::Index shortest_rest = 50;
-
-/// Sum of four numbers of 16 bits, to mean 0 and variance 1.
-double normal_like(std::uint64_t z) {
-  constexpr double mean = 4 * 32767.5, sigma = 37837.22783634604;
-  const std::uint64_t pairs = (z & 0x0000ffff0000ffffu) + ((z >> 16) & 0x0000ffff0000ffffu);
-  return (static_cast<double>((pairs & 0xffffffffu) + (pairs >> 32)) - mean) / sigma;
-}
 
 /// Variance of white noise behind two low-passes (1 - a)/(1 - a z^-1).
 double variance_behind(double a) { return (1 - a) * (1 + a * a) / std::pow(1 + a, 3); }
@@ -61,6 +51,23 @@ double kept(const Evidence& e, const Eigen::ArrayXd& path) {
   return std::clamp(1 - taken, 0.03, 1.0);
 }
 
+/// Where the path goes no farther than its own noise: one position, its mean.
+/// @return  readings of the rest that a row is in, 0 in motion
+Eigen::ArrayXi take_rests(Eigen::ArrayXd& path, double reach) {
+  Eigen::ArrayXi rest = Eigen::ArrayXi::Zero(path.size());
+  for (Eigen::Index first = 0, end = 0; first < path.size(); first = end) {
+    double sum = 0;
+    for (end = first; end < path.size(); ++end) {
+      if (end > first && std::abs(path[end] - sum / static_cast<double>(end - first)) > reach) break;
+      sum += path[end];
+    }
+    if (end - first < shortest_rest) continue;
+    path.segment(first, end - first) = sum / static_cast<double>(end - first);
+    rest.segment(first, end - first) = static_cast<int>(end - first);
+  }
+  return rest;
+}
+
 }  // namespace
 
 std::vector<Stretch> stretches(Eigen::Index rows, Eigen::Index most) {
@@ -72,82 +79,67 @@ std::vector<Stretch> stretches(Eigen::Index rows, Eigen::Index most) {
   return all;
 }
 
-Surrogate::Surrogate(const Evidence& e, std::uint64_t seed, std::uint64_t lane, Eigen::Index lanes)
-    : e_(e),
-      noise_(e.noise / e.step()),
-      below_(e.encoder.rounding == Rounding::down ? 0.5 : 0.0),
-      path_(straightened(e)),
-      rest_(Eigen::ArrayXi::Zero(e.rows())),
-      phase_(lanes) {
-  const double part = kept(e, path_);
-  pole_ = pole_that_keeps(part);
-  find_rests(part);
-  for (Eigen::ArrayXd* a : {&first_, &second_, &drawn_, &level_, &x_}) *a = Eigen::ArrayXd::Zero(lanes);
-  for (Eigen::Index i = 0; i < lanes; ++i) {
-    const std::uint64_t number = lane + static_cast<std::uint64_t>(i);
-    state_.push_back(random_bits(seed, number, noise_stream));
-    phase_[i] = e.encoder.zero_known ? 0 : unit_interval(random_bits(seed, number, phase_stream)) - 0.5;
-  }
-}
-
-/// Where the path goes no farther than its own noise: one position, its mean.
-void Surrogate::find_rests(double part) {
-  if (!e_.ordered) return;
-  const double reach = 4 * noise_ * std::sqrt(part);
-  for (Eigen::Index first = 0, end = 0; first < path_.size(); first = end) {
-    double sum = 0;
-    for (end = first; end < path_.size(); ++end) {
-      if (end > first && std::abs(path_[end] - sum / static_cast<double>(end - first)) > reach) break;
-      sum += path_[end];
+SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& parts) {
+  using Rest = SurrogateRow::Rest;
+  Eigen::ArrayXd path = straightened(e);
+  const double part = kept(e, path), noise = e.noise / e.step();
+  const double below = e.encoder.rounding == Rounding::down ? 0.5 : 0.0;
+  const Eigen::ArrayXi rest =
+      e.ordered ? take_rests(path, 4 * noise * std::sqrt(part)) : Eigen::ArrayXi::Zero(path.size());
+  SurrogatePlan plan{{}, {pole_that_keeps(part), noise, e.chance.size() > 0}, e.encoder.zero_known};
+  plan.rows.reserve(parts.size() * static_cast<std::size_t>(parts.front().rows));
+  for (const Stretch& s : parts)
+    for (Eigen::Index k = s.first; k < s.first + s.rows; ++k) {
+      // The whole counts are taken off first, so that rounding keeps its digits far from zero.
+      const double whole = std::floor(path[k]);
+      SurrogateRow row{path[k] - whole - below,
+                       e.reference[k] / e.step() - whole,
+                       0,
+                       0,
+                       Rest::none,
+                       static_cast<std::int32_t>(whole - 4 * std::floor(0.25 * whole))};
+      if (plan.noise.chance) row.chance = e.chance[k] / e.step();
+      if (rest[k] > 0) {
+        // One rest follows another when the joint has moved a little between them.
+        const bool begins = k == s.first || rest[k - 1] == 0 || path[k] != path[k - 1];
+        row.rest = begins ? Rest::begins : Rest::goes_on;
+        row.level = noise / std::sqrt(static_cast<double>(rest[k]));
+      }
+      plan.rows.push_back(row);
     }
-    if (end - first < shortest_rest) continue;
-    path_.segment(first, end - first) = sum / static_cast<double>(end - first);
-    rest_.segment(first, end - first) = static_cast<int>(end - first);
+  return plan;
+}
+
+Surrogates::Surrogates(const SurrogatePlan& plan, std::uint64_t seed, std::uint64_t first, std::size_t width,
+                       InstructionSet set)
+    : plan_(plan),
+      kernels_(residual_kernels(set)),
+      width_(width),
+      generator_(width),
+      phase_(width),
+      first_(width),
+      second_(width),
+      level_(width) {
+  for (std::size_t i = 0; i < width; ++i) {
+    generator_[i] = random_bits(seed, first + i, noise_stream);
+    phase_[i] = plan.zero_known ? 0 : unit_interval(random_bits(seed, first + i, phase_stream)) - 0.5;
   }
 }
 
-/// One step of SplitMix64 a lane.
-void Surrogate::draw_numbers() {
-  for (std::size_t i = 0; i < state_.size(); ++i) {
-    std::uint64_t z = (state_[i] += 0x9E3779B97F4A7C15u);
-    z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-    z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-    drawn_[static_cast<Eigen::Index>(i)] = normal_like(z ^ (z >> 31));
-  }
+SurrogateLanes Surrogates::lanes() {
+  return {generator_.data(), phase_.data(), first_.data(), second_.data(), level_.data()};
 }
 
-void Surrogate::draw() {
-  draw_numbers();
-  first_ = pole_ * first_ + (1 - pole_) * noise_ * drawn_;
-  second_ = pole_ * second_ + (1 - pole_) * first_;
+void Surrogates::start() {
+  for (const AlignedNumbers* a : {&first_, &second_}) std::fill_n(a->data(), width_, 0.0);
+  // Until the noise has forgotten where it began.
+  std::size_t draws = 0;
+  for (double left = 1; left > 1e-2; left *= std::max(plan_.noise.pole, 1e-3)) ++draws;
+  kernels_.draw(plan_.noise, draws, width_, lanes());
 }
 
-void Surrogate::start() {
-  first_.setZero();
-  second_.setZero();
-  resting_ = 0;
-  for (double left = 1; left > 1e-2; left *= std::max(pole_, 1e-3)) draw();
-}
-
-void Surrogate::read(Eigen::Index row, Eigen::ArrayXd& residual, Eigen::ArrayXi& state) {
-  draw();
-  // One rest follows another when the joint has moved a little between them.
-  if (rest_[row] > 0 && (resting_ == 0 || path_[row] != path_[row - 1]))
-    level_ = noise_ / std::sqrt(static_cast<double>(rest_[row])) * drawn_;
-  resting_ = rest_[row];
-  x_ = resting_ > 0 ? level_ : second_;
-  if (e_.chance.size() > 0) {
-    // What the model itself leaves to chance comes before the quantizer.
-    draw_numbers();
-    x_ += e_.chance[row] / e_.step() * drawn_;
-  }
-  // The whole counts are taken off first, so that rounding keeps its digits far from zero.
-  const double whole = std::floor(path_[row]);
-  x_ += (path_[row] - whole - below_) + phase_;
-  residual = (x_ + rounds_off) - rounds_off;
-  const int whole_state = static_cast<int>(std::fmod(whole, 4.0)) + 4;
-  for (Eigen::Index i = 0; i < x_.size(); ++i) state[i] = (whole_state + static_cast<int>(residual[i])) & 3;
-  residual -= phase_ + (e_.reference[row] / e_.step() - whole);
+void Surrogates::read(std::size_t row, std::size_t rows, double* residual, double* state) {
+  kernels_.read(plan_.noise, plan_.rows.data() + row, rows, width_, lanes(), residual, state);
 }
 
 }  // namespace qerr

@@ -2,11 +2,11 @@
 
 #include <Eigen/Core>
 #include <cstdint>
-#include <string>
 #include <vector>
 
+#include "qerr/core/aligned.hpp"
 #include "qerr/diagnose/evidence.hpp"
-#include "qerr/filter/filter.hpp"
+#include "residual_kernels.hpp"
 
 namespace qerr {
 
@@ -19,7 +19,7 @@ struct Stretch {
 /// fewer.
 std::vector<Stretch> stretches(Eigen::Index rows, Eigen::Index most);
 
-/// What an ideal encoder would have read along the path of a record, drawn anew for several lanes at once.
+/// What an ideal encoder would have read along the path of a record: what is the same for every surrogate.
 ///
 /// residual = Q(x + phase) - phase - reference. The reference is what it is, and the true position x under it
 /// is drawn: the path, plus what smoothing may have left in it of the reference's noise, with the variance
@@ -27,30 +27,37 @@ std::vector<Stretch> stretches(Eigen::Index rows, Eigen::Index most);
 /// whatever its course, and what smoothing bent is found in the surrogates as in the record. While a joint
 /// rests, its position is one, known to the noise of the mean. The phase is uniform over a count where the
 /// encoder's zero is free, and nought where it is known: its edges then lie where they lie.
-class Surrogate {
+struct SurrogatePlan {
+  std::vector<SurrogateRow> rows;  ///< of all stretches, one behind the other
+  PathNoise noise;
+  bool zero_known;
+};
+
+SurrogatePlan surrogate_plan(const Evidence&, const std::vector<Stretch>&);
+
+/// Surrogates side by side, drawn anew: lanes first .. first + width - 1 of a seed. A lane is the same
+/// whatever else is drawn.
+class Surrogates {
  public:
-  /// @param lane  of the first; lane i of a seed is the same whatever else is drawn
-  Surrogate(const Evidence&, std::uint64_t seed, std::uint64_t lane, Eigen::Index lanes);
+  /// @param width  a multiple of 8
+  Surrogates(const SurrogatePlan&, std::uint64_t seed, std::uint64_t first, std::size_t width,
+             InstructionSet);
 
   /// To the beginning of a stretch.
   void start();
 
-  /// The next row: residual [counts] of every lane, and the reading's count modulo four.
-  void read(Eigen::Index row, Eigen::ArrayXd& residual, Eigen::ArrayXi& state);
+  /// The next rows, from `row` of the plan on: residuals [counts], and the readings' counts modulo four.
+  /// @param residual, state  [row][lane], aligned to 64 bytes
+  void read(std::size_t row, std::size_t rows, double* residual, double* state);
 
  private:
-  void draw_numbers();
-  void draw();
-  void find_rests(double part);
+  SurrogateLanes lanes();
 
-  const Evidence& e_;
-  double noise_, below_;  // [counts]
-  Eigen::ArrayXd path_;   // [counts]
-  Eigen::ArrayXi rest_;   // readings of the rest that a row is in, 0 in motion
-  double pole_;           // of the two low-passes that make what smoothing left
-  std::vector<std::uint64_t> state_;
-  Eigen::ArrayXd phase_, first_, second_, drawn_, level_, x_;
-  Eigen::Index resting_ = 0;  // the same, of the row before
+  const SurrogatePlan& plan_;
+  const ResidualKernels& kernels_;
+  std::size_t width_;
+  std::vector<std::uint64_t> generator_;
+  AlignedNumbers phase_, first_, second_, level_;
 };
 
 }  // namespace qerr

@@ -131,7 +131,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   const Eigen::ArrayXd time = time_of(log);
   e.tip = log.values(Eigen::all, columns).matrix().transpose();
   for (const Eigen::Index column : columns)
-    if (e.ordered) e.noise = std::max(e.noise, smooth_path(time, log.values.col(column), e.grid).noise);
+    if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.grid));
   e.joints.resize(count, rows);
   e.joint_noise.setZero(count);
   e.to_joints = model.transmission.coupling;
@@ -145,7 +145,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
       const double grid = log.columns[static_cast<std::size_t>(*reference)].step();
       e.joints.row(j) = log.values.col(*reference).matrix().transpose();
       e.joint_noise[j] =
-          e.ordered ? smooth_path(time, log.values.col(*reference), grid).noise : grid / std::sqrt(12.0);
+          e.ordered ? noise_of_path(time, log.values.col(*reference), grid) : grid / std::sqrt(12.0);
       e.to_joints.row(j).setZero();
     } else {
       e.joints.row(j) = measured->matrix().transpose();

@@ -1,0 +1,9 @@
+#include "../lane_residuals.hpp"
+#include "../lane_scan.hpp"
+
+namespace qerr {
+
+const ResidualKernels avx512_residuals = lanes::residual_kernels<8>;
+const ScanKernels avx512_scan = lanes::scan_kernels<8>;
+
+}  // namespace qerr

@@ -1,0 +1,9 @@
+#include "../lane_residuals.hpp"
+#include "../lane_scan.hpp"
+
+namespace qerr {
+
+const ResidualKernels portable_residuals = lanes::residual_kernels<2>;
+const ScanKernels portable_scan = lanes::scan_kernels<2>;
+
+}  // namespace qerr
