@@ -219,6 +219,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
   const bool near_path = shared_ && displace(b.shift);
   RunStatistics::Place place{};
   if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
+  each_ = wanted.each || wanted.squares != Squares::summed;
   PathErrorBatch batch{b.joint,
                        b.joint,
                        b.estimate,
@@ -229,6 +230,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        wanted.rows ? rows_.data() : nullptr,
                        place.tally,
                        place.fresh,
+                       each_,
                        variance_.data(),
                        wanted.squares == Squares::kept ? kept_.data() : nullptr,
                        wanted.squares == Squares::summed ? summed_.data() : nullptr,

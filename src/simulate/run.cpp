@@ -68,7 +68,8 @@ class Runs {
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
         filtered_(rows_at_once * errors_.width()),
-        along_(channels_.coordinates, channels_.encoders, job.stretches) {
+        along_(channels_.coordinates, channels_.encoders, job.stretches),
+        thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
     const SimulationKernels& kernels = simulation_kernels(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
       const bool visited = index == 0 && job.options.visit;
@@ -146,7 +147,7 @@ class Runs {
     for (std::size_t i = 0; one.visited && i < path_.count(); ++i) job_.options.visit(one.sensing.reading(i));
     const bool in_lanes = whole(blocks_);
     errors_(sensed, {!in_lanes || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
-                     in_lanes ? blocks_[0].number : 0});
+                     in_lanes ? blocks_[0].number : 0, !in_lanes || thinned_});
     // The first error stands for all before it: a constant one is no step.
     if (first == 0)
       for (ChannelFilter& filter : one.filters) filter.settle(errors_.rows());
@@ -205,6 +206,7 @@ class Runs {
   AlignedNumbers filtered_;
   AlongPath along_;
   std::size_t stretch_ = 0;   // that squares are summed up of
+  bool thinned_;              // some filter takes one of several samples
   std::vector<Part> blocks_;  // of the batch
   std::vector<One> runs_;
 };

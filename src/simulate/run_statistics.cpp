@@ -66,7 +66,7 @@ void RunStatistics::close(Piece& p) {
       squares += p.tally.squares[i];
       peak = std::max(peak, p.tally.peak[i]);
     }
-    s.join(n, c, p.tally.shift[c] + sum / n, squares - sum * sum / n);
+    s.join(n, c, p.tally.shift[c] + sum / n, std::max(squares - sum * sum / n, 0.0));
     if (c < peak_.size()) peak_[c] = std::max(peak_[c], peak);
   }
   s.count += n;
