@@ -142,9 +142,11 @@ void begin_errors(const PathErrorPlan& p, const ErrorRoom<L>& room) {
 }
 
 /// Estimate minus truth of the pose: positions; the rotation vector of R_hat R^T; Euler angles.
+///
+/// @param near  no joint differs by more than a small turn
 template <class L>
 [[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
-                                              const Frame<L>& truth, L* error) {
+                                              const Frame<L>& truth, bool near, L* error) {
   each_of_three([&](std::size_t k)
                     __attribute__((always_inline)) { error[depth * k] = estimate.o[k] - truth.o[k]; });
   if (!p.rotations && !p.angles) return;
@@ -159,7 +161,8 @@ template <class L>
   }
   L three[3];
   if (p.rotations) {
-    rotation_vector(seen, real, three);
+    rotation_vector(seen, real, near && static_cast<double>(p.chain.count) * SmallTurn<L>::largest < 3,
+                    three);
     each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (3 + k)] = three[k]; });
   }
   if (p.angles) {
@@ -209,11 +212,9 @@ template <class L>
     if (joint.prismatic) {
       moved[k].sine = fma(joint.multiplier, seen, broadcast<L>(joint.offset));
     } else if (joint.turns) {
-      const L d2 = d * d;
-      const L sine = fma(d * d2, fma(d2, 1.0 / 120, broadcast<L>(-1.0 / 6)), d);
-      const L less = d2 * fma(d2, 1.0 / 24, broadcast<L>(-0.5));  // than 1: the cosine
-      moved[k] = turned_on(moved[k], sine, less);
-      far |= ~(abs(d) <= small_turn);
+      const SmallTurn<L> by(d);
+      moved[k] = turned_on(moved[k], by.sine, by.less);
+      far |= ~(abs(d) <= SmallTurn<L>::largest);
     }
   }
   return !any<L>(far);
@@ -233,16 +234,16 @@ template <class L>
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },
       KeepColumns<L>{room.joints(i)});
-  if (!move_on(p.chain, b.joint + at, b.estimate + at, room.moved))
-    motions(p.chain, b.estimate + at, batch_size, room.moved);
+  const bool near = move_on(p.chain, b.joint + at, b.estimate + at, room.moved);
+  if (!near) motions(p.chain, b.estimate + at, batch_size, room.moved);
   const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
   if (p.mixed || p.angles) mix_columns(p, i, room);
   if (p.angles) turn_angles(p, modelled, i, room);
   if (p.as_modelled)
-    pose_error(p, estimate, modelled, room.pose + i);
+    pose_error(p, estimate, modelled, near, room.pose + i);
   else
     pose_error(p, estimate, walk<L>(p.built, b.built_joint + at, batch_size, room.moved, PassBy{}, PassBy{}),
-               room.pose + i);
+               false, room.pose + i);
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const std::size_t from = e * batch_size + at;
     room.missed[depth * e + i] =

@@ -204,13 +204,10 @@ void PathErrors::share(const PathBatch& path) {
 bool PathErrors::displace(const double* shift) {
   turns_.clear();
   for (const FoldedJoint& joint : chain_.joints) {
-    const double d = joint.multiplier * shift[joint.coordinate], d2 = d * d;
-    if (joint.prismatic) {
-      turns_.push_back({d, 0});
-      continue;
-    }
-    if (!(std::abs(d) <= small_turn)) return false;
-    turns_.push_back({d + d * d2 * (d2 / 120 - 1.0 / 6), d2 * (d2 / 24 - 0.5)});
+    const double d = joint.multiplier * shift[joint.coordinate];
+    if (!joint.prismatic && !(std::abs(d) <= Displacement::largest)) return false;
+    turns_.emplace_back(d);
+    if (joint.prismatic) turns_.back().sine = d;
   }
   return true;
 }

@@ -102,9 +102,7 @@ PathBatch::PathBatch(const Motion& motion, InstructionSet set)
 void PathBatch::at(std::uint64_t first, std::size_t count) {
   first_ = first;
   count_ = count;
-  const auto start = static_cast<double>(first);
-  for (std::size_t i = 0; i < batch_size; ++i)
-    time_[i] = (start + static_cast<double>(static_cast<int>(std::min(i, count - 1)))) / sample_rate_;
+  simulation_kernels(set_).times(static_cast<double>(first), count, sample_rate_, time_.data());
   for (std::size_t joint = 0; joint < path_.joints(); ++joint)
     path_.positions(joint, time_.data(), joints_.data() + joint * batch_size, set_);
 }
