@@ -103,9 +103,10 @@ struct PathErrorBatch {
                               ///< or null
   const ChannelTally* tally;  ///< of those channels in lanes of instants, the peak of the error; or null
   bool fresh;                 ///< nothing has been added to the tally yet: it needs its shifts
-  bool each;                  ///< squares are wanted of each instant, not only their sum over the batch
+  bool bounds_only;           ///< of all that follows `rigorous` and `deviation` alone are wanted
+  bool each;                  ///< the variance is wanted of each instant, not only its sum over the batch
   double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders; or a vector of sums
-  double* squares;            ///< [encoder][coordinate], added to: (J C Delta)^2; or null; only if `each`
+  double* squares;            ///< [encoder][coordinate], added to: (J C Delta)^2; or null
   double* summed;             ///< the same, a vector of sums of each; or null
   double* rigorous;           ///< [coordinate]: largest bound so far
   double* deviation;          ///< [coordinate]: and of the difference from the mean at the centre

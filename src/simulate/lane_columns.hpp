@@ -234,11 +234,12 @@ template <class L>
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },
       KeepColumns<L>{room.joints(i)});
+  if (p.mixed || p.angles) mix_columns(p, i, room);
+  if (p.angles) turn_angles(p, modelled, i, room);
+  if (b.bounds_only) return;
   const bool near = move_on(p.chain, b.joint + at, b.estimate + at, room.moved);
   if (!near) motions(p.chain, b.estimate + at, batch_size, room.moved);
   const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
-  if (p.mixed || p.angles) mix_columns(p, i, room);
-  if (p.angles) turn_angles(p, modelled, i, room);
   if (p.as_modelled)
     pose_error(p, estimate, modelled, near, room.pose + i);
   else

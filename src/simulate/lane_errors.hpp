@@ -10,7 +10,7 @@ namespace {
 template <bool rows_, bool each_>
 struct Wanted {
   static constexpr bool rows = rows_;  ///< PathErrorBatch::rows may be wanted; a tally alone if not
-  static constexpr bool each = each_;  ///< squares instant by instant
+  static constexpr bool each = each_;  ///< PathErrorBatch::each
 };
 
 /// Differences of a channel at these instants from its shift into the tally.
@@ -67,23 +67,21 @@ template <class Wanted, class L>
 [[gnu::always_inline]] inline void add_squares(const PathErrorBatch& b, std::size_t k, std::size_t at,
                                                const L (&weighted)[depth], Linear<L>& all) {
   constexpr auto lanes = lane_count<L>;
-  if constexpr (Wanted::each) {
-    L sum{};
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) {
-      const L square = weighted[i] * weighted[i];
-      all.squares[i] += square;
-      sum += square;
-      double* const to = b.squares + k * batch_size + at + i * lanes;
-      if (b.squares) store(to, load<L>(to) + square);
-    }
-    if (b.summed) store(b.summed + k * lanes, load<L>(b.summed + k * lanes) + sum);
-  } else {
-    L sum = weighted[0] * weighted[0];
+  L sum = weighted[0] * weighted[0];
 #pragma GCC unroll 3
-    for (std::size_t i = 1; i < depth; ++i) sum = fma(weighted[i], weighted[i], sum);
+  for (std::size_t i = 1; i < depth; ++i) sum = fma(weighted[i], weighted[i], sum);
+  if constexpr (Wanted::each) {
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < depth; ++i) all.squares[i] = fma(weighted[i], weighted[i], all.squares[i]);
+  } else {
     all.squares[0] += sum;
-    store(b.summed + k * lanes, load<L>(b.summed + k * lanes) + sum);
+  }
+  if (b.summed) store(b.summed + k * lanes, load<L>(b.summed + k * lanes) + sum);
+  if (b.squares) {
+    double* const to = b.squares + k * batch_size + at;
+#pragma GCC unroll 4
+    for (std::size_t i = 0; i < depth; ++i)
+      store(to + i * lanes, fma(weighted[i], weighted[i], load<L>(to + i * lanes)));
   }
 }
 
@@ -251,6 +249,21 @@ template <class Wanted, class L>
   for (std::size_t c = 0; c < p.coordinates; ++c) add_coordinate<Wanted>(p, b, c, at, unbounded, room);
 }
 
+/// The bounds alone.
+template <class L>
+[[gnu::noinline]] void bound_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
+                                         const ErrorRoom<L>& room) {
+  for (std::size_t c = 0; c < p.coordinates; ++c) {
+    Linear<L> linear{};
+    for (std::size_t e = 0; e < p.encoders; ++e) {
+      const L* const column = column_of(room, e) + p.rows[c];
+#pragma GCC unroll 4
+      for (std::size_t i = 0; i < depth; ++i) linear.sizes[i] += abs(column[i * next_vector(room)]);
+    }
+    bound_errors(p, b, c, at, linear, room);
+  }
+}
+
 /// Errors of a batch of instants: of the pose, and what the Jacobian makes of those of the encoders
 /// (operational_error).
 template <class L>
@@ -259,10 +272,11 @@ void errors(const PathErrorPlan& p, const PathErrorBatch& b) {
   const ErrorRoom<L> room = furnished<L>(p, b.room);
   begin_errors(p, room);
   const bool summed_up = b.tally && !b.rows;
-  auto* const add =
-      summed_up ? b.each ? add_coordinates<Wanted<false, true>, L> : add_coordinates<Wanted<false, false>, L>
-      : b.each ? add_coordinates<Wanted<true, true>, L>
-                : add_coordinates<Wanted<true, false>, L>;
+  auto* const add = b.bounds_only ? bound_coordinates<L>
+                    : summed_up   ? b.each ? add_coordinates<Wanted<false, true>, L>
+                                           : add_coordinates<Wanted<false, false>, L>
+                      : b.each ? add_coordinates<Wanted<true, true>, L>
+                                  : add_coordinates<Wanted<true, false>, L>;
   for (std::size_t at = 0; at < batch_size; at += depth * lanes) {
     for (std::size_t i = 0; i < depth; ++i) move_tip(p, b, at + i * lanes, i, room);
     add(p, b, at, room);

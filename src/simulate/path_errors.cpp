@@ -216,7 +216,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
   const bool near_path = shared_ && displace(b.shift);
   RunStatistics::Place place{};
   if (wanted.statistics) place = wanted.statistics->place(batch_size, wanted.block);
-  each_ = wanted.each || wanted.squares != Squares::summed;
+  each_ = wanted.each;
   PathErrorBatch batch{b.joint,
                        b.joint,
                        b.estimate,
@@ -227,6 +227,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        wanted.rows ? rows_.data() : nullptr,
                        place.tally,
                        place.fresh,
+                       !wanted.rows && !wanted.statistics && wanted.squares == Squares::dropped,
                        each_,
                        variance_.data(),
                        wanted.squares == Squares::kept ? kept_.data() : nullptr,

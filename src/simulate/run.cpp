@@ -145,9 +145,9 @@ class Runs {
     const std::uint64_t first = path_.first();
     const SensedBatch& sensed = one.sensing.sense(path_);
     for (std::size_t i = 0; one.visited && i < path_.count(); ++i) job_.options.visit(one.sensing.reading(i));
-    const bool in_lanes = whole(blocks_);
-    errors_(sensed, {!in_lanes || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
-                     in_lanes ? blocks_[0].number : 0, !in_lanes || thinned_});
+    const bool in_lanes = whole(blocks_), in_rows = !in_lanes && !blocks_.empty();
+    errors_(sensed, {in_rows || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
+                     in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error stands for all before it: a constant one is no step.
     if (first == 0)
       for (ChannelFilter& filter : one.filters) filter.settle(errors_.rows());

@@ -51,6 +51,8 @@ RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t bl
 void RunStatistics::finish() {
   close(rows_);
   close(instants_);
+  rows_ = {};  // many runs wait to be joined
+  instants_ = {};
 }
 
 /// The piece into its block; it is empty afterwards.
