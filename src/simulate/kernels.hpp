@@ -76,14 +76,21 @@ struct ChannelTally {
   double *shift, *sum, *squares, *peak;
 };
 
-/// How far a run is displaced along a joint: the sine of the angle and its cosine less 1, or the slide.
-struct Displacement {
-  double sine, less;
+/// Sine and cosine less 1 of a small angle, in numbers or lanes: the next terms are below 5e-18.
+template <class Number>
+struct SmallTurn {
+  static constexpr double largest = 0x1p-8;  ///< [rad]
+  Number sine, less;
+
+  [[gnu::always_inline]] explicit SmallTurn(const Number& angle) {
+    const Number square = angle * angle;
+    sine = angle + angle * square * (square * (1.0 / 120) - 1.0 / 6);
+    less = square * (square * (1.0 / 24) - 0.5);
+  }
 };
 
-/// Largest angle by which joints are moved on from where their sine and cosine are known [rad]: the next
-/// terms of the series that do it are below 5e-18.
-inline constexpr double small_turn = 0x1p-8;
+/// How far a run is displaced along a joint: the turn, or the slide in place of its sine.
+using Displacement = SmallTurn<double>;
 
 /// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
 /// rows.
@@ -96,7 +103,9 @@ struct PathErrorBatch {
                               ///< or null
   const ChannelTally* tally;  ///< of those channels in lanes of instants, the peak of the error; or null
   bool fresh;                 ///< nothing has been added to the tally yet: it needs its shifts
-  double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders
+  bool bounds_only;           ///< of all that follows `rigorous` and `deviation` alone are wanted
+  bool each;                  ///< the variance is wanted of each instant, not only its sum over the batch
+  double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders; or a vector of sums
   double* squares;            ///< [encoder][coordinate], added to: (J C Delta)^2; or null
   double* summed;             ///< the same, a vector of sums of each; or null
   double* rigorous;           ///< [coordinate]: largest bound so far
@@ -120,6 +129,8 @@ inline constexpr std::size_t lags_at_once = 32;
 struct SimulationKernels {
   std::size_t lanes;
   std::size_t (*errors_room)(const PathErrorPlan&);  ///< numbers
+  /// (first + i)/rate at 64 instants i, but those from `count` on are that of the last one before.
+  void (*times)(double first, std::size_t count, double rate, double* to);
   void (*positions)(const SmoothPath&, const double* time, double* to);
   /// A row of 64 instants and a shift.
   void (*displace)(const double* row, double shift, double* to);

@@ -17,9 +17,10 @@ struct ErrorRoom {
   SineCosine<L>* moved;      // [moving joint]
   JointRoom<L>* columns;     // [depth][columns]: of the joints, then of errors that have one of their own
   std::size_t columns_each;  // of a vector of instants
+  std::size_t* column_at;    // [error]: vectors from the first column to the error's
   L* missed;                 // [encoder][depth]: its error over its resolution
   L* pose;                   // [9][depth]: error of the pose
-  L* channels;               // [width][depth]
+  L* channels;               // [width][depth]; behind the last channel they stay 0
   Bits<L>* unbounded;        // [depth]: where roll and yaw have no bounded rate
 
   JointRoom<L>* joints(std::size_t i) const { return columns + i * columns_each; }
@@ -40,7 +41,7 @@ template <class L>
 std::size_t errors_room(const PathErrorPlan& p) {
   return joints_of(p) * (sizeof(SineCosine<L>) / sizeof(double)) +
          depth * columns_of(p) * (sizeof(JointRoom<L>) / sizeof(double)) +
-         depth * (p.encoders + 9 + p.width + 1) * lane_count<L>;
+         depth * (p.encoders + 9 + p.width + 1) * lane_count<L> + p.encoders + p.sources;
 }
 
 template <class L>
@@ -53,16 +54,15 @@ ErrorRoom<L> furnished(const PathErrorPlan& p, double* room) {
   r.pose = r.missed + depth * p.encoders;
   r.channels = r.pose + depth * 9;
   r.unbounded = reinterpret_cast<Bits<L>*>(r.channels + depth * p.width);
+  r.column_at = reinterpret_cast<std::size_t*>(r.unbounded + depth);
   return r;
 }
 
 /// The rows of an error's column at the first of the vectors of instants, 0..5 of the Jacobian, 6..8 of Euler
-/// angles; what is `columns_each` further on is of the next one.
+/// angles; what is `next_vector` further on is of the next one.
 template <class L>
-[[gnu::always_inline]] inline L* column_of(const PathErrorPlan& p, const ErrorRoom<L>& room, std::size_t e) {
-  const ErrorColumn& column = p.columns[e];
-  const bool joints_own = column.direct && !p.angles;
-  return reinterpret_cast<L*>(room.columns + (joints_own ? p.parts[column.first].joint : joints_of(p) + e));
+[[gnu::always_inline]] inline L* column_of(const ErrorRoom<L>& room, std::size_t e) {
+  return reinterpret_cast<L*>(room.columns) + room.column_at[e];
 }
 
 /// From a row of a column to that of the next vector of instants.
@@ -84,7 +84,7 @@ template <class L>
 #pragma GCC unroll 6
       for (int row = 0; row < 6; ++row) sum[row] = fma(p.parts[k].factor, joint[row], sum[row]);
     }
-    L* const to = column_of(p, room, e) + i * next_vector(room);
+    L* const to = column_of(room, e) + i * next_vector(room);
 #pragma GCC unroll 6
     for (int row = 0; row < 6; ++row) to[row] = sum[row];
   }
@@ -98,7 +98,7 @@ template <class L>
     const ErrorColumn& source = p.columns[s];
     if (!source.origin || source.link != link) continue;
     const double* d = source.direction;
-    L* const to = column_of(p, room, s) + vector * next_vector(room);
+    L* const to = column_of(room, s) + vector * next_vector(room);
     each_of_three([&](int i) __attribute__((always_inline)) {
       to[i] = fma(d[2], f.z[i], fma(d[1], f.y[i], d[0] * f.x[i]));
       to[3 + i] = L{};
@@ -113,7 +113,7 @@ template <class L>
   const EulerRates<L> rates = euler_rates(axes_of(tip, p.chain.tip_axes).x);
   room.unbounded[i] = rates.unbounded;
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
-    L* const column = column_of(p, room, e) + i * next_vector(room);
+    L* const column = column_of(room, e) + i * next_vector(room);
 #pragma GCC unroll 3
     for (int angle = 0; angle < 3; ++angle) column[6 + angle] = rates.along(angle, column + 3);
   }
@@ -129,17 +129,24 @@ template <class L>
 /// What is the same at all instants.
 template <class L>
 void begin_errors(const PathErrorPlan& p, const ErrorRoom<L>& room) {
+  for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
+    const ErrorColumn& column = p.columns[e];
+    const bool joints_own = column.direct && !p.angles;
+    room.column_at[e] =
+        (joints_own ? p.parts[column.first].joint : joints_of(p) + e) * (sizeof(JointRoom<L>) / sizeof(L));
+  }
   for (std::size_t i = 0; i < depth; ++i) {
     begin_columns(p.chain, p.scale, room.joints(i));
     if (p.sources > 0) shift_origins(p, 0, base_frame<L>(), i, room);
   }
-  for (std::size_t k = 0; k < depth * p.width; ++k) room.channels[k] = L{};
 }
 
 /// Estimate minus truth of the pose: positions; the rotation vector of R_hat R^T; Euler angles.
+///
+/// @param near  no joint differs by more than a small turn
 template <class L>
 [[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
-                                              const Frame<L>& truth, L* error) {
+                                              const Frame<L>& truth, bool near, L* error) {
   each_of_three([&](std::size_t k)
                     __attribute__((always_inline)) { error[depth * k] = estimate.o[k] - truth.o[k]; });
   if (!p.rotations && !p.angles) return;
@@ -154,7 +161,8 @@ template <class L>
   }
   L three[3];
   if (p.rotations) {
-    rotation_vector(seen, real, three);
+    rotation_vector(seen, real, near && static_cast<double>(p.chain.count) * SmallTurn<L>::largest < 3,
+                    three);
     each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (3 + k)] = three[k]; });
   }
   if (p.angles) {
@@ -204,11 +212,9 @@ template <class L>
     if (joint.prismatic) {
       moved[k].sine = fma(joint.multiplier, seen, broadcast<L>(joint.offset));
     } else if (joint.turns) {
-      const L d2 = d * d;
-      const L sine = fma(d * d2, fma(d2, 1.0 / 120, broadcast<L>(-1.0 / 6)), d);
-      const L less = d2 * fma(d2, 1.0 / 24, broadcast<L>(-0.5));  // than 1: the cosine
-      moved[k] = turned_on(moved[k], sine, less);
-      far |= ~(abs(d) <= small_turn);
+      const SmallTurn<L> by(d);
+      moved[k] = turned_on(moved[k], by.sine, by.less);
+      far |= ~(abs(d) <= SmallTurn<L>::largest);
     }
   }
   return !any<L>(far);
@@ -228,16 +234,17 @@ template <class L>
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },
       KeepColumns<L>{room.joints(i)});
-  if (!move_on(p.chain, b.joint + at, b.estimate + at, room.moved))
-    motions(p.chain, b.estimate + at, batch_size, room.moved);
-  const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
   if (p.mixed || p.angles) mix_columns(p, i, room);
   if (p.angles) turn_angles(p, modelled, i, room);
+  if (b.bounds_only) return;
+  const bool near = move_on(p.chain, b.joint + at, b.estimate + at, room.moved);
+  if (!near) motions(p.chain, b.estimate + at, batch_size, room.moved);
+  const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
   if (p.as_modelled)
-    pose_error(p, estimate, modelled, room.pose + i);
+    pose_error(p, estimate, modelled, near, room.pose + i);
   else
     pose_error(p, estimate, walk<L>(p.built, b.built_joint + at, batch_size, room.moved, PassBy{}, PassBy{}),
-               room.pose + i);
+               false, room.pose + i);
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const std::size_t from = e * batch_size + at;
     room.missed[depth * e + i] =

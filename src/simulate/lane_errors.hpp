@@ -1,92 +1,10 @@
 #pragma once
 
-#include "lane_columns.hpp"
+#include "lane_linear.hpp"
 #include "lane_rows.hpp"
 
 namespace qerr::lanes {
 namespace {
-
-/// Takes a channel at these instants into the tally, and keeps it for the rows.
-template <class L>
-[[gnu::always_inline]] inline void add_channel(const PathErrorBatch& b, const ErrorRoom<L>& room,
-                                               std::size_t channel, bool fresh, const L (&value)[depth]) {
-  if (b.rows) {
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) room.channels[depth * channel + i] = value[i];
-  }
-  if (!b.tally) return;
-  constexpr auto lanes = lane_count<L>;
-  const ChannelTally& t = *b.tally;
-  if (fresh) t.shift[channel] = value[0][0];
-  const L shift = broadcast<L>(t.shift[channel]);
-  L sum = load<L>(t.sum + channel * lanes), squares = load<L>(t.squares + channel * lanes);
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) {
-    const L off = value[i] - shift;
-    sum += off;
-    squares = fma(off, off, squares);
-  }
-  store(t.sum + channel * lanes, sum);
-  store(t.squares + channel * lanes, squares);
-}
-
-template <class L>
-[[gnu::always_inline]] inline void add_peak(const ChannelTally& t, std::size_t channel,
-                                            const L (&value)[depth]) {
-  L peak = load<L>(t.peak + channel * lane_count<L>);
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) peak = max(abs(value[i]), peak);
-  store(t.peak + channel * lane_count<L>, peak);
-}
-
-/// What the encoders do to one coordinate at these instants.
-template <class L>
-struct Linear {
-  L error[depth], sizes[depth], squares[depth];  ///< sums over the encoders
-};
-
-/// (J C Delta)^2 of coordinate and encoder k.
-template <class L>
-[[gnu::always_inline]] inline void add_squares(const PathErrorBatch& b, std::size_t k, std::size_t at,
-                                               const L (&weighted)[depth], const L (&square)[depth]) {
-  constexpr auto lanes = lane_count<L>;
-  if (b.summed) {
-    double* const to = b.summed + k * lanes;
-    // From the factors: units that multiply have more time left than those that add.
-    const L half = fma(weighted[1], weighted[1], square[0]), other = fma(weighted[3], weighted[3], square[2]);
-    store(to, load<L>(to) + (half + other));
-  }
-  if (b.squares) {
-    double* const to = b.squares + k * batch_size + at;
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) store(to + i * lanes, load<L>(to + i * lanes) + square[i]);
-  }
-}
-
-template <bool bounded, class L>
-[[gnu::always_inline]] inline Linear<L> linear_errors(const PathErrorPlan& p, const PathErrorBatch& b,
-                                                      std::size_t c, std::size_t at,
-                                                      const ErrorRoom<L>& room) {
-  Linear<L> all{};
-  for (std::size_t e = 0; e < p.encoders; ++e) {
-    const L* const column = column_of(p, room, e) + p.rows[c];
-    L weighted[depth], part[depth], square[depth];
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) {
-      const L missed = room.missed[depth * e + i];
-      weighted[i] = column[i * next_vector(room)];
-      if (!bounded) weighted[i] = room.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted[i];
-      part[i] = weighted[i] * missed;
-      square[i] = weighted[i] * weighted[i];
-      all.sizes[i] += abs(weighted[i]);
-      all.error[i] = fma(weighted[i], missed, all.error[i]);
-      all.squares[i] += square[i];
-    }
-    add_channel(b, room, p.coordinates * (2 + e) + c, b.fresh && at == 0, part);
-    add_squares(b, e * p.coordinates + c, at, weighted, square);
-  }
-  return all;
-}
 
 /// The mean of the errors in a coordinate at the i-th vector of instants; adds to `worst` what the sources
 /// and the mean do.
@@ -97,7 +15,7 @@ template <class L>
   if (!p.biased && p.sources == 0) return mean;
   const std::size_t row = static_cast<std::size_t>(p.rows[c]) + i * next_vector(room);
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
-    const L along = column_of(p, room, e)[row];
+    const L along = column_of(room, e)[row];
     mean = fma(p.columns[e].mean, along, mean);
     if (e >= p.encoders) worst = fma(p.columns[e].half_width, abs(along), worst);
   }
@@ -113,7 +31,7 @@ template <class L>
   for (std::size_t i = 0; i < depth; ++i) {
     L worst{};
     for (std::size_t e = 0; e < p.encoders; ++e)
-      worst += 0.5 * abs(column_of(p, room, e)[static_cast<std::size_t>(p.rows[c]) + i * next_vector(room)]);
+      worst += 0.5 * abs(column_of(room, e)[static_cast<std::size_t>(p.rows[c]) + i * next_vector(room)]);
     const L mean = mean_error(p, c, i, room, worst);
     L bound = min(worst + p.rotation, broadcast<L>(p.rotation_angle));
     if (p.rows[c] < 3) bound = worst + p.remainder + weighted_arms(p.chain, p.per_column, room.joints(i));
@@ -153,25 +71,43 @@ template <class L>
 }
 
 /// All channels of one coordinate at `depth` vectors of instants, those from `at`.
-template <class L>
+template <class Wanted, class L>
 [[gnu::always_inline]] inline void add_coordinate(const PathErrorPlan& p, const PathErrorBatch& b,
                                                   std::size_t c, std::size_t at, bool unbounded,
                                                   const ErrorRoom<L>& room) {
-  const bool fresh = b.fresh && at == 0;
   const auto row = static_cast<std::size_t>(p.rows[c]);
   L exact[depth];
 #pragma GCC unroll 4
   for (std::size_t i = 0; i < depth; ++i) exact[i] = room.pose[depth * row + i];
-  add_channel(b, room, c, fresh, exact);
+  add_channel(b, room, c, b.fresh && at == 0, exact);
   if (b.tally) add_peak(*b.tally, c, exact);
   const bool bounded = !unbounded || row < 6 || row == 7;
-  const Linear<L> linear =
-      bounded ? linear_errors<true>(p, b, c, at, room) : linear_errors<false>(p, b, c, at, room);
-  add_channel(b, room, p.coordinates + c, fresh, linear.error);
-#pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i)
-    store(b.variance + c * batch_size + at + i * lane_count<L>, linear.squares[i]);
+  const Linear<L> linear = bounded ? linear_errors<true, Wanted>(p, b, c, at, room)
+                                   : linear_errors<false, Wanted>(p, b, c, at, room);
+  add_linear<Wanted>(p, b, c, at, room, linear);
   bound_errors(p, b, c, at, linear, room);
+}
+
+template <class Wanted, class L>
+[[gnu::noinline]] void add_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
+                                       const ErrorRoom<L>& room) {
+  const bool unbounded = any_unbounded(p, room);
+  for (std::size_t c = 0; c < p.coordinates; ++c) add_coordinate<Wanted>(p, b, c, at, unbounded, room);
+}
+
+/// The bounds alone.
+template <class L>
+[[gnu::noinline]] void bound_coordinates(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t at,
+                                         const ErrorRoom<L>& room) {
+  for (std::size_t c = 0; c < p.coordinates; ++c) {
+    Linear<L> linear{};
+    for (std::size_t e = 0; e < p.encoders; ++e) {
+      const L* const column = column_of(room, e) + p.rows[c];
+#pragma GCC unroll 4
+      for (std::size_t i = 0; i < depth; ++i) linear.sizes[i] += abs(column[i * next_vector(room)]);
+    }
+    bound_errors(p, b, c, at, linear, room);
+  }
 }
 
 /// Errors of a batch of instants: of the pose, and what the Jacobian makes of those of the encoders
@@ -181,10 +117,15 @@ void errors(const PathErrorPlan& p, const PathErrorBatch& b) {
   constexpr auto lanes = lane_count<L>;
   const ErrorRoom<L> room = furnished<L>(p, b.room);
   begin_errors(p, room);
+  const bool summed_up = b.tally && !b.rows;
+  auto* const add = b.bounds_only ? bound_coordinates<L>
+                    : summed_up   ? b.each ? add_coordinates<Wanted<false, true>, L>
+                                           : add_coordinates<Wanted<false, false>, L>
+                      : b.each ? add_coordinates<Wanted<true, true>, L>
+                                  : add_coordinates<Wanted<true, false>, L>;
   for (std::size_t at = 0; at < batch_size; at += depth * lanes) {
     for (std::size_t i = 0; i < depth; ++i) move_tip(p, b, at + i * lanes, i, room);
-    const bool unbounded = any_unbounded(p, room);
-    for (std::size_t c = 0; c < p.coordinates; ++c) add_coordinate(p, b, c, at, unbounded, room);
+    add(p, b, at, room);
     for (std::size_t i = 0; b.rows && i < depth; ++i)
       into_rows<L>(reinterpret_cast<const double*>(room.channels + i), depth * lanes, p.width,
                    b.rows + (at + i * lanes) * p.width);

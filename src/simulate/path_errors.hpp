@@ -31,6 +31,7 @@ class PathErrors {
     Squares squares = Squares::kept;
     RunStatistics* statistics = nullptr;  ///< to which all instants are added, in
     std::uint64_t block = 0;
+    bool each = true;  ///< the variances of single instants too, not only those of the batch
   };
 
   /// Several runs follow along this path: what they share is worked out once. Until the next call.
@@ -45,9 +46,10 @@ class PathErrors {
   const double* rows() const { return rows_.data(); }
 
   /// The sum over the instants first .. last - 1 of the last batch, and over all encoders, of (J C Delta)^2.
+  /// @pre they are all of the batch, or those of each were wanted
   double variance(Eigen::Index coordinate, std::size_t first, std::size_t last) const {
-    return kernels_.sum_between(variance_.data() + static_cast<std::size_t>(coordinate) * batch_size, first,
-                                last);
+    const double* const of = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
+    return each_ ? kernels_.sum_between(of, first, last) : kernels_.sum_between(of, 0, kernels_.lanes);
   }
 
   /// Adds the squares that were summed up since the last call to those of a stretch.
@@ -83,7 +85,7 @@ class PathErrors {
   std::vector<ColumnPart> parts_;
   std::vector<int> coordinates_;
   PathErrorPlan plan_{};
-  bool shared_ = false;
+  bool shared_ = false, each_ = true;
   AlignedNumbers path_sines_;
   std::vector<Displacement> turns_;
   AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, room_;

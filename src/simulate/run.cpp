@@ -37,13 +37,14 @@ struct Part {
 };
 
 /// The parts that samples first .. first + count - 1 lie in, of `parts` equal ones behind the settling.
-std::vector<Part> parts_of(const Job& job, std::uint64_t first, std::size_t count, std::uint64_t parts) {
+void find_parts(const Job& job, std::uint64_t first, std::size_t count, std::uint64_t parts,
+                std::vector<Part>& all) {
   const auto number = [&](std::size_t i) {
     const double progress = (static_cast<double>(first + i) - static_cast<double>(job.settling)) /
                             static_cast<double>(job.samples - job.settling);
     return static_cast<std::size_t>(progress * static_cast<double>(parts));
   };
-  std::vector<Part> all;
+  all.clear();
   std::size_t from = job.settling > first ? std::min<std::size_t>(job.settling - first, count) : 0;
   while (from < count) {
     const std::size_t here = number(from);
@@ -53,7 +54,6 @@ std::vector<Part> parts_of(const Job& job, std::uint64_t first, std::size_t coun
     all.push_back({from, to, here});
     from = to;
   }
-  return all;
 }
 
 bool whole(const std::vector<Part>& parts) {
@@ -68,7 +68,8 @@ class Runs {
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
         filtered_(rows_at_once * errors_.width()),
-        along_(channels_.coordinates, channels_.encoders, job.stretches) {
+        along_(channels_.coordinates, channels_.encoders, job.stretches),
+        thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
     const SimulationKernels& kernels = simulation_kernels(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
       const bool visited = index == 0 && job.options.visit;
@@ -91,14 +92,14 @@ class Runs {
     for (std::uint64_t first = 0; first < job_.samples; first += batch_size) {
       path_.at(first, static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first)));
       if (runs_.size() > 1) errors_.share(path_);
-      blocks_ = parts_of(job_, first, path_.count(), job_.blocks);
-      const std::vector<Part> stretches = parts_of(job_, first, path_.count(), job_.stretches);
-      const PathErrors::Squares squares = squares_of(stretches);
+      find_parts(job_, first, path_.count(), job_.blocks, blocks_);
+      find_parts(job_, first, path_.count(), job_.stretches, stretches_);
+      const PathErrors::Squares squares = squares_of(stretches_);
       for (One& one : runs_) {
         step(one, squares);
         if (first % tick_samples == 0) tick();
       }
-      add_squares(squares, stretches);
+      add_squares(squares, stretches_);
     }
     errors_.take_summed(along_.squares(stretch_));
     along_.bound_by(errors_.rigorous(), errors_.deviation());
@@ -144,9 +145,9 @@ class Runs {
     const std::uint64_t first = path_.first();
     const SensedBatch& sensed = one.sensing.sense(path_);
     for (std::size_t i = 0; one.visited && i < path_.count(); ++i) job_.options.visit(one.sensing.reading(i));
-    const bool in_lanes = whole(blocks_);
-    errors_(sensed, {!in_lanes || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
-                     in_lanes ? blocks_[0].number : 0});
+    const bool in_lanes = whole(blocks_), in_rows = !in_lanes && !blocks_.empty();
+    errors_(sensed, {in_rows || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
+                     in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error stands for all before it: a constant one is no step.
     if (first == 0)
       for (ChannelFilter& filter : one.filters) filter.settle(errors_.rows());
@@ -204,8 +205,9 @@ class Runs {
   PathErrors errors_;
   AlignedNumbers filtered_;
   AlongPath along_;
-  std::size_t stretch_ = 0;   // that squares are summed up of
-  std::vector<Part> blocks_;  // of the batch
+  std::size_t stretch_ = 0;               // that squares are summed up of
+  bool thinned_;                          // some filter takes one of several samples
+  std::vector<Part> blocks_, stretches_;  // of the batch
   std::vector<One> runs_;
 };
 

@@ -51,6 +51,8 @@ RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t bl
 void RunStatistics::finish() {
   close(rows_);
   close(instants_);
+  rows_ = {};  // many runs wait to be joined
+  instants_ = {};
 }
 
 /// The piece into its block; it is empty afterwards.
@@ -66,7 +68,7 @@ void RunStatistics::close(Piece& p) {
       squares += p.tally.squares[i];
       peak = std::max(peak, p.tally.peak[i]);
     }
-    s.join(n, c, p.tally.shift[c] + sum / n, squares - sum * sum / n);
+    s.join(n, c, p.tally.shift[c] + sum / n, std::max(squares - sum * sum / n, 0.0));
     if (c < peak_.size()) peak_[c] = std::max(peak_[c], peak);
   }
   s.count += n;

@@ -92,23 +92,6 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
   if (effort_) reading_.effort.resize(static_cast<Eigen::Index>(n));
 }
 
-PathBatch::PathBatch(const Motion& motion, InstructionSet set)
-    : path_(motion),
-      sample_rate_(motion.sample_rate),
-      set_(set),
-      time_(batch_size),
-      joints_(path_.joints() * batch_size) {}
-
-void PathBatch::at(std::uint64_t first, std::size_t count) {
-  first_ = first;
-  count_ = count;
-  const auto start = static_cast<double>(first);
-  for (std::size_t i = 0; i < batch_size; ++i)
-    time_[i] = (start + static_cast<double>(static_cast<int>(std::min(i, count - 1)))) / sample_rate_;
-  for (std::size_t joint = 0; joint < path_.joints(); ++joint)
-    path_.positions(joint, time_.data(), joints_.data() + joint * batch_size, set_);
-}
-
 double Sensing::position(std::size_t joint, double time) const {
   return path_.path().position(joint, time) + shift_[static_cast<Eigen::Index>(joint)];
 }

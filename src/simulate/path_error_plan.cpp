@@ -1,0 +1,120 @@
+// What of the errors along a path does not change from instant to instant: columns, scales and bounds.
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "path_errors.hpp"
+#include "qerr/bound/remainder.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// No column of a revolute joint is longer, wherever the joints are; infinite where a joint slides.
+double longest_arm(const Chain& chain) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    if (joint.prismatic) return std::numeric_limits<double>::infinity();
+    sum += joint.origin.translation().norm();
+  }
+  return sum;
+}
+
+}  // namespace
+
+/// @param of_independent  how the independent joints move with the error
+void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_independent, double mean,
+                            double half_width) {
+  ErrorColumn column{parts_.size(), 0, false, false, 0, {}, mean, half_width};
+  for (std::size_t k = 0; k < chain.joints.size(); ++k) {
+    const ChainJoint& joint = chain.joints[k];
+    const double factor = joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    if (factor != 0) parts_.push_back({k, factor});
+  }
+  column.parts = parts_.size() - column.first;
+  columns_.push_back(column);
+}
+
+void PathErrors::add_origin(const Chain& chain, const ErrorSource& s) {
+  ErrorColumn column{parts_.size(), 0, false, true, s.link, {}, s.mean, s.half_width};
+  Eigen::Vector3d direction = chain.joints[s.link].parent_axes * s.direction;
+  if (s.link > 0) direction = chain_.link_axes[s.link - 1] * direction;
+  Eigen::Map<Eigen::Vector3d>(column.direction) = direction;
+  columns_.push_back(column);
+}
+
+void PathErrors::add_columns(const OperationalModel& model) {
+  const Transmission& t = model.transmission;
+  for (std::size_t e = 0; e < t.encoders.size(); ++e) {
+    const Encoder& encoder = t.encoders[e];
+    per_resolution_.push_back(1 / encoder.resolution);
+    add_column(model.chain, t.coupling.col(static_cast<Eigen::Index>(e)) * encoder.resolution,
+               mean_error(encoder) / encoder.resolution, 0.5);
+  }
+  for (const ErrorSource& s : model.sources) {
+    const auto i = static_cast<Eigen::Index>(s.owner);
+    if (s.where == ErrorSource::Where::origin)
+      add_origin(model.chain, s);
+    else if (s.where == ErrorSource::Where::encoder)
+      add_column(model.chain, t.coupling.col(i), s.mean, s.half_width);
+    else
+      add_column(model.chain, Eigen::VectorXd::Unit(t.coupling.rows(), i), s.mean, s.half_width);
+  }
+}
+
+/// Columns of joints are scaled so that those of encoders that move one joint alone need no further factor.
+void PathErrors::fix_scale(const OperationalModel& model) {
+  std::vector<double> first(model.chain.joints.size(), 0);
+  for (const ColumnPart& part : parts_)
+    if (first[part.joint] == 0) first[part.joint] = part.factor;
+  for (std::size_t k = 0; k < first.size(); ++k)
+    if (first[k] == 0) first[k] = 1;
+  for (std::size_t k = 0; k < first.size(); ++k) scale_[k] *= first[k];
+  for (ColumnPart& part : parts_) part.factor /= first[part.joint];
+  for (ErrorColumn& column : columns_)
+    column.direct = !column.origin && column.parts == 1 && parts_[column.first].factor == 1;
+}
+
+void PathErrors::bound(const OperationalModel& model) {
+  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  plan_.remainder = r.position;
+  plan_.rotation = r.rotation;
+  plan_.rotation_angle = r.rotation_angle;
+  const double arm = longest_arm(model.chain);
+  plan_.largest_remainder =
+      r.per_column.sum() > 0 ? r.position + r.per_column.sum() * (1 + 1e-12) * arm : r.position;
+  for (std::size_t k = 0; k < scale_.size(); ++k)
+    per_column_.push_back(r.per_column[static_cast<Eigen::Index>(k)] / std::abs(scale_[k]));
+}
+
+void PathErrors::set_plan(const OperationalModel& model) {
+  const auto asked = [&](auto property) {
+    return std::any_of(model.coordinates.begin(), model.coordinates.end(), property);
+  };
+  plan_.chain = path_of(chain_);
+  plan_.built = path_of(built_);
+  plan_.as_modelled = as_modelled_;
+  plan_.scale = scale_.data();
+  plan_.encoders = model.transmission.encoders.size();
+  plan_.sources = model.sources.size();
+  plan_.columns = columns_.data();
+  plan_.parts = parts_.data();
+  plan_.per_resolution = per_resolution_.data();
+  plan_.coordinates = coordinates_.size();
+  plan_.rows = coordinates_.data();
+  plan_.rotations = asked(is_rotation_vector);
+  plan_.angles = asked(is_euler_angle);
+  plan_.biased = channels_.biased;
+  plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
+                            [](const ErrorColumn& c) { return !c.direct && !c.origin; });
+  plan_.per_column = per_column_.data();
+  plan_.center_mean = center_mean_.data();
+  const auto whole_lanes = [&](std::size_t count) {
+    return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
+  };
+  plan_.width = whole_lanes(static_cast<std::size_t>(channels_.count()));
+  plan_.squares_width = whole_lanes(plan_.coordinates * plan_.encoders);
+}
+
+}  // namespace qerr
