@@ -63,9 +63,10 @@ struct ErrorPlan {
 
 /// The bins of one figure, as a kernel comes across them.
 struct alignas(64) BinList {
-  std::int32_t below[8] = {};  ///< by lane: how many lie below the counted ones
+  std::int32_t below[16] = {};  ///< by lane: how many lie below the counted ones
   CountedBins counted;
-  std::int32_t* next = nullptr;  ///< where the next counted ones go; up to 8 numbers from here are written to
+  std::int32_t* next =
+      nullptr;  ///< where the next counted ones go; up to 16 numbers from here are written to
 };
 
 struct BoundKernels {

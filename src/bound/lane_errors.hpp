@@ -42,11 +42,14 @@ void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* 
   const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)}
                                     : Spreads<L>{room.spreads, most_coordinates};
   begin_columns(plan.chain, plan.column_scale, room.joints);
+  MotionsAhead<L> ahead(plan.chain, q, room);
+  if (sums_with_columns<L, fixed, direct>) ahead.begin();
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     double* const to = figures + i;
     const CovarianceTo<L, keep_covariance> covariance(plan, to, sums);
     Errors<L> e{};
-    const Bits<L> unbounded = sum_parts<L, fixed, direct>(plan, q + i, room, spreads, e, covariance, sums);
+    const Bits<L> unbounded =
+        sum_parts<L, fixed, direct>(plan, q + i, ahead, room, spreads, e, covariance, sums);
     put_figures<L, fixed, keep_covariance>(plan, room, e, unbounded, to);
     if (plan.shares) add_shares<L, fixed>(plan, spreads, e, sums);
     if (plan.filters > 0) {

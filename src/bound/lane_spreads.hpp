@@ -18,17 +18,18 @@ struct Spreads {
   [[gnu::always_inline]] const L* of(std::size_t part) const { return first + part * stride; }
 };
 
-/// Room of the kernel: motions, joints, then spreads and frames of models that are not plain.
+/// Room of the kernel: motions, now and ahead, joints, then spreads and frames of models that are not plain.
 template <class L>
 struct Room {
-  SineCosine<L>* moved;
+  SineCosine<L>*moved, *ahead;
   JointRoom<L>* joints;
   L* frames;   // [joint][x, y, z][3]
   L* spreads;  // [part][9]
 
   Room(const ErrorPlan& plan, double* room)
       : moved(reinterpret_cast<SineCosine<L>*>(room)),
-        joints(reinterpret_cast<JointRoom<L>*>(moved + plan.chain.count)),
+        ahead(moved + plan.chain.count),
+        joints(reinterpret_cast<JointRoom<L>*>(ahead + plan.chain.count)),
         frames(reinterpret_cast<L*>(joints + plan.chain.count)),
         spreads(frames + 9 * plan.chain.count) {}
 };
@@ -36,7 +37,7 @@ struct Room {
 template <class L>
 std::size_t room(const ErrorPlan& plan) {
   return plan.chain.count * room_per_joint<L> +
-         (9 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
+         (11 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
 }
 
 /// Spreads of a part, given how the tip moves with it.

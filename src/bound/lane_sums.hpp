@@ -136,10 +136,10 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e, con
   }
 }
 
-/// Whether a processor has registers (32) for the sums of positions and the mixed ones together: then they
-/// are taken as the columns come, which need not be read again.
-template <class L>
-constexpr bool sums_fit = lane_count<L> == 8;
+/// Whether sums of positions and mixed ones are taken as the columns come, which need not be read again: of a
+/// direct model, where a processor has registers (32) for both together.
+template <class L, std::size_t fixed, bool direct>
+constexpr bool sums_with_columns = direct&& fixed == 6 && lane_count<L> == 8;
 
 /// Takes the columns of a direct, plain model into the sums that need both halves of a column.
 template <class L>
@@ -163,25 +163,59 @@ struct SumColumns {
   }
 };
 
+/// Motions of the joints, a register of configurations ahead of the walk: so they fill the time in which its
+/// steps wait for each other.
+template <class L>
+class MotionsAhead {
+ public:
+  MotionsAhead(const FoldedPath& chain, const double* q, const Room<L>& room)
+      : chain_(chain), now_(room.moved), next_(room.ahead), q_(q), end_(q + batch_size) {}
+
+  void begin() { motions(chain_, q_, batch_size, next_); }
+
+  /// On to the next configurations.
+  /// @returns their motions
+  [[gnu::always_inline]] const SineCosine<L>* advance() {
+    SineCosine<L>* const there = next_;
+    next_ = now_;
+    now_ = there;
+    q_ += lane_count<L>;
+    return there;
+  }
+
+  /// Of joint k, for those after.
+  [[gnu::always_inline]] void operator()(std::size_t k) const {
+    if (q_ != end_) motion(chain_.joints[k], q_, batch_size, next_[k]);
+  }
+
+ private:
+  const FoldedPath& chain_;
+  SineCosine<L>*now_, *next_;
+  const double *q_, *end_;
+};
+
 template <class L, class To>
-[[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, const double* q, const Room<L>& room,
-                                               const Spreads<L>& spreads, Errors<L>& e,
+[[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, MotionsAhead<L>& ahead,
+                                               const Room<L>& room, const Spreads<L>& spreads, Errors<L>& e,
                                                const To& covariance) {
   SumColumns<L> sums{{room.joints}, plan.columns_again, plan.moving_parts};
-  columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, sums);
+  const SineCosine<L>* const moved = ahead.advance();
+  columns_moved<L>(plan.chain, plan.column_scale, moved, room.joints, PassBy{}, sums, ahead);
   sums.positions.template put<0>(e, covariance);
   sums.mixed.put(covariance);
   sum_three<3>(spreads, plan.parts, true, e, covariance);
 }
 
 /// How the coordinates move with every part, and all sums over the parts.
+/// @param ahead  where sums are taken as the columns come; it has begun
 /// @returns where roll and yaw have no bound
 template <class L, std::size_t fixed, bool direct, class To>
-[[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q, const Room<L>& room,
+[[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q,
+                                                MotionsAhead<L>& ahead, const Room<L>& room,
                                                 const Spreads<L>& spreads, Errors<L>& e, const To& covariance,
                                                 double* sums) {
-  if constexpr (direct && fixed == 6 && sums_fit<L>) {
-    sum_columns(plan, q, room, spreads, e, covariance);
+  if constexpr (sums_with_columns<L, fixed, direct>) {
+    sum_columns(plan, ahead, room, spreads, e, covariance);
     return Bits<L>{};
   } else {
     const Bits<L> unbounded = spread<L, direct>(plan, q, room, sums);

@@ -41,9 +41,32 @@ template <class L>
   }
 }
 
-typedef std::int32_t Bins __attribute__((vector_size(32)));
+/// As many bins as a register has room for: twice as many as numbers.
+template <class L>
+struct BinsOf {
+  typedef std::int32_t type __attribute__((vector_size(sizeof(L))));
+  static constexpr std::size_t count = 2 * lane_count<L>;
+};
+template <class L>
+using Bins = typename BinsOf<L>::type;
 
-#if defined(__AVX2__) && !defined(__AVX512VL__)
+/// The bins of values in two registers: of a double's bits the upper half is enough.
+template <class L>
+[[gnu::always_inline]] inline Bins<L> bins_of(const double* values) {
+  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+  const auto a = __builtin_bit_cast(Bins<L>, load<L>(values)),
+             b = __builtin_bit_cast(Bins<L>, load<L>(values + lane_count<L>));
+  Bins<L> upper;
+  if constexpr (lane_count<L> == 8)
+    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+  else if constexpr (lane_count<L> == 4)
+    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+  else
+    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7);
+  return upper >> (bin_shift - 32);
+}
+
+#if defined(__AVX2__) && !defined(__AVX512F__)
 /// The places of the set bits of every mask of eight, a byte each.
 constexpr struct KeptPlaces {
   std::uint64_t of[256] = {};
@@ -58,25 +81,29 @@ constexpr struct KeptPlaces {
 } kept_places;
 #endif
 
-/// Puts those of eight bins that are kept (negative; the others are not) one behind the other.
+/// Puts those bins that are kept (negative; the others are not) one behind the other.
+/// @param to  room for a register
 /// @returns behind the last one
-[[gnu::always_inline]] inline std::int32_t* append(const Bins& bins, const Bins& kept, std::int32_t* to) {
-#if defined(__AVX512VL__) && defined(__AVX512DQ__)
-  const auto mask = _mm256_movepi32_mask(__builtin_bit_cast(__m256i, kept));
-  const auto packed = _mm256_maskz_compress_epi32(mask, __builtin_bit_cast(__m256i, bins));
+template <class L>
+[[gnu::always_inline]] inline std::int32_t* append(const Bins<L>& bins, const Bins<L>& kept,
+                                                   std::int32_t* to) {
+#if defined(__AVX512F__)
+  const auto mask = _mm512_movepi32_mask(__builtin_bit_cast(__m512i, kept));
+  const auto packed = _mm512_maskz_compress_epi32(mask, __builtin_bit_cast(__m512i, bins));
 #elif defined(__AVX2__)
   const auto mask = static_cast<unsigned>(_mm256_movemask_ps(__builtin_bit_cast(__m256, kept)));
   const auto places = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kept_places.of[mask])));
   const auto packed = _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), places);
 #else
-#pragma GCC unroll 8
-  for (int i = 0; i < 8; ++i) {
+#pragma GCC unroll 16
+  for (std::size_t i = 0; i < BinsOf<L>::count; ++i) {
     *to = bins[i];
     to += kept[i] < 0;
   }
   return to;
 #endif
 #if defined(__AVX2__)
+  static_assert(sizeof packed == sizeof bins);
   __builtin_memcpy(to, &packed, sizeof packed);
   return to + __builtin_popcount(mask);
 #endif
@@ -121,23 +148,21 @@ class FigureTally {
   L low_[packs], high_[packs], sum_[packs];
 };
 
-/// The bins of one figure on their way into its list, eight values at a time.
+/// The bins of one figure on their way into its list.
+template <class L>
 class FigureBins {
  public:
+  static constexpr std::size_t at_once = BinsOf<L>::count;
+
   [[gnu::always_inline]] explicit FigureBins(const BinList& list) : counted_(list.counted), next_(list.next) {
+    static_assert(sizeof below_ <= sizeof list.below);
     __builtin_memcpy(&below_, list.below, sizeof below_);
   }
 
-  /// Of a double's bits the upper half is enough.
   [[gnu::always_inline]] void add(const double* values) {
-    typedef std::int32_t Halves __attribute__((vector_size(64)));
-    static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
-    Halves halves;
-    __builtin_memcpy(&halves, values, sizeof halves);
-    const Bins bins = __builtin_shufflevector(halves, halves, 1, 3, 5, 7, 9, 11, 13, 15) >> (bin_shift - 32);
-    const Bins from_begin = bins - counted_.begin;  // negative: below
+    const Bins<L> bins = bins_of<L>(values), from_begin = bins - counted_.begin;  // negative: below
     below_ -= from_begin >> 31;
-    next_ = append(bins, (~from_begin & (bins - counted_.end)) | (counted_.top - 1 - bins), next_);
+    next_ = append<L>(bins, (~from_begin & (bins - counted_.end)) | (counted_.top - 1 - bins), next_);
   }
 
   [[gnu::always_inline]] void finish(BinList& list) const {
@@ -148,7 +173,7 @@ class FigureBins {
  private:
   const CountedBins counted_;
   std::int32_t* next_;
-  Bins below_;
+  Bins<L> below_;
 };
 
 template <class L>
@@ -158,10 +183,11 @@ void tally(std::size_t count, const double* figures, std::uint64_t first, Tally*
     const double* const values = figures + f * batch_size;
     FigureTally<L> figure(tallies[f]);
     if (lists) {
-      FigureBins bins(lists[f]);
-      for (std::size_t i = 0; i < batch_size; i += 8) {
+      FigureBins<L> bins(lists[f]);
+      for (std::size_t i = 0; i < batch_size; i += 16) {
         figure.add(values + i);
-        bins.add(values + i);
+        figure.add(values + i + 8);
+        for (std::size_t j = 0; j < 16; j += bins.at_once) bins.add(values + i + j);
       }
       bins.finish(lists[f]);
     } else {

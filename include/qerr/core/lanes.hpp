@@ -117,7 +117,8 @@ template <class L>
 [[gnu::always_inline]] inline SineCosine<L> turned(const SineCosine<L>& a, const L& n) {
   const Bits<L> quarter = __builtin_bit_cast(Bits<L>, n);
   const Bits<L> negative_sine = (quarter & 2) << 62, negative_cosine = ((quarter + 1) & 2) << 62;
-  const L sine = (quarter & 1) != 0 ? a.cosine : a.sine, cosine = (quarter & 1) != 0 ? a.sine : a.cosine;
+  const Bits<L> odd = quarter << 63;
+  const L sine = odd < 0 ? a.cosine : a.sine, cosine = odd < 0 ? a.sine : a.cosine;
   return {__builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, sine) ^ negative_sine),
           __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, cosine) ^ negative_cosine)};
 }

@@ -57,20 +57,25 @@ template <class L, class C>
   });
 }
 
-/// The motion of every joint: its slide, or the sine and cosine of its turn.
+/// The motion of a joint: its slide, or the sine and cosine of its turn.
 ///
-/// Apart from the walk, as the turns do not depend on each other and the steps of the walk do.
+/// @param q  of independent joint i at q + i * stride [rad or m]
+template <class L>
+[[gnu::always_inline]] inline void motion(const FoldedJoint& joint, const double* q, std::size_t stride,
+                                          SineCosine<L>& to) {
+  const L at = load<L>(q + joint.coordinate * stride);
+  if (joint.prismatic)
+    to.sine = fma(joint.multiplier, at, broadcast<L>(joint.offset));
+  else if (joint.turns)
+    to = sincos_of_quarters(fma(joint.quarter_multiplier, at, broadcast<L>(joint.quarter_offset)));
+}
+
+/// Those of all joints: apart from the walk, as they do not depend on each other and the steps of the walk
+/// do.
 template <class L>
 [[gnu::always_inline]] inline void motions(const FoldedPath& chain, const double* q, std::size_t stride,
                                            SineCosine<L>* to) {
-  for (std::size_t k = 0; k < chain.count; ++k) {
-    const FoldedJoint& joint = chain.joints[k];
-    const L at = load<L>(q + joint.coordinate * stride);
-    if (joint.prismatic)
-      to[k].sine = fma(joint.multiplier, at, broadcast<L>(joint.offset));
-    else if (joint.turns)
-      to[k] = sincos_of_quarters(fma(joint.quarter_multiplier, at, broadcast<L>(joint.quarter_offset)));
-  }
+  for (std::size_t k = 0; k < chain.count; ++k) motion(chain.joints[k], q, stride, to[k]);
 }
 
 /// Walks a folded chain from base to tip, one configuration per lane, its joints moved as `motions` says.
@@ -138,10 +143,11 @@ template <class L>
   to[2] = fma(a[0], b[1], -(a[1] * b[0]));
 }
 
-/// For walks that keep nothing of the frames.
+/// For walks that keep nothing of the frames, and have nothing to do meanwhile.
 struct PassBy {
   template <class L>
   [[gnu::always_inline]] void operator()(std::size_t, const Frame<L>&) const {}
+  [[gnu::always_inline]] void operator()(std::size_t) const {}
 };
 
 /// What a kernel keeps of each moving joint while it works: the kernel's caller gives it the room, as chains
@@ -176,16 +182,20 @@ template <class L>
 /// @param take   its `column(k, linear, angular)` is called for every moving joint, but `upright(x, y, w)`
 /// for a first one about the base's z: linear (x, y, 0), angular (0, 0, w). Angular also stays in
 /// joints[k].column
+/// @param meanwhile  called with k at every joint of the walk, whose steps wait for each other: for work that
+/// waits for nothing
 /// @returns as `walk`
 /// @pre `begin_columns` has been called, once for all configurations
-template <class L, class Leave, class Take>
+template <class L, class Leave, class Take, class Meanwhile = PassBy>
 [[gnu::always_inline]] inline Frame<L> columns_moved(const FoldedPath& chain, const double* scale,
                                                      const SineCosine<L>* moved, JointRoom<L>* joints,
-                                                     Leave leave, Take&& take) {
+                                                     Leave leave, Take&& take,
+                                                     const Meanwhile& meanwhile = {}) {
   const bool upright = begins_upright(chain);
   const Frame<L> tip = walk_moved<L>(
       chain, moved,
       [&](std::size_t k, const Frame<L>& f) {
+        meanwhile(k);
         if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
         each_of_three([&](int i) __attribute__((always_inline)) {
           joints[k].column[3 + i] = scale ? scale[k] * f.z[i] : f.z[i];
