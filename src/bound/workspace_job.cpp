@@ -6,6 +6,7 @@
 
 #include "qerr/core/parallel.hpp"
 #include "qerr/core/random.hpp"
+#include "sorted_bins.hpp"
 
 namespace qerr {
 
@@ -13,46 +14,6 @@ namespace {
 
 /// What is smaller by this factor is not the same but for rounding.
 constexpr double clearly_smaller = 1 - 1e-6;
-
-/// Bins in their order, by counting.
-class SortedBins {
- public:
-  SortedBins(const std::int32_t* begin, const std::int32_t* end) {
-    const auto [smallest, largest] = std::minmax_element(begin, end);
-    // Nobody asks what lies so far below.
-    first_ = std::max(*smallest, *largest - static_cast<std::int32_t>(bin_count));
-    counts_.resize(static_cast<std::size_t>(*largest - first_ + 1));
-    for (const std::int32_t* bin = begin; bin != end; ++bin)
-      ++counts_[static_cast<std::size_t>(std::max(*bin, first_) - first_)];
-  }
-
-  /// From the smallest, or the first that is counted, to an octave above the largest.
-  Histogram::Usual usual(const CountedBins& counted) const {
-    constexpr std::int32_t octave = 1 << (52 - bin_shift);
-    const std::int32_t first = std::max(first_, counted.begin);
-    return {first, first_ + static_cast<std::int32_t>(counts_.size()) + octave - first};
-  }
-
-  std::int32_t operator[](std::uint64_t rank) const {
-    std::size_t at = 0;
-    for (std::uint64_t before = counts_[0]; before <= rank; before += counts_[at]) ++at;
-    return first_ + static_cast<std::int32_t>(at);
-  }
-
- private:
-  std::int32_t first_;
-  std::vector<std::uint32_t> counts_;
-};
-
-/// Which bins are counted by what so many independent values show: five standard deviations on either side of
-/// their median, and what lies as far below the next percentile and above.
-CountedBins near_percentiles(const SortedBins& seen, double count) {
-  const auto rank = [&](double fraction, double deviations) {
-    const double off = deviations * std::sqrt(count * fraction * (1 - fraction));
-    return seen[static_cast<std::uint64_t>(count * fraction + off)];
-  };
-  return {rank(0.5, -5), rank(0.5, 5) + 1, rank(0.95, -5)};
-}
 
 }  // namespace
 
@@ -167,7 +128,7 @@ void WorkspaceJob::look_around() {
     lowest_bins_[f] = Histogram::lowest_bin(seen[BlockCounts::block_size * 95 / 100]);
     if (std::isfinite(tallies[f].max)) largest_[f] = clearly_smaller * tallies[f].max;
     // Texts are written once: nothing may be missed.
-    if (!options_.text) counted_[f] = near_percentiles(seen, BlockCounts::block_size);
+    if (!options_.text) counted_[f] = seen.near_percentiles();
     usual_[f] = seen.usual(counted_[f]);
   }
 }

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "qerr/bound/histogram.hpp"
+
+namespace qerr {
+
+/// Bins of some values in their order, as leading bits: what a histogram of many more of the kind can expect.
+class SortedBins {
+ public:
+  /// @pre begin < end
+  SortedBins(const std::int32_t* begin, const std::int32_t* end);
+
+  /// That of the value with `rank` smaller ones before it.
+  std::int32_t operator[](std::uint64_t rank) const;
+
+  /// The bins that percentiles of all values need: some standard deviations on either side of the median, and
+  /// from as far below the next percentile on. Where the values are independent, three of a million such
+  /// edges are on the wrong side.
+  CountedBins near_percentiles() const;
+
+  /// From the smallest, or the first that is counted, to an octave above the largest.
+  Histogram::Usual usual(const CountedBins&) const;
+
+ private:
+  std::uint64_t count_;
+  std::int32_t first_;
+  std::vector<std::uint32_t> counts_;
+};
+
+}  // namespace qerr
