@@ -19,6 +19,7 @@ struct KinematicKernels {
   std::size_t lanes;
   std::size_t room_per_joint;  ///< numbers that `jacobians` works in
   void (*jacobians)(const FoldedPath&, const double* signs, const double* q, double* to, double* room);
+  /// Points as fractions of the ranges, in units of 2^-53.
   /// @param start     of every joint, of the first point of the batch
   /// @param patterns  [joint][64]: what the following points differ by
   void (*sobol)(const SampledRanges&, const std::uint64_t* start, const std::uint64_t* patterns, double* to);

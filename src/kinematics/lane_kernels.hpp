@@ -72,12 +72,12 @@ struct Range {
         scale(broadcast<L>(0x1p-53 * r.width[joint])),
         upper(broadcast<L>(r.upper[joint])) {}
 
-  /// lower + fraction (upper - lower), inside the range; the fraction is the top 53 bits.
+  /// lower + fraction (upper - lower), inside the range; the fraction in units of 2^-53.
   ///
   /// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum; that is not
   /// below `lower`.
-  [[gnu::always_inline]] L at(const Words<L>& bits) const {
-    return min(rounded(number<L>(bits >> 11) * scale) + lower, upper);
+  [[gnu::always_inline]] L at(const Words<L>& fraction) const {
+    return min(rounded(number<L>(fraction) * scale) + lower, upper);
   }
 };
 
@@ -109,7 +109,8 @@ void random(const SampledRanges& r, const std::uint64_t* keys, std::uint64_t fir
     const std::uint64_t key = keys[joint];
     for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
       const Words<L> index = lane + (first + i);
-      store(to + joint * batch_size + i, range.at(mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + key)));
+      store(to + joint * batch_size + i,
+            range.at(mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + key) >> 11));
     }
   }
 }

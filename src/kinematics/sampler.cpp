@@ -11,6 +11,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t bits = 64;
+constexpr int unused = 11;  ///< bits of a point: a double has 53
 constexpr std::uint64_t batches_per_block = 64, block_size = batches_per_block * batch_size;
 
 /// [joint][b]: what Sobol's points change by when bit b of the Gray code of their index does. Point 2^b has
@@ -48,7 +49,8 @@ Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(
     for (std::size_t j = 0; j < joints; ++j) {
       keys_.push_back(random_bits(c.seed, 0, j));
       const std::uint64_t* const directions = directions_.data() + j * bits;
-      for (std::uint64_t i = 0; i < batch_size; ++i) patterns_.push_back(sobol_point(directions, i));
+      for (std::uint64_t i = 0; i < batch_size; ++i)
+        patterns_.push_back(sobol_point(directions, i) >> unused);
       for (std::uint64_t b = 0; b < batches_per_block; ++b)
         steps_.push_back(sobol_point(directions, b * batch_size));
     }
@@ -69,7 +71,7 @@ void Sampler::sobol(std::uint64_t first) {
       block_points_[j] = keys_[j] ^ sobol_point(directions_.data() + j * bits, block * block_size);
   }
   for (std::size_t j = 0; j < keys_.size(); ++j)
-    start_[j] = block_points_[j] ^ steps_[j * batches_per_block + batch];
+    start_[j] = (block_points_[j] ^ steps_[j * batches_per_block + batch]) >> unused;
 }
 
 void Sampler::operator()(std::uint64_t first, double* to) {

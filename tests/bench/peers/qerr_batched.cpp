@@ -88,17 +88,19 @@ class Batched {
 
 }  // namespace
 
+/// Of a configuration, its draw included: a multiplication for each joint.
 double counted_operations(const Problem& p, Stage stage) {
+  const auto drawn = static_cast<double>(p.model.chain.independent.size());
   const AlignedNumbers q(p.model.chain.independent.size() * batch_size), figures(64 * batch_size), sums(64);
   const AlignedNumbers room(64 * (p.model.chain.joints.size() + 1));
   for (std::size_t i = 0; i < q.size(); ++i) q[i] = 0.1 * static_cast<double>(i % 17);
   if (stage == Stage::jac) {
     const FoldedChain chain = fold(p.model.chain, false);
     const std::vector<double> signs(chain.joints.size(), 1.0);
-    return multiplications(path_of(chain), signs.data(), q.data(), room.data());
+    return drawn + multiplications(path_of(chain), signs.data(), q.data(), room.data());
   }
   const PlannedError planned(p.model, {.rigorous = false, .shares = false, .covariance = true});
-  return multiplications(planned.plan(), q.data(), figures.data(), sums.data(), room.data());
+  return drawn + multiplications(planned.plan(), q.data(), figures.data(), sums.data(), room.data());
 }
 
 std::vector<Contestant> qerr_batched() {
