@@ -110,13 +110,20 @@ TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
   Dice dice(5);
   for (int round = 0; round < 20; ++round) {
     std::vector<double> values(5000);
-    for (double& v : values) v = dice.between(0, 1) < 0.1 ? 0 : std::pow(dice.between(0, 1), 3);
+    for (double& v : values) {
+      const double kind = dice.between(0, 1);
+      v = kind < 0.05 ? 0 : kind < 0.1 ? 0x1p-50 * dice.between(0, 1) : std::pow(dice.between(0, 1), 3);
+      if (kind > 0.99) v *= 0x1p30;
+    }
     std::sort(values.begin(), values.end());
     const auto bin = [&](double p) { return leading_bits(values[static_cast<std::size_t>(p * 4999)]); };
-    const double low = dice.between(0, 0.6), high = dice.between(low, 0.7);
-    const CountedBins counted{bin(low), bin(high) + 1, bin(dice.between(high, 1))};
+    const double low = dice.between(0.15, 0.6), high = dice.between(low, 0.7);
+    const CountedBins near{bin(low), bin(high) + 1, bin(dice.between(high, 1))},
+        counted = round % 3 == 0 ? CountedBins{} : near;
     const std::int32_t lowest = Histogram::lowest_bin(leading_bits(1));
-    Histogram all(lowest), some(lowest, counted), other(lowest, counted);
+    const auto a = static_cast<std::int32_t>(dice.between(-70000, 70000)),
+               b = static_cast<std::int32_t>(dice.between(0, 70000));
+    Histogram all(lowest), some(lowest, counted, {lowest + a, b}), other(lowest, counted);
     for (std::size_t i = 0; i < values.size(); ++i) {
       all.add(values[i]);
       (i % 3 == 0 ? some : other).add(values[i]);

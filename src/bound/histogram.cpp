@@ -16,10 +16,20 @@ double lower_edge(std::int32_t leading) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(leading) << bin_shift);
 }
 
+/// The part of it that lies in a histogram's span.
+Histogram::Usual within_span(const Histogram::Usual& usual, std::int32_t lowest) {
+  const std::int32_t first = std::clamp(usual.first, lowest, lowest + last_bin),
+                     end = std::clamp(usual.first + usual.count, first, lowest + last_bin);
+  return {first, end - first};
+}
+
 }  // namespace
 
 Histogram::Histogram(std::int32_t lowest, const CountedBins& counted, const Usual& usual)
-    : lowest_(lowest), counted_(counted), usual_(usual), few_(static_cast<std::size_t>(usual.count)) {}
+    : lowest_(lowest),
+      counted_(counted),
+      usual_(within_span(usual, lowest)),
+      few_(static_cast<std::size_t>(usual_.count)) {}
 
 std::int32_t Histogram::lowest_bin(std::int32_t typical) {
   constexpr std::int32_t of_one = 1023, largest = of_one + 900;
