@@ -112,9 +112,6 @@ class Runs {
   }
 
  private:
-  /// As many rows as stay in the first-level cache while they pass the sections of a filter.
-  static constexpr std::size_t rows_at_once = 16;
-
   struct One {
     Sensing sensing;
     bool visited;
@@ -166,18 +163,16 @@ class Runs {
   /// while they settle.
   void filter(One& one, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
     const std::size_t width = errors_.width();
-    for (; from < to; from += rows_at_once)
-      for (std::size_t f = 0; f < one.filters.size(); ++f) {
-        const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
-        const std::size_t end = std::min(from + rows_at_once, to);
-        if (start >= end) continue;
-        const auto rows = static_cast<std::size_t>((end - start - 1) / every + 1);
-        const double* const in = errors_.rows() + start * width;
-        if (block)
-          one.filters[f].tally(in, every * width, rows, *block, one.outputs[f + 1]);
-        else
-          one.filters[f].pass(in, every * width, rows);
-      }
+    for (std::size_t f = 0; f < one.filters.size(); ++f) {
+      const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
+      if (start >= to) continue;
+      const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
+      const double* const in = errors_.rows() + start * width;
+      if (block)
+        one.filters[f].tally(in, every * width, rows, *block, one.outputs[f + 1]);
+      else
+        one.filters[f].pass(in, every * width, rows);
+    }
   }
 
   /// From sample i of the batch to the next one that a filter takes.

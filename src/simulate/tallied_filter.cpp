@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "qerr/core/batch.hpp"
-
 namespace qerr {
 
 namespace {
@@ -87,7 +85,7 @@ TalliedFilter::TalliedFilter(const Filter& filter, std::size_t width, Instructio
     nowhere_ = {n, n + width, n + 2 * width, n + 3 * width};
   } else {
     slow_.emplace(filter, width, set);
-    numbers_ = AlignedNumbers(batch_size * width);
+    numbers_ = AlignedNumbers(rows_at_once * width);
   }
 }
 
@@ -115,16 +113,24 @@ void TalliedFilter::through_sections(const double* in, std::size_t stride, std::
   kernels_.filter_and_tally(plan_, in, stride, rows, width_, peaks, place.fresh, state_.data(), *place.tally);
 }
 
+void TalliedFilter::slowly(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block,
+                           RunStatistics* to) {
+  for (std::size_t from = 0; from < rows; from += rows_at_once) {
+    const std::size_t count = std::min(rows_at_once, rows - from);
+    (*slow_)(in + from * stride, stride, count, numbers_.data());
+    if (to) to->add(numbers_.data(), width_, count, block);
+  }
+}
+
 void TalliedFilter::pass(const double* in, std::size_t stride, std::size_t rows) {
-  if (slow_) return (*slow_)(in, stride, rows, numbers_.data());
+  if (slow_) return slowly(in, stride, rows, 0, nullptr);
   through_sections(in, stride, rows, 0, {&nowhere_, false});
 }
 
 void TalliedFilter::tally(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block,
                           RunStatistics& to) {
   if (!slow_) return through_sections(in, stride, rows, to.peaks(), to.place_of_rows(rows, block, gain_));
-  (*slow_)(in, stride, rows, numbers_.data());
-  to.add(numbers_.data(), width_, rows, block);
+  slowly(in, stride, rows, block, &to);
 }
 
 }  // namespace qerr

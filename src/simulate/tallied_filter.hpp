@@ -30,7 +30,11 @@ class TalliedFilter {
   void tally(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics&);
 
  private:
+  /// As many rows as stay in the first-level cache while they pass the sections of a ChannelFilter.
+  static constexpr std::size_t rows_at_once = 16;
+
   bool tighten(const Filter&);
+  void slowly(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics*);
   void through_sections(const double* in, std::size_t stride, std::size_t rows, std::size_t peaks,
                         const RunStatistics::Place&);
 
