@@ -124,6 +124,37 @@ struct SectionPlan {
   double b0, b1, b2;
 };
 
+/// A section in the fewest operations, its output a sum of its states (TalliedFilter):
+///
+///     first    s' = x + e s          y = s' + a s
+///     rise     the same              y = s' - s
+///     lag      the same              y = s'
+///     second   s' = x + e s - k r    y = s' + a s + b r    r' = r + s'
+///     low      the same              y = (s' - s)/4 + r
+struct TightSection {
+  enum class Kind { none, first, rise, lag, second, low };
+  Kind kind;
+  double e, k, a, b;
+};
+
+/// Differences of inputs that follow each other, then one or two sections.
+struct TightFilter {
+  int differences;
+  TightSection sections[2];  ///< the second one may be none
+};
+
+/// Whether there is a kernel for such a filter.
+constexpr bool is_tight(int differences, TightSection::Kind one, TightSection::Kind two) {
+  if (differences > 2) return false;
+  if (one == TightSection::Kind::first)
+    return two == TightSection::Kind::second ||
+           (differences == 0 && (two == TightSection::Kind::none || two == one));
+  if (one == TightSection::Kind::rise) return differences == 0 && two == TightSection::Kind::lag;
+  if (one == TightSection::Kind::low) return two == one;
+  return one == TightSection::Kind::second &&
+         (two == TightSection::Kind::none || (differences == 0 && two == one));
+}
+
 inline constexpr std::size_t lags_at_once = 32;
 
 struct SimulationKernels {
@@ -160,6 +191,12 @@ struct SimulationKernels {
   /// @param fresh  nothing has been added to the tally yet
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 bool fresh, const ChannelTally&);
+  /// Rows through a filter and into the tally at once.
+  /// @pre `is_tight` of its differences and sections
+  /// @param state  [section][s, r][width], then [difference][width]
+  void (*filter_and_tally)(const TightFilter&, const double* in, std::size_t stride, std::size_t rows,
+                           std::size_t width, std::size_t peaks, bool fresh, double* state,
+                           const ChannelTally&);
   /// A row of 64 numbers less the whole numbers nearest to them.
   void (*drop_whole)(double* row);
   /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags, k = 0 .. count - 1.

@@ -2,6 +2,7 @@
 
 #include "lane_errors.hpp"
 #include "lane_filters.hpp"
+#include "lane_tallied_filter.hpp"
 
 namespace qerr::lanes {
 namespace {
@@ -195,9 +196,10 @@ double losses(const double* weights, std::size_t lags, const double* x, std::siz
 
 template <int n, class L = Lanes<n>>
 constexpr SimulationKernels simulation_kernels{
-    n,         errors_room<L>, times<L>,      positions<L>, displace<L>, mix<L>,         quantize<L>,
-    within<L>, sines<L>,       errors<L>,     turn<L>,      add_rows<L>, sum_between<L>, section<L>,
-    taps<L>,   tally<L>,       drop_whole<L>, losses<L>};
+    n,        errors_room<L>,      times<L>,       positions<L>, displace<L>,
+    mix<L>,   quantize<L>,         within<L>,      sines<L>,     errors<L>,
+    turn<L>,  add_rows<L>,         sum_between<L>, section<L>,   taps<L>,
+    tally<L>, filter_and_tally<L>, drop_whole<L>,  losses<L>};
 
 }  // namespace
 }  // namespace qerr::lanes

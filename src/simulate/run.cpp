@@ -7,6 +7,7 @@
 #include "channel_filter.hpp"
 #include "path_errors.hpp"
 #include "qerr/core/random.hpp"
+#include "tallied_filter.hpp"
 
 namespace qerr {
 
@@ -67,7 +68,6 @@ class Runs {
         channels_(job.model),
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
-        filtered_(rows_at_once * errors_.width()),
         along_(channels_.coordinates, channels_.encoders, job.stretches),
         thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
     const SimulationKernels& kernels = simulation_kernels(job.options.instructions);
@@ -112,13 +112,10 @@ class Runs {
   }
 
  private:
-  /// As many rows as stay in the first-level cache while they pass the sections of a filter.
-  static constexpr std::size_t rows_at_once = 16;
-
   struct One {
     Sensing sensing;
     bool visited;
-    std::vector<ChannelFilter> filters;
+    std::vector<TalliedFilter> filters;
     std::vector<RunStatistics> outputs;
   };
 
@@ -150,7 +147,7 @@ class Runs {
                      in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error stands for all before it: a constant one is no step.
     if (first == 0)
-      for (ChannelFilter& filter : one.filters) filter.settle(errors_.rows());
+      for (TalliedFilter& filter : one.filters) filter.settle(errors_.rows());
     const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
     filter(one, 0, settling, {});
     for (const Part& block : blocks_) {
@@ -166,15 +163,16 @@ class Runs {
   /// while they settle.
   void filter(One& one, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
     const std::size_t width = errors_.width();
-    for (; from < to; from += rows_at_once)
-      for (std::size_t f = 0; f < one.filters.size(); ++f) {
-        const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
-        const std::size_t end = std::min(from + rows_at_once, to);
-        if (start >= end) continue;
-        const auto rows = static_cast<std::size_t>((end - start - 1) / every + 1);
-        one.filters[f](errors_.rows() + start * width, every * width, rows, filtered_.data());
-        if (block) one.outputs[f + 1].add(filtered_.data(), width, rows, *block);
-      }
+    for (std::size_t f = 0; f < one.filters.size(); ++f) {
+      const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
+      if (start >= to) continue;
+      const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
+      const double* const in = errors_.rows() + start * width;
+      if (block)
+        one.filters[f].tally(in, every * width, rows, *block, one.outputs[f + 1]);
+      else
+        one.filters[f].pass(in, every * width, rows);
+    }
   }
 
   /// From sample i of the batch to the next one that a filter takes.
@@ -203,7 +201,6 @@ class Runs {
   Channels channels_;
   PathBatch path_;
   PathErrors errors_;
-  AlignedNumbers filtered_;
   AlongPath along_;
   std::size_t stretch_ = 0;               // that squares are summed up of
   bool thinned_;                          // some filter takes one of several samples

@@ -30,16 +30,16 @@ RunStatistics::Piece RunStatistics::piece(std::size_t width, std::size_t lanes) 
 
 /// Makes the piece ready for more samples. @returns whether they are its first ones
 bool RunStatistics::extend(Piece& p, std::size_t count, std::uint64_t block) {
-  if (p.count > 0 && (block != p.block || p.count + count > most_of_piece)) close(p);
+  if (p.count > 0 && (block != p.block || p.count + count > most_of_piece))
+    close(p, &p == &rows_ ? gain_ : 1);
   p.block = block;
   p.count += count;
   return p.count == count;
 }
 
 void RunStatistics::add(const double* values, std::size_t stride, std::size_t rows, std::uint64_t block) {
-  if (rows_.numbers.size() == 0) rows_ = piece(width_, 1);
-  const bool fresh = extend(rows_, rows, block);
-  kernels_->tally(values, stride, rows, width_, static_cast<std::size_t>(peak_.size()), fresh, rows_.tally);
+  const Place place = place_of_rows(rows, block, 1);
+  kernels_->tally(values, stride, rows, width_, peaks(), place.fresh, *place.tally);
 }
 
 RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t block) {
@@ -48,15 +48,22 @@ RunStatistics::Place RunStatistics::place(std::size_t instants, std::uint64_t bl
   return {&instants_.tally, fresh};
 }
 
+RunStatistics::Place RunStatistics::place_of_rows(std::size_t rows, std::uint64_t block, double gain) {
+  if (rows_.numbers.size() == 0) rows_ = piece(width_, 1);
+  gain_ = gain;
+  const bool fresh = extend(rows_, rows, block);
+  return {&rows_.tally, fresh};
+}
+
 void RunStatistics::finish() {
-  close(rows_);
-  close(instants_);
+  close(rows_, gain_);
+  close(instants_, 1);
   rows_ = {};  // many runs wait to be joined
   instants_ = {};
 }
 
 /// The piece into its block; it is empty afterwards.
-void RunStatistics::close(Piece& p) {
+void RunStatistics::close(Piece& p, double gain) {
   if (p.count == 0) return;
   Sums& s = blocks_[p.block];
   const auto n = static_cast<double>(p.count);
@@ -68,8 +75,8 @@ void RunStatistics::close(Piece& p) {
       squares += p.tally.squares[i];
       peak = std::max(peak, p.tally.peak[i]);
     }
-    s.join(n, c, p.tally.shift[c] + sum / n, std::max(squares - sum * sum / n, 0.0));
-    if (c < peak_.size()) peak_[c] = std::max(peak_[c], peak);
+    s.join(n, c, gain * (p.tally.shift[c] + sum / n), gain * gain * std::max(squares - sum * sum / n, 0.0));
+    if (c < peak_.size()) peak_[c] = std::max(peak_[c], std::abs(gain) * peak);
   }
   s.count += n;
   for (std::size_t i = 0; i < p.numbers.size(); ++i) p.numbers[i] = 0;

@@ -36,6 +36,9 @@ class RunStatistics {
     bool fresh;
   };
   Place place(std::size_t instants, std::uint64_t block);
+  /// Where a kernel is to add `rows` rows of one block.
+  /// @param gain  what all rows are to be multiplied with, the same at every call
+  Place place_of_rows(std::size_t rows, std::uint64_t block, double gain);
 
   /// @param variance  sum of what theory expects of one of the first channels in some rows of a block, up to
   /// a factor
@@ -53,6 +56,8 @@ class RunStatistics {
   double variance(Eigen::Index channel) const;  ///< about the mean of all
   /// Of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
+  /// How many channels have one.
+  std::size_t peaks() const { return static_cast<std::size_t>(peak_.size()); }
 
   /// 95 % interval of sigma: Student's t over the blocks' mean squares, of which what theory expects to vary
   /// from block to block is no uncertainty (a ratio estimator).
@@ -76,13 +81,14 @@ class RunStatistics {
   };
   Piece piece(std::size_t width, std::size_t lanes) const;
   bool extend(Piece&, std::size_t count, std::uint64_t block);
-  void close(Piece&);
+  void close(Piece&, double gain);
   void join_neighbours();
 
   std::vector<Sums> blocks_;
   Eigen::ArrayXd peak_;  // of the channels whose variance is known in shape
   std::size_t width_;
   const SimulationKernels* kernels_;
+  double gain_ = 1;  // of the rows
   Piece rows_, instants_;
 };
 
