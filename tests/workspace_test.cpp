@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 #include "qerr/bound/histogram.hpp"
 #include "qerr/core/aligned.hpp"
@@ -388,9 +389,9 @@ OperationalModel one_link() {
   return m;
 }
 
-// The job looks at some configurations before it starts (WorkspaceJob::draw_look); here just these are
+// The job takes a sample before it starts (WorkspaceJob::draw_anywhere); here just these are
 // strangers to the rest.
-TEST(Workspace, BinnedPercentilesAreRightWhereTheFirstLookMisleads) {
+TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
   Configurations c;
   c.method = SamplingMethod::list;
   c.count = exact_percentiles_limit + 4096;
@@ -398,10 +399,10 @@ TEST(Workspace, BinnedPercentilesAreRightWhereTheFirstLookMisleads) {
   Dice dice(12);
   for (std::uint64_t i = 0; i < c.count; ++i)
     c.points.push_back(Eigen::VectorXd::Constant(1, dice.between(0.1, 0.2)));
-  for (std::uint64_t look = 0; look < 64; ++look)
+  for (std::uint64_t b = 0; b < 64; ++b)
     for (std::uint64_t i = 0; i < batch_size; ++i) {
-      const std::uint64_t batch = random_bits(look, i, 0) % (c.count / batch_size);
-      c.points[batch * batch_size + random_bits(look, i, 1) % batch_size][0] = dice.between(1, 1.2);
+      const std::uint64_t batch = random_bits(b, i, 0) % (c.count / batch_size);
+      c.points[batch * batch_size + random_bits(b, i, 1) % batch_size][0] = dice.between(1, 1.2);
     }
   std::vector<double> errors;
   for (const Eigen::VectorXd& q : c.points) errors.push_back(5e-5 * std::sin(q[0]));
@@ -411,6 +412,31 @@ TEST(Workspace, BinnedPercentilesAreRightWhereTheFirstLookMisleads) {
   const auto largest = std::max_element(errors.begin(), errors.end());
   EXPECT_DOUBLE_EQ(s.max, *largest);
   EXPECT_EQ(s.at_max, c.points[static_cast<std::size_t>(largest - errors.begin())]);
+}
+
+// A pitch of 90 deg ends every row of the grid; all before it is finite.
+TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
+  OperationalModel m = one_link();
+  m.chain.joints.push_back(m.chain.joints[0]);
+  m.chain.joints[1].axis = Eigen::Vector3d::UnitY();
+  m.chain.joints[1].coordinate = 1;
+  m.chain.independent.push_back(m.chain.independent[0]);
+  m.transmission = {{{1e-4}, {1e-4}}, Eigen::Matrix2d::Identity()};
+  m.coordinates = {Coordinate::x, Coordinate::yaw};
+  Configurations c;
+  c.method = SamplingMethod::grid;
+  c.ranges = {{0, 1}, {0, std::numbers::pi / 2}};
+  for (const std::uint64_t count : {std::uint64_t{300}, std::uint64_t{400}}) {
+    c.count = count;
+    const Workspace w = workspace(m, {}, c);
+    EXPECT_EQ(w.exact_percentiles, count == 300);
+    EXPECT_EQ(w.coordinates[1].sigma.max, infinity);
+    EXPECT_EQ(w.coordinates[1].sigma.mean, infinity);
+    EXPECT_EQ(w.coordinates[1].sigma.at_max, Eigen::Vector2d(0, std::numbers::pi / 2));
+    EXPECT_EQ(w.mean_covariance(1, 1), infinity);
+    EXPECT_EQ(w.mean_covariance(1, 0), infinity);
+    EXPECT_TRUE(std::isfinite(w.mean_covariance(0, 0)));
+  }
 }
 
 // A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.

@@ -23,11 +23,21 @@ Histogram::Usual within_span(const Histogram::Usual& usual, std::int32_t lowest)
   return {first, end - first};
 }
 
+/// What lies below the span is counted in its lowest bin, if that is counted.
+CountedBins within_span(CountedBins counted, std::int32_t lowest) {
+  if (counted.begin <= lowest) {
+    counted.begin = CountedBins::first;
+    counted.end = std::max(counted.end, lowest + 1);
+  }
+  if (counted.top <= lowest) counted.top = CountedBins::first;
+  return counted;
+}
+
 }  // namespace
 
 Histogram::Histogram(std::int32_t lowest, const CountedBins& counted, const Usual& usual)
     : lowest_(lowest),
-      counted_(counted),
+      counted_(within_span(counted, lowest)),
       usual_(within_span(usual, lowest)),
       few_(static_cast<std::size_t>(usual_.count)) {}
 

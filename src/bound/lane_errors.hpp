@@ -19,7 +19,6 @@ template <class L, std::size_t fixed, bool keep_covariance>
     L worst = e.half[c];
     if constexpr (fixed == 0) {
       worst = bounded(coordinate, unbounded, worst + abs(e.mean[c]));
-      e.variance[c] = bounded(coordinate, unbounded, e.variance[c]);
     }
     store(to + (plan.figures.worst_case + c) * batch_size, worst);
     if (!keep_covariance) store(to + (plan.figures.sigma + c) * batch_size, sqrt(e.variance[c]));

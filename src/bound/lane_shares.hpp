@@ -5,8 +5,6 @@
 namespace qerr::lanes {
 namespace {
 
-constexpr double infinity = __builtin_inf();
-
 template <class L>
 [[gnu::always_inline]] inline void add_to(double* sum, const L& value) {
   store(sum, load<L>(sum) + value);
@@ -55,12 +53,6 @@ template <class L, std::size_t fixed>
   }
 }
 
-/// Infinite where roll and yaw have no bound.
-template <class L>
-[[gnu::always_inline]] inline L bounded(int coordinate, const Bits<L>& unbounded, const L& value) {
-  return coordinate == 6 || coordinate == 8 ? (unbounded ? broadcast<L>(infinity) : value) : value;
-}
-
 /// Figures behind the filters where they are not the coordinate's times a norm.
 template <class L>
 void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors<L>& total,
@@ -90,7 +82,8 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors
         L sum{};
         for (std::size_t p = 0; p < plan.parts; ++p)
           sum = fma(plan.gain_squares[f * plan.parts + p], spreads.of(p)[c] * spreads.of(p)[b], sum);
-        add_to(sums + (plan.sums.filtered + f * entry(m, 0) + entry(c, b)) * lane_count<L>, sum);
+        add_to(sums + (plan.sums.filtered + f * entry(m, 0) + entry(c, b)) * lane_count<L>,
+               bounded(plan.coordinate[c], unbounded, bounded(plan.coordinate[b], unbounded, sum)));
       }
     }
   }

@@ -9,6 +9,7 @@ namespace qerr::lanes {
 namespace {
 
 constexpr std::size_t most_coordinates = 9;
+constexpr double infinity = __builtin_inf();
 
 /// How the coordinates move with a part; of a plain, direct model the columns of the joints themselves.
 template <class L>
@@ -75,6 +76,12 @@ Bits<L> gather(const ErrorPlan& plan, const Room<L>& room, const Frame<L>& tip, 
   double* const pitch = sums + plan.sums.pitch * lane_count<L>;
   store(pitch, max(load<L>(pitch), 1.0 - euler.cosine));
   return euler.unbounded;
+}
+
+/// A value of a coordinate, infinite where roll and yaw have no bound.
+template <class L>
+[[gnu::always_inline]] inline L bounded(int coordinate, const Bits<L>& unbounded, const L& value) {
+  return coordinate == 6 || coordinate == 8 ? (unbounded ? broadcast<L>(infinity) : value) : value;
 }
 
 /// Columns of the joints, and how the coordinates move with every part.

@@ -116,8 +116,10 @@ template <bool orthogonal, class L, class To>
 }
 
 /// Any coordinates and parts.
+/// @param unbounded  where roll and yaw have no bound
 template <class L, class To>
-void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e, const To& covariance) {
+void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& unbounded, Errors<L>& e,
+             const To& covariance) {
   for (std::size_t r = 0; r < plan.coordinates; ++r) {
     e.half[r] = e.mean[r] = L{};
     for (std::size_t p = 0; p < plan.parts; ++p) {
@@ -130,6 +132,7 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, Errors<L>& e, con
         const L* const u = spreads.of(p);
         sum = fma((plan.part[p].sigma * plan.part[p].sigma) * u[r], u[c], sum);
       }
+      sum = bounded(plan.coordinate[r], unbounded, bounded(plan.coordinate[c], unbounded, sum));
       covariance.put(entry(r, c), sum);
       if (c == r) e.variance[r] = sum;
     }
@@ -220,7 +223,7 @@ template <class L, std::size_t fixed, bool direct, class To>
   } else {
     const Bits<L> unbounded = spread<L, direct>(plan, q, room, sums);
     if constexpr (fixed == 0) {
-      sum_any(plan, spreads, e, covariance);
+      sum_any(plan, spreads, unbounded, e, covariance);
     } else {
       const bool upright = direct && begins_upright(plan.chain);
       sum_three<0>(spreads, plan.moving_parts, upright, e, covariance);

@@ -53,20 +53,21 @@ using Bins = typename BinsOf<L>::type;
 /// The bins of values in two registers: of a double's bits the upper half is enough.
 template <class L>
 [[gnu::always_inline]] inline Bins<L> bins_of(const double* values) {
-  static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__);
+  constexpr int u = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? 1 : 0;
   const auto a = __builtin_bit_cast(Bins<L>, load<L>(values)),
              b = __builtin_bit_cast(Bins<L>, load<L>(values + lane_count<L>));
   Bins<L> upper;
   if constexpr (lane_count<L> == 8)
-    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15, 17, 19, 21, 23, 25, 27, 29, 31);
+    upper = __builtin_shufflevector(a, b, u, u + 2, u + 4, u + 6, u + 8, u + 10, u + 12, u + 14, u + 16,
+                                    u + 18, u + 20, u + 22, u + 24, u + 26, u + 28, u + 30);
   else if constexpr (lane_count<L> == 4)
-    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7, 9, 11, 13, 15);
+    upper = __builtin_shufflevector(a, b, u, u + 2, u + 4, u + 6, u + 8, u + 10, u + 12, u + 14);
   else
-    upper = __builtin_shufflevector(a, b, 1, 3, 5, 7);
+    upper = __builtin_shufflevector(a, b, u, u + 2, u + 4, u + 6);
   return upper >> (bin_shift - 32);
 }
 
-#if defined(__AVX2__) && !defined(__AVX512F__)
+#if defined(__AVX2__)
 /// The places of the set bits of every mask of eight, a byte each.
 constexpr struct KeptPlaces {
   std::uint64_t of[256] = {};
@@ -87,26 +88,30 @@ constexpr struct KeptPlaces {
 template <class L>
 [[gnu::always_inline]] inline std::int32_t* append(const Bins<L>& bins, const Bins<L>& kept,
                                                    std::int32_t* to) {
-#if defined(__AVX512F__)
-  const auto mask = _mm512_movepi32_mask(__builtin_bit_cast(__m512i, kept));
-  const auto packed = _mm512_maskz_compress_epi32(mask, __builtin_bit_cast(__m512i, bins));
-#elif defined(__AVX2__)
-  const auto mask = static_cast<unsigned>(_mm256_movemask_ps(__builtin_bit_cast(__m256, kept)));
-  const auto places = _mm256_cvtepu8_epi32(_mm_cvtsi64_si128(static_cast<long long>(kept_places.of[mask])));
-  const auto packed = _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), places);
-#else
+#if defined(__AVX512F__) && defined(__AVX512DQ__)
+  if constexpr (lane_count<L> == 8) {
+    const auto mask = _mm512_movepi32_mask(__builtin_bit_cast(__m512i, kept));
+    const auto packed = _mm512_maskz_compress_epi32(mask, __builtin_bit_cast(__m512i, bins));
+    __builtin_memcpy(to, &packed, sizeof packed);
+    return to + __builtin_popcount(mask);
+  }
+#endif
+#if defined(__AVX2__)
+  if constexpr (lane_count<L> == 4) {
+    const auto mask = static_cast<unsigned>(_mm256_movemask_ps(__builtin_bit_cast(__m256, kept)));
+    const auto places = _mm_cvtsi64_si128(static_cast<long long>(kept_places.of[mask]));
+    const auto packed =
+        _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), _mm256_cvtepu8_epi32(places));
+    __builtin_memcpy(to, &packed, sizeof packed);
+    return to + __builtin_popcount(mask);
+  }
+#endif
 #pragma GCC unroll 16
   for (std::size_t i = 0; i < BinsOf<L>::count; ++i) {
     *to = bins[i];
     to += kept[i] < 0;
   }
   return to;
-#endif
-#if defined(__AVX2__)
-  static_assert(sizeof packed == sizeof bins);
-  __builtin_memcpy(to, &packed, sizeof packed);
-  return to + __builtin_popcount(mask);
-#endif
 }
 
 /// One figure on its way into its tally, eight values at a time.

@@ -6,7 +6,7 @@
 
 #include "qerr/core/parallel.hpp"
 #include "qerr/core/random.hpp"
-#include "sorted_bins.hpp"
+#include "sampled_bins.hpp"
 
 namespace qerr {
 
@@ -33,28 +33,27 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
               options.instructions),
       exact_(total_ <= exact_percentiles_limit),
       joined_(errors_.figures().count),
-      largest_(joined_.size(), -1.0),
+      sampled_largest_(joined_.size(), -1.0),
       sums_(errors_.sums().count) {
   if (exact_)
     values_ = AlignedNumbers(joined_.size() * total_);
   else
-    look_around();
+    take_sample();
 }
 
 void WorkspaceJob::run() {
   sweep();
   if (exact_ || percentiles_are_counted()) return;
-  // The looks were not like the rest.
+  // The sample was not like the rest.
   counted_.assign(joined_.size(), CountedBins{});
-  joined_.assign(joined_.size(), JoinedTally{});
-  sums_.assign(sums_.size(), 0);
-  for (double& largest : largest_)
-    if (largest > 0) largest *= clearly_smaller;
-  histograms_.clear();
   sweep();
 }
 
 void WorkspaceJob::sweep() {
+  joined_.assign(joined_.size(), JoinedTally{});
+  sums_.assign(sums_.size(), 0);
+  histograms_.clear();
+  largest_ = sampled_largest_;
   const unsigned threads = thread_count(options_.threads);
   std::vector<Worker> workers;
   for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
@@ -109,34 +108,35 @@ std::vector<Histogram> WorkspaceJob::empty_histograms() const {
   return empty;
 }
 
-/// Looks at a block of configurations from all over the job before it starts: every thread bins alike, by the
-/// size of what they show, what is clearly smaller than their largest is no news to any, and what is far from
-/// their percentiles need not be counted.
-void WorkspaceJob::look_around() {
+/// A block of configurations from all over the job, before it starts: every thread bins alike, by the size of
+/// what they show, what is clearly smaller than their largest is no news to any, and what is far from their
+/// percentiles need not be counted.
+void WorkspaceJob::take_sample() {
   lowest_bins_.assign(joined_.size(), 0);
   counted_.resize(joined_.size());
   usual_.resize(joined_.size());
   Worker w = worker();
   std::vector<Tally> tallies(joined_.size());
-  for (std::uint64_t look = 0; look * batch_size < block_size; ++look) {
-    draw_look(look, w);
+  for (std::uint64_t batch = 0; batch * batch_size < block_size; ++batch) {
+    draw_anywhere(batch, w);
     w.errors(w.q.data(), w.figures.data());
     kernels_.tally(tallies.size(), w.figures.data(), 0, tallies.data(), w.counts.lists());
   }
   for (std::size_t f = 0; f < joined_.size(); ++f) {
-    const SortedBins seen(w.counts.list(f), w.counts.lists()[f].next);
-    lowest_bins_[f] = Histogram::lowest_bin(seen[BlockCounts::block_size * 95 / 100]);
-    if (std::isfinite(tallies[f].max)) largest_[f] = clearly_smaller * tallies[f].max;
+    const SampledBins sample(w.counts.list(f), w.counts.lists()[f].next);
+    lowest_bins_[f] = Histogram::lowest_bin(sample[BlockCounts::block_size * 95 / 100]);
+    if (std::isfinite(tallies[f].max)) sampled_largest_[f] = clearly_smaller * tallies[f].max;
     // Texts are written once: nothing may be missed.
-    if (!options_.text) counted_[f] = seen.near_percentiles();
-    usual_[f] = seen.usual(counted_[f]);
+    if (!options_.text) counted_[f] = sample.near_percentiles();
+    usual_[f] = sample.usual(counted_[f]);
   }
 }
 
-/// A batch from anywhere. Neighbours in a grid or a list are alike: of these, one of many batches each.
-void WorkspaceJob::draw_look(std::uint64_t look, Worker& w) const {
+/// Batch number `batch` of the sample. Neighbours in a grid or a list are alike: of these, one of many
+/// batches each.
+void WorkspaceJob::draw_anywhere(std::uint64_t batch, Worker& w) const {
   const auto anywhere = [&](std::uint64_t i) {
-    return random_bits(look, i, 0) % (total_ / batch_size) * batch_size;
+    return random_bits(batch, i, 0) % (total_ / batch_size) * batch_size;
   };
   if (configurations_.method == SamplingMethod::sobol || configurations_.method == SamplingMethod::random) {
     w.sampler(anywhere(0), w.q.data());
@@ -145,7 +145,7 @@ void WorkspaceJob::draw_look(std::uint64_t look, Worker& w) const {
   AlignedNumbers neighbours(w.q.size());
   for (std::size_t i = 0; i < batch_size; ++i) {
     w.sampler(anywhere(i), neighbours.data());
-    const std::size_t at = random_bits(look, i, 1) % batch_size;
+    const std::size_t at = random_bits(batch, i, 1) % batch_size;
     for (std::size_t j = 0; j < joints_; ++j) w.q[j * batch_size + i] = neighbours[j * batch_size + at];
   }
 }

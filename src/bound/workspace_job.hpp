@@ -55,8 +55,8 @@ class WorkspaceJob {
   std::uint64_t blocks() const { return (total_ + block_size - 1) / block_size; }
   Worker worker() const;
   std::vector<Histogram> empty_histograms() const;
-  void look_around();
-  void draw_look(std::uint64_t look, Worker&) const;
+  void take_sample();
+  void draw_anywhere(std::uint64_t batch, Worker&) const;
   void sweep();
   bool percentiles_are_counted() const;
   /// @param result  of an earlier block: its memory serves again
@@ -78,7 +78,8 @@ class WorkspaceJob {
   std::vector<CountedBins> counted_;       // [figure]
   std::vector<Histogram::Usual> usual_;    // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
-  std::vector<double> largest_;            // [figure], that is known to be reached
+  // [figure]: what is known to be reached, from the sample and while the job goes on
+  std::vector<double> sampled_largest_, largest_;
   std::vector<long double> sums_;
   std::vector<Histogram> histograms_;  // [figure]
 };

@@ -17,8 +17,8 @@ namespace qerr {
 ///   X' = cos(t) X + sin(t) Y',  Y'' = cos(t) Y' - sin(t) X               (turn), t = multiplier q + offset
 /// Of the tilt the nearest multiple of a right angle is taken by exchanging axes; the rest, at most pi/4, in
 /// three shears, which take three products instead of four (Y1 = Y + h Z, Z' = Z - sin Y1, Y' = Y1 + h Z').
-/// A prismatic joint turns by the constant `offset` and slides o by (slide q + slide_offset) Z'. Signs that a
-/// right angle would put on an axis are carried into the numbers instead: the axis of the joint is sign Z'.
+/// A prismatic joint turns by a constant (turn_cosine, turn_sine) and slides o by t Z'. Signs that a right
+/// angle would put on an axis are carried into the numbers instead: the axis of the joint is sign Z'.
 struct FoldedJoint {
   bool right = false, tilts = false;                 ///< by a right angle, and by a rest
   double half_tangent = 0, sine = 0;                 ///< of the rest: h = tan(rest/2), and its sine
@@ -26,10 +26,10 @@ struct FoldedJoint {
   bool has_a = false, has_b = false, has_d = false;  ///< these are not 0
   bool turns = true;  ///< false: the turn is by nothing, or changes nothing that is asked for
   bool prismatic = false;
-  double turn_cosine = 1, turn_sine = 0;  ///< of a prismatic joint's constant turn
-  double multiplier = 1, offset = 0;      ///< of the angle [rad], or of the slide [m]
+  double turn_cosine = 1, turn_sine = 0;              ///< of a prismatic joint's constant turn
+  double multiplier = 1, offset = 0;                  ///< of the angle [rad], or of the slide [m]
   double quarter_multiplier = 0, quarter_offset = 0;  ///< the same of the angle in quarter turns
-  std::size_t coordinate = 0;             ///< index of the independent joint
+  std::size_t coordinate = 0;                         ///< index of the independent joint
   double sign = 1;
   bool own_point = true;  ///< false: the point kept of the joint before lies on this one's axis, too
 };

@@ -7,13 +7,14 @@
 
 namespace qerr {
 
-/// Bins of some values in their order, as leading bits: what a histogram of many more of the kind can expect.
-class SortedBins {
+/// Bins of a sample of values in their order, as leading bits: what a histogram of many more can expect.
+class SampledBins {
  public:
   /// @pre begin < end
-  SortedBins(const std::int32_t* begin, const std::int32_t* end);
+  SampledBins(const std::int32_t* begin, const std::int32_t* end);
 
-  /// That of the value with `rank` smaller ones before it.
+  /// That of the value with `rank` smaller ones before it; what is 64 octaves below the largest, or not
+  /// finite, as the nearest bin beyond the others.
   std::int32_t operator[](std::uint64_t rank) const;
 
   /// The bins that percentiles of all values need: some standard deviations on either side of the median, and
