@@ -39,10 +39,9 @@ CountedBins SampledBins::near_percentiles() const {
   return {from(edge(0.5, -1)), edge(0.5, 1) + 1, from(edge(0.95, -1))};
 }
 
-Histogram::Usual SampledBins::usual(const CountedBins& counted) const {
+Histogram::Usual SampledBins::usual() const {
   constexpr std::int32_t octave = 1 << (52 - bin_shift);
-  const std::int32_t first = std::max(first_, counted.begin);
-  return {first, first_ + static_cast<std::int32_t>(counts_.size()) + octave - first};
+  return {first_, static_cast<std::int32_t>(counts_.size()) + octave};
 }
 
 }  // namespace qerr

@@ -22,8 +22,8 @@ class SampledBins {
   /// edges are on the wrong side.
   CountedBins near_percentiles() const;
 
-  /// From the smallest, or the first that is counted, to an octave above the largest.
-  Histogram::Usual usual(const CountedBins&) const;
+  /// From the smallest to an octave above the largest.
+  Histogram::Usual usual() const;
 
  private:
   std::uint64_t count_;

@@ -116,11 +116,20 @@ void WorkspaceJob::take_sample() {
   counted_.resize(joined_.size());
   usual_.resize(joined_.size());
   Worker w = worker();
-  std::vector<Tally> tallies(joined_.size());
+  std::vector<Tally> tallies(joined_.size()), unused(joined_.size());
+  // Neighbours in Sobol's sequence are far from independent: how figures are spread is seen at random points.
+  const bool correlated = configurations_.method == SamplingMethod::sobol;
+  const Configurations at_random{.method = SamplingMethod::random, .ranges = configurations_.ranges};
+  Sampler random(at_random, options_.instructions);
   for (std::uint64_t batch = 0; batch * batch_size < block_size; ++batch) {
     draw_anywhere(batch, w);
     w.errors(w.q.data(), w.figures.data());
-    kernels_.tally(tallies.size(), w.figures.data(), 0, tallies.data(), w.counts.lists());
+    kernels_.tally(tallies.size(), w.figures.data(), 0, tallies.data(),
+                   correlated ? nullptr : w.counts.lists());
+    if (!correlated) continue;
+    random(batch * batch_size, w.q.data());
+    w.errors(w.q.data(), w.figures.data());
+    kernels_.tally(unused.size(), w.figures.data(), 0, unused.data(), w.counts.lists());
   }
   for (std::size_t f = 0; f < joined_.size(); ++f) {
     const SampledBins sample(w.counts.list(f), w.counts.lists()[f].next);
@@ -128,7 +137,7 @@ void WorkspaceJob::take_sample() {
     if (std::isfinite(tallies[f].max)) sampled_largest_[f] = clearly_smaller * tallies[f].max;
     // Texts are written once: nothing may be missed.
     if (!options_.text) counted_[f] = sample.near_percentiles();
-    usual_[f] = sample.usual(counted_[f]);
+    usual_[f] = sample.usual();
   }
 }
 
