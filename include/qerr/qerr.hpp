@@ -17,6 +17,7 @@
 #include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/instruction_set.hpp"
+#include "qerr/core/lane_words.hpp"
 #include "qerr/core/lanes.hpp"
 #include "qerr/core/output_file.hpp"
 #include "qerr/core/parallel.hpp"

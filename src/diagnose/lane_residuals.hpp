@@ -117,6 +117,14 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
   }
 }
 
+/// As many whole numbers as lanes, half as wide.
+template <class L>
+struct HalvesOf {
+  typedef std::int32_t type __attribute__((vector_size(sizeof(L) / 2)));
+};
+template <class L>
+using Halves = typename HalvesOf<L>::type;
+
 /// First the bins of all rows, then the counts: lanes that were taken out of a register one by one would wait
 /// for each other.
 template <class L>
@@ -126,7 +134,7 @@ void distribute(const double* in, double middle, std::size_t rows, std::size_t w
   for (std::size_t i = 0; i < rows * width; i += lane_count<L>) {
     const L place = (load<L>(in + i) - middle + 1) * per_count;
     const L inside = max(min(place, broadcast<L>(last)), L{});
-    const auto bin = __builtin_convertvector(inside, typename WordsOf<L>::half);
+    const auto bin = __builtin_convertvector(inside, Halves<L>);
     __builtin_memcpy(places + i, &bin, sizeof bin);
   }
   for (std::size_t k = 0; k < rows; ++k)

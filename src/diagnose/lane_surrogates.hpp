@@ -1,31 +1,12 @@
 #pragma once
 
-#include "qerr/core/lanes.hpp"
+#include "qerr/core/lane_words.hpp"
 #include "residual_kernels.hpp"
 
 // Surrogates in lanes: their noise, and what their encoders read.
 
 namespace qerr::lanes {
 namespace {
-
-template <class L>
-struct WordsOf {
-  typedef std::uint64_t type __attribute__((vector_size(sizeof(L))));
-  typedef std::int32_t half __attribute__((vector_size(sizeof(L) / 2)));
-};
-/// The bits of lanes as whole numbers without a sign.
-template <class L>
-using Words = typename WordsOf<L>::type;
-
-/// kernel<group>(first lane) for groups of vectors, the largest first: the vectors of a group fill the time
-/// that each of them waits for its last row.
-template <int group, class L, class Kernel>
-[[gnu::always_inline]] inline void in_groups(std::size_t lane, std::size_t width, Kernel kernel) {
-  for (; lane + group * lane_count<L> <= width; lane += group * lane_count<L>)
-    kernel.template operator()<group>(lane);
-  if constexpr (group > 1)
-    if (lane < width) in_groups<group - 1, L>(lane, width, kernel);
-}
 
 /// Whole numbers below 2^52 as what they are: they stand in the last bits of 2^52 + themselves.
 template <class L>
@@ -39,10 +20,7 @@ template <class L>
   constexpr double mean = 4 * 32767.5, sigma = 37837.22783634604;
   constexpr std::uint64_t every_second = 0x0000ffff0000ffffu;
   generator += 0x9E3779B97F4A7C15u;
-  Words<L> z = generator;
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  z ^= z >> 31;
+  const Words<L> z = mixed<Words<L>>(generator);
   const Words<L> pairs = (z & every_second) + ((z >> 16) & every_second);
   return (number_of<L>((pairs & 0xffffffffu) + (pairs >> 32)) - mean) * (1 / sigma);
 }

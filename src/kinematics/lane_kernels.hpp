@@ -2,6 +2,7 @@
 
 #include "kernels.hpp"
 #include "qerr/core/batch.hpp"
+#include "qerr/core/lane_words.hpp"
 #include "qerr/kinematics/walk.hpp"
 
 namespace qerr::lanes {
@@ -33,14 +34,6 @@ void jacobians(const FoldedPath& chain, const double* signs, const double* q, do
     columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{}, put);
   }
 }
-
-/// Whole numbers without sign.
-template <class L>
-struct WordsOf {
-  typedef std::uint64_t type __attribute__((vector_size(sizeof(L))));
-};
-template <class L>
-using Words = typename WordsOf<L>::type;
 
 template <class L>
 [[gnu::always_inline]] inline Words<L> load_words(const std::uint64_t* from) {
@@ -91,13 +84,6 @@ void sobol(const SampledRanges& r, const std::uint64_t* start, const std::uint64
       store(to + at, range.at(load_words<L>(patterns + at) ^ first));
     }
   }
-}
-
-template <class W>
-[[gnu::always_inline]] inline W mixed(W z) {  // as random_bits
-  z = (z ^ (z >> 30)) * 0xBF58476D1CE4E5B9u;
-  z = (z ^ (z >> 27)) * 0x94D049BB133111EBu;
-  return z ^ (z >> 31);
 }
 
 template <class L>

@@ -104,14 +104,6 @@ void section_of_kind(const SectionPlan& s, const double* in, std::size_t stride,
 template <class L>
 constexpr int largest_group = lane_count<L> == 8 ? 8 : 4;
 
-/// kernel<group>(first channel) for groups of vectors, the largest first.
-template <int group, class L, class Kernel>
-[[gnu::always_inline]] inline void in_groups(std::size_t c, std::size_t width, Kernel kernel) {
-  for (; c + group * lane_count<L> <= width; c += group * lane_count<L>) kernel.template operator()<group>(c);
-  if constexpr (group > 1)
-    if (c < width) in_groups<group - 1, L>(c, width, kernel);
-}
-
 template <class L>
 void section(const SectionPlan& s, const double* in, std::size_t stride, std::size_t rows, std::size_t width,
              double* state, double* out) {
@@ -134,36 +126,51 @@ void taps(const double* taps, std::size_t count, const double* in, std::size_t r
     }
 }
 
+/// Sums of `group` vectors of channels in registers.
+template <class L, int group, bool peaks>
+struct TallyLanes {
+  L shift[group], sum[group], squares[group], peak[group];
+
+  [[gnu::always_inline]] TallyLanes(const ChannelTally& t, std::size_t c) {
+#pragma GCC unroll 8
+    for (int g = 0; g < group; ++g) {
+      const std::size_t at = c + g * lane_count<L>;
+      shift[g] = load<L>(t.shift + at);
+      sum[g] = load<L>(t.sum + at);
+      squares[g] = load<L>(t.squares + at);
+      peak[g] = peaks ? load<L>(t.peak + at) : L{};
+    }
+  }
+  [[gnu::always_inline]] void add(int g, const L& value) {
+    const L off = value - shift[g];
+    sum[g] += off;
+    squares[g] = fma(off, off, squares[g]);
+    if constexpr (peaks) peak[g] = max(abs(value), peak[g]);
+  }
+  [[gnu::always_inline]] void put(const ChannelTally& t, std::size_t c) const {
+#pragma GCC unroll 8
+    for (int g = 0; g < group; ++g) {
+      const std::size_t at = c + g * lane_count<L>;
+      store(t.sum + at, sum[g]);
+      store(t.squares + at, squares[g]);
+      if constexpr (peaks) store(t.peak + at, peak[g]);
+    }
+  }
+};
+
 template <class L, int group, bool peaks>
 [[gnu::always_inline]] inline void tally_on(const double* in, std::size_t stride, std::size_t rows,
                                             std::size_t c, bool fresh, const ChannelTally& t) {
   constexpr auto lanes = lane_count<L>;
-  L shift[group], sum[group], squares[group], peak[group];
 #pragma GCC unroll 8
-  for (int g = 0; g < group; ++g) {
-    const std::size_t at = c + g * lanes;
-    shift[g] = load<L>(fresh ? in + at : t.shift + at);
-    sum[g] = load<L>(t.sum + at);
-    squares[g] = load<L>(t.squares + at);
-    peak[g] = peaks ? load<L>(t.peak + at) : L{};
-  }
+  for (int g = 0; g < group; ++g)
+    if (fresh) store(t.shift + c + g * lanes, load<L>(in + c + g * lanes));
+  TallyLanes<L, group, peaks> tally(t, c);
   for (std::size_t row = 0; row < rows; ++row) {
 #pragma GCC unroll 8
-    for (int g = 0; g < group; ++g) {
-      const L value = load<L>(in + row * stride + c + g * lanes), off = value - shift[g];
-      sum[g] += off;
-      squares[g] = fma(off, off, squares[g]);
-      if (peaks) peak[g] = max(abs(value), peak[g]);
-    }
+    for (int g = 0; g < group; ++g) tally.add(g, load<L>(in + row * stride + c + g * lanes));
   }
-#pragma GCC unroll 8
-  for (int g = 0; g < group; ++g) {
-    const std::size_t at = c + g * lanes;
-    if (fresh) store(t.shift + at, shift[g]);
-    store(t.sum + at, sum[g]);
-    store(t.squares + at, squares[g]);
-    if (peaks) store(t.peak + at, peak[g]);
-  }
+  tally.put(t, c);
 }
 
 template <class L>

@@ -47,12 +47,9 @@ template <class L>
   const L r = ((angle - n * 0x1.921fb544p+1) - n * 0x1.0b4611a6p-33) - n * 0x1.3198a2e037073p-68;
 #endif
   const L s = r * r;
-  L sum = broadcast<L>(0x1.89a43bea5b135p-49);
-#pragma GCC unroll 7
-  for (const double c :
-       {-0x1.ae51366b753a9p-41, 0x1.612401540ed0fp-33, -0x1.ae6455a1c0795p-26, 0x1.71de3a54564dfp-19,
-        -0x1.a01a01a018aaap-13, 0x1.1111111111107p-7, -0x1.5555555555555p-3})
-    sum = fma(sum, s, broadcast<L>(c));
+  const L sum = polynomial(s, -0x1.5555555555555p-3, 0x1.1111111111107p-7, -0x1.a01a01a018aaap-13,
+                           0x1.71de3a54564dfp-19, -0x1.ae6455a1c0795p-26, 0x1.612401540ed0fp-33,
+                           -0x1.ae51366b753a9p-41, 0x1.89a43bea5b135p-49);
   const L of_r = fma(s * r, sum, r);
   return __builtin_bit_cast(L,
                             __builtin_bit_cast(Bits<L>, of_r) ^ (__builtin_bit_cast(Bits<L>, shifted) << 63));

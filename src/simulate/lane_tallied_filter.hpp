@@ -62,38 +62,6 @@ template <Kind kind, class L>
   if constexpr (kind != Kind::none && !of_first_order(kind)) store(to + width, state.r);
 }
 
-/// Sums of `group` vectors of channels in registers.
-template <class L, int group, bool peaks>
-struct TallyLanes {
-  L shift[group], sum[group], squares[group], peak[group];
-
-  [[gnu::always_inline]] TallyLanes(const ChannelTally& t, std::size_t c) {
-#pragma GCC unroll 8
-    for (int g = 0; g < group; ++g) {
-      const std::size_t at = c + g * lane_count<L>;
-      shift[g] = load<L>(t.shift + at);
-      sum[g] = load<L>(t.sum + at);
-      squares[g] = load<L>(t.squares + at);
-      peak[g] = peaks ? load<L>(t.peak + at) : L{};
-    }
-  }
-  [[gnu::always_inline]] void add(int g, const L& value) {
-    const L off = value - shift[g];
-    sum[g] += off;
-    squares[g] = fma(off, off, squares[g]);
-    if constexpr (peaks) peak[g] = max(abs(value), peak[g]);
-  }
-  [[gnu::always_inline]] void put(const ChannelTally& t, std::size_t c) const {
-#pragma GCC unroll 8
-    for (int g = 0; g < group; ++g) {
-      const std::size_t at = c + g * lane_count<L>;
-      store(t.sum + at, sum[g]);
-      store(t.squares + at, squares[g]);
-      if constexpr (peaks) store(t.peak + at, peak[g]);
-    }
-  }
-};
-
 /// All states of a filter for one vector of channels.
 template <class L, int differences, Kind one, Kind two>
 struct TightStates {

@@ -11,13 +11,13 @@
 #include "qerr/simulate/simulate.hpp"
 
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
 
+#include "cpu_time.hpp"
 #include "plain_simulation.hpp"
 #include "qerr/core/random.hpp"
 #include "qerr/filter/norms.hpp"
@@ -122,19 +122,6 @@ double difference(const Case& c) {
   return worst;
 }
 
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <class Part>
-double seconds(Part part) {
-  const double start = cpu_seconds();
-  benchmark::DoNotOptimize(part());
-  return cpu_seconds() - start;
-}
-
 void side_by_side(benchmark::State& state, bool calibrated) {
   const auto runs = static_cast<std::uint64_t>(state.range(1));
   const Case c = make_case(calibrated, static_cast<std::size_t>(state.range(0)), runs,
@@ -145,8 +132,8 @@ void side_by_side(benchmark::State& state, bool calibrated) {
   }
   std::vector<double> ours, theirs, ratios;
   for (auto _ : state) {
-    theirs.push_back(seconds([&] { return plainly(c); }));
-    ours.push_back(seconds([&] { return by_qerr(c); }));
+    theirs.push_back(bench::cpu_seconds([&] { return plainly(c); }));
+    ours.push_back(bench::cpu_seconds([&] { return by_qerr(c); }));
     ratios.push_back(theirs.back() / ours.back());
     state.SetIterationTime(ours.back());
   }

@@ -10,7 +10,6 @@
 // instruction set: 0 portable, 1 avx2, 2 avx512.
 
 #include <benchmark/benchmark.h>
-#include <time.h>
 
 #include <algorithm>
 #include <cstdio>
@@ -18,6 +17,7 @@
 
 #include "../random_evidence.hpp"
 #include "../reference_residuals.hpp"
+#include "cpu_time.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace {
@@ -25,19 +25,6 @@ namespace {
 using namespace qerr;
 
 constexpr Eigen::Index surrogates = 99;
-
-double cpu_seconds() {
-  timespec t{};
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
-}
-
-template <class Part>
-double seconds(Part part) {
-  const double start = cpu_seconds();
-  benchmark::DoNotOptimize(part());
-  return cpu_seconds() - start;
-}
 
 double difference(const std::vector<ResidualStatistic>& ours, const std::vector<ResidualStatistic>& theirs) {
   double worst = ours.size() == theirs.size() ? 0 : 1;
@@ -65,8 +52,8 @@ void side_by_side(benchmark::State& state) {
   }
   std::vector<double> our_times, their_times, ratios;
   for (auto _ : state) {
-    their_times.push_back(seconds(theirs));
-    our_times.push_back(seconds(ours));
+    their_times.push_back(bench::cpu_seconds(theirs));
+    our_times.push_back(bench::cpu_seconds(ours));
     ratios.push_back(their_times.back() / our_times.back());
     state.SetIterationTime(our_times.back());
   }

@@ -83,6 +83,16 @@ template <class L>
   return x;
 }
 
+/// kernel<group>(first lane) for groups of vectors of a row, the largest first: where each waits for its last
+/// row, the others of its group fill the time.
+template <int group, class L, class Kernel>
+[[gnu::always_inline]] inline void in_groups(std::size_t first, std::size_t width, Kernel kernel) {
+  for (; first + group * lane_count<L> <= width; first += group * lane_count<L>)
+    kernel.template operator()<group>(first);
+  if constexpr (group > 1)
+    if (first < width) in_groups<group - 1, L>(first, width, kernel);
+}
+
 /// c0 + c1 x + ... (Horner): the fewest operations, which wait for each other while those of the next joints
 /// fill the time.
 template <class L, class... More>
