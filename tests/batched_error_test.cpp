@@ -1,12 +1,12 @@
-#include "qerr/bound/batched_error.hpp"
+#include "bound/batched_error.hpp"
 
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
 #include <cmath>
 
+#include "lanes/aligned.hpp"
 #include "qerr/bound/derivative_error.hpp"
-#include "qerr/core/aligned.hpp"
 #include "qerr/filter/family.hpp"
 #include "random_chain.hpp"
 

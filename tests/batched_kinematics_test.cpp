@@ -6,11 +6,11 @@
 #include <limits>
 #include <numbers>
 
-#include "qerr/core/lanes.hpp"
+#include "kinematics/jacobians.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/lanes.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/kinematics/jacobian.hpp"
-#include "qerr/kinematics/jacobians.hpp"
-#include "qerr/kinematics/sampler.hpp"
 #include "random_chain.hpp"
 
 namespace qerr {

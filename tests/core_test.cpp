@@ -8,14 +8,14 @@
 #include <numbers>
 #include <set>
 
+#include "core/output_file.hpp"
+#include "core/parallel.hpp"
+#include "core/random.hpp"
+#include "core/sha256.hpp"
+#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/output_file.hpp"
-#include "qerr/core/parallel.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/core/random.hpp"
-#include "qerr/core/sha256.hpp"
-#include "qerr/core/suggest.hpp"
-#include "qerr/core/text.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {

@@ -3,12 +3,12 @@
 #include <cmath>
 #include <numbers>
 
-#include "../src/diagnose/comparison.hpp"
-#include "../src/diagnose/found_parameters.hpp"
-#include "../src/diagnose/gain.hpp"
-#include "../src/diagnose/smooth_path.hpp"
-#include "../src/diagnose/with_effects.hpp"
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
+#include "diagnose/inference/found_parameters.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/verdict/comparison.hpp"
+#include "diagnose/verdict/gain.hpp"
 
 namespace qerr {
 namespace {

@@ -9,8 +9,8 @@
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/simulate/simulate.hpp"
-#include "qerr/simulate/usage.hpp"
 #include "random_chain.hpp"
+#include "simulate/usage.hpp"
 
 /// Robots, motions and effects for tests of what effects add to the bounds.
 namespace qerr::testing {

@@ -5,7 +5,7 @@
 #include <numbers>
 #include <vector>
 
-#include "qerr/simulate/sensing.hpp"
+#include "simulate/sensing.hpp"
 
 namespace qerr {
 namespace {

@@ -1,16 +1,16 @@
-#include "../src/diagnose/explanation.hpp"
+#include "diagnose/inference/explanation.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
 
-#include "../src/diagnose/model_choice.hpp"
-#include "../src/diagnose/scatter.hpp"
-#include "../src/diagnose/select.hpp"
-#include "../src/diagnose/smooth_path.hpp"
-#include "../src/diagnose/subdivision.hpp"
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
+#include "diagnose/inference/model_choice.hpp"
+#include "diagnose/inference/scatter.hpp"
+#include "diagnose/inference/select.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "diagnose/terms/subdivision.hpp"
 
 namespace qerr {
 

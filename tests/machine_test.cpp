@@ -5,8 +5,8 @@
 #include <kdl/chainidsolver_recursive_newton_euler.hpp>
 #include <numbers>
 
+#include "kinematics/inverse_dynamics.hpp"
 #include "qerr/input/read_urdf.hpp"
-#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "random_chain.hpp"
 

@@ -11,6 +11,7 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 namespace {

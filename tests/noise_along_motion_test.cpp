@@ -1,4 +1,4 @@
-#include "qerr/simulate/noise_along_motion.hpp"
+#include "simulate/noise_along_motion.hpp"
 
 #include <gtest/gtest.h>
 

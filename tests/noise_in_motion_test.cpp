@@ -1,4 +1,4 @@
-#include "qerr/bound/noise_in_motion.hpp"
+#include "bound/noise_in_motion.hpp"
 
 #include <gtest/gtest.h>
 
@@ -7,9 +7,9 @@
 #include <numbers>
 #include <vector>
 
+#include "core/random.hpp"
 #include "design_filter.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/random.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 

@@ -5,8 +5,9 @@
 
 #include "design_filter.hpp"
 #include "effect_experiment.hpp"
+#include "filter/run/filter_bank.hpp"
 #include "qerr/bound/effect_shares.hpp"
-#include "qerr/filter/filter_bank.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 namespace {

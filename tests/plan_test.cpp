@@ -8,6 +8,7 @@
 
 #include "qerr/report/plan_report.hpp"
 #include "qerr/report/write.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 namespace {

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
 #include "qerr/encoder/transmission.hpp"
 #include "qerr/kinematics/chain.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "qerr/diagnose/evidence.hpp"
+#include "diagnose/record/evidence.hpp"
 #include "random_chain.hpp"
 
 namespace qerr::testing {

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <vector>
 
-#include "../src/diagnose/residual_plan.hpp"
-#include "../src/diagnose/residual_statistics.hpp"
-#include "qerr/filter/filter_bank.hpp"
+#include "diagnose/surrogates/residual_plan.hpp"
+#include "diagnose/surrogates/residual_statistics.hpp"
+#include "filter/run/filter_bank.hpp"
 #include "reference_surrogate.hpp"
 
 /// The statistics of residuals (residual_statistics.hpp) without lanes of instructions, all lanes at once.

@@ -6,7 +6,7 @@
 #include <numbers>
 #include <vector>
 
-#include "qerr/filter/filter_bank.hpp"
+#include "filter/run/filter_bank.hpp"
 #include "qerr/simulate/simulate.hpp"
 
 /// `simulate` of one run, sample by sample, from the scalar functions: what the lanes are compared with.

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "../src/diagnose/surrogate.hpp"
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
+#include "diagnose/surrogates/surrogate.hpp"
 
 /// Surrogates row by row without lanes of instructions, as their docstring has them (surrogate.hpp).
 namespace qerr::testing {

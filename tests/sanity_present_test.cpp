@@ -1,8 +1,8 @@
 #include <gtest/gtest.h>
 
+#include "diagnose/record/sanity.hpp"
 #include "one_joint_record.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
-#include "qerr/diagnose/sanity.hpp"
 
 /// Records of a machine whose faults the spec already has.
 namespace qerr {

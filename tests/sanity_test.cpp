@@ -1,4 +1,4 @@
-#include "qerr/diagnose/sanity.hpp"
+#include "diagnose/record/sanity.hpp"
 
 #include <gtest/gtest.h>
 

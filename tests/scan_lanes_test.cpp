@@ -4,8 +4,8 @@
 #include <complex>
 #include <vector>
 
-#include "../src/diagnose/scan_kernels.hpp"
-#include "qerr/core/aligned.hpp"
+#include "diagnose/terms/scan_kernels.hpp"
+#include "lanes/aligned.hpp"
 #include "random_chain.hpp"
 
 /// The scans for periods in lanes against their formula.

@@ -3,11 +3,11 @@
 #include <cmath>
 #include <limits>
 
-#include "../src/simulate/channel_filter.hpp"
-#include "../src/simulate/path_errors.hpp"
 #include "design_filter.hpp"
 #include "random_chain.hpp"
 #include "reference_simulation.hpp"
+#include "simulate/channel_filter.hpp"
+#include "simulate/path_errors.hpp"
 #include "simulate_experiment.hpp"
 
 /// The lanes of a simulation against the scalar functions, one sample after the other.

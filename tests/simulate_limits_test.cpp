@@ -6,7 +6,7 @@
 #include <utility>
 
 #include "design_filter.hpp"
-#include "qerr/filter/autocorrelation.hpp"
+#include "filter/norms/autocorrelation.hpp"
 #include "simulate_experiment.hpp"
 
 /// Where theory has nothing to say, the simulation goes on.

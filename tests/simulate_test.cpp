@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "design_filter.hpp"
+#include "kinematics/inverse_dynamics.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/kinematics/inverse_dynamics.hpp"
 #include "random_chain.hpp"
 #include "simulate_experiment.hpp"
 

@@ -1,4 +1,4 @@
-#include "../src/diagnose/smooth_path.hpp"
+#include "diagnose/record/smooth_path.hpp"
 
 #include <gtest/gtest.h>
 

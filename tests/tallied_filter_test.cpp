@@ -1,12 +1,11 @@
-#include "../src/simulate/tallied_filter.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "design_filter.hpp"
-#include "qerr/filter/filter_bank.hpp"
+#include "filter/run/filter_bank.hpp"
 #include "random_chain.hpp"
+#include "simulate/fused_filter.hpp"
 
 namespace qerr {
 namespace {

@@ -1,4 +1,4 @@
-#include "qerr/filter/transient.hpp"
+#include "filter/norms/transient.hpp"
 
 #include <gtest/gtest.h>
 

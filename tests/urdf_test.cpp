@@ -8,8 +8,8 @@
 #include <locale>
 #include <numbers>
 
+#include "input/read_text.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/input/read_text.hpp"
 #include "qerr/input/read_urdf.hpp"
 
 namespace {

@@ -1,4 +1,4 @@
-#include "qerr/simulate/usage.hpp"
+#include "simulate/usage.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,8 @@
 #include <cmath>
 
 #include "effect_experiment.hpp"
-#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 namespace {

@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <numbers>
 
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
 
 namespace qerr {
 namespace {

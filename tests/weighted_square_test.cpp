@@ -1,4 +1,4 @@
-#include "../src/diagnose/weighted_square.hpp"
+#include "diagnose/inference/weighted_square.hpp"
 
 #include <gtest/gtest.h>
 

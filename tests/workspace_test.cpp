@@ -7,12 +7,14 @@
 #include <limits>
 #include <numbers>
 
-#include "qerr/bound/histogram.hpp"
-#include "qerr/core/aligned.hpp"
+#include "bound/configuration_batch.hpp"
+#include "bound/histogram.hpp"
+#include "bound/joined_tally.hpp"
+#include "core/random.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/aligned.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/random.hpp"
 #include "qerr/filter/family.hpp"
-#include "qerr/kinematics/sampler.hpp"
 #include "random_chain.hpp"
 
 namespace qerr {

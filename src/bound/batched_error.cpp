@@ -1,9 +1,9 @@
-#include "qerr/bound/batched_error.hpp"
+#include "bound/batched_error.hpp"
 
 #include <algorithm>
 
-#include "error_plan.hpp"
-#include "qerr/core/aligned.hpp"
+#include "bound/error_plan.hpp"
+#include "lanes/aligned.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "block_counts.hpp"
+#include "bound/block_counts.hpp"
 
 #include <utility>
 

@@ -4,9 +4,9 @@
 #include <memory>
 #include <vector>
 
-#include "kernels.hpp"
-#include "qerr/bound/histogram.hpp"
-#include "qerr/core/batch.hpp"
+#include "bound/histogram.hpp"
+#include "bound/kernels.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 

@@ -1,11 +1,11 @@
-#include "error_plan.hpp"
+#include "bound/error_plan.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "bound/linearization_remainder.hpp"
 #include "qerr/bound/joint_error.hpp"
-#include "qerr/bound/remainder.hpp"
 
 namespace qerr {
 

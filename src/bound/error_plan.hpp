@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "kernels.hpp"
-#include "qerr/bound/batched_error.hpp"
-#include "qerr/kinematics/folded_chain.hpp"
+#include "bound/batched_error.hpp"
+#include "bound/kernels.hpp"
+#include "kinematics/folded_chain.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "qerr/bound/histogram.hpp"
+#include "bound/histogram.hpp"
 
 #include <algorithm>
 #include <bit>

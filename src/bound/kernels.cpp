@@ -1,4 +1,4 @@
-#include "kernels.hpp"
+#include "bound/kernels.hpp"
 
 namespace qerr {
 

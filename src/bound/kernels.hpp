@@ -3,11 +3,11 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "qerr/bound/bins.hpp"
-#include "qerr/bound/figure_layout.hpp"
-#include "qerr/bound/tally.hpp"
+#include "bound/bins.hpp"
+#include "bound/figure_layout.hpp"
+#include "bound/tally.hpp"
+#include "kinematics/folded_path.hpp"
 #include "qerr/core/instruction_set.hpp"
-#include "qerr/kinematics/folded_path.hpp"
 
 namespace qerr {
 

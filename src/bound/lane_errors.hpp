@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kernels.hpp"
-#include "lane_shares.hpp"
+#include "bound/kernels.hpp"
+#include "bound/lane_shares.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "lane_errors.hpp"
-#include "lane_tally.hpp"
+#include "bound/lane_errors.hpp"
+#include "bound/lane_tally.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lane_sums.hpp"
+#include "bound/lane_sums.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "kernels.hpp"
-#include "qerr/core/batch.hpp"
-#include "qerr/kinematics/euler_rates.hpp"
-#include "qerr/kinematics/walk.hpp"
+#include "bound/kernels.hpp"
+#include "kinematics/euler_rates.hpp"
+#include "kinematics/walk.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lane_spreads.hpp"
+#include "bound/lane_spreads.hpp"
 
 namespace qerr::lanes {
 namespace {

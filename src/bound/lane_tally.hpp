@@ -4,9 +4,9 @@
 #include <immintrin.h>
 #endif
 
-#include "kernels.hpp"
-#include "qerr/core/batch.hpp"
-#include "qerr/core/lanes.hpp"
+#include "bound/kernels.hpp"
+#include "lanes/batch.hpp"
+#include "lanes/lanes.hpp"
 
 namespace qerr::lanes {
 namespace {

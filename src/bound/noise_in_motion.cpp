@@ -1,4 +1,4 @@
-#include "qerr/bound/noise_in_motion.hpp"
+#include "bound/noise_in_motion.hpp"
 
 #include <algorithm>
 #include <cmath>

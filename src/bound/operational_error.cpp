@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "qerr/bound/remainder.hpp"
+#include "bound/linearization_remainder.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "sampled_bins.hpp"
+#include "bound/sampled_bins.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "qerr/bound/histogram.hpp"
+#include "bound/histogram.hpp"
 
 namespace qerr {
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "bound/joined_tally.hpp"
+
 namespace qerr {
 
 void JoinedTally::append(const Tally& t, std::uint64_t count) {

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bound/configuration_batch.hpp"
+#include "bound/workspace_job.hpp"
+#include "lanes/lanes.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/lanes.hpp"
 #include "qerr/core/quantity.hpp"
-#include "workspace_job.hpp"
 
 namespace qerr {
 

@@ -1,12 +1,12 @@
-#include "workspace_job.hpp"
+#include "bound/workspace_job.hpp"
 
 #include <algorithm>
 #include <atomic>
 #include <cmath>
 
-#include "qerr/core/parallel.hpp"
-#include "qerr/core/random.hpp"
-#include "sampled_bins.hpp"
+#include "bound/sampled_bins.hpp"
+#include "core/parallel.hpp"
+#include "core/random.hpp"
 
 namespace qerr {
 

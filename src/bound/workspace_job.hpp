@@ -3,10 +3,13 @@
 #include <string>
 #include <vector>
 
-#include "block_counts.hpp"
+#include "bound/batched_error.hpp"
+#include "bound/block_counts.hpp"
+#include "bound/configuration_batch.hpp"
+#include "bound/joined_tally.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/aligned.hpp"
 #include "qerr/bound/workspace.hpp"
-#include "qerr/core/aligned.hpp"
-#include "qerr/kinematics/sampler.hpp"
 
 namespace qerr {
 

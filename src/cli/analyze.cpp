@@ -1,8 +1,9 @@
 #include <memory>
 #include <utility>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "bound/configuration_batch.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 
 namespace qerr::cli {
 

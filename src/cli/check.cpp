@@ -1,8 +1,8 @@
 #include <memory>
 #include <utility>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 #include "qerr/report/effect_report.hpp"
 
 namespace qerr::cli {

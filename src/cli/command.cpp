@@ -1,4 +1,4 @@
-#include "command.hpp"
+#include "cli/command.hpp"
 
 #include <unistd.h>
 
@@ -8,7 +8,7 @@
 #include <cstdlib>
 #include <memory>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
 
 namespace qerr::cli {
 

@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/plan_report.hpp"

@@ -1,8 +1,8 @@
 #include <cmath>
 #include <memory>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 #include "qerr/report/filter_report.hpp"
 
 namespace qerr::cli {

@@ -1,8 +1,8 @@
 #include <memory>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
-#include "qerr/core/suggest.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
+#include "core/suggest.hpp"
 
 namespace qerr::cli {
 

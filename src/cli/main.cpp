@@ -6,9 +6,9 @@
 #include <exception>
 #include <new>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
-#include "qerr/core/suggest.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
+#include "core/suggest.hpp"
 
 namespace {
 

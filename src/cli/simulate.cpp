@@ -1,8 +1,8 @@
 #include <filesystem>
 #include <memory>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 #include "qerr/report/simulation_report.hpp"
 
 namespace qerr::cli {

@@ -1,7 +1,7 @@
 #include <memory>
 
-#include "command.hpp"
-#include "qerr/core/output_file.hpp"
+#include "cli/command.hpp"
+#include "core/output_file.hpp"
 #include "qerr/report/threshold_row.hpp"
 
 namespace qerr::cli {

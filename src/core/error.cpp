@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <utility>
 
-#include "qerr/core/text.hpp"
+#include "core/text.hpp"
 
 namespace qerr {
 

@@ -5,8 +5,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "core/suggest.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/suggest.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "qerr/core/output_file.hpp"
+#include "core/output_file.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>

@@ -6,7 +6,7 @@
 #include <cstdio>
 #include <numbers>
 
-#include "qerr/core/text.hpp"
+#include "core/text.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {

@@ -1,4 +1,4 @@
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
 
 #include <algorithm>
 #include <cctype>

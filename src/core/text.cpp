@@ -1,4 +1,4 @@
-#include "qerr/core/text.hpp"
+#include "core/text.hpp"
 
 namespace qerr {
 

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "effects/effects.hpp"
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 

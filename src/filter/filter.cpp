@@ -5,9 +5,9 @@
 #include <limits>
 #include <numbers>
 
-#include "cascade.hpp"
-#include "modes.hpp"
-#include "polynomial.hpp"
+#include "filter/design/polynomial.hpp"
+#include "filter/norms/modes.hpp"
+#include "filter/run/cascade.hpp"
 
 namespace qerr {
 namespace {

@@ -5,8 +5,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "cascade.hpp"
-#include "sequence.hpp"
+#include "filter/norms/sequence.hpp"
+#include "filter/run/cascade.hpp"
 
 namespace qerr {
 

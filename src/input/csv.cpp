@@ -1,11 +1,11 @@
-#include "csv.hpp"
+#include "input/csv.hpp"
 
 #include <algorithm>
 #include <cstring>
 #include <limits>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/core/text.hpp"
 
 namespace qerr {
 

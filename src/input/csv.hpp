@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "byte_source.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/simulate/log.hpp"
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <cstring>
 
-#include "csv.hpp"
-#include "qerr/core/text.hpp"
+#include "core/text.hpp"
+#include "input/csv.hpp"
 
 /// The rows of a table. Nearly all are plain: numbers with nothing around them. They are read in one pass
 /// without a copy; any other row, or one that the buffer does not hold whole, is read again with care.

@@ -1,4 +1,4 @@
-#include "extended_filters.hpp"
+#include "input/extended_filters.hpp"
 
 #include <algorithm>
 

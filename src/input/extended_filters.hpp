@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "input/yaml_tree.hpp"
 #include "qerr/input/extended_spec.hpp"
-#include "yaml_tree.hpp"
 
 namespace qerr {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <filesystem>
 
-#include "extended_filters.hpp"
-#include "yaml_text.hpp"
+#include "input/extended_filters.hpp"
+#include "input/yaml_text.hpp"
 
 namespace qerr {
 

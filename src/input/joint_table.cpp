@@ -1,10 +1,10 @@
-#include "joint_table.hpp"
+#include "input/joint_table.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "csv.hpp"
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
+#include "input/csv.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "read_sections.hpp"
+#include "input/read_sections.hpp"
 
 namespace qerr {
 

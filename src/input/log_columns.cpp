@@ -1,10 +1,10 @@
-#include "log_columns.hpp"
+#include "input/log_columns.hpp"
 
 #include <algorithm>
 #include <array>
 
-#include "qerr/core/suggest.hpp"
-#include "read_sections.hpp"
+#include "core/suggest.hpp"
+#include "input/read_sections.hpp"
 
 namespace qerr {
 

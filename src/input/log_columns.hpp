@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "csv.hpp"
+#include "input/csv.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

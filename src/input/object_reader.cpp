@@ -1,9 +1,9 @@
-#include "object_reader.hpp"
+#include "input/object_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
 
 namespace qerr {
 

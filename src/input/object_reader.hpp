@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "input/yaml_tree.hpp"
 #include "qerr/core/parameter.hpp"
-#include "yaml_tree.hpp"
 
 namespace qerr {
 

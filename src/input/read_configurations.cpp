@@ -2,10 +2,10 @@
 #include <filesystem>
 #include <limits>
 
-#include "joint_table.hpp"
-#include "qerr/core/suggest.hpp"
-#include "qerr/input/spec_format.hpp"
-#include "read_sections.hpp"
+#include "core/suggest.hpp"
+#include "input/joint_table.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
 
 namespace qerr {
 

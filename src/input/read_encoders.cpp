@@ -3,9 +3,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
+#include "input/read_sections.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
-#include "read_sections.hpp"
 
 namespace qerr {
 

@@ -1,11 +1,11 @@
 #include <algorithm>
 #include <cmath>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
-#include "qerr/input/spec_format.hpp"
-#include "read_sections.hpp"
 
 namespace qerr {
 

@@ -3,8 +3,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "log_columns.hpp"
-#include "qerr/simulate/unwrap.hpp"
+#include "input/log_columns.hpp"
+#include "simulate/unwrap.hpp"
 
 namespace qerr {
 

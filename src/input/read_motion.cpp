@@ -2,9 +2,9 @@
 #include <cmath>
 #include <filesystem>
 
-#include "joint_table.hpp"
-#include "qerr/core/suggest.hpp"
-#include "qerr/input/spec_format.hpp"
+#include "core/suggest.hpp"
+#include "input/joint_table.hpp"
+#include "input/spec_format.hpp"
 
 /// How the robot moves and what it does to the ideal model: motion, effects.
 namespace qerr {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "object_reader.hpp"
+#include "input/object_reader.hpp"
 #include "qerr/input/spec.hpp"
 
 /// One function per section of the spec. Each adds to `spec` and throws Error (input) with the section's

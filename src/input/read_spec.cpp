@@ -1,11 +1,11 @@
 #include <cmath>
 #include <filesystem>
 
-#include "qerr/core/sha256.hpp"
-#include "qerr/input/read_text.hpp"
+#include "core/sha256.hpp"
+#include "input/read_sections.hpp"
+#include "input/read_text.hpp"
+#include "input/spec_format.hpp"
 #include "qerr/input/read_urdf.hpp"
-#include "qerr/input/spec_format.hpp"
-#include "read_sections.hpp"
 
 namespace qerr {
 

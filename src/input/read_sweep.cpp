@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "qerr/input/spec_format.hpp"
-#include "read_sections.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
 
 namespace qerr {
 

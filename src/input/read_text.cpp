@@ -1,10 +1,10 @@
-#include "qerr/input/read_text.hpp"
+#include "input/read_text.hpp"
 
 #include <cstdio>
 
-#include "byte_source.hpp"
+#include "core/text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/text.hpp"
 
 namespace qerr {
 

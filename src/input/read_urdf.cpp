@@ -7,9 +7,9 @@
 #include <mutex>
 #include <utility>
 
+#include "input/read_text.hpp"
+#include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/input/read_text.hpp"
-#include "urdf_reader.hpp"
 
 namespace qerr {
 

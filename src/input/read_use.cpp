@@ -1,10 +1,10 @@
 #include <algorithm>
 #include <filesystem>
 
-#include "qerr/core/suggest.hpp"
-#include "qerr/input/spec_format.hpp"
+#include "core/suggest.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
 #include "qerr/kinematics/coordinates.hpp"
-#include "read_sections.hpp"
 
 /// What the figures are wanted for: coordinates, requirements, threshold.
 namespace qerr {

@@ -1,4 +1,4 @@
-#include "qerr/input/spec_format.hpp"
+#include "input/spec_format.hpp"
 
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"

@@ -1,4 +1,4 @@
-#include "urdf_outline.hpp"
+#include "input/urdf_outline.hpp"
 
 #include <expat.h>
 
@@ -9,7 +9,7 @@
 #include <set>
 #include <utility>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
 
 namespace qerr {
 

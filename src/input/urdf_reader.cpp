@@ -1,13 +1,13 @@
-#include "urdf_reader.hpp"
+#include "input/urdf_reader.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
 
+#include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/core/suggest.hpp"
-#include "qerr/core/text.hpp"
 
 namespace qerr {
 

@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
+#include "input/urdf_outline.hpp"
 #include "qerr/kinematics/robot_model.hpp"
-#include "urdf_outline.hpp"
 
 namespace qerr {
 

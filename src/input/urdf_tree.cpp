@@ -1,8 +1,8 @@
 #include <algorithm>
 
-#include "qerr/core/suggest.hpp"
-#include "qerr/core/text.hpp"
-#include "urdf_reader.hpp"
+#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/urdf_reader.hpp"
 
 namespace qerr {
 

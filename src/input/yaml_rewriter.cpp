@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <string_view>
 
-#include "yaml_text.hpp"
+#include "input/yaml_text.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "yaml_text.hpp"
+#include "input/yaml_text.hpp"
 
 #include <algorithm>
 #include <cstdio>

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "yaml_tree.hpp"
+#include "input/yaml_tree.hpp"
 
 namespace qerr {
 

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <unordered_map>
 
-#include "qerr/core/suggest.hpp"
+#include "core/suggest.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 #include <boost/random/sobol.hpp>
 #include <limits>
 
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
 
 namespace qerr {
 

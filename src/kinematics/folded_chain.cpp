@@ -1,4 +1,4 @@
-#include "qerr/kinematics/folded_chain.hpp"
+#include "kinematics/folded_chain.hpp"
 
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,4 @@
-#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "kinematics/inverse_dynamics.hpp"
 
 #include <algorithm>
 #include <vector>

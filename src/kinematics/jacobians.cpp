@@ -1,8 +1,8 @@
-#include "qerr/kinematics/jacobians.hpp"
+#include "kinematics/jacobians.hpp"
 
 #include <vector>
 
-#include "kernels.hpp"
+#include "kinematics/kernels.hpp"
 
 namespace qerr {
 

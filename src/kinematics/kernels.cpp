@@ -1,4 +1,4 @@
-#include "kernels.hpp"
+#include "kinematics/kernels.hpp"
 
 namespace qerr {
 

@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "kinematics/folded_path.hpp"
 #include "qerr/core/instruction_set.hpp"
-#include "qerr/kinematics/folded_path.hpp"
 
 namespace qerr {
 

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "kernels.hpp"
-#include "qerr/core/batch.hpp"
-#include "qerr/core/lane_words.hpp"
-#include "qerr/kinematics/walk.hpp"
+#include "kinematics/kernels.hpp"
+#include "kinematics/walk.hpp"
+#include "lanes/batch.hpp"
+#include "lanes/lane_words.hpp"
 
 namespace qerr::lanes {
 namespace {

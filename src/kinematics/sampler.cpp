@@ -1,10 +1,10 @@
-#include "qerr/kinematics/sampler.hpp"
+#include "kinematics/sampler.hpp"
 
 #include <algorithm>
 #include <boost/random/sobol.hpp>
 
-#include "kernels.hpp"
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
+#include "kinematics/kernels.hpp"
 
 namespace qerr {
 

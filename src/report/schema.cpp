@@ -1,11 +1,11 @@
 #include <cmath>
 #include <nlohmann/json.hpp>
 
+#include "input/spec_format.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
-#include "qerr/input/spec_format.hpp"
-#include "writers.hpp"
+#include "report/writers.hpp"
 
 /// The schema is written from the rows that the reader reads; what no schema can say (names of joints,
 /// stability, limits) is left to the reader.

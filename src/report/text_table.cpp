@@ -1,11 +1,11 @@
-#include "text_table.hpp"
+#include "report/text_table.hpp"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
 
-#include "qerr/core/text.hpp"
+#include "core/text.hpp"
 
 namespace qerr {
 

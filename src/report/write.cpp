@@ -5,8 +5,8 @@
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
-#include "text_table.hpp"
-#include "writers.hpp"
+#include "report/text_table.hpp"
+#include "report/writers.hpp"
 
 namespace qerr {
 

@@ -1,9 +1,9 @@
-#include "channel_filter.hpp"
+#include "simulate/channel_filter.hpp"
 
 #include <algorithm>
 #include <utility>
 
-#include "qerr/core/batch.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 

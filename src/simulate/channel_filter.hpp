@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "kernels.hpp"
-#include "qerr/core/aligned.hpp"
+#include "lanes/aligned.hpp"
 #include "qerr/filter/filter.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr {
 

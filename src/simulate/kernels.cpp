@@ -1,4 +1,4 @@
-#include "kernels.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr {
 

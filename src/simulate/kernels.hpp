@@ -2,8 +2,8 @@
 
 #include <cstddef>
 
+#include "kinematics/folded_path.hpp"
 #include "qerr/core/instruction_set.hpp"
-#include "qerr/kinematics/folded_path.hpp"
 
 // What the kernels of the simulation take; files that are compiled per instruction set include this (see
 // folded_path.hpp for what they must not).

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "lane_pose_error.hpp"
-#include "qerr/core/batch.hpp"
-#include "qerr/kinematics/euler_rates.hpp"
+#include "kinematics/euler_rates.hpp"
+#include "lanes/batch.hpp"
+#include "simulate/lane_pose_error.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "lane_linear.hpp"
-#include "lane_rows.hpp"
+#include "simulate/lane_linear.hpp"
+#include "simulate/lane_rows.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kernels.hpp"
-#include "qerr/core/lanes.hpp"
+#include "lanes/lanes.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr::lanes {
 namespace {

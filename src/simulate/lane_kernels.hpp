@@ -1,8 +1,8 @@
 #pragma once
 
-#include "lane_errors.hpp"
-#include "lane_filters.hpp"
-#include "lane_tallied_filter.hpp"
+#include "simulate/lane_errors.hpp"
+#include "simulate/lane_filters.hpp"
+#include "simulate/lane_fused_filter.hpp"
 
 namespace qerr::lanes {
 namespace {

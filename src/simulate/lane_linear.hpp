@@ -1,6 +1,6 @@
 #pragma once
 
-#include "lane_columns.hpp"
+#include "simulate/lane_columns.hpp"
 
 // What the Jacobian makes of the errors of encoders: their parts in a coordinate, the sums of these, and of
 // their squares.

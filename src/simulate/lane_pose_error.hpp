@@ -1,7 +1,7 @@
 #pragma once
 
-#include "kernels.hpp"
-#include "qerr/kinematics/walk.hpp"
+#include "kinematics/walk.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr::lanes {
 namespace {

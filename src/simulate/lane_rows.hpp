@@ -2,8 +2,8 @@
 
 #include <utility>
 
-#include "qerr/core/batch.hpp"
-#include "qerr/core/lanes.hpp"
+#include "lanes/batch.hpp"
+#include "lanes/lanes.hpp"
 
 // Numbers of many instants, channel by channel, turned into rows of channels and summed up.
 

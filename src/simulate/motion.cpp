@@ -4,9 +4,10 @@
 #include <cmath>
 #include <numbers>
 
-#include "kernels.hpp"
-#include "qerr/core/batch.hpp"
-#include "qerr/core/lanes.hpp"
+#include "lanes/batch.hpp"
+#include "lanes/lanes.hpp"
+#include "simulate/kernels.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 

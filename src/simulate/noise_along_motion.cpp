@@ -1,12 +1,13 @@
-#include "qerr/simulate/noise_along_motion.hpp"
+#include "simulate/noise_along_motion.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "kernels.hpp"
-#include "qerr/core/aligned.hpp"
-#include "qerr/core/batch.hpp"
+#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
+#include "simulate/kernels.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 

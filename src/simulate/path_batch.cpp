@@ -1,5 +1,5 @@
-#include "kernels.hpp"
-#include "qerr/simulate/sensing.hpp"
+#include "simulate/kernels.hpp"
+#include "simulate/sensing.hpp"
 
 namespace qerr {
 

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "path_errors.hpp"
-#include "qerr/bound/remainder.hpp"
+#include "bound/linearization_remainder.hpp"
+#include "simulate/path_errors.hpp"
 
 namespace qerr {
 

@@ -1,10 +1,10 @@
-#include "path_errors.hpp"
+#include "simulate/path_errors.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
-#include "qerr/core/lanes.hpp"
+#include "lanes/lanes.hpp"
 
 namespace qerr {
 

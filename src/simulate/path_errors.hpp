@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "channels.hpp"
-#include "kernels.hpp"
-#include "qerr/core/aligned.hpp"
-#include "qerr/kinematics/folded_chain.hpp"
-#include "qerr/simulate/sensing.hpp"
-#include "run_statistics.hpp"
+#include "kinematics/folded_chain.hpp"
+#include "lanes/aligned.hpp"
+#include "simulate/channels.hpp"
+#include "simulate/kernels.hpp"
+#include "simulate/run_statistics.hpp"
+#include "simulate/sensing.hpp"
 
 namespace qerr {
 

@@ -1,13 +1,13 @@
-#include "run.hpp"
+#include "simulate/run.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <optional>
 
-#include "channel_filter.hpp"
-#include "path_errors.hpp"
-#include "qerr/core/random.hpp"
-#include "tallied_filter.hpp"
+#include "core/random.hpp"
+#include "simulate/channel_filter.hpp"
+#include "simulate/fused_filter.hpp"
+#include "simulate/path_errors.hpp"
 
 namespace qerr {
 

@@ -3,10 +3,10 @@
 #include <functional>
 #include <vector>
 
-#include "channels.hpp"
 #include "qerr/simulate/simulate.hpp"
-#include "run_statistics.hpp"
-#include "theory_along_path.hpp"
+#include "simulate/channels.hpp"
+#include "simulate/run_statistics.hpp"
+#include "simulate/theory_along_path.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "run_statistics.hpp"
+#include "simulate/run_statistics.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/students_t.hpp>

@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "kernels.hpp"
-#include "qerr/core/aligned.hpp"
+#include "lanes/aligned.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr {
 

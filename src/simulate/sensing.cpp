@@ -1,13 +1,13 @@
-#include "qerr/simulate/sensing.hpp"
+#include "simulate/sensing.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "kernels.hpp"
+#include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
-#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "simulate/kernels.hpp"
 
 namespace qerr {
 

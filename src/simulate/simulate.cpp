@@ -6,10 +6,10 @@
 #include <mutex>
 #include <optional>
 
+#include "core/parallel.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/parallel.hpp"
 #include "qerr/core/quantity.hpp"
-#include "run.hpp"
+#include "simulate/run.hpp"
 
 namespace qerr {
 

@@ -1,9 +1,10 @@
-#include "theory_along_path.hpp"
+#include "simulate/theory_along_path.hpp"
 
 #include <cmath>
 #include <limits>
 
-#include "qerr/simulate/noise_along_motion.hpp"
+#include "simulate/motion_path.hpp"
+#include "simulate/noise_along_motion.hpp"
 
 namespace qerr {
 

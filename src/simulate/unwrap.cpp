@@ -1,4 +1,4 @@
-#include "qerr/simulate/unwrap.hpp"
+#include "simulate/unwrap.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "qerr/simulate/usage.hpp"
+#include "simulate/usage.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
@@ -6,7 +6,8 @@
 #include <numbers>
 #include <optional>
 
-#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 

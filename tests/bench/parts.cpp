@@ -7,14 +7,14 @@
 
 #include <benchmark/benchmark.h>
 
-#include "qerr/bound/batched_error.hpp"
-#include "qerr/bound/histogram.hpp"
+#include "bound/batched_error.hpp"
+#include "bound/histogram.hpp"
+#include "core/random.hpp"
+#include "kinematics/jacobians.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/aligned.hpp"
 #include "qerr/bound/operational_error.hpp"
-#include "qerr/core/aligned.hpp"
-#include "qerr/core/random.hpp"
 #include "qerr/input/spec.hpp"
-#include "qerr/kinematics/jacobians.hpp"
-#include "qerr/kinematics/sampler.hpp"
 
 namespace {
 

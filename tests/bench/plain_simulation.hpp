@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "qerr/bound/remainder.hpp"
-#include "qerr/filter/autocorrelation.hpp"
+#include "bound/linearization_remainder.hpp"
+#include "filter/norms/autocorrelation.hpp"
 #include "qerr/simulate/simulate.hpp"
 
 /// A simulation as one writes it without thinking of speed more than Eigen's users do: sample after sample,

@@ -17,9 +17,9 @@
 #include <cstdlib>
 #include <numbers>
 
+#include "core/random.hpp"
 #include "cpu_time.hpp"
 #include "plain_simulation.hpp"
-#include "qerr/core/random.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 

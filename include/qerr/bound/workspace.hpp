@@ -6,10 +6,11 @@
 #include <string>
 #include <vector>
 
-#include "qerr/bound/batched_error.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/statistic.hpp"
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/configurations.hpp"
 
 namespace qerr {
@@ -50,14 +51,7 @@ struct Workspace {
   bool exact_percentiles = true;
 };
 
-/// Neighbouring configurations with their figures.
-struct ConfigurationBatch {
-  std::uint64_t first;    ///< index of the first one
-  std::size_t count;      ///< up to batch_size
-  const double* q;        ///< configuration c of joint i at q[i * batch_size + c] [rad or m]
-  const double* figures;  ///< figure i of it at figures[i * batch_size + c]
-  const FigureLayout& layout;
-};
+struct ConfigurationBatch;
 
 struct WorkspaceOptions {
   unsigned threads = 0;  ///< 0: one per core; the result does not depend on it

@@ -1,10 +1,15 @@
 #pragma once
 
+#include <Eigen/Geometry>
+#include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/effect/effect.hpp"
 #include "qerr/filter/norms.hpp"
-#include "qerr/simulate/sensing.hpp"
+#include "qerr/simulate/motion.hpp"
 
 namespace qerr {
 
@@ -41,6 +46,21 @@ struct Simulation {
   std::uint64_t samples = 0;                          ///< of one run
   std::uint64_t settling = 0;                         ///< samples of each run left out of the statistics
   std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
+};
+
+/// What a controller and a better sensor record at one sample.
+struct Reading {
+  std::uint64_t index = 0;
+  double time = 0;            ///< the stamp [s]
+  Eigen::VectorXd joint;      ///< true positions of the independent joints at the stamp [rad or m]
+  Eigen::VectorXd counts;     ///< of the encoders, whole numbers
+  Eigen::VectorXd encoder;    ///< true encoder coordinates C^-1 q at the stamp [rad or m]
+  Eigen::VectorXd measured;   ///< encoder coordinates as read, counts * Delta [rad or m]
+  Eigen::VectorXd estimate;   ///< joint positions as read, C * measured [rad or m]
+  Eigen::VectorXd logged;     ///< the estimate as a file with a grid of its own has it [rad or m]
+  Eigen::VectorXd reference;  ///< joint positions by the better sensor [rad or m]
+  Eigen::VectorXd effort;     ///< of the joints; empty unless asked for [N m or N]
+  Eigen::Isometry3d tip;      ///< true pose of the tip
 };
 
 struct SimulationOptions {

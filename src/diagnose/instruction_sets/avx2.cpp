@@ -1,5 +1,5 @@
-#include "../lane_residuals.hpp"
-#include "../lane_scan.hpp"
+#include "diagnose/surrogates/lane_residuals.hpp"
+#include "diagnose/terms/lane_scan.hpp"
 
 namespace qerr {
 

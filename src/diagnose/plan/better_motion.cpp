@@ -1,10 +1,12 @@
-#include "better_motion.hpp"
+#include "diagnose/plan/better_motion.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <numbers>
+
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 

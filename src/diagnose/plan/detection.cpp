@@ -1,4 +1,4 @@
-#include "detection.hpp"
+#include "diagnose/plan/detection.hpp"
 
 #include <algorithm>
 #include <boost/math/distributions/chi_squared.hpp>

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "better_motion.hpp"
-#include "planned_scatter.hpp"
-#include "sight.hpp"
+#include "diagnose/plan/better_motion.hpp"
+#include "diagnose/plan/identifiability.hpp"
+#include "diagnose/plan/planned_scatter.hpp"
 
 namespace qerr {
 

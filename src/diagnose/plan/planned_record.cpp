@@ -1,12 +1,13 @@
-#include "planned_record.hpp"
+#include "diagnose/plan/planned_record.hpp"
 
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
-#include "../smooth_path.hpp"
-#include "../with_effects.hpp"
-#include "qerr/kinematics/inverse_dynamics.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "diagnose/terms/with_effects.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 

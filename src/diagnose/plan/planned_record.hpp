@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "qerr/diagnose/evidence.hpp"
+#include "diagnose/record/evidence.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/simulate/motion.hpp"
 

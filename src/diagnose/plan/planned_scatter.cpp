@@ -1,13 +1,13 @@
-#include "planned_scatter.hpp"
+#include "diagnose/plan/planned_scatter.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <functional>
 #include <numbers>
 
-#include "../model_choice.hpp"
-#include "../record_advice.hpp"
-#include "../scatter.hpp"
+#include "diagnose/inference/model_choice.hpp"
+#include "diagnose/inference/scatter.hpp"
+#include "diagnose/verdict/record_advice.hpp"
 
 namespace qerr {
 

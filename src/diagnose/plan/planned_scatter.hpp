@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "sight.hpp"
+#include "diagnose/plan/identifiability.hpp"
 
 namespace qerr {
 

@@ -1,5 +1,5 @@
-#include "effects.hpp"
-#include "periodic.hpp"
+#include "effect/effects/effects.hpp"
+#include "effect/effects/periodic.hpp"
 
 namespace qerr {
 

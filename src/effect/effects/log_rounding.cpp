@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "effects.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "effects.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 

@@ -1,4 +1,4 @@
-#include "periodic.hpp"
+#include "effect/effects/periodic.hpp"
 
 #include <cmath>
 #include <numbers>

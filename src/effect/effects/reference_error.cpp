@@ -1,7 +1,7 @@
 #include <cmath>
 
-#include "effects.hpp"
-#include "periodic.hpp"
+#include "effect/effects/effects.hpp"
+#include "effect/effects/periodic.hpp"
 
 namespace qerr {
 

@@ -1,7 +1,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 

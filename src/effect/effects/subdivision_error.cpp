@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "effects.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 

@@ -1,7 +1,8 @@
 #include <cmath>
 
-#include "../writers.hpp"
+#include "bound/configuration_batch.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/writers.hpp"
 
 namespace qerr {
 

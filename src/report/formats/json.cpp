@@ -1,8 +1,8 @@
 #include <cmath>
 
-#include "../report_json.hpp"
-#include "../writers.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/report_json.hpp"
+#include "report/writers.hpp"
 
 namespace qerr {
 

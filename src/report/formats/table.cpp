@@ -2,11 +2,11 @@
 #include <cmath>
 #include <cstdio>
 
-#include "../text_table.hpp"
-#include "../writers.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/text.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/text_table.hpp"
+#include "report/writers.hpp"
 
 namespace qerr {
 

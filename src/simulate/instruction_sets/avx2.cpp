@@ -1,4 +1,4 @@
-#include "../lane_kernels.hpp"
+#include "simulate/lane_kernels.hpp"
 
 namespace qerr {
 

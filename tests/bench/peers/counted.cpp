@@ -1,6 +1,6 @@
 #include "counted.hpp"
 
-#include "../../../src/bound/lane_errors.hpp"
+#include "bound/lane_errors.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "../../../src/bound/kernels.hpp"
+#include "bound/kernels.hpp"
 
 namespace qerr::bench {
 

@@ -4,9 +4,9 @@
 #include <CLI/CLI.hpp>
 #include <cstdio>
 
+#include "core/output_file.hpp"
+#include "core/suggest.hpp"
 #include "qerr/core/error.hpp"
-#include "qerr/core/output_file.hpp"
-#include "qerr/core/suggest.hpp"
 #include "report.hpp"
 #include "self_test.hpp"
 

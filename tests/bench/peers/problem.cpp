@@ -3,7 +3,7 @@
 #include <filesystem>
 #include <numbers>
 
-#include "qerr/core/random.hpp"
+#include "core/random.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/input/spec.hpp"
 

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 
-#include "../../../src/bound/error_plan.hpp"
+#include "bound/error_plan.hpp"
 #include "counted.hpp"
+#include "kinematics/folded_chain.hpp"
+#include "kinematics/jacobians.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/aligned.hpp"
 #include "qerr/bound/workspace.hpp"
-#include "qerr/core/aligned.hpp"
-#include "qerr/kinematics/folded_chain.hpp"
-#include "qerr/kinematics/jacobians.hpp"
-#include "qerr/kinematics/sampler.hpp"
 
 namespace qerr::bench {
 

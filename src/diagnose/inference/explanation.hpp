@@ -1,0 +1,76 @@
+#pragma once
+
+#include <Eigen/Cholesky>
+#include <vector>
+
+#include "diagnose/inference/interval_likelihood.hpp"
+#include "diagnose/terms/term.hpp"
+
+namespace qerr {
+
+/// A model of one encoder's readings: terms whose sum lies between the edges of the readings but for a
+/// Gaussian.
+///
+/// reading = quantized(path + sum of terms + noise). Coefficients and noise maximize the likelihood of the
+/// readings (interval_likelihood.hpp), in which quantization is exact at any speed.
+class Explanation {
+ public:
+  explicit Explanation(const Evidence&);
+
+  void add(Term);
+  void remove(std::size_t term);
+  void fit();
+
+  /// What a further term would gain in log-likelihood, by one Newton step.
+  double gain(const Term&) const;
+
+  /// How much more the score of columns scatters than it would if what is left were independent from reading
+  /// to reading.
+  double inflation(const Eigen::ArrayXXd& columns) const;
+
+  const std::vector<Term>& terms() const { return terms_; }
+  Eigen::VectorXd coefficients(std::size_t term) const;
+  const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the path
+  double log_likelihood() const { return likelihood_.log_likelihood; }
+  double noise() const { return sigma_; }
+  double plain_noise() const { return plain_sigma_; }  ///< with nothing taken to be an outlier
+  /// Standard deviation about the path: the noise, or what the spec's random effects make of it row by row.
+  Eigen::ArrayXd scatter() const { return sigma_ * relative_; }
+  /// Part of the readings that the model takes to be outliers.
+  double outliers() const { return likelihood_.outliers / static_cast<double>(evidence_->rows()); }
+  const IntervalLikelihood& likelihood() const { return likelihood_; }
+  const Intervals& intervals() const { return intervals_; }
+  double mean_offset() const;  ///< what a term for the offset adds
+  const IntervalLikelihood& plain() const { return plain_; }
+
+ private:
+  Eigen::Index first_coefficient(std::size_t term) const;
+  IntervalLikelihood at(const Eigen::VectorXd& unit, double sigma, double outliers) const;
+  double least_noise() const;
+  Eigen::VectorXd arrange();
+  void fit_plainly();
+  Eigen::ArrayXd moved_before() const;
+  bool follow_path();
+  void fit_along_path();
+  void fit_curved();
+  void begin(Eigen::VectorXd& unit);
+  void maximize(Eigen::VectorXd& unit, double outliers);
+
+  const Evidence* evidence_;
+  Intervals intervals_;
+  Eigen::ArrayXXd base_;  ///< terms that are nobody's fault: the constant of an encoder whose zero is free
+  std::vector<Term> terms_;
+  Eigen::VectorXd beta_;
+  Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
+  Eigen::ArrayXd fixed_;     ///< what terms that are not linear add beside their columns
+  Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over what is left of the reference's noise
+  Eigen::ArrayXd x_;
+  double spread_ = 0;
+  double sigma_ = 0, plain_sigma_ = 0;
+  IntervalLikelihood likelihood_;         ///< some readings being outliers
+  IntervalLikelihood plain_;              ///< none being: what looks like outliers may be what is to be found
+  Eigen::MatrixXd weighted_;              ///< columns by the curvature of `plain_`
+  Eigen::LDLT<Eigen::MatrixXd> present_;  ///< of columns' * weighted_
+};
+
+}  // namespace qerr

@@ -1,0 +1,192 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "diagnose/inference/explanation.hpp"
+#include "diagnose/inference/weighted_square.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double settled = 1e-3;  ///< gain in log-likelihood that is not worth another step
+constexpr int most_steps = 60;
+
+/// Of what happens in the gear itself, the play comes first: teeth err where their wheel has come to.
+bool acts_before_teeth(const Term& t) {
+  if (!t.named()) return false;
+  return effect_kind(t.effect.type).stage < Stage::gear || t.effect.type == "backlash";
+}
+
+}  // namespace
+
+IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, double outliers) const {
+  const Eigen::ArrayXd x = fixed_ + (columns_ * unit).array();
+  return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
+}
+
+/// The least noise there can be.
+double Explanation::least_noise() const {
+  return std::max(0.5 * evidence_->path_noise, 1e-3 * evidence_->step());
+}
+
+/// Least squares to the middle of the intervals, and the scatter about it: where Newton's method begins.
+void Explanation::begin(Eigen::VectorXd& unit) {
+  const Eigen::ArrayXd weight = relative_.square().inverse();
+  const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
+  Eigen::ArrayXd rest = middle.array();
+  if (columns_.cols() > 0) {
+    Eigen::MatrixXd normal = weighted_square(columns_, weight);
+    normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
+    unit = normal.ldlt().solve(columns_.transpose() * (weight.matrix().asDiagonal() * middle));
+    rest -= (columns_ * unit).array();
+  }
+  sigma_ = std::clamp(std::sqrt((rest.square() * weight).mean()), least_noise(), spread_);
+}
+
+/// Newton's method in coefficients/sigma and 1/sigma, in which the log-likelihood is concave. With outliers
+/// every step is one towards the optimum for those that are taken to be such (EM), from where the fit
+/// without them ended: the optimum with little noise and a crowd of outliers is not meant.
+void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
+  const Eigen::Index n = unit.size();
+  likelihood_ = at(unit, sigma_, outliers);
+  for (int i = 0; i < most_steps; ++i) {
+    // In units of the present sigma: x = sigma u, w = 1.
+    Eigen::MatrixXd hessian(n + 1, n + 1);
+    Eigen::VectorXd gradient(n + 1);
+    hessian.topLeftCorner(n, n) = weighted_square(columns_, likelihood_.curvature);
+    hessian.col(n).head(n) = columns_.transpose() * likelihood_.cross.matrix();
+    hessian.row(n).head(n) = hessian.col(n).head(n).transpose();
+    hessian(n, n) = likelihood_.scale_curvature;
+    gradient << columns_.transpose() * likelihood_.score.matrix(), likelihood_.scale_score;
+    const bool least = sigma_ <= least_noise() * 1.0000001 && likelihood_.scale_score > 0;
+    const Eigen::Index free = least ? n : n + 1;
+    if (free == 0) break;
+    Eigen::VectorXd scale = hessian.diagonal().head(free).cwiseMax(1e-300).cwiseSqrt().cwiseInverse();
+    Eigen::MatrixXd normal = scale.asDiagonal() * hessian.topLeftCorner(free, free) * scale.asDiagonal();
+    normal.diagonal().array() += 1e-10;
+    Eigen::VectorXd step = Eigen::VectorXd::Zero(n + 1);
+    step.head(free) = scale.asDiagonal() * normal.ldlt().solve(scale.asDiagonal() * gradient.head(free));
+    const double before = likelihood_.log_likelihood;
+    bool better = false;
+    for (double length = 1; length > 1e-4 && !better; length /= 3) {
+      const double w = std::clamp(1 + length * step[n], 0.2, 5.0);
+      const Eigen::VectorXd moved = (unit + length * step.head(n)) / w;
+      const double sigma = std::clamp(sigma_ / w, least_noise(), spread_);
+      IntervalLikelihood next = at(moved, sigma, outliers);
+      if (!(next.log_likelihood >= before)) continue;
+      better = true;
+      unit = moved, sigma_ = sigma;
+      likelihood_ = std::move(next);
+    }
+    if (!better || likelihood_.log_likelihood - before < settled) break;
+  }
+}
+
+/// The terms' columns side by side, scaled to unit norm.
+Eigen::VectorXd Explanation::arrange() {
+  Eigen::Index count = base_.cols();
+  for (const Term& t : terms_) count += t.size();
+  columns_.resize(evidence_->rows(), count);
+  columns_.leftCols(base_.cols()) = base_.matrix();
+  fixed_.setZero(evidence_->rows());
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    columns_.middleCols(first_coefficient(i), terms_[i].size()) = terms_[i].columns.matrix();
+    if (terms_[i].fixed.size() > 0) fixed_ += terms_[i].fixed;
+  }
+  Eigen::VectorXd scale = columns_.colwise().norm();
+  for (double& s : scale) s = s > 0 ? s : 1;
+  columns_ *= scale.cwiseInverse().asDiagonal();
+  return scale;
+}
+
+/// One fit of the terms as they stand, none of the readings being outliers.
+void Explanation::fit_plainly() {
+  const Eigen::VectorXd scale = arrange();
+  Eigen::VectorXd unit = Eigen::VectorXd::Zero(columns_.cols());
+  begin(unit);
+  maximize(unit, 0);
+  beta_ = unit.cwiseQuotient(scale);
+}
+
+/// What clock, link and play add before the reading comes to gear teeth, disc and lines [rad or m].
+Eigen::ArrayXd Explanation::moved_before() const {
+  Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(evidence_->rows());
+  for (std::size_t k = 0; k < terms_.size(); ++k)
+    if (acts_before_teeth(terms_[k])) moved += qerr::addition(terms_[k], coefficients(k));
+  return moved;
+}
+
+/// Terms along the path that those before them make of it: an error of many counts is seen to lie elsewhere.
+/// @return whether a linear one changed by more than a part of the noise
+bool Explanation::follow_path() {
+  constexpr double noticed = 0.1;
+  const Eigen::ArrayXd moved = moved_before();
+  bool any = false;
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!terms_[k].along) continue;
+    if (terms_[k].relinearized) {
+      terms_[k] = terms_[k].along(*evidence_, terms_[k], moved);
+      continue;  // its slope is taken anew anyway
+    }
+    Term next = terms_[k].along(*evidence_, terms_[k], moved);
+    const Eigen::ArrayXd change =
+        qerr::addition(next, coefficients(k)) - qerr::addition(terms_[k], coefficients(k));
+    if (change.abs().maxCoeff() < noticed * sigma_) continue;
+    any = true;
+    terms_[k] = std::move(next);
+  }
+  return any;
+}
+
+/// Fits along the path as its own terms move it, until that settles.
+void Explanation::fit_along_path() {
+  constexpr int most_turns = 8;
+  for (int i = 0; i < most_turns && follow_path(); ++i) fit_plainly();
+}
+
+/// Terms that are not linear are brought to where the fit has ended, again and again; a step that leaves more
+/// than was left before is halved.
+void Explanation::fit_curved() {
+  constexpr int most_turns = 25;
+  constexpr double enough = 0.02;
+  if (std::none_of(terms_.begin(), terms_.end(), [](const Term& t) { return t.relinearized; })) return;
+  const Eigen::ArrayXd middle = 0.5 * (intervals_.lower + intervals_.upper);
+  Eigen::VectorXd good = beta_;
+  double least = std::numeric_limits<double>::infinity(), before = likelihood_.log_likelihood;
+  for (int i = 0; i < most_turns; ++i) {
+    follow_path();
+    for (std::size_t k = 0; k < terms_.size(); ++k)
+      if (terms_[k].relinearized) terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
+    const Eigen::VectorXd scale = arrange();
+    const double left = (middle - fixed_ - (columns_ * beta_.cwiseProduct(scale)).array()).square().sum();
+    if (left > 1.0001 * least) {
+      beta_ = 0.5 * (beta_ + good);
+      continue;
+    }
+    least = left, good = beta_;
+    fit_plainly();
+    if (std::abs(likelihood_.log_likelihood - before) < enough) return;
+    before = likelihood_.log_likelihood;
+  }
+}
+
+void Explanation::fit() {
+  fit_plainly();
+  fit_along_path();
+  fit_curved();
+  plain_ = likelihood_;
+  plain_sigma_ = sigma_;
+  weighted_ = plain_.curvature.matrix().asDiagonal() * columns_;
+  Eigen::MatrixXd normal = columns_.transpose() * weighted_;
+  normal.diagonal().array() *= 1 + 1e-10;
+  normal.diagonal().array() += 1e-300;
+  present_.compute(normal);
+  const Eigen::VectorXd scale = arrange();
+  Eigen::VectorXd unit = beta_.cwiseProduct(scale);
+  maximize(unit, outlier_part);
+  x_ = fixed_ + (columns_ * unit).array();
+  beta_ = unit.cwiseQuotient(scale);
+}
+
+}  // namespace qerr

@@ -1,0 +1,122 @@
+#include "diagnose/inference/finding.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+
+#include "core/parallel.hpp"
+#include "diagnose/inference/model_choice.hpp"
+#include "diagnose/record/readings.hpp"
+#include "diagnose/terms/with_effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr Eigen::Index enough_rows = 4096;
+constexpr int most_passes = 2;
+
+/// What a joint's residual was before its readings were repaired; empty where they were not.
+std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
+  for (const Cause& c : sane.causes)
+    if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
+      for (std::size_t i = 0; i < sane.rms_before.size(); ++i)
+        if (sane.model.chain.independent[i].name == joint && sane.rms_before[i] > 0)
+          return sane.rms_before[i];
+  return std::nullopt;
+}
+
+/// The residual as it was recorded, where the gain has seen repaired readings: the squares of all blocks are
+/// scaled, so that they add up to it.
+void undo_repair(HeldOut& held, double rms_before) {
+  double squares = 0, rows = 0;
+  for (const HeldOut::Block& b : held.blocks) squares += b.before, rows += b.rows;
+  if (squares <= 0) return;
+  const double factor = rms_before * rms_before * rows / squares;
+  for (HeldOut::Block& b : held.blocks) b.before *= factor;
+}
+
+/// The model that a spec can say: what has no name is not part of it.
+Explanation names_of(Explanation m) {
+  const std::size_t all = m.terms().size();
+  for (std::size_t i = all; i-- > 0;)
+    if (!m.terms()[i].named()) m.remove(i);
+  if (m.terms().size() < all) m.fit();
+  return m;
+}
+
+/// What an explanation names, with its numbers.
+std::vector<Effect> effects_of(const Explanation& m) {
+  std::vector<Effect> effects;
+  for (std::size_t i = 0; i < m.terms().size(); ++i) {
+    const Term& t = m.terms()[i];
+    if (!t.named()) continue;
+    effects.push_back(t.effect);
+    t.fill(effects.back(), m.coefficients(i));
+  }
+  return effects;
+}
+
+/// Whether something is left of an error of many counts: the remainder of large errors is itself many counts,
+/// of shapes that no catalogue has to the last percent, and rows that repeat each other count there for more
+/// than they say.
+bool leaves_much(const Finding& f) {
+  constexpr double many = 8;  // [counts]
+  const Explanation& m = f.selection->model;
+  const bool left = std::any_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return !t.named(); });
+  if (!left && rows_alike(f.evidence, m) == 1) return false;
+  const Eigen::ArrayXd error = (f.evidence.measured - f.evidence.reference) / f.evidence.step();
+  return (error - error.mean()).square().mean() > many * many;
+}
+
+/// The same record again, by readings that do not repeat each other. A part of the rows says as much.
+/// @return the rows that were taken
+std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
+  std::vector<RowGroup> groups = independent_rows(record, enough_rows);
+  f.evidence = independent(record, groups);
+  SelectOptions options;
+  options.names_first = true;
+  f.selection.emplace(select(f.evidence, options));
+  // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
+  // are.
+  double alike = rows_alike(f.evidence, f.selection->model);
+  for (int i = 0; i < most_passes && alike > f.evidence.alike; ++i) {
+    f.evidence.alike = alike;
+    f.selection.emplace(select(f.evidence, options));
+    alike = rows_alike(f.evidence, f.selection->model);
+  }
+  return groups;
+}
+
+std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
+  auto f = std::make_unique<Finding>();
+  std::vector<RowGroup> groups = independent_rows(record);
+  f->evidence = independent(record, groups);
+  f->selection.emplace(select(f->evidence));
+  if (leaves_much(*f)) groups = judge_remainder(record, *f);
+  f->scatter = scatter_of(f->evidence, f->selection->model);
+  f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
+  if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
+  return f;
+}
+
+}  // namespace
+
+std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, const Sanity& sane,
+                                                  const DiagnoseOptions& options) {
+  std::vector<std::unique_ptr<Finding>> findings(all.size());
+  const auto find = [&](bool coupled) {
+    parallel_for(all.size(), options.threads, [&](std::size_t i) {
+      if (all[i].coupled() == coupled) findings[i] = finding_of(all[i], sane);
+    });
+  };
+  find(false);
+  std::vector<Effect> found;
+  for (const auto& f : findings)
+    if (f)
+      for (Effect& effect : effects_of(f->selection->model)) found.push_back(std::move(effect));
+  feel(all, sane.model.transmission, found);
+  find(true);
+  return findings;
+}
+
+}  // namespace qerr

@@ -1,0 +1,135 @@
+#include "diagnose/inference/model_choice.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+#include "diagnose/terms/scan.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// What a small change of a term's shape adds, per unit of it.
+Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
+  const double change = 1e-3 * t.reach;
+  const Eigen::ArrayXXd by =
+      t.reshaped(e, t, t.shape + change).columns - t.reshaped(e, t, t.shape - change).columns;
+  return with_columns(t, (by.matrix() * coefficients).array() / (2 * change));
+}
+
+/// The shape within a term's reach that one Newton step would gain most by, by golden section.
+Term most_promising(const Explanation& without, const Evidence& e, const Term& start) {
+  const auto at = [&](double shape) { return without.gain(start.reshaped(e, start, shape)); };
+  constexpr double golden = 0.6180339887498949;
+  double low = start.shape - start.reach, high = start.shape + start.reach;
+  double left = high - golden * (high - low), right = low + golden * (high - low);
+  double at_left = at(left), at_right = at(right);
+  for (int i = 0; i < 14; ++i) {
+    if (at_left > at_right) {
+      high = right, right = left, at_right = at_left;
+      at_left = at(left = high - golden * (high - low));
+    } else {
+      low = left, left = right, at_left = at_right;
+      at_right = at(right = low + golden * (high - low));
+    }
+  }
+  return start.reshaped(e, start, at_left > at_right ? left : right);
+}
+
+}  // namespace
+
+double bayes(const Explanation& m, const Evidence& e) {
+  Eigen::Index count = 0;
+  for (const Term& t : m.terms())
+    count += t.size() + (t.reshaped || t.effect.type == "missed_counts" ? 1 : 0);
+  return m.log_likelihood() / e.alike - 0.5 * static_cast<double>(count) * std::log(e.readings());
+}
+
+double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
+  const Term& t = with.terms()[term];
+  const double ratio = 2 * (with.log_likelihood() - without.log_likelihood()) / with.inflation(t.columns);
+  return ratio > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(t.size())), ratio)) : 1;
+}
+
+double size_of(const Explanation& m, std::size_t term) {
+  const Eigen::ArrayXd added = addition(m.terms()[term], m.coefficients(term));
+  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean())
+                                                 : std::sqrt((added - added.mean()).square().mean());
+}
+
+double left_by(const Explanation& m, const Evidence& e) {
+  return (e.measured - e.reference - m.addition()).square().mean();
+}
+
+Explanation with_term(Explanation m, Term t) {
+  m.add(std::move(t));
+  m.fit();
+  return m;
+}
+
+Explanation without_term(Explanation m, std::size_t term) {
+  m.remove(term);
+  m.fit();
+  return m;
+}
+
+Explanation with_term_at(const Explanation& m, std::size_t term, Term t) {
+  Explanation next = m;
+  next.remove(term);
+  return with_term(std::move(next), std::move(t));
+}
+
+bool same_cause(const Effect& a, const Effect& b) {
+  return same_but_for_time(a, b) && a.number("time_constant") == b.number("time_constant") &&
+         a.number("time") == b.number("time");
+}
+
+bool same_but_for_time(const Effect& a, const Effect& b) {
+  return a.type == b.type && a.choices == b.choices && a.number("order") == b.number("order");
+}
+
+bool has(const Explanation& m, const Effect& effect) {
+  return std::any_of(m.terms().begin(), m.terms().end(),
+                     [&](const Term& t) { return same_cause(t.effect, effect); });
+}
+
+Explanation refined(Explanation m, const Evidence& e) {
+  const std::size_t last = m.terms().size() - 1;
+  const Term start = m.terms().back();
+  if (!start.reshaped) return m;
+  const Explanation without = without_term(m, last);
+  Explanation best = with_term(without, most_promising(without, e, start));
+  if (m.log_likelihood() > best.log_likelihood()) best = std::move(m);
+  // Newton's method with the shape as one more coefficient.
+  for (int i = 0; i < 3; ++i) {
+    const Term now = best.terms()[last];
+    const Explanation linear = with_term(best, shape_change(e, now, best.coefficients(last)));
+    const double change = std::clamp(linear.coefficients(last + 1)[0], -0.5 * now.reach, 0.5 * now.reach);
+    Explanation next = with_term(without, now.reshaped(e, now, now.shape + change));
+    const double better = next.log_likelihood() - best.log_likelihood();
+    if (better <= 0) break;
+    best = std::move(next);
+    if (better < 0.05) break;
+  }
+  return best;
+}
+
+Explanation settled(Explanation m, const Evidence& e) {
+  const Term last = m.terms().back();
+  if (last.named() || last.effect.type != "transmission_error") return m;
+  std::optional<Explanation> best;
+  for (const Term& whole : at_whole_orders(e, last)) {
+    if (has(m, whole.effect)) continue;
+    Explanation named = with_term_at(m, m.terms().size() - 1, whole);
+    // The last part of a reach is not the record's: the path is smooth only so far.
+    const double order = std::abs(wave_number(whole.effect, e.encoder));
+    const bool at = std::abs(order - last.shape) < 0.02 * last.reach;
+    const double lost = m.log_likelihood() - named.log_likelihood();
+    if (lost > (at ? hard_to_tell : worth_a_term) * e.alike) continue;
+    if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
+  }
+  return best ? std::move(*best) : std::move(m);
+}
+
+}  // namespace qerr

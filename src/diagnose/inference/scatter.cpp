@@ -1,0 +1,255 @@
+#include "diagnose/inference/scatter.hpp"
+
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "diagnose/inference/model_choice.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double many_outliers = 0.06;
+constexpr const char* part_far_off = "part of the readings is far off";
+constexpr double significant = 1e-3;
+constexpr double correlated = 0.2;  ///< of neighbouring scores
+// Scatter below this is not looked at for coming and going: quantization, 0.29 counts, makes most of the
+// rest.
+constexpr double uneven_from = 0.4;  ///< [counts]
+// The reference's noise is an estimate. More of it, by these factors of its variance, would be no find: as
+// much as scatter must stand out by (scatter_beyond_reference squared), and beside unequal states, which move
+// edges and do not scatter, a tenth more noise.
+constexpr double doubted_noise = 1.69, doubted_noise_beside_states = 1.21;
+
+/// Log-likelihood with a scatter of its own for every reading.
+double value(const Intervals& intervals, const Eigen::ArrayXd& x, const Eigen::ArrayXd& sigma, double range) {
+  return interval_likelihood(intervals, x, sigma, outlier_part, range).log_likelihood;
+}
+
+/// The largest value of a function of a positive number, on a logarithmic grid that is refined.
+template <typename Function>
+std::pair<double, double> largest(Function function, double low, double high) {
+  double best = low, at_best = function(low);
+  double step = std::log(high / low) / 12;
+  for (double x = low * std::exp(step); x <= high * 1.0001; x *= std::exp(step))
+    if (const double here = function(x); here > at_best) at_best = here, best = x;
+  for (int i = 0; i < 5; ++i) {
+    step /= 2;
+    for (const double x : {best * std::exp(-step), best * std::exp(step)})
+      if (const double here = function(x); here > at_best) at_best = here, best = x;
+  }
+  return {best, at_best};
+}
+
+double lag_one(const Eigen::ArrayXd& s) {
+  const Eigen::Index n = s.size() - 1;
+  const double power = s.square().sum();
+  return n > 0 && power > 0 ? (s.head(n) * s.tail(n)).sum() / power : 0;
+}
+
+/// Edges of odd number displaced by `shift`: edge k lies between the counts k - 1 and k.
+Intervals displaced(const Intervals& ideal, const Evidence& e, double shift) {
+  Intervals moved = ideal;
+  for (Eigen::Index i = 0; i < e.rows(); ++i) {
+    const bool odd = std::fmod(std::abs(std::round(e.measured[i] / e.step())), 2) == 1;
+    (odd ? moved.lower : moved.upper)[i] += shift;
+  }
+  return moved;
+}
+
+/// The largest residual of readings that neither the causes nor the scatter of the others can have made: a
+/// glitch of the line. 0: there is none.
+double farthest(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added) {
+  const double shape = 3 * added.abs().maxCoeff() + 5 * e.step() + 8 * e.noise;
+  const Eigen::ArrayXd possible = (8 * m.plain_noise() / m.noise() * m.scatter()).max(shape);
+  const Eigen::ArrayXd off = (e.measured - e.path - m.addition()).abs();
+  return (off > possible).any() ? off.maxCoeff() : 0;
+}
+
+struct Candidate {
+  Effect effect;
+  double value = 0;
+  double relative_error = 0;
+  Eigen::ArrayXd added = {};  ///< variance that it adds to every row; empty: it has none of its own
+};
+
+/// Half the 95 % interval of a positive number by the bend of the log-likelihood at its best, as a part of
+/// it.
+template <typename Function>
+double relative_error(Function function, double best, double at_best) {
+  constexpr double step = 0.05;
+  const double bend =
+      (2 * at_best - function(best * std::exp(step)) - function(best * std::exp(-step))) / (step * step);
+  return bend > 0 ? std::min(1.0, 1.96 / std::sqrt(bend)) : 1;
+}
+
+/// Whether what is left scatters much more in some stretch of the order given than a variance says.
+bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance,
+                    const Eigen::ArrayXd& along) {
+  constexpr Eigen::Index stretches = 12, fewest = 40;
+  constexpr double much = 3;
+  const Eigen::Index n = squares.size();
+  if (n < stretches * fewest) return false;
+  std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
+  std::iota(order.begin(), order.end(), Eigen::Index{0});
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  double least = 1e300, most = 0;
+  for (Eigen::Index i = 0; i < stretches; ++i) {
+    double seen = 0, expected = 0;
+    for (Eigen::Index k = i * n / stretches; k < (i + 1) * n / stretches; ++k) {
+      seen += squares[order[static_cast<std::size_t>(k)]];
+      expected += variance[order[static_cast<std::size_t>(k)]];
+    }
+    least = std::min(least, seen / expected);
+    most = std::max(most, seen / expected);
+  }
+  return most > much * least;
+}
+
+/// What could scatter the readings of a fitted model, each at its most likely size.
+class Trials {
+ public:
+  /// @param own   what is left of the reference's noise [rad or m]
+  /// @param size  of the scatter beyond it [rad or m]
+  Trials(const Evidence& e, const Explanation& m, double own, double size)
+      : e_(e),
+        m_(m),
+        size_(size),
+        range_(2 * (e.measured - e.reference).abs().maxCoeff() + e.step()),
+        known_((own * m.scatter() / m.noise()).square()) {}
+
+  /// Variance, row by row, that the reference and the spec's own random effects leave to chance already.
+  const Eigen::ArrayXd& known() const { return known_; }
+
+  /// With nothing but these.
+  IntervalLikelihood without() const {
+    return interval_likelihood(m_.intervals(), m_.addition(), (doubted_noise * known_).sqrt(), outlier_part,
+                               range_);
+  }
+
+  /// The most likely first.
+  std::vector<Candidate> candidates() const {
+    std::vector<Candidate> found{noise()};
+    if (e_.ordered && e_.velocity.abs().maxCoeff() > 0) found.push_back(jitter());
+    if (e_.counted && !e_.rests() && e_.encoder.counts_per_period == 4)
+      for (const double sign : {-1.0, 1.0}) found.push_back(states(sign));
+    std::sort(found.begin(), found.end(),
+              [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
+    return found;
+  }
+
+ private:
+  Candidate noise() const {
+    const auto with = [&](double x) {
+      return value(m_.intervals(), m_.addition(), (known_ + x * x).sqrt(), range_);
+    };
+    const auto [sigma, best] = largest(with, 0.3 * size_, 3 * size_);
+    return {{"noise", e_.joint, {{"sigma", sigma}}, {}},
+            best,
+            relative_error(with, sigma, best),
+            Eigen::ArrayXd::Constant(e_.rows(), sigma * sigma)};
+  }
+
+  Candidate jitter() const {
+    const double typical = std::sqrt(e_.velocity.square().mean());
+    const auto with = [&](double x) {
+      return value(m_.intervals(), m_.addition(), (known_ + (x * e_.velocity).square()).sqrt(), range_);
+    };
+    const auto [sigma, best] = largest(with, 0.1 * size_ / typical, 10 * size_ / typical);
+    return {{"timing_jitter", e_.joint, {{"sigma", sigma}}, {}},
+            best,
+            relative_error(with, sigma, best),
+            (sigma * e_.velocity).square()};
+  }
+
+  /// @param sign  to which side every second edge is displaced
+  Candidate states(double sign) const {
+    const auto with = [&](double x) {
+      // Their mean is -shift/2, which a term for the offset may have taken.
+      const Eigen::ArrayXd at = m_.addition() - m_.mean_offset();
+      return value(displaced(m_.intervals(), e_, sign * x), at, (doubted_noise_beside_states * known_).sqrt(),
+                   range_);
+    };
+    const auto [shift, best] = largest(with, 0.02 * e_.step(), 0.95 * e_.step());
+    const double phase = sign * shift / (4 * e_.step()) * 2 * std::numbers::pi;
+    return {{"state_width", e_.joint, {{"phase", phase}}, {}}, best, relative_error(with, shift, best)};
+  }
+
+  const Evidence& e_;
+  const Explanation& m_;
+  double size_, range_;
+  Eigen::ArrayXd known_;
+};
+
+/// Whether what is left scatters otherwise than a candidate says, in some place or at some time.
+bool comes_and_goes(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known,
+                    const Candidate& c) {
+  const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
+  const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + c.added;
+  return comes_and_goes(squares, variance, e.path) ||
+         (e.ordered && comes_and_goes(squares, variance, e.time));
+}
+
+/// What a few readings far off make of the scatter: what it is then, and how large.
+bool is_of_few(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added, Scatter& s) {
+  if (const double off = farthest(e, m, added); off > 0) {
+    s.size = off;
+    s.structure = "single readings are far off";
+    return true;
+  }
+  if (m.outliers() <= many_outliers) return false;
+  s.size = std::sqrt(left_by(m, e));
+  s.structure = part_far_off;
+  return true;
+}
+
+/// Names the most likely of the candidates, where it is likely enough and has no structure.
+void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials, Scatter& s) {
+  const IntervalLikelihood without = trials.without();
+  const std::vector<Candidate> found = trials.candidates();
+  const Candidate& best = found[0];
+  const double ratio = 2 * (best.value - without.log_likelihood);
+  if (ratio <= 0) {
+    if (without.outliers > many_outliers * static_cast<double>(e.rows())) s.structure = part_far_off;
+    return;
+  }
+  s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
+  if (s.p_value * static_cast<double>(found.size()) > significant) return;
+  // What is correlated is neither noise nor jitter; unequal states are locked to the count.
+  if (!s.structure.empty() && best.effect.type != "state_width") return;
+  s.structure.clear();
+  if (best.added.size() > 0 && s.size > uneven_from * e.step() &&
+      comes_and_goes(e, m, trials.known(), best)) {
+    s.structure = "scatter that comes and goes";
+    return;
+  }
+  s.effect = best.effect;
+  s.relative_error = best.relative_error;
+  for (const Candidate& other : found)
+    if (other.effect.type != s.effect->type && best.value - other.value < cannot_be_told) {
+      s.alternative = other.effect;
+      break;
+    }
+}
+
+}  // namespace
+
+Scatter scatter_of(const Evidence& e, const Explanation& m) {
+  Scatter s;
+  const double own = std::max(e.path_noise, 1e-3 * e.step());
+  s.size = std::sqrt(std::max(0.0, m.noise() * m.noise() - own * own));
+  const Eigen::ArrayXd added = m.addition() - m.addition().mean();
+  if (is_of_few(e, m, added, s)) return s;
+  // A twelfth of what the causes add may be what their shapes lack.
+  const double worth = std::max(scatter_worth_naming * e.step(), std::sqrt(added.square().mean()) / 12);
+  if (m.noise() < scatter_beyond_reference * own || s.size < worth) return s;
+  if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
+  name_scatter(e, m, Trials(e, m, own, s.size), s);
+  return s;
+}
+
+}  // namespace qerr

@@ -1,0 +1,199 @@
+#include "diagnose/inference/tip/tip.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "core/random.hpp"
+#include "diagnose/inference/tip/tip_select.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
+#include "simulate/sensing.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr Eigen::Index folds = 5;
+constexpr int resamples = 400;
+
+double rms(const Eigen::VectorXd& x) {
+  return x.size() > 0 ? std::sqrt(x.squaredNorm() / static_cast<double>(x.size())) : 0;
+}
+
+/// The numbers that an effect gets from its coefficients, with their 95 % intervals (delta method).
+std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& c,
+                                       const Eigen::MatrixXd& covariance) {
+  Effect at = term.effect;
+  term.fill(at, c);
+  std::vector<FoundParameter> found;
+  for (const auto& [name, value] : at.numbers) {
+    Eigen::VectorXd slope(c.size());
+    for (Eigen::Index i = 0; i < c.size(); ++i) {
+      const double h = 1e-4 * std::max(c.norm(), 1e-300);
+      Effect up = term.effect, down = term.effect;
+      term.fill(up, c + h * Eigen::VectorXd::Unit(c.size(), i));
+      term.fill(down, c - h * Eigen::VectorXd::Unit(c.size(), i));
+      slope[i] = (up.number(name) - down.number(name)) / (2 * h);
+    }
+    const double half = 1.96 * std::sqrt(std::max(0.0, slope.dot(covariance * slope)));
+    found.push_back({name, value, value - half, value + half});
+  }
+  return found;
+}
+
+/// Rests of contiguous blocks by models that were fitted to the other blocks: without causes, and with them.
+/// What is nobody's fault is fitted in both.
+struct HeldOut {
+  Eigen::VectorXd before, after;
+};
+
+HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
+  HeldOut h{m.entries(), m.entries()};
+  const Eigen::MatrixXd all = m.all_columns(), free = all.leftCols(m.nuisance());
+  const Eigen::VectorXd root = m.solution().weight.cwiseSqrt();
+  const Eigen::Index rows = m.entries().size() / coordinates;
+  const Eigen::Index blocks = std::max(folds, std::min<Eigen::Index>(20, rows / 10));
+  for (Eigen::Index fold = 0; fold < folds; ++fold) {
+    std::vector<Eigen::Index> in, out;
+    for (Eigen::Index i = 0; i < m.entries().size(); ++i)
+      (((i / coordinates) * blocks / rows) % folds == fold ? out : in).push_back(i);
+    const auto predict = [&](const Eigen::MatrixXd& x, Eigen::VectorXd& rest) {
+      if (x.cols() == 0) return;
+      Eigen::VectorXd scale = x.colwise().norm();
+      for (double& s : scale) s = s > 0 ? 1 / s : 0;
+      const Eigen::MatrixXd unit = root.asDiagonal() * x * scale.asDiagonal();
+      const Eigen::MatrixXd train = unit(in, Eigen::all);
+      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
+      fit.setThreshold(1e-6);
+      fit.compute(train);
+      const Eigen::VectorXd wanted = root.cwiseProduct(m.entries())(in);
+      const Eigen::VectorXd theta = scale.asDiagonal() * fit.solve(wanted);
+      rest(out) = m.entries()(out) - x(out, Eigen::all) * theta;
+    };
+    predict(free, h.before);
+    predict(all, h.after);
+  }
+  return h;
+}
+
+/// 95 % interval of the ratio of two rms, by resampled blocks.
+void ratio_interval(const HeldOut& h, Eigen::Index coordinates, Gain& gain) {
+  const Eigen::Index rows = h.before.size() / coordinates;
+  const Eigen::Index blocks = std::min<Eigen::Index>(50, rows / 2);
+  Eigen::ArrayXd before(blocks), after(blocks);
+  for (Eigen::Index b = 0; b < blocks; ++b) {
+    const Eigen::Index first = b * rows / blocks * coordinates, end = (b + 1) * rows / blocks * coordinates;
+    before[b] = h.before.segment(first, end - first).squaredNorm();
+    after[b] = h.after.segment(first, end - first).squaredNorm();
+  }
+  std::vector<double> ratios;
+  for (std::uint64_t r = 0; r < resamples; ++r) {
+    double sum_before = 0, sum_after = 0;
+    for (Eigen::Index b = 0; b < blocks; ++b) {
+      const auto drawn = static_cast<Eigen::Index>(
+          unit_interval(random_bits(1, r, static_cast<std::uint64_t>(b))) * static_cast<double>(blocks));
+      sum_before += before[drawn];
+      sum_after += after[drawn];
+    }
+    ratios.push_back(std::sqrt(sum_before / std::max(sum_after, 1e-300)));
+  }
+  std::sort(ratios.begin(), ratios.end());
+  gain.lower = ratios[resamples / 40];
+  gain.upper = ratios[resamples - 1 - resamples / 40];
+}
+
+Gain gain_of(const TipModel& m) {
+  const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
+  const HeldOut h = held_out(m, coordinates);
+  Gain gain;
+  gain.unit = "m";
+  gain.of_tip = true;
+  gain.rms_before = rms(h.before);
+  gain.rms_after = rms(h.after);
+  gain.held_out = true;
+  ratio_interval(h, coordinates, gain);
+  const Eigen::VectorXd scaled = m.solution().weight.cwiseSqrt().cwiseProduct(h.after);
+  gain.sigma_ratio = rms(scaled);
+  gain.coverage = static_cast<double>((scaled.array().abs() < 1.96).count()) /
+                  static_cast<double>(std::max<Eigen::Index>(scaled.size(), 1));
+  std::vector<std::size_t> all(m.terms().size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  gain.log_score = (m.solution().log_likelihood - m.trial(all, {}).log_likelihood) /
+                   static_cast<double>(m.entries().size());
+  return gain;
+}
+
+/// What to record to tell two causes apart.
+std::string record(const TipAlternative& a, const TipTerm& chosen) {
+  if (a.everywhere) return "no pose tells them apart: measure the link or the joint's zero directly";
+  if (chosen.kinematic() && a.other.kinematic())
+    return "poses in which " + a.other.term.effect.joint + " and " + chosen.term.effect.joint +
+           " turn through wider ranges";
+  return "a better sensor on " + chosen.term.effect.joint + ", or wider motions at several speeds";
+}
+
+void name_causes(const TipSelection& s, TipDiagnosis& d) {
+  const TipModel& m = s.model;
+  std::vector<std::pair<double, Cause>> causes;
+  for (std::size_t i = 0; i < m.terms().size(); ++i) {
+    const TipTerm& t = m.terms()[i];
+    const Eigen::VectorXd c = m.coefficients(i);
+    Effect effect = t.term.effect;
+    t.term.fill(effect, c);
+    if (!t.term.named()) {
+      d.unexplained.push_back(
+          {effect.joint, t.term.unnamed, effect.number("order"), {}, effect.number("amplitude")});
+      continue;
+    }
+    const Eigen::MatrixXd covariance =
+        inflation(m, i) * m.solution().covariance.block(m.position(i), m.position(i), t.size(), t.size());
+    Cause cause{effect, parameters(t.term, c, covariance), s.p_values[i], d.gain};
+    causes.emplace_back(m.trial({i}, {}).rest.squaredNorm(), std::move(cause));
+    for (const TipAlternative& a : s.alternatives)
+      if (a.term == i)
+        d.alternatives.push_back(
+            {effect.type, a.other.term.effect.type, a.other.term.effect.joint, record(a, t)});
+  }
+  std::stable_sort(causes.begin(), causes.end(),
+                   [](const auto& a, const auto& b) { return a.first > b.first; });
+  for (auto& [removed, cause] : causes) d.causes.push_back(std::move(cause));
+}
+
+void tell_frames(const TipModel& m, TipDiagnosis& d) {
+  if (!m.frames()) return;
+  const Eigen::Vector3d shift = m.belief().base.translation();
+  const double turned = Eigen::AngleAxisd(m.belief().base.linear()).angle();
+  d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
+  d.warnings.push_back("tip.x/y/z stand in a frame of their own: the robot's base is " +
+                       std::to_string(shift.norm()) + " m away in it and turned by " +
+                       std::to_string(turned) + " rad, its target " + std::to_string(m.belief().tool.norm()) +
+                       " m from the model's tip; this was taken out, and hides a displaced first joint");
+}
+
+}  // namespace
+
+TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log,
+                          unsigned threads) {
+  TipDiagnosis d;
+  OperationalModel model = ideal;
+  model.chain = as_built(ideal.chain, present);
+  const std::optional<TipEvidence> e = tip_evidence(model, present, log, threads);
+  if (!e) return d;
+  d.judged = true;
+  const TipSelection s = select_tip(model, *e);
+  d.gain = gain_of(s.model);
+  name_causes(s, d);
+  tell_frames(s.model, d);
+  for (std::size_t i = 0; i < s.tilts.size(); ++i)
+    d.unexplained.push_back(
+        {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});
+  const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
+    return c.effect.type == "geometry" && c.effect.joint == model.chain.joints.front().name;
+  });
+  if (at_base && !s.model.frames())
+    d.warnings.push_back("a displacement of " + model.chain.joints.front().name +
+                         " cannot be told from one of the tracker's frame: survey the tracker at the base");
+  return d;
+}
+
+}  // namespace qerr

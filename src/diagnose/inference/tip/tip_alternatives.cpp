@@ -1,0 +1,101 @@
+#include "diagnose/inference/tip/tip_alternatives.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <numbers>
+
+#include "core/random.hpp"
+#include "diagnose/inference/tip/tip_candidates.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double as_good = 6;  // of log-likelihood
+
+/// Poses anywhere, in place of those of the record: what even they cannot tell apart, no record can.
+TipEvidence anywhere(const TipEvidence& e, const Chain& chain) {
+  TipEvidence wide = e;
+  const Eigen::Index rows = std::min<Eigen::Index>(100, e.rows());
+  wide.tip.setZero(e.tip.rows(), rows);
+  wide.joints.resize(e.joints.rows(), rows);
+  for (Eigen::Index j = 0; j < wide.joints.rows(); ++j)
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const double u =
+          unit_interval(random_bits(1, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(j)));
+      wide.joints(j, k) =
+          (2 * u - 1) * (chain.independent[static_cast<std::size_t>(j)].prismatic() ? 0.5 : std::numbers::pi);
+    }
+  for (Evidence& own : wide.encoders)
+    for (Eigen::ArrayXd* series : {&own.time, &own.reference, &own.measured, &own.path, &own.velocity,
+                                   &own.side, &own.effort, &own.temperature})
+      if (series->size() > 0) series->conservativeResize(rows);
+  return wide;
+}
+
+TipTerm shortened(TipTerm t, Eigen::Index rows) {
+  if (t.way == TipTerm::Way::encoder) t.term.columns = t.term.columns.topRows(rows).eval();
+  return t;
+}
+
+/// Whether the other term can take the place of a chosen one at any pose: both are dimensions.
+bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size_t term,
+                const TipTerm& other) {
+  if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
+  const TipEvidence wide = anywhere(fitted.evidence(), model.chain);
+  TipModel poses(model, wide, false);
+  const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
+  Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
+  const auto append = [&](const TipTerm& t) {
+    rest.conservativeResize(Eigen::NoChange, rest.cols() + t.size());
+    rest.rightCols(t.size()) = poses.columns(t);
+  };
+  for (std::size_t i = 0; i < fitted.terms().size(); ++i)
+    if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
+  if (fitted.frames()) {
+    append({TipTerm::Way::base, {}, 0, 0});
+    append({TipTerm::Way::tool, {}, 0, 0});
+  }
+  const Eigen::VectorXd fit = rest.completeOrthogonalDecomposition().solve(target);
+  return (target - rest * fit).norm() < 1e-6 * target.norm();
+}
+
+}  // namespace
+
+void try_others(const OperationalModel& model, TipSelection& s) {
+  TipModel& m = s.model;
+  for (int round = 0; round < 8; ++round) {
+    s.alternatives.clear();
+    const std::vector<TipTerm> others = tip_terms(m.evidence(), m.belief());
+    bool exchanged = false;
+    for (std::size_t i = 0; i < m.terms().size() && !exchanged; ++i) {
+      const double correlated = inflation(m, i);
+      const TipSolution without = m.trial({i}, {});
+      TipSolution at_weights = without;
+      at_weights.weight = m.solution().weight;
+      const double own = gain_of(at_weights, m.beyond({i}, m.columns(m.terms()[i])));
+      for (const TipTerm& other : others) {
+        if (chosen(m, other)) continue;
+        const Eigen::MatrixXd columns = m.columns(other);
+        if (gain_of(at_weights, m.beyond({i}, columns)) < own - correlated * (2 * as_good + 20)) continue;
+        const TipSolution swapped = m.trial({i}, columns);
+        const double loss = (m.solution().log_likelihood - swapped.log_likelihood) / correlated +
+                            price(m, columns.cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
+                            penalty(m, m.terms()[i]);
+        if (loss < -better_by && round < 7) {
+          const Eigen::VectorXd theta = swapped.theta.tail(columns.cols());
+          m.exchange(i, other, theta);
+          m.fit();
+          exchanged = true;
+          break;
+        }
+        if (loss < as_good) s.alternatives.push_back({i, other, loss, false});
+      }
+    }
+    if (!exchanged) break;
+  }
+  for (TipAlternative& a : s.alternatives) a.everywhere = everywhere(model, m, a.term, a.other);
+}
+
+}  // namespace qerr

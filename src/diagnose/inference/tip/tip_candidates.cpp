@@ -1,0 +1,103 @@
+#include "diagnose/inference/tip/tip_candidates.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace qerr {
+
+namespace {
+
+/// What a unit of each encoder's reading does for the likelihood: encoders x rows.
+Eigen::MatrixXd encoder_scores(const TipModel& model) {
+  const TipEvidence& e = model.evidence();
+  const auto coordinates = static_cast<Eigen::Index>(e.axes.size());
+  const Eigen::VectorXd pull = model.solution().weight.cwiseProduct(model.solution().rest);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(e.encoders.size()), e.rows());
+  for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+    if (!e.judged(i)) continue;
+    TipTerm unit{TipTerm::Way::encoder, {}, i, 0};
+    unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
+    const Eigen::MatrixXd column = model.columns(unit);
+    for (Eigen::Index k = 0; k < e.rows(); ++k)
+      scores(static_cast<Eigen::Index>(i), k) =
+          column.col(0).segment(k * coordinates, coordinates).dot(pull.segment(k * coordinates, coordinates));
+  }
+  return scores;
+}
+
+/// The moment at which lost counts would explain most, what a constant takes left out of account.
+std::optional<Term> strongest_tip_step(const Evidence& e, const Eigen::VectorXd& score) {
+  const double all = score.sum();
+  const auto rows = static_cast<double>(score.size());
+  double behind = 0, best = 0;
+  Eigen::Index at = 0;
+  for (Eigen::Index k = score.size(); k-- > 8;) {
+    behind += score[k];
+    if (k + 8 > score.size()) continue;
+    const double part = static_cast<double>(score.size() - k) / rows;
+    const double gain = std::pow(behind - part * all, 2) / (part * (1 - part));
+    if (gain > best) best = gain, at = k;
+  }
+  if (at == 0) return std::nullopt;
+  return step_term(e, 0.5 * (e.time[at] + e.time[at - 1]));
+}
+
+/// The strongest free order of the joint, over what its range of motion resolves.
+std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd& score) {
+  const double range = e.path.maxCoeff() - e.path.minCoeff();
+  if (range < 20 * e.step()) return std::nullopt;
+  const double spacing = 2 * std::numbers::pi / range / 2;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, e.rows() / 2048);
+  const auto power = [&](double order) {
+    double sine = 0, cosine = 0;
+    for (Eigen::Index k = 0; k < e.rows(); k += stride) {
+      sine += score[k] * std::sin(order * e.path[k]);
+      cosine += score[k] * std::cos(order * e.path[k]);
+    }
+    return sine * sine + cosine * cosine;
+  };
+  double best = 0, best_order = 0;
+  for (int i = 2; i < scanned_at_tip && i * spacing * e.step() < 1.5; ++i)
+    if (const double here = power(i * spacing); here > best) best = here, best_order = i * spacing;
+  for (double step = spacing / 2; step > spacing / 100; step /= 2)
+    for (const double order : {best_order - step, best_order + step})
+      if (const double here = power(order); here > best) best = here, best_order = order;
+  return free_order_term(e, best_order);
+}
+
+bool same(const TipTerm& a, const TipTerm& b) {
+  const Effect &x = a.term.effect, &y = b.term.effect;
+  return a.way == b.way && a.where == b.where && a.along == b.along && x.type == y.type &&
+         x.choices == y.choices && x.number("order") == y.number("order") &&
+         x.number("time_constant") == y.number("time_constant") && x.number("time") == y.number("time");
+}
+
+}  // namespace
+
+bool chosen(const TipModel& model, const TipTerm& t) {
+  return std::any_of(model.terms().begin(), model.terms().end(),
+                     [&](const TipTerm& other) { return same(other, t); });
+}
+
+std::vector<TipTerm> tip_candidates(const TipModel& model) {
+  const TipEvidence& e = model.evidence();
+  std::vector<TipTerm> all = tip_terms(e, model.belief());
+  if (e.ordered && e.rows() >= 500) {
+    const Eigen::MatrixXd scores = encoder_scores(model);
+    for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+      if (!e.judged(i)) continue;
+      const Evidence own = believed(e, model.belief(), i);
+      const Eigen::VectorXd score = scores.row(static_cast<Eigen::Index>(i));
+      if (auto step = strongest_tip_step(own, score))
+        all.push_back({TipTerm::Way::encoder, std::move(*step), i, 0});
+      if (auto order = strongest_tip_order(own, score))
+        all.push_back({TipTerm::Way::encoder, std::move(*order), i, 0});
+    }
+  }
+  std::erase_if(all, [&](const TipTerm& t) { return chosen(model, t); });
+  return all;
+}
+
+}  // namespace qerr

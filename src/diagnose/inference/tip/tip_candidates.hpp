@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "diagnose/inference/tip/tip_model.hpp"
+
+namespace qerr {
+
+/// Orders and moments that a scan at the tip tries: how many hypotheses its best one was chosen from.
+inline constexpr int scanned_at_tip = 600;
+
+/// What the model may be extended by: the catalogue, and what a scan of the present scores suggests. Nothing
+/// that it has.
+std::vector<TipTerm> tip_candidates(const TipModel&);
+
+/// Whether the model has this cause already.
+bool chosen(const TipModel&, const TipTerm&);
+
+}  // namespace qerr

@@ -1,0 +1,165 @@
+#include "diagnose/inference/tip/tip_evidence.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+#include "core/parallel.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "diagnose/terms/with_effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr Eigen::Index most_rows = 4000;
+
+/// Time from the first row [s]; the row's number where there is none.
+Eigen::ArrayXd time_of(const Log& log) {
+  const Eigen::Index rows = log.values.rows();
+  if (const auto stamps = log.find(LogSignal::time)) return log.values.col(*stamps) - log.values(0, *stamps);
+  return Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
+}
+
+/// How an encoder went through the record, by its own readings.
+Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t i,
+                      const Eigen::ArrayXd& measured, const Eigen::ArrayXd& time) {
+  Evidence e;
+  e.joint = model.chain.independent[i].name;
+  e.prismatic = model.chain.independent[i].prismatic();
+  e.encoder = model.transmission.encoders[i];
+  e.ordered = log.has_time();
+  e.time = time;
+  e.reference = e.measured = e.path = measured;
+  e.velocity = e.side = Eigen::ArrayXd::Zero(measured.size());
+  e.noise = sigma(e.encoder);
+  if (e.ordered) {
+    const SmoothPath smooth = smooth_path(time, measured, e.step());
+    e.path = smooth.position;
+    e.velocity = smooth.velocity;
+    e.side = side_of_motion(measured, 1.5 * e.step());
+  }
+  if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
+  if (const auto warm = log.find(LogSignal::temperature, i))
+    e.temperature = log.values.col(*warm) - log.values(0, *warm);
+  return e;
+}
+
+/// Moves the joints to where a model that has these effects expects them.
+void take_off(TipEvidence& e, const std::vector<Effect>& present) {
+  for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+    Evidence& own = e.encoders[i];
+    const Eigen::ArrayXd added = with_effects(own, present).reference - own.reference;
+    e.joints -= e.to_joints.col(static_cast<Eigen::Index>(i)) * added.matrix().transpose();
+    own.path -= added;
+  }
+}
+
+/// First rows of groups that say the same: no joint has been seen to move, nor has the tip.
+std::vector<Eigen::Index> groups(const TipEvidence& e) {
+  std::vector<Eigen::Index> starts{0};
+  const double apart = 4 * std::max(e.noise, e.grid);
+  for (Eigen::Index k = 1; k < e.rows(); ++k) {
+    const Eigen::Index first = starts.back();
+    bool moved = !e.ordered || (e.tip.col(k) - e.tip.col(first)).cwiseAbs().maxCoeff() > apart;
+    for (const Evidence& encoder : e.encoders)
+      moved |= std::abs(encoder.measured[k] - encoder.measured[first]) > 0.05 * encoder.step() ||
+               encoder.side[k] != encoder.side[first];
+    if (moved) starts.push_back(k);
+  }
+  return starts;
+}
+
+/// Means over the groups, of every `stride`-th group.
+class Fewer {
+ public:
+  Fewer(std::vector<Eigen::Index> starts, Eigen::Index rows, Eigen::Index stride)
+      : starts_(std::move(starts)), rows_(rows), stride_(stride) {}
+
+  Eigen::MatrixXd columns(const Eigen::MatrixXd& all) const {
+    const auto groups = static_cast<Eigen::Index>(starts_.size());
+    Eigen::MatrixXd out(all.rows(), (groups + stride_ - 1) / stride_);
+    for (Eigen::Index g = 0; g < groups; g += stride_) {
+      const Eigen::Index first = starts_[static_cast<std::size_t>(g)];
+      const Eigen::Index end = g + 1 < groups ? starts_[static_cast<std::size_t>(g + 1)] : rows_;
+      out.col(g / stride_) = all.middleCols(first, end - first).rowwise().mean();
+    }
+    return out;
+  }
+  void shorten(Eigen::ArrayXd& series) const {
+    if (series.size() == 0) return;
+    series = columns(series.matrix().transpose()).transpose().array().eval();
+  }
+
+ private:
+  std::vector<Eigen::Index> starts_;
+  Eigen::Index rows_, stride_;
+};
+
+void shorten(TipEvidence& e) {
+  std::vector<Eigen::Index> starts = groups(e);
+  const Eigen::Index stride = (static_cast<Eigen::Index>(starts.size()) + most_rows - 1) / most_rows;
+  const Fewer fewer(std::move(starts), e.rows(), stride);
+  for (Evidence& encoder : e.encoders)
+    for (Eigen::ArrayXd* series : {&encoder.time, &encoder.reference, &encoder.measured, &encoder.path,
+                                   &encoder.velocity, &encoder.side, &encoder.effort, &encoder.temperature})
+      fewer.shorten(*series);
+  e.joints = fewer.columns(e.joints);
+  e.tip = fewer.columns(e.tip);
+}
+
+}  // namespace
+
+std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std::vector<Effect>& present,
+                                        const Log& log, unsigned threads) {
+  TipEvidence e;
+  std::vector<Eigen::Index> columns;
+  for (std::size_t i = 0; i < 3; ++i)
+    if (const auto column = log.find(LogSignal::tip, i)) {
+      e.axes.push_back(static_cast<Eigen::Index>(i));
+      columns.push_back(*column);
+      // A coordinate that never changes, as one of a planar arm, is written "0" and tells nothing of the
+      // grid.
+      const auto seen = log.values.col(*column);
+      if (seen.maxCoeff() > seen.minCoeff())
+        e.grid = std::max(e.grid, log.columns[static_cast<std::size_t>(*column)].step());
+    }
+  const auto count = static_cast<Eigen::Index>(model.chain.independent.size());
+  const Eigen::Index rows = log.values.rows();
+  if (columns.empty() || rows < 8) return std::nullopt;
+  e.ordered = log.has_time();
+  const Eigen::ArrayXd time = time_of(log);
+  e.tip = log.values(Eigen::all, columns).matrix().transpose();
+  for (const Eigen::Index column : columns)
+    if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.grid));
+  e.joints.resize(count, rows);
+  e.joint_noise.setZero(count);
+  e.to_joints = model.transmission.coupling;
+  Eigen::MatrixXd read(count, rows);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const auto joint = static_cast<std::size_t>(j);
+    const auto measured = measured_joint(log, log.values, model.transmission, joint);
+    const auto reference = log.find(LogSignal::reference, joint);
+    if (!measured && !reference) return std::nullopt;
+    if (reference) {
+      const double grid = log.columns[static_cast<std::size_t>(*reference)].step();
+      e.joints.row(j) = log.values.col(*reference).matrix().transpose();
+      e.joint_noise[j] =
+          e.ordered ? noise_of_path(time, log.values.col(*reference), grid) : grid / std::sqrt(12.0);
+      e.to_joints.row(j).setZero();
+    } else {
+      e.joints.row(j) = measured->matrix().transpose();
+    }
+    read.row(j) = measured ? measured->matrix().transpose() : e.joints.row(j).eval();
+  }
+  const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
+  e.encoders.resize(static_cast<std::size_t>(count));
+  parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
+    e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);
+  });
+  take_off(e, present);
+  shorten(e);
+  return e;
+}
+
+}  // namespace qerr

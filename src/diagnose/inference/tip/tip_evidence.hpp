@@ -1,0 +1,40 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "diagnose/record/evidence.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/effect/effect.hpp"
+#include "qerr/simulate/log.hpp"
+
+namespace qerr {
+
+/// What a log with a tracked tip tells of the robot: where the tip was, beside the joints as well as they are
+/// known (by their own better sensor where they have one, else by their encoders).
+struct TipEvidence {
+  bool ordered = true;             ///< the rows follow each other in time
+  std::vector<Eigen::Index> axes;  ///< tracked coordinates: 0 x, 1 y, 2 z
+  Eigen::MatrixXd tip;             ///< tracked coordinates x rows [m]
+  Eigen::MatrixXd joints;          ///< independent joints x rows [rad or m]
+  Eigen::VectorXd joint_noise;     ///< of the joints' better sensors, 0 where there is none [rad or m]
+  Eigen::MatrixXd to_joints;       ///< joints x encoders: the coupling, 0 in rows of joints with a reference
+  std::vector<Evidence> encoders;  ///< path, speed, side, load of every encoder, as it was read
+  double noise = 0;                ///< of the tracker, per coordinate; 0: the rows do not tell [m]
+  double grid = 0;                 ///< step of the tracked numbers as they are written in the file [m]
+
+  Eigen::Index rows() const { return tip.cols(); }
+  bool judged(std::size_t encoder) const {  ///< whether the tip is the only truth of this encoder
+    return !to_joints.col(static_cast<Eigen::Index>(encoder)).isZero();
+  }
+};
+
+/// The evidence at the tip, rows that say the same taken together (see `independent`), and of long records
+/// every n-th of these.
+/// @param present  effects that the spec already has: the joints are where the model then expects them
+/// @returns empty when the log has no tip, or not every joint
+std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
+                                        const Log&, unsigned threads);
+
+}  // namespace qerr

@@ -1,0 +1,152 @@
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+#include <cmath>
+
+#include "core/random.hpp"
+#include "diagnose/inference/tip/tip_model.hpp"
+#include "simulate/sensing.hpp"
+
+/// How a model of the tip is fitted: belief, linearization, solution, and again.
+namespace qerr {
+
+namespace {
+
+constexpr Eigen::Index draws = 40;  // of quantization along the path
+
+}  // namespace
+
+/// Rotation and translation that bring the model's tip upon the tracked one, where it is far off: a start for
+/// the fit, which turns only a little at a time (Kabsch).
+void TipModel::align() {
+  if (evidence_->axes.size() < 3) return;
+  Eigen::Matrix3Xd tip(3, evidence_->rows());
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k) tip.col(k) = belief_.pose(*evidence_, k).tip;
+  const Eigen::Matrix3Xd seen = evidence_->tip;
+  const Eigen::Matrix3Xd centred = seen.colwise() - seen.rowwise().mean();
+  if ((tip - seen).norm() < 0.02 * centred.norm()) return;
+  const Eigen::Matrix4d moved = Eigen::umeyama(tip, seen, false);
+  belief_.base.matrix() = moved;
+}
+
+/// What the coefficients say of links and readings.
+void TipModel::believe() {
+  std::vector<Effect> built;
+  belief_.additions.setZero();
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    TipTerm& t = terms_[i];
+    const Eigen::VectorXd c = coefficients(i);
+    if (t.way == TipTerm::Way::geometry) {
+      built.push_back(t.term.effect);
+      t.term.fill(built.back(), c);
+    } else if (t.way == TipTerm::Way::encoder) {
+      belief_.additions.row(static_cast<Eigen::Index>(t.where)) += (t.term.columns.matrix() * c).transpose();
+    }
+  }
+  belief_.chain = as_built(model_->chain, built);
+}
+
+/// The columns of what is nobody's fault: the tracker's frames, and zeros that are free.
+void TipModel::arrange_nuisance() {
+  std::vector<TipTerm> free;
+  if (frames_) free = {{TipTerm::Way::base, {}, 0, 0}, {TipTerm::Way::tool, {}, 0, 0}};
+  for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
+    if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
+      free.push_back({TipTerm::Way::encoder, {}, i, 0});
+      free.back().term.columns = Eigen::ArrayXXd::Ones(evidence_->rows(), 1);
+    }
+  Eigen::Index count = 0;
+  for (const TipTerm& t : free) count += t.size();
+  nuisance_.resize(y_.size(), count);
+  Eigen::Index at = 0;
+  for (const TipTerm& t : free) {
+    nuisance_.middleCols(at, t.size()) = columns(t);
+    at += t.size();
+  }
+}
+
+/// Poses, entries and columns where the belief stands now.
+void TipModel::linearize() {
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  const Eigen::Index rows = evidence_->rows();
+  auto poses = std::make_shared<std::vector<TipPose>>();
+  poses->reserve(static_cast<std::size_t>(rows));
+  turn_.resize(static_cast<std::size_t>(rows));
+  y_.resize(rows * coordinates);
+  known_.resize(rows * coordinates);
+  const Eigen::VectorXd quantization = resolutions(model_->transmission).array().square() / 12;
+  const Eigen::VectorXd reference = evidence_->joint_noise.array().square();
+  const Eigen::VectorXd mean = mean_errors(model_->transmission);
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const TipPose p = belief_.pose(*evidence_, k);
+    const Eigen::Matrix3d all = p.encoders * quantization.asDiagonal() * p.encoders.transpose() +
+                                p.joints * reference.asDiagonal() * p.joints.transpose();
+    // A counter that truncates reads too low by half a count on average.
+    const Eigen::Vector3d tip = p.tip - p.encoders * mean;
+    const Eigen::MatrixXd seen = all(evidence_->axes, evidence_->axes);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(seen);
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
+    turn(Eigen::all, evidence_->axes) = axes.eigenvectors().transpose();
+    y_.segment(k * coordinates, coordinates) =
+        turn * tip - axes.eigenvectors().transpose() * evidence_->tip.col(k);
+    known_.segment(k * coordinates, coordinates) = axes.eigenvalues().cwiseMax(0);
+    turn_[static_cast<std::size_t>(k)] = std::move(turn);
+    poses->push_back(p);
+  }
+  poses_ = std::move(poses);
+  for (std::size_t i = 0; i < terms_.size(); ++i) renew(terms_[i], coefficients(i), *evidence_, belief_);
+  term_columns_.clear();
+  for (const TipTerm& t : terms_) term_columns_.push_back(columns(t));
+  arrange_nuisance();
+  for (std::size_t i = 0; i < terms_.size(); ++i) y_ += term_columns_[i] * coefficients(i);
+}
+
+/// Brings the tracker's frame and its target to where the solution has them.
+void TipModel::move_frames() {
+  const Eigen::VectorXd s = solution_.theta.head<9>();
+  const Eigen::Vector3d turn = s.segment<3>(3);
+  Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
+  shift.translate(s.head<3>());
+  if (turn.norm() > 0) shift.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  belief_.base = shift * belief_.base;
+  belief_.tool += s.tail<3>();
+}
+
+void TipModel::fit() {
+  for (int i = 0; i < 20; ++i) {
+    believe();
+    linearize();
+    solution_ = trial({}, {});
+    const Eigen::VectorXd step = solution_.theta.tail(theta_.size()) - theta_;
+    theta_ = solution_.theta.tail(theta_.size());
+    double moved = 0;
+    const Eigen::MatrixXd all = all_columns();
+    Eigen::VectorXd steps = solution_.theta;
+    steps.tail(theta_.size()) = step;
+    if (all.cols() > 0) moved = (all * steps).norm() / std::sqrt(static_cast<double>(y_.size()));
+    if (frames_) move_frames();
+    if (moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2))) break;
+  }
+}
+
+void TipModel::draw_surrogates() {
+  surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
+    if (!evidence_->judged(i)) continue;
+    const Evidence& e = evidence_->encoders[i];
+    TipTerm unit{TipTerm::Way::encoder, {}, i, 0};
+    unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
+    const Eigen::VectorXd column = columns(unit);
+    for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
+      const double phase = e.step() * unit_interval(random_bits(2, i, static_cast<std::uint64_t>(d)));
+      for (Eigen::Index k = 0; k < e.rows(); ++k) {
+        const double x = e.path[k] + phase;
+        surrogates_.col(d).segment(k * coordinates, coordinates) +=
+            (quantize(e.encoder, x) - x - mean_error(e.encoder)) *
+            column.segment(k * coordinates, coordinates);
+      }
+    }
+  }
+}
+
+}  // namespace qerr

@@ -1,0 +1,217 @@
+#include "diagnose/inference/tip/tip_select.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "diagnose/inference/tip/tip_alternatives.hpp"
+#include "diagnose/inference/tip/tip_candidates.hpp"
+#include "diagnose/inference/tip/tip_weight.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr int tried_in_full = 6;
+
+struct Step {
+  TipTerm term;
+  Eigen::VectorXd theta;  // of the term
+  double log_likelihood = 0, cost = 0, correlated = 1;
+};
+
+std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& options) {
+  std::vector<TipTerm> all = tip_candidates(model);
+  std::vector<std::pair<double, std::size_t>> passing;
+  std::vector<Eigen::MatrixXd> columns;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    columns.push_back(model.columns(all[i]));
+    const double gain = gain_of(model.solution(), model.beyond({}, columns.back()));
+    if (gain > 4) passing.emplace_back(gain, i);
+  }
+  std::sort(passing.rbegin(), passing.rend());
+  if (passing.size() > tried_in_full) passing.resize(tried_in_full);
+  std::optional<Step> best;
+  for (const auto& [gain, i] : passing) {
+    const Eigen::Index size = columns[i].cols();
+    const TipSolution s = model.trial({}, columns[i]);
+    const Eigen::VectorXd theta = s.theta.tail(size);
+    if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude * times_as_loud(all[i]))
+      continue;
+    // Counts are lost whole.
+    if (all[i].term.effect.type == "missed_counts" && std::abs(theta[0]) < 0.7) continue;
+    const double correlated = inflation(model, s, columns[i]);
+    const double gained = (s.log_likelihood - model.solution().log_likelihood) / correlated;
+    const double cost = price(model, size) + penalty(model, all[i]);
+    if (gained < cost + better_by) continue;
+    const bool scanned = !all[i].term.named() || all[i].term.effect.type == "missed_counts";
+    const double tests = static_cast<double>(all.size()) * (scanned ? scanned_at_tip : 1);
+    if (p_value(gained, size) * tests > options.alpha) continue;
+    // Also between two candidates correlated rows say less than they are.
+    if (best && (s.log_likelihood - best->log_likelihood) / std::min(correlated, best->correlated) <
+                    cost - best->cost)
+      continue;
+    best = Step{std::move(all[i]), theta, s.log_likelihood, cost, correlated};
+  }
+  return best;
+}
+
+/// Moves a term's order or time constant to where the likelihood is largest.
+void reshape(TipModel& model, std::size_t term) {
+  TipTerm best = model.terms()[term];
+  if (!best.term.reshaped) return;
+  const Evidence own = believed(model.evidence(), model.belief(), best.where);
+  TipSolution solution = model.solution();
+  bool moved = false;
+  for (double step = 0.5 * best.term.reach; step > 0.02 * best.term.reach; step /= 2)
+    for (const double by : {-step, step})
+      for (int i = 0; i < 4; ++i) {
+        TipTerm next = best;
+        next.term = best.term.reshaped(own, best.term, best.term.shape + by);
+        if (!(next.term.shape > 0)) break;
+        const TipSolution s = model.trial({term}, model.columns(next));
+        if (s.log_likelihood <= solution.log_likelihood + 1e-3) break;
+        best = std::move(next);
+        solution = s;
+        moved = true;
+      }
+  if (!moved) return;
+  const Eigen::VectorXd theta = solution.theta.tail(best.size());
+  model.exchange(term, std::move(best), theta);
+  model.fit();
+}
+
+double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
+
+/// Drops the terms that the model is hardly worse without, the least useful first.
+void prune(TipModel& model) {
+  for (;;) {
+    std::optional<std::size_t> least;
+    double lowest = better_by;
+    for (std::size_t i = 0; i < model.terms().size(); ++i) {
+      const double lost = model.solution().log_likelihood - model.trial({i}, {}).log_likelihood;
+      const double worth = lost / inflation(model, i) - price(model, model.terms()[i].size());
+      if (worth < lowest) lowest = worth, least = i;
+    }
+    if (!least) return;
+    model.remove(*least);
+    model.fit();
+  }
+}
+
+/// Term by term, as long as it pays.
+TipModel grown(TipModel model, const TipSelectOptions& options) {
+  while (model.terms().size() < options.most_terms) {
+    std::optional<Step> step = next_step(model, options);
+    if (!step) break;
+    TipModel next = model;
+    next.add(std::move(step->term), step->theta);
+    next.fit();
+    reshape(next, next.terms().size() - 1);
+    prune(next);
+    if (value_of(next) < value_of(model) + 0.5 * better_by) break;
+    model = std::move(next);
+  }
+  return model;
+}
+
+/// The same with all dimensions at once, then less and less of them: where many are off, no single one may
+/// show alone.
+TipModel with_all_dimensions(TipModel model) {
+  for (TipTerm& t : tip_terms(model.evidence(), model.belief())) {
+    if (!t.kinematic() || chosen(model, t)) continue;
+    // What the others can make already would only be one more name for it.
+    if (model.beyond({}, model.columns(t)).isZero(0)) continue;
+    model.add(std::move(t), Eigen::VectorXd::Zero(1));
+    model.fit();
+  }
+  prune(model);
+  return model;
+}
+
+TipModel best_model(TipModel start, const TipSelectOptions& options) {
+  TipModel model = grown(std::move(start), options);
+  const auto dimensions = std::count_if(model.terms().begin(), model.terms().end(),
+                                        [](const TipTerm& t) { return t.kinematic(); });
+  if (dimensions < 3) return model;
+  TipModel other = with_all_dimensions(model);
+  return value_of(other) > value_of(model) + better_by ? std::move(other) : std::move(model);
+}
+
+/// Axes that stand askew, on top of all that has a name.
+void find_tilts(TipSelection& s, const TipSelectOptions& options) {
+  const TipModel& m = s.model;
+  std::vector<TipTerm> all = tilt_terms(m.belief().chain);
+  const auto tests = static_cast<double>(all.size());
+  Eigen::MatrixXd extra(m.entries().size(), 0);
+  TipSolution now = m.solution();
+  for (std::size_t round = 0; round < 6; ++round) {
+    std::optional<std::size_t> best;
+    TipSolution best_solution;
+    double best_value = m.value(now, m.size() + extra.cols());
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      const Eigen::MatrixXd columns = m.columns(all[i]);
+      if (m.beyond({}, columns).colwise().norm().minCoeff() == 0) continue;
+      Eigen::MatrixXd wider(extra.rows(), extra.cols() + columns.cols());
+      wider << extra, columns;
+      const TipSolution with = m.trial({}, wider);
+      const double value = m.value(with, m.size() + wider.cols()) - without_name;
+      const double gained = (with.log_likelihood - now.log_likelihood) / inflation(m, with, columns);
+      if (value < best_value + better_by || gained < price(m, columns.cols()) + without_name + better_by ||
+          p_value(gained, columns.cols()) * tests > options.alpha ||
+          loudness(with, m.beyond({}, columns), with.theta.tail(columns.cols())) < options.least_amplitude)
+        continue;
+      best_value = value;
+      best = i;
+      best_solution = with;
+    }
+    if (!best) break;
+    const Eigen::MatrixXd columns = m.columns(all[*best]);
+    extra.conservativeResize(Eigen::NoChange, extra.cols() + columns.cols());
+    extra.rightCols(columns.cols()) = columns;
+    now = best_solution;
+    s.tilts.push_back(all[*best]);
+    all.erase(all.begin() + static_cast<std::ptrdiff_t>(*best));
+  }
+  for (std::size_t i = 0; i < s.tilts.size(); ++i)
+    s.tilt_sizes.push_back(now.theta.tail(extra.cols()).segment(2 * static_cast<Eigen::Index>(i), 2));
+}
+
+/// Whether the tracker's frame and target, taken as unknown, explain more than 9 numbers do by chance.
+bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
+  TipTerm base{TipTerm::Way::base, {}, 0, 0}, tool{TipTerm::Way::tool, {}, 0, 0};
+  Eigen::MatrixXd columns(model.entries().size(), 9);
+  columns << model.columns(base), model.columns(tool);
+  const TipSolution with = model.trial({}, columns);
+  const Eigen::Index more = with.rank - model.solution().rank;
+  if (more <= 0) return false;
+  const double gained =
+      (with.log_likelihood - model.solution().log_likelihood) / inflation(model, with, columns);
+  return gained > price(model, more) + without_name && p_value(gained, more) < options.alpha &&
+         loudness(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
+}
+
+}  // namespace
+
+TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
+                        const TipSelectOptions& options) {
+  TipModel found = best_model(TipModel(model, e, false), options);
+  if (asks_for_frames(found, options)) {
+    TipModel framed = best_model(TipModel(model, e, true), options);
+    const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
+    if (framed.value(framed.solution(), framed.size() + free) >
+        found.value(found.solution(), found.size()) + without_name)
+      found = std::move(framed);
+  }
+  TipSelection s{std::move(found), {}, {}, {}, {}};
+  try_others(model, s);
+  for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
+    const TipTerm& t = s.model.terms()[i];
+    const double gained = s.model.solution().log_likelihood - s.model.trial({i}, {}).log_likelihood;
+    s.p_values.push_back(p_value(gained / inflation(s.model, i), t.size()));
+  }
+  find_tilts(s, options);
+  return s;
+}
+
+}  // namespace qerr

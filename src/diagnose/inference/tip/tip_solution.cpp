@@ -1,0 +1,74 @@
+#include "diagnose/inference/tip/tip_solution.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace qerr {
+
+namespace {
+
+constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix
+
+double log_likelihood(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma) {
+  const Eigen::ArrayXd variance = known.array() + sigma * sigma;
+  return -0.5 * (variance.log() + rest.array().square() / variance).sum() -
+         0.5 * static_cast<double>(rest.size()) * std::log(2 * std::numbers::pi);
+}
+
+/// Uphill in sigma, by smaller and smaller factors.
+double climb(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma, double least) {
+  double best = log_likelihood(rest, known, sigma);
+  for (double factor = 4; factor > 1.005; factor = std::sqrt(factor))
+    for (const double by : {1 / factor, factor})
+      while (sigma * by >= least) {
+        const double next = log_likelihood(rest, known, sigma * by);
+        if (next <= best) break;
+        sigma *= by;
+        best = next;
+      }
+  return sigma;
+}
+
+}  // namespace
+
+NormalInverse::NormalInverse(const Eigen::MatrixXd& matrix) {
+  if (matrix.cols() == 0) return;
+  Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
+  for (double& s : scale) s = s > 0 ? 1 / s : 0;
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * matrix *
+                                                             scale.asDiagonal());
+  Eigen::VectorXd inverted = eigen.eigenvalues();
+  const double least = rank_tolerance * std::max(1.0, inverted.maxCoeff());
+  rank = (inverted.array() > least).count();
+  for (double& v : inverted) v = v > least ? 1 / v : 0;
+  const Eigen::MatrixXd vectors = scale.asDiagonal() * eigen.eigenvectors();
+  inverse = vectors * inverted.asDiagonal() * vectors.transpose();
+}
+
+TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
+                  double least) {
+  TipSolution s;
+  s.rest = y;
+  s.theta = Eigen::VectorXd::Zero(x.cols());
+  s.sigma = std::max(least, std::sqrt(y.squaredNorm() / static_cast<double>(y.size())));
+  for (int i = 0; i < 12; ++i) {
+    s.weight = (known.array() + s.sigma * s.sigma).inverse().matrix();
+    if (x.cols() > 0) {
+      const Eigen::MatrixXd weighted = s.weight.asDiagonal() * x;
+      const NormalInverse normal(x.transpose() * weighted);
+      s.theta = normal.inverse * (weighted.transpose() * y);
+      s.covariance = normal.inverse;
+      s.rank = normal.rank;
+      s.rest = y - x * s.theta;
+    }
+    const double before = s.sigma;
+    s.sigma = climb(s.rest, known, s.sigma, least);
+    if (std::abs(s.sigma - before) < 0.01 * before) break;
+  }
+  s.log_likelihood = log_likelihood(s.rest, known, s.sigma);
+  return s;
+}
+
+}  // namespace qerr

@@ -1,0 +1,160 @@
+#include "diagnose/inference/tip/tip_term.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/inference/model_choice.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Any unit vector across a direction.
+Eigen::Vector3d across(const Eigen::Vector3d& z) { return z.unitOrthogonal(); }
+
+/// What a gap adds to the side that is measured, per unit of its width: the link rests until it is pushed.
+Eigen::ArrayXd play(const Eigen::ArrayXd& motor, double gap) {
+  Eigen::ArrayXd added(motor.size());
+  double link = motor[0];
+  for (Eigen::Index k = 0; k < motor.size(); ++k) {
+    link = std::clamp(link, motor[k] - 0.5 * gap, motor[k] + 0.5 * gap);
+    added[k] = (motor[k] - link) / gap;
+  }
+  return added;
+}
+
+}  // namespace
+
+TipPose TipBelief::pose(const TipEvidence& e, Eigen::Index row) const {
+  const auto count = static_cast<Eigen::Index>(chain.joints.size());
+  const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
+  TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}};
+  Eigen::Isometry3d frame = base;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(j)];
+    const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    p.parent.push_back(frame.linear() * joint.parent_axes);
+    frame = frame * joint.origin;
+    p.origin.col(j) = frame.translation();
+    p.axis.col(j) = frame.linear() * joint.axis;
+    if (joint.prismatic)
+      frame.translate(motion * joint.axis);
+    else
+      frame.rotate(Eigen::AngleAxisd(motion, joint.axis));
+  }
+  frame = frame * chain.tip_offset;
+  p.tool = frame.linear();
+  p.tip = frame * tool;
+  Eigen::MatrixXd columns(3, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Eigen::Vector3d axis = p.axis.col(j), arm = p.tip - p.origin.col(j);
+    columns.col(j) = chain.joints[static_cast<std::size_t>(j)].prismatic ? axis : axis.cross(arm);
+  }
+  p.joints = to_independent(chain, columns);
+  p.encoders = p.joints * e.to_joints;
+  return p;
+}
+
+Eigen::Index TipTerm::size() const {
+  switch (way) {
+    case Way::encoder:
+      return term.size();
+    case Way::geometry:
+      return 1;
+    case Way::tilt:
+      return 2;
+    case Way::base:
+      return 6;
+    case Way::tool:
+      return 3;
+  }
+  return 0;
+}
+
+Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
+  const auto place = static_cast<Eigen::Index>(where);
+  Eigen::Matrix3Xd columns(3, size());
+  switch (way) {
+    case Way::encoder:
+      columns = p.encoders.col(place) * term.columns.row(row).matrix();
+      break;
+    case Way::geometry:
+      // The model believes the joint where it is not: estimate - true is against the displacement.
+      columns = -p.parent[where].col(along);
+      break;
+    case Way::tilt: {
+      // Across the axis in the frame before the joint, so that the tilt does not turn with the joint.
+      const Eigen::Matrix3d& frame = p.parent[where];
+      const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
+      const Eigen::Vector3d u = frame * across(frame.transpose() * axis);
+      columns << -u.cross(arm), -axis.cross(u).cross(arm);
+      break;
+    }
+    case Way::base:
+      columns.leftCols<3>() = -Eigen::Matrix3d::Identity();
+      for (Eigen::Index i = 0; i < 3; ++i) columns.col(3 + i) = -Eigen::Vector3d::Unit(i).cross(p.tip);
+      break;
+    case Way::tool:
+      columns = -p.tool;
+      break;
+  }
+  return columns;
+}
+
+Evidence believed(const TipEvidence& e, const TipBelief& belief, std::size_t encoder) {
+  Evidence own = e.encoders[encoder];
+  own.path -= belief.additions.row(static_cast<Eigen::Index>(encoder)).transpose().array();
+  return own;
+}
+
+std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipBelief& belief) {
+  std::vector<TipTerm> terms;
+  const Chain& chain = belief.chain;
+  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
+    const std::string& name = chain.joints[j].name;
+    if (std::none_of(chain.independent.begin(), chain.independent.end(),
+                     [&](const IndependentJoint& i) { return i.name == name; }))
+      continue;  // a mimic joint has no effects of its own
+    for (Eigen::Index axis = 0; axis < 3; ++axis) {
+      TipTerm t{TipTerm::Way::geometry, {}, j, axis};
+      t.term.effect = {"geometry", name, {}, {{"axis", std::string(1, "xyz"[axis])}}};
+      t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["length"] = c[0]; };
+      terms.push_back(std::move(t));
+    }
+  }
+  for (std::size_t i = 0; i < e.encoders.size(); ++i)
+    if (e.judged(i))
+      for (Term& t : named_terms(believed(e, belief, i)))
+        terms.push_back({TipTerm::Way::encoder, std::move(t), i, 0});
+  return terms;
+}
+
+std::vector<TipTerm> tilt_terms(const Chain& chain) {
+  std::vector<TipTerm> terms;
+  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
+    TipTerm t{TipTerm::Way::tilt, {}, j, 0};
+    t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
+    t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
+    t.term.unnamed = "the axis of the joint is askew";
+    if (!chain.joints[j].prismatic) terms.push_back(std::move(t));
+  }
+  return terms;
+}
+
+void renew(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const TipBelief& belief) {
+  if (t.way != TipTerm::Way::encoder) return;
+  const Evidence own = believed(e, belief, t.where);
+  const Effect& effect = t.term.effect;
+  if (effect.type == "backlash") {
+    if (c[0] > own.step()) t.term.columns = play(own.measured, c[0]);
+  } else if (effect.type == "missed_counts") {
+    return;  // a matter of time alone
+  } else if (t.term.reshaped) {
+    t.term = t.term.reshaped(own, t.term, t.term.shape);
+  } else {
+    for (Term& fresh : named_terms(own))
+      if (same_cause(fresh.effect, effect)) t.term.columns = std::move(fresh.columns);
+  }
+}
+
+}  // namespace qerr

@@ -1,0 +1,57 @@
+#include "diagnose/inference/tip/tip_weight.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <boost/math/distributions/chi_squared.hpp>
+#include <cmath>
+
+namespace qerr {
+
+double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
+  for (Eigen::Index i = 0; i < beyond.cols(); ++i)
+    if (beyond.col(i).isZero(0)) return 0;
+  const Eigen::MatrixXd weighted = s.weight.asDiagonal() * beyond;
+  const Eigen::VectorXd score = weighted.transpose() * s.rest;
+  Eigen::MatrixXd information = beyond.transpose() * weighted;
+  information.diagonal().array() *= 1 + 1e-10;
+  return 0.5 * score.dot(information.ldlt().solve(score));
+}
+
+double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {
+  const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
+  return std::max(TipModel::inflation(with, columns, coordinates),
+                  model.quantization_inflation(model.beyond({}, columns)));
+}
+
+double inflation(const TipModel& model, std::size_t term) {
+  const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
+  const Eigen::MatrixXd columns = model.columns(model.terms()[term]);
+  return std::max(TipModel::inflation(model.solution(), columns, coordinates),
+                  model.quantization_inflation(model.beyond({term}, columns)));
+}
+
+double p_value(double gain, Eigen::Index coefficients) {
+  return gain > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(coefficients)), 2 * gain))
+                  : 1;
+}
+
+double loudness(const TipSolution& s, const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
+  const Eigen::VectorXd added = columns * coefficients;
+  return std::sqrt(s.weight.dot(added.cwiseAbs2()) / static_cast<double>(added.size()));
+}
+
+double penalty(const TipModel& model, const TipTerm& t) {
+  if (!t.term.named()) return without_name;
+  return t.kinematic() || model.evidence().ordered ? 0 : without_name;
+}
+
+double times_as_loud(const TipTerm& t) {
+  if (t.kinematic()) return 1;
+  return t.term.named() ? 1.7 : 2;
+}
+
+double price(const TipModel& model, Eigen::Index coefficients) {
+  return 0.5 * static_cast<double>(coefficients) * std::log(static_cast<double>(model.entries().size()));
+}
+
+}  // namespace qerr

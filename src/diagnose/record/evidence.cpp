@@ -1,0 +1,123 @@
+#include "diagnose/record/evidence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "core/parallel.hpp"
+#include "core/random.hpp"
+#include "diagnose/record/encoder_columns.hpp"
+#include "diagnose/record/smooth_path.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr std::uint64_t drawn_rows = 0x64726177;
+
+/// Means of a column over groups of rows.
+Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& groups) {
+  if (column.size() == 0) return column;
+  Eigen::ArrayXd out(static_cast<Eigen::Index>(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    out[static_cast<Eigen::Index>(g)] =
+        column.segment(groups[g].first, groups[g].end - groups[g].first).mean();
+  return out;
+}
+
+}  // namespace
+
+std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
+  // The noise alone must not make two rows of one.
+  const double apart = std::max(3 * e.path_noise, 0.05 * e.step());
+  std::vector<RowGroup> all;
+  Eigen::Index first = 0;
+  for (Eigen::Index k = 1; k <= e.rows(); ++k)
+    if (k == e.rows() || e.measured[k] != e.measured[first] || std::abs(e.path[k] - e.path[first]) > apart ||
+        e.side[k] != e.side[first]) {
+      all.push_back({first, k});
+      first = k;
+    }
+  const auto count = static_cast<Eigen::Index>(all.size());
+  if (count <= most) return all;
+  // At random within each stretch: evenly spaced rows could keep pace with the motion.
+  std::vector<RowGroup> drawn;
+  for (Eigen::Index i = 0; i < most; ++i) {
+    const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
+    const double u = unit_interval(random_bits(0, static_cast<std::uint64_t>(i), drawn_rows));
+    drawn.push_back(
+        all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
+  }
+  return drawn;
+}
+
+Evidence independent(const Evidence& e, const std::vector<RowGroup>& groups) {
+  Evidence few = e;
+  for (Eigen::ArrayXd* column :
+       {&few.time, &few.reference, &few.measured, &few.path, &few.velocity, &few.side, &few.joint_path,
+        &few.joint_velocity, &few.effort, &few.temperature, &few.chance})
+    *column = means(*column, groups);
+  return few;
+}
+
+namespace {
+
+/// @param time  from the first row [s]; empty: the rows are in no order
+std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,
+                                    std::size_t encoder) {
+  const auto number = static_cast<Eigen::Index>(encoder);
+  Evidence e;
+  EncoderReference reference = encoder_reference(model, log, number);
+  if (reference.position.size() == 0) return std::nullopt;
+  e.reference = std::move(reference.position);
+  e.grid = reference.grid;
+  e.encoder = model.transmission.encoders[encoder];
+  const auto counts = log.find(LogSignal::counts, encoder);
+  e.counted = counts.has_value();
+  e.measured = counts ? Eigen::ArrayXd(log.values.col(*counts) * e.encoder.resolution)
+                      : encoder_measured(model, log, number);
+  if (e.measured.size() == 0) return std::nullopt;
+  e.joint = model.chain.independent[encoder].name;
+  e.number = number;
+  e.prismatic = model.chain.independent[encoder].prismatic();
+  e.ordered = time.size() > 0;
+  if (e.ordered) {
+    e.time = time;
+    SmoothPath smooth = smooth_path(time, e.reference, e.grid);
+    e.path = std::move(smooth.position);
+    e.velocity = std::move(smooth.velocity);
+    e.noise = smooth.noise;
+    e.path_noise = smooth.left;
+    if (!feels_one_joint(model, number)) {
+      SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.grid);
+      e.joint_path = std::move(own.position);
+      e.joint_velocity = std::move(own.velocity);
+    }
+    e.side = side_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
+  } else {
+    const Eigen::Index rows = e.rows();
+    e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
+    e.path = e.reference;
+    e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
+    e.noise = e.path_noise = e.grid / std::sqrt(12.0);
+  }
+  if (const auto effort = log.find(LogSignal::effort, encoder)) e.effort = log.values.col(*effort);
+  if (const auto warm = log.find(LogSignal::temperature, encoder))
+    e.temperature = log.values.col(*warm) - log.values(0, *warm);
+  return e;
+}
+
+}  // namespace
+
+std::vector<Evidence> evidence(const OperationalModel& model, const Log& log, unsigned threads) {
+  Eigen::ArrayXd time;
+  if (const auto stamps = log.find(LogSignal::time)) time = log.values.col(*stamps) - log.values(0, *stamps);
+  std::vector<std::optional<Evidence>> found(model.chain.independent.size());
+  parallel_for(found.size(), threads, [&](std::size_t i) { found[i] = evidence_of(model, log, time, i); });
+  std::vector<Evidence> all;
+  for (auto& e : found)
+    if (e) all.push_back(std::move(*e));
+  return all;
+}
+
+}  // namespace qerr

@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <cmath>
+
+#include "diagnose/record/encoder_columns.hpp"
+#include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/terms/with_effects.hpp"
+
+namespace qerr {
+
+namespace sanity {
+
+std::optional<Readings> readings(const Sanity& s, std::size_t encoder) {
+  const Transmission& t = s.model.transmission;
+  if (const auto counts = s.log.find(LogSignal::counts, encoder))
+    return Readings{*counts, true, s.log.values.col(*counts)};
+  const auto measured = s.log.find(LogSignal::measured, encoder);
+  const auto row = static_cast<Eigen::Index>(encoder);
+  const bool own = t.coupling(row, row) == 1 && t.coupling.row(row).cwiseAbs().sum() == 1;
+  if (!measured || !own) return std::nullopt;
+  return Readings{*measured, false, s.log.values.col(*measured) / t.encoders[encoder].resolution};
+}
+
+void write_back(Sanity& s, const Readings& r, std::size_t encoder) {
+  s.log.values.col(r.column) =
+      r.whole ? r.counts : Eigen::ArrayXd(r.counts * s.model.transmission.encoders[encoder].resolution);
+}
+
+Eigen::ArrayXd encoder_reference(const Sanity& s, std::size_t encoder) {
+  return qerr::encoder_reference(s.model, s.log, static_cast<Eigen::Index>(encoder)).position;
+}
+
+double ideal_sigma(const Sanity& s, std::size_t joint) {
+  const Transmission& t = s.model.transmission;
+  const Eigen::VectorXd steps =
+      resolutions(t).cwiseProduct(t.coupling.row(static_cast<Eigen::Index>(joint)).transpose());
+  return steps.norm() / std::sqrt(12.0);
+}
+
+Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
+            double p_value, double rms_before, double rms_after) {
+  Cause c;
+  c.effect = {effect, s.model.chain.independent[encoder].name, std::move(numbers), {}};
+  c.p_value = std::max(p_value, 1e-300);
+  c.gain.rms_before = rms_before;
+  c.gain.rms_after = rms_after;
+  if (s.model.chain.independent[encoder].prismatic()) c.gain.unit = "m";
+  return c;
+}
+
+const Effect* known(const Sanity& s, std::size_t encoder, std::string_view effect) {
+  for (const Effect& e : s.present)
+    if (e.type == effect && e.joint == s.model.chain.independent[encoder].name) return &e;
+  return nullptr;
+}
+
+void forget(Sanity& s, const Effect* effect) {
+  s.present.erase(s.present.begin() + (effect - s.present.data()));
+}
+
+void drop_column(Log& log, Eigen::Index column) {
+  const Eigen::Index after = log.values.cols() - column - 1;
+  log.values.middleCols(column, after) = log.values.rightCols(after).eval();
+  log.values.conservativeResize(Eigen::NoChange, log.values.cols() - 1);
+  log.columns.erase(log.columns.begin() + column);
+}
+
+double rms(const Eigen::ArrayXd& x) { return x.size() > 0 ? std::sqrt(x.square().mean()) : 0; }
+
+double deviation(const Eigen::ArrayXd& x) { return x.size() > 0 ? rms(x - x.mean()) : 0; }
+
+double range(const Eigen::ArrayXd& x) { return x.size() > 0 ? x.maxCoeff() - x.minCoeff() : 0; }
+
+Line::Line(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
+  const double mean_x = x.mean(), mean_y = y.mean(), squares = (x - mean_x).square().sum();
+  slope = squares > 0 ? ((x - mean_x) * (y - mean_y)).sum() / squares : 0;
+  constant = mean_y - slope * mean_x;
+  rest = rms(y - mean_y - slope * (x - mean_x));
+}
+
+namespace {
+
+/// Without any truth about positions there is nothing that counts could be held against.
+void check_truth(Sanity& s) {
+  bool truth =
+      s.log.find(LogSignal::tip, 0) || s.log.find(LogSignal::tip, 1) || s.log.find(LogSignal::tip, 2);
+  for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i)
+    truth = truth || (readings(s, i) && encoder_reference(s, i).size() > 0);
+  if (!truth)
+    s.cannot_judge =
+        "the log has no reference that moves: record 'JOINT.reference' by a better sensor on a joint, or "
+        "'tip.x', 'tip.y', 'tip.z' by a tracker";
+}
+
+}  // namespace
+
+}  // namespace sanity
+
+Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& filters, const Log& log,
+                    const std::vector<Effect>& present) {
+  Sanity s;
+  s.log = log;
+  s.model = model;
+  s.present = present;
+  s.finer.assign(model.transmission.encoders.size(), 0);
+  for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i)
+    for (const Effect& effect : present)
+      if (const auto rebuilt = effect_kind(effect.type).rebuilt;
+          rebuilt && effect.joint == model.chain.independent[i].name)
+        rebuilt(s.model.transmission.encoders[i]);
+  const std::size_t encoders = model.transmission.encoders.size();
+  for (std::size_t i = 0; i < encoders; ++i) {
+    const auto read = sanity::readings(s, i);
+    const Eigen::ArrayXd reference = sanity::encoder_reference(s, i);
+    s.rms_before.push_back(
+        read && reference.size() > 0
+            ? sanity::rms(read->counts * model.transmission.encoders[i].resolution - reference)
+            : 0);
+  }
+  if (log.values.rows() < 8) return s;
+  sanity::check_stamps(s);
+  for (const auto step : {sanity::check_dead, sanity::check_rollover, sanity::check_decoding,
+                          sanity::check_grids, sanity::check_droop, sanity::check_stuck})
+    for (std::size_t i = 0; i < encoders; ++i) step(s, i);
+  sanity::check_truth(s);
+  for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
+  return s;
+}
+
+std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
+  std::vector<Evidence> all = evidence(s.model, s.log, threads);
+  feel(all, s.model.transmission, s.present);
+  for (Evidence& e : all) {
+    for (std::size_t i = 0; i < s.finer.size(); ++i)
+      if (s.finer[i] > 0 && s.model.chain.independent[i].name == e.joint)
+        e.chance = Eigen::ArrayXd::Constant(e.rows(), s.finer[i]);
+    e = with_effects(std::move(e), s.present);
+  }
+  return all;
+}
+
+}  // namespace qerr

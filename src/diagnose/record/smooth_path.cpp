@@ -1,0 +1,214 @@
+#include "diagnose/record/smooth_path.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+namespace qerr {
+
+namespace {
+
+constexpr std::array<Eigen::Index, 7> half_windows{1, 2, 3, 5, 8, 12, 18};
+constexpr Eigen::Index fewest_in_motion = 64;
+constexpr Eigen::Index enough_rows = 20000;  ///< to know a scatter to a percent
+
+/// Rows of a long record that stand for all of it.
+Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
+
+double median(std::vector<double> values) {
+  if (values.empty()) return 0;
+  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+/// Divided difference of `order` at the order + 1 stamps from `first` on, scaled to unit variance of white
+/// noise: takes out any polynomial of a lower order, at whatever stamps. Empty where stamps coincide.
+std::optional<double> divided_difference(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x,
+                                         Eigen::Index first, Eigen::Index order) {
+  const double span = time[first + order] - time[first];
+  double sum = 0, squares = 0;
+  for (Eigen::Index i = first; i <= first + order; ++i) {
+    double product = 1;
+    for (Eigen::Index j = first; j <= first + order; ++j)
+      if (j != i) product *= (time[i] - time[j]) / span;
+    if (!(std::abs(product) > 1e-9)) return std::nullopt;
+    sum += (x[i] - x[first]) / product;
+    squares += 1 / (product * product);
+  }
+  return sum / std::sqrt(squares);
+}
+
+/// Standard deviation of white noise on a smooth path, by differences of one order.
+///
+/// A path that rests, written on a grid, has none in most places: then what moves must tell.
+double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid, Eigen::Index order) {
+  std::vector<double> all, moving;
+  for (Eigen::Index k = 0; k + order < x.size(); k += stride_of(x.size()))
+    if (const auto d = divided_difference(time, x, k, order)) {
+      all.push_back(std::abs(*d));
+      if (std::abs(x[k + order] - x[k]) > 4 * grid) moving.push_back(all.back());
+    }
+  const double of_all = median(std::move(all));
+  const bool tells = of_all > 0 || static_cast<Eigen::Index>(moving.size()) < fewest_in_motion;
+  return (tells ? of_all : median(std::move(moving))) / 0.6745;
+}
+
+/// Higher differences take out faster motion (a path sampled a few dozen times per period leaves its own
+/// fourth difference), and noise stays in all of them.
+double noise_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid) {
+  double least = roughness(time, x, grid, 4);
+  for (const Eigen::Index order : {6, 8})
+    if (x.size() > 4 * order) least = std::min(least, roughness(time, x, grid, order));
+  return least;
+}
+
+/// Whether there are rows enough, at more than one time.
+bool has_path(const Eigen::ArrayXd& time) { return time.size() >= 8 && time[time.size() - 1] > time[0]; }
+
+/// Weights by which samples make the value and the slope of their least-squares polynomial at `at`.
+struct Fit {
+  Eigen::VectorXd value, slope;
+
+  /// @param times  of the samples [s]; a cubic through them, through three a line (and a parabola's slope)
+  Fit(const Eigen::VectorXd& times, double at) {
+    const double scale = std::max({times[times.size() - 1] - at, at - times[0], 1e-300});
+    const Eigen::ArrayXd u = (times.array() - at) / scale;
+    const Eigen::Index n = times.size();
+    Eigen::MatrixXd powers(n, n == 3 ? 3 : 4);
+    powers.col(0).setOnes();
+    for (Eigen::Index i = 1; i < powers.cols(); ++i) powers.col(i) = powers.col(i - 1).array() * u;
+    value = row(n == 3 ? Eigen::MatrixXd(powers.leftCols(2)) : powers, 0);
+    slope = row(powers, 1) / scale;
+  }
+
+ private:
+  /// Of (P^T P)^-1 P^T. Coinciding stamps share what they have (the tiny ridge).
+  static Eigen::VectorXd row(const Eigen::MatrixXd& powers, Eigen::Index which) {
+    Eigen::MatrixXd normal = powers.transpose() * powers;
+    normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
+    return powers * normal.ldlt().solve(Eigen::VectorXd::Unit(normal.cols(), which));
+  }
+};
+
+/// The interval that nearly all stamps keep, but for gaps; 0 where there is none [s].
+double common_interval(const Eigen::ArrayXd& time) {
+  const Eigen::Index n = time.size();
+  const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
+  const double usual = median({steps.begin(), steps.end()});
+  return ((steps - usual).abs() < 1e-3 * usual).count() >= n - 1 - n / 1000 ? usual : 0;
+}
+
+/// Local fits over 2 h + 1 samples.
+class Window {
+  Eigen::Index first(Eigen::Index k) const {
+    return std::clamp(k - h_, Eigen::Index{0}, x_.size() - 1 - 2 * h_);
+  }
+  /// Relative to the sample itself, so that a long way from zero costs no digits.
+  auto around(Eigen::Index k) const { return (x_.segment(first(k), 2 * h_ + 1) - x_[k]).matrix(); }
+
+  /// Of a window about 0.
+  static Eigen::VectorXd stamps(const Eigen::ArrayXd& time, Eigen::Index h, double interval) {
+    if (interval > 0)
+      return interval *
+             Eigen::VectorXd::LinSpaced(2 * h + 1, -static_cast<double>(h), static_cast<double>(h));
+    return time.segment(0, 2 * h + 1) - time[h];
+  }
+
+ public:
+  Window(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, double interval)
+      : time_(time), x_(x), h_(h), interval_(interval), common_(stamps(time, h, interval), 0) {}
+
+  /// Part of white noise that stays in the position.
+  double kept() const { return std::sqrt(std::max(0.0, common_.value[h_])); }
+
+  /// Standard deviation of white noise that would leave the same residual.
+  double left() const {
+    double squares = 0, count = 0;
+    std::optional<Fit> own;
+    for (Eigen::Index k = h_; k < x_.size() - h_; k += stride_of(x_.size())) {
+      const Fit& here = fit(k, own);
+      const double shift = here.value.dot(around(k));
+      squares += shift * shift / std::max(1 - here.value[h_], 1e-3);
+      ++count;
+    }
+    return std::sqrt(squares / count);
+  }
+
+  /// Position and velocity at every row. At the ends a fit would lean on one side only: there the position is
+  /// the recorded one.
+  SmoothPath path(double noise) const {
+    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), noise, noise};
+    const bool smoothed = h_ > half_windows.front();  // a line through three samples is no better than they
+    std::optional<Fit> own;
+    for (Eigen::Index k = 0; k < x_.size(); ++k) {
+      const Fit& here = fit(k, own);
+      out.velocity[k] = here.slope.dot(around(k));
+      if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(around(k));
+    }
+    if (smoothed) out.left *= kept();
+    return out;
+  }
+
+ private:
+  const Fit& fit(Eigen::Index k, std::optional<Fit>& own) const {
+    const double width = 2 * static_cast<double>(h_) * interval_;
+    if (first(k) == k - h_ && std::abs(time_[k + h_] - time_[k - h_] - width) < 1e-3 * interval_)
+      return common_;
+    return own.emplace(Eigen::VectorXd(time_.segment(first(k), 2 * h_ + 1)), time_[k]);
+  }
+
+  const Eigen::ArrayXd &time_, &x_;
+  Eigen::Index h_;
+  double interval_;  ///< of even stamps; 0: they are uneven
+  Fit common_;
+};
+
+}  // namespace
+
+double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
+  if (!has_path(time)) return 0;
+  return std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
+}
+
+SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
+  const Eigen::Index n = recorded.size();
+  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
+  const double noise = noise_of_path(time, recorded, grid);
+  const double interval = common_interval(time);
+  std::optional<Window> widest;
+  for (const Eigen::Index h : half_windows) {
+    if (2 * h + 1 > n / 3) break;
+    Window next(time, recorded, h, interval);
+    if (widest && next.left() > 1.15 * noise) break;
+    widest.emplace(std::move(next));
+  }
+  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), noise, noise};
+  return widest->path(noise);
+}
+
+Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold) {
+  Eigen::ArrayXd side = Eigen::ArrayXd::Zero(path.size());
+  Eigen::Index low = 0, high = 0;  // of the lowest and highest point since the last reversal
+  double now = 0;
+  for (Eigen::Index k = 0; k < path.size(); ++k) {
+    if (path[k] <= path[low]) low = k;
+    if (path[k] >= path[high]) high = k;
+    const bool rose = now <= 0 && path[k] > path[low] + threshold;
+    const bool fell = now >= 0 && path[k] < path[high] - threshold;
+    if (rose || fell) {
+      // The motion turned at the extreme, not where it had become certain.
+      const Eigen::Index turn = rose ? low : high;
+      now = rose ? 1 : -1;
+      side.segment(turn + 1, k - turn).setConstant(now);
+      low = high = k;
+    }
+    side[k] = now;
+  }
+  return side;
+}
+
+}  // namespace qerr

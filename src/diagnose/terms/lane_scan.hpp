@@ -1,0 +1,93 @@
+#pragma once
+
+#include "diagnose/terms/scan_kernels.hpp"
+#include "lanes/lanes.hpp"
+
+// The power of a score at many rates.
+
+namespace qerr::lanes {
+namespace {
+
+/// A complex number in each lane.
+template <class L>
+struct Phasor {
+  L real, imaginary;
+};
+
+template <class L>
+[[gnu::always_inline]] inline Phasor<L> operator*(const Phasor<L>& a, const Phasor<L>& b) {
+  return {fma(a.real, b.real, -(a.imaginary * b.imaginary)), fma(a.real, b.imaginary, a.imaginary * b.real)};
+}
+
+template <class L>
+[[gnu::always_inline]] inline Phasor<L> operator+(const Phasor<L>& a, const Phasor<L>& b) {
+  return {a.real + b.real, a.imaginary + b.imaginary};
+}
+
+/// |the sum of all lanes|^2.
+template <class L>
+[[gnu::always_inline]] inline double power_of(const Phasor<L>& sum) {
+  double real = 0, imaginary = 0;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) real += sum.real[i], imaginary += sum.imaginary[i];
+  return real * real + imaginary * imaginary;
+}
+
+/// Rows step through `count` rates, and are added to the sums of each: some vectors of them at a time, which
+/// fill each other's waits.
+template <class L>
+void step_rates(std::size_t rows, std::size_t count, const Phasor<L>* turns, Phasor<L>* phasors,
+                Phasor<L>* sums) {
+  constexpr std::size_t group = lane_count<L> == 8 ? 4 : 2;
+  static_assert(scanned_together % (group * lane_count<L>) == 0);
+  for (std::size_t v = 0; v < rows / lane_count<L>; v += group) {
+    Phasor<L> turn[group], phasor[group];
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) turn[g] = turns[v + g], phasor[g] = phasors[v + g];
+    for (std::size_t i = 0; i < count; ++i) {
+      Phasor<L> sum = phasor[0] + phasor[1];
+      if constexpr (group == 4) sum = sum + (phasor[2] + phasor[3]);
+      sums[i] = sums[i] + sum;
+#pragma GCC unroll 4
+      for (std::size_t g = 0; g < group; ++g) phasor[g] = phasor[g] * turn[g];
+    }
+#pragma GCC unroll 4
+    for (std::size_t g = 0; g < group; ++g) phasors[v + g] = phasor[g];
+  }
+}
+
+template <class L>
+void powers(const double* score, const double* angle, std::size_t rows, double first, std::size_t count,
+            double* room, double* powers) {
+  constexpr auto lanes = lane_count<L>;
+  auto* const turns = reinterpret_cast<Phasor<L>*>(room);
+  Phasor<L>*const phasors = turns + rows / lanes, *const sums = phasors + rows / lanes;
+  for (std::size_t v = 0; v < rows / lanes; ++v) {
+    const L each = load<L>(angle + v * lanes), weight = load<L>(score + v * lanes);
+    const SineCosine<L> turn = sincos(each), start = sincos<L>(first * each);
+    turns[v] = {turn.cosine, turn.sine};
+    phasors[v] = {weight * start.cosine, weight * start.sine};
+  }
+  for (std::size_t begin = 0; begin < count; begin += scanned_at_once) {
+    const std::size_t some = count - begin < scanned_at_once ? count - begin : scanned_at_once;
+    for (std::size_t i = 0; i < some; ++i) sums[i] = Phasor<L>{};
+    step_rates<L>(rows, some, turns, phasors, sums);
+    for (std::size_t i = 0; i < some; ++i) powers[begin + i] = power_of(sums[i]);
+  }
+}
+
+template <class L>
+double power(const double* score, const double* argument, std::size_t rows, double rate) {
+  Phasor<L> sum{};
+  for (std::size_t k = 0; k < rows; k += lane_count<L>) {
+    const SineCosine<L> wave = sincos<L>(rate * load<L>(argument + k));
+    const L weight = load<L>(score + k);
+    sum = {fma(weight, wave.cosine, sum.real), fma(weight, wave.sine, sum.imaginary)};
+  }
+  return power_of(sum);
+}
+
+template <int n, class L = Lanes<n>>
+constexpr ScanKernels scan_kernels{powers<L>, power<L>};
+
+}  // namespace
+}  // namespace qerr::lanes

@@ -1,0 +1,109 @@
+#include "diagnose/terms/with_effects.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+
+namespace qerr {
+
+namespace {
+
+bool by_chance(const Effect& effect) { return effect.type == "noise" || effect.type == "timing_jitter"; }
+
+/// A position on its way from joint to count, row by row.
+struct Way {
+  const Evidence& e;
+  const Eigen::ArrayXd &path, &velocity;  ///< of what the effect acts on
+  Eigen::ArrayXd signal;
+
+  /// The path at any instant: cubic between its rows, straight beyond its ends.
+  double position_at(double time) const {
+    const auto next = std::upper_bound(e.time.begin(), e.time.end(), time);
+    const auto k = std::clamp<Eigen::Index>(next - e.time.begin() - 1, 0, e.rows() - 1);
+    if (next == e.time.begin() || next == e.time.end()) return path[k] + velocity[k] * (time - e.time[k]);
+    const double length = e.time[k + 1] - e.time[k], u = (time - e.time[k]) / length, v = 1 - u;
+    return v * v * (1 + 2 * u) * path[k] + u * u * (3 - 2 * u) * path[k + 1] +
+           length * u * v * (v * velocity[k] - u * velocity[k + 1]);
+  }
+
+  void act(const Effect& effect) {
+    const Stage stage = effect_kind(effect.type).stage;
+    if (effect.type == "backlash") {
+      signal += 0.5 * effect.number("gap") * e.side;
+      return;
+    }
+    const Action action = effect_kind(effect.type).action(effect, e.encoder, 0);
+    for (Eigen::Index k = 0; k < e.rows(); ++k) {
+      const Moment moment{static_cast<std::uint64_t>(k), e.time[k], path[k],
+                          e.effort.size() > 0 ? e.effort[k] : 0,
+                          e.temperature.size() > 0 ? e.temperature[k] : 0};
+      if (stage == Stage::clock) {
+        signal[k] += position_at(action(e.time[k], moment)) - path[k];
+      } else if (stage == Stage::decoder) {
+        const double count = std::round(signal[k] / e.step());
+        signal[k] += (action(count, moment) - count) * e.step();
+      } else {
+        signal[k] = action(signal[k], moment);
+      }
+    }
+  }
+
+  /// Effects of some stages, in their order.
+  void pass(const std::vector<Effect>& effects, Stage first, Stage last) {
+    for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage)
+      for (const Effect& effect : effects) {
+        const Stage here = effect_kind(effect.type).stage;
+        if (effect.joint != e.joint || static_cast<int>(here) != stage || by_chance(effect)) continue;
+        if (e.ordered || here != Stage::clock) act(effect);
+      }
+  }
+};
+
+/// What clock, link and gear add to a joint.
+Eigen::ArrayXd joint_addition(const Evidence& e, const std::vector<Effect>& effects) {
+  Way way{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
+  way.pass(effects, Stage::clock, Stage::gear);
+  return way.signal - e.joint_angle();
+}
+
+void move(Evidence& e, const Eigen::ArrayXd& by) {
+  e.reference += by;
+  e.path += by;
+}
+
+}  // namespace
+
+Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
+  Way encoder{e, e.path, e.velocity, e.path + joint_addition(e, effects)};
+  encoder.pass(effects, Stage::disc, Stage::decoder);
+  Way reference{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
+  reference.pass(effects, Stage::reference, Stage::reference);
+  const Eigen::ArrayXd added = encoder.signal - e.path - (reference.signal - e.joint_angle());
+  Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
+  if (e.chance.size() > 0) variance = e.chance.square();
+  for (const Effect& effect : effects)
+    if (effect.joint == e.joint && by_chance(effect)) {
+      const double sigma = effect.number("sigma");
+      if (effect_kind(effect.type).stage != Stage::clock)
+        variance += sigma * sigma;
+      else if (e.ordered)
+        variance += (sigma * e.velocity).square();
+    }
+  move(e, added);
+  if ((variance > 0).any()) e.chance = variance.sqrt();
+  return e;
+}
+
+void feel(std::vector<Evidence>& all, const Transmission& transmission, const std::vector<Effect>& effects) {
+  if (effects.empty() || std::none_of(all.begin(), all.end(), [](const Evidence& e) { return e.coupled(); }))
+    return;
+  const Eigen::MatrixXd to_encoders = transmission.coupling.inverse();
+  std::vector<Eigen::ArrayXd> added;
+  for (const Evidence& e : all) added.push_back(joint_addition(e, effects));
+  for (Evidence& e : all)
+    for (std::size_t j = 0; j < all.size(); ++j)
+      if (all[j].joint != e.joint && to_encoders(e.number, all[j].number) != 0)
+        move(e, to_encoders(e.number, all[j].number) * added[j]);
+}
+
+}  // namespace qerr

@@ -1,0 +1,155 @@
+#include "qerr/diagnose/diagnosis.hpp"
+
+#include <algorithm>
+#include <cstdio>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <utility>
+
+#include "diagnose/inference/finding.hpp"
+#include "diagnose/inference/tip/tip.hpp"
+#include "diagnose/verdict/cause_report.hpp"
+#include "diagnose/verdict/comparison.hpp"
+
+namespace qerr {
+
+std::string_view name(Verdict v) {
+  switch (v) {
+    case Verdict::nothing_wrong:
+      return "nothing_wrong";
+    case Verdict::explained:
+      return "explained";
+    case Verdict::partly_explained:
+      return "partly_explained";
+    case Verdict::ambiguous:
+      return "ambiguous";
+    case Verdict::unexplained:
+      return "unexplained";
+    case Verdict::cannot_judge:
+      return "cannot_judge";
+  }
+  return "";
+}
+
+namespace {
+
+constexpr Eigen::Index fewest_rows = 30;
+
+/// Joints that the log reads and that nothing can be said of.
+void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::vector<Evidence>& all,
+                      std::vector<std::string>& warnings) {
+  if (all.empty()) return;
+  for (std::size_t i = 0; i < model.chain.independent.size(); ++i) {
+    const std::string& name = model.chain.independent[i].name;
+    const bool read = log.find(LogSignal::counts, i) || log.find(LogSignal::measured, i);
+    if (!read || std::any_of(all.begin(), all.end(), [&](const Evidence& e) { return e.joint == name; }))
+      continue;
+    warnings.push_back(name + ": not judged: " +
+                       (log.find(LogSignal::reference, i)
+                            ? "its encoder feels a joint that has no reference or no reading"
+                            : "it has no reference"));
+  }
+}
+
+/// Why references say nothing: what is left of their noise hides everything that is worth a name. Empty: one
+/// of them does.
+std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
+  constexpr double hides = 0.3;  // [counts]
+  double least = std::numeric_limits<double>::infinity(), recorded = 0;
+  for (const Evidence& e : all)
+    if (e.path_noise / e.step() < least) least = e.path_noise / e.step(), recorded = e.noise / e.step();
+  if (all.empty() || least < hides) return std::nullopt;
+  char text[160];
+  std::snprintf(text, sizeof text,
+                "the references' noise is %.2g counts (%.2g where the path is smooth): below 0.3 they would "
+                "tell; a better sensor, or a slower motion at the same rate",
+                recorded, least);
+  return text;
+}
+
+/// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
+void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
+  if (tip.judged && !joints_judged) {
+    d.gain = tip.gain;
+    d.reason.clear();
+  }
+  std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
+  std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
+  std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));
+  std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
+}
+
+/// Whether something without a name is worth a verdict: not where the causes of its joint explain more than
+/// 99 % of the variance; there it is told, and that is all.
+bool counts(const Unnamed& left, const std::vector<Cause>& causes) {
+  constexpr double worth = 0.1;
+  return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
+    return c.effect.joint == left.joint && left.amplitude < worth * c.gain.rms_before &&
+           c.gain.rms_after < worth * c.gain.rms_before;
+  });
+}
+
+Verdict verdict_of(const Diagnosis& d, bool judged) {
+  const bool found = !d.causes.empty(), left = !d.unexplained.empty();
+  if (!judged && !found && !left) return Verdict::cannot_judge;
+  if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
+  if (!d.alternatives.empty()) return Verdict::ambiguous;
+  const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
+                                    [&](const Unnamed& u) { return counts(u, d.causes); });
+  return counting ? Verdict::partly_explained : Verdict::explained;
+}
+
+}  // namespace
+
+Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
+                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
+  Sanity sane = check_sanity(model, filters, log, present);
+  Diagnosis d;
+  d.causes = sane.causes;
+  d.unexplained = std::move(sane.unexplained);
+  d.warnings = std::move(sane.warnings);
+  d.reason = std::move(sane.cannot_judge);
+  const bool enough = sane.log.values.rows() >= fewest_rows;
+  if (!enough)
+    d.reason = "the log has " + std::to_string(sane.log.values.rows()) + " rows: record " +
+               std::to_string(fewest_rows) + " at the very least, some thousand with the joints in motion";
+  const std::vector<Evidence> all = enough ? evidence(sane, options.threads) : std::vector<Evidence>{};
+  warn_of_unjudged(sane.model, sane.log, all, d.warnings);
+  d.simulation = comparison(all, filters, options);
+  const auto findings = findings_of(all, sane, options);
+  std::vector<HeldOut> held;
+  for (const auto& finding : findings) {
+    const Finding& f = *finding;
+    held.push_back(f.held);
+    const Gain of_joint = gain({f.held}, options.seed);
+    for (Cause& cause : d.causes)
+      if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
+    add(d, f, of_joint, feels_gravity(sane.model, sane.log, f.evidence.number));
+  }
+  d.gain = gain(held, options.seed);
+  for (const AlternativeCause& a : sane.alternatives)
+    for (const Cause& c : d.causes)
+      if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
+  TipDiagnosis tip;
+  if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
+  bool judged = !all.empty() || tip.judged;
+  if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty())
+    if (const auto why = too_noisy(all)) {
+      judged = false;
+      d.reason = *why;
+    }
+  if (!judged && !d.causes.empty()) {
+    d.gain = d.causes.front().gain;
+    d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
+  }
+  std::stable_sort(d.causes.begin(), d.causes.end(), [](const Cause& a, const Cause& b) {
+    return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
+           b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
+  });
+  add_tip(std::move(tip), !all.empty(), d);
+  d.verdict = verdict_of(d, judged);
+  return d;
+}
+
+}  // namespace qerr

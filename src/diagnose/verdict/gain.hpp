@@ -1,0 +1,42 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "diagnose/inference/explanation.hpp"
+#include "qerr/diagnose/diagnosis.hpp"
+
+namespace qerr {
+
+/// What an explanation takes off one encoder's residual in blocks that it was not fitted to.
+///
+/// Blocks alternate: the terms are fitted anew to the even ones and judged in the odd ones, and the other way
+/// round, so that every row is judged once by a model that has not seen its block. The residual is
+/// measured - reference, its mean and the quantization included; of an encoder whose zero is free, less a
+/// constant, which says nothing there.
+struct HeldOut {
+  struct Block {
+    double before = 0, after = 0, rows = 0;  ///< sums of squares [rad^2 or m^2]
+  };
+  std::vector<Block> blocks;
+  double step = 0;  ///< of the encoder [rad or m]
+  bool prismatic = false;
+  bool held_out = true;  ///< false: the record is too short to be divided, and `after` is of the fit itself
+  double readings = 0;   ///< independent ones, that the figures below are sums over
+  double rest = 0;       ///< squares of what the model leaves, in counts
+  double predicted = 0;  ///< the same as the model expects it
+  double log_score = 0;  ///< log-likelihood gained against the model without terms
+  double inside = 0;     ///< readings within the model's central 95 %
+};
+
+/// @param record  all rows
+/// @param few     the independent rows among them, `groups` whom each one stands for
+/// @param model   fitted to `few`
+HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
+                 const Explanation& model);
+
+/// The gain over all rows of some encoders, with the 95 % interval of its ratio by drawing blocks with
+/// replacement (bootstrap).
+Gain gain(const std::vector<HeldOut>&, std::uint64_t seed);
+
+}  // namespace qerr

@@ -1,0 +1,184 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <limits>
+#include <optional>
+
+#include "filter/design/families/families.hpp"
+#include "filter/design/polynomial.hpp"
+#include "filter/design/roots.hpp"
+#include "filter/norms/deviation.hpp"
+#include "qerr/filter/norms.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr std::size_t max_coefficients = 256;
+constexpr double negligible = 1e-13;  // of the H2 norm
+
+/// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
+struct Factor {
+  LongComplex u;
+  LongComplex v;
+};
+
+Factor factor_of_root(const LongComplex& r) { return {LongComplex(1.0) - r, LongComplex(1.0) + r}; }
+const Factor delay{1.0, -1.0};  // z^-1 = (1 - w)/(1 + w)
+const Factor unit{1.0, 1.0};    // (1 + w)/(1 + w)
+
+using Polynomial = std::array<Long, 3>;
+using List = std::vector<double>;
+
+void check_list(const std::vector<double>& list, const char* key) {
+  if (list.empty())
+    throw Error(Fault{{}, key, "needs at least one coefficient", "an empty list", "write e.g. [1]"});
+  for (const double c : list) {
+    if (!std::isfinite(c)) throw Error(Fault{{}, key, "the coefficients must be finite", figure(c), ""});
+  }
+}
+
+void trim(std::vector<double>& list) {
+  while (list.size() > 1 && list.back() == 0) list.pop_back();
+}
+
+/// How far the rounding of the coefficients may move a root, to first order.
+double doubt(const List& a, std::complex<double> root) {
+  const double m = std::abs(root);
+  double scale = 0;
+  std::complex<double> value, slope;
+  for (const double c : a) {
+    slope = slope * root + value;
+    value = value * root + c;
+    scale = scale * m + std::abs(c);
+  }
+  const double moved = std::numeric_limits<double>::epsilon() * scale / std::max(std::abs(slope), 1e-300);
+  // A multiple root has no first order; beyond this the coefficients are taken at their word.
+  return std::min(moved, 1e-10);
+}
+
+Error unstable(double largest) {
+  return Error(Fault{{},
+                     "denominator",
+                     "the filter is not stable: a pole lies on or outside the unit circle",
+                     "largest pole modulus " + figure(largest),
+                     "all poles must lie inside; the coefficients ascend in z^-1"});
+}
+
+struct Poles {
+  std::vector<LongComplex> z;
+  double largest = 0;  // modulus
+};
+
+Poles stable_poles(const List& a) {
+  Poles poles{roots({a.begin(), a.end()})};
+  bool stable = true;
+  for (const LongComplex& r : poles.z) {
+    const double modulus = static_cast<double>(magnitude(r));
+    if (modulus >= 1 - doubt(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
+    poles.largest = std::max(poles.largest, modulus);
+  }
+  if (!stable) throw unstable(poles.largest);
+  return poles;
+}
+
+/// Pairs the factors into polynomials in w, slow ones first: conjugates together, real ones two by two, one
+/// may be left.
+std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
+  std::vector<std::array<Factor, 2>> pairs;
+  std::vector<Factor> real;
+  for (std::size_t i = 0; i < factors.size(); ++i) {
+    if (factors[i].u.im == 0) {
+      real.push_back(factors[i]);
+    } else {
+      pairs.push_back({factors[i], factors[i + 1]});
+      ++i;
+    }
+  }
+  const auto slower = [](const Factor& x, const Factor& y) { return magnitude(x.u) < magnitude(y.u); };
+  std::stable_sort(real.begin(), real.end(), slower);
+  for (std::size_t i = 0; i + 1 < real.size(); i += 2) pairs.push_back({real[i], real[i + 1]});
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [&](const auto& x, const auto& y) { return slower(x[0], y[0]); });
+  std::vector<Polynomial> result;
+  for (const auto& [x, y] : pairs) {
+    result.push_back({(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re});
+  }
+  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Long(0)});
+  return result;
+}
+
+/// Divides by the lowest coefficient that is not 0, so that the gain is left to one number.
+std::array<Wide, 3> scaled(const Polynomial& p) {
+  const auto lowest = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
+  std::array<Wide, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = to_wide(p[i] / *lowest);
+  return result;
+}
+
+/// The sections of b/a: zeros at z = 1, as `zeros` tells, and the roots of the rest.
+Filter factored(Filter filter, Deflated<Long> zeros, const List& a, const Poles& poles) {
+  std::vector<Factor> below, above;
+  for (const LongComplex& r : poles.z) below.push_back(factor_of_root(r));
+  const Long slope = sum(zeros.rest);
+  filter.gain = to_wide(ldexp(slope / sum(std::vector<Long>(a.begin(), a.end())), zeros.zeros));
+  for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
+  while (zeros.rest.front() == 0) {
+    zeros.rest.erase(zeros.rest.begin());
+    above.push_back(delay);
+  }
+  for (const LongComplex& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
+  while (above.size() < below.size()) above.push_back(unit);
+  while (below.size() < above.size()) below.push_back(unit);
+  const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
+  for (std::size_t i = 0; i < lower.size(); ++i)
+    filter.sections.push_back({scaled(upper[i]), scaled(lower[i])});
+  return filter;
+}
+
+}  // namespace
+
+Filter filter_from_coefficients(const List& numerator, const List& denominator, double sample_rate,
+                                int derivative) {
+  check_list(numerator, "numerator");
+  check_list(denominator, "denominator");
+  if (denominator[0] == 0) {
+    throw Error(
+        Fault{{}, "denominator", "the first coefficient a0 must not be 0", "0", "leave out leading zeros"});
+  }
+  List b = numerator, a = denominator;
+  trim(a);
+  trim(b);
+  Filter filter = difference_filter(sample_rate, 0);  // checks the rate
+  filter.derivative = derivative;
+  if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
+    if (a.size() > 1) stable_poles(a);
+    filter.taps = b;
+    filter.gain = Wide(1) / Wide(a[0]);
+    for (const double c : b) filter.deviation.l1 += Rounding<Wide>::unit * std::abs(c / a[0]);
+    filter.deviation.h2 = filter.deviation.l1;
+    return filter;
+  }
+  if (std::max(a.size(), b.size()) > max_coefficients) {
+    throw Error(Fault{{},
+                      a.size() > b.size() ? "denominator" : "numerator",
+                      "too many coefficients for a filter with poles",
+                      std::to_string(std::max(a.size(), b.size())),
+                      "use at most " + std::to_string(max_coefficients)});
+  }
+  const Poles poles = stable_poles(a);
+  Filter result;
+  std::optional<Deviation> deviation;
+  // A filter that blocks 0 Hz but for the rounding of its coefficients is meant to block it; but not where a
+  // slow pole makes that rounding matter.
+  for (const double doubt_of_one : {0.5 * std::numeric_limits<double>::epsilon(), 0.0}) {
+    result = factored(filter, divide_out_dc_zeros<Long>(b, doubt_of_one), a, poles);
+    deviation = deviation_of(result, b, a, poles.largest);
+    if (!deviation) throw unstable(poles.largest);
+    if (deviation->h2 <= negligible * h2_norm(result)) break;
+  }
+  result.deviation = *deviation;
+  return result;
+}
+
+}  // namespace qerr

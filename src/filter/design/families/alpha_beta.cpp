@@ -1,0 +1,60 @@
+#include <cmath>
+
+#include "filter/design/families/tracking.hpp"
+
+namespace qerr {
+namespace {
+
+/// beta of a damping ratio zeta: alpha^2 = zeta^2 beta (4 - 2 alpha - beta), the smaller root.
+Wide beta_of_damping(double alpha, double damping) {
+  const Wide a = alpha, ratio = a / Wide(damping), middle = Wide(2) - a;
+  const Wide square = middle * middle - ratio * ratio;
+  if (square < Wide(0)) {
+    throw Error(Fault{{},
+                      "damping",
+                      "the damping ratio must be at least alpha/(2 - alpha)",
+                      figure(damping) + " with alpha " + figure(alpha),
+                      "use at least " + figure(alpha / (2 - alpha)) + "; 1 is critical damping"});
+  }
+  return ratio * ratio / (middle + sqrt(square));
+}
+
+Filter design(const FilterDesign& wanted) {
+  const std::size_t way = chosen_way(wanted, {{"alpha", "beta"}, {"alpha", "damping"}, {"tracking_index"}});
+  if (way == 2) {
+    const double index = checked_number(wanted, "tracking_index", 0, 1e15);
+    return tracking_filter(wanted, spectral_factor(piecewise_noise(2, index)));
+  }
+  const double alpha = checked_number(wanted, "alpha", 0, 2);
+  const Wide beta = way == 0 ? Wide(checked_number(wanted, "beta", 0, 4))
+                             : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
+  const Wide rest = Wide(4) - Wide(2 * alpha) - beta;
+  if (!(rest.hi > 4e-16)) {
+    throw Error(Fault{{},
+                      way == 0 ? "beta" : "damping",
+                      "the filter is not stable: it needs alpha > 0, beta > 0 and 2 alpha + beta < 4",
+                      "alpha " + figure(alpha) + ", beta " + figure(static_cast<double>(beta)),
+                      "use smaller gains"});
+  }
+  return tracking_filter(wanted, {beta, Wide(2 * alpha), rest});
+}
+
+}  // namespace
+
+FilterFamily alpha_beta_family() {
+  return {"alpha_beta",
+          "estimates position or velocity itself: x += alpha r, v += beta r/T, r the residual of the "
+          "prediction x + T v; no lag at constant velocity, the velocity late by (alpha/beta - 1/2) T under "
+          "acceleration",
+          {position_gain_row(),
+           velocity_gain_row(),
+           {.name = "damping",
+            .kind = Kind::number,
+            .meaning = "damping ratio in place of beta: alpha/sqrt(beta (4 - 2 alpha - beta)); 1 is critical",
+            .least = 0,
+            .open_below = true},
+           tracking_index_row()},
+          design};
+}
+
+}  // namespace qerr

@@ -1,0 +1,38 @@
+#include <cmath>
+#include <numbers>
+
+#include "filter/design/families/prototype.hpp"
+
+namespace qerr {
+namespace {
+
+/// The poles are 1/p of the Chebyshev I poles for 1/epsilon^2 = 10^(attenuation/10) - 1, the zeros
+/// +-j/cos(theta_i).
+Filter design(const FilterDesign& wanted) {
+  const int order = whole_number(wanted, "order", 3, 1, max_order);
+  const double attenuation = checked_number(wanted, "attenuation", 0, 300, 40.0);
+  const double mu = std::asinh(std::sqrt(std::expm1(attenuation * std::numbers::ln10 / 10))) / order;
+  Prototype prototype;
+  for (int i = 0; i < order / 2; ++i) {
+    const double theta = std::numbers::pi * (2 * i + 1) / (2 * order);
+    const WideComplex p{-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta)};
+    prototype.poles.push_back(conj(WideComplex(1.0) / p));
+    prototype.zeros.push_back(Wide(1) / Wide(std::cos(theta)));
+  }
+  if (order % 2 == 1) prototype.poles.push_back(-1 / std::sinh(mu));
+  return bilinear_lowpass(wanted, prototype);
+}
+
+}  // namespace
+
+FilterFamily chebyshev2_family() {
+  return {"chebyshev2",
+          "back differences, then a Chebyshev low-pass with ripple beyond the cut-off (bilinear, pre-warped)",
+          {order_row(3),
+           cutoff_row(
+               "where the attenuation is first reached (the stop band's edge), below half the sample rate"),
+           attenuation_row("beyond the cut-off, in dB")},
+          design};
+}
+
+}  // namespace qerr

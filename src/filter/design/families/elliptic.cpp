@@ -1,0 +1,110 @@
+#include <boost/math/special_functions/ellint_rf.hpp>
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+
+#include "filter/design/families/prototype.hpp"
+
+namespace qerr {
+namespace {
+
+using Real = boost::multiprecision::cpp_bin_float_50;
+
+struct Complex {
+  Real re, im;
+};
+
+Wide to_wide(const Real& x) {
+  const double high = static_cast<double>(x);
+  return {high, static_cast<double>(Real(x - high))};
+}
+
+WideComplex quotient(const Complex& x, const Complex& y, const Real& scale) {
+  const Real n = (y.re * y.re + y.im * y.im) / scale;
+  return {to_wide((x.re * y.re + x.im * y.im) / n), to_wide((x.im * y.re - x.re * y.im) / n)};
+}
+
+/// theta_2 (odd) or theta_3 at x + jy: sum over the odd or even m >= 0 of 2 q^(m^2/4) cos(m (x + jy)), the
+/// term of m = 0 once.
+Complex theta(bool odd, const Real& q, const Real& x, const Real& y) {
+  Complex sum{0, 0};
+  for (int m = odd ? 1 : 0; m < 400; m += 2) {
+    const Real weight = (m == 0 ? 1 : 2) * pow(q, Real(m) * m / 4);
+    sum.re += weight * cos(m * x) * cosh(m * y);
+    sum.im -= weight * sin(m * x) * sinh(m * y);
+    if (weight * cosh(m * y) < 1e-60 * (abs(sum.re) + abs(sum.im))) break;
+  }
+  return sum;
+}
+
+/// K(k)/(pi/2) from the complementary modulus, by the arithmetic-geometric mean.
+Real quarter_period(const Real& complementary) {
+  Real a = 1, b = complementary;
+  for (int i = 0; i < 12; ++i) {
+    const Real mean = (a + b) / 2;
+    b = sqrt(Real(a * b));
+    a = mean;
+  }
+  return 1 / a;
+}
+
+/// The elliptic prototype from the nome: the degree equation n K'/K = K1'/K1 reads q = q1^(1/n), and with
+/// cd((u - jv) K) = theta_2/(sqrt(k) theta_3) at pi (u - jv)/2 the modulus is never needed.
+/// (Orfanidis, Lecture notes on elliptic filter design, 2006, Eqs. 47-56, with theta functions of 50 digits.)
+Prototype prototype_of(int order, double ripple, double attenuation) {
+  using boost::math::constants::pi;
+  const Real ln10 = log(Real(10));
+  const Real epsilon2 = expm1(Real(ripple) * ln10 / 10);
+  const Real k1_squared = epsilon2 / expm1(Real(attenuation) * ln10 / 10);
+  const Real period = quarter_period(sqrt(Real(1 - k1_squared)));
+  const Real q = exp(Real(-pi<Real>() * quarter_period(sqrt(k1_squared)) / period / order));
+  const Real t2 = theta(true, q, 0, 0).re, t3 = theta(false, q, 0, 0).re;
+  const Real root_k = t2 / t3;
+  // v: sn(j n v K1, k1) = j/epsilon, that is n v K1 = F(atan(1/epsilon), k1').
+  const Real cosine2 = epsilon2 / (1 + epsilon2), sine2 = 1 / (1 + epsilon2);
+  const Real angle =
+      sqrt(sine2) * boost::math::ellint_rf(cosine2, Real(cosine2 + k1_squared * sine2), Real(1));
+  const Real y = angle / period / order;  // pi v/2
+  Prototype prototype;
+  for (int i = 1; i <= order / 2; ++i) {
+    const Real x = pi<Real>() * (2 * i - 1) / (2 * order);
+    // p = j cd((u - jv) K); theta at x - jy.
+    const WideComplex cd = quotient(theta(true, q, x, -y), theta(false, q, x, -y), 1 / root_k);
+    prototype.poles.push_back({-abs(cd.im), abs(cd.re)});
+    prototype.zeros.push_back(to_wide(theta(false, q, x, 0).re / theta(true, q, x, 0).re / root_k));
+  }
+  if (order % 2 == 1) {
+    const Real half = pi<Real>() / 2;
+    const WideComplex cd = quotient(theta(true, q, half, -y), theta(false, q, half, -y), 1 / root_k);
+    prototype.poles.push_back(WideComplex(-abs(cd.im)));
+  } else {
+    prototype.gain = std::pow(10, -ripple / 20);
+  }
+  return prototype;
+}
+
+Filter design(const FilterDesign& wanted) {
+  const int order = whole_number(wanted, "order", 3, 1, max_order);
+  const double ripple = checked_number(wanted, "ripple", 0, 60, 1.0);
+  const double attenuation = checked_number(wanted, "attenuation", 0, 300, 40.0);
+  if (!(attenuation > ripple)) {
+    throw Error(Fault{{},
+                      "attenuation",
+                      "the attenuation must exceed the ripple",
+                      figure(attenuation) + " dB with a ripple of " + figure(ripple) + " dB",
+                      "e.g. ripple: 1, attenuation: 40"});
+  }
+  return bilinear_lowpass(wanted, prototype_of(order, ripple, attenuation));
+}
+
+}  // namespace
+
+FilterFamily elliptic_family() {
+  return {"elliptic",
+          "back differences, then an elliptic (Cauer) low-pass with ripple on both sides (bilinear, "
+          "pre-warped); even orders start at -ripple, as in scipy and MATLAB",
+          {order_row(3), cutoff_row("end of the ripple, below half the sample rate"), ripple_row(),
+           attenuation_row("in the stop band, in dB, above the ripple")},
+          design};
+}
+
+}  // namespace qerr

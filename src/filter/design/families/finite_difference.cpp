@@ -1,0 +1,74 @@
+#include <algorithm>
+#include <cmath>
+
+#include "filter/design/families/families.hpp"
+#include "qerr/core/double_double.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr int max_span = 2000;
+constexpr int max_accuracy = 8;
+
+/// (-ln(1 - x))^d = sum_k c_k x^k up to degree d + accuracy - 1: the d-th derivative of the polynomial
+/// through d + accuracy points, in back differences x = 1 - z^-m.
+std::vector<Wide> series(int derivative, int accuracy) {
+  const std::size_t size = static_cast<std::size_t>(derivative + accuracy);
+  std::vector<Wide> power(size);
+  power[0] = 1;
+  for (int i = 0; i < derivative; ++i) {
+    std::vector<Wide> next(size);
+    for (std::size_t j = 0; j < size; ++j) {
+      for (std::size_t k = 1; j + k < size; ++k) next[j + k] += power[j] / Wide(static_cast<double>(k));
+    }
+    power = next;
+  }
+  return power;
+}
+
+Filter design(const FilterDesign& wanted) {
+  const int span = whole_number(wanted, "span", 1, 1, max_span);
+  const int accuracy = whole_number(wanted, "accuracy", 1, 1, max_accuracy);
+  const Filter differences = difference_filter(wanted.sample_rate, wanted.derivative);  // checks both
+  const std::vector<Wide> c = series(wanted.derivative, wanted.derivative == 0 ? 1 : accuracy);
+  std::vector<Wide> points(c.size());
+  for (std::size_t k = 0; k < c.size(); ++k) {  // x^k = sum_j C(k, j) (-1)^j z^(-m j)
+    Wide binomial = c[k];
+    for (std::size_t j = 0; j <= k; ++j) {
+      points[j] += binomial;
+      binomial = -binomial * Wide(static_cast<double>(k - j)) / Wide(static_cast<double>(j + 1));
+    }
+  }
+  Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
+  filter.designed = true;
+  filter.taps.resize((c.size() - 1) * static_cast<std::size_t>(span) + 1);
+  for (std::size_t j = 0; j < c.size(); ++j) {
+    filter.taps[j * static_cast<std::size_t>(span)] = static_cast<double>(points[j]);
+  }
+  for (int i = 0; i < wanted.derivative; ++i) filter.gain *= Wide(wanted.sample_rate) / Wide(span);
+  return filter;
+}
+
+}  // namespace
+
+FilterFamily finite_difference_family() {
+  return {
+      "finite_difference",
+      "estimates the derivative itself: ((1 - z^-m)/(m T))^derivative over a span of m samples, late by "
+      "derivative m T/2; with more accuracy the derivative of the polynomial through that many points more",
+      {{.name = "span",
+        .kind = Kind::integer,
+        .meaning = "samples m between the points",
+        .fallback = 1,
+        .least = 1,
+        .most = max_span},
+       {.name = "accuracy",
+        .kind = Kind::integer,
+        .meaning = "order of the error in T: 1 is the plain difference, 2 has no delay, ...",
+        .fallback = 1,
+        .least = 1,
+        .most = max_accuracy}},
+      design};
+}
+
+}  // namespace qerr

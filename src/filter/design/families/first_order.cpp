@@ -1,0 +1,70 @@
+#include <cmath>
+#include <numbers>
+
+#include "filter/design/families/families.hpp"
+
+namespace qerr {
+namespace {
+
+/// 1/rho of the low-pass pole w = -rho, x = 2 pi f0 T.
+///
+/// matched a = exp(-x): rho = tanh(x/2); Tustin rho = x/2, pre-warped tan(x/2); backward Euler a = 1/(1 + x).
+double inverse_pole(const std::string& discretization, double x) {
+  if (discretization == "matched") return 1 / std::tanh(x / 2);
+  if (discretization == "tustin") return 2 / x;
+  if (discretization == "prewarped") return 1 / std::tan(x / 2);
+  if (discretization == "backward_euler") return 1 + 2 / x;
+  throw Error(Fault{{},
+                    "discretization",
+                    "unknown discretization",
+                    "'" + escaped(discretization) + "'",
+                    "use matched, tustin, prewarped or backward_euler"});
+}
+
+Filter design(const FilterDesign& wanted) {
+  const int order = whole_number(wanted, "order", 1, 0, max_order);
+  const auto choice = wanted.choices.find("discretization");
+  const std::string discretization = choice == wanted.choices.end() ? "matched" : choice->second;
+  Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
+  filter.designed = order > 0;
+  const double x = 2 * std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate;
+  const double slope = inverse_pole(discretization, x);
+  const bool bilinear = discretization == "tustin" || discretization == "prewarped";
+  for (int i = 0; i < order; ++i) {
+    // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0, w = -1, where it
+    // cancels the pole of a difference.
+    if (!bilinear && i < wanted.derivative) {
+      filter.sections[static_cast<std::size_t>(i)].a = {1, slope, 0};
+    } else {
+      filter.sections.push_back({{1, bilinear ? 0.0 : 1.0, 0}, {1, slope, 0}});
+    }
+  }
+  return filter;
+}
+
+}  // namespace
+
+FilterFamily first_order_family() {
+  return {"first_order",
+          "back differences, then one-pole low-passes (1 - a)/(1 - a z^-1), a = exp(-2 pi f0 T)",
+          {{.name = "order",
+            .kind = Kind::integer,
+            .meaning = "number of low-pass sections; 0 leaves the differences",
+            .fallback = 1,
+            .least = 0,
+            .most = max_order},
+           {.name = "cutoff",
+            .kind = Kind::number,
+            .dimension = dimension::frequency,
+            .meaning = "cut-off f0 of each section, below half the sample rate",
+            .required = true,
+            .least = 0,
+            .open_below = true},
+           {.name = "discretization",
+            .kind = Kind::choice,
+            .meaning = "how the pole 2 pi f0 is brought to the sample rate",
+            .choices = "matched|tustin|prewarped|backward_euler"}},
+          design};
+}
+
+}  // namespace qerr

@@ -1,0 +1,61 @@
+#include <cmath>
+
+#include "filter/design/families/tracking.hpp"
+
+namespace qerr {
+namespace {
+
+Filter design(const FilterDesign& wanted) {
+  const int states =
+      checked_choice(wanted, "model", {"constant_velocity", "constant_acceleration"}) == "constant_velocity"
+          ? 2
+          : 3;
+  if (chosen_way(wanted, {{"process_noise", "measurement_noise"}, {"tracking_index"}}) == 1) {
+    const double index = checked_number(wanted, "tracking_index", 0, 1e15);
+    return tracking_filter(wanted, spectral_factor(piecewise_noise(states, index)));
+  }
+  const double intensity = checked_number(wanted, "process_noise", 0, INFINITY);
+  const double sigma = checked_number(wanted, "measurement_noise", 0, INFINITY);
+  const double ratio = std::sqrt(intensity) * std::pow(wanted.sample_rate, 0.5 - states) / sigma;
+  if (!(ratio > 1e-30 && ratio < 1e15)) {
+    throw Error(Fault{
+        {},
+        "process_noise",
+        "the filter leaves the range of double precision",
+        "sqrt(process_noise T^" + std::to_string(2 * states - 1) + ")/measurement_noise = " + figure(ratio),
+        "bring process and measurement noise closer together"});
+  }
+  return tracking_filter(wanted, spectral_factor(continuous_noise(states, ratio)));
+}
+
+}  // namespace
+
+FilterFamily kalman_family() {
+  return {
+      "kalman",
+      "estimates the derivative itself: of the updated estimate x_hat(k|k) of a steady-state Kalman filter; "
+      "no lag for "
+      "motion as in the model; its highest derivative is late by (alpha/beta - 1/2) T (velocity) or (2 "
+      "beta/gamma - "
+      "1/2) T (acceleration) while that changes",
+      {{.name = "model",
+        .kind = Kind::choice,
+        .meaning = "what is constant but for the process noise",
+        .choices = "constant_velocity|constant_acceleration"},
+       {.name = "process_noise",
+        .kind = Kind::number,
+        .meaning =
+            "intensity of the white acceleration [unit^2/s^3], or of the white jerk [unit^2/s^5], unit: m "
+            "or rad",
+        .least = 0,
+        .open_below = true},
+       {.name = "measurement_noise",
+        .kind = Kind::number,
+        .meaning = "sigma of the measured coordinate [m or rad]; goes with process_noise",
+        .least = 0,
+        .open_below = true},
+       tracking_index_row()},
+      design};
+}
+
+}  // namespace qerr

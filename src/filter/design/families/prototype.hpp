@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "filter/design/families/families.hpp"
+#include "filter/norms/complex.hpp"
+
+namespace qerr {
+
+/// An analog low-pass with its cut-off at 1 rad/s.
+struct Prototype {
+  std::vector<WideComplex> poles;  ///< real ones and, of each pair, the one above the real axis
+  std::vector<Wide> zeros;         ///< b of each pair +-jb
+  double gain = 1;                 ///< at 0 Hz
+};
+
+/// The section 1/((1 - x/p)(1 - x/p*)), or 1/(1 - x/p) for a real p, at x = slope * w.
+Section section_of_pole(WideComplex p, double slope);
+
+/// The wanted differences, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear transform,
+/// pre-warped so that the prototype's 1 rad/s lies exactly at f0. Nothing is ever expanded in z, so the
+/// digits do not depend on f0 T.
+/// @throws Error (input; key `cutoff` or `derivative`)
+Filter bilinear_lowpass(const FilterDesign&, const Prototype&);
+
+}  // namespace qerr

@@ -1,0 +1,103 @@
+#include "filter/design/representations/factors.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "filter/design/representations/representations.hpp"
+#include "filter/norms/deviation.hpp"
+#include "qerr/filter/norms.hpp"
+
+namespace qerr {
+namespace {
+
+using Polynomial = std::array<Long, 3>;
+
+constexpr double negligible = 1e-13;  // of the H2 norm
+
+const LinearFactor one{1.0, 0.0};
+
+Polynomial product(const LinearFactor& x, const LinearFactor& y) {
+  return {(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re};
+}
+
+Polynomial pair(const LinearFactor& x) { return product(x, {conj(x.u), conj(x.v)}); }
+
+/// Divides by the lowest coefficient that is not 0 and hands it over.
+std::array<Wide, 3> monic(const Polynomial& p, Long& lead) {
+  lead = p[0] != 0 ? p[0] : p[1] != 0 ? p[1] : p[2];
+  return {to_wide(p[0] / lead), to_wide(p[1] / lead), to_wide(p[2] / lead)};
+}
+
+/// Takes the last factor, the one of the slowest root, or 1 when there is none.
+LinearFactor take(std::vector<LinearFactor>& list) {
+  if (list.empty()) return one;
+  const LinearFactor last = list.back();
+  list.pop_back();
+  return last;
+}
+
+struct Split {
+  std::vector<LinearFactor> real, complex;
+};
+
+/// By kind, fast roots first.
+Split split(const std::vector<LinearFactor>& factors) {
+  Split s;
+  for (const LinearFactor& f : factors) (f.real() ? s.real : s.complex).push_back(f);
+  const auto faster = [](const LinearFactor& x, const LinearFactor& y) {
+    return magnitude(x.u) * magnitude(y.v) > magnitude(y.u) * magnitude(x.v);
+  };
+  std::stable_sort(s.real.begin(), s.real.end(), faster);
+  std::stable_sort(s.complex.begin(), s.complex.end(), faster);
+  return s;
+}
+
+}  // namespace
+
+Filter filter_from_factors(const Long& gain, const std::vector<LinearFactor>& above,
+                           const std::vector<LinearFactor>& below, double sample_rate, int derivative) {
+  Filter filter{{}, 1, sample_rate, derivative};
+  Long whole = gain;
+  Split zeros = split(above), poles = split(below);
+  const auto add = [&](const Polynomial& b, const Polynomial& a) {
+    Long over, under;
+    filter.sections.push_back({monic(b, over), monic(a, under)});
+    whole *= over / under;
+  };
+  while (!poles.complex.empty()) {
+    const Polynomial a = pair(take(poles.complex));
+    if (!zeros.complex.empty()) {
+      add(pair(take(zeros.complex)), a);
+    } else {
+      const LinearFactor first = take(zeros.real), second = take(zeros.real);
+      add(product(first, second), a);
+    }
+  }
+  while (!zeros.complex.empty()) {
+    const LinearFactor first = take(poles.real), second = take(poles.real);
+    add(pair(take(zeros.complex)), product(first, second));
+  }
+  while (!poles.real.empty()) add(product(take(zeros.real), one), product(take(poles.real), one));
+  if (filter.sections.empty()) filter.taps = {1};
+  filter.gain = to_wide(whole);
+  return filter;
+}
+
+std::vector<Long> times(const std::vector<Long>& x, const std::vector<Long>& y) {
+  std::vector<Long> r(x.size() + y.size() - 1);
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    for (std::size_t j = 0; j < y.size(); ++j) r[i + j] += x[i] * y[j];
+  }
+  return r;
+}
+
+bool prove(Filter& filter, const std::vector<Long>& b, const std::vector<Long>& a, double largest_modulus,
+           const std::string& key) {
+  if (!filter.taps.empty()) return true;
+  const auto deviation = deviation_of(filter, b, a, largest_modulus);
+  if (!deviation) throw unstable(key, largest_modulus);
+  filter.deviation = *deviation;
+  return deviation->h2 <= negligible * h2_norm(filter);
+}
+
+}  // namespace qerr

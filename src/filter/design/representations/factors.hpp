@@ -1,0 +1,34 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "filter/design/roots.hpp"
+#include "qerr/filter/filter.hpp"
+
+namespace qerr {
+
+/// The factor u + v w of a numerator or denominator. Of a conjugate pair only one is listed; real factors
+/// have im = 0.
+struct LinearFactor {
+  LongComplex u;
+  LongComplex v;
+  bool real() const { return u.im == 0 && v.im == 0; }
+};
+
+/// gain prod(above)/prod(below) as a filter: real poles in sections of their own, so that equal ones stay
+/// equal.
+/// @pre the numerator's degree, pairs counted twice, is at most that of the denominator
+Filter filter_from_factors(const Long& gain, const std::vector<LinearFactor>& above,
+                           const std::vector<LinearFactor>& below, double sample_rate, int derivative);
+
+/// The product of two polynomials.
+std::vector<Long> times(const std::vector<Long>&, const std::vector<Long>&);
+
+/// Notes in the filter how far it is from the stated b/a, ascending in z^-1, as a proven bound.
+/// @returns false when that is more than 1e-13 of the H2 norm
+/// @throws Error (input; key) when b/a is not proven to be stable
+bool prove(Filter&, const std::vector<Long>& b, const std::vector<Long>& a, double largest_modulus,
+           const std::string& key);
+
+}  // namespace qerr

@@ -1,0 +1,46 @@
+#include "filter/design/representations/representations.hpp"
+
+namespace qerr {
+namespace {
+
+/// filter_from_coefficients speaks of numerator and denominator, ROS of b and a.
+Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
+  try {
+    return filter_from_coefficients(flat(values.at("b"), "b"), flat(values.at("a"), "a"), sample_rate,
+                                    derivative);
+  } catch (const Error& e) {
+    std::vector<Fault> faults = e.faults();
+    for (Fault& fault : faults) {
+      if (fault.key == "numerator") fault.key = "b";
+      if (fault.key == "denominator") fault.key = "a";
+    }
+    throw Error(faults, e.trouble());
+  }
+}
+
+}  // namespace
+
+FilterRepresentation ros_transfer_function_representation() {
+  return {
+      "ros_transfer_function",
+      "in place of lowpass: an entry of a ROS filter chain as it stands, a[0] y_k = sum b[i] x_(k-i) - sum "
+      "a[i] y_(k-i)",
+      {.name = "params", .kind = Kind::object, .meaning = "a and b of a ROS transfer function filter"},
+      {{.name = "a",
+        .kind = Kind::numbers,
+        .meaning = "denominator in ascending powers of z^-1",
+        .required = true},
+       {.name = "b",
+        .kind = Kind::numbers,
+        .meaning = "numerator in ascending powers of z^-1",
+        .required = true}},
+      {{.name = "type",
+        .kind = Kind::choice,
+        .meaning = "of the ROS filter that params belongs to",
+        .required = true,
+        .choices = "filters/TransferFunctionFilterDouble|filters/MultiChannelTransferFunctionFilterDouble"},
+       {.name = "name", .kind = Kind::text, .meaning = "of the ROS filter; only to be read"}},
+      build};
+}
+
+}  // namespace qerr

@@ -1,0 +1,137 @@
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+#include "filter/design/representations/factors.hpp"
+#include "filter/design/representations/representations.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr std::size_t max_sections = 50;
+constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
+
+using Triple = std::array<double, 3>;
+
+double size_of(const Triple& c) { return std::abs(c[0]) + std::abs(c[1]) + std::abs(c[2]); }
+
+/// The larger root modulus of a0 z^2 + a1 z + a2.
+double largest_modulus(const Triple& a) {
+  const Wide a0 = a[0], a1 = a[1], a2 = a[2];
+  const Wide discriminant = a1 * a1 - Wide(4) * a0 * a2;
+  if (discriminant < Wide(0)) return std::sqrt(static_cast<double>(a2 / a0));
+  return static_cast<double>((abs(a1) + sqrt(discriminant)) / (Wide(2) * abs(a0)));
+}
+
+/// Stable beyond the rounding of the coefficients: in w all coefficients have one sign.
+bool stable(const Section& s, const Triple& a) {
+  const double sign = s.a[0].hi < 0 ? -1 : 1, doubt = half_unit * size_of(a);
+  const int order = a[2] != 0 ? 2 : a[1] != 0 ? 1 : 0;
+  for (int i = 0; i <= order; ++i) {
+    if (!(sign * s.a[static_cast<std::size_t>(i)].hi > doubt)) return false;
+  }
+  return true;
+}
+
+/// 0.1 + 0.2 q - 0.3 q^2 is meant to block 0 Hz.
+void put_zeros_at_dc(Section& s, const Triple& b) {
+  const double doubt = half_unit * size_of(b);
+  if (std::abs(s.b[0].hi) > doubt) return;
+  s.b[0] = 0;
+  if (std::abs(s.b[1].hi) <= 2 * doubt && s.b[2].hi != 0) s.b[1] = 0;
+}
+
+/// True when the section in w is the stated one without any rounding.
+bool exact(const std::array<Wide, 3>& c, const Triple& stated, bool second) {
+  const Long c0 = stated[0], c1 = stated[1], c2 = stated[2];
+  if (!second) return to_long(c[0]) == c0 + c1 && to_long(c[1]) == c0 - c1;
+  return to_long(c[0]) == c0 + c1 + c2 && to_long(c[1]) == 2 * (c0 - c2) && to_long(c[2]) == c0 - c1 + c2;
+}
+
+struct Stated {
+  Triple b, a;
+};
+
+Stated stated_by(const std::vector<double>& row, const std::string& key) {
+  if (row.size() != 6) {
+    throw Error(Fault{{},
+                      key,
+                      "a section has six numbers",
+                      "a list of " + std::to_string(row.size()),
+                      "write [b0, b1, b2, a0, a1, a2]"});
+  }
+  const Triple b{row[0], row[1], row[2]}, a{row[3], row[4], row[5]};
+  if (a[0] == 0) throw Error(Fault{{}, key, "a0 must not be 0", "0", "write [b0, b1, b2, 1, a1, a2]"});
+  if (!stable(section_in_w(b, a), a)) throw unstable(key, largest_modulus(a));
+  return {b, a};
+}
+
+/// The cascade; `is_exact` tells whether nothing was rounded.
+Filter cascade(const std::vector<Stated>& stated, double sample_rate, int derivative, bool zeros_at_dc,
+               bool& is_exact) {
+  Filter filter{{}, 1, sample_rate, derivative};
+  is_exact = true;
+  for (const auto& [b, a] : stated) {
+    if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a number
+      filter.gain = filter.gain * Wide(b[0]) / Wide(a[0]);
+      is_exact = false;
+      continue;
+    }
+    Section s = section_in_w(b, a);
+    if (zeros_at_dc) put_zeros_at_dc(s, b);
+    const bool second = b[2] != 0 || a[2] != 0;
+    is_exact = is_exact && exact(s.b, b, second) && exact(s.a, a, second);
+    filter.sections.push_back(s);
+  }
+  if (filter.sections.empty()) filter.taps = {1};
+  return filter;
+}
+
+Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
+  return filter_from_sections(values.at("sos"), sample_rate, derivative);
+}
+
+}  // namespace
+
+Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative) {
+  difference_filter(sample_rate, derivative);  // checks both
+  if (sos.empty() || sos.size() > max_sections) {
+    throw Error(Fault{{},
+                      "sos",
+                      "needs 1 to " + std::to_string(max_sections) + " sections",
+                      std::to_string(sos.size()),
+                      "write [[b0, b1, b2, a0, a1, a2], ...]"});
+  }
+  check_finite(sos, "sos");
+  std::vector<Stated> stated;
+  std::vector<Long> b{1}, a{1};
+  double modulus = 0;
+  for (std::size_t i = 0; i < sos.size(); ++i) {
+    stated.push_back(stated_by(sos[i], "sos[" + std::to_string(i) + ']'));
+    b = times(b, {stated[i].b.begin(), stated[i].b.end()});
+    a = times(a, {stated[i].a.begin(), stated[i].a.end()});
+    modulus = std::max(modulus, largest_modulus(stated[i].a));
+  }
+  // A filter that blocks 0 Hz but for the rounding of its numbers is meant to block it; not where that
+  // matters.
+  Filter filter;
+  for (const bool zeros_at_dc : {true, false}) {
+    bool is_exact = false;
+    filter = cascade(stated, sample_rate, derivative, zeros_at_dc, is_exact);
+    if (is_exact || prove(filter, b, a, modulus, "sos")) break;
+  }
+  return filter;
+}
+
+FilterRepresentation sections_representation() {
+  return {
+      "second_order_sections",
+      "in place of lowpass: sections as scipy.signal.sosfilt takes them",
+      {.name = "sos", .kind = Kind::matrix, .meaning = "rows [b0, b1, b2, a0, a1, a2], ascending in z^-1"},
+      {},
+      {},
+      build};
+}
+
+}  // namespace qerr

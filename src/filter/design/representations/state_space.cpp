@@ -1,0 +1,258 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "filter/design/representations/factors.hpp"
+#include "filter/design/representations/representations.hpp"
+
+namespace qerr {
+namespace {
+
+using Vector = std::vector<Long>;
+using Matrix = std::vector<Vector>;
+
+constexpr int most_dc_zeros = 4;  // that rounding may have hidden
+constexpr std::size_t max_states = 20;
+const Long negligible("1e-290");  // rounding of 1024 bits
+constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
+
+/// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
+/// p_(k-1) = -tr(A M_k)/(n - k + 1), M_(k-1) = A M_k + p_(k-1) I, numerator_(k-1) = C M_k B + D p_(k-1).
+struct TransferFunction {
+  Vector b, a;
+};
+
+TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Long& d) {
+  const std::size_t n = rows.size();
+  Matrix m(n, Vector(n));
+  for (std::size_t i = 0; i < n; ++i) m[i][i] = 1;
+  TransferFunction h{Vector(n + 1), Vector(n + 1)};
+  h.a[n] = 1;
+  h.b[n] = d;
+  for (std::size_t k = n; k > 0; --k) {
+    Matrix next(n, Vector(n));
+    Long trace = 0;
+    for (std::size_t i = 0; i < n; ++i) {
+      for (std::size_t j = 0; j < n; ++j) {
+        h.b[k - 1] += c[i] * m[i][j] * b[j];
+        for (std::size_t l = 0; l < n; ++l) {
+          if (rows[i][l] != 0) next[i][j] += rows[i][l] * m[l][j];
+        }
+      }
+      trace += next[i][i];
+    }
+    h.a[k - 1] = -trace / static_cast<double>(n - k + 1);
+    h.b[k - 1] += d * h.a[k - 1];
+    for (std::size_t i = 0; i < n; ++i) next[i][i] += h.a[k - 1];
+    m = std::move(next);
+  }
+  return h;
+}
+
+/// sum p_k z^k at z = (1 + w)/(1 - w), times (1 - w)^n, in ascending powers of w.
+Vector in_w(const Vector& p) {
+  Vector sum{p.back()}, power{1};  // Horner: sum <- sum (1 + w) + p_k (1 - w)^(n - k)
+  const auto times = [](const Vector& x, int sign) {
+    Vector r(x.size() + 1);
+    for (std::size_t i = 0; i < x.size(); ++i) {
+      r[i] += x[i];
+      r[i + 1] += sign * x[i];
+    }
+    return r;
+  };
+  for (std::size_t k = p.size() - 1; k-- > 0;) {
+    sum = times(sum, 1);
+    power = times(power, -1);
+    for (std::size_t i = 0; i < power.size(); ++i) sum[i] += p[k] * power[i];
+  }
+  return sum;
+}
+
+/// Coefficients that only rounding of the 1024 bits keeps from 0 are 0, or they would be roots of their own.
+void clean(Vector& p) {
+  Long largest = 0;
+  for (const Long& c : p) largest = std::max(largest, Long(abs(c)));
+  for (Long& c : p) {
+    if (abs(c) <= largest * negligible) c = 0;
+  }
+}
+
+/// A polynomial in w as lead w^k prod(1 - w/r): real factors and one of each conjugate pair; roots that agree
+/// to 28 digits are one multiple root.
+struct Factored {
+  Long lead;
+  std::vector<LinearFactor> factors;
+  std::vector<LongComplex> roots;
+};
+
+Factored factored(Vector p) {
+  clean(p);
+  while (p.back() == 0) p.pop_back();
+  const auto start = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
+  Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
+  std::reverse(p.begin(), p.end());
+  while (p.back() == 0) p.pop_back();
+  f.roots = roots(p);
+  for (std::size_t i = 0; i < f.roots.size(); ++i) {
+    LongComplex& r = f.roots[i];
+    for (std::size_t j = 0; j < i; ++j) {
+      if (magnitude(r - f.roots[j]) < 1e-28L * magnitude(r)) r = f.roots[j];
+    }
+    if (abs(r.im) < abs(r.re) * Long("1e-30")) r.im = 0;
+    if (r.im >= 0) f.factors.push_back({1.0, LongComplex(-1.0) / r});
+  }
+  return f;
+}
+
+/// The largest |z| of the roots in w; `stable` is false where one is not inside by more than `doubt`.
+double largest_modulus(const std::vector<LongComplex>& roots_in_w, double doubt, bool& stable) {
+  Long largest = 0;
+  stable = true;
+  for (const LongComplex& w : roots_in_w) {
+    const LongComplex up{1 + w.re, w.im}, down{1 - w.re, -w.im};
+    // 1 - |z|^2 = -4 Re w/|1 - w|^2
+    if (!(-4 * w.re > 2 * doubt * norm(down))) stable = false;
+    largest = std::max(largest, Long(sqrt(Long(norm(up) / norm(down)))));
+  }
+  return static_cast<double>(largest);
+}
+
+/// x of (I - A) x = b, by elimination with row pivots.
+Vector solved(const Rows& a, Vector b) {
+  const std::size_t n = a.size();
+  Matrix m(n, Vector(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Long(a[i][j]);
+  }
+  for (std::size_t k = 0; k < n; ++k) {
+    std::size_t top = k;
+    for (std::size_t i = k; i < n; ++i) {
+      if (abs(m[i][k]) > abs(m[top][k])) top = i;
+    }
+    std::swap(m[k], m[top]);
+    std::swap(b[k], b[top]);
+    for (std::size_t i = k + 1; i < n; ++i) {
+      const Long factor = m[i][k] / m[k][k];
+      for (std::size_t j = k; j < n; ++j) m[i][j] -= factor * m[k][j];
+      b[i] -= factor * b[k];
+    }
+  }
+  for (std::size_t k = n; k-- > 0;) {
+    for (std::size_t j = k + 1; j < n; ++j) b[k] -= m[k][j] * b[j];
+    b[k] /= m[k][k];
+  }
+  return b;
+}
+
+/// How many zeros at z = 1 the rounding of C and D hides: with R = (I - A)^-1 the filter is D + C R B - C R^2
+/// B (z - 1) + ..., and a sum that cancels to its last digits is meant to be 0.
+std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Long& d) {
+  std::size_t zeros = 0;
+  Vector v = b;
+  for (; zeros <= most_dc_zeros; ++zeros) {
+    v = solved(a, v);
+    Long sum = zeros == 0 ? d : Long(0), size = abs(sum);
+    for (std::size_t i = 0; i < v.size(); ++i) {
+      sum += c[i] * v[i];
+      size += abs(c[i] * v[i]);
+    }
+    if (size == 0 || abs(sum) > size * (static_cast<double>(v.size() + 1) * 2 * half_unit)) break;
+  }
+  return zeros;
+}
+
+Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
+  return Error(Fault{{},
+                     key,
+                     rule,
+                     std::to_string(found.size()) + " rows, the first of " +
+                         std::to_string(found.empty() ? 0 : found[0].size()),
+                     "write {A: [[a11, a12], [a21, a22]], B: [b1, b2], C: [c1, c2], D: d}"});
+}
+
+/// The largest sum of absolute values in a row of A.
+/// @throws Error (input; key `A`) unless A is square, of 1 to max_states rows, and of reasonable numbers
+double largest_row_sum(const Rows& a) {
+  if (a.empty() || a.size() > max_states)
+    throw wrong_shape("A", "must have 1 to " + std::to_string(max_states) + " rows", a);
+  double size = 1;
+  for (const auto& row : a) {
+    if (row.size() != a.size()) throw wrong_shape("A", "must be square", a);
+    double sum = 0;
+    for (const double x : row) sum += std::abs(x);
+    size = std::max(size, sum);
+  }
+  if (size > 1e10) throw Error(Fault{{}, "A", "the numbers are too large", figure(size), "scale the states"});
+  return size;
+}
+
+/// A column, or a row, of n numbers.
+Vector vector_of(const Rows& rows, std::size_t n, const char* key) {
+  Vector v;
+  const bool row = rows.size() == 1 && rows[0].size() == n;
+  const bool column =
+      rows.size() == n && std::all_of(rows.begin(), rows.end(), [](const auto& r) { return r.size() == 1; });
+  if (!row && !column) throw wrong_shape(key, "needs one number per state: one input, one output", rows);
+  for (const auto& r : rows) v.insert(v.end(), r.begin(), r.end());
+  return v;
+}
+
+Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
+  const Rows d = values.contains("D") ? values.at("D") : Rows{{0.0}};
+  return filter_from_state_space(values.at("A"), values.at("B"), values.at("C"), d, sample_rate, derivative);
+}
+
+}  // namespace
+
+Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, const Rows& d, double sample_rate,
+                               int derivative) {
+  difference_filter(sample_rate, derivative);  // checks both
+  check_finite(a, "A");
+  check_finite(b, "B");
+  check_finite(c, "C");
+  check_finite(d, "D");
+  const std::size_t n = a.size();
+  const double size = largest_row_sum(a);
+  const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
+  const TransferFunction h = transfer_function(a, input, output, through[0]);
+  const Vector below_w = in_w(h.a);
+  Long scale = 0;
+  for (const Long& x : below_w) scale = std::max(scale, Long(abs(x)));
+  // The ends are 0 with a pole at z = 1, or at z = -1.
+  const bool on_circle = std::min(Long(abs(below_w[0])), Long(abs(below_w[n]))) <= scale * negligible;
+  const Factored below = factored(below_w);
+  bool stable = false;
+  double modulus = largest_modulus(below.roots, 2 * half_unit * size, stable);
+  if (on_circle) modulus = std::max(1.0, modulus);
+  if (!stable || on_circle) throw unstable("A", modulus);
+  Vector above_w = in_w(h.b);
+  if (std::all_of(above_w.begin(), above_w.end(), [](const Long& x) { return x == 0; }))
+    return {{}, 1, sample_rate, derivative, {0}};
+  // A filter that blocks 0 Hz but for the rounding of C and D is meant to block it; not where that matters.
+  Filter filter;
+  const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
+  for (const std::size_t zeros : {blocked, std::size_t(0)}) {
+    Vector numerator = above_w;
+    std::fill_n(numerator.begin(), zeros, Long(0));
+    const Factored above = factored(numerator);
+    filter =
+        filter_from_factors(above.lead / below.lead, above.factors, below.factors, sample_rate, derivative);
+    // Reversed: ascending in z^-1.
+    if (prove(filter, {h.b.rbegin(), h.b.rend()}, {h.a.rbegin(), h.a.rend()}, modulus, "A")) break;
+  }
+  return filter;
+}
+
+FilterRepresentation state_space_representation() {
+  return {"state_space",
+          "in place of lowpass: x_(k+1) = A x_k + B u_k, y_k = C x_k + D u_k",
+          {.name = "state_space", .kind = Kind::object, .meaning = "one input, one output"},
+          {{.name = "A", .kind = Kind::matrix, .meaning = "rows of the state matrix", .required = true},
+           {.name = "B", .kind = Kind::matrix, .meaning = "one number per state", .required = true},
+           {.name = "C", .kind = Kind::matrix, .meaning = "one number per state", .required = true},
+           {.name = "D", .kind = Kind::matrix, .meaning = "direct path; default: 0"}},
+          {},
+          build};
+}
+
+}  // namespace qerr

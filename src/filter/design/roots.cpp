@@ -1,0 +1,135 @@
+#include "filter/design/roots.hpp"
+
+#include <algorithm>
+#include <complex>
+#include <limits>
+#include <numbers>
+
+namespace qerr {
+namespace {
+
+using Quick = std::complex<double>;
+
+template <class Number>
+struct Evaluation {
+  Number value{};
+  Number slope{};
+};
+
+template <class Number, class Coefficient>
+Evaluation<Number> evaluate(const std::vector<Coefficient>& descending, const Number& z) {
+  Evaluation<Number> e;
+  for (const Coefficient& c : descending) {
+    e.slope = e.slope * z + e.value;
+    e.value = e.value * z + Number(c);
+  }
+  return e;
+}
+
+/// sum |c_k| |z|^(n-k): what the rounding of a value is measured against.
+template <class Coefficient>
+long double scale(const std::vector<Coefficient>& descending, long double modulus) {
+  long double s = 0;
+  for (const Coefficient& c : descending) s = s * modulus + std::abs(static_cast<long double>(c));
+  return s;
+}
+
+long double magnitude(const Quick& z) { return std::abs(z); }
+Quick quick(const Quick& z) { return z; }
+Quick quick(const LongComplex& z) { return {static_cast<double>(z.re), static_cast<double>(z.im)}; }
+
+/// One Gauss-Seidel sweep; returns the largest relative step. The pull of the other roots is only a
+/// correction to Newton's step, for which doubles do.
+template <class Number, class Coefficient>
+long double sweep(const std::vector<Coefficient>& descending, std::vector<Number>& z, long double rounding) {
+  long double largest = 0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    const auto e = evaluate(descending, z[i]);
+    const long double modulus = magnitude(z[i]);
+    if (magnitude(e.value) <= rounding * scale(descending, modulus) || magnitude(e.slope) == 0) continue;
+    const Number newton = e.value / e.slope;
+    Quick others = 0;
+    for (std::size_t j = 0; j < z.size(); ++j) {
+      const Number gap = z[i] - z[j];
+      // Relative to Newton's step: of roots next to each other both can be far below the range of double.
+      if (j != i && magnitude(gap) > 0) others += quick(newton / gap);
+    }
+    const Quick brake = 1.0 - others;
+    const Number step = std::abs(brake) > 0 ? newton / Number(brake.real(), brake.imag()) : newton;
+    z[i] = z[i] - step;
+    largest = std::max(largest, magnitude(step) / std::max(modulus, std::numeric_limits<long double>::min()));
+  }
+  return largest;
+}
+
+std::vector<Quick> first_guess(const std::vector<Long>& descending) {
+  const std::size_t n = descending.size() - 1;
+  const auto size = [](const Long& c) { return std::log(std::abs(static_cast<long double>(c))); };
+  const double radius =
+      static_cast<double>(std::exp((size(descending[n]) - size(descending[0])) / static_cast<double>(n)));
+  std::vector<Quick> z(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    // The odd angle keeps the guesses off every symmetry of the polynomial.
+    z[k] = std::polar(radius, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n) + 0.4);
+  }
+  std::vector<double> c;
+  for (const Long& x : descending) c.push_back(static_cast<double>(x / descending[0]));
+  std::vector<Quick> settled = z;
+  for (int i = 0; i < 60; ++i) {
+    if (sweep(c, settled, 1e-15L) < 1e-14L) break;
+  }
+  const bool finite = std::all_of(settled.begin(), settled.end(),
+                                  [](Quick x) { return std::isfinite(x.real()) && std::isfinite(x.imag()); });
+  return finite ? settled : z;
+}
+
+/// Makes conjugates exact: a root whose nearest neighbour to its mirror image is itself is real.
+std::vector<LongComplex> paired(std::vector<LongComplex> z) {
+  std::vector<LongComplex> result;
+  while (!z.empty()) {
+    const auto top = std::max_element(
+        z.begin(), z.end(), [](const LongComplex& a, const LongComplex& b) { return abs(a.im) < abs(b.im); });
+    const LongComplex root = *top;
+    auto partner = top;
+    long double nearest = std::numeric_limits<long double>::infinity();
+    for (auto it = z.begin(); it != z.end(); ++it) {
+      const long double distance = magnitude(*it - conj(root));
+      if (distance < nearest) {
+        nearest = distance;
+        partner = it;
+      }
+    }
+    if (partner == top) {
+      result.emplace_back(root.re);
+      z.erase(top);
+      continue;
+    }
+    const LongComplex mean{(root.re + partner->re) / 2, abs(root.im - partner->im) / 2};
+    result.push_back(mean);
+    result.push_back(conj(mean));
+    z.erase(std::max(top, partner));
+    z.erase(std::min(top, partner));
+  }
+  return result;
+}
+
+}  // namespace
+
+long double magnitude(const LongComplex& x) {
+  return std::hypot(static_cast<long double>(x.re), static_cast<long double>(x.im));
+}
+
+std::vector<LongComplex> roots(const std::vector<Long>& descending) {
+  if (descending.size() < 2) return {};
+  const std::size_t n = descending.size() - 1;
+  std::vector<LongComplex> z;
+  for (const Quick& guess : first_guess(descending)) z.emplace_back(Long(guess.real()), Long(guess.imag()));
+  // Multiple roots are approached by a constant factor a sweep; long polynomials must do with few.
+  const std::size_t sweeps = std::clamp<std::size_t>(800'000 / (n * n), 12, 400);
+  for (std::size_t i = 0; i < sweeps; ++i) {
+    if (sweep(descending, z, std::ldexp(1.0L, -1015)) < std::ldexp(1.0L, -900)) break;
+  }
+  return paired(std::move(z));
+}
+
+}  // namespace qerr

@@ -1,0 +1,68 @@
+#include "filter/norms/autocorrelation.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "filter/run/cascade.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/filter/norms.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// r_n of a response that ends where h does: what the filter makes of that response, played backwards.
+std::vector<double> correlated(const Filter& filter, const std::vector<double>& h) {
+  std::vector<double> r(h.size());
+  BasicCascade<double> cascade(filter);
+  // From the small end, so that the small lags are not added to large ones.
+  for (std::size_t n = h.size(); n-- > 0;) r[n] = cascade.step(h[n]);
+  return r;
+}
+
+/// Samples after which exp(-40) is left of the slowest mode, with some room for repeated poles.
+double expected_memory(const Filter& filter) {
+  const double modulus = poles_max_modulus(filter);
+  const double order = static_cast<double>(2 * filter.sections.size());
+  const double slow = modulus > 0 ? (40 + 2 * order) / -std::log(std::max(modulus, 1e-3)) : 0;
+  return 8 + order + static_cast<double>(filter.taps.size()) + slow;
+}
+
+Error too_long(double samples) {
+  return Error({{},
+                "cutoff",
+                "the filter remembers too many samples for its noise in motion to be computed",
+                "about " + std::to_string(static_cast<long long>(std::min(samples, 1e18))) + " samples",
+                "raise the cut-off or lower the sample rate"});
+}
+
+}  // namespace
+
+Autocorrelation autocorrelation(const Filter& filter) {
+  const double most = static_cast<double>(longest_autocorrelation), expected = expected_memory(filter);
+  if (!(expected <= most)) throw too_long(expected);
+  const double l1 = l1_norm(filter).upper;
+  std::vector<double> h = impulse_response(filter, static_cast<std::size_t>(expected));
+  double sum = 0, squares = 0;
+  // From the small end, so that the difference to the norm keeps its digits.
+  for (auto k = h.rbegin(); k != h.rend(); ++k) {
+    sum += std::abs(*k);
+    squares += *k * *k;
+  }
+  Autocorrelation a{correlated(filter, h), dc_gain(filter), l1 * std::max(l1 - sum, 0.0)};
+  double rest = 0;
+  while (a.r.size() > 1 && rest + std::abs(a.r.back()) <= 1e-12 * squares) {
+    rest += std::abs(a.r.back());
+    a.r.pop_back();
+  }
+  a.tail += rest;
+  return a;
+}
+
+std::optional<Autocorrelation> followed(const Filter& filter, std::size_t longest) {
+  if (!(expected_memory(filter) <= static_cast<double>(std::min(longest, longest_autocorrelation))))
+    return std::nullopt;
+  return autocorrelation(filter);
+}
+
+}  // namespace qerr

@@ -1,0 +1,81 @@
+#include "filter/norms/deviation.hpp"
+
+#include <cmath>
+
+#include "filter/design/rational.hpp"
+
+namespace qerr {
+namespace {
+
+/// The same number with more bits. Boost's own conversion reads as out of bounds to GCC 12.
+template <class T>
+T widened(const Long& x) {
+  int exponent = 0;
+  Long rest = frexp(x, &exponent);
+  T sum = 0;
+  while (rest != 0) {
+    const double part = static_cast<double>(rest);
+    sum += part;
+    rest -= part;
+  }
+  return ldexp(sum, exponent);
+}
+
+/// (1 + w)^n c(q), q (1 + w) = (1 + lift) (1 - w), ascending in w.
+template <class T>
+std::vector<Ball<T>> in_w(const std::vector<Long>& c, std::size_t n, double lift) {
+  const std::vector<Ball<T>> plus{1.0, 1.0}, minus{1.0, -1.0};
+  const Ball<T> up = Ball<T>(1.0) + Ball<T>(lift);
+  std::vector<Ball<T>> p{c.size() > n ? Ball<T>(widened<T>(c[n])) : Ball<T>()}, power{1.0};
+  for (std::size_t k = n; k-- > 0;) {
+    p = product(p, minus);
+    power = product(power, plus);
+    for (std::size_t i = 0; i < p.size(); ++i) {
+      p[i] *= up;
+      if (k < c.size()) p[i] += Ball<T>(widened<T>(c[k])) * power[i];
+    }
+  }
+  return p;
+}
+
+/// An upper bound of ||b/a - H||_2, both lifted.
+template <class T>
+std::optional<double> difference(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
+                                 double lift) {
+  const std::size_t n = std::max(a.size(), b.size()) - 1;
+  const Rational<T> kept = rational<T>(h, lift);
+  const std::vector<Ball<T>> stated = in_w<T>(a, n, lift);
+  std::vector<Ball<T>> over = product(in_w<T>(b, n, lift), kept.a);
+  const std::vector<Ball<T>> taken = product(kept.b, stated);
+  for (std::size_t i = 0; i < over.size(); ++i) over[i] -= taken[i];
+  const auto squared = squared_norm(Rational<T>{over, product(stated, kept.a)});
+  if (!squared) return std::nullopt;
+  return static_cast<double>(sqrt(*squared).largest()) * (1 + 0x1p-50);
+}
+
+std::optional<double> difference(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
+                                 double lift) {
+  if (const auto d = difference<Long>(h, b, a, lift)) return d;
+  return difference<Binary<4096>>(h, b, a, lift);
+}
+
+}  // namespace
+
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
+                                      const std::vector<double>& a, double modulus) {
+  return deviation_of(h, std::vector<Long>(b.begin(), b.end()), std::vector<Long>(a.begin(), a.end()),
+                      modulus);
+}
+
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
+                                      double modulus) {
+  const auto plain = difference(h, b, a, 0);
+  if (!plain) return std::nullopt;
+  // Cauchy and Schwarz: sum |d_k| <= (sum r^2k)^(1/2) (sum (d_k r^-k)^2)^(1/2), r = 1/(1 + lift).
+  const double lift = std::min(1.0, 0.5 * (1 - modulus) / modulus);
+  const auto lifted = difference(h, b, a, lift);
+  const double sum = (1 + lift) / std::sqrt(lift * (2 + lift));
+  return Deviation{*plain, lifted ? *lifted * sum * (1 + 0x1p-40) : std::numeric_limits<double>::infinity()};
+}
+
+}  // namespace qerr

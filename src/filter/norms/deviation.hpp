@@ -1,0 +1,19 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "filter/norms/ball.hpp"
+#include "qerr/filter/filter.hpp"
+
+namespace qerr {
+
+/// Proven bounds of ||b/a - H|| for the filter H that was made of the coefficients b, a (ascending in z^-1,
+/// taken as exact); empty unless both are proven to be stable.
+/// @param modulus  about the largest modulus of the poles
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
+                                      const std::vector<double>& a, double modulus);
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
+                                      double modulus);
+
+}  // namespace qerr

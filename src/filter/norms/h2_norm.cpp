@@ -1,0 +1,80 @@
+#include <cmath>
+#include <limits>
+
+#include "filter/design/design_rounding.hpp"
+#include "filter/design/rational.hpp"
+#include "filter/norms/lifted_norm.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/filter/norms.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr double enough = 0x1p-70;  // relative radius: far below the rounding of the answer to double
+
+template <class T>
+std::optional<Estimate> estimate(const Ball<T>& norm) {
+  const double value = static_cast<double>(norm.mid());
+  const auto off = (norm - Ball<T>(value)).largest();
+  if (!std::isfinite(value) || !std::isfinite(off)) return std::nullopt;
+  // Converting the radius rounds by 2^-53 of it.
+  return Estimate{value, static_cast<double>(off) * (1 + 0x1p-50) + std::numeric_limits<double>::min()};
+}
+
+/// By double-double where that proves enough, else with more digits: every filter of a family ends at the
+/// first, a cascade of twelve equal poles 1e-9 from the circle needs a thousand bits.
+template <class T>
+std::optional<Estimate> estimate_in(const Filter& filter, double lift, double wanted) {
+  const auto squared = squared_norm(rational<T>(filter, lift));
+  if (!squared) return std::nullopt;
+  const Ball<T> norm = sqrt(*squared);
+  if (!(static_cast<double>(norm.rad()) <= wanted * static_cast<double>(norm.largest()))) return std::nullopt;
+  return estimate(norm);
+}
+
+Estimate taps_norm(const Filter& filter) {
+  Ball<Wide> total;
+  for (const double h : filter.taps) total += Ball<Wide>(h) * Ball<Wide>(h);
+  const auto e = estimate(sqrt(total) * abs(Ball<Wide>(filter.gain)));
+  return e ? *e : Estimate{std::numeric_limits<double>::infinity(), 0};
+}
+
+}  // namespace
+
+Estimate h2_estimate(const Filter& filter) {
+  Estimate e;
+  if (!filter.taps.empty()) {
+    e = taps_norm(filter);
+  } else if (const auto quick = estimate_in<Wide>(filter, 0, enough)) {
+    e = *quick;
+  } else if (const auto fine = estimate_in<Long>(filter, 0, enough)) {
+    e = *fine;
+  } else if (const auto finest = estimate_in<Binary<4096>>(filter, 0, 1)) {
+    e = *finest;
+  } else {
+    throw Error(Fault{{},
+                      "",
+                      "the H2 norm needs a stable filter",
+                      "an unstable section or coefficients out of range",
+                      ""},
+                Trouble::internal);
+  }
+  e.error += filter.deviation.h2 + design_rounding(filter) * e.value;
+  return e;
+}
+
+double lifted_norm(const Filter& filter, double lift) {
+  // Only its size matters; a digit will do.
+  std::optional<Estimate> e = estimate_in<Wide>(filter, lift, 0.1);
+  if (!e) e = estimate_in<Long>(filter, lift, 0.1);
+  return e ? e->value + e->error : std::numeric_limits<double>::infinity();
+}
+
+double h2_norm(const Filter& filter) { return h2_estimate(filter).value; }
+
+Norms norms(const Filter& filter) {
+  const Estimate h2 = h2_estimate(filter);
+  return {h2.value, h2.error, l1_norm(filter), dc_gain(filter)};
+}
+
+}  // namespace qerr

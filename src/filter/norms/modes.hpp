@@ -1,0 +1,61 @@
+#pragma once
+
+#include <vector>
+
+#include "filter/norms/ball.hpp"
+#include "filter/norms/complex.hpp"
+#include "qerr/filter/filter.hpp"
+
+namespace qerr {
+
+using Sure = Ball<Wide>;
+using SureComplex = ComplexOf<Sure>;
+
+inline SureComplex sure(const WideComplex& x) { return {Sure(x.re), Sure(x.im)}; }
+/// An upper bound of |x|.
+inline double largest(const SureComplex& x) {
+  return std::hypot(x.re.largest(), x.im.largest()) * (1 + 0x1p-45);
+}
+
+/// A lower bound of 1 - |z|: half of 1 - |z|^2 = 2 Re(1 - z) - |1 - z|^2, which does not cancel.
+inline double one_minus_modulus(const SureComplex& one_minus_z) {
+  return 0.5 * (Sure(2.0) * one_minus_z.re - norm(one_minus_z)).smallest();
+}
+
+/// A pole in w with its multiplicity; of a conjugate pair only the upper one is listed.
+struct Pole {
+  WideComplex w;
+  int multiplicity = 1;
+  bool real() const { return w.im == Wide(0); }
+  /// z = (1 + w)/(1 - w).
+  WideComplex z() const { return (WideComplex(1.0) + w) / (WideComplex(1.0) - w); }
+};
+
+/// The poles of a filter as numbers of double-double.
+struct Poles {
+  std::vector<Pole> list;  ///< poles at z = 0 are those with w = -1
+  double moved = 0;        ///< ||H' - H||_1 <= moved ||H'||_1, H' being the filter with these very poles
+};
+
+/// The poles of all sections. Those nearer to each other than rounding matters are put on one place.
+Poles poles(const Filter&);
+
+/// sum_m c_m C(k + m - 1, m - 1) z^k over m = 1..c.size(), plus its conjugate where `pair`: one pole's share
+/// of h_k.
+struct Mode {
+  WideComplex w;            ///< the pole, exactly
+  SureComplex z;            ///< (1 + w)/(1 - w)
+  SureComplex one_minus_z;  ///< kept apart: it has all its digits for a slow pole
+  bool pair = false;
+  std::vector<SureComplex> c;
+};
+
+/// Partial fractions of the filter with the poles given: h_k is the sum of the modes for k >= from.
+struct Modes {
+  std::vector<Mode> modes;
+  std::size_t from = 0;
+};
+
+Modes partial_fractions(const Filter&, const std::vector<Pole>&);
+
+}  // namespace qerr

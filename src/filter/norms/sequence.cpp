@@ -1,0 +1,194 @@
+#include "filter/norms/sequence.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace qerr {
+namespace {
+
+constexpr int bits = 52;
+constexpr std::size_t base = 16;  // of the table of quick powers
+// A bound in doubles takes a few hundred operations, each off by 2^-53; this is far more. The other part
+// keeps a bound above 0 where the powers vanish.
+constexpr double slack = 1.001;
+constexpr double least = 1e-290;
+
+using Quick = std::complex<double>;
+
+/// Without the care of std::complex for infinities.
+Quick times(const Quick& x, const Quick& y) {
+  return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
+}
+
+Quick rounded(const SureComplex& x) { return {x.re.mid().hi, x.im.mid().hi}; }
+
+/// C(k + m - 1, m - 1) for the next m, from the one before.
+double next_binomial(double binomial, std::int64_t k, std::size_t m) {
+  return binomial * static_cast<double>(k + static_cast<std::int64_t>(m)) / static_cast<double>(m);
+}
+
+}  // namespace
+
+Powers::Powers(const std::vector<Mode>& modes) {
+  for (const Mode& mode : modes) {
+    std::vector<SureComplex> table{mode.z};
+    for (int i = 1; i < bits; ++i) table.push_back(table.back() * table.back());
+    std::vector<Quick> quick;
+    for (std::size_t i = 0; i < bits; i += 4) {
+      quick.emplace_back(1.0);
+      for (std::size_t j = 1; j < base; ++j) quick.push_back(times(quick.back(), rounded(table[i])));
+    }
+    sure_.push_back(std::move(table));
+    quick_.push_back(std::move(quick));
+    // 1 - |z|^2 without cancellation: 2 Re(1 - z) - |1 - z|^2.
+    const Sure gap = Sure(2.0) * mode.one_minus_z.re - norm(mode.one_minus_z);
+    // At most 1000, so that a pole next to z = 0 has a finite one.
+    decay_.push_back(std::min(-0.5 * std::log1p(-gap.smallest()) * (1 - 1e-14), 1000.0));
+  }
+}
+
+SureComplex Powers::sure(std::size_t mode, std::int64_t k) const {
+  SureComplex r(1.0);
+  for (std::size_t i = 0; k > 0; ++i, k >>= 1) {
+    if ((k & 1) != 0) r = r * sure_[mode][i];
+  }
+  return r;
+}
+
+void Powers::quick(std::int64_t k, std::vector<Quick>& powers) const {
+  powers.assign(quick_.size(), 1.0);
+  for (std::size_t row = 0; k > 0; row += base, k /= static_cast<std::int64_t>(base)) {
+    const std::size_t digit = row + static_cast<std::size_t>(k) % base;
+    if (digit == row) continue;
+    for (std::size_t i = 0; i < powers.size(); ++i) powers[i] = times(powers[i], quick_[i][digit]);
+  }
+}
+
+void Powers::moduli(std::int64_t k, std::vector<double>& moduli) const {
+  moduli.resize(decay_.size());
+  for (std::size_t i = 0; i < moduli.size(); ++i) moduli[i] = modulus(i, k);
+}
+
+double Powers::modulus(std::size_t mode, std::int64_t k) const {
+  return std::exp(-decay_[mode] * static_cast<double>(k));
+}
+
+double Powers::one_minus_modulus(std::size_t mode) const { return -std::expm1(-decay_[mode]); }
+
+Sequence::Sequence(std::vector<Mode> modes, const Powers& powers)
+    : modes_(std::move(modes)), powers_(&powers) {
+  for (const Mode& mode : modes_) {
+    const double count = mode.pair ? 2 : 1;
+    std::vector<Coefficient> row;
+    for (const SureComplex& c : mode.c)
+      row.push_back({count * c.re.mid().hi, count * c.im.mid().hi, count * largest(c)});
+    rounded_.push_back(std::move(row));
+  }
+}
+
+Sure Sequence::at(std::int64_t k) const {
+  Sure total;
+  for (std::size_t i = 0; i < modes_.size(); ++i) {
+    const Mode& mode = modes_[i];
+    SureComplex sum;
+    Sure binomial(1.0);
+    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
+      sum = sum + mode.c[m - 1] * SureComplex(binomial);
+      binomial = binomial * Sure(static_cast<double>(k + static_cast<std::int64_t>(m))) /
+                 Sure(static_cast<double>(m));
+    }
+    const Sure share = (sum * powers_->sure(i, k)).re;
+    total += mode.pair ? share + share : share;
+  }
+  return total;
+}
+
+double Sequence::quick_at(std::int64_t k, const std::vector<Quick>& powers) const {
+  double total = 0;
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    double re = 0, im = 0, binomial = 1;
+    for (std::size_t m = 1; m <= rounded_[i].size(); ++m) {
+      re += rounded_[i][m - 1].re * binomial;
+      im += rounded_[i][m - 1].im * binomial;
+      if (m < rounded_[i].size()) binomial = next_binomial(binomial, k, m);
+    }
+    total += re * powers[i].real() - im * powers[i].imag();
+  }
+  return total;
+}
+
+double Sequence::bound(std::int64_t first, std::int64_t last) const {
+  std::vector<double> moduli;
+  powers_->moduli(first, moduli);
+  return bound(moduli, last);
+}
+
+double Sequence::bound(const std::vector<double>& moduli, std::int64_t last) const {
+  double total = 0;
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    double sum = 0, binomial = 1;
+    for (std::size_t m = 1; m <= rounded_[i].size(); ++m) {
+      sum += rounded_[i][m - 1].size * binomial;
+      if (m < rounded_[i].size()) binomial = next_binomial(binomial, last, m);
+    }
+    total += sum * moduli[i];
+  }
+  return total * slack + least;
+}
+
+double Sequence::tail(std::int64_t first) const {
+  double total = 0;
+  for (std::size_t i = 0; i < modes_.size(); ++i) {
+    const Mode& mode = modes_[i];
+    double sum = 0, binomial = 1;
+    const double modulus = powers_->modulus(i, 1);
+    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
+      // Terms fall at least as fast as this ratio from `first` on: a geometric series.
+      const double growth = static_cast<double>(m - 1) / static_cast<double>(first + 1);
+      const double gap = powers_->one_minus_modulus(i) - growth * modulus;
+      if (!(gap > 0)) return std::numeric_limits<double>::infinity();
+      sum += largest(mode.c[m - 1]) * binomial / gap;
+      binomial = next_binomial(binomial, first, m);
+    }
+    total += (mode.pair ? 2 : 1) * sum * powers_->modulus(i, first);
+  }
+  return total * slack + least;
+}
+
+bool Sequence::trusted() const {
+  for (const Mode& mode : modes_) {
+    double size = 0;  // the binomials grow with m, so a coefficient may hide behind the larger ones above it
+    for (std::size_t m = mode.c.size(); m-- > 0;) {
+      const SureComplex& c = mode.c[m];
+      size = std::max(size, std::hypot(c.re.mid().hi, c.im.mid().hi));
+      if (!(std::max(c.re.rad(), c.im.rad()) <= 1e-14 * size)) return false;
+    }
+  }
+  return true;
+}
+
+Sequence Sequence::difference() const {
+  std::vector<Mode> result = modes_;  // 1 - q = ((1 - z q) - (1 - z))/z
+  for (Mode& mode : result) {
+    for (std::size_t m = 0; m < mode.c.size(); ++m) {
+      const SureComplex above = m + 1 < mode.c.size() ? mode.c[m + 1] : SureComplex();
+      mode.c[m] = (above - mode.one_minus_z * mode.c[m]) / mode.z;
+    }
+  }
+  return {std::move(result), *powers_};
+}
+
+Sequence Sequence::transient_of_sum() const {
+  std::vector<Mode> result = modes_;  // 1/((1-q)(1-zq)^m) = [1/((1-q)(1-zq)^(m-1)) - z/(1-zq)^m]/(1-z)
+  for (Mode& mode : result) {
+    SureComplex carry;
+    for (std::size_t m = mode.c.size(); m-- > 0;) {
+      carry = (mode.c[m] + carry) / mode.one_minus_z;
+      mode.c[m] = -(mode.z * carry);
+    }
+  }
+  return {std::move(result), *powers_};
+}
+
+}  // namespace qerr

@@ -1,0 +1,150 @@
+#include "qerr/report/analysis.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "qerr/report/filter_report.hpp"
+#include "report/text_table.hpp"
+#include "simulate/noise_along_motion.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Parts of a variance below this are squares of rounding errors.
+constexpr double rounding = 1e-24;
+
+/// Within 5 degrees of the gimbal lock a roll or yaw error is more than ten times the rotation that causes
+/// it.
+constexpr double near_gimbal_lock = 0.0872;
+
+/// What IPQN is worth without a motion, in one sentence.
+std::string warning_of_ipqn(const Spec& spec) {
+  std::string thresholds;
+  for (const NamedFilter& f : spec.filters) {
+    if (f.filter.derivative == 0) continue;
+    const auto memory = followed(f.filter, 2 * longest_threshold_search);
+    const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
+    if (threshold)
+      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + shortest_of(*threshold, 2);
+  }
+  return "sigma of a derivative assumes white noise (IPQN): right on average over speeds, at no constant "
+         "speed "
+         "exactly, and within 10 % along slow sines only above a peak speed" +
+         (thresholds.empty() ? "" : " of " + thresholds + " counts a sample") +
+         "; add `motion:` to get sigma at your speeds";
+}
+
+/// @param known  what was found of it
+std::vector<std::string> warnings_of_derivatives(const Spec& spec,
+                                                 const std::vector<Eigen::VectorXd>& known) {
+  std::vector<std::string> warnings;
+  if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
+  for (std::size_t f = 0; f < known.size(); ++f)
+    if (!is_known(known, f))
+      warnings.push_back("filter '" + spec.filters[f].name +
+                         "' remembers too many samples for sigma in motion: only IPQN is given");
+  warnings.push_back(
+      "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
+  return warnings;
+}
+
+/// A requirement that cannot be decided is no verdict.
+void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  for (const Requirement& r : spec.requirements) {
+    if (r.bound != Requirement::Bound::sigma_in_motion) continue;
+    if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
+    throw Error({r.place, "requirements", "the filter remembers too many samples for sigma_in_motion",
+                 "'" + r.quantity + "'", "raise its cut-off, lower its sample rate, or ask for sigma"});
+  }
+}
+
+/// What the figures do not contain.
+std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
+  const bool any = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.counts; });
+  std::vector<std::string> warnings = effect_warnings(spec, effects);
+  warnings.insert(warnings.begin(),
+                  any ? "quantization and the effects of the spec: nothing else is in these figures"
+                      : "quantization only: backlash, calibration, compliance and noise are not in these "
+                        "figures");
+  return warnings;
+}
+
+std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
+                                     const std::vector<Eigen::VectorXd>& noise,
+                                     const std::vector<EffectShare>& effects) {
+  std::vector<std::string> warnings = spec.warnings;
+  const auto& coordinates = spec.model.coordinates;
+  const bool euler = std::any_of(coordinates.begin(), coordinates.end(),
+                                 [](Coordinate c) { return c == Coordinate::roll || c == Coordinate::yaw; });
+  if (euler && w.smallest_cosine_of_pitch < near_gimbal_lock)
+    warnings.push_back(
+        "roll and yaw: the samples come within " +
+        shortest(std::round(10 * std::asin(w.smallest_cosine_of_pitch) * 180 / std::numbers::pi) / 10) +
+        " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
+  for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
+  if (!spec.filters.empty())
+    for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
+  for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
+  if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1e-3 relative");
+  return warnings;
+}
+
+}  // namespace
+
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
+  return analyze(spec, effect_report(spec), options);
+}
+
+Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
+  WorkspaceOptions all = options;
+  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
+  require_answers(spec, all.noise_in_motion);
+  Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
+  a.spec.model.sources = std::move(effects.sources);
+  a.joints = joint_error(spec.model.transmission, a.spec.model.sources);
+  a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
+  a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
+  return a;
+}
+
+std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec) {
+  std::vector<Eigen::VectorXd> noise;
+  if (!spec.motion) return noise;
+  for (const NamedFilter& f : spec.filters) {
+    Eigen::VectorXd& of_filter = noise.emplace_back();
+    if (const auto memory = followed(f.filter))
+      of_filter = noise_along_motion(spec.model.transmission, *spec.motion, *memory, f.filter.sample_rate,
+                                     spec.motion->settling.value_or(0));
+  }
+  return noise;
+}
+
+std::string derivative_unit(Coordinate c, int derivative) {
+  Dimension d = info(c).unit == "m" ? dimension::length : dimension::angle;
+  d.second = -derivative;
+  return unit_name(d);
+}
+
+std::vector<double> encoder_budget(const Analysis& a) {
+  const auto& coordinates = a.spec.model.coordinates;
+  const bool positions = std::any_of(coordinates.begin(), coordinates.end(), is_position);
+  std::vector<double> parts(a.spec.model.transmission.encoders.size());
+  double total = 0;
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    if (is_position(coordinates[i]) != positions) continue;
+    for (std::size_t e = 0; e < parts.size(); ++e) {
+      const double part =
+          a.workspace.mean_variance_parts(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(e));
+      if (!std::isfinite(part)) continue;
+      parts[e] += part;
+      total += part;
+    }
+  }
+  if (total > 0)
+    for (double& part : parts) part = part > rounding * total ? part / total : 0;
+  return parts;
+}
+
+}  // namespace qerr

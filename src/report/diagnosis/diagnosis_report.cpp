@@ -1,0 +1,82 @@
+#include "qerr/report/diagnosis_report.hpp"
+
+#include <algorithm>
+
+#include "report/diagnosis/diagnosis_writers.hpp"
+
+namespace qerr {
+
+namespace {
+
+const EffectKind* find_kind(const std::string& name) {
+  const auto& kinds = effect_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+/// Unit of a parameter of an effect that no row of the list describes, such as those of `filter_mismatch`.
+std::string unit_without_row(const std::string& parameter) {
+  if (parameter == "cutoff" || parameter == "frequency") return "Hz";
+  if (parameter == "delay" || parameter == "time" || parameter == "time_constant") return "s";
+  return "";
+}
+
+}  // namespace
+
+std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name) {
+  const auto& joints = spec.model.chain.independent;
+  const auto found =
+      std::find_if(joints.begin(), joints.end(), [&](const auto& j) { return j.name == name; });
+  if (found == joints.end()) return std::nullopt;
+  return static_cast<std::size_t>(found - joints.begin());
+}
+
+DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options) {
+  std::vector<Filter> filters;
+  for (const NamedFilter& f : spec.filters) filters.push_back(f.filter);
+  Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, log, options);
+  std::vector<std::string> warnings = spec.warnings;
+  warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
+  for (const std::string& text : diagnosis.warnings)
+    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+  return {spec, std::move(log), std::move(diagnosis), "", std::move(warnings)};
+}
+
+std::string coordinate_unit(const Spec& spec, const std::string& name) {
+  if (const auto joint = joint_place(spec, name))
+    return spec.model.chain.independent[*joint].prismatic() ? "m" : "rad";
+  for (const CoordinateInfo& row : coordinate_list())
+    if (name == row.name || name == "tip." + std::string(row.name)) return std::string(row.unit);
+  return "m";
+}
+
+std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause& cause) {
+  std::vector<ReportedParameter> list;
+  const auto joint = joint_place(spec, cause.effect.joint);
+  const bool prismatic = joint && spec.model.chain.independent[*joint].prismatic();
+  const EffectKind* kind = find_kind(cause.effect.type);
+  const auto add = [&](const std::string& name, const std::string& unit) {
+    for (const FoundParameter& p : cause.parameters)
+      if (p.name == name) return list.push_back({p, unit, p.lower == p.upper});
+    const auto number = cause.effect.numbers.find(name);
+    if (number != cause.effect.numbers.end())
+      list.push_back({{name, number->second, number->second, number->second}, unit, true});
+  };
+  const auto is_listed = [&](const std::string& name) {
+    return std::any_of(list.begin(), list.end(), [&](const auto& p) { return p.figure.name == name; });
+  };
+  if (kind)
+    for (const Parameter& row : kind->parameters)
+      add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
+  for (const FoundParameter& p : cause.parameters)
+    if (!is_listed(p.name)) add(p.name, unit_without_row(p.name));
+  for (const auto& [name, value] : cause.effect.numbers)
+    if (!is_listed(name)) add(name, unit_without_row(name));
+  return list;
+}
+
+std::string write(const DiagnosisReport& r, std::string_view format, const Style& style) {
+  return format == "json" ? to_json(r) : format == "csv" ? to_csv(r) : to_table(r, style);
+}
+
+}  // namespace qerr

@@ -1,0 +1,211 @@
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "core/text.hpp"
+#include "report/diagnosis/diagnosis_words.hpp"
+#include "report/diagnosis/diagnosis_writers.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string painted(const std::string& text, const char* code, const Style& style) {
+  return style.color ? "\x1b[" + std::string(code) + 'm' + text + "\x1b[0m" : text;
+}
+
+std::string heading(const std::string& text, const Style& style) {
+  return "\n" + painted(text, "1", style) + "\n";
+}
+
+std::string probability(double p) { return p < 1e-15 ? "p < 1e-15" : "p = " + shortest_of(p, 2); }
+
+std::string counts(double value) { return shortest_of(value, 3) + " counts"; }
+
+std::string verdict_line(const Diagnosis& d, const Style& style) {
+  std::string word(name(d.verdict));
+  std::replace(word.begin(), word.end(), '_', ' ');
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  const char* color = d.verdict == Verdict::nothing_wrong ? "1;32" : "1;33";
+  return painted(word, color, style) + ": " + verdict_words(d) + "\n";
+}
+
+/// What is wrong with at most one chance in a hundred; all else stands in the JSON.
+std::string simulation_table(const Diagnosis& d, const Style& style) {
+  constexpr std::size_t most = 8;
+  constexpr double significant = 0.01;
+  std::vector<Comparison> list;
+  std::copy_if(d.simulation.begin(), d.simulation.end(), std::back_inserter(list),
+               [](const Comparison& c) { return c.p_value < significant; });
+  std::stable_sort(list.begin(), list.end(),
+                   [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
+  std::vector<std::vector<std::string>> rows{{"joint", "statistic", "observed", "expected", "p"}};
+  for (std::size_t i = 0; i < std::min(list.size(), most); ++i)
+    rows.push_back({shown(list[i].joint), list[i].statistic, shortest_of(list[i].observed, 3),
+                    shortest_of(list[i].expected, 3),
+                    list[i].p_value < 1e-15 ? "< 1e-15" : shortest_of(list[i].p_value, 2)});
+  if (list.empty()) return "";
+  return heading("What the simulation of the model gets wrong", style) + aligned(rows) +
+         (list.size() > most ? "  and " + std::to_string(list.size() - most) + " more (--format json)\n"
+                             : "");
+}
+
+/// Null where the name is no joint's.
+const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
+  const auto place = joint_place(spec, joint);
+  return place ? &spec.model.transmission.encoders[*place] : nullptr;
+}
+
+/// A figure that is not in counts beside what it is in counts.
+std::string parameter_line(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
+  std::string text = with_interval(p);
+  const Encoder* encoder = encoder_of(spec, cause.effect.joint);
+  const auto& kinds = effect_kinds();
+  const auto kind =
+      std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == cause.effect.type; });
+  if (!encoder || kind == kinds.end()) return text;
+  for (const Parameter& row : kind->parameters)
+    if (row.name == p.figure.name && row.coordinate)
+      text += " = " + counts(p.figure.value / encoder->resolution);
+  return text;
+}
+
+std::string share_of(double share) {
+  return share < 0.01 ? "under 1 %" : std::to_string(std::lround(100 * std::min(share, 1.0))) + " %";
+}
+
+std::string causes_table(const DiagnosisReport& r, const Style& style) {
+  std::string out;
+  for (const Cause& c : r.diagnosis.causes) {
+    const double share = c.gain.rms_before > 0 ? std::pow(c.rms / c.gain.rms_before, 2) : 0;
+    out += "  " + painted(label(c), "1", style) + "  " + probability(c.p_value);
+    if (share > 0) out += ", " + share_of(share) + " of the joint's residual variance";
+    out += '\n';
+    std::vector<std::vector<std::string>> rows;
+    for (const ReportedParameter& p : reported_parameters(r.spec, c))
+      rows.push_back({p.figure.name + "  " + parameter_line(r.spec, c, p)});
+    for (const auto& [choice, word] : c.effect.choices) rows.push_back({choice + "  " + word});
+    out += aligned(rows, "    ");
+    if (const Remedy* row = remedy(c.effect.type)) out += "    remedy: " + std::string(row->text) + '\n';
+  }
+  return out;
+}
+
+/// Causes of the same name at a joint share a line.
+std::string alternatives_list(const Diagnosis& d) {
+  std::vector<std::string> lines;
+  for (const AlternativeCause& a : d.alternatives) {
+    const std::string line = "  " + std::string(a.effect == a.instead_of ? "another " : "") + a.effect +
+                             " instead of " + a.instead_of + " of " + shown(a.joint) +
+                             (a.record.empty() ? "" : "; to tell them apart, record " + escaped(a.record)) +
+                             '\n';
+    if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+  }
+  std::string out;
+  for (const std::string& line : lines) out += line;
+  return out;
+}
+
+std::string unexplained_list(const DiagnosisReport& r) {
+  std::string out;
+  for (const Unnamed& u : r.diagnosis.unexplained) {
+    const std::string unit = coordinate_unit(r.spec, u.joint);
+    out += "  " + shown(u.joint) + ": " + escaped(u.what);
+    if (u.order && *u.order > 0)
+      out += ", order " + shortest_of(*u.order, 4) +
+             (unit == "m" ? " per metre" : " per revolution of the joint");
+    if (u.frequency) out += ", " + readable(*u.frequency, "Hz");
+    if (u.amplitude > 0) out += ", amplitude " + readable(u.amplitude, unit);
+    if (const Encoder* encoder = encoder_of(r.spec, u.joint); encoder && u.amplitude > 0)
+      out += " = " + counts(u.amplitude / encoder->resolution);
+    out += '\n';
+  }
+  return out;
+}
+
+/// Whose residual a cause's gain is of.
+std::string place_of(const Cause& c) { return c.gain.of_tip ? "tip" : shown(c.effect.joint); }
+
+std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
+  const auto in_counts = [](double value) { return std::isfinite(value) ? shortest_of(value, 3) : "-"; };
+  return {label,
+          readable(g.rms_before, g.unit),
+          readable(g.rms_after, g.unit),
+          in_counts(g.counts_before),
+          in_counts(g.counts_after),
+          shortest_of(g.ratio(), 3),
+          g.upper > 0 ? shortest_of(g.lower, 3) + " .. " + shortest_of(g.upper, 3) : ""};
+}
+
+std::string gain_table(const Diagnosis& d) {
+  std::vector<std::vector<std::string>> rows{
+      {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
+  std::vector<std::string> seen;
+  for (const Cause& c : d.causes) {
+    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
+    seen.push_back(place_of(c));
+    rows.push_back(gain_row(seen.back(), c.gain));
+  }
+  // Of the only place there is nothing more to be said.
+  if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
+    rows.push_back(gain_row("all that was judged", d.gain));
+  return aligned(rows) +
+         (d.gain.held_out ? "  after: on blocks of the log that the model was not fitted to\n" : "");
+}
+
+/// What is left at a joint when its causes are taken out, beside what no compensation can take out.
+std::string compensation(const DiagnosisReport& r) {
+  std::string out;
+  std::vector<std::string> seen;
+  for (const Cause& c : r.diagnosis.causes) {
+    const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
+    const Remedy* row = remedy(c.effect.type);
+    if (!encoder || !row || !row->in_controller) continue;
+    const std::string place = (c.gain.of_tip ? "the " : "") + place_of(c);
+    if (std::find(seen.begin(), seen.end(), place) != seen.end()) continue;
+    seen.push_back(place);
+    constexpr double worth_it = 1.05;
+    if (c.gain.ratio() < worth_it) {
+      out += "  A compensation in the controller would bring nothing at " + place + ".\n";
+      continue;
+    }
+    out += "  Compensated in the controller, " + place + " would err by " +
+           readable(c.gain.rms_after, c.gain.unit) + " rms instead of " +
+           readable(c.gain.rms_before, c.gain.unit);
+    // What all counts together leave at the tip is for `qerr analyze` to say.
+    if (!c.gain.of_tip) out += ";\n  its counts alone leave " + readable(sigma(*encoder), c.gain.unit);
+    out += ".\n";
+  }
+  return out;
+}
+
+std::string record_line(const Log& log) {
+  std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
+  if (log.has_time()) out += " over " + shortest_of(log.last_time - log.first_time, 4) + " s";
+  for (const LogColumn& c : log.columns)
+    if (c.wraps.count > 0 || c.wraps.start != 0)
+      out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +
+             (c.wraps.start ? ", " + std::to_string(c.wraps.start) + " at the start" : "");
+  return out + '\n';
+}
+
+}  // namespace
+
+std::string to_table(const DiagnosisReport& r, const Style& style) {
+  const Diagnosis& d = r.diagnosis;
+  std::string out = painted("qerr diagnose", "1", style) + "  robot '" + escaped(r.spec.robot_name, 60) +
+                    "', " + record_line(r.log) + '\n' + verdict_line(d, style);
+  out += simulation_table(d, style);
+  if (!d.causes.empty()) out += heading("Causes, with 95 % intervals", style) + causes_table(r, style);
+  if (!d.alternatives.empty()) out += heading("Could be instead", style) + alternatives_list(d);
+  if (!d.unexplained.empty()) out += heading("Real, and without a name", style) + unexplained_list(r);
+  if (d.verdict == Verdict::cannot_judge) return out;
+  out += heading(d.causes.empty() ? "Residual" : "What the extended model gains", style) + gain_table(d) +
+         compensation(r);
+  if (!r.extended_model.empty()) out += "\nThe model with these effects: " + escaped(r.extended_model) + '\n';
+  return out;
+}
+
+}  // namespace qerr

@@ -1,0 +1,87 @@
+#include "report/diagnosis/extended_reading.hpp"
+
+#include <algorithm>
+#include <array>
+#include <string_view>
+
+namespace qerr {
+
+namespace {
+
+bool is_one_of(std::string_view type, std::initializer_list<std::string_view> list) {
+  return std::find(list.begin(), list.end(), type) != list.end();
+}
+
+bool is_replayed(const EffectKind& kind) {
+  return kind.action && kind.stage != Stage::log &&
+         !is_one_of(kind.name, {"noise", "timing_jitter", "backlash"});
+}
+
+/// The path at any time, linear between its rows and constant beyond them.
+double at(const Evidence& e, double time) {
+  const double* first = e.time.data();
+  const double* last = first + e.rows();
+  const auto after = std::upper_bound(first, last, time) - first;
+  if (after == 0) return e.path[0];
+  if (after == e.rows()) return e.path[e.rows() - 1];
+  const double span = e.time[after] - e.time[after - 1];
+  return e.path[after - 1] + (e.path[after] - e.path[after - 1]) * (time - e.time[after - 1]) / span;
+}
+
+}  // namespace
+
+ExtendedReading::ExtendedReading(const std::vector<Effect>& effects, const Encoder& encoder)
+    : resolution_(encoder.resolution) {
+  for (const EffectKind& kind : effect_kinds())
+    for (const Effect& effect : effects)
+      if (effect.type == kind.name && is_replayed(kind))
+        steps_.push_back({kind.stage, kind.action(effect, encoder, 0)});
+  std::stable_sort(steps_.begin(), steps_.end(),
+                   [](const Step& a, const Step& b) { return a.stage < b.stage; });
+}
+
+double ExtendedReading::taken(double time) const {
+  for (const Step& s : steps_)
+    if (s.stage == Stage::clock) time = s.action(time, {});
+  return time;
+}
+
+double ExtendedReading::operator()(double position, const Moment& moment) const {
+  for (const Step& s : steps_) {
+    if (s.stage == Stage::clock || s.stage == Stage::reference) continue;
+    position = s.stage == Stage::decoder ? resolution_ * s.action(position / resolution_, moment)
+                                         : s.action(position, moment);
+  }
+  return position;
+}
+
+double ExtendedReading::reference(double position, const Moment& moment) const {
+  for (const Step& s : steps_)
+    if (s.stage == Stage::reference) position = s.action(position, moment);
+  return position;
+}
+
+Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) {
+  const ExtendedReading reading(effects, e.encoder);
+  Eigen::ArrayXd sum(e.rows());
+  // On which side the gear lies the evidence knows better: at rest the path still shakes a little.
+  double gap = 0;
+  for (const Effect& effect : effects)
+    if (effect.type == "backlash") gap += effect.number("gap");
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    const double position = e.ordered ? at(e, reading.taken(e.time[k])) : e.path[k];
+    // The path's own interpolation must not look like an effect where none touches the clock.
+    const double truth = reading.taken(e.time[k]) == e.time[k] ? e.path[k] : position;
+    const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
+                        e.temperature.size() ? e.temperature[k] : 0};
+    sum[k] = 0.5 * gap * e.side[k] + reading(truth, moment) - reading.reference(e.path[k], moment);
+  }
+  return sum;
+}
+
+bool fits_table(const Effect& effect) {
+  return is_one_of(effect.type,
+                   {"offset", "scale", "eccentricity", "transmission_error", "subdivision_error"});
+}
+
+}  // namespace qerr

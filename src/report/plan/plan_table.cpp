@@ -1,0 +1,179 @@
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include "core/text.hpp"
+#include "report/plan/plan_writers.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string painted(const std::string& text, const char* code, const Style& style) {
+  return style.color ? "\x1b[" + std::string(code) + 'm' + text + "\x1b[0m" : text;
+}
+
+std::string shown(const std::string& name) { return escaped(name, 40); }
+
+/// Of all orders and time constants of one family the one that is hardest to see, and to name.
+struct Cell {
+  double seen = 0, named = 0;  // [counts]
+};
+
+std::optional<Cell> cell_of(const PlannedJoint& joint, const std::string& family) {
+  std::optional<Cell> worst;
+  for (const PlannedEffect& p : joint.effects) {
+    if (family_of(p.effect) != family) continue;
+    if (!worst) worst.emplace();
+    worst->seen = std::max(worst->seen, p.seen_counts());
+    worst->named = std::max(worst->named, p.named_counts());
+  }
+  return worst;
+}
+
+std::string text_of(const std::optional<Cell>& cell) {
+  if (!cell) return "";
+  if (!std::isfinite(cell->seen)) return "none";
+  return std::isfinite(cell->named) ? shortest_of(cell->named, 2) : shortest_of(cell->seen, 2) + " ?";
+}
+
+std::vector<std::string> families(const std::vector<PlannedJoint>& joints) {
+  std::vector<std::string> list;
+  for (const PlannedJoint& joint : joints)
+    for (const PlannedEffect& p : joint.effects)
+      if (std::find(list.begin(), list.end(), family_of(p.effect)) == list.end())
+        list.push_back(family_of(p.effect));
+  return list;
+}
+
+/// Smallest sizes in counts: a row per effect, a column per joint that moves.
+std::string matrix(const std::vector<PlannedJoint>& joints) {
+  std::vector<std::vector<std::string>> rows{{""}};
+  for (const PlannedJoint& joint : joints)
+    if (joint.moves) rows[0].push_back(shown(joint.joint));
+  for (const std::string& family : families(joints)) {
+    std::vector<std::string>& row = rows.emplace_back(1, family);
+    for (const PlannedJoint& joint : joints)
+      if (joint.moves) row.push_back(text_of(cell_of(joint, family)));
+  }
+  return aligned(rows);
+}
+
+/// Families that are alike at a joint, each pair once.
+std::set<std::pair<std::string, std::string>> pairs(const PlannedJoint& joint) {
+  std::set<std::pair<std::string, std::string>> found;
+  for (const PlannedEffect& p : joint.effects)
+    for (const Rival& r : p.rivals)
+      if (r.twin()) {
+        const std::string a = family_of(p.effect), b = family_of(r.effect);
+        if (!found.contains({b, a})) found.insert({a, b});
+      }
+  return found;
+}
+
+std::string record_for(const std::vector<PlannedJoint>& joints, const std::string& a, const std::string& b) {
+  for (const PlannedJoint& joint : joints)
+    for (const PlannedEffect& p : joint.effects)
+      for (const Rival& r : p.rivals)
+        if (r.twin() && ((family_of(p.effect) == a && family_of(r.effect) == b) ||
+                         (family_of(p.effect) == b && family_of(r.effect) == a)))
+          return r.record;
+  return "";
+}
+
+/// Every pair, the joints at which it is one, and what to record; by record, as several share one.
+std::string twins(const std::vector<PlannedJoint>& joints) {
+  std::map<std::pair<std::string, std::string>, std::string> where;
+  for (const PlannedJoint& joint : joints)
+    for (const auto& pair : pairs(joint)) {
+      std::string& names = where[pair];
+      names += (names.empty() ? "" : ", ") + shown(joint.joint);
+    }
+  std::map<std::string, std::vector<std::string>> by_record;
+  for (const auto& [pair, names] : where) {
+    const auto& [a, b] = pair;
+    by_record[record_for(joints, a, b)].push_back(
+        (a == b ? a + " of one order and of another" : a + " and " + b) + ": " + names);
+  }
+  std::string out;
+  for (const auto& [record, lines] : by_record) {
+    for (const std::string& line : lines) out += "  " + line + '\n';
+    out += "    to tell them apart, record " + record + '\n';
+  }
+  return out;
+}
+
+std::size_t named_count(const PlannedJoint& joint) {
+  std::size_t count = 0;
+  for (const std::string& family : families({joint}))
+    if (const auto cell = cell_of(joint, family); cell && std::isfinite(cell->named)) ++count;
+  return count;
+}
+
+/// One line a joint: how many effects a record could name, now and with the better motion.
+std::string summary(const PlanReport& r) {
+  const Plan& p = r.plan;
+  std::vector<std::vector<std::string>> rows{{"joint", "readings", "effects", "named", "better motion"}};
+  for (std::size_t j = 0; j < p.joints.size(); ++j) {
+    const PlannedJoint& joint = p.joints[j];
+    const bool changed = std::find(p.changed.begin(), p.changed.end(), j) != p.changed.end();
+    rows.push_back({shown(joint.joint), shortest_of(std::round(joint.readings), 6),
+                    joint.moves ? std::to_string(families({joint}).size()) : "",
+                    joint.moves ? std::to_string(named_count(joint)) : "rests: nothing can be said",
+                    changed ? std::to_string(named_count(p.joints_better[j])) + " of " +
+                                  std::to_string(families({p.joints_better[j]}).size())
+                            : ""});
+  }
+  return aligned(rows);
+}
+
+std::string unseen(const std::vector<PlannedJoint>& joints) {
+  std::vector<std::string> lines;
+  for (const PlannedJoint& joint : joints)
+    for (const Unseen& u : joint.unseen) {
+      std::string needs = escaped(u.needs, 200);
+      const std::string own = shown(joint.joint) + ".";
+      if (const auto at = needs.find(own); at != std::string::npos) needs.replace(at, own.size(), "JOINT.");
+      const std::string line = "  " + u.effect + " needs " + needs + '\n';
+      if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
+    }
+  std::string out;
+  for (const std::string& line : lines) out += line;
+  return out + "  truncation is an offset of half a count for every motion; a datum tells them apart\n";
+}
+
+std::string sentence(const Plan& p) {
+  return "A reference with a noise of " + shortest_of(p.options.reference_noise, 3) +
+         " counts beside every encoder; found with " + shortest_of(100 * p.options.power, 3) +
+         " % at the sizes below.\n";
+}
+
+}  // namespace
+
+std::string to_table(const PlanReport& r, const Style& style) {
+  const Plan& p = r.plan;
+  std::string out = "qerr diagnose --plan  robot '" + escaped(r.spec.robot_name, 60) + "', " +
+                    shortest_of(r.spec.motion->duration, 6) + " s at " +
+                    readable(r.spec.motion->sample_rate, "Hz") + "\n\n" + sentence(p) + '\n' + summary(r);
+  const bool any = std::any_of(p.joints.begin(), p.joints.end(), [](const auto& j) { return j.moves; });
+  const auto heading = [&](const std::string& text) { return "\n" + painted(text, "1", style) + "\n"; };
+  if (any) {
+    out += heading("Smallest size that is named [counts, peak of what it adds]") + matrix(p.joints) +
+           "  ?: seen from there on, and never told from another; none: not seen\n";
+    if (const std::string list = twins(p.joints); !list.empty())
+      out += heading("Cannot be told apart in this motion") + list;
+    out += heading("Cannot be seen in this record") + unseen(p.joints);
+  }
+  if (!p.better) return out + "\nNone of the motions tried says clearly more.\n";
+  out += heading(
+             "With a better motion (same length and rate; only the joints' limits are known, look out for "
+             "obstacles)") +
+         matrix(p.joints_better);
+  if (const std::string list = twins(p.joints_better); !list.empty())
+    out += heading("Still not told apart") + list;
+  return out + heading("The better motion, for the spec") + motion_text(*p.better, r.spec.model.chain);
+}
+
+}  // namespace qerr

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <array>
+#include <charconv>
+
+#include "kinematics/inverse_dynamics.hpp"
+#include "qerr/report/simulation_report.hpp"
+#include "qerr/report/write.hpp"
+
+namespace qerr {
+
+namespace {
+
+void append(std::string& text, double value) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), value == 0 ? 0.0 : value);
+  text.append(buffer.data(), end.ptr);
+}
+
+void append_count(std::string& text, double count) {
+  std::array<char, 32> buffer;
+  const auto end = std::to_chars(buffer.data(), buffer.data() + buffer.size(), static_cast<long long>(count));
+  text.append(buffer.data(), end.ptr);
+}
+
+}  // namespace
+
+LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.model.chain)) {
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+      return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
+    }));
+}
+
+std::string LogWriter::header() const {
+  std::string text = "time [s]";
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    const IndependentJoint& joint = spec_.model.chain.independent[i];
+    const std::string unit = joint.prismatic() ? " [m]" : " [rad]";
+    text += ',' + csv_cell(joint.name + (rounded_[i] ? ".measured" + unit : ".counts")) + ',' +
+            csv_cell(joint.name + ".reference" + unit);
+    if (efforts_) text += ',' + csv_cell(joint.name + (joint.prismatic() ? ".effort [N]" : ".effort [N m]"));
+  }
+  return text + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
+}
+
+std::string_view LogWriter::row(const Reading& r) {
+  text_.clear();
+  append(text_, r.time);
+  for (std::size_t i = 0; i < rounded_.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    text_ += ',';
+    if (rounded_[i])
+      append(text_, r.logged[row]);
+    else
+      append_count(text_, r.counts[row]);
+    text_ += ',';
+    append(text_, r.reference[row]);
+    if (!efforts_) continue;
+    text_ += ',';
+    append(text_, r.effort[row]);
+  }
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    text_ += ',';
+    append(text_, r.tip.translation()[i]);
+  }
+  text_ += "\r\n";
+  return text_;
+}
+
+}  // namespace qerr

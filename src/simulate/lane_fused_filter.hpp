@@ -1,0 +1,181 @@
+#pragma once
+
+#include "simulate/lane_filters.hpp"
+
+// Rows of channels through one or two sections and into their tally: nothing is stored between.
+
+namespace qerr::lanes {
+namespace {
+
+using Kind = TightSection::Kind;
+
+/// The factors of a section in lanes.
+template <class L>
+struct TightLanes {
+  L e, minus_k, a, b;
+
+  [[gnu::always_inline]] explicit TightLanes(const TightSection& s)
+      : e(broadcast<L>(s.e)), minus_k(broadcast<L>(-s.k)), a(broadcast<L>(s.a)), b(broadcast<L>(s.b)) {}
+};
+
+/// The states of a section for one vector of channels.
+template <class L>
+struct TightState {
+  L s, r;
+};
+
+/// Whether the section has one state.
+constexpr bool of_first_order(Kind kind) {
+  return kind == Kind::first || kind == Kind::rise || kind == Kind::lag;
+}
+
+/// A sample through a section. Where a sum does, the units that multiply are not asked.
+template <Kind kind, class L>
+[[gnu::always_inline]] inline L pass(const TightLanes<L>& section, const L& x, TightState<L>& state) {
+  const L before = state.s, r = state.r;
+  if constexpr (kind == Kind::none) return x;
+  L next = fma(section.e, before, x);
+  if constexpr (!of_first_order(kind)) {
+    next = fma(section.minus_k, r, next);
+    state.r = r + next;
+  }
+  state.s = next;
+  if constexpr (kind == Kind::lag) return next;
+  if constexpr (kind == Kind::rise) return next - before;
+  if constexpr (kind == Kind::low) return fma(0.25, next - before, r);
+  const L y = fma(section.a, before, next);
+  if constexpr (kind == Kind::second) return fma(section.b, r, y);
+  return y;
+}
+
+template <Kind kind, class L>
+[[gnu::always_inline]] inline TightState<L> state_at(const double* from, std::size_t width) {
+  TightState<L> state{};
+  if constexpr (kind != Kind::none) state.s = load<L>(from);
+  if constexpr (kind != Kind::none && !of_first_order(kind)) state.r = load<L>(from + width);
+  return state;
+}
+
+template <Kind kind, class L>
+[[gnu::always_inline]] inline void keep(const TightState<L>& state, double* to, std::size_t width) {
+  if constexpr (kind != Kind::none) store(to, state.s);
+  if constexpr (kind != Kind::none && !of_first_order(kind)) store(to + width, state.r);
+}
+
+/// All states of a filter for one vector of channels.
+template <class L, int differences, Kind one, Kind two>
+struct TightStates {
+  TightState<L> first, last;
+  L past[differences > 0 ? differences : 1];
+
+  [[gnu::always_inline]] void load_from(const double* from, std::size_t width) {
+    first = state_at<one, L>(from, width);
+    last = state_at<two, L>(from + 2 * width, width);
+    for (int d = 0; d < differences; ++d) past[d] = load<L>(from + static_cast<std::size_t>(4 + d) * width);
+  }
+  [[gnu::always_inline]] void store_to(double* to, std::size_t width) const {
+    keep<one>(first, to, width);
+    keep<two>(last, to + 2 * width, width);
+    for (int d = 0; d < differences; ++d) store(to + static_cast<std::size_t>(4 + d) * width, past[d]);
+  }
+  [[gnu::always_inline]] L pass_on(L x, const TightLanes<L>& of_first, const TightLanes<L>& of_last) {
+#pragma GCC unroll 2
+    for (int d = 0; d < differences; ++d) {
+      const L now = x;
+      x = now - past[d];
+      past[d] = now;
+    }
+    return pass<two>(of_last, pass<one>(of_first, x, first), last);
+  }
+};
+
+/// Where rows go through a filter: what a kernel takes.
+struct TightRows {
+  const double* in;
+  std::size_t stride, rows, width;
+  double* state;
+};
+
+/// `group` vectors of channels from the c-th on, row after row.
+template <class L, int group, bool peaks, int differences, Kind one, Kind two>
+[[gnu::noinline]] void tallied_on(const TightFilter& f, const TightRows& rows, std::size_t c, bool fresh,
+                                  const ChannelTally& t) {
+  constexpr auto lanes = lane_count<L>;
+  const TightLanes<L> first(f.sections[0]), last(f.sections[1]);
+  const double* in = rows.in + c;
+  TightStates<L, differences, one, two> states[group];
+#pragma GCC unroll 8
+  for (int g = 0; g < group; ++g) {
+    states[g].load_from(rows.state + c + g * lanes, rows.width);
+    if (fresh) {  // about what comes out first
+      auto copy = states[g];
+      store(t.shift + c + g * lanes, copy.pass_on(load<L>(in + g * lanes), first, last));
+    }
+  }
+  TallyLanes<L, group, peaks> tally(t, c);
+  for (std::size_t row = 0; row < rows.rows; ++row, in += rows.stride) {
+#pragma GCC unroll 8
+    for (int g = 0; g < group; ++g) tally.add(g, states[g].pass_on(load<L>(in + g * lanes), first, last));
+  }
+  tally.put(t, c);
+#pragma GCC unroll 8
+  for (int g = 0; g < group; ++g) states[g].store_to(rows.state + c + g * lanes, rows.width);
+}
+
+/// call(kernel) with the one for a filter's sections.
+template <class L, int group, bool peaks, int differences, class Call>
+void with_sections(Kind one, Kind two, Call call) {
+  const auto offer = [&]<Kind a, Kind b>() {
+    if constexpr (is_tight(differences, a, b))
+      if (one == a && two == b) call(tallied_on<L, group, peaks, differences, a, b>);
+  };
+  offer.template operator()<Kind::first, Kind::none>();
+  offer.template operator()<Kind::first, Kind::first>();
+  offer.template operator()<Kind::first, Kind::second>();
+  offer.template operator()<Kind::rise, Kind::lag>();
+  offer.template operator()<Kind::second, Kind::none>();
+  offer.template operator()<Kind::second, Kind::second>();
+  offer.template operator()<Kind::low, Kind::low>();
+}
+
+template <class L, int group, bool peaks>
+void tallied_of_kind(const TightFilter& f, const TightRows& rows, std::size_t c, bool fresh,
+                     const ChannelTally& t) {
+  const auto call = [&](auto* kernel) { kernel(f, rows, c, fresh, t); };
+  const Kind one = f.sections[0].kind, two = f.sections[1].kind;
+  if (f.differences == 0) with_sections<L, group, peaks, 0>(one, two, call);
+  if (f.differences == 1) with_sections<L, group, peaks, 1>(one, two, call);
+  if (f.differences == 2) with_sections<L, group, peaks, 2>(one, two, call);
+}
+
+/// Vectors of a group: as many as the registers hold with all states and sums of each.
+template <class L>
+constexpr std::size_t largest_tallied = lane_count<L> == 8 ? 3 : 2;
+
+/// Groups are as alike as can be: each vector waits for its last row, and the others of a group fill the
+/// time.
+template <class L>
+void filter_and_tally(const TightFilter& f, const double* in, std::size_t stride, std::size_t rows,
+                      std::size_t width, std::size_t peaks, bool fresh, double* state,
+                      const ChannelTally& t) {
+  constexpr std::size_t lanes = lane_count<L>, largest = largest_tallied<L>;
+  const TightRows all{in, stride, rows, width, state};
+  std::size_t vectors = width / lanes, groups = (vectors + largest - 1) / largest, c = 0;
+  for (; groups > 0; --groups) {
+    const std::size_t size = (vectors + groups - 1) / groups;
+    const auto on = [&]<int group>() {
+      if constexpr (group <= largest)
+        if (size == group)
+          c < peaks ? tallied_of_kind<L, group, true>(f, all, c, fresh, t)
+                    : tallied_of_kind<L, group, false>(f, all, c, fresh, t);
+    };
+    on.template operator()<1>();
+    on.template operator()<2>();
+    on.template operator()<3>();
+    vectors -= size;
+    c += size * lanes;
+  }
+}
+
+}  // namespace
+}  // namespace qerr::lanes
