@@ -1,9 +1,10 @@
 #include "simulate/run_statistics.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <limits>
+
+#include "core/probability.hpp"
 
 namespace qerr {
 
@@ -155,7 +156,7 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
   }
   if (n < 2) return {0, std::numeric_limits<double>::infinity()};
   const double spread = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)) / n);
-  const double t = quantile(boost::math::students_t(n - 1), 0.975);
+  const double t = student_t_quantile(0.975, n - 1);
   return {std::sqrt(std::max(0.0, pooled - t * spread)), std::sqrt(pooled + t * spread)};
 }
 

@@ -2,17 +2,17 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 #include <numbers>
 
+#include "core/probability.hpp"
 #include "diagnose/record/record_blocks.hpp"
 
 namespace qerr {
 
 namespace {
 
-constexpr double normal_quantile = 1.959963984540054;
+constexpr double normal_quantile_95 = 1.959963984540054;
 constexpr double half_chi_squared = 1.92;
 
 /// The name of the number that a term's columns depend on other than linearly; "" when there is none.
@@ -33,14 +33,14 @@ Eigen::ArrayXd shape_column(const Evidence& e, const Term& t, const Eigen::Vecto
 /// Covariance of all that was fitted, twice: by the curvature alone, and with the scatter of the blocks.
 struct Covariance {
   Eigen::MatrixXd curvature, sandwich;
-  double quantile = normal_quantile;  ///< for the second
+  double quantile = normal_quantile_95;  ///< for the second
 
   /// Half the width of the 95 % interval of a combination of the coefficients.
   double half_width(const Eigen::VectorXd& derivative) const {
     const auto sigma = [&](const Eigen::MatrixXd& v) {
       return std::sqrt(std::max(0.0, derivative.dot(v * derivative)));
     };
-    return std::max(normal_quantile * sigma(curvature), quantile * sigma(sandwich));
+    return std::max(normal_quantile_95 * sigma(curvature), quantile * sigma(sandwich));
   }
 };
 
@@ -67,7 +67,7 @@ Covariance covariance(const Evidence& e, const IntervalLikelihood& l, const Eige
   if (free < 3) return c;
   c.sandwich = scale.asDiagonal() * inverse * (scores.transpose() * scores) * inverse * scale.asDiagonal() *
                ((free + 1) / free);
-  c.quantile = quantile(boost::math::students_t(free), 0.975);
+  c.quantile = student_t_quantile(0.975, free);
   return c;
 }
 

@@ -1,9 +1,9 @@
 #include "diagnose/inference/model_choice.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 
+#include "core/probability.hpp"
 #include "diagnose/terms/scan.hpp"
 
 namespace qerr {
@@ -49,7 +49,7 @@ double bayes(const Explanation& m, const Evidence& e) {
 double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
   const Term& t = with.terms()[term];
   const double ratio = 2 * (with.log_likelihood() - without.log_likelihood()) / with.inflation(t.columns);
-  return ratio > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(t.size())), ratio)) : 1;
+  return ratio > 0 ? chi_squared_tail(ratio, static_cast<double>(t.size())) : 1;
 }
 
 double size_of(const Explanation& m, std::size_t term) {

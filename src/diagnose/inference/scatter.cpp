@@ -1,11 +1,11 @@
 #include "diagnose/inference/scatter.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
 #include <numbers>
 #include <numeric>
 
+#include "core/probability.hpp"
 #include "diagnose/inference/model_choice.hpp"
 
 namespace qerr {
@@ -217,7 +217,7 @@ void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials,
     if (without.outliers > many_outliers * static_cast<double>(e.rows())) s.structure = part_far_off;
     return;
   }
-  s.p_value = cdf(complement(boost::math::chi_squared(1), ratio));
+  s.p_value = chi_squared_tail(ratio, 1);
   if (s.p_value * static_cast<double>(found.size()) > significant) return;
   // What is correlated is neither noise nor jitter; unequal states are locked to the count.
   if (!s.structure.empty() && best.effect.type != "state_width") return;

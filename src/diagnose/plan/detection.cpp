@@ -1,10 +1,10 @@
 #include "diagnose/plan/detection.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
-#include <boost/math/distributions/non_central_chi_squared.hpp>
 #include <cmath>
 #include <numbers>
+
+#include "core/probability.hpp"
 
 namespace qerr {
 
@@ -13,13 +13,6 @@ namespace {
 constexpr double reach = 8;  ///< of the Gaussian [sigma]
 
 double density(double z) { return std::exp(-0.5 * z * z) / std::sqrt(2 * std::numbers::pi); }
-
-/// Phi(b) - Phi(a), by the tail on the side where both lie.
-double between(double a, double b) {
-  const double sign = a + b < 0 ? -1 : 1;
-  return 0.5 *
-         std::abs(std::erfc(sign * a / std::numbers::sqrt2) - std::erfc(sign * b / std::numbers::sqrt2));
-}
 
 }  // namespace
 
@@ -31,7 +24,7 @@ ReadingInformation reading_information(double noise) {
   for (int i = 0; i < points; ++i) {
     const double x = (i + 0.5) / points;
     for (double k = -most; k <= most; ++k) {
-      const double a = (k - x) / noise, b = (k + 1 - x) / noise, p = between(a, b);
+      const double a = (k - x) / noise, b = (k + 1 - x) / noise, p = normal_probability(a, b);
       if (p < 1e-14) continue;
       const double position = density(a) - density(b), scatter = a * density(a) - b * density(b);
       sum.position += position * position / p;
@@ -39,14 +32,6 @@ ReadingInformation reading_information(double noise) {
     }
   }
   return {sum.position / (points * noise * noise), sum.scatter / points};
-}
-
-double needed_noncentrality(double threshold, double freedom, double power) {
-  return boost::math::non_central_chi_squared::find_non_centrality(freedom, threshold, 1 - power);
-}
-
-double chi_squared_beyond(double freedom, double p) {
-  return boost::math::quantile(complement(boost::math::chi_squared(freedom), p));
 }
 
 }  // namespace qerr

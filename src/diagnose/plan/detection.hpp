@@ -12,10 +12,4 @@ struct ReadingInformation {
 /// @param noise  of the reference, standard deviation [counts], > 0
 ReadingInformation reading_information(double noise);
 
-/// Noncentrality at which a chi-squared variable of `freedom` exceeds `threshold` with probability `power`.
-double needed_noncentrality(double threshold, double freedom, double power);
-
-/// Value that a chi-squared variable exceeds with probability `p`.
-double chi_squared_beyond(double freedom, double p);
-
 }  // namespace qerr

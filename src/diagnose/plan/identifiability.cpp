@@ -3,9 +3,9 @@
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <algorithm>
-#include <boost/math/distributions/normal.hpp>
 #include <cmath>
 
+#include "core/probability.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
 #include "diagnose/verdict/record_advice.hpp"
@@ -106,7 +106,7 @@ Eigen::MatrixXd Sight::beyond(const Face& f, std::size_t other) const {
 double Sight::threshold(const Term& t) const {
   const auto size = static_cast<double>(t.size());
   const double tests = static_cast<double>(terms_.size()) * (scanned(t) ? scanned_hypotheses : 1);
-  return std::max({chi_squared_beyond(size, options_.alpha / tests), 2 * worth_trying,
+  return std::max({chi_squared_tail_quantile(options_.alpha / tests, size), 2 * worth_trying,
                    2 * worth_a_term + size * std::log(readings_)});
 }
 
@@ -129,10 +129,10 @@ PlannedEffect Sight::seen_by(const Face& f) const {
   p.parameter = parameter_of(t, f.first - first_[f.term]);
   if (scanned(t)) p.effect.numbers.erase("time");
   p.counts_per_size = periodic(t) ? 1 / record_.evidence.step() : peak_[f.first];
-  const double need = needed_noncentrality(threshold(t), static_cast<double>(t.size()), options_.power);
+  const double need = noncentrality_for_power(threshold(t), static_cast<double>(t.size()), options_.power);
   const double information = information_.position * least_eigenvalue(beyond(f, terms_.size()));
   // What is estimated of a size scatters, and must be loud enough all the same.
-  const double surely = boost::math::quantile(boost::math::normal(), options_.power);
+  const double surely = normal_quantile(options_.power);
   if (information <= 0) return p;
   const double from = std::sqrt(need / information), scatter = surely / std::sqrt(information);
   p.seen = std::max(from, floor_of(f, false) + scatter);
@@ -161,8 +161,8 @@ Rival Sight::rival_of(const Face& f, std::size_t other) const {
   r.record = record_advice(t.effect.type, o.effect.type);
   if (part > nearly_as_good) return r;
   const double price = static_cast<double>(t.size() - o.size()) * std::log(readings_);
-  const double need = needed_noncentrality(std::max(4.0, 2 * cannot_be_told + price),
-                                           static_cast<double>(t.size()), options_.power);
+  const double need = noncentrality_for_power(std::max(4.0, 2 * cannot_be_told + price),
+                                              static_cast<double>(t.size()), options_.power);
   r.size = std::sqrt(need / (information_.position * least_eigenvalue(left)));
   return r;
 }

@@ -5,6 +5,7 @@
 #include <functional>
 #include <numbers>
 
+#include "core/probability.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/verdict/record_advice.hpp"
@@ -79,7 +80,7 @@ class Scattered {
   double speed() const { return speed_; }  ///< rms [counts/s]
 
  private:
-  double need() const { return needed_noncentrality(2 * cannot_be_told, 1, power_); }
+  double need() const { return noncentrality_for_power(2 * cannot_be_told, 1, power_); }
 
   /// With a jitter that adds an rms of `x` counts.
   Eigen::ArrayXd log_sigma(double x) const {

@@ -1,11 +1,10 @@
 #include "diagnose/verdict/comparison.hpp"
 
 #include <algorithm>
-#include <boost/math/distributions/fisher_f.hpp>
-#include <boost/math/distributions/students_t.hpp>
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "core/probability.hpp"
 #include "diagnose/surrogates/residual_statistics.hpp"
 
 namespace qerr {
@@ -26,10 +25,10 @@ double tail(const ResidualStatistic& s, double expected, double scatter) {
   const auto count = static_cast<double>(others.size());
   if (s.tail == Tail::chi_squared) {
     const double square = others.square().mean() + s.degrees * s.least * s.least;
-    return cdf(complement(boost::math::fisher_f(s.degrees, s.degrees * count), observed * observed / square));
+    return fisher_f_tail(observed * observed / square, s.degrees, s.degrees * count);
   }
   const double t = std::abs(observed - expected) / (scatter * std::sqrt(1 + 1 / count));
-  return 2 * cdf(complement(boost::math::students_t(count - 1), t));
+  return 2 * student_t_tail(t, count - 1);
 }
 
 Judged judged(const std::string& joint, const ResidualStatistic& s) {

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
+#include "core/probability.hpp"
 #include "core/random.hpp"
 #include "diagnose/record/record_blocks.hpp"
 
@@ -14,8 +14,6 @@ namespace {
 constexpr std::size_t fewest_blocks = 4;
 constexpr std::uint64_t draws = 999;
 constexpr std::uint64_t bootstrap_stream = 0x626c6f636b;
-
-double below(double z) { return 0.5 * std::erfc(-z / std::numbers::sqrt2); }
 
 /// What a fitted model says of some rows: where the position was, and how sure it is.
 struct Prediction {
@@ -63,7 +61,8 @@ double expected_square(const Encoder& encoder, double position, double noise) {
   double sum = 0;
   for (double count = first; count <= position + below_reading + 6 * noise; ++count) {
     const double edge = count - below_reading - position;
-    sum += (count - position) * (count - position) * (below((edge + 1) / noise) - below(edge / noise));
+    sum +=
+        (count - position) * (count - position) * (normal_cdf((edge + 1) / noise) - normal_cdf(edge / noise));
   }
   return sum;
 }
@@ -91,8 +90,8 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
     const double rest = (part.measured[k] - x) / e.step();
     h.rest += rest * rest;
     h.predicted += expected_square(e.encoder, e.counted ? x / e.step() : 0.5, noise / e.step());
-    h.inside += part_inside(below((edges.lower[k] - p.after[k]) / noise),
-                            below((edges.upper[k] - p.after[k]) / noise));
+    h.inside += part_inside(normal_cdf((edges.lower[k] - p.after[k]) / noise),
+                            normal_cdf((edges.upper[k] - p.after[k]) / noise));
   }
   h.readings += static_cast<double>(part.rows());
 }

@@ -2,8 +2,9 @@
 
 #include <Eigen/Cholesky>
 #include <algorithm>
-#include <boost/math/distributions/chi_squared.hpp>
 #include <cmath>
+
+#include "core/probability.hpp"
 
 namespace qerr {
 
@@ -31,8 +32,7 @@ double inflation(const TipModel& model, std::size_t term) {
 }
 
 double p_value(double gain, Eigen::Index coefficients) {
-  return gain > 0 ? cdf(complement(boost::math::chi_squared(static_cast<double>(coefficients)), 2 * gain))
-                  : 1;
+  return gain > 0 ? chi_squared_tail(2 * gain, static_cast<double>(coefficients)) : 1;
 }
 
 double loudness(const TipSolution& s, const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
