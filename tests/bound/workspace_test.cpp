@@ -1,0 +1,469 @@
+#include "qerr/bound/workspace.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+#include "bound/configuration_batch.hpp"
+#include "bound/histogram.hpp"
+#include "bound/joined_tally.hpp"
+#include "core/random.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/aligned.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/filter/family.hpp"
+#include "support/random_chain.hpp"
+
+namespace qerr {
+namespace {
+
+using testing::Dice;
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+
+JoinedTally tally_of(const std::vector<double>& values, std::size_t block = 1000) {
+  JoinedTally joined;
+  for (std::size_t first = 0; first < values.size(); first += block) {
+    Tally tally;
+    const std::size_t count = std::min(block, values.size() - first);
+    tally_some(values.data() + first, count, first, tally);
+    joined.append(tally, count);
+  }
+  return joined;
+}
+
+Statistic statistic_of(std::vector<double> values) {
+  const JoinedTally tally = tally_of(values);
+  return statistic(tally, order_statistics(values.data(), values.size()));
+}
+
+Statistic binned_statistic_of(const std::vector<double>& values, double typical, int parts = 1) {
+  const std::int32_t lowest = Histogram::lowest_bin(leading_bits(typical));
+  std::vector<Histogram> histograms;
+  for (int i = 0; i < parts; ++i) histograms.emplace_back(lowest);
+  for (std::size_t i = 0; i < values.size(); ++i) histograms[i % histograms.size()].add(values[i]);
+  for (std::size_t i = 1; i < histograms.size(); ++i) histograms[0].append(histograms[i]);
+  const JoinedTally tally = tally_of(values);
+  return statistic(tally, [&](std::uint64_t rank) {
+    return histograms[0].order_statistic(rank, tally.min(), tally.max());
+  });
+}
+
+/// numpy.percentile(values, 100 p), method linear.
+double exact_percentile(std::vector<double> values, double p) {
+  std::sort(values.begin(), values.end());
+  const double position = p * static_cast<double>(values.size() - 1);
+  const auto below = static_cast<std::size_t>(position);
+  if (below + 1 >= values.size()) return values.back();
+  return values[below] + (position - static_cast<double>(below)) * (values[below + 1] - values[below]);
+}
+
+// Golden: numpy's definition in exact fractions; 1e-15 relative.
+TEST(Statistic, PercentilesAreNumpysLinearOnes) {
+  struct Case {
+    std::vector<double> values;
+    double p50, p95, p99, mean;
+  };
+  for (const Case& c :
+       {Case{{3, 1, 2}, 2, 2.9, 2.98, 2}, Case{{4, 1, 3, 2}, 2.5, 3.85, 3.97, 2.5}, Case{{7}, 7, 7, 7, 7},
+        Case{{0.5, 10, 2, 8, 2.5, 0, 1, 9, 100, 3, 4}, 3, 55, 91, 140.0 / 11}}) {
+    const Statistic s = statistic_of(c.values);
+    EXPECT_DOUBLE_EQ(s.p50, c.p50);
+    EXPECT_DOUBLE_EQ(s.p95, c.p95);
+    EXPECT_DOUBLE_EQ(s.p99, c.p99);
+    EXPECT_DOUBLE_EQ(s.mean, c.mean);
+    EXPECT_EQ(s.min, *std::min_element(c.values.begin(), c.values.end()));
+    EXPECT_EQ(s.max, *std::max_element(c.values.begin(), c.values.end()));
+  }
+}
+
+// 1e-3 whatever the values are; 5e-5 where 200000 of them lie evenly.
+TEST(Histogram, PercentilesAreWithinTheirStatedError) {
+  Dice dice(1);
+  for (const bool evenly : {false, true}) {
+    std::vector<double> values(200000);
+    for (double& v : values)
+      v = evenly ? dice.between(10, 1000) : std::pow(10.0, 3 - 30 * std::pow(dice.between(0, 1), 4));
+    values.resize(values.size() + 1000, 0.0);
+    const Statistic binned = binned_statistic_of(values, 1.0), exact = statistic_of(values);
+    EXPECT_NE(binned.p50, exact.p50) << "bins were not in use";
+    for (const auto p : {&Statistic::p50, &Statistic::p95, &Statistic::p99})
+      EXPECT_NEAR(binned.*p, exact.*p, (evenly ? 5e-5 : 1e-3) * exact.*p);
+    EXPECT_EQ(binned.min, 0);
+    EXPECT_EQ(binned.max, exact.max);
+  }
+}
+
+TEST(Histogram, CountsTheSameInPartsAndBeyondItsSpan) {
+  Dice dice(9);
+  std::vector<double> values{0, 1e-300, 1e300, infinity};
+  for (int i = 0; i < 9999; ++i) values.push_back(dice.between(0, 7));
+  const Statistic whole = binned_statistic_of(values, 3), parts = binned_statistic_of(values, 3, 5);
+  EXPECT_EQ(whole.p50, parts.p50);
+  EXPECT_EQ(whole.p95, parts.p95);
+  EXPECT_EQ(whole.p99, parts.p99);
+  EXPECT_NEAR(whole.p50, 3.5, 0.1);
+}
+
+// What is counted is told exactly as if all were; of the rest it is known that it is not.
+TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
+  Dice dice(5);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<double> values(5000);
+    for (double& v : values) {
+      const double kind = dice.between(0, 1);
+      v = kind < 0.05 ? 0 : kind < 0.1 ? 0x1p-50 * dice.between(0, 1) : std::pow(dice.between(0, 1), 3);
+      if (kind > 0.99) v *= 0x1p30;
+    }
+    std::sort(values.begin(), values.end());
+    const auto bin = [&](double p) { return leading_bits(values[static_cast<std::size_t>(p * 4999)]); };
+    const double low = dice.between(0.15, 0.6), high = dice.between(low, 0.7);
+    const CountedBins near{bin(low), bin(high) + 1, bin(dice.between(high, 1))},
+        counted = round % 3 == 0 ? CountedBins{} : near;
+    const std::int32_t lowest = Histogram::lowest_bin(leading_bits(1));
+    const auto a = static_cast<std::int32_t>(dice.between(-70000, 70000)),
+               b = static_cast<std::int32_t>(dice.between(0, 70000));
+    Histogram all(lowest), some(lowest, counted, {lowest + a, b}), other(lowest, counted);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      all.add(values[i]);
+      (i % 3 == 0 ? some : other).add(values[i]);
+    }
+    some.append(other);
+    for (std::size_t rank = 0; rank < values.size(); rank += 7) {
+      EXPECT_TRUE(all.counts(rank));
+      ASSERT_EQ(some.counts(rank), counted(leading_bits(values[rank])));
+      if (!some.counts(rank)) continue;
+      ASSERT_EQ(some.order_statistic(rank, values.front(), values.back()),
+                all.order_statistic(rank, values.front(), values.back()));
+    }
+  }
+}
+
+// Extremes and percentiles do not see how the values were cut into blocks; the mean only by rounding (1e-14).
+TEST(Statistic, IsTheSameForAnyBlocks) {
+  Dice dice(2);
+  std::vector<double> values(999);
+  for (double& v : values) v = dice.between(0, 1);
+  const JoinedTally whole = tally_of(values, 999);
+  for (const std::size_t size : {1u, 10u, 998u}) {
+    const JoinedTally joined = tally_of(values, size);
+    EXPECT_EQ(joined.min(), whole.min());
+    EXPECT_EQ(joined.max(), whole.max());
+    EXPECT_EQ(joined.at_max(), whole.at_max());
+    EXPECT_NEAR(joined.mean(), whole.mean(), 1e-14);
+  }
+}
+
+TEST(Statistic, NamesTheFirstConfigurationWithTheMaximumButForRounding) {
+  EXPECT_EQ(tally_of({1, 5, 2, 5}).at_max(), 1u);
+  EXPECT_EQ(tally_of({0, 0}).at_max(), 0u);
+  EXPECT_EQ(tally_of({1, 5, std::nextafter(5, 6)}).at_max(), 1u);
+  EXPECT_EQ(tally_of({1, 5, std::nextafter(5, 6)}).max(), std::nextafter(5, 6));
+  EXPECT_EQ(tally_of({1, 5, 2, 5 * (1 + 1e-14)}, 2).at_max(), 1u);
+  EXPECT_EQ(tally_of({1, 5, 2, 5 * (1 + 1e-12)}, 2).at_max(), 3u);
+}
+
+TEST(Statistic, InfinitiesStayInfinitiesAndNeverTurnIntoNaN) {
+  const auto both = [](const std::vector<double>& values) {
+    return std::vector{statistic_of(values), binned_statistic_of(values, 2)};
+  };
+  for (const Statistic& some : both({1, 2, infinity, 3, 4})) {
+    EXPECT_EQ(some.max, infinity);
+    EXPECT_EQ(some.mean, infinity);
+    EXPECT_NEAR(some.p50, 3, 3e-3);
+    EXPECT_EQ(some.p95, infinity);
+  }
+  for (const Statistic& all : both({infinity, infinity, infinity}))
+    for (const double value : {all.min, all.mean, all.max, all.p50, all.p95, all.p99})
+      EXPECT_EQ(value, infinity);
+  for (const Statistic& none : both({0, 0, 0}))
+    for (const double value : {none.min, none.mean, none.max, none.p50, none.p99}) EXPECT_EQ(value, 0);
+}
+
+OperationalModel random_model(std::uint64_t seed, bool nearest_only) {
+  Dice dice(seed);
+  OperationalModel m{make_chain(testing::random_robot(dice, {}), "", ""),
+                     {},
+                     {Coordinate::x, Coordinate::y, Coordinate::z, Coordinate::rz, Coordinate::roll}};
+  m.transmission = testing::random_transmission(dice, m.chain, 1e-4, 1e-2, true);
+  if (nearest_only)
+    for (Encoder& encoder : m.transmission.encoders) encoder.rounding = Rounding::nearest;
+  return m;
+}
+
+Configurations samples(const OperationalModel& m, std::uint64_t count) {
+  Configurations c;
+  c.count = count;
+  c.ranges.assign(m.chain.independent.size(), Limits{-2, 2});
+  return c;
+}
+
+std::vector<Norms> velocity() { return {norms(difference_filter(1000, 1))}; }
+
+void expect_scaled(const Statistic& a, const Statistic& b, double factor) {
+  for (const auto member : {&Statistic::min, &Statistic::mean, &Statistic::max, &Statistic::p50,
+                            &Statistic::p95, &Statistic::p99})
+    EXPECT_EQ(a.*member, factor * (b.*member));
+  EXPECT_EQ(a.at_max, b.at_max);
+}
+
+void expect_scaled(const Workspace& a, const Workspace& b, double factor, bool rigorous) {
+  EXPECT_EQ(a.count, b.count);
+  for (std::size_t i = 0; i < b.coordinates.size(); ++i) {
+    expect_scaled(a.coordinates[i].worst_case, b.coordinates[i].worst_case, factor);
+    expect_scaled(a.coordinates[i].sigma, b.coordinates[i].sigma, factor);
+    if (rigorous)
+      expect_scaled(a.coordinates[i].worst_case_rigorous, b.coordinates[i].worst_case_rigorous, factor);
+    EXPECT_EQ(a.coordinates[i].share, b.coordinates[i].share);
+    EXPECT_EQ(a.coordinates[i].share_worst_case, b.coordinates[i].share_worst_case);
+    expect_scaled(a.derivatives[0][i].worst_case, b.derivatives[0][i].worst_case, factor);
+    expect_scaled(a.derivatives[0][i].sigma, b.derivatives[0][i].sigma, factor);
+  }
+  EXPECT_EQ(a.mean_variance_parts, factor * factor * b.mean_variance_parts);
+  EXPECT_EQ(a.mean_covariance, factor * factor * b.mean_covariance);
+  EXPECT_EQ(a.covariance_at_largest, factor * factor * b.covariance_at_largest);
+  EXPECT_EQ(a.largest_at, b.largest_at);
+  EXPECT_EQ(a.largest_arms, b.largest_arms);
+  EXPECT_EQ(a.smallest_cosine_of_pitch, b.smallest_cosine_of_pitch);
+}
+
+TEST(Workspace, IsTheSameToTheLastBitForEveryNumberOfThreads) {
+  for (const bool nearest_only : {true, false})
+    for (const std::uint64_t count : {std::uint64_t{3333}, exact_percentiles_limit + 9999}) {
+      const OperationalModel m = random_model(4, nearest_only);
+      const Configurations c = samples(m, count);
+      const Workspace one = workspace(m, velocity(), c, {1});
+      for (const unsigned threads : {2u, 3u, 7u})
+        expect_scaled(workspace(m, velocity(), c, {threads}), one, 1, true);
+    }
+}
+
+// A half is exact in binary, so is everything that is linear in Delta.
+TEST(Workspace, HalvingEveryResolutionHalvesEverythingLinear) {
+  for (const bool nearest_only : {true, false}) {
+    OperationalModel m = random_model(5, nearest_only);
+    const Configurations c = samples(m, 700);
+    const Workspace coarse = workspace(m, velocity(), c);
+    for (Encoder& encoder : m.transmission.encoders) encoder.resolution /= 2;
+    const Workspace fine = workspace(m, velocity(), c);
+    expect_scaled(fine, coarse, 0.5, false);
+    for (std::size_t i = 0; i < 3; ++i) {
+      EXPECT_LT(fine.coordinates[i].worst_case_rigorous.max,
+                0.5 * coarse.coordinates[i].worst_case_rigorous.max);
+      EXPECT_GE(fine.coordinates[i].worst_case_rigorous.max, fine.coordinates[i].worst_case.max);
+    }
+  }
+}
+
+// 1e-12: sums of 1000 shares.
+TEST(Workspace, SharesSumToOneAndARowOfZerosHasNone) {
+  OperationalModel m = random_model(6, false);
+  for (const CoordinateStatistics& s : workspace(m, {}, samples(m, 1000)).coordinates) {
+    EXPECT_NEAR(s.share.sum(), 1, 1e-12);
+    EXPECT_NEAR(s.share_worst_case.sum(), 1, 1e-12);
+    EXPECT_GE(s.share.minCoeff(), 0);
+  }
+  for (ChainJoint& joint : m.chain.joints) joint.prismatic = true;
+  const Workspace slides = workspace(m, {}, samples(m, 100));
+  EXPECT_EQ(slides.coordinates[3].share, Eigen::VectorXd::Zero(slides.coordinates[3].share.size()));
+  EXPECT_EQ(slides.coordinates[3].worst_case.max, 0);
+}
+
+// 1e-12 of the scalar reference; whole batches and a part of one.
+TEST(Workspace, IsTheStatisticOfTheErrorsAtItsConfigurations) {
+  const OperationalModel m = random_model(7, false);
+  for (const std::uint64_t count : {1u, 63u, 64u, 1500u, 4097u}) {
+    const Configurations c = samples(m, count);
+    std::vector<double> worst, rigorous;
+    double covariance = 0;
+    Eigen::MatrixXd parts =
+        Eigen::MatrixXd::Zero(5, static_cast<Eigen::Index>(m.transmission.encoders.size()));
+    for (std::uint64_t i = 0; i < count; ++i) {
+      const OperationalError e = operational_error(m, draw(c, i, 1).col(0));
+      worst.push_back(e.worst_case[1]);
+      rigorous.push_back(e.rigorous[1]);
+      covariance += e.weighted.row(0).dot(e.weighted.row(2)) / 12;
+      parts += e.weighted.cwiseAbs2() / 12;
+    }
+    const auto n = static_cast<double>(count);
+    for (const InstructionSet set : available_instruction_sets()) {
+      WorkspaceOptions options{3};
+      options.instructions = set;
+      const Workspace w = workspace(m, velocity(), c, options);
+      EXPECT_EQ(w.count, count);
+      const double largest = *std::max_element(worst.begin(), worst.end());
+      EXPECT_NEAR(w.coordinates[1].worst_case.max, largest, 1e-12 * largest);
+      EXPECT_NEAR(w.coordinates[1].worst_case.p95, exact_percentile(worst, 0.95), 1e-12 * largest);
+      EXPECT_NEAR(w.coordinates[1].worst_case_rigorous.p50, exact_percentile(rigorous, 0.5), 1e-12 * largest);
+      EXPECT_NEAR(w.mean_covariance(0, 2), covariance / n, 1e-12 * w.mean_covariance(0, 0));
+      EXPECT_LT((w.mean_variance_parts - parts / n).cwiseAbs().maxCoeff(), 1e-12 * parts.maxCoeff() / n);
+      EXPECT_NEAR(operational_error(m, w.coordinates[1].worst_case.at_max).worst_case[1], largest,
+                  1e-12 * largest);
+    }
+  }
+}
+
+TEST(Workspace, TextsComeInOrderWhateverTheThreads) {
+  const OperationalModel m = random_model(7, false);
+  const Configurations c = samples(m, 70000);
+  std::string expected;
+  for (const unsigned threads : {1u, 4u}) {
+    WorkspaceOptions options{threads};
+    std::uint64_t next = 0;
+    std::string all;
+    options.text = [&](const ConfigurationBatch& batch) {
+      EXPECT_EQ(batch.q[1], draw(c, batch.first + 1, 1)(0, 0));
+      return std::to_string(batch.first) + '+' + std::to_string(batch.count) + ' ' +
+             std::to_string(batch.figures[batch.layout.sigma * batch_size]) + '\n';
+    };
+    options.write = [&](const std::string& text) { all += text; };
+    workspace(m, {}, c, options);
+    for (std::size_t i = 0; i < all.size(); i = all.find('\n', i) + 1, next += batch_size)
+      ASSERT_TRUE(all.substr(i).starts_with(std::to_string(next) + '+'));
+    EXPECT_EQ(next, (70000 + batch_size - 1) / batch_size * batch_size);
+    if (threads == 1) expected = all;
+    EXPECT_EQ(all, expected);
+  }
+}
+
+// Beyond the limit percentiles come from bins: 1e-3; everything else stays.
+/// Of some figure of every configuration.
+std::vector<double> values_of(const OperationalModel& m, const Configurations& c, std::size_t figure) {
+  BatchedError batched(m, {});
+  Sampler sampler(c);
+  AlignedNumbers q(m.chain.independent.size() * batch_size), figures(batched.figures().count * batch_size);
+  std::vector<double> values;
+  for (std::uint64_t first = 0; first < size(c); first += batch_size) {
+    sampler(first, q.data());
+    batched(q.data(), figures.data());
+    const double* const of_batch = &figures[figure * batch_size];
+    values.insert(values.end(), of_batch, of_batch + std::min<std::uint64_t>(batch_size, size(c) - first));
+  }
+  return values;
+}
+
+void expect_statistic_of(const std::vector<double>& values, const Statistic& s) {
+  EXPECT_EQ(s.max, *std::max_element(values.begin(), values.end()));
+  EXPECT_EQ(s.min, *std::min_element(values.begin(), values.end()));
+  for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+    EXPECT_NEAR(value, exact_percentile(values, p), 1e-3 * value);
+}
+
+TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurations) {
+  const OperationalModel m = random_model(9, true);
+  for (const SamplingMethod method : {SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid}) {
+    Configurations c = samples(m, exact_percentiles_limit + 777);
+    c.method = method;
+    if (method == SamplingMethod::grid) c.count = 20;
+    const Workspace w = workspace(m, {}, c);
+    ASSERT_FALSE(w.exact_percentiles) << w.count;
+    const FigureLayout figures = BatchedError(m, {}).figures();
+    expect_statistic_of(values_of(m, c, figures.worst_case), w.coordinates[0].worst_case);
+    expect_statistic_of(values_of(m, c, figures.sigma + 2), w.coordinates[2].sigma);
+  }
+}
+
+TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurationsWithAllInstructions) {
+  const OperationalModel m = random_model(9, true);
+  const Configurations c = samples(m, exact_percentiles_limit + 777);
+  const std::vector<double> values = values_of(m, c, BatchedError(m, {}).figures().sigma + 1);
+  for (const InstructionSet set : available_instruction_sets()) {
+    const Statistic s = workspace(m, {}, c, {.brief = true, .instructions = set}).coordinates[1].sigma;
+    for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+      EXPECT_NEAR(value, exact_percentile(values, p), 1e-4 * value) << name_of(set);
+  }
+}
+
+/// A link of 1 m, turning about z: x moves by sin q.
+OperationalModel one_link() {
+  OperationalModel m = random_model(10, true);
+  m.chain.joints.resize(1);
+  m.chain.joints[0] = {};
+  m.chain.joints[0].axis = Eigen::Vector3d::UnitZ();
+  m.chain.independent.resize(1);
+  m.chain.tip_offset = Eigen::Isometry3d::Identity();
+  m.chain.tip_offset.translation() = Eigen::Vector3d::UnitX();
+  m.transmission = {{{1e-4}}, Eigen::MatrixXd::Identity(1, 1)};
+  m.coordinates = {Coordinate::x};
+  return m;
+}
+
+// The job takes a sample before it starts (WorkspaceJob::draw_anywhere); here just these are
+// strangers to the rest.
+TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
+  Configurations c;
+  c.method = SamplingMethod::list;
+  c.count = exact_percentiles_limit + 4096;
+  c.ranges = {{0, 1.5}};
+  Dice dice(12);
+  for (std::uint64_t i = 0; i < c.count; ++i)
+    c.points.push_back(Eigen::VectorXd::Constant(1, dice.between(0.1, 0.2)));
+  for (std::uint64_t b = 0; b < 64; ++b)
+    for (std::uint64_t i = 0; i < batch_size; ++i) {
+      const std::uint64_t batch = random_bits(b, i, 0) % (c.count / batch_size);
+      c.points[batch * batch_size + random_bits(b, i, 1) % batch_size][0] = dice.between(1, 1.2);
+    }
+  std::vector<double> errors;
+  for (const Eigen::VectorXd& q : c.points) errors.push_back(5e-5 * std::sin(q[0]));
+  const Statistic s = workspace(one_link(), {}, c).coordinates[0].worst_case;
+  for (const auto& [value, p] : {std::pair{s.p50, 0.5}, {s.p95, 0.95}, {s.p99, 0.99}})
+    EXPECT_NEAR(value, exact_percentile(errors, p), 1e-4 * value);
+  const auto largest = std::max_element(errors.begin(), errors.end());
+  EXPECT_DOUBLE_EQ(s.max, *largest);
+  EXPECT_EQ(s.at_max, c.points[static_cast<std::size_t>(largest - errors.begin())]);
+}
+
+// A pitch of 90 deg ends every row of the grid; all before it is finite.
+TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
+  OperationalModel m = one_link();
+  m.chain.joints.push_back(m.chain.joints[0]);
+  m.chain.joints[1].axis = Eigen::Vector3d::UnitY();
+  m.chain.joints[1].coordinate = 1;
+  m.chain.independent.push_back(m.chain.independent[0]);
+  m.transmission = {{{1e-4}, {1e-4}}, Eigen::Matrix2d::Identity()};
+  m.coordinates = {Coordinate::x, Coordinate::yaw};
+  Configurations c;
+  c.method = SamplingMethod::grid;
+  c.ranges = {{0, 1}, {0, std::numbers::pi / 2}};
+  for (const std::uint64_t count : {std::uint64_t{300}, std::uint64_t{400}}) {
+    c.count = count;
+    const Workspace w = workspace(m, {}, c);
+    EXPECT_EQ(w.exact_percentiles, count == 300);
+    EXPECT_EQ(w.coordinates[1].sigma.max, infinity);
+    EXPECT_EQ(w.coordinates[1].sigma.mean, infinity);
+    EXPECT_EQ(w.coordinates[1].sigma.at_max, Eigen::Vector2d(0, std::numbers::pi / 2));
+    EXPECT_EQ(w.mean_covariance(1, 1), infinity);
+    EXPECT_EQ(w.mean_covariance(1, 0), infinity);
+    EXPECT_TRUE(std::isfinite(w.mean_covariance(0, 0)));
+  }
+}
+
+// A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.
+TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
+  const OperationalModel m = one_link();
+  Configurations c;
+  c.method = SamplingMethod::grid;
+  c.count = 200000;
+  c.ranges = {{0, 1.5}};
+  // x moves by sin q: its median over the grid is sin 0.75.
+  EXPECT_NEAR(workspace(m, {}, c).coordinates[0].worst_case.p50, 5e-5 * std::sin(0.75), 5e-8);
+  c.ranges = {{0, 1e7}};
+  EXPECT_THROW(workspace(m, {}, c), Error);
+}
+
+TEST(Workspace, DerivativesAreTheFiltersNormsTimesTheCoordinatesErrors) {
+  const OperationalModel m = random_model(8, true);
+  const std::vector<Norms> filters = velocity();
+  const Workspace w = workspace(m, filters, samples(m, 300));
+  for (std::size_t i = 0; i < w.coordinates.size(); ++i) {
+    EXPECT_DOUBLE_EQ(w.derivatives[0][i].worst_case.max,
+                     filters[0].l1.upper * w.coordinates[i].worst_case.max);
+    EXPECT_DOUBLE_EQ(w.derivatives[0][i].sigma.p99, filters[0].h2 * w.coordinates[i].sigma.p99);
+  }
+}
+
+}  // namespace
+}  // namespace qerr

@@ -1,0 +1,139 @@
+#include "diagnose/verdict/gain.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "core/random.hpp"
+#include "diagnose/inference/found_parameters.hpp"
+#include "diagnose/record/smooth_path.hpp"
+#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/verdict/comparison.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr double step = 1e-4, eccentric = 2.5e-4;
+
+double normal(std::uint64_t seed, std::uint64_t index) {
+  const double u = unit_interval(random_bits(seed, index, 0)), v = unit_interval(random_bits(seed, index, 1));
+  return std::sqrt(-2 * std::log1p(-u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+/// A joint that swings over several turns of its encoder's shaft; the disc sits off its axis by an amount
+/// that makes the amplitude above at the joint, by the exact arctangent and not by a sine. Counts are floors.
+Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step) {
+  const Eigen::Index n = 4000;
+  Evidence e;
+  e.joint = "elbow";
+  e.encoder = {step, Rounding::nearest, true, 10, 4};
+  e.noise = noise;
+  e.time = Eigen::ArrayXd::LinSpaced(n, 0, 1e-3 * static_cast<double>(n - 1));
+  e.path = 1.1 * (2.1 * e.time).sin() + 0.2 * (7.7 * e.time + 1).cos();
+  e.velocity = 2.31 * (2.1 * e.time).cos() - 1.54 * (7.7 * e.time + 1).sin();
+  e.side = (e.velocity > 0).select(Eigen::ArrayXd::Ones(n), -Eigen::ArrayXd::Ones(n));
+  e.measured = e.reference = e.path;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const double shaft = 10 * e.path[k], off = 10 * amplitude;
+    const double seen = shaft + std::atan2(off * std::sin(shaft), 1 - off * std::cos(shaft));
+    e.measured[k] = step * std::floor(seen / 10 / step + 0.5);
+    e.reference[k] += noise * normal(seed, static_cast<std::uint64_t>(k));
+  }
+  const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
+  e.path = smooth.position;
+  e.path_noise = smooth.left;
+  return e;
+}
+
+Explanation explained(const Evidence& e) {
+  Explanation m(e);
+  m.add(periodic_term(e, "eccentricity", 1, true));
+  m.fit();
+  return m;
+}
+
+double least_p(const Evidence& e) { return comparison({e}, {}, {}).front().p_value; }
+
+TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
+  const Evidence e = swing(3, eccentric);
+  const auto starts = independent_rows(e);
+  const Evidence few = independent(e, starts);
+  const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
+  const double left = std::hypot(step / std::sqrt(12.0), 0.05 * step);
+  EXPECT_TRUE(g.held_out);
+  EXPECT_NEAR(g.rms_before, std::sqrt((e.measured - e.reference).square().mean()), 1e-12);
+  EXPECT_NEAR(g.rms_after, left, 0.04 * left);
+  EXPECT_NEAR(g.counts_after, g.rms_after / step, 1e-9);
+  EXPECT_NEAR(g.sigma_ratio, 1, 0.04);
+  EXPECT_NEAR(g.coverage, 0.95, 0.02);
+  EXPECT_LT(g.lower, g.ratio());
+  EXPECT_GT(g.upper, g.ratio());
+  EXPECT_GT(g.log_score, 0.5);
+}
+
+TEST(FoundParameters, OfNoTermsAreNone) {
+  // Only a build that checks its matrices can fail here: there is nothing whose mean could be taken.
+  const Evidence e = swing(3, 0);
+  EXPECT_TRUE(found_parameters(e, Explanation(e)).empty());
+}
+
+TEST(Gain, OfATermThatIsNotThereIsNoGainOnBlocksItHasNotSeen) {
+  const Evidence e = swing(4, 0);
+  const auto starts = independent_rows(e);
+  const Evidence few = independent(e, starts);
+  const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
+  EXPECT_NEAR(g.ratio(), 1, 0.01);
+  EXPECT_LT(g.log_score, 0.01);
+}
+
+TEST(FoundParameters, HoldTheTruthInNineteenOfTwentyRecords) {
+  int held = 0;
+  const int records = 60;
+  for (int i = 0; i < records; ++i) {
+    const Evidence e = swing(100 + static_cast<std::uint64_t>(i), eccentric);
+    const Evidence few = independent(e, independent_rows(e));
+    const std::vector<FoundParameter> found = found_parameters(few, explained(few))[0];
+    for (const FoundParameter& p : found)
+      if (p.name == "amplitude") {
+        held += p.lower <= eccentric && eccentric <= p.upper;
+        EXPECT_LT(p.upper - p.lower, 0.1 * eccentric);
+      }
+  }
+  EXPECT_GE(held, 51) << "85 %";
+}
+
+TEST(Comparison, IsQuietWhereNothingIsWrong) {
+  int alarms = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) alarms += least_p(swing(seed, 0)) < 0.01;
+  EXPECT_LE(alarms, 1);
+}
+
+TEST(Comparison, PutsTheOrderOfAnEccentricDiscFirst) {
+  const auto rows = comparison({swing(5, eccentric)}, {}, {});
+  EXPECT_EQ(rows.front().statistic, "by_angle");
+  EXPECT_LT(rows.front().p_value, 1e-9);
+  EXPECT_NEAR(rows.front().observed, eccentric / step, 0.1);
+}
+
+TEST(Comparison, IsTheSameOnAnyNumberOfThreads) {
+  DiagnoseOptions one, three;
+  one.threads = 1, three.threads = 3;
+  const Evidence e = swing(6, 0.2 * eccentric);
+  const auto a = comparison({e}, {}, one), b = comparison({e}, {}, three);
+  ASSERT_EQ(a.size(), b.size());
+  for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].p_value, b[i].p_value) << a[i].statistic;
+}
+
+TEST(WithEffects, AModelThatHasTheEccentricityFindsNothingWrong) {
+  const Evidence e = swing(7, eccentric);
+  const Effect disc{"eccentricity",
+                    "elbow",
+                    {{"amplitude", eccentric}, {"phase", 0.0}, {"order", 1.0}},
+                    {{"shaft", "encoder"}}};
+  EXPECT_LT(least_p(e), 1e-9);
+  EXPECT_GT(least_p(with_effects(e, {disc})), 0.01);
+}
+
+}  // namespace
+}  // namespace qerr

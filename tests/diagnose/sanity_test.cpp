@@ -1,0 +1,282 @@
+#include "diagnose/record/sanity.hpp"
+
+#include <gtest/gtest.h>
+
+#include "support/one_joint_record.hpp"
+
+namespace qerr {
+namespace {
+
+double worst(const Sanity& s, const Machine& m) {
+  const auto counts = s.log.find(LogSignal::counts);
+  return (s.log.values.col(*counts) * s.model.transmission.encoders[0].resolution - m.path).abs().maxCoeff();
+}
+
+TEST(Sanity, FindsNothingInCleanRecordsOfAnySizeAndRate) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Machine m(seed);
+    if (seed % 2 == 0) {  // uneven instants, rightly stamped
+      for (int k = 1; k < m.rows; ++k) m.time[k] += m.between(-0.3, 0.3) / m.rate;
+      m.path = m.along(m.time);
+    }
+    const Column counts = m.counted(m.path);
+    const Column velocity = controller_velocity(m, counts * m.resolution, 2, m.rate / 20);
+    Column load = 20 * (m.path * 2).sin();
+    for (double& x : load) x *= 1 + 0.01 * m.normal();
+    const Log log = log_of({{LogSignal::time, m.time, 7},
+                            {LogSignal::counts, counts, 0},
+                            {LogSignal::reference, m.reference()},
+                            {LogSignal::effort, load},
+                            {LogSignal::command, m.path},
+                            {LogSignal::velocity, velocity, 7}});
+    const Sanity s = check_sanity(model_of(m), {first_order(m.rate, 2, m.rate / 20)}, log);
+    EXPECT_TRUE(s.causes.empty()) << "seed " << seed << ": " << s.causes[0].effect.type;
+    EXPECT_TRUE(s.unexplained.empty()) << "seed " << seed << ": " << s.unexplained[0].what;
+    EXPECT_TRUE(s.cannot_judge.empty()) << s.cannot_judge;
+    EXPECT_EQ(s.warnings.size(), seed % 2 == 0 ? 1u : 0u) << "seed " << seed;
+    EXPECT_TRUE((s.log.values == log.values).all()) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, FindsTheModulusOfACounterThatWrapsAndUndoesIt) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    Machine m(seed);
+    const Column counts = m.counted(m.path);
+    const double most = counts.abs().maxCoeff();
+    // A power of two, or the counts of a revolution; signed, or from zero on.
+    double modulus = std::exp2(std::floor(std::log2(1.6 * most)) - static_cast<double>(m.dice() % 3));
+    if (seed % 3 == 0 && modulus > 1000) modulus = std::round(0.9 * modulus);
+    const double shift = seed % 2 == 0 ? 0 : modulus / 2;
+    const Column wrapped = counts.unaryExpr(
+        [&](double c) { return c + shift - modulus * std::floor((c + shift) / modulus) - shift; });
+    if ((wrapped == counts).all()) continue;
+    const Sanity s = check_sanity(model_of(m), {}, log_of(m, wrapped));
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed << ", " << modulus;
+    EXPECT_EQ(s.causes[0].effect.type, "rollover");
+    EXPECT_EQ(s.causes[0].effect.number("modulus"), modulus) << "seed " << seed;
+    EXPECT_LT(worst(s, m), 0.51 * m.resolution) << "seed " << seed;
+    EXPECT_GT(s.causes[0].gain.ratio(), 100);
+  }
+}
+
+TEST(Sanity, FollowsAWrappingCounterWithoutAReference) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const Column counts = m.counted(m.path);
+    const double modulus = std::exp2(std::floor(std::log2(1.6 * counts.abs().maxCoeff())));
+    const Column wrapped =
+        counts.unaryExpr([&](double c) { return c - modulus * std::floor(c / modulus + 0.5); });
+    if ((wrapped == counts).all()) continue;
+    Log log = log_of({{LogSignal::time, m.time}, {LogSignal::counts, wrapped, 0}, {LogSignal::tip, m.path}});
+    const Sanity s = check_sanity(model_of(m), {}, log);
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.number("modulus"), modulus);
+    const Column whole = s.log.values.col(1);
+    EXPECT_EQ((whole - counts - (whole[0] - counts[0])).abs().maxCoeff(), 0) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, LeavesLostCountsAlone) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    Machine m(seed);
+    Column counts = m.counted(m.path);
+    const double lost = std::round(m.between(1, 700)) * (seed % 2 ? 1 : -1);
+    const Eigen::Index at = m.rows / 3 + static_cast<Eigen::Index>(m.dice() % 500);
+    counts.tail(m.rows - at) += lost;
+    const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
+    EXPECT_TRUE(s.causes.empty()) << "seed " << seed << ", " << lost
+                                  << " counts: " << s.causes[0].effect.type;
+  }
+}
+
+TEST(Sanity, FindsTheFactorOfAWrongDecodingAlsoBesideAScaleError) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    Machine m(seed);
+    const double factor = std::array<double, 7>{0.25, 0.5, 2, 4, -1, -0.5, -0.25}[seed % 7];
+    m.path *= 1 + (seed % 2) * 0.004;
+    const Column counts = (factor * m.counted(m.path) + 0.5).floor();
+    m.path /= 1 + (seed % 2) * 0.004;
+    const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.type, "decoding");
+    EXPECT_EQ(s.causes[0].effect.number("factor"), factor) << "seed " << seed;
+    // The counter's own step: larger where edges are left out, never finer than what was counted.
+    const double step = m.resolution * std::max(1.0, 1 / std::abs(factor));
+    EXPECT_NEAR(s.model.transmission.encoders[0].resolution, step, 1e-12);
+    if (seed % 2 == 0) {
+      EXPECT_LT(worst(s, m), 0.5001 * step) << "seed " << seed << ", factor " << factor;
+    }
+  }
+}
+
+TEST(Sanity, TakesAFewPercentForAScaleAndNoDecoding) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const Column counts = m.counted(m.path * (1 + m.between(-0.06, 0.06)));
+    EXPECT_TRUE(check_sanity(model_of(m), {}, log_of(m, counts)).causes.empty()) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, NamesTheGridOfTheFileAndRestoresTheCountsWhereItCan) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const double decade = std::ceil(-std::log10(m.resolution));
+    const Column measured = m.counted(m.path) * m.resolution;
+    const auto found = [&](int decimals) {
+      return check_sanity(model_of(m), {},
+                          log_of({{LogSignal::time, m.time},
+                                  {LogSignal::measured, measured, decimals},
+                                  {LogSignal::reference, m.reference()}}));
+    };
+    const Sanity coarse = found(static_cast<int>(decade) - 1), fine = found(static_cast<int>(decade) + 3);
+    ASSERT_EQ(coarse.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(coarse.causes[0].effect.type, "log_rounding");
+    EXPECT_NEAR(coarse.causes[0].effect.number("step") / std::pow(10, 1 - decade), 1, 1e-9);
+    EXPECT_TRUE(fine.causes.empty()) << "seed " << seed;
+    const Sanity between = found(static_cast<int>(decade));
+    if (between.causes.empty() || std::pow(10, -decade) > 0.49 * m.resolution) continue;
+    EXPECT_LT((between.log.values.col(1) - measured).abs().maxCoeff(), 1e-12) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, SeesACounterThatUsesOnlyEveryFourthCount) {
+  Machine m(4);
+  const Column counts = 4 * (m.counted(m.path) / 4 + 0.5).floor();
+  const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
+  ASSERT_EQ(s.causes.size(), 1u);
+  EXPECT_EQ(s.causes[0].effect.type, "log_rounding");
+  EXPECT_NEAR(s.causes[0].effect.number("step"), 4 * m.resolution, 1e-12);
+}
+
+TEST(Sanity, NamesSensorsThatDoNotMove) {
+  Machine m(7);
+  const Column counts = m.counted(m.path);
+  const Sanity encoder = check_sanity(model_of(m), {}, log_of(m, Column::Constant(m.rows, 12)));
+  ASSERT_EQ(encoder.unexplained.size(), 1u);
+  EXPECT_FALSE(encoder.log.find(LogSignal::counts));
+  const Sanity reference = check_sanity(model_of(m), {},
+                                        log_of({{LogSignal::time, m.time},
+                                                {LogSignal::counts, counts, 0},
+                                                {LogSignal::reference, Column::Constant(m.rows, 0.3)}}));
+  EXPECT_FALSE(reference.cannot_judge.empty());
+  EXPECT_EQ(reference.warnings.size(), 1u);
+  EXPECT_TRUE(reference.causes.empty());
+}
+
+TEST(Sanity, LeavesOutTheRowsOfASensorThatWasStuckForAWhile) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    Column counts = m.counted(m.path);
+    const Eigen::Index at = m.rows / 4 + static_cast<Eigen::Index>(m.dice() % 300);
+    const Eigen::Index length = m.rows / 8;
+    if (std::abs(counts[at + length] - counts[at]) < 40) continue;
+    counts.segment(at, length).setConstant(counts[at]);
+    const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
+    ASSERT_EQ(s.unexplained.size(), 1u) << "seed " << seed;
+    // Neighbours of the same count go with them.
+    EXPECT_LE(s.log.values.rows(), m.rows - length + 1) << "seed " << seed;
+    EXPECT_GT(s.log.values.rows(), m.rows - length - m.rows / 50) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, RestoresStampsThatWereRoundedAndToldOfGapsAndDoubles) {
+  Machine m(5);
+  const Column counts = m.counted(m.path);
+  const auto found = [&](const Column& time, int decimals) {
+    return check_sanity(model_of(m), {},
+                        log_of({{LogSignal::time, time, decimals},
+                                {LogSignal::counts, counts, 0},
+                                {LogSignal::reference, m.reference()}}));
+  };
+  const Sanity rounded = found(m.time, m.rate > 600 ? 3 : 2);
+  EXPECT_LT((rounded.log.values.col(0) - rounded.log.values(0, 0) - m.time).abs().maxCoeff(),
+            0.03 / m.rate * 20);
+  Column gap = m.time;
+  gap.tail(m.rows / 2) += 100 / m.rate;
+  ASSERT_FALSE(found(gap, 7).warnings.empty());
+  EXPECT_NE(found(gap, 7).warnings[0].find("gap"), std::string::npos);
+  Column doubled = m.time;
+  for (int k = 10; k < m.rows; k += 50) doubled[k] = doubled[k - 1];
+  ASSERT_FALSE(found(doubled, 7).warnings.empty());
+  EXPECT_NE(found(doubled, 7).warnings[0].find("stamp of the row before"), std::string::npos);
+  const Sanity same = found(Column::Zero(m.rows), 7);
+  EXPECT_FALSE(same.log.has_time());
+}
+
+TEST(Sanity, TakesAControllersOwnErrorForNoLoad) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(seed);
+    const Column lag = m.along(m.time - 2 / m.rate), counts = m.counted(lag);
+    if ((lag - m.path).abs().maxCoeff() < 5 * m.resolution) continue;
+    const double gain = m.between(20, 300);
+    // The set point stands in as reference, and the effort is the gain times what the counts leave of it.
+    const Sanity s = check_sanity(model_of(m), {},
+                                  log_of({{LogSignal::time, m.time},
+                                          {LogSignal::counts, counts, 0},
+                                          {LogSignal::reference, m.path, 12},
+                                          {LogSignal::effort, gain * (m.path - counts * m.resolution), 12}}));
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.type, "controller_droop");
+    EXPECT_FALSE(s.log.find(LogSignal::effort));
+    const Sanity by_command = check_sanity(model_of(m), {},
+                                           log_of({{LogSignal::time, m.time},
+                                                   {LogSignal::counts, counts, 0},
+                                                   {LogSignal::reference, lag},
+                                                   {LogSignal::command, m.path},
+                                                   {LogSignal::effort, gain * (m.path - lag)}}));
+    EXPECT_TRUE(by_command.causes.empty());
+    EXPECT_FALSE(by_command.log.find(LogSignal::effort)) << "seed " << seed;
+  }
+}
+
+TEST(Sanity, NamesTheFilterThatMadeTheVelocity) {
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    Machine m(seed);
+    const int order = 1 + static_cast<int>(seed % 3);
+    const double stated = m.rate / 20, real = stated * std::array<double, 3>{0.3, 0.5, 3}[seed % 3];
+    const Column counts = m.counted(m.path);
+    const Log log =
+        log_of({{LogSignal::time, m.time, 7},
+                {LogSignal::counts, counts, 0},
+                {LogSignal::reference, m.reference()},
+                {LogSignal::velocity, controller_velocity(m, counts * m.resolution, order, real), 7}});
+    const Sanity s = check_sanity(model_of(m), {first_order(m.rate, order, stated)}, log);
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.type, "filter_mismatch");
+    EXPECT_EQ(s.causes[0].effect.number("order"), order);
+    EXPECT_NEAR(s.causes[0].effect.number("cutoff") / real, 1, 0.02);
+  }
+}
+
+TEST(Sanity, NamesUnevenSamplingWhereOnlyAVelocityTells) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    Machine m(seed);
+    for (int k = 1; k < m.rows; ++k) m.time[k] = m.time[k - 1] + (m.dice() % 3 ? 1.0 : 1.2) / m.rate;
+    m.path = m.along(m.time);
+    Column speed = Column::Zero(m.rows);
+    for (const auto& [a, wave] : m.sines) speed += a * wave[0] * (wave[0] * m.time + wave[1]).cos();
+    const Column steps = m.time.tail(m.rows - 1) - m.time.head(m.rows - 1);
+    const double sigma = std::sqrt((steps - steps.mean()).square().mean());
+    if (speed.abs().maxCoeff() * sigma < 3 * m.resolution) continue;
+    const Log log = log_of({{LogSignal::time, m.time, 7},
+                            {LogSignal::measured, m.counted(m.path) * m.resolution},
+                            {LogSignal::velocity, speed, 5}});
+    const Sanity s = check_sanity(model_of(m), {first_order(m.rate, 1, m.rate / 20)}, log);
+    EXPECT_FALSE(s.cannot_judge.empty());
+    ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.causes[0].effect.type, "timing_jitter");
+    EXPECT_NEAR(s.causes[0].effect.number("sigma") / sigma, 1, 0.02);
+  }
+}
+
+TEST(Sanity, PassesTablesWithoutTime) {
+  Machine m(9);
+  const Log log = log_of({{LogSignal::counts, m.counted(m.path), 0}, {LogSignal::reference, m.path}});
+  const Sanity s = check_sanity(model_of(m), {first_order(1000, 2, 50)}, log);
+  EXPECT_TRUE(s.causes.empty());
+  EXPECT_TRUE(s.warnings.empty());
+  EXPECT_TRUE((s.log.values == log.values).all());
+}
+
+}  // namespace
+}  // namespace qerr

@@ -1,0 +1,130 @@
+#include "qerr/filter/quality.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "qerr/filter/family.hpp"
+#include "qerr/filter/norms.hpp"
+#include "support/design_filter.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+TEST(Bandwidth, OfButterworthIsItsCutOffAtEveryOrder) {
+  for (const double order : {1., 2., 5., 8.})
+    for (const double cutoff : {0.1, 50., 400.})
+      EXPECT_NEAR(*bandwidth(design_filter("butterworth", 0, 1000, order, cutoff)), cutoff, 1e-9 * cutoff)
+          << order;
+}
+
+TEST(Bandwidth, OfASlowFirstOrderDerivativeIsThatOfItsPole) {
+  // Far below the sample rate the section is 1/(1 + s/w0): -3 dB at the cut-off.
+  EXPECT_NEAR(*bandwidth(design_filter("first_order", 1, 1e6, 1, 10)), 10, 1e-3);
+}
+
+TEST(NoiseBandwidth, OfASlowFirstOrderLowPassIsHalfPiTimesItsCutOff) {
+  const Filter f = design_filter("first_order", 0, 1e6, 1, 10);
+  EXPECT_NEAR(noise_bandwidth(f, h2_norm(f)), 0.5 * pi * 10, 1e-3);
+}
+
+TEST(NoiseBandwidth, OfAnIdealDifferentiatorIsItsOwn) {
+  // A single difference passes white noise of power 2 f_s^2: (2/f_s)(2 pi)^2 B^3/3 = 2 f_s^2.
+  const Filter f = difference_filter(1000, 1);
+  const double b = noise_bandwidth(f, h2_norm(f));
+  EXPECT_NEAR(2 / 1000. * 4 * pi * pi * b * b * b / 3, 2e6, 1e-3);
+}
+
+TEST(Fidelity, FollowsTheFirstOrderLagAtLowFrequency) {
+  const Filter f = design_filter("first_order", 1, 1e5, 1, 50);
+  const Fidelity at = fidelity(f, 5);
+  // 1/(1 + j f/f0): gain 1/sqrt(1.01), phase -atan(0.1); the difference adds half a sample of delay.
+  EXPECT_NEAR(at.gain_error, 1 / std::sqrt(1.01) - 1, 1e-5);
+  EXPECT_NEAR(at.phase_error, -std::atan(0.1) - 2 * pi * 5 * 0.5e-5, 2e-4);
+  EXPECT_NEAR(at.tracking_error, std::abs(1.0 / std::complex<double>(1, 0.1) - 1.0), 2e-4);
+}
+
+TEST(Fidelity, OfAPureDifferenceIsASincAndHalfASample) {
+  const Fidelity at = fidelity(difference_filter(1000, 1), 100);
+  EXPECT_NEAR(at.gain_error, std::sin(0.1 * pi) / (0.1 * pi) - 1, 1e-14);
+  EXPECT_NEAR(at.phase_error, -0.1 * pi, 1e-14);
+}
+
+TEST(BandTracking, LiesBetweenTheErrorsAtItsEnds) {
+  const Filter f = design_filter("first_order", 1, 1000, 2, 50);
+  const BandTracking t = band_tracking(f, 1, 10);
+  EXPECT_DOUBLE_EQ(t.largest, fidelity(f, 10).tracking_error);
+  EXPECT_GT(t.rms, fidelity(f, 1).tracking_error);
+  EXPECT_LT(t.rms, t.largest);
+}
+
+TEST(SettlingTime, OfAFirstOrderLowPassIsFourTimeConstants) {
+  // 1 - a^(k+1) >= 0.98 with a = exp(-2 pi f0 T).
+  const double rate = 10000, cutoff = 5, x = 2 * pi * cutoff / rate;
+  const double samples = std::ceil(std::log(0.02) / -x - 1);
+  EXPECT_NEAR(*settling_time(design_filter("first_order", 0, rate, 1, cutoff)), samples / rate, 1.01 / rate);
+  EXPECT_NEAR(*settling_time(design_filter("first_order", 2, rate, 1, cutoff)), samples / rate, 1.01 / rate);
+}
+
+/// The response to t^d/d!, convolved term by term here.
+TEST(SettlingTime, IsThatOfTheSampledRamp) {
+  for (int d = 0; d <= 4; ++d)
+    for (const int order : {d + 1, d + 2}) {
+      const double rate = 200;
+      const Filter f = design_filter("first_order", d, rate, order, 10);
+      const std::vector<double> h = impulse_response(f, 400);
+      int settled = 0;
+      for (int k = 0; k < 400; ++k) {
+        double y = 0;
+        for (int i = 0; i <= k; ++i) {
+          double ramp = 1;
+          for (int j = 1; j <= d; ++j) ramp *= (k - i) / rate / j;
+          y += h[static_cast<std::size_t>(i)] * ramp;
+        }
+        if (std::abs(y - 1) > 0.02) settled = k + 1;
+      }
+      EXPECT_NEAR(*settling_time(f) * rate, settled, 1e-9) << d << ' ' << order;
+    }
+}
+
+/// a^(k+1) <= 0.02, a = exp(-x), for the first-order low-pass and, as the ramp lags by the same, its
+/// derivative.
+TEST(SettlingTime, OfASlowFilterComesFromItsModes) {
+  for (const double cutoff : {30.0, 1.0, 0.1}) {
+    const double rate = 1e6, samples = std::log(50.0) / (2 * std::numbers::pi * cutoff / rate);
+    for (const int derivative : {0, 1})
+      EXPECT_NEAR(*settling_time(design_filter("first_order", derivative, rate, 1, cutoff)) * rate / samples,
+                  1, 1e-4)
+          << cutoff << ' ' << derivative;
+  }
+  // Slower by ten, longer by ten; also where it oscillates.
+  for (const char* family : {"butterworth", "first_order"})
+    for (const int order : {2, 3, 5}) {
+      const double fast = *settling_time(design_filter(family, 1, 1e5, order, 50));  // by terms
+      const double slow = *settling_time(design_filter(family, 1, 1e5, order, 5));   // by modes
+      EXPECT_NEAR(slow / fast, 10, 0.02) << family << order;
+    }
+}
+
+TEST(SettlingTime, IsEmptyForAFilterThatDoesNotEstimateItsDerivative) {
+  EXPECT_FALSE(settling_time(filter_from_coefficients({3}, {1, -0.5}, 1000, 1)));
+}
+
+TEST(SecondOrderSections, HaveTheResponseOfTheFilter) {
+  for (const char* name : {"first_order", "butterworth"}) {
+    const Filter f = design_filter(name, 2, 1000, 5, 80);
+    for (const double frequency : {1., 70., 300., 499.}) {
+      const std::complex<double> q = std::polar(1.0, -2 * pi * frequency / 1000);
+      std::complex<double> h = 1;
+      for (const auto& s : second_order_sections(f))
+        h *= (s[0] + q * (s[1] + q * s[2])) / (s[3] + q * (s[4] + q * s[5]));
+      EXPECT_NEAR(std::abs(h / response(f, frequency) - 1.0), 0, 1e-9) << name << ' ' << frequency;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace qerr

@@ -1,0 +1,215 @@
+#include "qerr/input/spec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+namespace qerr {
+namespace {
+
+const std::string arm = R"(<robot name="arm">
+  <link name="base"/><link name="upper"/><link name="fore"/><link name="tool"/><link name="finger"/><link name="side"/>
+  <joint name="shoulder" type="revolute"><parent link="base"/><child link="upper"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="lift" type="prismatic"><parent link="upper"/><child link="fore"/><origin xyz="0.5 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="0" upper="0.3" effort="1" velocity="1"/></joint>
+  <joint name="elbow" type="revolute"><parent link="fore"/><child link="tool"/><origin xyz="0.4 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-2" upper="2" effort="1" velocity="1"/></joint>
+  <joint name="grip" type="revolute"><parent link="tool"/><child link="finger"/><origin xyz="0.1 0 0"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/><mimic joint="elbow" multiplier="-1"/></joint>
+  <joint name="aside" type="revolute"><parent link="base"/><child link="side"/><axis xyz="0 0 1"/>
+    <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
+</robot>)";
+
+const std::string head = "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger}\n";
+const std::string encoders =
+    "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n  lift: {resolution: 1 um}\n";
+
+class ReadSpec : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("qerr_spec_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    std::ofstream(folder_ / "arm.urdf") << arm;
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  Spec read(const std::string& text, const SpecOverrides& overrides = {}) {
+    std::ofstream(folder_ / "spec.yaml") << text;
+    return read_spec((folder_ / "spec.yaml").string(), overrides);
+  }
+
+  /// The message of a spec that must be refused, without its folder.
+  std::string refusal(const std::string& text, const SpecOverrides& overrides = {}) {
+    try {
+      read(text, overrides);
+    } catch (const Error& e) {
+      EXPECT_EQ(e.trouble(), Trouble::input);
+      std::string message = e.what();
+      for (std::size_t at; (at = message.find(folder_.string() + "/")) != std::string::npos;)
+        message.erase(at, folder_.string().size() + 1);
+      return message;
+    }
+    return "accepted";
+  }
+
+  std::filesystem::path folder_;
+};
+
+TEST_F(ReadSpec, ReadsEveryEncoderKindToTheJointSide) {
+  const Spec spec =
+      read(head +
+           "encoders:\n  shoulder: {lines_per_rev: 1024, decoding: x2, gear_ratio: -80}\n"
+           "  elbow: {periods_per_rev: 16, interpolation_bits: 10, rounding: down, zero: free}\n"
+           "  lift: {bits: 12, gear_ratio: 5, travel_per_rev: 10 mm}\n");
+  const auto& e = spec.model.transmission.encoders;
+  ASSERT_EQ(e.size(), 3u);  // the mimic has none of its own
+  EXPECT_DOUBLE_EQ(e[0].resolution, 2 * std::numbers::pi / (2048 * 80));
+  EXPECT_DOUBLE_EQ(e[1].resolution, 0.01 / (4096 * 5));
+  EXPECT_DOUBLE_EQ(e[2].resolution, 2 * std::numbers::pi / (16 * 1024));
+  EXPECT_EQ(e[2].rounding, Rounding::down);
+  EXPECT_FALSE(e[2].zero_known);
+  EXPECT_EQ(spec.encoder_figures[0].gear_ratio, -80);
+}
+
+TEST_F(ReadSpec, DefaultsToPositionsAndTenThousandSobolPoints) {
+  const Spec spec = read(head + encoders);
+  EXPECT_EQ(spec.model.coordinates, (std::vector{Coordinate::x, Coordinate::y, Coordinate::z}));
+  EXPECT_EQ(size(spec.configurations), 10000u);
+  EXPECT_EQ(spec.configurations.seed, 1u);
+  EXPECT_EQ(spec.configurations.ranges[1].upper, 0.3);
+}
+
+TEST_F(ReadSpec, PointsAtTheKeyAndSuggestsTheRightName) {
+  EXPECT_EQ(
+      refusal(head +
+              "encoders:\n  '*': {counts_per_rev: 4096, gear_ration: 100}\n  lift: {resolution: 1 um}\n"),
+      "spec.yaml:4:31: encoders.*.gear_ration: unknown key, found 'gear_ration'; did you mean 'gear_ratio'?");
+  EXPECT_NE(refusal(head + "encodrs: {}\n" + encoders)
+                .find("spec.yaml:3:1: encodrs: unknown key, found 'encodrs'; did you mean 'encoders'?"),
+            std::string::npos);
+}
+
+TEST_F(ReadSpec, ShowsSeveralFaultsAtOnce) {
+  const std::string text =
+      refusal(head + "encoders:\n  shoulder: {bits: 99}\n  lift: {resolution: 1 deg}\n  elbow: {cpr: 5}\n");
+  EXPECT_NE(text.find("spec.yaml:4:20: encoders.shoulder.bits: is out of range, found '99'"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("encoders.lift.resolution: has the wrong kind of unit"), std::string::npos) << text;
+  EXPECT_NE(text.find("'cpr' is ambiguous"), std::string::npos) << text;
+}
+
+TEST_F(ReadSpec, RefusesWhatEachSectionMustNotSay) {
+  const struct {
+    const char* text;
+    const char* message;
+  } cases[] = {
+      {"coupling: [[1, 0, 0], [0, 1, 0], [1, 0, 0]]\n", "the coupling is singular"},
+      {"coupling: [[1, 0], [0, 1]]\n", "the coupling has the wrong size"},
+      {"coordinates: [x, x]\n", "the coordinate stands twice"},
+      {"coordinates: [x, rol]\n", "did you mean 'roll'?"},
+      {"filters: {v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, cutoff: 500 Hz}}}\n",
+       "below half the sample rate"},
+      {"filters: {v: {sample_rate: 1 kHz, numerator: [1], denominator: [1, -1]}}\n", "filters.v.denominator"},
+      {"filters: {v: {derivative: 1, sample_rate: 1 s}}\n", "wrong kind of unit"},
+      {"filters: {position: {derivative: 1, sample_rate: 1 kHz}}\n", "the name is taken"},
+      {"configurations: {limits: {elbow: [-3, 3]}}\n", "the limits reach outside the URDF's"},
+      {"configurations: {limits: {elbow: [1, -1]}}\n", "the lower limit is above the upper one"},
+      {"configurations: {limits: {grip: [-1, 1]}}\n", "a mimic joint has no entry of its own"},
+      {"configurations: {method: list, points: [[0, 0]]}\n", "a point has one value per joint: 3"},
+      {"configurations: {method: list, points: [[0, 0, 90]]}\n", "degrees need their unit"},
+      {"configurations: {method: list, points: []}\n", "the list is empty"},
+      {"configurations: {method: list, count: 3, points: [[0, 0, 0]]}\n", "does not go with method: list"},
+      {"configurations: {count: 0}\n", "out of range"},
+      {"configurations: {count: 2.5}\n", "whole number"},
+      {"requirements: [{quantity: velocity.x.sigma, statistic: p99, at_most: 1}]\n",
+       "no such filter 'velocity'"},
+      {"requirements: [{quantity: position.x.sigma, statistic: p98, at_most: 1}]\n", "did you mean 'p9"},
+      {"requirements: [{quantity: position.x.sigma, statistic: max, at_most: 1 rad}]\n",
+       "wrong kind of unit"},
+      {"motion: {sample_rate: 1 kHz, duration: 1 s, joints: {elbw: {}}}\n", "did you mean 'elbow'?"},
+      {"effects: [{type: backlsh, joint: elbow, gap: 1 mrad}]\n", "did you mean 'backlash'?"},
+      {"effects: [{type: backlash, joint: elbow}]\n", "effects[0].gap: missing key"},
+      {"sweep: [{key: encoders.elbow.bitz, values: [13, 15]}]\n", "sweep[0]"},
+      {"sweep: [{key: encoders.elbow.gear_ratio, from: 10, to: 0, count: 3, scale: log}]\n", "positive ends"},
+      {"threshold: {length: 300}\nthreshold: {length: 1}\n", "the key stands twice"},
+      {"---\nqerr: 1\n", "a second YAML document"},
+      {"robot2: &a {}\n", "anchors are not taken"},
+      {"threshold: {length: 010}\n", "not a finite decimal number"},
+      {"threshold: {length: '3}\n", "a quote is not closed"},
+  };
+  for (const auto& c : cases) {
+    const std::string message = refusal(head + encoders + c.text);
+    EXPECT_NE(message.find(c.message), std::string::npos) << c.text << message;
+    EXPECT_EQ(message.substr(0, 10), "spec.yaml:") << message;
+  }
+}
+
+TEST_F(ReadSpec, TakesOverridesByDottedPath) {
+  SpecOverrides overrides;
+  overrides.values = {{"encoders.elbow.bits", "19"}, {"coordinates", "[y]"}};
+  overrides.seed = 7;
+  const Spec spec = read(head + encoders + "  elbow: {bits: 17}\n", overrides);
+  EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[2].resolution, 2 * std::numbers::pi / 524288);
+  EXPECT_EQ(spec.model.coordinates, std::vector{Coordinate::y});
+  EXPECT_EQ(spec.configurations.seed, 7u);
+  EXPECT_EQ(spec.overrides.size(), 2u);
+  overrides.values = {{"encoders.elbow.bts", "19"}};
+  EXPECT_EQ(refusal(head + encoders, overrides).substr(0, 26), "--set encoders.elbow.bts: ");
+}
+
+TEST_F(ReadSpec, KeepsAnUnusedEncoderAsAWarning) {
+  const Spec spec = read(head + encoders + "  aside: {bits: 12}\n");
+  ASSERT_EQ(spec.warnings.size(), 1u);
+  EXPECT_NE(spec.warnings[0].find("encoders.aside is not used"), std::string::npos);
+}
+
+TEST_F(ReadSpec, ReadsPointsFromAFileInAnyColumnOrderAndUnit) {
+  std::ofstream(folder_ / "points.csv")
+      << "# poses\nelbow [deg],note,shoulder [rad],lift [mm]\n90,1,0.5,100\n-45,2,-0.5,0\n";
+  const Spec spec = read(head + encoders + "configurations: {method: file, file: points.csv}\n");
+  ASSERT_EQ(spec.configurations.points.size(), 2u);
+  EXPECT_DOUBLE_EQ(spec.configurations.points[0][2], std::numbers::pi / 2);
+  EXPECT_DOUBLE_EQ(spec.configurations.points[0][1], 0.1);
+  std::ofstream(folder_ / "points.csv") << "elbow,shoulder,lift\n0,0,0\n0,0\n";
+  EXPECT_NE(refusal(head + encoders + "configurations: {method: file, file: points.csv}\n")
+                .find("points.csv:3:1: "),
+            std::string::npos);
+}
+
+TEST_F(ReadSpec, AFileOfPointsMayHaveColumnsOfText) {
+  std::ofstream(folder_ / "points.csv")
+      << "elbow,note,shoulder,lift\r\n0,\"home, upright\",0.5,0\r\n\r\n1,,0,0\r\n";
+  const Spec spec = read(head + encoders + "configurations: {method: file, file: points.csv}\n");
+  ASSERT_EQ(spec.configurations.points.size(), 2u);
+  EXPECT_EQ(spec.configurations.points[0][0], 0.5);
+  ASSERT_EQ(spec.warnings.size(), 1u);
+  EXPECT_NE(spec.warnings[0].find("ignored"), std::string::npos);
+  std::ofstream(folder_ / "points.csv") << "elbow,shoulder,lift\n0,0,0\n0,0,far\n";
+  EXPECT_NE(refusal(head + encoders + "configurations: {method: file, file: points.csv}\n")
+                .find("points.csv:3:5: lift: not a finite decimal number, found 'far'"),
+            std::string::npos);
+}
+
+TEST_F(ReadSpec, ReadsTheSectionsOfLaterCommands) {
+  const Spec spec = read(
+      head + encoders +
+      "motion: {sample_rate: 1 kHz, duration: 15 s, joints: {elbow: {center: 10 deg, velocity: 1 deg/s, "
+      "sines: [{amplitude: 15 deg, frequency: 2.5 Hz}]}, lift: {center: 0.1 m}}}\n"
+      "effects: [{type: eccentricity, joint: elbow, amplitude: 0.4 mrad, phase: 30 deg}]\n"
+      "sweep: [{key: encoders.elbow.bits, values: [13, 15]}, {key: threshold.length, from: 1 mm, to: 1 m, "
+      "count: 4, scale: log}]\n");
+  ASSERT_TRUE(spec.motion);
+  EXPECT_DOUBLE_EQ(spec.motion->joints[2].sines[0].amplitude, std::numbers::pi / 12);
+  EXPECT_EQ(spec.effects[0].numbers.at("amplitude"), 4e-4);
+  EXPECT_EQ(spec.effects[0].choices.at("shaft"), "encoder");
+  EXPECT_EQ(spec.sweep[1].values.size(), 4u);
+  EXPECT_EQ(spec.sweep[1].values.front(), "0.001 m");
+  EXPECT_EQ(spec.sweep[1].values.back(), "1 m");
+}
+
+}  // namespace
+}  // namespace qerr

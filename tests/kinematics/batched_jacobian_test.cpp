@@ -1,0 +1,232 @@
+#include <gtest/gtest.h>
+#include <rapidcheck/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <limits>
+#include <numbers>
+
+#include "kinematics/jacobians.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/lanes.hpp"
+#include "qerr/input/read_urdf.hpp"
+#include "qerr/kinematics/jacobian.hpp"
+#include "support/random_chain.hpp"
+
+namespace qerr {
+namespace {
+
+using testing::ChainMix;
+using testing::Dice;
+namespace fs = std::filesystem;
+
+/// Largest distance along the chain: what rounding errors are measured by.
+double extent(const Chain& chain, const Eigen::MatrixXd& q) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    sum += joint.origin.translation().norm();
+    if (joint.prismatic)
+      sum += (joint.multiplier * q.row(static_cast<Eigen::Index>(joint.coordinate)).array() + joint.offset)
+                 .abs()
+                 .maxCoeff();
+  }
+  return sum;
+}
+
+/// Largest difference between the batched Jacobians of 64 configurations and the scalar ones, over the
+/// extent.
+double deviation(const Chain& chain, InstructionSet set, Dice& dice) {
+  const std::size_t independent = chain.independent.size(), joints = chain.joints.size();
+  AlignedNumbers q(independent * batch_size), to(6 * joints * batch_size);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] = dice.between(-3.2, 3.2);
+  BatchedJacobian batched(chain, set);
+  batched(q.data(), to.data());
+  const Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> points(
+      q.data(), static_cast<Eigen::Index>(independent), batch_size);
+  double worst = 0;
+  for (Eigen::Index c = 0; c < points.cols(); ++c) {
+    const Jacobian expected = joint_jacobian(chain, points.col(c));
+    for (std::size_t k = 0; k < joints; ++k)
+      for (std::size_t row = 0; row < 6; ++row) {
+        const double entry = to[(6 * k + row) * batch_size + static_cast<std::size_t>(c)];
+        worst = std::max(
+            worst, std::abs(entry - expected(static_cast<Eigen::Index>(row), static_cast<Eigen::Index>(k))));
+      }
+  }
+  return worst / std::max(1.0, extent(chain, points));
+}
+
+void expect_agreement(const Chain& chain, std::uint64_t seed, double tolerance, const std::string& what) {
+  Dice dice(seed);
+  for (const InstructionSet set : available_instruction_sets())
+    EXPECT_LT(deviation(chain, set, dice), tolerance) << what << ", " << name_of(set);
+}
+
+std::vector<std::string> ends(const RobotModel& robot) {
+  std::vector<std::string> tips;
+  for (const std::string& link : robot.links) {
+    bool leaf = true;
+    for (const Joint& joint : robot.joints) leaf = leaf && joint.parent != link;
+    if (leaf) tips.push_back(link);
+  }
+  return tips;
+}
+
+std::size_t expect_agreement_below(const fs::path& folder) {
+  std::size_t chains = 0;
+  for (const fs::directory_entry& file : fs::recursive_directory_iterator(folder)) {
+    if (file.path().extension() != ".urdf" || file.path().string().find("nasty") != std::string::npos)
+      continue;
+    const RobotModel robot = read_urdf(file.path().string());
+    for (const std::string& tip : ends(robot)) {
+      Chain chain;
+      try {
+        chain = make_chain(robot, "", tip);
+      } catch (const std::exception&) {
+        continue;  // nothing moves on the way, or a floating joint does
+      }
+      expect_agreement(chain, ++chains, 5e-15, file.path().filename().string() + " " + tip);
+    }
+  }
+  return chains;
+}
+
+TEST(BatchedJacobian, IsTheScalarOneOnEveryShippedRobot) {
+  EXPECT_GE(expect_agreement_below(fs::path(QERR_SOURCE_DIR) / "configs"), 8u);
+}
+
+TEST(BatchedJacobian, IsTheScalarOneOnEveryChainOfRealRobots) {
+  const fs::path robots = fs::path(QERR_SOURCE_DIR) / "../shared/robots";
+  if (!fs::exists(robots)) GTEST_SKIP() << "no ../shared/robots here";
+  EXPECT_GE(expect_agreement_below(robots), 20u);
+}
+
+RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneOnRandomChains, ()) {
+  Dice dice(*rc::gen::arbitrary<std::uint64_t>());
+  const ChainMix mix{*rc::gen::inRange<std::size_t>(1, 40)};
+  const Chain chain = make_chain(random_robot(dice, mix), "", "");
+  for (const InstructionSet set : available_instruction_sets())
+    RC_ASSERT(deviation(chain, set, dice) < 2e-15 * static_cast<double>(chain.joints.size() + 2));
+}
+
+/// A chain whose fixed turns are multiples of 90 degrees, each off by up to `off`, with axes in any
+/// direction.
+Chain squared_chain(Dice& dice, std::size_t joints, double off) {
+  RobotModel robot = random_robot(dice, ChainMix{joints, 0.25, 0.2, 0.3});
+  for (Joint& joint : robot.joints) {
+    const auto quarter = [&] {
+      return std::floor(dice.between(-2, 3)) * std::numbers::pi / 2 + dice.between(-off, off);
+    };
+    Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();
+    for (Eigen::Index i = 0; i < 3; ++i)
+      if (dice.chance(0.4)) origin.translation()[i] = dice.between(-0.5, 0.5);
+    origin.rotate(Eigen::AngleAxisd(quarter(), Eigen::Vector3d::UnitX()) *
+                  Eigen::AngleAxisd(quarter(), Eigen::Vector3d::UnitZ()));
+    joint.origin = origin;
+    joint.axis = Eigen::Vector3d::Zero();
+    joint.axis[static_cast<Eigen::Index>(dice.below(3))] = dice.chance(0.5) ? 1 : -1;
+  }
+  return make_chain(robot, "", "");
+}
+
+// Right and straight angles, on which the folding turns special, and angles that come near them and must not.
+RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneAtAndNearRightAngles, ()) {
+  Dice dice(*rc::gen::arbitrary<std::uint64_t>());
+  const double off = *rc::gen::element(0.0, 1e-16, 1e-15, 5e-12, 1e-9, 3.7e-6, 1e-3, 0.02);
+  const Chain chain = squared_chain(dice, *rc::gen::inRange<std::size_t>(1, 12), off);
+  for (const InstructionSet set : available_instruction_sets())
+    RC_ASSERT(deviation(chain, set, dice) < 4e-14);
+}
+
+TEST(FoldedChain, TakesRightAnglesAsSuchAndNotThoseThatComeNear) {
+  RobotModel robot{"two", "two.urdf", {"base", "a", "tip"}, {}, {}};
+  enum class Tilt { none, right, general };
+  const auto tilt_of = [&](double angle) {
+    robot.joints.clear();
+    for (const char* child : {"a", "tip"}) {
+      Eigen::Isometry3d origin = Eigen::Isometry3d::Identity();
+      if (*child == 't') origin.rotate(Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()));
+      robot.joints.push_back({std::string("to_") + child,
+                              JointType::revolute,
+                              *child == 'a' ? "base" : "a",
+                              child,
+                              origin,
+                              Eigen::Vector3d::UnitZ(),
+                              {},
+                              {},
+                              {}});
+    }
+    const FoldedJoint joint = fold(make_chain(robot, "", ""), false).joints[1];
+    return joint.tilts ? Tilt::general : joint.right ? Tilt::right : Tilt::none;
+  };
+  EXPECT_EQ(tilt_of(std::numbers::pi / 2), Tilt::right);
+  EXPECT_EQ(tilt_of(-std::numbers::pi / 2), Tilt::right);
+  EXPECT_EQ(tilt_of(std::numbers::pi), Tilt::none);
+  EXPECT_EQ(tilt_of(0), Tilt::none);
+  EXPECT_EQ(tilt_of(1.57079632679), Tilt::general) << "5e-12 off, as in the UR5's file";
+  EXPECT_EQ(tilt_of(1.5708), Tilt::general);
+  EXPECT_EQ(tilt_of(1e-9), Tilt::general);
+}
+
+// Every batch of every method, on every instruction set, to the last bit.
+RC_GTEST_PROP(Sampler, DrawsWhatDrawDraws, ()) {
+  Configurations c;
+  c.method = *rc::gen::element(SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid,
+                               SamplingMethod::list);
+  c.seed = *rc::gen::arbitrary<std::uint64_t>();
+  Dice dice(c.seed);
+  const auto joints = *rc::gen::inRange<std::size_t>(1, 20);
+  for (std::size_t j = 0; j < joints; ++j) {
+    const double lower = dice.between(-4, 4);
+    c.ranges.push_back({lower, lower + dice.between(0, 3)});
+  }
+  c.count = c.method == SamplingMethod::grid ? 3 : std::uint64_t{1} << *rc::gen::inRange(6, 62);
+  if (c.method == SamplingMethod::list)
+    for (int i = 0; i < 300; ++i) c.points.push_back(dice.vector(static_cast<Eigen::Index>(joints), -3, 3));
+  const std::uint64_t batches = size(c) / batch_size;
+  if (batches == 0) return;
+  const std::uint64_t first = batch_size * (*rc::gen::arbitrary<std::uint64_t>() % batches);
+  const Eigen::MatrixXd expected = draw(c, first, batch_size);
+  AlignedNumbers q(joints * batch_size);
+  for (const InstructionSet set : available_instruction_sets()) {
+    Sampler(c, set)(first, q.data());
+    for (std::size_t j = 0; j < joints; ++j)
+      for (std::size_t i = 0; i < batch_size; ++i)
+        RC_ASSERT(q[j * batch_size + i] ==
+                  expected(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)));
+  }
+}
+
+/// Largest error of sine and cosine over random arguments within +-span, beside those of the angle in long
+/// double.
+template <class SineCosine, class Angle>
+long double worst_error(SineCosine sincos, Angle angle, double span, std::uint64_t seed) {
+  Dice dice(seed);
+  long double worst = 0;
+  for (int i = 0; i < 200000; ++i) {
+    const lanes::Lanes<2> x{dice.between(-span, span), dice.between(-span, span)};
+    const auto s = sincos(x);
+    for (std::size_t k = 0; k < 2; ++k)
+      worst = std::max({worst, std::abs(std::sin(angle(x[k])) - s.sine[k]),
+                        std::abs(std::cos(angle(x[k])) - s.cosine[k])});
+  }
+  return worst;
+}
+
+// In angles of the size of joints' and in the largest that are allowed.
+TEST(Lanes, SineAndCosineAreRightToTwoUnitsOfTheLastPlace) {
+  const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos(x); };
+  const auto angle = [](double x) { return static_cast<long double>(x); };
+  for (const double span : {1e-300, 1e-8, 0.7, 0.8, 3.2, 100.0, lanes::largest_angle})
+    EXPECT_LT(worst_error(sincos, angle, span, 3), 2.7e-16L) << "angles up to " << span;
+}
+
+TEST(Lanes, SineAndCosineOfQuarterTurnsAreRightToTwoUnitsOfTheLastPlace) {
+  const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos_of_quarters(x); };
+  const auto angle = [](double x) { return std::remainder(x, 4.0) * (std::numbers::pi_v<long double> / 2); };
+  for (const double span : {1e-300, 1e-8, 0.45, 0.55, 2.0, 64.0, lanes::largest_angle})
+    EXPECT_LT(worst_error(sincos, angle, span, 4), 2.7e-16L) << "quarter turns up to " << span;
+}
+
+}  // namespace
+}  // namespace qerr

@@ -1,0 +1,184 @@
+#include "qerr/report/diagnosis_report.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+#include "qerr/report/write.hpp"
+
+namespace qerr {
+namespace {
+
+using Json = nlohmann::json;
+
+/// A robot with a prismatic and revolute joints.
+Spec spec() { return read_spec(std::string(QERR_SOURCE_DIR) + "/configs/planar_prr/spec.yaml"); }
+
+std::string joint_of(const Spec& s, bool prismatic) {
+  for (const IndependentJoint& j : s.model.chain.independent)
+    if (j.prismatic() == prismatic) return j.name;
+  return "";
+}
+
+Cause cause(const std::string& type, const std::string& joint, std::vector<FoundParameter> parameters) {
+  Cause c{{type, joint, {}, {}}, std::move(parameters), 1e-12, {}};
+  for (const FoundParameter& p : c.parameters) c.effect.numbers[p.name] = p.value;
+  c.gain = {5e-4, 3e-5, true, 14, 19, 5, 0.3, 1.02, 0.4, 0.95, coordinate_unit(spec(), joint)};
+  return c;
+}
+
+DiagnosisReport report(Verdict verdict, std::vector<Cause> causes) {
+  DiagnosisReport r{spec(), {}, {}, "", {}};
+  r.log.file = "log.csv";
+  r.diagnosis.verdict = verdict;
+  r.diagnosis.causes = std::move(causes);
+  r.diagnosis.gain = {5e-4, 3e-5, true, 14, 19, 5, 0.3, 1.02, 0.4, 0.95};
+  return r;
+}
+
+Json json(const DiagnosisReport& r) { return Json::parse(write(r, "json", Style{})); }
+std::string table(const DiagnosisReport& r) { return write(r, "table", Style{}); }
+
+TEST(DiagnosisReport, GivesParametersTheUnitOfTheirJoint) {
+  const Spec s = spec();
+  const std::string slide = joint_of(s, true), turn = joint_of(s, false);
+  const Json j = json(report(Verdict::explained, {cause("backlash", turn, {{"gap", 1e-3, 0.9e-3, 1.1e-3}}),
+                                                  cause("backlash", slide, {{"gap", 1e-5, 0.9e-5, 1.1e-5}}),
+                                                  cause("compliance", slide, {{"compliance", 1e-7, 0, 2e-7}}),
+                                                  cause("latency", turn, {{"delay", 0.01, 0, 0.02}})}));
+  EXPECT_EQ(j["causes"][0]["parameters"][0]["unit"], "rad");
+  EXPECT_EQ(j["causes"][1]["parameters"][0]["unit"], "m");
+  EXPECT_EQ(j["causes"][1]["gain"]["unit"], "m");
+  EXPECT_EQ(j["causes"][2]["parameters"][0]["unit"], "m/N");
+  EXPECT_EQ(j["causes"][3]["parameters"][0]["unit"], "s");
+}
+
+TEST(DiagnosisReport, WritesParametersInTheOrderOfTheEffectsRowWithThoseThatWereNotFitted) {
+  Cause c =
+      cause("transmission_error", joint_of(spec(), false), {{"phase", 1, 0.9, 1.1}, {"amplitude", 2, 1, 3}});
+  c.effect.numbers["order"] = 2;
+  const Json p = json(report(Verdict::explained, {c}))["causes"][0]["parameters"];
+  ASSERT_EQ(p.size(), 3u);
+  EXPECT_EQ(p[0]["name"], "amplitude");
+  EXPECT_EQ(p[1]["name"], "phase");
+  EXPECT_EQ(p[2]["name"], "order");
+  EXPECT_EQ(p[2]["lower"], 2.0);
+}
+
+TEST(DiagnosisReport, WritesWhatIsNotFiniteAsNull) {
+  DiagnosisReport r = report(Verdict::explained,
+                             {cause("backlash", joint_of(spec(), false), {{"gap", 1e-3, NAN, INFINITY}})});
+  r.diagnosis.simulation.push_back({"elbow", "mean", NAN, 0, 0.5});
+  const Json j = json(r);
+  EXPECT_TRUE(j["causes"][0]["parameters"][0]["lower"].is_null());
+  EXPECT_TRUE(j["causes"][0]["parameters"][0]["upper"].is_null());
+  EXPECT_TRUE(j["simulation"][0]["observed"].is_null());
+  EXPECT_TRUE(j["extended_model"].is_null());
+}
+
+TEST(DiagnosisReport, TellsWhichColumnsWereUnwrapped) {
+  DiagnosisReport r = report(Verdict::nothing_wrong, {});
+  LogColumn column;
+  column.header = "elbow.reference [rad]";
+  column.wraps.count = 3;
+  r.log.columns.push_back(column);
+  EXPECT_EQ(json(r)["log"]["unwrapped"][0]["column"], "elbow.reference [rad]");
+  EXPECT_NE(table(r).find("unwrapped: elbow.reference [rad], 3 full turns"), std::string::npos);
+}
+
+TEST(DiagnosisReport, SaysTheVerdictFirstAndInWords) {
+  const std::string joint = joint_of(spec(), false);
+  const Cause found = cause("backlash", joint, {{"gap", 1e-3, 0.9e-3, 1.1e-3}});
+  EXPECT_NE(table(report(Verdict::explained, {found})).find("\nEXPLAINED: backlash of " + joint),
+            std::string::npos);
+  EXPECT_NE(table(report(Verdict::nothing_wrong, {})).find("\nNOTHING WRONG: "), std::string::npos);
+  DiagnosisReport torn = report(Verdict::ambiguous, {found});
+  torn.diagnosis.alternatives.push_back({"backlash", "latency", joint, "reversals at two speeds"});
+  EXPECT_NE(table(torn).find("AMBIGUOUS: backlash or latency of " + joint), std::string::npos);
+  EXPECT_NE(table(torn).find("to tell them apart, record reversals at two speeds"), std::string::npos);
+  DiagnosisReport open = report(Verdict::unexplained, {});
+  open.diagnosis.unexplained.push_back({joint, "periodic in the joint angle", 7.3, {}, 1e-4});
+  EXPECT_NE(table(open).find("UNEXPLAINED: something real at " + joint), std::string::npos);
+  EXPECT_NE(table(open).find("order 7.3 per revolution of the joint, amplitude 100 urad"), std::string::npos);
+  DiagnosisReport mute = report(Verdict::cannot_judge, {});
+  mute.diagnosis.reason = "the reference's noise is 2 counts; at most 0.3 would do";
+  EXPECT_NE(table(mute).find("CANNOT JUDGE: the reference's noise"), std::string::npos);
+}
+
+TEST(DiagnosisReport, GivesAGainAtTheTipInMetresAndNoCounts) {
+  const std::string turn = joint_of(spec(), false);
+  DiagnosisReport r =
+      report(Verdict::explained, {cause("eccentricity", turn, {{"amplitude", 1e-3, 0.9e-3, 1.1e-3}})});
+  Gain at_tip{2e-3, 4e-4, true, 4.5, 5.5};
+  at_tip.unit = "m";
+  at_tip.of_tip = true;
+  r.diagnosis.causes[0].gain = r.diagnosis.gain = at_tip;
+  const Json of_cause = json(r)["causes"][0]["gain"];
+  EXPECT_EQ(of_cause["unit"], "m");
+  EXPECT_TRUE(of_cause["counts_before"].is_null());
+  EXPECT_TRUE(of_cause["coverage"].is_null());
+  EXPECT_EQ(json(r)["causes"][0]["parameters"][0]["unit"], "rad");
+  const std::string text = table(r);
+  EXPECT_NE(text.find("  tip            2.00 mm  400 um              -      -"), std::string::npos) << text;
+  EXPECT_NE(text.find("the tip would err by 400 um rms instead of 2.00 mm.\n"), std::string::npos) << text;
+  const std::string csv = write(r, "csv", Style{});
+  EXPECT_NE(csv.find("rms_after,4e-04,,,,m,"), std::string::npos) << csv;
+  EXPECT_EQ(csv.find("counts_before"), std::string::npos) << csv;
+}
+
+TEST(DiagnosisReport, HasTheSameFiguresOfTheGainInCsvAsInJson) {
+  const DiagnosisReport r = report(Verdict::nothing_wrong, {});
+  const std::string csv = write(r, "csv", Style{});
+  const Json gain = json(r)["gain"];
+  for (const char* figure : {"rms_before", "rms_after", "ratio", "counts_before", "counts_after",
+                             "sigma_ratio", "log_score", "coverage"}) {
+    const std::string row = std::string("gain,,,") + figure + ',' + shortest(gain[figure]) + ',';
+    EXPECT_NE(csv.find(row), std::string::npos) << row << csv;
+  }
+}
+
+TEST(DiagnosisReport, RoundsAFigureToItsInterval) {
+  const std::string text =
+      table(report(Verdict::explained,
+                   {cause("backlash", joint_of(spec(), false), {{"gap", 5.6608e-4, 5.6308e-4, 5.6908e-4}})}));
+  EXPECT_NE(text.find("gap  566.1 +- 3.0 urad"), std::string::npos) << text;
+}
+
+TEST(DiagnosisReport, HasARemedyForEveryEffectThatASpecCanName) {
+  for (const EffectKind& kind : effect_kinds()) {
+    const std::string text =
+        table(report(Verdict::explained, {cause(std::string(kind.name), joint_of(spec(), false), {})}));
+    EXPECT_NE(text.find("remedy: "), std::string::npos) << kind.name;
+  }
+}
+
+TEST(DiagnosisReport, WritesCsvRowsOfEqualLength) {
+  DiagnosisReport r = report(Verdict::partly_explained,
+                             {cause("backlash", joint_of(spec(), false), {{"gap", 1e-3, 0, 2e-3}})});
+  r.diagnosis.unexplained.push_back({"a, \"b\"", "slow in time", {}, 0.01, 1e-4});
+  const std::string text = write(r, "csv", Style{});
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = text.find("\r\n", at);
+    bool quoted = false;
+    int cells = 1;
+    for (std::size_t i = at; i < end; ++i) {
+      quoted ^= text[i] == '"';
+      cells += text[i] == ',' && !quoted;
+    }
+    EXPECT_EQ(cells, 10) << text.substr(at, end - at);
+    at = end + 2;
+  }
+}
+
+TEST(DiagnosisReport, ShowsNoControlCharactersOfALog) {
+  DiagnosisReport r =
+      report(Verdict::explained, {cause("backlash", "elbow\x1b[31m", {{"gap", 1e-3, 0, 2e-3}})});
+  r.log.file = "a\nb";
+  EXPECT_EQ(table(r).find('\x1b'), std::string::npos);
+  EXPECT_EQ(table(r).find("a\nb"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace qerr

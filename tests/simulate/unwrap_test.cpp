@@ -1,0 +1,151 @@
+#include "simulate/unwrap.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "support/log_file.hpp"
+
+namespace qerr {
+namespace {
+
+using ReadLog = testing::LogFile;
+
+constexpr double pi = std::numbers::pi;
+
+double wrapped(double x, double turn, double from) { return x - turn * std::floor((x - from) / turn); }
+
+TEST(Unwrap, RestoresEveryPathWhoseVelocityChangesByLessThanAQuarterTurnPerSample) {
+  std::mt19937_64 dice(3);
+  std::uniform_real_distribution<double> change(-0.2, 0.2), start(-5, 5);
+  for (int run = 0; run < 200; ++run) {
+    const double turn = run % 2 ? 2 * pi : 16384, from = start(dice) * turn;
+    Unwrap unwrap(turn);
+    double x = start(dice) * turn, v = 0, offset = 0;
+    for (int i = 0; i < 500; ++i) {
+      // the velocity wanders up to 0.7 turns a sample, where the nearest turn alone would mislead
+      const double next = v + change(dice) * turn;
+      if (i > 0 && std::abs(next) < 0.7 * turn) v = next;
+      x += v;
+      const double u = unwrap(wrapped(x, turn, from));
+      if (i == 0) offset = x - u;
+      ASSERT_NEAR(u, x - offset, 1e-9 * turn) << run << ' ' << i;
+    }
+    EXPECT_FALSE(unwrap.contradicted());
+  }
+}
+
+TEST(Unwrap, LeavesAJumpThatIsNoTurn) {
+  for (const double jump : {0.3, -0.5, 0.7, -0.74, 2.0, -3.0}) {
+    Unwrap unwrap(1);
+    for (int i = 0; i < 20; ++i) {
+      const double x = 0.001 * i + (i > 9 ? jump : 0);
+      ASSERT_EQ(unwrap(x), x) << jump;
+    }
+    EXPECT_EQ(unwrap.turns(), 0);
+  }
+}
+
+TEST(Unwrap, LeavesATurnsJumpOfWhatHasRunOnBeyondATurn) {
+  Unwrap unwrap(1);
+  for (int i = 0; i < 40; ++i) {
+    const double x = 0.1 * i - (i > 20 ? 1 : 0);
+    ASSERT_EQ(unwrap(x), x);
+  }
+}
+
+TEST(Unwrap, SaysWhenLaterSamplesShowThatItWasNoWrap) {
+  Unwrap unwrap(1);
+  for (int i = 0; i < 9; ++i) unwrap(0.1 * i);
+  unwrap(-0.1);
+  EXPECT_EQ(unwrap.turns(), 1);
+  EXPECT_FALSE(unwrap.contradicted());
+  for (int i = 0; i < 5; ++i) unwrap(-0.1 - 0.1 * i);
+  EXPECT_TRUE(unwrap.contradicted());
+}
+
+/// A wrist that turns three times, its counts and its reference each starting anew where they do.
+std::string turning_wrist(double turn_of_counts, double from) {
+  std::string text = "time [s],wrist.counts,wrist.reference [rad],wrist.command [rad]\n";
+  for (int i = 0; i < 300; ++i) {
+    const double angle = 1 + 6 * pi * i / 300;
+    const double counts = wrapped(std::round(angle / (2 * pi) * 16384), turn_of_counts, 0);
+    text += std::to_string(0.01 * i) + ',' + std::to_string(static_cast<long>(counts)) + ',' +
+            std::to_string(wrapped(angle, 2 * pi, from)) + ',' + std::to_string(angle) + '\n';
+  }
+  return text;
+}
+
+TEST_F(ReadLog, UnwrapsReferencesAndAbsoluteEncodersAndSaysSo) {
+  spec = spec_with("'*': {bits: 14}, lift: {resolution: 10 um}");
+  for (const LogOptions& options : {LogOptions{}, LogOptions{.block_rows = 7}}) {
+    const Log log = read(turning_wrist(16384, -pi), options);
+    const auto& counts = log.columns[1].wraps;
+    const auto& reference = log.columns[2].wraps;
+    EXPECT_EQ(counts.count, 3u);
+    EXPECT_EQ(counts.first_row, 85u);  // 1 + 6 pi 85/300 is beyond 2 pi
+    EXPECT_DOUBLE_EQ(counts.first_time, 0.85);
+    EXPECT_EQ(reference.count, 3u);
+    EXPECT_EQ(reference.first_row, 35u);
+    EXPECT_EQ(reference.start, 0);
+    EXPECT_EQ(log.columns[3].wraps.count, 0u);
+    for (Eigen::Index i = 0; i < 300; ++i) {
+      const double angle = 1 + 6 * pi * static_cast<double>(i) / 300;
+      ASSERT_EQ(values(log, LogSignal::counts, 3)[i], std::round(angle / (2 * pi) * 16384));
+      ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], angle, 1e-6);
+    }
+  }
+}
+
+TEST_F(ReadLog, BringsAReferenceToTheTurnOfTheMeasuredPosition) {
+  spec = spec_with("'*': {bits: 14}, lift: {resolution: 10 um}");
+  for (const Eigen::Index rows : {8192, 7}) {
+    const Log log = read(turning_wrist(16384, 4 * pi), {.block_rows = rows});
+    EXPECT_EQ(log.columns[2].wraps.start, -2);
+    for (Eigen::Index i = 0; i < 300; ++i)
+      ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], 1 + 6 * pi * static_cast<double>(i) / 300, 1e-6);
+  }
+}
+
+TEST_F(ReadLog, LeavesTheJumpOfAnIncrementalCounter) {
+  for (const std::string encoder :
+       {"{counts_per_rev: 16384}", "{periods_per_rev: 2, interpolation_bits: 13}"}) {
+    spec = spec_with("'*': " + encoder + ", lift: {resolution: 10 um}");
+    const Log log = read(turning_wrist(16384, -pi));
+    EXPECT_EQ(log.columns[1].wraps.count, 0u);
+    EXPECT_LT(values(log, LogSignal::counts, 3).maxCoeff(), 16384);
+    EXPECT_EQ(log.columns[2].wraps.count, 3u);
+  }
+  spec = spec_with("'*': {periods_per_rev: 1, interpolation_bits: 14}, lift: {resolution: 10 um}");
+  EXPECT_EQ(read(turning_wrist(16384, -pi)).columns[1].wraps.count, 3u);
+}
+
+TEST_F(ReadLog, ASlideHasNoTurns) {
+  std::string text = "time [s],lift.counts,lift.reference [m]\n";
+  for (int i = 0; i < 10; ++i)
+    text += std::to_string(i) + ",0," + std::to_string(i < 5 ? 0.0 : 2 * pi) + '\n';
+  EXPECT_EQ(read(text).columns[2].wraps.count, 0u);
+}
+
+TEST_F(ReadLog, InATableTheReferenceFollowsTheMeasuredPositionInAnyOrderOfRows) {
+  spec = spec_with("'*': {bits: 14}, lift: {resolution: 10 um}");
+  std::vector<int> order(16384 / 16);
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int>(16 * i);
+  std::shuffle(order.begin(), order.end(), std::mt19937_64(8));
+  std::string text = "wrist.counts,wrist.reference [rad]\n";
+  const auto angle = [](int counts) {
+    return 2 * pi * counts / 16384 + 0.04 * std::sin(2 * pi * counts / 16384);
+  };
+  for (const int counts : order)
+    text += std::to_string(counts) + ',' + std::to_string(wrapped(angle(counts) + 0.3, 2 * pi, -1)) + '\n';
+  for (const Eigen::Index rows : {8192, 10}) {
+    const Log log = read(text, {.block_rows = rows});
+    for (std::size_t i = 0; i < order.size(); ++i)
+      ASSERT_NEAR(values(log, LogSignal::reference, 3)[static_cast<Eigen::Index>(i)], angle(order[i]) + 0.3,
+                  1e-6);
+    EXPECT_GT(log.columns[1].wraps.count, 0u);
+  }
+}
+
+}  // namespace
+}  // namespace qerr
