@@ -43,6 +43,14 @@ const EffectKind& effect_kind(std::string_view name) {
   return *found;
 }
 
+double Effect::number(const std::string& name) const {
+  if (const auto given = numbers.find(name); given != numbers.end()) return given->second;
+  const auto& rows = effect_kind(type).parameters;
+  const auto row = std::find_if(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == name; });
+  if (row == rows.end()) throw std::out_of_range("effect '" + type + "' has no parameter '" + name + "'");
+  return row->fallback.value_or(0);
+}
+
 Eigen::Vector3d displacement_direction(const Effect& effect) {
   const std::string& axis = effect.choices.at("axis");
   return Eigen::Vector3d::Unit(axis == "x" ? 0 : axis == "y" ? 1 : 2);

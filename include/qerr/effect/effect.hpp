@@ -23,9 +23,14 @@ struct Effect {
   std::map<std::string, double> numbers;
   std::map<std::string, std::string> choices;
 
-  double number(const std::string& name) const {
+  /// Value of a parameter: the given one, else the default of the effect's row, else 0.
+  /// @throws std::out_of_range for a name that is neither given nor a parameter of the row
+  double number(const std::string& name) const;
+
+  /// The given value of a parameter, else `otherwise`: also for effects whose row has no such parameter.
+  double number_or(const std::string& name, double otherwise) const {
     const auto found = numbers.find(name);
-    return found == numbers.end() ? 0 : found->second;
+    return found == numbers.end() ? otherwise : found->second;
   }
 };
 

@@ -81,12 +81,12 @@ Explanation with_term_at(const Explanation& m, std::size_t term, Term t) {
 }
 
 bool same_cause(const Effect& a, const Effect& b) {
-  return same_but_for_time(a, b) && a.number("time_constant") == b.number("time_constant") &&
-         a.number("time") == b.number("time");
+  return same_but_for_time(a, b) && a.number_or("time_constant", 0) == b.number_or("time_constant", 0) &&
+         a.number_or("time", 0) == b.number_or("time", 0);
 }
 
 bool same_but_for_time(const Effect& a, const Effect& b) {
-  return a.type == b.type && a.choices == b.choices && a.number("order") == b.number("order");
+  return a.type == b.type && a.choices == b.choices && a.number_or("order", 0) == b.number_or("order", 0);
 }
 
 bool has(const Explanation& m, const Effect& effect) {

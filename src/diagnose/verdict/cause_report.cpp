@@ -23,7 +23,7 @@ std::optional<double> frequency_of(const Effect& e) {
 
 /// What is the same by its nature, whatever was recorded.
 std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
-  const bool half = std::abs(effect.number("offset") + 0.5 * e.step()) < 0.1 * e.step();
+  const bool half = std::abs(effect.number_or("offset", 0) + 0.5 * e.step()) < 0.1 * e.step();
   if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
   if (effect.type == "reference_error") return {"transmission_error"};
   // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.

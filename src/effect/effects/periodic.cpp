@@ -37,7 +37,7 @@ bool counts_joint_turns(const Effect& e) {
 }  // namespace
 
 double wave_number(const Effect& e, const Encoder& encoder) {
-  return e.number("order") * (counts_joint_turns(e) ? 1 : encoder.shaft_ratio);
+  return e.number_or("order", 0) * (counts_joint_turns(e) ? 1 : encoder.shaft_ratio);
 }
 
 Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {

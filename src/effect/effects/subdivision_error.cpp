@@ -18,7 +18,7 @@ class Distortion {
         offset_cos_(e.number("offset_cos")),
         gain_(1 + e.number("gain")),
         phase_(e.number("phase")),
-        clip_(e.numbers.contains("clipping") ? e.number("clipping") : 1.0),
+        clip_(e.number("clipping")),
         ideal_(offset_sin_ == 0 && offset_cos_ == 0 && gain_ == 1 && phase_ == 0 && clip_ >= 1) {}
 
   double operator()(double angle) const {

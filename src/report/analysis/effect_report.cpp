@@ -80,7 +80,7 @@ RobotUsage usage_of(const Spec& spec) {
   const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
   if (!spec.motion) return limits;
   double margin = 0;  // a late reading is one of before the motion
-  for (const Effect& effect : spec.effects) margin += std::abs(effect.number("delay"));
+  for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
   RobotUsage usage = usage_in_motion(spec.model, *spec.motion, std::min(margin, spec.motion->duration));
   for (std::size_t i = 0; i < usage.joints.size(); ++i)
     if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;

@@ -17,8 +17,8 @@ std::string note(const Spec& spec, const Cause& cause) {
 
 /// A filter that the spec can state: it has no place for a delay beside the low-pass.
 bool is_filter(const Effect& e) {
-  return e.type == "filter_mismatch" && e.choices.count("family") && e.number("order") > 0 &&
-         e.number("delay") == 0;
+  return e.type == "filter_mismatch" && e.choices.count("family") && e.number_or("order", 0) > 0 &&
+         e.number_or("delay", 0) == 0;
 }
 
 std::string free_name(const Spec& spec, const std::vector<AddedFilter>& added, const std::string& wanted) {

@@ -142,7 +142,7 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
     t.term.fill(effect, c);
     if (!t.term.named()) {
       d.unexplained.push_back(
-          {effect.joint, t.term.unnamed, effect.number("order"), {}, effect.number("amplitude")});
+          {effect.joint, t.term.unnamed, effect.number_or("order", 0), {}, effect.number_or("amplitude", 0)});
       continue;
     }
     const Eigen::MatrixXd covariance =

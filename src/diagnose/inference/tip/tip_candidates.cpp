@@ -70,8 +70,9 @@ std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd
 bool same(const TipTerm& a, const TipTerm& b) {
   const Effect &x = a.term.effect, &y = b.term.effect;
   return a.way == b.way && a.where == b.where && a.along == b.along && x.type == y.type &&
-         x.choices == y.choices && x.number("order") == y.number("order") &&
-         x.number("time_constant") == y.number("time_constant") && x.number("time") == y.number("time");
+         x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
+         x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
+         x.number_or("time", 0) == y.number_or("time", 0);
 }
 
 }  // namespace
