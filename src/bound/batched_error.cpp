@@ -17,7 +17,7 @@ struct BatchedError::Work {
 };
 
 BatchedError::BatchedError(const OperationalModel& model, const ErrorFigures& asked, InstructionSet set)
-    : plan_(new Plan{{model, asked}, bound_kernels(set)}) {
+    : plan_(new Plan{{model, asked}, select_kernels<BoundKernels>(set)}) {
   const ErrorPlan& plan = plan_->error.plan();
   work_ = std::make_unique<Work>(Work{AlignedNumbers(plan_->kernels.room(plan)),
                                       AlignedNumbers(plan.sums.count * plan_->kernels.lanes)});

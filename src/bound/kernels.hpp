@@ -7,7 +7,7 @@
 #include "bound/figure_layout.hpp"
 #include "bound/tally.hpp"
 #include "kinematics/folded_path.hpp"
-#include "qerr/core/instruction_set.hpp"
+#include "lanes/dispatch.hpp"
 
 namespace qerr {
 
@@ -78,9 +78,5 @@ struct BoundKernels {
   /// 64 values of every figure into their tallies and, unless it is null, the lists of their bins.
   void (*tally)(std::size_t count, const double* figures, std::uint64_t first, Tally*, BinList*);
 };
-
-extern const BoundKernels portable_bounds, avx2_bounds, avx512_bounds;
-
-const BoundKernels& bound_kernels(InstructionSet);
 
 }  // namespace qerr

@@ -23,7 +23,7 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
       total_(size(configurations)),
       configurations_(configurations),
       options_(options),
-      kernels_(bound_kernels(options.instructions)),
+      kernels_(select_kernels<BoundKernels>(options.instructions)),
       sampler_(configurations, options.instructions),
       errors_(model,
               {.rigorous = !options.brief,

@@ -1,7 +1,5 @@
 #include "qerr/core/instruction_set.hpp"
 
-#include <algorithm>
-#include <array>
 #include <cstdlib>
 #include <string>
 
@@ -12,18 +10,33 @@ namespace qerr {
 
 namespace {
 
-constexpr std::array<std::string_view, 3> names{"portable", "avx2", "avx512"};
+struct Row {
+  InstructionSet set;
+  std::string_view name;
+  bool (*supported)();  ///< by this processor
+};
 
-std::vector<InstructionSet> available() {
-  std::vector<InstructionSet> sets{InstructionSet::portable};
+constexpr Row rows[] = {
+    {InstructionSet::portable, "portable", [] { return true; }},
+#if defined(__x86_64__)
+    {InstructionSet::avx2, "avx2",
+     [] { return __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma"); }},
+    {InstructionSet::avx512, "avx512",
+     [] {
+       return __builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
+              __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw") &&
+              __builtin_cpu_supports("fma");
+     }},
+#endif
+};
+
+std::vector<InstructionSet> supported_sets() {
 #if defined(__x86_64__)
   __builtin_cpu_init();
-  if (!__builtin_cpu_supports("avx2") || !__builtin_cpu_supports("fma")) return sets;
-  sets.push_back(InstructionSet::avx2);
-  if (__builtin_cpu_supports("avx512f") && __builtin_cpu_supports("avx512dq") &&
-      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512bw"))
-    sets.push_back(InstructionSet::avx512);
 #endif
+  std::vector<InstructionSet> sets;
+  for (const Row& row : rows)
+    if (row.supported()) sets.push_back(row.set);
   return sets;
 }
 
@@ -46,10 +59,14 @@ InstructionSet chosen() {
 
 }  // namespace
 
-std::string_view name_of(InstructionSet set) { return names[static_cast<std::size_t>(set)]; }
+std::string_view name_of(InstructionSet set) {
+  for (const Row& row : rows)
+    if (row.set == set) return row.name;
+  return "not in this build";
+}
 
 const std::vector<InstructionSet>& available_instruction_sets() {
-  static const std::vector<InstructionSet> sets = available();
+  static const std::vector<InstructionSet> sets = supported_sets();
   return sets;
 }
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kinematics/folded_path.hpp"
-#include "qerr/core/instruction_set.hpp"
+#include "lanes/dispatch.hpp"
 
 namespace qerr {
 
@@ -26,9 +26,5 @@ struct KinematicKernels {
   /// @param keys  of every joint, mixed from seed and joint
   void (*random)(const SampledRanges&, const std::uint64_t* keys, std::uint64_t first, double* to);
 };
-
-extern const KinematicKernels portable_kinematics, avx2_kinematics, avx512_kinematics;
-
-const KinematicKernels& kinematic_kernels(InstructionSet);
 
 }  // namespace qerr

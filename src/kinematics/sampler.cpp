@@ -79,9 +79,9 @@ void Sampler::operator()(std::uint64_t first, double* to) {
   switch (configurations_->method) {
     case SamplingMethod::sobol:
       sobol(first);
-      return kinematic_kernels(set_).sobol(ranges, start_.data(), patterns_.data(), to);
+      return select_kernels<KinematicKernels>(set_).sobol(ranges, start_.data(), patterns_.data(), to);
     case SamplingMethod::random:
-      return kinematic_kernels(set_).random(ranges, keys_.data(), first, to);
+      return select_kernels<KinematicKernels>(set_).random(ranges, keys_.data(), first, to);
     case SamplingMethod::grid:
       return grid(first, to);
     case SamplingMethod::list:

@@ -34,7 +34,7 @@ void multiply(SectionPlan& s, double gain) {
 }  // namespace
 
 ChannelFilter::ChannelFilter(const Filter& filter, std::size_t width, InstructionSet set)
-    : taps_(filter.taps), width_(width), kernels_(simulation_kernels(set)) {
+    : taps_(filter.taps), width_(width), kernels_(select_kernels<SimulationKernels>(set)) {
   const auto plain = [](auto c) { return static_cast<double>(c); };
   auto gain = static_cast<double>(filter.gain);
   for (const Section& s : filter.sections) {

@@ -77,7 +77,7 @@ bool TalliedFilter::tighten(const Filter& filter) {
 }
 
 TalliedFilter::TalliedFilter(const Filter& filter, std::size_t width, InstructionSet set)
-    : width_(width), kernels_(simulation_kernels(set)) {
+    : width_(width), kernels_(select_kernels<SimulationKernels>(set)) {
   if (tighten(filter)) {
     state_ = AlignedNumbers(static_cast<std::size_t>(4 + plan_.differences) * width);
     numbers_ = AlignedNumbers(4 * width);

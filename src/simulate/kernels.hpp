@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "kinematics/folded_path.hpp"
-#include "qerr/core/instruction_set.hpp"
+#include "lanes/dispatch.hpp"
 
 // What the kernels of the simulation take; files that are compiled per instruction set include this (see
 // folded_path.hpp for what they must not).
@@ -205,9 +205,5 @@ struct SimulationKernels {
   /// @pre lags is a multiple of `lags_at_once`
   double (*losses)(const double* weights, std::size_t lags, const double* x, std::size_t count);
 };
-
-extern const SimulationKernels portable_simulation, avx2_simulation, avx512_simulation;
-
-const SimulationKernels& simulation_kernels(InstructionSet);
 
 }  // namespace qerr

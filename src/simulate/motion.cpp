@@ -162,8 +162,8 @@ void MotionPath::positions(std::size_t joint, const double* time, double* to, In
   }
   const JointMotion& m = motion_.joints[joint];
   const std::vector<Oscillation>& oscillations = oscillations_[joint];
-  simulation_kernels(set).positions({m.center, m.velocity, oscillations.data(), oscillations.size()}, time,
-                                    to);
+  select_kernels<SimulationKernels>(set).positions(
+      {m.center, m.velocity, oscillations.data(), oscillations.size()}, time, to);
 }
 
 Eigen::VectorXd MotionPath::position(double time) const {

@@ -105,7 +105,7 @@ class Counts {
   AlignedNumbers time_, joints_, turned_;
   std::vector<std::vector<double>> rows_;  // of each encoder
   std::ptrdiff_t begin_ = 0, end_ = 0;     // the samples that they hold
-  const SimulationKernels& kernels_ = simulation_kernels(instruction_set());
+  const SimulationKernels& kernels_ = select_kernels<SimulationKernels>(instruction_set());
 };
 
 }  // namespace
@@ -131,7 +131,7 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
     for (Eigen::Index i = 0; i < n; ++i)
       power(static_cast<Eigen::Index>(s), i) =
           power_along(memory, weights, counts.from(static_cast<std::size_t>(i), first), looked_at,
-                      simulation_kernels(instruction_set()));
+                      select_kernels<SimulationKernels>(instruction_set()));
   }
   return power;
 }

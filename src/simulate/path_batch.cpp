@@ -13,7 +13,8 @@ void PathBatch::at(std::uint64_t first, std::size_t count) {
   }
   first_ = first;
   count_ = count;
-  simulation_kernels(set_).times(static_cast<double>(first), count, sample_rate_, time_.data());
+  select_kernels<SimulationKernels>(set_).times(static_cast<double>(first), count, sample_rate_,
+                                                time_.data());
   for (std::size_t joint = 0; joint < path_.joints(); ++joint)
     path_.positions(joint, time_.data(), joints_.data() + joint * batch_size, set_);
 }

@@ -45,7 +45,7 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
       chain_(fold(model.chain, turned(model))),
       built_(fold(built, turned(model))),
       as_modelled_(same_place(model.chain, built)),
-      kernels_(simulation_kernels(set)),
+      kernels_(select_kernels<SimulationKernels>(set)),
       center_mean_(center_mean.begin(), center_mean.end()) {
   for (const FoldedJoint& joint : chain_.joints) scale_.push_back(joint.sign);
   for (const Coordinate c : model.coordinates) coordinates_.push_back(static_cast<int>(c));

@@ -70,7 +70,7 @@ class Runs {
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
         along_(channels_.coordinates, channels_.encoders, job.stretches),
         thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
-    const SimulationKernels& kernels = simulation_kernels(job.options.instructions);
+    const SimulationKernels& kernels = select_kernels<SimulationKernels>(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
       const bool visited = index == 0 && job.options.visit;
       One& one = runs_.emplace_back(

@@ -149,7 +149,7 @@ const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& fro
                              const AlignedNumbers& to) const {
   if (uncoupled_) return from.data();
   const Eigen::MatrixXd by_row = m.transpose();
-  simulation_kernels(set_).mix(actions_.size(), by_row.data(), from.data(), to.data());
+  select_kernels<SimulationKernels>(set_).mix(actions_.size(), by_row.data(), from.data(), to.data());
   return to.data();
 }
 
@@ -170,7 +170,7 @@ void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t 
   double* const measured = measured_.data() + encoder * batch_size;
   if (a.encoder.empty() && a.decoder.empty()) {
     const Quantizer quantizer{e.resolution, e.rounding == Rounding::down};
-    if (simulation_kernels(set_).quantize(quantizer, shaft, counts, measured)) return;
+    if (select_kernels<SimulationKernels>(set_).quantize(quantizer, shaft, counts, measured)) return;
   }
   for (std::size_t i = 0; i < count; ++i) {
     counts[i] = this->count(encoder, shaft[i], i);
@@ -193,7 +193,7 @@ const SensedBatch& Sensing::sense(const PathBatch& path) {
   batch_.first = path.first();
   batch_.time = path.time();
   const std::size_t n = actions_.size(), count = path.count();
-  const SimulationKernels& kernels = simulation_kernels(set_);
+  const SimulationKernels& kernels = select_kernels<SimulationKernels>(set_);
   for (std::size_t joint = 0; joint < n; ++joint)
     kernels.displace(path.joints() + joint * batch_size, shift_[static_cast<Eigen::Index>(joint)],
                      joint_.data() + joint * batch_size);

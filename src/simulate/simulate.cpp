@@ -105,7 +105,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     if (options.progress)
       options.progress(std::min(done, job.samples * options.runs), job.samples * options.runs);
   };
-  const SimulationKernels& kernels = simulation_kernels(options.instructions);
+  const SimulationKernels& kernels = select_kernels<SimulationKernels>(options.instructions);
   std::vector<RunStatistics> all;
   for (std::size_t f = 0; f <= filters.size(); ++f)
     all.emplace_back(channels.count(), channels.coordinates, 0, job.blocks, kernels);

@@ -39,13 +39,14 @@ TEST(ScanKernels, HaveThePowerOfEveryRate) {
           score[k] = dice.between(-1, 1), angle[k] = dice.between(0, 1.6);
         const double first = std::floor(dice.between(1, 20)), most = largest_power(score);
         std::vector<double> powers(count);
-        scan_kernels(set).powers(score.data(), angle.data(), rows, first, count, room.data(), powers.data());
+        select_kernels<ScanKernels>(set).powers(score.data(), angle.data(), rows, first, count, room.data(),
+                                                powers.data());
         for (std::size_t i = 0; i < count; i += 1 + count / 50) {
           const double rate = first + static_cast<double>(i);
           const double expected = plain_power(score, angle, rate);
           EXPECT_NEAR(powers[i], expected, 1e-12 * most) << i;
-          EXPECT_NEAR(scan_kernels(set).power(score.data(), angle.data(), rows, rate), expected,
-                      1e-12 * most);
+          EXPECT_NEAR(select_kernels<ScanKernels>(set).power(score.data(), angle.data(), rows, rate),
+                      expected, 1e-12 * most);
         }
       }
 }

@@ -74,7 +74,8 @@ TEST(FusedFilter, HasTheStatisticsOfTheFilterBank) {
     for (const Filter& filter : filters()) {
       const Figures expected = by_bank(filter, rows, width, settling);
       for (const InstructionSet set : available_instruction_sets()) {
-        RunStatistics statistics(static_cast<Eigen::Index>(width), peaks, width, 2, simulation_kernels(set));
+        RunStatistics statistics(static_cast<Eigen::Index>(width), peaks, width, 2,
+                                 select_kernels<SimulationKernels>(set));
         TalliedFilter tallied(filter, width, set);
         tallied.settle(rows.data());
         std::size_t row = 0;

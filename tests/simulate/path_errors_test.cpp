@@ -126,7 +126,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   const Eigen::ArrayXXd rows =
       Eigen::Map<const Eigen::ArrayXXd>(errors.rows(), static_cast<Eigen::Index>(errors.width()), batch_size);
   for (const bool each : {false, true}) {
-    RunStatistics statistics(m * (3 + n), m, errors.width(), 1, simulation_kernels(set));
+    RunStatistics statistics(m * (3 + n), m, errors.width(), 1, select_kernels<SimulationKernels>(set));
     errors(batch_of_instants, {false, PathErrors::Squares::summed, &statistics, 0, each});
     expect_variance(variance_in(0, batch_size));
     sum.setZero();

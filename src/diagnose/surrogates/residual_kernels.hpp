@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "qerr/core/instruction_set.hpp"
+#include "lanes/dispatch.hpp"
 
 // What the kernels of the surrogates take; files that are compiled per instruction set include this, and
 // nothing that has code of its own.
@@ -83,9 +83,5 @@ struct ResidualKernels {
   void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
                double* out);
 };
-
-extern const ResidualKernels portable_residuals, avx2_residuals, avx512_residuals;
-
-const ResidualKernels& residual_kernels(InstructionSet);
 
 }  // namespace qerr

@@ -88,7 +88,7 @@ ResidualPlan residual_plan(const Evidence& e, const std::vector<Filter>& filters
     return whole - 4 * std::floor(0.25 * whole);
   });
   plan.surrogates = surrogate_plan(e, plan.parts);
-  add_projections(plan, residual_kernels(set));
+  add_projections(plan, select_kernels<ResidualKernels>(set));
   add_velocities(plan, filters);
   return plan;
 }

@@ -113,7 +113,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& part
 Surrogates::Surrogates(const SurrogatePlan& plan, std::uint64_t seed, std::uint64_t first, std::size_t width,
                        InstructionSet set)
     : plan_(plan),
-      kernels_(residual_kernels(set)),
+      kernels_(select_kernels<ResidualKernels>(set)),
       width_(width),
       generator_(width),
       phase_(width),

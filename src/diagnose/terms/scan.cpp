@@ -34,7 +34,7 @@ double strongest_rate(const Eigen::ArrayXd& scores, const Eigen::ArrayXd& argume
   const double first = std::max(2.0, std::ceil(least / spacing)),
                last = std::min<double>(scanned_hypotheses - 1, std::floor(most / spacing));
   if (!(first <= last)) return 0;
-  const ScanKernels& kernels = scan_kernels(instruction_set());
+  const ScanKernels& kernels = select_kernels<ScanKernels>(instruction_set());
   // Where the argument begins does not matter to the power, but to the digits of its sine.
   const AlignedNumbers score = part_of(scores, 0), argument = part_of(arguments, lowest),
                        angle = part_of(spacing * (arguments - lowest), 0);

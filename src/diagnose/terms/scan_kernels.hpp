@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "qerr/core/instruction_set.hpp"
+#include "lanes/dispatch.hpp"
 
 // What the kernels of the scans for periods take; files that are compiled per instruction set include this,
 // and nothing that has code of its own. Lanes are rows.
@@ -25,9 +25,5 @@ struct ScanKernels {
 
 /// Powers whose sums are kept in the first-level cache at a time.
 inline constexpr std::size_t scanned_at_once = 64;
-
-extern const ScanKernels portable_scan, avx2_scan, avx512_scan;
-
-const ScanKernels& scan_kernels(InstructionSet);
 
 }  // namespace qerr

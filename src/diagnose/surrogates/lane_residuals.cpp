@@ -1,6 +1,5 @@
-#pragma once
-
 #include "diagnose/surrogates/lane_surrogates.hpp"
+#include "lanes/compiled_set.hpp"
 
 // What residuals of surrogates in lanes are summed up to.
 
@@ -197,10 +196,19 @@ void taps(const double* taps, std::size_t count, const double* in, std::size_t r
     }
 }
 
-template <int n, class L = Lanes<n>>
-constexpr ResidualKernels residual_kernels{n,        sines<L>,   draw<L>,     read<L>,       moments<L>,
-                                           means<L>, project<L>, by_state<L>, distribute<L>, section<L>,
-                                           taps<L>};
-
 }  // namespace
 }  // namespace qerr::lanes
+
+namespace qerr {
+
+template <>
+const ResidualKernels& compiled_kernels<ResidualKernels, lanes::compiled_set>() {
+  using namespace lanes;
+  using L = CompiledLanes;
+  static constexpr ResidualKernels kernels{lane_count<L>, sines<L>,   draw<L>,    read<L>,
+                                           moments<L>,    means<L>,   project<L>, by_state<L>,
+                                           distribute<L>, section<L>, taps<L>};
+  return kernels;
+}
+
+}  // namespace qerr

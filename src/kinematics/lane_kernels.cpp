@@ -1,8 +1,7 @@
-#pragma once
-
 #include "kinematics/kernels.hpp"
 #include "kinematics/walk.hpp"
 #include "lanes/batch.hpp"
+#include "lanes/compiled_set.hpp"
 #include "lanes/lane_words.hpp"
 
 namespace qerr::lanes {
@@ -101,9 +100,18 @@ void random(const SampledRanges& r, const std::uint64_t* keys, std::uint64_t fir
   }
 }
 
-template <int lanes>
-constexpr KinematicKernels kinematic_kernels{lanes, room_per_joint<Lanes<lanes>>, jacobians<Lanes<lanes>>,
-                                             sobol<Lanes<lanes>>, random<Lanes<lanes>>};
-
 }  // namespace
 }  // namespace qerr::lanes
+
+namespace qerr {
+
+template <>
+const KinematicKernels& compiled_kernels<KinematicKernels, lanes::compiled_set>() {
+  using namespace lanes;
+  using L = CompiledLanes;
+  static constexpr KinematicKernels kernels{lane_count<L>, room_per_joint<L>, jacobians<L>, sobol<L>,
+                                            random<L>};
+  return kernels;
+}
+
+}  // namespace qerr

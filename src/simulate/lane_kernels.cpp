@@ -1,5 +1,4 @@
-#pragma once
-
+#include "lanes/compiled_set.hpp"
 #include "simulate/lane_errors.hpp"
 #include "simulate/lane_filters.hpp"
 #include "simulate/lane_fused_filter.hpp"
@@ -191,12 +190,21 @@ double losses(const double* weights, std::size_t lags, const double* x, std::siz
   return sum;
 }
 
-template <int n, class L = Lanes<n>>
-constexpr SimulationKernels simulation_kernels{
-    n,        errors_room<L>,      times<L>,       positions<L>, displace<L>,
-    mix<L>,   quantize<L>,         within<L>,      sines<L>,     errors<L>,
-    turn<L>,  add_rows<L>,         sum_between<L>, section<L>,   taps<L>,
-    tally<L>, filter_and_tally<L>, drop_whole<L>,  losses<L>};
-
 }  // namespace
 }  // namespace qerr::lanes
+
+namespace qerr {
+
+template <>
+const SimulationKernels& compiled_kernels<SimulationKernels, lanes::compiled_set>() {
+  using namespace lanes;
+  using L = CompiledLanes;
+  static constexpr SimulationKernels kernels{
+      lane_count<L>, errors_room<L>,      times<L>,       positions<L>, displace<L>,
+      mix<L>,        quantize<L>,         within<L>,      sines<L>,     errors<L>,
+      turn<L>,       add_rows<L>,         sum_between<L>, section<L>,   taps<L>,
+      tally<L>,      filter_and_tally<L>, drop_whole<L>,  losses<L>};
+  return kernels;
+}
+
+}  // namespace qerr

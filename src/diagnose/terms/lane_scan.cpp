@@ -1,6 +1,5 @@
-#pragma once
-
 #include "diagnose/terms/scan_kernels.hpp"
+#include "lanes/compiled_set.hpp"
 #include "lanes/lanes.hpp"
 
 // The power of a score at many rates.
@@ -86,8 +85,17 @@ double power(const double* score, const double* argument, std::size_t rows, doub
   return power_of(sum);
 }
 
-template <int n, class L = Lanes<n>>
-constexpr ScanKernels scan_kernels{powers<L>, power<L>};
-
 }  // namespace
 }  // namespace qerr::lanes
+
+namespace qerr {
+
+template <>
+const ScanKernels& compiled_kernels<ScanKernels, lanes::compiled_set>() {
+  using namespace lanes;
+  using L = CompiledLanes;
+  static constexpr ScanKernels kernels{powers<L>, power<L>};
+  return kernels;
+}
+
+}  // namespace qerr
