@@ -1,6 +1,21 @@
 #include "core/text.hpp"
 
+#include <array>
+#include <charconv>
+
 namespace qerr {
+
+namespace {
+
+/// Longest text: the 309 digits of the largest double, a sign, a point and its decimals.
+std::string printed(double value, std::chars_format format, int precision) {
+  std::array<char, 400> buffer;
+  const auto [end, failure] =
+      std::to_chars(buffer.data(), buffer.data() + buffer.size(), value, format, precision);
+  return failure == std::errc{} ? std::string(buffer.data(), end) : std::string("nan");
+}
+
+}  // namespace
 
 std::size_t utf8_length(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
@@ -26,6 +41,14 @@ std::size_t display_width(std::string_view text) {
 
 std::string counted(std::size_t count, std::string_view noun) {
   return std::to_string(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
+}
+
+std::string significant(double value, int digits) {
+  return printed(value, std::chars_format::general, digits);
+}
+
+std::string fixed_point(double value, int decimals) {
+  return printed(value, std::chars_format::fixed, decimals);
 }
 
 }  // namespace qerr

@@ -16,4 +16,10 @@ std::size_t display_width(std::string_view text);
 /// "1,234,567"-free count with its noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);
 
+/// `value` rounded to `digits` significant digits, as printf's %g does in the C locale, in every locale.
+std::string significant(double value, int digits);
+
+/// `value` rounded to `decimals` decimals, as printf's %f does in the C locale, in every locale.
+std::string fixed_point(double value, int decimals);
+
 }  // namespace qerr
