@@ -1,9 +1,10 @@
 #include "qerr/bound/effect_shares.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -91,7 +92,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     u.speeds = evenly(u.velocity);
     set_rates(u);
   }
-  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const Eigen::RowVectorXd weights = to_encoders.row(static_cast<Eigen::Index>(i));
     Usage u = usage.joints[i];
@@ -112,7 +113,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // added so far, at most
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
     const auto current = static_cast<Stage>(stage);
-    if (current == Stage::disc) at_encoders = model.transmission.coupling.inverse().cwiseAbs() * at_joints;
+    if (current == Stage::disc) at_encoders = inverse(model.transmission.coupling).cwiseAbs() * at_joints;
     Eigen::VectorXd& before = at_joint(current) ? at_joints : at_encoders;
     for (EffectShare& s : shares) {
       const EffectKind& kind = effect_kind(s.effect.type);

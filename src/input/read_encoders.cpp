@@ -1,8 +1,8 @@
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "input/read_sections.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -191,10 +191,9 @@ void read_coupling(const Field& f, Spec& spec) {
       coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
           read_number(row[j], {.name = "coupling"});
   }
-  const Eigen::FullPivLU<Eigen::MatrixXd> lu(coupling);
-  if (!coupling.allFinite() || !lu.isInvertible())
+  if (!coupling.allFinite() || rank(coupling) < static_cast<Eigen::Index>(n))
     throw Error({f.node->place, f.path, "the coupling is singular: some joint motion moves no encoder",
-                 "rank " + std::to_string(lu.rank()) + " of " + std::to_string(n), "check its rows"});
+                 "rank " + std::to_string(rank(coupling)) + " of " + std::to_string(n), "check its rows"});
   spec.model.transmission.coupling = coupling;
 }
 

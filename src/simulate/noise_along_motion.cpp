@@ -1,9 +1,9 @@
 #include "simulate/noise_along_motion.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/solve.hpp"
 #include "lanes/aligned.hpp"
 #include "lanes/batch.hpp"
 #include "simulate/kernels.hpp"
@@ -54,7 +54,7 @@ class Counts {
          std::size_t longest, std::size_t before)
       : path_(motion),
         // Row by row, as the kernel wants it.
-        to_counts_((resolutions(transmission).cwiseInverse().asDiagonal() * transmission.coupling.inverse())
+        to_counts_((resolutions(transmission).cwiseInverse().asDiagonal() * inverse(transmission.coupling))
                        .transpose()),
         sample_rate_(sample_rate),
         start_(start),

@@ -1,9 +1,9 @@
 #include "simulate/sensing.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/solve.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -43,7 +43,7 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
     : built_(as_built(model.chain, effects)),
       transmission_(model.transmission),
       path_(motion, set),
-      to_encoders_(model.transmission.coupling.inverse()),
+      to_encoders_(inverse(model.transmission.coupling)),
       uncoupled_(model.transmission.coupling.isIdentity(0)),
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),

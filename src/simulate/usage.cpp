@@ -1,11 +1,11 @@
 #include "simulate/usage.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <optional>
 
+#include "core/solve.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "simulate/motion_path.hpp"
 
@@ -140,7 +140,7 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
 
 RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, double margin) {
   const MotionPath path(motion);
-  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
   Path joints(path.joints()), encoders(path.joints());
   for (const double t : instants(motion, most_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);

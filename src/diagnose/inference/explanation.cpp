@@ -68,13 +68,13 @@ double Explanation::gain(const Term& t) const {
   Eigen::VectorXd score = extra.transpose() * plain_.score.matrix();
   if (columns_.cols() > 0) {
     const Eigen::MatrixXd shared = weighted_.transpose() * extra;
-    information -= shared.transpose() * present_.solve(shared);
+    information -= shared.transpose() * present_.solve_columns(shared);
     score -= shared.transpose() * present_.solve(columns_.transpose() * plain_.score.matrix());
   }
   // Nothing is left of a column that the model already has.
   if ((information.diagonal().array() <= 1e-9 * alone.array()).any()) return 0;
   information.diagonal().array() *= 1 + 1e-10;
-  return 0.5 * score.dot(information.ldlt().solve(score));
+  return 0.5 * score.dot(solve_symmetric(information, score));
 }
 
 double Explanation::inflation(const Eigen::ArrayXXd& columns) const {

@@ -1,8 +1,9 @@
 #pragma once
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <vector>
 
+#include "core/solve.hpp"
 #include "diagnose/inference/interval_likelihood.hpp"
 #include "diagnose/terms/term.hpp"
 
@@ -67,10 +68,10 @@ class Explanation {
   Eigen::ArrayXd x_;
   double spread_ = 0;
   double sigma_ = 0, plain_sigma_ = 0;
-  IntervalLikelihood likelihood_;         ///< some readings being outliers
-  IntervalLikelihood plain_;              ///< none being: what looks like outliers may be what is to be found
-  Eigen::MatrixXd weighted_;              ///< columns by the curvature of `plain_`
-  Eigen::LDLT<Eigen::MatrixXd> present_;  ///< of columns' * weighted_
+  IntervalLikelihood likelihood_;  ///< some readings being outliers
+  IntervalLikelihood plain_;       ///< none being: what looks like outliers may be what is to be found
+  Eigen::MatrixXd weighted_;       ///< columns by the curvature of `plain_`
+  SymmetricFactor present_;        ///< of columns' * weighted_
 };
 
 }  // namespace qerr

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "core/solve.hpp"
 #include "diagnose/inference/explanation.hpp"
 #include "diagnose/inference/weighted_square.hpp"
 
@@ -38,7 +39,7 @@ void Explanation::begin(Eigen::VectorXd& unit) {
   if (columns_.cols() > 0) {
     Eigen::MatrixXd normal = weighted_square(columns_, weight);
     normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
-    unit = normal.ldlt().solve(columns_.transpose() * (weight.matrix().asDiagonal() * middle));
+    unit = solve_symmetric(normal, columns_.transpose() * (weight.matrix().asDiagonal() * middle));
     rest -= (columns_ * unit).array();
   }
   sigma_ = std::clamp(std::sqrt((rest.square() * weight).mean()), least_noise(), spread_);
@@ -66,7 +67,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
     Eigen::MatrixXd normal = scale.asDiagonal() * hessian.topLeftCorner(free, free) * scale.asDiagonal();
     normal.diagonal().array() += 1e-10;
     Eigen::VectorXd step = Eigen::VectorXd::Zero(n + 1);
-    step.head(free) = scale.asDiagonal() * normal.ldlt().solve(scale.asDiagonal() * gradient.head(free));
+    step.head(free) = scale.asDiagonal() * solve_symmetric(normal, scale.asDiagonal() * gradient.head(free));
     const double before = likelihood_.log_likelihood;
     bool better = false;
     for (double length = 1; length > 1e-4 && !better; length /= 3) {
@@ -181,7 +182,7 @@ void Explanation::fit() {
   Eigen::MatrixXd normal = columns_.transpose() * weighted_;
   normal.diagonal().array() *= 1 + 1e-10;
   normal.diagonal().array() += 1e-300;
-  present_.compute(normal);
+  present_ = SymmetricFactor(normal);
   const Eigen::VectorXd scale = arrange();
   Eigen::VectorXd unit = beta_.cwiseProduct(scale);
   maximize(unit, outlier_part);

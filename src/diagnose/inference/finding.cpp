@@ -1,6 +1,5 @@
 #include "diagnose/inference/finding.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 
 #include "core/parallel.hpp"

@@ -1,11 +1,11 @@
 #include "diagnose/inference/found_parameters.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "core/probability.hpp"
+#include "core/solve.hpp"
 #include "diagnose/record/record_blocks.hpp"
 
 namespace qerr {
@@ -51,8 +51,7 @@ Covariance covariance(const Evidence& e, const IntervalLikelihood& l, const Eige
   Eigen::MatrixXd information = unit.transpose() * l.curvature.matrix().asDiagonal() * unit;
   information.diagonal().array() *= 1 + 1e-10;
   information.diagonal().array() += 1e-12 * information.diagonal().mean() + 1e-300;
-  const Eigen::MatrixXd inverse =
-      information.ldlt().solve(Eigen::MatrixXd::Identity(unit.cols(), unit.cols()));
+  const Eigen::MatrixXd inverse = symmetric_inverse(information);
   const std::vector<Eigen::Index> starts = block_starts(e);
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(starts.size()), unit.cols());
   for (std::size_t b = 0; b < starts.size(); ++b) {

@@ -1,10 +1,10 @@
 #include "diagnose/inference/unnamed_residual.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/solve.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
 
@@ -133,8 +133,7 @@ Term beside(const Explanation& m, Term remainder) {
     at += t.size();
   }
   names = names * names.colwise().norm().cwiseMax(1e-300).cwiseInverse().asDiagonal();
-  const Eigen::HouseholderQR<Eigen::MatrixXd> basis(names);
-  const Eigen::MatrixXd q = basis.householderQ() * Eigen::MatrixXd::Identity(names.rows(), names.cols());
+  const Eigen::MatrixXd q = orthonormal_basis(names);
   Eigen::ArrayXXd left = remainder.columns - (q * (q.transpose() * remainder.columns.matrix())).array();
   return with_columns(std::move(remainder), std::move(left));
 }

@@ -1,11 +1,10 @@
 #include "diagnose/plan/identifiability.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 
 #include "core/probability.hpp"
+#include "core/solve.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
 #include "diagnose/verdict/record_advice.hpp"
@@ -17,19 +16,14 @@ namespace {
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 double least_eigenvalue(const Eigen::MatrixXd& m) {
-  return m.size() == 1 ? m(0, 0)
-                       : Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(m, Eigen::EigenvaluesOnly)
-                             .eigenvalues()
-                             .minCoeff();
+  return m.size() == 1 ? m(0, 0) : symmetric_eigenvalues(m).minCoeff();
 }
 
 /// Least of u^T a u / u^T b u.
 double least_ratio(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.size() == 1) return b(0, 0) > 0 ? a(0, 0) / b(0, 0) : 0;
   if (least_eigenvalue(b) <= 1e-12 * b.trace()) return 0;
-  return Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd>(a, b, Eigen::EigenvaluesOnly)
-      .eigenvalues()
-      .minCoeff();
+  return symmetric_eigenvalues(a, b).minCoeff();
 }
 
 bool periodic(const Term& t) { return t.effect.numbers.contains("order"); }
@@ -93,10 +87,7 @@ Eigen::MatrixXd Sight::beyond(const Face& f, std::size_t other) const {
       others.diagonal().cwiseSqrt().unaryExpr([](double d) { return d > 0 ? 1 / d : 1; });
   others = scale.asDiagonal() * others * scale.asDiagonal();
   across = scale.asDiagonal() * across;
-  Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
-  solver.setThreshold(1e-10);
-  solver.compute(others);
-  Eigen::MatrixXd left = own - across.transpose() * solver.solve(across);
+  Eigen::MatrixXd left = own - across.transpose() * least_norm_solution(others, across, 1e-10);
   // What is left of rounding is nothing.
   if (left.trace() < 1e-9 * own.trace()) left.setZero();
   return left;

@@ -1,9 +1,9 @@
 #include "diagnose/plan/planned_record.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
+#include "core/solve.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/terms/with_effects.hpp"
 #include "kinematics/inverse_dynamics.hpp"
@@ -44,7 +44,7 @@ Passage passage(const OperationalModel& model, const Motion& motion, Eigen::Inde
     if (masses)
       c.effort.col(k) = inverse_dynamics(model.chain, c.position.col(k), c.velocity.col(k), acceleration);
   }
-  const Eigen::MatrixXd to_encoders = model.transmission.coupling.inverse();
+  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
   c.position = to_encoders * c.position;
   c.velocity = to_encoders * c.velocity;
   return c;

@@ -1,8 +1,9 @@
 #include "diagnose/record/encoder_columns.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -12,7 +13,7 @@ constexpr double nothing = 1e-12;  ///< of a joint's part in what an encoder fee
 
 /// What the encoder feels of every joint, per unit of it.
 Eigen::RowVectorXd parts_of_joints(const OperationalModel& model, Eigen::Index encoder) {
-  return model.transmission.coupling.inverse().row(encoder);
+  return inverse(model.transmission.coupling).row(encoder);
 }
 
 }  // namespace

@@ -4,6 +4,8 @@
 #include <numeric>
 #include <vector>
 
+#include "core/solve.hpp"
+
 namespace qerr {
 
 namespace {
@@ -53,7 +55,7 @@ Eigen::ArrayXd without_tables(const Evidence& e, const Eigen::ArrayXd& scores) {
   Eigen::MatrixXd normal = tables.transpose() * tables;
   // At a constant speed position and time are one.
   normal.diagonal().array() += 1e-8 * normal.diagonal().mean();
-  return scores - (tables * normal.ldlt().solve(tables.transpose() * scores.matrix())).array();
+  return scores - (tables * solve_symmetric(normal, tables.transpose() * scores.matrix())).array();
 }
 
 }  // namespace

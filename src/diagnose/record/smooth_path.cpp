@@ -1,11 +1,12 @@
 #include "diagnose/record/smooth_path.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <optional>
 #include <vector>
+
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -90,7 +91,7 @@ struct Fit {
   static Eigen::VectorXd row(const Eigen::MatrixXd& powers, Eigen::Index which) {
     Eigen::MatrixXd normal = powers.transpose() * powers;
     normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
-    return powers * normal.ldlt().solve(Eigen::VectorXd::Unit(normal.cols(), which));
+    return powers * solve_symmetric(normal, Eigen::VectorXd::Unit(normal.cols(), which));
   }
 };
 

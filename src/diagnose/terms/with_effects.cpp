@@ -1,8 +1,9 @@
 #include "diagnose/terms/with_effects.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -97,7 +98,7 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
 void feel(std::vector<Evidence>& all, const Transmission& transmission, const std::vector<Effect>& effects) {
   if (effects.empty() || std::none_of(all.begin(), all.end(), [](const Evidence& e) { return e.coupled(); }))
     return;
-  const Eigen::MatrixXd to_encoders = transmission.coupling.inverse();
+  const Eigen::MatrixXd to_encoders = inverse(transmission.coupling);
   std::vector<Eigen::ArrayXd> added;
   for (const Evidence& e : all) added.push_back(joint_addition(e, effects));
   for (Evidence& e : all)

@@ -1,10 +1,10 @@
 #include "diagnose/inference/tip/tip_alternatives.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <numbers>
 
 #include "core/random.hpp"
+#include "core/solve.hpp"
 #include "diagnose/inference/tip/tip_candidates.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 
@@ -57,7 +57,7 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
     append({TipTerm::Way::base, {}, 0, 0});
     append({TipTerm::Way::tool, {}, 0, 0});
   }
-  const Eigen::VectorXd fit = rest.completeOrthogonalDecomposition().solve(target);
+  const Eigen::VectorXd fit = least_norm_solution(rest, target);
   return (target - rest * fit).norm() < 1e-6 * target.norm();
 }
 

@@ -1,10 +1,10 @@
 #include "diagnose/inference/tip/tip_evidence.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 
 #include "core/parallel.hpp"
+#include "core/solve.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/terms/with_effects.hpp"
 
@@ -152,7 +152,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     }
     read.row(j) = measured ? measured->matrix().transpose() : e.joints.row(j).eval();
   }
-  const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
+  const Eigen::MatrixXd turned = inverse(model.transmission.coupling) * read;
   e.encoders.resize(static_cast<std::size_t>(count));
   parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
     e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);

@@ -1,8 +1,8 @@
-#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <cmath>
 
 #include "core/random.hpp"
+#include "core/solve.hpp"
 #include "diagnose/inference/tip/tip_model.hpp"
 #include "simulate/sensing.hpp"
 
@@ -83,12 +83,11 @@ void TipModel::linearize() {
     // A counter that truncates reads too low by half a count on average.
     const Eigen::Vector3d tip = p.tip - p.encoders * mean;
     const Eigen::MatrixXd seen = all(evidence_->axes, evidence_->axes);
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> axes(seen);
+    const SymmetricEigen axes = symmetric_eigen(seen);
     Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
-    turn(Eigen::all, evidence_->axes) = axes.eigenvectors().transpose();
-    y_.segment(k * coordinates, coordinates) =
-        turn * tip - axes.eigenvectors().transpose() * evidence_->tip.col(k);
-    known_.segment(k * coordinates, coordinates) = axes.eigenvalues().cwiseMax(0);
+    turn(Eigen::all, evidence_->axes) = axes.vectors.transpose();
+    y_.segment(k * coordinates, coordinates) = turn * tip - axes.vectors.transpose() * evidence_->tip.col(k);
+    known_.segment(k * coordinates, coordinates) = axes.values.cwiseMax(0);
     turn_[static_cast<std::size_t>(k)] = std::move(turn);
     poses->push_back(p);
   }

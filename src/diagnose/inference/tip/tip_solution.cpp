@@ -1,9 +1,10 @@
 #include "diagnose/inference/tip/tip_solution.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -37,13 +38,12 @@ NormalInverse::NormalInverse(const Eigen::MatrixXd& matrix) {
   if (matrix.cols() == 0) return;
   Eigen::VectorXd scale = matrix.diagonal().cwiseSqrt();
   for (double& s : scale) s = s > 0 ? 1 / s : 0;
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scale.asDiagonal() * matrix *
-                                                             scale.asDiagonal());
-  Eigen::VectorXd inverted = eigen.eigenvalues();
+  SymmetricEigen eigen = symmetric_eigen(scale.asDiagonal() * matrix * scale.asDiagonal());
+  Eigen::VectorXd inverted = std::move(eigen.values);
   const double least = rank_tolerance * std::max(1.0, inverted.maxCoeff());
   rank = (inverted.array() > least).count();
   for (double& v : inverted) v = v > least ? 1 / v : 0;
-  const Eigen::MatrixXd vectors = scale.asDiagonal() * eigen.eigenvectors();
+  const Eigen::MatrixXd vectors = scale.asDiagonal() * eigen.vectors;
   inverse = vectors * inverted.asDiagonal() * vectors.transpose();
 }
 

@@ -1,10 +1,10 @@
 #include "diagnose/inference/tip/tip_weight.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "core/probability.hpp"
+#include "core/solve.hpp"
 
 namespace qerr {
 
@@ -15,7 +15,7 @@ double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
   const Eigen::VectorXd score = weighted.transpose() * s.rest;
   Eigen::MatrixXd information = beyond.transpose() * weighted;
   information.diagonal().array() *= 1 + 1e-10;
-  return 0.5 * score.dot(information.ldlt().solve(score));
+  return 0.5 * score.dot(solve_symmetric(information, score));
 }
 
 double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {

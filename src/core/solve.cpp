@@ -1,0 +1,57 @@
+#include "core/solve.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/LU>
+#include <Eigen/QR>
+
+namespace qerr {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd inverse(const MatrixXd& m) { return m.inverse(); }
+
+Eigen::Index rank(const MatrixXd& m) { return Eigen::FullPivLU<MatrixXd>(m).rank(); }
+
+struct SymmetricFactor::Decomposition : Eigen::LDLT<MatrixXd> {
+  using Eigen::LDLT<MatrixXd>::LDLT;
+};
+
+SymmetricFactor::SymmetricFactor(const MatrixXd& m)
+    : decomposition_(std::make_shared<const Decomposition>(m)) {}
+
+VectorXd SymmetricFactor::solve(const VectorXd& b) const { return decomposition_->solve(b); }
+MatrixXd SymmetricFactor::solve_columns(const MatrixXd& b) const { return decomposition_->solve(b); }
+
+VectorXd solve_symmetric(const MatrixXd& a, const VectorXd& b) { return a.ldlt().solve(b); }
+
+MatrixXd symmetric_inverse(const MatrixXd& m) {
+  return m.ldlt().solve(MatrixXd::Identity(m.rows(), m.cols()));
+}
+
+MatrixXd least_norm_solution(const MatrixXd& a, const MatrixXd& b, std::optional<double> threshold) {
+  Eigen::CompleteOrthogonalDecomposition<MatrixXd> decomposition;
+  if (threshold) decomposition.setThreshold(*threshold);
+  decomposition.compute(a);
+  return decomposition.solve(b);
+}
+
+MatrixXd orthonormal_basis(const MatrixXd& m) {
+  return Eigen::HouseholderQR<MatrixXd>(m).householderQ() * MatrixXd::Identity(m.rows(), m.cols());
+}
+
+SymmetricEigen symmetric_eigen(const MatrixXd& m) {
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(m);
+  return {solver.eigenvalues(), solver.eigenvectors()};
+}
+
+VectorXd symmetric_eigenvalues(const MatrixXd& m) {
+  return Eigen::SelfAdjointEigenSolver<MatrixXd>(m, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+VectorXd symmetric_eigenvalues(const MatrixXd& a, const MatrixXd& b) {
+  return Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd>(a, b, Eigen::EigenvaluesOnly).eigenvalues();
+}
+
+}  // namespace qerr
