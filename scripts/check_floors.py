@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks that every module of qerr includes only modules on the floors below it.
+"""Checks that every module of qerr includes only modules on the floors below it, and that no type is defined twice.
 
     check_floors.py [ROOT]       reads the #include lines of ROOT/include and ROOT/src (default: this project)
     check_floors.py --self-test  tests the check itself on a small tree
@@ -34,6 +34,9 @@ LIBRARIES = [
 ]
 UMBRELLA = "qerr/qerr.hpp"
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
+NAMESPACE = re.compile(r"^namespace ?([\w:]*) ?\{$")
+TYPE = re.compile(r"^(?:template <.*> )?(?:struct|class|union|enum(?: class| struct)?) (?:\w+\([^)]*\) )?(\w+)(?: final)?"
+                  r"(?: :(?!:).*)?(?: \{.*)?$")
 SOURCES = {".hpp", ".cpp", ".h", ".cc", ".ipp"}
 
 
@@ -75,6 +78,32 @@ def fault_of(root, path, quote, name):
     return ""
 
 
+def types_defined(text):
+    """(line, qualified name) of every type defined in a named namespace, in text as clang-format leaves it."""
+    scopes = []
+    for number, line in enumerate(text.splitlines(), 1):
+        if opened := NAMESPACE.match(line):
+            scopes.append(opened[1] or "")
+        elif line.startswith("}  // namespace") and scopes:
+            scopes.pop()
+        elif (found := TYPE.match(line)) and "" not in scopes:
+            yield number, "::".join(scopes + [found[1]])
+
+
+def check_types(files):
+    """One line per type that is defined more than once outside unnamed namespaces: an ODR violation.
+
+    @param files  (path, text) of each
+    """
+    first, faults = {}, []
+    for path, text in files:
+        for number, name in types_defined(text):
+            if name in first:
+                faults.append(f"{path}:{number}: {name} is defined twice, also in {first[name]}")
+            first.setdefault(name, f"{path}:{number}")
+    return faults
+
+
 def check(root):
     """All faults of a source tree, as lines of text."""
     root = pathlib.Path(root).resolve()
@@ -99,6 +128,7 @@ def check(root):
             fault = fault_of(root, path, found[1], found[2])
             if fault:
                 faults.append(f"{path}:{number}: {fault}")
+    faults += check_types((p.relative_to(root), p.read_text(encoding="utf-8")) for p in files)
     public = {p.relative_to(root / "include").as_posix() for p in files if p.is_relative_to(root / "include")}
     faults += [f"include/{UMBRELLA}:1: does not include {name}" for name in sorted(public - shown - {UMBRELLA})]
     return faults
@@ -159,7 +189,34 @@ def self_test():
         wrong.append(f"the umbrella header without {forgotten}: no fault")
     if len(faults) != sum(word is not None for _, _, word in cases) + 1:
         wrong.append(f"unexpected faults among {faults}")
-    return [f"self-test: {w}" for w in wrong]
+    return [f"self-test: {w}" for w in wrong + self_test_of_types()]
+
+
+def self_test_of_types():
+    """The types of small files that are reported as defined twice."""
+    def in_qerr(text):
+        return f"namespace qerr {{\n\n{text}\n\n}}  // namespace qerr\n"
+    cases = [
+        ("struct A {};", "struct A {\n};", ["b.hpp:3: qerr::A is defined twice, also in a.hpp:3"]),
+        ("struct A {};", "enum class A { x };", ["b.hpp:3: qerr::A is defined twice, also in a.hpp:3"]),
+        ("class A : public B {\n};", "struct alignas(64) A {\n};",
+         ["b.hpp:3: qerr::A is defined twice, also in a.hpp:3"]),
+        ("template <class T>\nstruct A {\n};", "template <class T>\nstruct A {\n};",
+         ["b.hpp:4: qerr::A is defined twice, also in a.hpp:4"]),
+        ("struct A {};", "struct A;", []),
+        ("struct A {};", "struct B {\n  struct A {};\n};", []),
+        ("struct A {};", "struct B::A {\n};", []),
+        ("struct A {};", "namespace {\n\nstruct A {};\n\n}  // namespace", []),
+        ("struct A {};", "namespace lanes {\nstruct A {};\n}  // namespace lanes", []),
+        ("namespace {\n}  // namespace\nstruct A {};", "struct A {};",
+         ["b.hpp:3: qerr::A is defined twice, also in a.hpp:5"]),
+    ]
+    wrong = []
+    for one, other, expected in cases:
+        faults = check_types([("a.hpp", in_qerr(one)), ("b.hpp", in_qerr(other))])
+        if faults != expected:
+            wrong.append(f"{one!r} and {other!r}: expected {expected}, got {faults}")
+    return wrong
 
 
 def main(arguments):

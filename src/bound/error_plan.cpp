@@ -141,7 +141,8 @@ void PlannedError::share_scale() {
 }
 
 void PlannedError::set_remainder(const OperationalModel& model) {
-  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r =
+      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
   plan_.remainder = r.position;
   plan_.angle_remainder = r.rotation;
   plan_.angle = r.rotation_angle;

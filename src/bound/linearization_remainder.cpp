@@ -6,8 +6,8 @@
 
 namespace qerr {
 
-Remainder remainder(const Chain& chain, const Eigen::VectorXd& largest) {
-  Remainder r;
+LinearizationRemainder linearization_remainder(const Chain& chain, const Eigen::VectorXd& largest) {
+  LinearizationRemainder r;
   r.per_column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.joints.size()));
   double before = 0;   // S_{k-1}
   double carried = 0;  // what a metre of reach beyond joint k adds by way of the joints before it

@@ -10,7 +10,7 @@ namespace qerr {
 /// does not change them (`operational_error` says where they come from).
 ///
 /// Of the position: rho = position + sum_k per_column_k |linear part of column k of the joint Jacobian|.
-struct Remainder {
+struct LinearizationRemainder {
   double position = 0;         ///< [m]
   Eigen::VectorXd per_column;  ///< of each moving joint, 0 of prismatic ones
   double rotation = 0;  ///< [rad], of one component of the rotation vector; infinite for boxes beyond pi
@@ -18,6 +18,6 @@ struct Remainder {
 };
 
 /// @param largest  error of each independent joint [rad or m]
-Remainder remainder(const Chain&, const Eigen::VectorXd& largest);
+LinearizationRemainder linearization_remainder(const Chain&, const Eigen::VectorXd& largest);
 
 }  // namespace qerr

@@ -9,7 +9,7 @@ namespace qerr {
 
 namespace {
 
-double rigorous_bound(Coordinate c, double linear, const Remainder& r, double of_position) {
+double rigorous_bound(Coordinate c, double linear, const LinearizationRemainder& r, double of_position) {
   if (is_position(c)) return linear + of_position;
   if (is_rotation_vector(c)) return std::min(linear + r.rotation, r.rotation_angle);
   return std::numeric_limits<double>::infinity();
@@ -88,7 +88,8 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
     if (unbounded[i])
       e.half_width[i] = e.worst_case[i] = e.sigma[i] = infinity, e.weighted.row(i).setConstant(infinity);
 
-  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r =
+      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
   const double of_position = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
   e.rigorous.resize(e.sigma.size());
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)

@@ -19,7 +19,7 @@ struct Oscillation {
 };
 
 /// center + velocity t + oscillations.
-struct SmoothPath {
+struct SinusoidPath {
   double center, velocity;
   const Oscillation* oscillations;
   std::size_t count;
@@ -162,7 +162,7 @@ struct SimulationKernels {
   std::size_t (*errors_room)(const PathErrorPlan&);  ///< numbers
   /// (first + i)/rate at 64 instants i, but those from `count` on are that of the last one before.
   void (*times)(double first, std::size_t count, double rate, double* to);
-  void (*positions)(const SmoothPath&, const double* time, double* to);
+  void (*positions)(const SinusoidPath&, const double* time, double* to);
   /// A row of 64 instants and a shift.
   void (*displace)(const double* row, double shift, double* to);
   /// to = matrix from: rows of 64 instants, the matrix row by row.

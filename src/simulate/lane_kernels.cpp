@@ -56,7 +56,7 @@ template <class L>
 
 /// Some vectors of instants at a time: a sine is a long chain of operations, and others fill its waits.
 template <class L>
-void positions(const SmoothPath& path, const double* time, double* to) {
+void positions(const SinusoidPath& path, const double* time, double* to) {
   constexpr std::size_t lanes = lane_count<L>, group = 4;
   for (std::size_t i = 0; i < batch_size; i += group * lanes) {
     L t[group], position[group];

@@ -77,7 +77,8 @@ void PathErrors::fix_scale(const OperationalModel& model) {
 }
 
 void PathErrors::bound(const OperationalModel& model) {
-  const Remainder r = remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r =
+      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
   plan_.remainder = r.position;
   plan_.rotation = r.rotation;
   plan_.rotation_angle = r.rotation_angle;

@@ -137,7 +137,7 @@ class Simulator {
       : model_(model), filters_(filters), motion_(motion), settling_(settling) {
     steps_ = resolutions(model.transmission);
     const Eigen::VectorXd h = 0.5 * steps_;
-    remainder_ = remainder(model.chain, h);
+    remainder_ = linearization_remainder(model.chain, h);
     samples_ = static_cast<std::uint64_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
     const auto m = static_cast<Eigen::Index>(model.coordinates.size());
     result_.rigorous = Eigen::VectorXd::Zero(m);
@@ -293,7 +293,7 @@ class Simulator {
   std::vector<Eigen::MatrixXd> stretch_squares_;
   std::uint64_t settling_, samples_ = 0;
   Eigen::VectorXd steps_;
-  Remainder remainder_;
+  LinearizationRemainder remainder_;
   Result result_;
 };
 
