@@ -1,7 +1,9 @@
 #include "core/text.hpp"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 
 namespace qerr {
 
@@ -49,6 +51,24 @@ std::string significant(double value, int digits) {
 
 std::string fixed_point(double value, int decimals) {
   return printed(value, std::chars_format::fixed, decimals);
+}
+
+std::string readable(double value, const std::string& unit) {
+  if (std::isnan(value)) return "not known";
+  if (std::isinf(value)) return "unbounded";
+  if (value == 0) return "0 " + unit;
+  static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
+  // The prefix is that of the rounded value: 999.96 u is 1.00 m.
+  const std::string text = printed(value, std::chars_format::scientific, 2);
+  double rounded = 0;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-12));
+  const int thousand = std::clamp(static_cast<int>(std::floor(exponent / 3.0)), -4, 3);
+  const double scaled = rounded / std::pow(1000.0, thousand);
+  const std::string figure = std::abs(scaled) >= 1e4 || std::abs(scaled) < 1e-3
+                                 ? printed(scaled, std::chars_format::scientific, 2)
+                                 : fixed_point(scaled, std::clamp(2 - exponent + 3 * thousand, 0, 2));
+  return figure + ' ' + prefixes[static_cast<std::size_t>(thousand + 4)] + unit;
 }
 
 }  // namespace qerr

@@ -22,4 +22,8 @@ std::string significant(double value, int digits);
 /// `value` rounded to `decimals` decimals, as printf's %f does in the C locale, in every locale.
 std::string fixed_point(double value, int decimals);
 
+/// A quantity for people: three significant digits and an SI prefix from p to G, such as `12.3 um`,
+/// `4.56 mrad/s`, `0 m`; infinity is `unbounded`, NaN `not known`.
+std::string readable(double value, const std::string& unit);
+
 }  // namespace qerr

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 #include "core/text.hpp"
 
@@ -29,31 +28,8 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows, const std
   return out;
 }
 
-std::string readable(double value, const std::string& unit) {
-  if (!std::isfinite(value)) return "unbounded";
-  if (value == 0) return "0 " + unit;
-  static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
-  // Rounding to three digits may carry into the next thousand: 999.96 u is 1.00 m.
-  char rounded[32];
-  std::snprintf(rounded, sizeof rounded, "%.2e", value);
-  const double kept = std::atof(rounded);
-  const int thousand =
-      std::clamp(static_cast<int>(std::floor(std::log10(std::abs(kept)) / 3 + 1e-12)), -4, 3);
-  const double scaled = kept / std::pow(1000.0, thousand);
-  const int decimals =
-      std::clamp(2 - static_cast<int>(std::floor(std::log10(std::abs(scaled)) + 1e-12)), 0, 2);
-  char text[48];
-  if (std::abs(scaled) >= 1e4 || std::abs(scaled) < 1e-3)
-    std::snprintf(text, sizeof text, "%.2e", scaled);
-  else
-    std::snprintf(text, sizeof text, "%.*f", decimals, scaled);
-  return std::string(text) + ' ' + prefixes[static_cast<std::size_t>(thousand + 4)] + unit;
-}
-
 std::string shortest_of(double value, int digits) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.*g", digits, value);
-  return text;
+  return significant(value, digits);
 }
 
 std::string bar(double fraction, int width) {
