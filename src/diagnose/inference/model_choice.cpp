@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/probability.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/terms/scan.hpp"
 
 namespace qerr {
@@ -54,8 +55,7 @@ double p_value(const Explanation& without, const Explanation& with, std::size_t 
 
 double size_of(const Explanation& m, std::size_t term) {
   const Eigen::ArrayXd added = addition(m.terms()[term], m.coefficients(term));
-  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean())
-                                                 : std::sqrt((added - added.mean()).square().mean());
+  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean()) : standard_deviation(added);
 }
 
 double left_by(const Explanation& m, const Evidence& e) {

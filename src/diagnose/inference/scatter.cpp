@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/probability.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 
 namespace qerr {
@@ -155,7 +156,7 @@ class Trials {
   }
 
   Candidate jitter() const {
-    const double typical = std::sqrt(e_.velocity.square().mean());
+    const double typical = rms(e_.velocity);
     const auto with = [&](double x) {
       return value(m_.intervals(), m_.addition(), (known_ + (x * e_.velocity).square()).sqrt(), range_);
     };
@@ -245,7 +246,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   const Eigen::ArrayXd added = m.addition() - m.addition().mean();
   if (is_of_few(e, m, added, s)) return s;
   // A twelfth of what the causes add may be what their shapes lack.
-  const double worth = std::max(scatter_worth_naming * e.step(), std::sqrt(added.square().mean()) / 12);
+  const double worth = std::max(scatter_worth_naming * e.step(), rms(added) / 12);
   if (m.noise() < scatter_beyond_reference * own || s.size < worth) return s;
   if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";
   name_scatter(e, m, Trials(e, m, own, s.size), s);

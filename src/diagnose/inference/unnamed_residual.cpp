@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
 
@@ -97,7 +98,7 @@ void drop_bends(Explanation& m, const Evidence& e) {
 /// adds. The worst goes first, and the others are fitted anew.
 void drop_impossible(Explanation& m, const Evidence& e) {
   const Eigen::ArrayXd residual = e.measured - e.reference;
-  const double most = cancelling * std::sqrt((residual - residual.mean()).square().mean());
+  const double most = cancelling * standard_deviation(residual);
   for (bool found = true; found;) {
     std::size_t worst = 0;
     double size = 0;

@@ -5,6 +5,7 @@
 
 #include "core/probability.hpp"
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
 #include "diagnose/verdict/record_advice.hpp"
@@ -47,7 +48,7 @@ double square(double x) { return x * x; }
 Sight::Sight(const PlannedRecord& record, const PlanOptions& options)
     : record_(record), options_(options), readings_(record.weight.sum()) {
   const Evidence& e = record.evidence;
-  const double chance = e.chance.size() > 0 ? std::sqrt(e.chance.square().mean()) : 0;
+  const double chance = rms(e.chance);
   information_ = reading_information(std::max(1e-3, std::hypot(e.noise, chance) / e.step()));
   terms_ = named_terms(e);
   terms_.push_back(step_term(e, 0.5 * e.time[e.rows() - 1]));

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 
 namespace qerr {
 
@@ -18,13 +19,6 @@ constexpr Eigen::Index enough_rows = 20000;  ///< to know a scatter to a percent
 
 /// Rows of a long record that stand for all of it.
 Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 /// Divided difference of `order` at the order + 1 stamps from `first` on, scaled to unit variance of white
 /// noise: takes out any polynomial of a lower order, at whatever stamps. Empty where stamps coincide.

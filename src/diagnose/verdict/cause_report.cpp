@@ -4,6 +4,7 @@
 #include <numbers>
 #include <set>
 
+#include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/verdict/record_advice.hpp"
@@ -66,7 +67,7 @@ class Account {
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
       Cause cause{effect, parameters[i], s.p_values[i], gain_};
-      cause.rms = std::sqrt(addition(t, s.model.coefficients(i)).square().mean());
+      cause.rms = rms(addition(t, s.model.coefficients(i)));
       add(std::move(cause), others);
     }
   }

@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/random.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "simulate/sensing.hpp"
@@ -15,10 +16,6 @@ namespace {
 
 constexpr Eigen::Index folds = 5;
 constexpr int resamples = 400;
-
-double rms(const Eigen::VectorXd& x) {
-  return x.size() > 0 ? std::sqrt(x.squaredNorm() / static_cast<double>(x.size())) : 0;
-}
 
 /// The numbers that an effect gets from its coefficients, with their 95 % intervals (delta method).
 std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& c,

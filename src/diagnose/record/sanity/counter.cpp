@@ -15,12 +15,6 @@ namespace {
 constexpr double least_modulus = 256;
 constexpr double slack = 3;  // [counts], of an edge that is not quite where it should be
 
-double median(std::vector<double> values) {
-  const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
-
 /// What each row jumps by, beyond what it moves: against the reference, or the steps about it [counts].
 Eigen::ArrayXd jumps(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
   const Eigen::Index n = counts.size();
@@ -149,7 +143,7 @@ void undo_known_rollover(Sanity& s, std::size_t encoder) {
   bool power = false;
   const double shown = modulus_of(jump, power);
   const bool other = shown > 0 && std::abs(shown - modulus) > std::max(2 * slack, 0.05 * modulus);
-  if (other || range(read->counts) > modulus + slack) return;
+  if (other || peak_to_peak(read->counts) > modulus + slack) return;
   read->counts = Unwrapped(read->counts, jump, modulus).counts;
   to_reference(read->counts, reference, model, modulus);
   write_back(s, *read, encoder);
@@ -186,7 +180,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   bool power = false;
   double modulus = modulus_of(jump, power);
   // Beyond its own range no counter counts.
-  if (modulus == 0 || range(read->counts) > modulus + slack) return;
+  if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;
   Unwrapped whole(read->counts, jump, modulus);
   const Boundary& boundary = whole.boundary;
   if (boundary.crossings == 0 || boundary.low > boundary.high) return;
@@ -195,7 +189,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   double before = 0, after = 0;
   if (reference.size() > 0) {
     if (!power) {  // each jump is a count or so off, their levels are not
-      modulus = std::round(-Line(whole.turns, read->counts - reference).slope);
+      modulus = std::round(-fit_line(whole.turns, read->counts - reference).slope);
       whole = Unwrapped(read->counts, jump, modulus);
     }
     to_reference(whole.counts, reference, model, modulus);
@@ -218,14 +212,15 @@ void check_decoding(Sanity& s, std::size_t encoder) {
   const auto read = readings(s, encoder);
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
-  if (!read || reference.size() == 0 || range(reference) < 64 || range(read->counts) < 8) return;
-  const Line line(reference, read->counts);
+  if (!read || reference.size() == 0 || peak_to_peak(reference) < 64 || peak_to_peak(read->counts) < 8)
+    return;
+  const Line line = fit_line(reference, read->counts);
   const double factor = simple_ratio(line.slope);
-  const double moved = std::abs(line.slope) * deviation(reference);
-  if (factor == 1 || line.rest > 0.1 * moved) return;
+  const double moved = std::abs(line.slope) * standard_deviation(reference);
+  if (factor == 1 || line.residual_rms > 0.1 * moved) return;
   const double before = rms(read->counts - reference) * resolution;
   const double after = decode(s, *read, encoder, factor);
-  const double tail = moved / std::max(line.rest, 1e-12);
+  const double tail = moved / std::max(line.residual_rms, 1e-12);
   s.causes.push_back(
       cause(s, encoder, "decoding", {{"factor", factor}}, std::exp(-0.5 * tail * tail), before, after));
 }

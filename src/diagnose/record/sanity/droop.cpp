@@ -44,8 +44,8 @@ double share_of_load(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& e
     load[i] = inverse_dynamics(s.model.chain, at, velocity, acceleration)[static_cast<Eigen::Index>(joint)];
     sampled[i] = effort[i * stride];
   }
-  if (deviation(load) < 1e-9) return -1;
-  return 1 - std::pow(Line(load, sampled).rest / deviation(sampled), 2);
+  if (standard_deviation(load) < 1e-9) return -1;
+  return 1 - std::pow(fit_line(load, sampled).residual_rms / standard_deviation(sampled), 2);
 }
 
 /// The effort is what a controller makes of its own error: neither a load nor, behind it, a compliance.
@@ -63,22 +63,22 @@ void check_droop(Sanity& s, std::size_t joint) {
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
   if (!column || !measured) return;
   const Eigen::ArrayXd effort = s.log.values.col(*column);
-  if (deviation(effort) == 0) return;
+  if (standard_deviation(effort) == 0) return;
   const double ideal = ideal_sigma(s, joint);
   if (const auto command = s.log.find(LogSignal::command, joint)) {
     const Eigen::ArrayXd error = s.log.values.col(*command) - *measured;
-    const Line line(error, effort);
-    if (line.rest < 0.1 * deviation(effort) && deviation(error) > 2 * ideal)
+    const Line line = fit_line(error, effort);
+    if (line.residual_rms < 0.1 * standard_deviation(effort) && standard_deviation(error) > 2 * ideal)
       return drop_effort(s, joint, "a multiple of command - measured");
   }
   const auto reference = s.log.find(LogSignal::reference, joint);
   if (!reference) return;
   const Eigen::ArrayXd error = *measured - s.log.values.col(*reference);
-  const Line line(effort, error);
-  const double explained = std::abs(line.slope) * deviation(effort);
-  if (explained < 0.5 * ideal || line.rest > 1.5 * ideal) return;
+  const Line line = fit_line(effort, error);
+  const double explained = std::abs(line.slope) * standard_deviation(effort);
+  if (explained < 0.5 * ideal || line.residual_rms > 1.5 * ideal) return;
   const std::string& name = s.model.chain.independent[joint].name;
-  const bool exact = line.rest < 0.3 * ideal;
+  const bool exact = line.residual_rms < 0.3 * ideal;
   const double load = exact ? 0 : share_of_load(s, joint, effort);
   if (load > 0.5) return;
   if (load < 0) {
@@ -86,13 +86,13 @@ void check_droop(Sanity& s, std::size_t joint) {
                               "a load that is measured, or the same motion with another payload"});
     return;
   }
-  const double tail = explained / std::max(line.rest, 1e-12 * explained);
+  const double tail = explained / std::max(line.residual_rms, 1e-12 * explained);
   const double chance = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
   const Eigen::ArrayXd droop = line.slope * effort;
   Cause found =
       cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, chance, rms(error), rms(error - droop));
   const double rows = static_cast<double>(effort.size()), gain = 1 / line.slope;
-  const double wide = 1.96 * std::abs(gain) * line.rest / (explained * std::sqrt(rows));
+  const double wide = 1.96 * std::abs(gain) * line.residual_rms / (explained * std::sqrt(rows));
   found.parameters = {{"gain", gain, gain - wide, gain + wide}};
   s.causes.push_back(std::move(found));
   if (exact) {

@@ -33,7 +33,7 @@ void name_rounding(Sanity& s, std::size_t joint, double step) {
   double now = 0;
   if (column && measured) {
     const Eigen::ArrayXd residual = *measured - s.log.values.col(*column);
-    if (step / std::sqrt(12.0) < 0.1 * deviation(residual)) return;
+    if (step / std::sqrt(12.0) < 0.1 * standard_deviation(residual)) return;
     now = rms(residual);
   }
   s.causes.push_back(cause(s, joint, "log_rounding", {{"step", step}}, 1e-300, now, now));
@@ -43,7 +43,7 @@ void name_rounding(Sanity& s, std::size_t joint, double step) {
 void check_counts(Sanity& s, Readings& read, std::size_t encoder) {
   std::int64_t every = 0;
   for (const double c : read.counts) every = std::gcd(every, std::llround(c - read.counts[0]));
-  if (every < 2 || range(read.counts) < 32 * static_cast<double>(every)) return;
+  if (every < 2 || peak_to_peak(read.counts) < 32 * static_cast<double>(every)) return;
   name_rounding(s, encoder, s.model.transmission.encoders[encoder].resolution * static_cast<double>(every));
   read.counts /= static_cast<double>(every);
   decode(s, read, encoder, 1 / static_cast<double>(every));
@@ -58,7 +58,7 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
   const bool on_counts = off.abs().maxCoeff() <= 0.5 * grid + 1e-6;
   if (grid >= 1) {
     // Of about one count the grid may be the encoder itself.
-    if (grid < 1.01 || range(read.counts) < 32 * grid) return;
+    if (grid < 1.01 || peak_to_peak(read.counts) < 32 * grid) return;
     name_rounding(s, encoder, grid * model.resolution);
     const Eigen::ArrayXd lowest = (read.counts - 0.5 * grid).ceil();
     const Eigen::ArrayXd highest = (read.counts + 0.5 * grid).floor();
@@ -77,7 +77,7 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
       s.causes.push_back(cause(s, encoder, "log_rounding", {{"step", step}}, 1e-300, before, 0));
     read.counts = counts;
     write_back(s, read, encoder);
-  } else if (grid >= 0.5 && rms(off) > 0.04 && range(read.counts) > 32) {
+  } else if (grid >= 0.5 && rms(off) > 0.04 && peak_to_peak(read.counts) > 32) {
     name_rounding(s, encoder, grid * model.resolution);
   }
 }
@@ -104,7 +104,8 @@ void check_reference(Sanity& s, const Readings& read, std::size_t encoder) {
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const double of_file = reference.step();
   const double found = coarseness(s.log.values.col(*column), read.counts);
-  if (std::max(found, of_file) < 0.5 * resolution || range(s.log.values.col(*column)) < 8 * of_file) return;
+  if (std::max(found, of_file) < 0.5 * resolution || peak_to_peak(s.log.values.col(*column)) < 8 * of_file)
+    return;
   const bool written = of_file > 0.5 * found;
   s.warnings.push_back(
       reference.header + ": its values are " + number(std::max(found, of_file)) + ' ' + reference.unit +
@@ -121,17 +122,19 @@ void check_dead(Sanity& s, std::size_t encoder) {
   if (!read) return;
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const IndependentJoint& joint = s.model.chain.independent[encoder];
-  if (column && range(s.log.values.col(*column)) == 0 && range(read->counts) >= still_moves) {
+  if (column && peak_to_peak(s.log.values.col(*column)) == 0 && peak_to_peak(read->counts) >= still_moves) {
     s.warnings.push_back(s.log.columns[static_cast<std::size_t>(*column)].header +
-                         ": never changes, while the encoder moves by " + number(range(read->counts)) +
+                         ": never changes, while the encoder moves by " + number(peak_to_peak(read->counts)) +
                          " counts: it is not used");
     drop_column(s.log, *column);
     return;
   }
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  if (reference.size() == 0 || range(read->counts) > 0 || range(reference) < still_moves * resolution) return;
+  if (reference.size() == 0 || peak_to_peak(read->counts) > 0 ||
+      peak_to_peak(reference) < still_moves * resolution)
+    return;
   s.unexplained.push_back(
-      {joint.name, "the encoder stands still while its reference moves", {}, {}, range(reference)});
+      {joint.name, "the encoder stands still while its reference moves", {}, {}, peak_to_peak(reference)});
   s.warnings.push_back(s.log.columns[static_cast<std::size_t>(read->column)].header +
                        ": never changes: the joint is not judged");
   drop_column(s.log, read->column);
@@ -143,7 +146,8 @@ void check_grids(Sanity& s, std::size_t encoder) {
     const auto measured = s.log.find(LogSignal::measured, encoder);
     if (!measured) return;
     const double grid = s.log.columns[static_cast<std::size_t>(*measured)].step();
-    if (grid / std::sqrt(12.0) > ideal_sigma(s, encoder) && range(s.log.values.col(*measured)) > 32 * grid)
+    if (grid / std::sqrt(12.0) > ideal_sigma(s, encoder) &&
+        peak_to_peak(s.log.values.col(*measured)) > 32 * grid)
       name_rounding(s, encoder, grid);
     return;
   }

@@ -64,19 +64,6 @@ void drop_column(Log& log, Eigen::Index column) {
   log.columns.erase(log.columns.begin() + column);
 }
 
-double rms(const Eigen::ArrayXd& x) { return x.size() > 0 ? std::sqrt(x.square().mean()) : 0; }
-
-double deviation(const Eigen::ArrayXd& x) { return x.size() > 0 ? rms(x - x.mean()) : 0; }
-
-double range(const Eigen::ArrayXd& x) { return x.size() > 0 ? x.maxCoeff() - x.minCoeff() : 0; }
-
-Line::Line(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
-  const double mean_x = x.mean(), mean_y = y.mean(), squares = (x - mean_x).square().sum();
-  slope = squares > 0 ? ((x - mean_x) * (y - mean_y)).sum() / squares : 0;
-  constant = mean_y - slope * mean_x;
-  rest = rms(y - mean_y - slope * (x - mean_x));
-}
-
 namespace {
 
 /// Without any truth about positions there is nothing that counts could be held against.
@@ -111,10 +98,9 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   for (std::size_t i = 0; i < encoders; ++i) {
     const auto read = sanity::readings(s, i);
     const Eigen::ArrayXd reference = sanity::encoder_reference(s, i);
-    s.rms_before.push_back(
-        read && reference.size() > 0
-            ? sanity::rms(read->counts * model.transmission.encoders[i].resolution - reference)
-            : 0);
+    s.rms_before.push_back(read && reference.size() > 0
+                               ? rms(read->counts * model.transmission.encoders[i].resolution - reference)
+                               : 0);
   }
   if (log.values.rows() < 8) return s;
   sanity::check_stamps(s);

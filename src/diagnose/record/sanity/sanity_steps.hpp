@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "core/statistics.hpp"
 #include "diagnose/record/sanity.hpp"
 
 /// The steps of check_sanity, in their order. Each reads the log as the steps before have left it.
@@ -47,16 +48,6 @@ double decode(Sanity&, Readings, std::size_t encoder, double factor);
 
 /// Takes a column out of the log.
 void drop_column(Log&, Eigen::Index column);
-
-double rms(const Eigen::ArrayXd&);
-double deviation(const Eigen::ArrayXd&);  ///< standard deviation
-double range(const Eigen::ArrayXd&);      ///< largest less smallest
-
-/// y = constant + slope x by least squares, and the standard deviation of the rest.
-struct Line {
-  double constant = 0, slope = 0, rest = 0;
-  Line(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y);
-};
 
 void check_stamps(Sanity&);
 void check_dead(Sanity&, std::size_t encoder);  ///< columns that never move

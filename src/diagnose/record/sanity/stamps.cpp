@@ -19,7 +19,7 @@ std::string number(double x) {
 bool restore_even_clock(Sanity& s, Eigen::Index column, const Eigen::ArrayXd& index, const Line& clock) {
   auto time = s.log.values.col(column);
   const double grid = s.log.columns[static_cast<std::size_t>(column)].step(), interval = clock.slope;
-  const Eigen::ArrayXd even = clock.constant + interval * index;
+  const Eigen::ArrayXd even = clock.intercept + interval * index;
   const double off = (time - even).abs().maxCoeff();
   if (off < 1e-3 * interval) return true;
   if (off > 0.75 * grid || grid > 20 * interval) return false;
@@ -37,7 +37,7 @@ void check_stamps(Sanity& s) {
   const Eigen::Index n = s.log.values.rows();
   Eigen::ArrayXd index(n);
   for (Eigen::Index k = 0; k < n; ++k) index[k] = static_cast<double>(s.log.row_number(k));
-  const Line clock(index, s.log.values.col(*column));
+  const Line clock = fit_line(index, s.log.values.col(*column));
   if (!(clock.slope > 0)) {
     s.warnings.push_back("time: all stamps are the same: nothing that depends on time can be judged");
     drop_column(s.log, *column);
@@ -47,9 +47,7 @@ void check_stamps(Sanity& s) {
   const Eigen::ArrayXd time = s.log.values.col(*column);
   const Eigen::ArrayXd steps =
       (time.tail(n - 1) - time.head(n - 1)) / (index.tail(n - 1) - index.head(n - 1));
-  Eigen::ArrayXd sorted = steps;
-  std::nth_element(sorted.begin(), sorted.begin() + n / 2, sorted.end());
-  const double usual = sorted[std::min(n / 2, n - 2)] > 0 ? sorted[std::min(n / 2, n - 2)] : clock.slope;
+  const double middle = median({steps.begin(), steps.end()}), usual = middle > 0 ? middle : clock.slope;
   const auto same = (steps == 0).count(), gaps = (steps > 5 * usual).count();
   if (same > 0)
     s.warnings.push_back("time: " + std::to_string(same) + " of " + std::to_string(n) +
@@ -58,10 +56,10 @@ void check_stamps(Sanity& s) {
     s.warnings.push_back("time: " + std::to_string(gaps) + " gaps, the longest of " +
                          number(steps.maxCoeff()) + " s where " + number(usual) + " s are usual");
   Eigen::ArrayXd within = (steps > 5 * usual).select(usual, steps);
-  if (deviation(within) > 0.02 * usual) {
+  if (standard_deviation(within) > 0.02 * usual) {
     s.warnings.push_back("time: stamps are uneven, " + number(within.minCoeff()) + " to " +
                          number(within.maxCoeff()) + " s apart (mean " + number(within.mean()) +
-                         " s, standard deviation " + number(deviation(within)) +
+                         " s, standard deviation " + number(standard_deviation(within)) +
                          " s); they are taken as they stand, a filter at a constant rate does not");
     return;
   }

@@ -121,12 +121,12 @@ bool name_jitter(Sanity& s, const Record& r, const Eigen::ArrayXd& time, std::si
   const Eigen::ArrayXd moved = r.position.tail(n - 1) - r.position.head(n - 1);
   const Eigen::ArrayXd constant = moved - speed * r.interval;  // what a constant interval leaves [rad]
   const Eigen::ArrayXd stamped = moved - speed * steps;
-  const Line line(speed * (steps - r.interval), constant);
+  const Line line = fit_line(speed * (steps - r.interval), constant);
   const double before = rms(constant), after = rms(stamped);
-  if (deviation(steps) < 0.02 * r.interval || after > 0.5 * before || std::abs(line.slope - 1) > 0.2)
+  if (standard_deviation(steps) < 0.02 * r.interval || after > 0.5 * before || std::abs(line.slope - 1) > 0.2)
     return false;
   if (known(s, joint, "timing_jitter")) return true;
-  const double sigma = deviation(steps), samples = static_cast<double>(n);
+  const double sigma = standard_deviation(steps), samples = static_cast<double>(n);
   const double wide = 1.96 * sigma / std::sqrt(2 * samples);
   Cause c = cause(s, joint, "timing_jitter", {{"sigma", sigma}},
                   std::exp(-samples * std::log(before / after)), before, after);
@@ -150,7 +150,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   Record r{*measured, s.log.values.col(*column), (time[n - 1] - time[0]) / static_cast<double>(n - 1), 0};
   const LogColumn& head = s.log.columns[static_cast<std::size_t>(*column)];
   r.written = head.step() / std::sqrt(12.0);
-  if (rms(r.velocity) < 10 * r.written || range(r.position) < 200 * ideal_sigma(s, joint)) return;
+  if (rms(r.velocity) < 10 * r.written || peak_to_peak(r.position) < 200 * ideal_sigma(s, joint)) return;
   double stated = 1e300, rate = 0;
   for (const Filter& f : filters)
     if (f.derivative == 1) {
