@@ -15,7 +15,9 @@ namespace {
 using Complex = std::complex<double>;
 
 Complex section_response(const Section& section, Complex w) {
-  const auto doubles = [](const std::array<Wide, 3>& c) { return std::array{c[0].hi, c[1].hi, c[2].hi}; };
+  const auto doubles = [](const std::array<DoubleDouble, 3>& c) {
+    return std::array{c[0].hi, c[1].hi, c[2].hi};
+  };
   const struct { std::array<double, 3> b, a; } s{doubles(section.b), doubles(section.a)};
   if (std::abs(w) <= 1) return (s.b[0] + w * (s.b[1] + w * s.b[2])) / (s.a[0] + w * (s.a[1] + w * s.a[2]));
   // Near the Nyquist frequency in v = 1/w, which vanishes there.
@@ -26,7 +28,7 @@ Complex section_response(const Section& section, Complex w) {
 
 /// Zeros at z = 1 stay factored, or a tiny frequency would see the difference of equal taps.
 Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
-  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
+  const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
   Complex sum = 0;
   for (std::size_t k = 0; k < d.rest.size(); ++k) {
     const double part = std::remainder(turns * static_cast<double>(k), 1.0);
@@ -38,15 +40,15 @@ Complex taps_response(const std::vector<double>& taps, double turns, Complex w) 
 }
 
 double taps_delay(const std::vector<double>& taps) {
-  const Deflated<Wide> d = divide_out_dc_zeros<Wide>(taps);
-  Wide weighted;
+  const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
+  DoubleDouble weighted;
   double size = 0;
   for (std::size_t k = 0; k < d.rest.size(); ++k) {
-    const Wide part = Wide(static_cast<double>(k)) * d.rest[k];
+    const DoubleDouble part = DoubleDouble(static_cast<double>(k)) * d.rest[k];
     weighted += part;
     size += std::abs(part.hi);
   }
-  const Wide total = sum(d.rest);
+  const DoubleDouble total = sum(d.rest);
   if (total.hi == 0) return 0.5 * d.zeros;
   const double delay = 0.5 * d.zeros + static_cast<double>(weighted / total);
   // What the rounding of the taps leaves of an estimate without delay is none.
@@ -55,18 +57,18 @@ double taps_delay(const std::vector<double>& taps) {
 }
 
 /// c1/c0 after the zeros at w = 0 are left out.
-Wide relative_slope(const std::array<Wide, 3>& c) {
+DoubleDouble relative_slope(const std::array<DoubleDouble, 3>& c) {
   if (c[0] != 0) return c[1] / c[0];
-  return c[1] != 0 ? c[2] / c[1] : Wide(0);
+  return c[1] != 0 ? c[2] / c[1] : DoubleDouble(0);
 }
 
 }  // namespace
 
 Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>& a) {
   const auto in_w = [second = b[2] != 0 || a[2] != 0](const std::array<double, 3>& c) {
-    const Wide c0 = c[0], c1 = c[1], c2 = c[2];
-    return second ? std::array<Wide, 3>{c0 + c1 + c2, Wide(2) * (c0 - c2), c0 - c1 + c2}
-                  : std::array<Wide, 3>{c0 + c1, c0 - c1, 0};
+    const DoubleDouble c0 = c[0], c1 = c[1], c2 = c[2];
+    return second ? std::array<DoubleDouble, 3>{c0 + c1 + c2, DoubleDouble(2) * (c0 - c2), c0 - c1 + c2}
+                  : std::array<DoubleDouble, 3>{c0 + c1, c0 - c1, 0};
   };
   return {in_w(b), in_w(a)};
 }
@@ -81,21 +83,21 @@ Complex response(const Filter& filter, double frequency_hz) {
 }
 
 double dc_gain(const Filter& filter) {
-  Wide h = filter.gain;
+  DoubleDouble h = filter.gain;
   for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
   if (!filter.taps.empty()) {
-    const Deflated<Wide> d = divide_out_dc_zeros<Wide>(filter.taps);
-    h *= d.zeros > 0 ? Wide(0) : sum(d.rest);
+    const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(filter.taps);
+    h *= d.zeros > 0 ? DoubleDouble(0) : sum(d.rest);
   }
   return static_cast<double>(h);
 }
 
 double group_delay(const Filter& filter) {
-  Wide samples;
+  DoubleDouble samples;
   double size = 0;
   for (const Section& s : filter.sections) {
-    const Wide below = relative_slope(s.a), above = relative_slope(s.b);
-    samples += (below - above) * Wide(0.5);
+    const DoubleDouble below = relative_slope(s.a), above = relative_slope(s.b);
+    samples += (below - above) * DoubleDouble(0.5);
     size += std::abs(below.hi) + std::abs(above.hi);
   }
   if (std::abs(samples.hi) <= 1e-27 * size) samples = 0;  // an estimate without lag

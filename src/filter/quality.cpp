@@ -170,12 +170,13 @@ std::vector<std::array<double, 6>> second_order_sections(const Filter& filter) {
   for (const Section& s : filter.sections) {
     // w = (1 - q)/(1 + q), numerator and denominator times (1 + q) to the section's order.
     const bool second = s.a[2] != 0 || s.b[2] != 0;
-    const auto in_z = [&](const std::array<Wide, 3>& c) {
-      return second ? std::array<Wide, 3>{c[0] + c[1] + c[2], Wide(2) * (c[0] - c[2]), c[0] - c[1] + c[2]}
-                    : std::array<Wide, 3>{c[0] + c[1], c[0] - c[1], 0};
+    const auto in_z = [&](const std::array<DoubleDouble, 3>& c) {
+      return second ? std::array<DoubleDouble, 3>{c[0] + c[1] + c[2], DoubleDouble(2) * (c[0] - c[2]),
+                                                  c[0] - c[1] + c[2]}
+                    : std::array<DoubleDouble, 3>{c[0] + c[1], c[0] - c[1], 0};
     };
     const auto b = in_z(s.b), a = in_z(s.a);
-    const auto over = [&](Wide c) { return static_cast<double>(c / a[0]); };
+    const auto over = [&](DoubleDouble c) { return static_cast<double>(c / a[0]); };
     sections.push_back({over(b[0]), over(b[1]), over(b[2]), 1, over(a[1]), over(a[2])});
   }
   if (sections.empty()) sections.push_back({1, 0, 0, 1, 0, 0});

@@ -31,8 +31,8 @@ struct Coefficients {
 
 /// The sections multiplied out in z^-1.
 Coefficients multiplied_out(const Filter& filter) {
-  const auto exact = [](const Wide& x) { return Exact(x.hi) + Exact(x.lo); };
-  const auto in_z = [&](const std::array<Wide, 3>& c, bool second) {
+  const auto exact = [](const DoubleDouble& x) { return Exact(x.hi) + Exact(x.lo); };
+  const auto in_z = [&](const std::array<DoubleDouble, 3>& c, bool second) {
     const Exact c0 = exact(c[0]), c1 = exact(c[1]), c2 = exact(c[2]);
     return second ? Exacts{c0 + c1 + c2, 2 * (c0 - c2), c0 - c1 + c2} : Exacts{c0 + c1, c0 - c1};
   };

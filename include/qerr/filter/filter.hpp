@@ -17,8 +17,8 @@ namespace qerr {
 /// the denominator. Coefficients are double-double, so that a section in z^-1 keeps its digits
 /// (section_in_w).
 struct Section {
-  std::array<Wide, 3> b{};
-  std::array<Wide, 3> a{};
+  std::array<DoubleDouble, 3> b{};
+  std::array<DoubleDouble, 3> a{};
   bool operator==(const Section&) const = default;
 };
 
@@ -41,7 +41,7 @@ struct Deviation {
 /// All functions below assume a stable filter, which the families and `filter_from_coefficients` guarantee.
 struct Filter {
   std::vector<Section> sections;
-  Wide gain = 1;
+  DoubleDouble gain = 1;
   double sample_rate = 0;         ///< [Hz]
   int derivative = 0;             ///< what the output estimates; only names its unit
   std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)

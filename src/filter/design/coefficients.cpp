@@ -19,15 +19,15 @@ constexpr double negligible = 1e-13;  // of the H2 norm
 
 /// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
 struct Factor {
-  LongComplex u;
-  LongComplex v;
+  Complex1024 u;
+  Complex1024 v;
 };
 
-Factor factor_of_root(const LongComplex& r) { return {LongComplex(1.0) - r, LongComplex(1.0) + r}; }
+Factor factor_of_root(const Complex1024& r) { return {Complex1024(1.0) - r, Complex1024(1.0) + r}; }
 const Factor delay{1.0, -1.0};  // z^-1 = (1 - w)/(1 + w)
 const Factor unit{1.0, 1.0};    // (1 + w)/(1 + w)
 
-using Polynomial = std::array<Long, 3>;
+using Polynomial = std::array<Binary1024, 3>;
 using List = std::vector<double>;
 
 void check_list(const std::vector<double>& list, const char* key) {
@@ -66,14 +66,14 @@ Error unstable(double largest) {
 }
 
 struct Poles {
-  std::vector<LongComplex> z;
+  std::vector<Complex1024> z;
   double largest = 0;  // modulus
 };
 
 Poles stable_poles(const List& a) {
   Poles poles{roots({a.begin(), a.end()})};
   bool stable = true;
-  for (const LongComplex& r : poles.z) {
+  for (const Complex1024& r : poles.z) {
     const double modulus = static_cast<double>(magnitude(r));
     if (modulus >= 1 - doubt(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
     poles.largest = std::max(poles.largest, modulus);
@@ -104,30 +104,31 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   for (const auto& [x, y] : pairs) {
     result.push_back({(x.u * y.u).re, (x.u * y.v + x.v * y.u).re, (x.v * y.v).re});
   }
-  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Long(0)});
+  if (real.size() % 2 == 1) result.push_back({real.back().u.re, real.back().v.re, Binary1024(0)});
   return result;
 }
 
 /// Divides by the lowest coefficient that is not 0, so that the gain is left to one number.
-std::array<Wide, 3> scaled(const Polynomial& p) {
-  const auto lowest = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
-  std::array<Wide, 3> result;
-  for (std::size_t i = 0; i < 3; ++i) result[i] = to_wide(p[i] / *lowest);
+std::array<DoubleDouble, 3> scaled(const Polynomial& p) {
+  const auto lowest = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
+  std::array<DoubleDouble, 3> result;
+  for (std::size_t i = 0; i < 3; ++i) result[i] = to_double_double(p[i] / *lowest);
   return result;
 }
 
 /// The sections of b/a: zeros at z = 1, as `zeros` tells, and the roots of the rest.
-Filter factored(Filter filter, Deflated<Long> zeros, const List& a, const Poles& poles) {
+Filter factored(Filter filter, Deflated<Binary1024> zeros, const List& a, const Poles& poles) {
   std::vector<Factor> below, above;
-  for (const LongComplex& r : poles.z) below.push_back(factor_of_root(r));
-  const Long slope = sum(zeros.rest);
-  filter.gain = to_wide(ldexp(slope / sum(std::vector<Long>(a.begin(), a.end())), zeros.zeros));
+  for (const Complex1024& r : poles.z) below.push_back(factor_of_root(r));
+  const Binary1024 slope = sum(zeros.rest);
+  filter.gain =
+      to_double_double(ldexp(slope / sum(std::vector<Binary1024>(a.begin(), a.end())), zeros.zeros));
   for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
   while (zeros.rest.front() == 0) {
     zeros.rest.erase(zeros.rest.begin());
     above.push_back(delay);
   }
-  for (const LongComplex& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
+  for (const Complex1024& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
   while (above.size() < below.size()) above.push_back(unit);
   while (below.size() < above.size()) below.push_back(unit);
   const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
@@ -154,8 +155,8 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
     if (a.size() > 1) stable_poles(a);
     filter.taps = b;
-    filter.gain = Wide(1) / Wide(a[0]);
-    for (const double c : b) filter.deviation.l1 += Rounding<Wide>::unit * std::abs(c / a[0]);
+    filter.gain = DoubleDouble(1) / DoubleDouble(a[0]);
+    for (const double c : b) filter.deviation.l1 += Rounding<DoubleDouble>::unit * std::abs(c / a[0]);
     filter.deviation.h2 = filter.deviation.l1;
     return filter;
   }
@@ -172,7 +173,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   // A filter that blocks 0 Hz but for the rounding of its coefficients is meant to block it; but not where a
   // slow pole makes that rounding matter.
   for (const double doubt_of_one : {0.5 * std::numeric_limits<double>::epsilon(), 0.0}) {
-    result = factored(filter, divide_out_dc_zeros<Long>(b, doubt_of_one), a, poles);
+    result = factored(filter, divide_out_dc_zeros<Binary1024>(b, doubt_of_one), a, poles);
     deviation = deviation_of(result, b, a, poles.largest);
     if (!deviation) throw unstable(poles.largest);
     if (deviation->h2 <= negligible * h2_norm(result)) break;

@@ -34,7 +34,7 @@ inline std::size_t order_of(const Section& s) { return !(s.a[2] == 0) ? 2 : !(s.
 /// With q = z^-1, c(w) (1 + q)^2 is a polynomial in q; putting q (1 + lift) and going back to w leaves 4 c
 /// and terms in lift, so that slow poles keep their digits.
 template <class T>
-std::vector<Ball<T>> lifted(const std::array<Wide, 3>& c, std::size_t order, double lift) {
+std::vector<Ball<T>> lifted(const std::array<DoubleDouble, 3>& c, std::size_t order, double lift) {
   const Ball<T> c0 = Ball<T>::exactly(c[0]), c1 = Ball<T>::exactly(c[1]), c2 = Ball<T>::exactly(c[2]);
   if (lift == 0 || order == 0) {
     std::vector<Ball<T>> all{c0, c1, c2};

@@ -36,7 +36,7 @@ long double scale(const std::vector<Coefficient>& descending, long double modulu
 
 long double magnitude(const Quick& z) { return std::abs(z); }
 Quick quick(const Quick& z) { return z; }
-Quick quick(const LongComplex& z) { return {static_cast<double>(z.re), static_cast<double>(z.im)}; }
+Quick quick(const Complex1024& z) { return {static_cast<double>(z.re), static_cast<double>(z.im)}; }
 
 /// One Gauss-Seidel sweep; returns the largest relative step. The pull of the other roots is only a
 /// correction to Newton's step, for which doubles do.
@@ -62,9 +62,9 @@ long double sweep(const std::vector<Coefficient>& descending, std::vector<Number
   return largest;
 }
 
-std::vector<Quick> first_guess(const std::vector<Long>& descending) {
+std::vector<Quick> first_guess(const std::vector<Binary1024>& descending) {
   const std::size_t n = descending.size() - 1;
-  const auto size = [](const Long& c) { return std::log(std::abs(static_cast<long double>(c))); };
+  const auto size = [](const Binary1024& c) { return std::log(std::abs(static_cast<long double>(c))); };
   const double radius =
       static_cast<double>(std::exp((size(descending[n]) - size(descending[0])) / static_cast<double>(n)));
   std::vector<Quick> z(n);
@@ -73,7 +73,7 @@ std::vector<Quick> first_guess(const std::vector<Long>& descending) {
     z[k] = std::polar(radius, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n) + 0.4);
   }
   std::vector<double> c;
-  for (const Long& x : descending) c.push_back(static_cast<double>(x / descending[0]));
+  for (const Binary1024& x : descending) c.push_back(static_cast<double>(x / descending[0]));
   std::vector<Quick> settled = z;
   for (int i = 0; i < 60; ++i) {
     if (sweep(c, settled, 1e-15L) < 1e-14L) break;
@@ -84,12 +84,12 @@ std::vector<Quick> first_guess(const std::vector<Long>& descending) {
 }
 
 /// Makes conjugates exact: a root whose nearest neighbour to its mirror image is itself is real.
-std::vector<LongComplex> paired(std::vector<LongComplex> z) {
-  std::vector<LongComplex> result;
+std::vector<Complex1024> paired(std::vector<Complex1024> z) {
+  std::vector<Complex1024> result;
   while (!z.empty()) {
     const auto top = std::max_element(
-        z.begin(), z.end(), [](const LongComplex& a, const LongComplex& b) { return abs(a.im) < abs(b.im); });
-    const LongComplex root = *top;
+        z.begin(), z.end(), [](const Complex1024& a, const Complex1024& b) { return abs(a.im) < abs(b.im); });
+    const Complex1024 root = *top;
     auto partner = top;
     long double nearest = std::numeric_limits<long double>::infinity();
     for (auto it = z.begin(); it != z.end(); ++it) {
@@ -104,7 +104,7 @@ std::vector<LongComplex> paired(std::vector<LongComplex> z) {
       z.erase(top);
       continue;
     }
-    const LongComplex mean{(root.re + partner->re) / 2, abs(root.im - partner->im) / 2};
+    const Complex1024 mean{(root.re + partner->re) / 2, abs(root.im - partner->im) / 2};
     result.push_back(mean);
     result.push_back(conj(mean));
     z.erase(std::max(top, partner));
@@ -115,15 +115,16 @@ std::vector<LongComplex> paired(std::vector<LongComplex> z) {
 
 }  // namespace
 
-long double magnitude(const LongComplex& x) {
+long double magnitude(const Complex1024& x) {
   return std::hypot(static_cast<long double>(x.re), static_cast<long double>(x.im));
 }
 
-std::vector<LongComplex> roots(const std::vector<Long>& descending) {
+std::vector<Complex1024> roots(const std::vector<Binary1024>& descending) {
   if (descending.size() < 2) return {};
   const std::size_t n = descending.size() - 1;
-  std::vector<LongComplex> z;
-  for (const Quick& guess : first_guess(descending)) z.emplace_back(Long(guess.real()), Long(guess.imag()));
+  std::vector<Complex1024> z;
+  for (const Quick& guess : first_guess(descending))
+    z.emplace_back(Binary1024(guess.real()), Binary1024(guess.imag()));
   // Multiple roots are approached by a constant factor a sweep; long polynomials must do with few.
   const std::size_t sweeps = std::clamp<std::size_t>(800'000 / (n * n), 12, 400);
   for (std::size_t i = 0; i < sweeps; ++i) {

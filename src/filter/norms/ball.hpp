@@ -12,7 +12,7 @@ template <unsigned bits>
 using Binary = boost::multiprecision::number<
     boost::multiprecision::cpp_bin_float<bits, boost::multiprecision::digit_base_2>,
     boost::multiprecision::et_off>;
-using Long = Binary<1024>;
+using Binary1024 = Binary<1024>;
 
 /// What a number type rounds: each operation is off by `unit` of its result and `tiny` at most.
 template <class T>
@@ -21,12 +21,14 @@ struct Rounding;
 /// Joldes, Muller, Popescu (2017), Tight and rigorous error bounds for double-word arithmetic: the algorithms
 /// of double_double.hpp are off by at most 10 2^-106, barring underflow of a low word.
 template <>
-struct Rounding<Wide> {
+struct Rounding<DoubleDouble> {
   using Radius = double;
   static constexpr Radius unit = 0x1p-102;
   static constexpr Radius tiny = 1e-285;
-  static Radius magnitude(const Wide& x) { return std::abs(x.hi) * (1 + 0x1p-50); }
-  static Wide scaled(const Wide& x, int by) { return {std::ldexp(x.hi, by), std::ldexp(x.lo, by)}; }
+  static Radius magnitude(const DoubleDouble& x) { return std::abs(x.hi) * (1 + 0x1p-50); }
+  static DoubleDouble scaled(const DoubleDouble& x, int by) {
+    return {std::ldexp(x.hi, by), std::ldexp(x.lo, by)};
+  }
 };
 
 template <unsigned bits>
@@ -40,14 +42,14 @@ struct Rounding<Binary<bits>> {
   static Binary<bits> scaled(const Binary<bits>& x, int by) { return ldexp(x, by); }
 };
 
-inline Long to_long(Wide x) { return Long(x.hi) + Long(x.lo); }
+inline Binary1024 to_binary1024(DoubleDouble x) { return Binary1024(x.hi) + Binary1024(x.lo); }
 
 template <unsigned bits>
-Wide to_wide(const Binary<bits>& x) {
+DoubleDouble to_double_double(const Binary<bits>& x) {
   const double hi = static_cast<double>(x);
   return {hi, static_cast<double>(x - Binary<bits>(hi))};
 }
-inline Wide to_wide(Wide x) { return x; }
+inline DoubleDouble to_double_double(DoubleDouble x) { return x; }
 
 /// A number known to a radius: |x - mid| <= rad whatever the roundings (midpoint-radius arithmetic).
 ///
@@ -62,8 +64,8 @@ class Ball {
   Ball() = default;
   Ball(double exact) : mid_(exact) {}  // NOLINT: a double is a ball, exactly
   explicit Ball(T mid, Radius rad = 0) : mid_(mid), rad_(rad) {}
-  static Ball exactly(Wide x) {
-    if constexpr (std::is_same_v<T, Wide>) {
+  static Ball exactly(DoubleDouble x) {
+    if constexpr (std::is_same_v<T, DoubleDouble>) {
       return Ball(x);
     } else {
       return Ball(T(x.hi) + T(x.lo));

@@ -34,7 +34,7 @@ struct ComplexOf {
   friend ComplexOf conj(const ComplexOf& x) { return {x.re, -x.im}; }
 };
 
-using WideComplex = ComplexOf<Wide>;
-inline double magnitude(const WideComplex& x) { return std::hypot(x.re.hi, x.im.hi); }
+using ComplexDoubleDouble = ComplexOf<DoubleDouble>;
+inline double magnitude(const ComplexDoubleDouble& x) { return std::hypot(x.re.hi, x.im.hi); }
 
 }  // namespace qerr

@@ -9,9 +9,9 @@ namespace {
 
 /// The same number with more bits. Boost's own conversion reads as out of bounds to GCC 12.
 template <class T>
-T widened(const Long& x) {
+T widened(const Binary1024& x) {
   int exponent = 0;
-  Long rest = frexp(x, &exponent);
+  Binary1024 rest = frexp(x, &exponent);
   T sum = 0;
   while (rest != 0) {
     const double part = static_cast<double>(rest);
@@ -23,7 +23,7 @@ T widened(const Long& x) {
 
 /// (1 + w)^n c(q), q (1 + w) = (1 + lift) (1 - w), ascending in w.
 template <class T>
-std::vector<Ball<T>> in_w(const std::vector<Long>& c, std::size_t n, double lift) {
+std::vector<Ball<T>> in_w(const std::vector<Binary1024>& c, std::size_t n, double lift) {
   const std::vector<Ball<T>> plus{1.0, 1.0}, minus{1.0, -1.0};
   const Ball<T> up = Ball<T>(1.0) + Ball<T>(lift);
   std::vector<Ball<T>> p{c.size() > n ? Ball<T>(widened<T>(c[n])) : Ball<T>()}, power{1.0};
@@ -40,8 +40,8 @@ std::vector<Ball<T>> in_w(const std::vector<Long>& c, std::size_t n, double lift
 
 /// An upper bound of ||b/a - H||_2, both lifted.
 template <class T>
-std::optional<double> difference(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
-                                 double lift) {
+std::optional<double> difference(const Filter& h, const std::vector<Binary1024>& b,
+                                 const std::vector<Binary1024>& a, double lift) {
   const std::size_t n = std::max(a.size(), b.size()) - 1;
   const Rational<T> kept = rational<T>(h, lift);
   const std::vector<Ball<T>> stated = in_w<T>(a, n, lift);
@@ -53,9 +53,9 @@ std::optional<double> difference(const Filter& h, const std::vector<Long>& b, co
   return static_cast<double>(sqrt(*squared).largest()) * (1 + 0x1p-50);
 }
 
-std::optional<double> difference(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
-                                 double lift) {
-  if (const auto d = difference<Long>(h, b, a, lift)) return d;
+std::optional<double> difference(const Filter& h, const std::vector<Binary1024>& b,
+                                 const std::vector<Binary1024>& a, double lift) {
+  if (const auto d = difference<Binary1024>(h, b, a, lift)) return d;
   return difference<Binary<4096>>(h, b, a, lift);
 }
 
@@ -63,12 +63,12 @@ std::optional<double> difference(const Filter& h, const std::vector<Long>& b, co
 
 std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
                                       const std::vector<double>& a, double modulus) {
-  return deviation_of(h, std::vector<Long>(b.begin(), b.end()), std::vector<Long>(a.begin(), a.end()),
-                      modulus);
+  return deviation_of(h, std::vector<Binary1024>(b.begin(), b.end()),
+                      std::vector<Binary1024>(a.begin(), a.end()), modulus);
 }
 
-std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
-                                      double modulus) {
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,
+                                      const std::vector<Binary1024>& a, double modulus) {
   const auto plain = difference(h, b, a, 0);
   if (!plain) return std::nullopt;
   // Cauchy and Schwarz: sum |d_k| <= (sum r^2k)^(1/2) (sum (d_k r^-k)^2)^(1/2), r = 1/(1 + lift).

@@ -13,7 +13,7 @@ namespace qerr {
 /// @param modulus  about the largest modulus of the poles
 std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
                                       const std::vector<double>& a, double modulus);
-std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Long>& b, const std::vector<Long>& a,
-                                      double modulus);
+std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,
+                                      const std::vector<Binary1024>& a, double modulus);
 
 }  // namespace qerr

@@ -33,9 +33,9 @@ std::optional<Estimate> estimate_in(const Filter& filter, double lift, double wa
 }
 
 Estimate taps_norm(const Filter& filter) {
-  Ball<Wide> total;
-  for (const double h : filter.taps) total += Ball<Wide>(h) * Ball<Wide>(h);
-  const auto e = estimate(sqrt(total) * abs(Ball<Wide>(filter.gain)));
+  Ball<DoubleDouble> total;
+  for (const double h : filter.taps) total += Ball<DoubleDouble>(h) * Ball<DoubleDouble>(h);
+  const auto e = estimate(sqrt(total) * abs(Ball<DoubleDouble>(filter.gain)));
   return e ? *e : Estimate{std::numeric_limits<double>::infinity(), 0};
 }
 
@@ -45,9 +45,9 @@ Estimate h2_estimate(const Filter& filter) {
   Estimate e;
   if (!filter.taps.empty()) {
     e = taps_norm(filter);
-  } else if (const auto quick = estimate_in<Wide>(filter, 0, enough)) {
+  } else if (const auto quick = estimate_in<DoubleDouble>(filter, 0, enough)) {
     e = *quick;
-  } else if (const auto fine = estimate_in<Long>(filter, 0, enough)) {
+  } else if (const auto fine = estimate_in<Binary1024>(filter, 0, enough)) {
     e = *fine;
   } else if (const auto finest = estimate_in<Binary<4096>>(filter, 0, 1)) {
     e = *finest;
@@ -65,8 +65,8 @@ Estimate h2_estimate(const Filter& filter) {
 
 double lifted_norm(const Filter& filter, double lift) {
   // Only its size matters; a digit will do.
-  std::optional<Estimate> e = estimate_in<Wide>(filter, lift, 0.1);
-  if (!e) e = estimate_in<Long>(filter, lift, 0.1);
+  std::optional<Estimate> e = estimate_in<DoubleDouble>(filter, lift, 0.1);
+  if (!e) e = estimate_in<Binary1024>(filter, lift, 0.1);
   return e ? e->value + e->error : std::numeric_limits<double>::infinity();
 }
 

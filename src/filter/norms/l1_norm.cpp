@@ -4,10 +4,10 @@
 
 #include "filter/design/design_rounding.hpp"
 #include "filter/design/rational.hpp"
+#include "filter/norms/direct_sum.hpp"
 #include "filter/norms/modes.hpp"
-#include "filter/norms/remainder.hpp"
 #include "filter/norms/sequence.hpp"
-#include "filter/norms/terms.hpp"
+#include "filter/norms/tail_sum.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -35,7 +35,7 @@ Interval around(double value, double below, double above) {
   return {std::max(0.0, (value - below) * (1 - ulp)), (value + above) * (1 + ulp)};
 }
 
-Interval around(const Sure& value, double below, double above) {
+Interval around(const RealBall& value, double below, double above) {
   const double rad = value.rad() + std::abs(value.mid().lo);
   return around(value.mid().hi, below + rad, above + rad);
 }
@@ -48,21 +48,21 @@ class Search {
         poles_(poles(filter)),
         modulus_(largest_modulus()),
         h2_(h2),
-        terms_(filter, lift()) {
+        direct_(filter, lift()) {
     if (fast()) return;
     modes_ = partial_fractions(filter, poles_.list);
   }
 
   /// The norm is never below the H2 norm, and by Cauchy and Schwarz not above `tail(0)`.
-  Interval by_size() const { return {h2_ * (1 - 1e-12), terms_.tail(0)}; }  // h2_ is exact but for 1e-15
+  Interval by_size() const { return {h2_ * (1 - 1e-12), direct_.tail(0)}; }  // h2_ is exact but for 1e-15
 
   /// Directly, as far as that goes.
   Interval by_terms() const {
-    const double fall = std::log(terms_.tail(0) / (negligible * h2_)) / std::log1p(lift());
+    const double fall = std::log(direct_.tail(0) / (negligible * h2_)) / std::log1p(lift());
     const auto count = static_cast<std::int64_t>(
         std::clamp(std::ceil(fall), 8.0, static_cast<double>(most_direct / stages_)));
-    const Partial p = terms_.sum(count);
-    return around(p.sum, p.error, p.error + terms_.tail(count));
+    const PartialSum p = direct_.sum(count);
+    return around(p.sum, p.error, p.error + direct_.tail(count));
   }
 
   /// From the first sample that the partial fractions give on by these alone.
@@ -80,10 +80,10 @@ class Search {
 
  private:
   Interval by_modes_from(std::int64_t from, std::int64_t work) const {
-    const Partial head = terms_.sum(from);
-    const Remainder rest = sum_from(modes_.modes, from, h2_, work);
+    const PartialSum head = direct_.sum(from);
+    const TailSum rest = tail_sum(modes_.modes, from, h2_, work);
     const double error = rest.error + head.error;
-    return moved(around(rest.sum + Sure(head.sum), error, error + rest.beyond));
+    return moved(around(rest.sum + RealBall(head.sum), error, error + rest.beyond));
   }
   double lift() const { return std::min(1.0, 0.5 * gap_); }
   std::int64_t first() const { return static_cast<std::int64_t>(modes_.from); }
@@ -93,8 +93,8 @@ class Search {
     double largest = 0;
     gap_ = std::numeric_limits<double>::infinity();
     for (const Pole& p : poles_.list) {
-      const SureComplex one(1.0), w = sure(p.w);
-      gap_ = std::min(gap_, one_minus_modulus(SureComplex(-2.0) * w / (one - w)));
+      const ComplexBall one(1.0), w = exact_ball(p.w);
+      gap_ = std::min(gap_, one_minus_modulus(ComplexBall(-2.0) * w / (one - w)));
       largest = std::max(largest, std::sqrt(static_cast<double>(norm(p.z()))));
     }
     return largest;
@@ -110,7 +110,7 @@ class Search {
   double gap_ = 0;
   double modulus_ = 0;
   double h2_ = 0;
-  Terms terms_;
+  DirectSum direct_;
   Modes modes_;
 };
 
@@ -125,11 +125,11 @@ Filter reflected(Filter filter) {
 }
 
 bool slowest_turns_most(const Filter& filter) {
-  WideComplex slowest;
+  ComplexDoubleDouble slowest;
   for (const Pole& p : poles(filter).list) {
     if (norm(slowest) < norm(p.z())) slowest = p.z();
   }
-  return slowest.re < Wide(0);
+  return slowest.re < DoubleDouble(0);
 }
 
 Interval best(const Filter& filter) {
@@ -151,9 +151,9 @@ Interval best(const Filter& filter) {
 }
 
 Interval of_taps(const Filter& filter) {
-  Sure total;
-  for (const double h : filter.taps) total += abs(Sure(h));
-  return around(total * abs(Sure(filter.gain)), 0, 0);
+  RealBall total;
+  for (const double h : filter.taps) total += abs(RealBall(h));
+  return around(total * abs(RealBall(filter.gain)), 0, 0);
 }
 
 }  // namespace

@@ -8,16 +8,16 @@
 namespace qerr {
 namespace {
 
-using Series = std::vector<SureComplex>;  // power series in eta, truncated
+using Series = std::vector<ComplexBall>;  // power series in eta, truncated
 
 // Of the distance from the circle: poles nearer than this to each other count as one.
 constexpr double together = 4e-15;
 
 /// Takes up a pole and returns the place it is given.
-WideComplex place(std::vector<Pole>& list, const WideComplex& w) {
+ComplexDoubleDouble place(std::vector<Pole>& list, const ComplexDoubleDouble& w) {
   const double reach = together * std::abs(w.re.hi);
   const auto near = std::find_if(list.begin(), list.end(), [&](const Pole& p) {
-    return p.real() == (w.im == Wide(0)) && magnitude(p.w - w) <= reach;
+    return p.real() == (w.im == DoubleDouble(0)) && magnitude(p.w - w) <= reach;
   });
   if (near == list.end()) {
     list.push_back({w, 1});
@@ -29,19 +29,20 @@ WideComplex place(std::vector<Pole>& list, const WideComplex& w) {
 
 /// ||1/(w - p)||_1 = ||(1 + q)/((1 - p)(1 - z q))||_1 <= 2/(|1 - p| (1 - |z|)) <= |1 - p|/(-Re p), for
 /// 1 - |z| >= (1 - |z|^2)/2 = -2 Re p/|1 - p|^2.
-double reciprocal_norm(const WideComplex& p) {
-  return magnitude(WideComplex(1.0) - p) / -p.re.hi * (1 + 0x1p-40);
+double reciprocal_norm(const ComplexDoubleDouble& p) {
+  return magnitude(ComplexDoubleDouble(1.0) - p) / -p.re.hi * (1 + 0x1p-40);
 }
 
 /// sum over the coefficients d_k of a(w) - a2 (w - p)(w - r), each times ||w^k/a||_1: the relative change, in
 /// l1, of a filter whose section's poles are put on p and r.
-double moved_by(const Section& s, const WideComplex& p, const WideComplex& r) {
-  const SureComplex sum = sure(p) + sure(r), product = sure(p) * sure(r);
-  const Sure a2(s.a[2]);
-  const double d0 = (Sure(s.a[0]) - a2 * product.re).largest(), d1 = (Sure(s.a[1]) + a2 * sum.re).largest();
+double moved_by(const Section& s, const ComplexDoubleDouble& p, const ComplexDoubleDouble& r) {
+  const ComplexBall sum = exact_ball(p) + exact_ball(r), product = exact_ball(p) * exact_ball(r);
+  const RealBall a2(s.a[2]);
+  const double d0 = (RealBall(s.a[0]) - a2 * product.re).largest(),
+               d1 = (RealBall(s.a[1]) + a2 * sum.re).largest();
   const double gp = reciprocal_norm(p), gr = reciprocal_norm(r);
   double n0 = gp * gr, n1 = (1 + magnitude(p) * gp) * gr;
-  if (!(p.im == Wide(0))) {
+  if (!(p.im == DoubleDouble(0))) {
     // 1/((w - p)(w - p*)) = [1/(w - p) - 1/(w - p*)]/(p - p*), much less than the product of a slow pair.
     n0 = std::min(n0, gp / std::abs(p.im.hi));
     n1 = std::min(n1, magnitude(p) * gp / std::abs(p.im.hi));
@@ -51,21 +52,23 @@ double moved_by(const Section& s, const WideComplex& p, const WideComplex& r) {
 
 /// Adds the poles of a section; returns by how much l1 is moved.
 double add_section(std::vector<Pole>& list, const Section& s) {
-  const Wide a0 = s.a[0], a1 = s.a[1], a2 = s.a[2];
+  const DoubleDouble a0 = s.a[0], a1 = s.a[1], a2 = s.a[2];
   if (order_of(s) == 0) return 0;
   if (order_of(s) == 1) {
-    const WideComplex p = place(list, -a0 / a1);
-    const double d0 = (Sure(a0) + Sure(a1) * Sure(p.re)).largest();
+    const ComplexDoubleDouble p = place(list, -a0 / a1);
+    const double d0 = (RealBall(a0) + RealBall(a1) * RealBall(p.re)).largest();
     return d0 * reciprocal_norm(p) / std::abs(a1.hi) * (1 + 0x1p-40);
   }
-  const Wide discriminant = a1 * a1 - Wide(4) * a0 * a2;
-  if (discriminant < Wide(0)) {
-    const WideComplex p = place(list, {-a1 / (Wide(2) * a2), abs(sqrt(-discriminant) / (Wide(2) * a2))});
+  const DoubleDouble discriminant = a1 * a1 - DoubleDouble(4) * a0 * a2;
+  if (discriminant < DoubleDouble(0)) {
+    const ComplexDoubleDouble p =
+        place(list, {-a1 / (DoubleDouble(2) * a2), abs(sqrt(-discriminant) / (DoubleDouble(2) * a2))});
     return moved_by(s, p, conj(p));
   }
   // The larger root by the formula without cancellation, the smaller one from the product.
-  const Wide large = (a1 + (a1 < Wide(0) ? -sqrt(discriminant) : sqrt(discriminant))) * Wide(-0.5);
-  const WideComplex p = place(list, large / a2), r = place(list, a0 / large);
+  const DoubleDouble large =
+      (a1 + (a1 < DoubleDouble(0) ? -sqrt(discriminant) : sqrt(discriminant))) * DoubleDouble(-0.5);
+  const ComplexDoubleDouble p = place(list, large / a2), r = place(list, a0 / large);
   return moved_by(s, p, r);
 }
 
@@ -78,7 +81,7 @@ Series multiplied(const Series& x, const Series& y) {
 }
 
 /// x / (y0 + y1 eta).
-Series divided(Series x, const SureComplex& y0, const SureComplex& y1) {
+Series divided(Series x, const ComplexBall& y0, const ComplexBall& y1) {
   for (std::size_t i = 0; i < x.size(); ++i) {
     if (i > 0) x[i] = x[i] - y1 * x[i - 1];
     x[i] = x[i] / y0;
@@ -87,21 +90,22 @@ Series divided(Series x, const SureComplex& y0, const SureComplex& y1) {
 }
 
 /// Numerator of a section at w = (w0 + eta)/(1 - eta), times (1 - eta)^order.
-Series numerator(const Section& s, const SureComplex& w0) {
-  const SureComplex b0(Sure(s.b[0])), b1(Sure(s.b[1])), b2(Sure(s.b[2])), one(1.0), two(2.0);
+Series numerator(const Section& s, const ComplexBall& w0) {
+  const ComplexBall b0(RealBall(s.b[0])), b1(RealBall(s.b[1])), b2(RealBall(s.b[2])), one(1.0), two(2.0);
   if (s.a[2] == 0) {
-    if (s.a[1] == 0) return {b0 / SureComplex(Sure(s.a[0]))};
+    if (s.a[1] == 0) return {b0 / ComplexBall(RealBall(s.a[0]))};
     return {b0 + b1 * w0, b1 - b0};
   }
   return {b0 + (b1 + b2 * w0) * w0, b1 * (one - w0) + two * (b2 * w0 - b0), b0 - b1 + b2};
 }
 
 /// Divides by (w - pole)^multiplicity, leaving out the factor eta^multiplicity of the expansion's own pole.
-Series over_pole(Series x, const WideComplex& pole, int multiplicity, const WideComplex& w0) {
-  const SureComplex one(1.0), gap = sure(w0) - sure(pole);
+Series over_pole(Series x, const ComplexDoubleDouble& pole, int multiplicity, const ComplexDoubleDouble& w0) {
+  const ComplexBall one(1.0), gap = exact_ball(w0) - exact_ball(pole);
   const bool own = pole == w0;
   for (int i = 0; i < multiplicity; ++i) {
-    x = own ? divided(std::move(x), one + sure(w0), {}) : divided(std::move(x), gap, one + sure(pole));
+    x = own ? divided(std::move(x), one + exact_ball(w0), {})
+            : divided(std::move(x), gap, one + exact_ball(pole));
   }
   return x;
 }
@@ -110,23 +114,23 @@ Series over_pole(Series x, const WideComplex& pole, int multiplicity, const Wide
 /// and w - w_r becomes (w0 - w_r) + (1 + w_r) eta: differences of poles are taken in w, where slow poles keep
 /// their digits.
 Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pole) {
-  const SureComplex w0 = sure(pole.w), one(1.0);
+  const ComplexBall w0 = exact_ball(pole.w), one(1.0);
   Series series(static_cast<std::size_t>(pole.multiplicity));
-  series[0] = SureComplex(Sure(filter.gain));
+  series[0] = ComplexBall(RealBall(filter.gain));
   for (const Section& s : filter.sections) {
     series = multiplied(series, numerator(s, w0));
-    const Wide lead = s.a[order_of(s)];
+    const DoubleDouble lead = s.a[order_of(s)];
     if (order_of(s) == 0) continue;
-    for (SureComplex& x : series) x = x / SureComplex(Sure(lead));
+    for (ComplexBall& x : series) x = x / ComplexBall(RealBall(lead));
   }
   for (const Pole& other : all) {
     series = over_pole(std::move(series), other.w, other.multiplicity, pole.w);
     if (!other.real()) series = over_pole(std::move(series), conj(other.w), other.multiplicity, pole.w);
   }
-  Mode mode{pole.w, (one + w0) / (one - w0), SureComplex(-2.0) * w0 / (one - w0), !pole.real(), {}};
+  Mode mode{pole.w, (one + w0) / (one - w0), ComplexBall(-2.0) * w0 / (one - w0), !pole.real(), {}};
   mode.c.resize(series.size());
-  const SureComplex scale = SureComplex(2.0) / (one - w0);
-  SureComplex power = one;
+  const ComplexBall scale = ComplexBall(2.0) / (one - w0);
+  ComplexBall power = one;
   for (std::size_t m = 1; m <= series.size(); ++m) {
     power = power * scale;
     mode.c[m - 1] = series[series.size() - m] * power;
@@ -148,7 +152,7 @@ Modes partial_fractions(const Filter& filter, const std::vector<Pole>& all) {
   Modes result;
   result.from = 1;
   for (const Pole& pole : all) {
-    if (pole.w == WideComplex(-1.0)) {
+    if (pole.w == ComplexDoubleDouble(-1.0)) {
       result.from += static_cast<std::size_t>(pole.multiplicity);
     } else {
       result.modes.push_back(mode_of(filter, all, pole));

@@ -8,27 +8,27 @@
 
 namespace qerr {
 
-using Sure = Ball<Wide>;
-using SureComplex = ComplexOf<Sure>;
+using RealBall = Ball<DoubleDouble>;
+using ComplexBall = ComplexOf<RealBall>;
 
-inline SureComplex sure(const WideComplex& x) { return {Sure(x.re), Sure(x.im)}; }
+inline ComplexBall exact_ball(const ComplexDoubleDouble& x) { return {RealBall(x.re), RealBall(x.im)}; }
 /// An upper bound of |x|.
-inline double largest(const SureComplex& x) {
+inline double largest(const ComplexBall& x) {
   return std::hypot(x.re.largest(), x.im.largest()) * (1 + 0x1p-45);
 }
 
 /// A lower bound of 1 - |z|: half of 1 - |z|^2 = 2 Re(1 - z) - |1 - z|^2, which does not cancel.
-inline double one_minus_modulus(const SureComplex& one_minus_z) {
-  return 0.5 * (Sure(2.0) * one_minus_z.re - norm(one_minus_z)).smallest();
+inline double one_minus_modulus(const ComplexBall& one_minus_z) {
+  return 0.5 * (RealBall(2.0) * one_minus_z.re - norm(one_minus_z)).smallest();
 }
 
 /// A pole in w with its multiplicity; of a conjugate pair only the upper one is listed.
 struct Pole {
-  WideComplex w;
+  ComplexDoubleDouble w;
   int multiplicity = 1;
-  bool real() const { return w.im == Wide(0); }
+  bool real() const { return w.im == DoubleDouble(0); }
   /// z = (1 + w)/(1 - w).
-  WideComplex z() const { return (WideComplex(1.0) + w) / (WideComplex(1.0) - w); }
+  ComplexDoubleDouble z() const { return (ComplexDoubleDouble(1.0) + w) / (ComplexDoubleDouble(1.0) - w); }
 };
 
 /// The poles of a filter as numbers of double-double.
@@ -43,14 +43,14 @@ Poles poles(const Filter&);
 /// sum_m c_m C(k + m - 1, m - 1) z^k over m = 1..c.size(), plus its conjugate where `pair`: one pole's share
 /// of h_k.
 struct Mode {
-  WideComplex w;            ///< the pole, exactly
-  SureComplex z;            ///< (1 + w)/(1 - w)
-  SureComplex one_minus_z;  ///< kept apart: it has all its digits for a slow pole
+  ComplexDoubleDouble w;    ///< the pole, exactly
+  ComplexBall z;            ///< (1 + w)/(1 - w)
+  ComplexBall one_minus_z;  ///< kept apart: it has all its digits for a slow pole
   bool pair = false;
-  std::vector<SureComplex> c;
+  std::vector<ComplexBall> c;
 };
 
-/// Partial fractions of the filter with the poles given: h_k is the sum of the modes for k >= from.
+/// PartialSum fractions of the filter with the poles given: h_k is the sum of the modes for k >= from.
 struct Modes {
   std::vector<Mode> modes;
   std::size_t from = 0;

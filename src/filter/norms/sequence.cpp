@@ -21,7 +21,7 @@ Quick times(const Quick& x, const Quick& y) {
   return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
 }
 
-Quick rounded(const SureComplex& x) { return {x.re.mid().hi, x.im.mid().hi}; }
+Quick rounded(const ComplexBall& x) { return {x.re.mid().hi, x.im.mid().hi}; }
 
 /// C(k + m - 1, m - 1) for the next m, from the one before.
 double next_binomial(double binomial, std::int64_t k, std::size_t m) {
@@ -32,26 +32,26 @@ double next_binomial(double binomial, std::int64_t k, std::size_t m) {
 
 Powers::Powers(const std::vector<Mode>& modes) {
   for (const Mode& mode : modes) {
-    std::vector<SureComplex> table{mode.z};
+    std::vector<ComplexBall> table{mode.z};
     for (int i = 1; i < bits; ++i) table.push_back(table.back() * table.back());
     std::vector<Quick> quick;
     for (std::size_t i = 0; i < bits; i += 4) {
       quick.emplace_back(1.0);
       for (std::size_t j = 1; j < base; ++j) quick.push_back(times(quick.back(), rounded(table[i])));
     }
-    sure_.push_back(std::move(table));
+    squarings_.push_back(std::move(table));
     quick_.push_back(std::move(quick));
     // 1 - |z|^2 without cancellation: 2 Re(1 - z) - |1 - z|^2.
-    const Sure gap = Sure(2.0) * mode.one_minus_z.re - norm(mode.one_minus_z);
+    const RealBall gap = RealBall(2.0) * mode.one_minus_z.re - norm(mode.one_minus_z);
     // At most 1000, so that a pole next to z = 0 has a finite one.
     decay_.push_back(std::min(-0.5 * std::log1p(-gap.smallest()) * (1 - 1e-14), 1000.0));
   }
 }
 
-SureComplex Powers::sure(std::size_t mode, std::int64_t k) const {
-  SureComplex r(1.0);
+ComplexBall Powers::proven(std::size_t mode, std::int64_t k) const {
+  ComplexBall r(1.0);
   for (std::size_t i = 0; k > 0; ++i, k >>= 1) {
-    if ((k & 1) != 0) r = r * sure_[mode][i];
+    if ((k & 1) != 0) r = r * squarings_[mode][i];
   }
   return r;
 }
@@ -81,24 +81,24 @@ Sequence::Sequence(std::vector<Mode> modes, const Powers& powers)
   for (const Mode& mode : modes_) {
     const double count = mode.pair ? 2 : 1;
     std::vector<Coefficient> row;
-    for (const SureComplex& c : mode.c)
+    for (const ComplexBall& c : mode.c)
       row.push_back({count * c.re.mid().hi, count * c.im.mid().hi, count * largest(c)});
     rounded_.push_back(std::move(row));
   }
 }
 
-Sure Sequence::at(std::int64_t k) const {
-  Sure total;
+RealBall Sequence::at(std::int64_t k) const {
+  RealBall total;
   for (std::size_t i = 0; i < modes_.size(); ++i) {
     const Mode& mode = modes_[i];
-    SureComplex sum;
-    Sure binomial(1.0);
+    ComplexBall sum;
+    RealBall binomial(1.0);
     for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      sum = sum + mode.c[m - 1] * SureComplex(binomial);
-      binomial = binomial * Sure(static_cast<double>(k + static_cast<std::int64_t>(m))) /
-                 Sure(static_cast<double>(m));
+      sum = sum + mode.c[m - 1] * ComplexBall(binomial);
+      binomial = binomial * RealBall(static_cast<double>(k + static_cast<std::int64_t>(m))) /
+                 RealBall(static_cast<double>(m));
     }
-    const Sure share = (sum * powers_->sure(i, k)).re;
+    const RealBall share = (sum * powers_->proven(i, k)).re;
     total += mode.pair ? share + share : share;
   }
   return total;
@@ -144,7 +144,7 @@ double Sequence::tail(std::int64_t first) const {
     double sum = 0, binomial = 1;
     const double modulus = powers_->modulus(i, 1);
     for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      // Terms fall at least as fast as this ratio from `first` on: a geometric series.
+      // DirectSum fall at least as fast as this ratio from `first` on: a geometric series.
       const double growth = static_cast<double>(m - 1) / static_cast<double>(first + 1);
       const double gap = powers_->one_minus_modulus(i) - growth * modulus;
       if (!(gap > 0)) return std::numeric_limits<double>::infinity();
@@ -160,7 +160,7 @@ bool Sequence::trusted() const {
   for (const Mode& mode : modes_) {
     double size = 0;  // the binomials grow with m, so a coefficient may hide behind the larger ones above it
     for (std::size_t m = mode.c.size(); m-- > 0;) {
-      const SureComplex& c = mode.c[m];
+      const ComplexBall& c = mode.c[m];
       size = std::max(size, std::hypot(c.re.mid().hi, c.im.mid().hi));
       if (!(std::max(c.re.rad(), c.im.rad()) <= 1e-14 * size)) return false;
     }
@@ -172,7 +172,7 @@ Sequence Sequence::difference() const {
   std::vector<Mode> result = modes_;  // 1 - q = ((1 - z q) - (1 - z))/z
   for (Mode& mode : result) {
     for (std::size_t m = 0; m < mode.c.size(); ++m) {
-      const SureComplex above = m + 1 < mode.c.size() ? mode.c[m + 1] : SureComplex();
+      const ComplexBall above = m + 1 < mode.c.size() ? mode.c[m + 1] : ComplexBall();
       mode.c[m] = (above - mode.one_minus_z * mode.c[m]) / mode.z;
     }
   }
@@ -182,7 +182,7 @@ Sequence Sequence::difference() const {
 Sequence Sequence::transient_of_sum() const {
   std::vector<Mode> result = modes_;  // 1/((1-q)(1-zq)^m) = [1/((1-q)(1-zq)^(m-1)) - z/(1-zq)^m]/(1-z)
   for (Mode& mode : result) {
-    SureComplex carry;
+    ComplexBall carry;
     for (std::size_t m = mode.c.size(); m-- > 0;) {
       carry = (mode.c[m] + carry) / mode.one_minus_z;
       mode.c[m] = -(mode.z * carry);

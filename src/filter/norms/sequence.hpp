@@ -12,14 +12,14 @@ namespace qerr {
 class Powers {
  public:
   explicit Powers(const std::vector<Mode>& modes);
-  SureComplex sure(std::size_t mode, std::int64_t k) const;
+  ComplexBall proven(std::size_t mode, std::int64_t k) const;
   void quick(std::int64_t k, std::vector<std::complex<double>>& powers) const;  ///< of all modes
   void moduli(std::int64_t k, std::vector<double>& moduli) const;  ///< upper bounds of |z|^k, of all modes
   double modulus(std::size_t mode, std::int64_t k) const;          ///< an upper bound of |z|^k
   double one_minus_modulus(std::size_t mode) const;
 
  private:
-  std::vector<std::vector<SureComplex>> sure_;
+  std::vector<std::vector<ComplexBall>> squarings_;
   std::vector<std::vector<std::complex<double>>> quick_;  // z^(j 16^i) at 16 i + j
   std::vector<double> decay_;                             // -log |z|, from below
 };
@@ -28,7 +28,7 @@ class Powers {
 class Sequence {
  public:
   Sequence(std::vector<Mode> modes, const Powers& powers);
-  Sure at(std::int64_t k) const;
+  RealBall at(std::int64_t k) const;
   /// To 1e-12 of bound(k, k), if `trusted`; `powers` are those of k.
   double quick_at(std::int64_t k, const std::vector<std::complex<double>>& powers) const;
   double bound(std::int64_t first, std::int64_t last) const;  ///< of |.| over first..last

@@ -4,7 +4,7 @@ namespace qerr {
 namespace {
 
 template <class Scalar>
-Scalar to(Wide x) {
+Scalar to(DoubleDouble x) {
   return static_cast<Scalar>(x);
 }
 
@@ -21,7 +21,7 @@ BasicCascade<Scalar>::BasicCascade(const Filter& filter)
     stage.b2 = to<Scalar>(s.b[2]);
     stage.a0 = to<Scalar>(s.a[0]);
     stage.a01 = to<Scalar>(s.a[0] + s.a[1]);
-    stage.inverse = to<Scalar>(Wide(1) / (s.a[0] + s.a[1] + s.a[2]));
+    stage.inverse = to<Scalar>(DoubleDouble(1) / (s.a[0] + s.a[1] + s.a[2]));
     stages_.push_back(stage);
   }
 }
@@ -59,6 +59,6 @@ Scalar BasicCascade<Scalar>::step(Scalar input) {
 }
 
 template class BasicCascade<double>;
-template class BasicCascade<Wide>;
+template class BasicCascade<DoubleDouble>;
 
 }  // namespace qerr

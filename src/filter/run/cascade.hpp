@@ -32,9 +32,9 @@ class BasicCascade {
 };
 
 extern template class BasicCascade<double>;
-extern template class BasicCascade<Wide>;
+extern template class BasicCascade<DoubleDouble>;
 
 /// In double-double, for what is asserted to the last digit.
-using Cascade = BasicCascade<Wide>;
+using Cascade = BasicCascade<DoubleDouble>;
 
 }  // namespace qerr

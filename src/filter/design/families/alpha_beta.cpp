@@ -6,10 +6,10 @@ namespace qerr {
 namespace {
 
 /// beta of a damping ratio zeta: alpha^2 = zeta^2 beta (4 - 2 alpha - beta), the smaller root.
-Wide beta_of_damping(double alpha, double damping) {
-  const Wide a = alpha, ratio = a / Wide(damping), middle = Wide(2) - a;
-  const Wide square = middle * middle - ratio * ratio;
-  if (square < Wide(0)) {
+DoubleDouble beta_of_damping(double alpha, double damping) {
+  const DoubleDouble a = alpha, ratio = a / DoubleDouble(damping), middle = DoubleDouble(2) - a;
+  const DoubleDouble square = middle * middle - ratio * ratio;
+  if (square < DoubleDouble(0)) {
     throw Error(Fault{{},
                       "damping",
                       "the damping ratio must be at least alpha/(2 - alpha)",
@@ -26,9 +26,9 @@ Filter design(const FilterDesign& wanted) {
     return tracking_filter(wanted, spectral_factor(piecewise_noise(2, index)));
   }
   const double alpha = checked_number(wanted, "alpha", 0, 2);
-  const Wide beta = way == 0 ? Wide(checked_number(wanted, "beta", 0, 4))
-                             : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
-  const Wide rest = Wide(4) - Wide(2 * alpha) - beta;
+  const DoubleDouble beta = way == 0 ? DoubleDouble(checked_number(wanted, "beta", 0, 4))
+                                     : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
+  const DoubleDouble rest = DoubleDouble(4) - DoubleDouble(2 * alpha) - beta;
   if (!(rest.hi > 4e-16)) {
     throw Error(Fault{{},
                       way == 0 ? "beta" : "damping",
@@ -36,7 +36,7 @@ Filter design(const FilterDesign& wanted) {
                       "alpha " + figure(alpha) + ", beta " + figure(static_cast<double>(beta)),
                       "use smaller gains"});
   }
-  return tracking_filter(wanted, {beta, Wide(2 * alpha), rest});
+  return tracking_filter(wanted, {beta, DoubleDouble(2 * alpha), rest});
 }
 
 }  // namespace

@@ -4,9 +4,9 @@ namespace qerr {
 namespace {
 
 /// Hurwitz's conditions on gamma/2 + 2 beta w + (4 alpha - gamma/2) w^2 + (8 - 4 alpha - 2 beta) w^3.
-bool stable(Wide alpha, Wide beta, Wide gamma) {
-  const Wide rest = Wide(4) - Wide(2) * alpha - beta;
-  const Wide cross = alpha * (Wide(4) * beta + gamma) - Wide(2) * gamma;
+bool stable(DoubleDouble alpha, DoubleDouble beta, DoubleDouble gamma) {
+  const DoubleDouble rest = DoubleDouble(4) - DoubleDouble(2) * alpha - beta;
+  const DoubleDouble cross = alpha * (DoubleDouble(4) * beta + gamma) - DoubleDouble(2) * gamma;
   return rest.hi > 4e-16 && cross.hi > 4e-16 * gamma.hi;
 }
 
@@ -15,8 +15,9 @@ Filter design(const FilterDesign& wanted) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(3, index)));
   }
-  const Wide alpha = checked_number(wanted, "alpha", 0, 2), beta = checked_number(wanted, "beta", 0, 4),
-             gamma = checked_number(wanted, "gamma", 0, 16);
+  const DoubleDouble alpha = checked_number(wanted, "alpha", 0, 2),
+                     beta = checked_number(wanted, "beta", 0, 4),
+                     gamma = checked_number(wanted, "gamma", 0, 16);
   if (!stable(alpha, beta, gamma)) {
     throw Error(
         Fault{{},
@@ -26,9 +27,9 @@ Filter design(const FilterDesign& wanted) {
               "alpha " + figure(alpha.hi) + ", beta " + figure(beta.hi) + ", gamma " + figure(gamma.hi),
               "use smaller gains, gamma the smallest"});
   }
-  const Wide half = Wide(0.5) * gamma, two = 2, four = 4;
-  return tracking_filter(wanted,
-                         {half, two * beta, four * alpha - half, Wide(8) - four * alpha - two * beta});
+  const DoubleDouble half = DoubleDouble(0.5) * gamma, two = 2, four = 4;
+  return tracking_filter(
+      wanted, {half, two * beta, four * alpha - half, DoubleDouble(8) - four * alpha - two * beta});
 }
 
 }  // namespace

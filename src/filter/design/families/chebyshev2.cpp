@@ -15,9 +15,9 @@ Filter design(const FilterDesign& wanted) {
   Prototype prototype;
   for (int i = 0; i < order / 2; ++i) {
     const double theta = std::numbers::pi * (2 * i + 1) / (2 * order);
-    const WideComplex p{-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta)};
-    prototype.poles.push_back(conj(WideComplex(1.0) / p));
-    prototype.zeros.push_back(Wide(1) / Wide(std::cos(theta)));
+    const ComplexDoubleDouble p{-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta)};
+    prototype.poles.push_back(conj(ComplexDoubleDouble(1.0) / p));
+    prototype.zeros.push_back(DoubleDouble(1) / DoubleDouble(std::cos(theta)));
   }
   if (order % 2 == 1) prototype.poles.push_back(-1 / std::sinh(mu));
   return bilinear_lowpass(wanted, prototype);

@@ -13,14 +13,15 @@ struct Complex {
   Real re, im;
 };
 
-Wide to_wide(const Real& x) {
+DoubleDouble to_double_double(const Real& x) {
   const double high = static_cast<double>(x);
   return {high, static_cast<double>(Real(x - high))};
 }
 
-WideComplex quotient(const Complex& x, const Complex& y, const Real& scale) {
+ComplexDoubleDouble quotient(const Complex& x, const Complex& y, const Real& scale) {
   const Real n = (y.re * y.re + y.im * y.im) / scale;
-  return {to_wide((x.re * y.re + x.im * y.im) / n), to_wide((x.im * y.re - x.re * y.im) / n)};
+  return {to_double_double((x.re * y.re + x.im * y.im) / n),
+          to_double_double((x.im * y.re - x.re * y.im) / n)};
 }
 
 /// theta_2 (odd) or theta_3 at x + jy: sum over the odd or even m >= 0 of 2 q^(m^2/4) cos(m (x + jy)), the
@@ -68,14 +69,14 @@ Prototype prototype_of(int order, double ripple, double attenuation) {
   for (int i = 1; i <= order / 2; ++i) {
     const Real x = pi<Real>() * (2 * i - 1) / (2 * order);
     // p = j cd((u - jv) K); theta at x - jy.
-    const WideComplex cd = quotient(theta(true, q, x, -y), theta(false, q, x, -y), 1 / root_k);
+    const ComplexDoubleDouble cd = quotient(theta(true, q, x, -y), theta(false, q, x, -y), 1 / root_k);
     prototype.poles.push_back({-abs(cd.im), abs(cd.re)});
-    prototype.zeros.push_back(to_wide(theta(false, q, x, 0).re / theta(true, q, x, 0).re / root_k));
+    prototype.zeros.push_back(to_double_double(theta(false, q, x, 0).re / theta(true, q, x, 0).re / root_k));
   }
   if (order % 2 == 1) {
     const Real half = pi<Real>() / 2;
-    const WideComplex cd = quotient(theta(true, q, half, -y), theta(false, q, half, -y), 1 / root_k);
-    prototype.poles.push_back(WideComplex(-abs(cd.im)));
+    const ComplexDoubleDouble cd = quotient(theta(true, q, half, -y), theta(false, q, half, -y), 1 / root_k);
+    prototype.poles.push_back(ComplexDoubleDouble(-abs(cd.im)));
   } else {
     prototype.gain = std::pow(10, -ripple / 20);
   }

@@ -8,11 +8,11 @@ namespace {
 /// H = alpha/(1 - (1 - alpha) z^-1) = (1 + w)/(1 + w (2 - alpha)/alpha); the slope (2 - alpha)/alpha is
 /// coth(T/(2 tau)) for a time constant tau, alpha = 1 - exp(-T/tau), and the span itself for alpha = 2/(span
 /// + 1).
-Wide slope_of(const FilterDesign& wanted) {
+DoubleDouble slope_of(const FilterDesign& wanted) {
   switch (chosen_way(wanted, {{"alpha"}, {"time_constant"}, {"span"}})) {
     case 0: {
-      const Wide alpha = checked_number(wanted, "alpha", 0, 1);
-      return (Wide(2) - alpha) / alpha;
+      const DoubleDouble alpha = checked_number(wanted, "alpha", 0, 1);
+      return (DoubleDouble(2) - alpha) / alpha;
     }
     case 1: {
       const double tau = checked_number(wanted, "time_constant", 0, INFINITY);
@@ -29,7 +29,7 @@ Wide slope_of(const FilterDesign& wanted) {
 Filter design(const FilterDesign& wanted) {
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
   filter.designed = true;
-  const Wide slope = slope_of(wanted);
+  const DoubleDouble slope = slope_of(wanted);
   // The zero at z = 0, w = -1, cancels the pole of a difference.
   if (filter.sections.empty()) filter.sections.push_back({{1, 1, 0}, {1, 1, 0}});
   filter.sections[0].a = {1, slope, 0};

@@ -12,14 +12,15 @@ constexpr int max_accuracy = 8;
 
 /// (-ln(1 - x))^d = sum_k c_k x^k up to degree d + accuracy - 1: the d-th derivative of the polynomial
 /// through d + accuracy points, in back differences x = 1 - z^-m.
-std::vector<Wide> series(int derivative, int accuracy) {
+std::vector<DoubleDouble> series(int derivative, int accuracy) {
   const std::size_t size = static_cast<std::size_t>(derivative + accuracy);
-  std::vector<Wide> power(size);
+  std::vector<DoubleDouble> power(size);
   power[0] = 1;
   for (int i = 0; i < derivative; ++i) {
-    std::vector<Wide> next(size);
+    std::vector<DoubleDouble> next(size);
     for (std::size_t j = 0; j < size; ++j) {
-      for (std::size_t k = 1; j + k < size; ++k) next[j + k] += power[j] / Wide(static_cast<double>(k));
+      for (std::size_t k = 1; j + k < size; ++k)
+        next[j + k] += power[j] / DoubleDouble(static_cast<double>(k));
     }
     power = next;
   }
@@ -30,13 +31,14 @@ Filter design(const FilterDesign& wanted) {
   const int span = whole_number(wanted, "span", 1, 1, max_span);
   const int accuracy = whole_number(wanted, "accuracy", 1, 1, max_accuracy);
   const Filter differences = difference_filter(wanted.sample_rate, wanted.derivative);  // checks both
-  const std::vector<Wide> c = series(wanted.derivative, wanted.derivative == 0 ? 1 : accuracy);
-  std::vector<Wide> points(c.size());
+  const std::vector<DoubleDouble> c = series(wanted.derivative, wanted.derivative == 0 ? 1 : accuracy);
+  std::vector<DoubleDouble> points(c.size());
   for (std::size_t k = 0; k < c.size(); ++k) {  // x^k = sum_j C(k, j) (-1)^j z^(-m j)
-    Wide binomial = c[k];
+    DoubleDouble binomial = c[k];
     for (std::size_t j = 0; j <= k; ++j) {
       points[j] += binomial;
-      binomial = -binomial * Wide(static_cast<double>(k - j)) / Wide(static_cast<double>(j + 1));
+      binomial =
+          -binomial * DoubleDouble(static_cast<double>(k - j)) / DoubleDouble(static_cast<double>(j + 1));
     }
   }
   Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
@@ -45,7 +47,8 @@ Filter design(const FilterDesign& wanted) {
   for (std::size_t j = 0; j < c.size(); ++j) {
     filter.taps[j * static_cast<std::size_t>(span)] = static_cast<double>(points[j]);
   }
-  for (int i = 0; i < wanted.derivative; ++i) filter.gain *= Wide(wanted.sample_rate) / Wide(span);
+  for (int i = 0; i < wanted.derivative; ++i)
+    filter.gain *= DoubleDouble(wanted.sample_rate) / DoubleDouble(span);
   return filter;
 }
 

@@ -5,11 +5,11 @@
 
 namespace qerr {
 
-Section section_of_pole(WideComplex p, double slope) {
-  const Wide scale = slope;
-  if (p.im == Wide(0)) return {{1, 0, 0}, {1, -scale / p.re, 0}};
-  const Wide n = norm(p);
-  return {{1, 0, 0}, {1, Wide(-2) * p.re / n * scale, scale * scale / n}};
+Section section_of_pole(ComplexDoubleDouble p, double slope) {
+  const DoubleDouble scale = slope;
+  if (p.im == DoubleDouble(0)) return {{1, 0, 0}, {1, -scale / p.re, 0}};
+  const DoubleDouble n = norm(p);
+  return {{1, 0, 0}, {1, DoubleDouble(-2) * p.re / n * scale, scale * scale / n}};
 }
 
 Filter bilinear_lowpass(const FilterDesign& wanted, const Prototype& prototype) {
@@ -18,10 +18,10 @@ Filter bilinear_lowpass(const FilterDesign& wanted, const Prototype& prototype) 
   const double slope = 1 / std::tan(std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate);
   filter.gain *= prototype.gain;
   std::size_t zeros = 0;
-  for (const WideComplex& p : prototype.poles) {
+  for (const ComplexDoubleDouble& p : prototype.poles) {
     Section section = section_of_pole(p, slope);
     if (section.a[2].hi != 0 && zeros < prototype.zeros.size()) {
-      const Wide over = Wide(slope) / prototype.zeros[zeros++];
+      const DoubleDouble over = DoubleDouble(slope) / prototype.zeros[zeros++];
       section.b[2] = over * over;
     }
     filter.sections.push_back(section);

@@ -9,13 +9,13 @@ namespace qerr {
 
 /// An analog low-pass with its cut-off at 1 rad/s.
 struct Prototype {
-  std::vector<WideComplex> poles;  ///< real ones and, of each pair, the one above the real axis
-  std::vector<Wide> zeros;         ///< b of each pair +-jb
-  double gain = 1;                 ///< at 0 Hz
+  std::vector<ComplexDoubleDouble> poles;  ///< real ones and, of each pair, the one above the real axis
+  std::vector<DoubleDouble> zeros;         ///< b of each pair +-jb
+  double gain = 1;                         ///< at 0 Hz
 };
 
 /// The section 1/((1 - x/p)(1 - x/p*)), or 1/(1 - x/p) for a real p, at x = slope * w.
-Section section_of_pole(WideComplex p, double slope);
+Section section_of_pole(ComplexDoubleDouble p, double slope);
 
 /// The wanted differences, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear transform,
 /// pre-warped so that the prototype's 1 rad/s lies exactly at f0. Nothing is ever expanded in z, so the

@@ -10,7 +10,7 @@ namespace qerr {
 namespace {
 
 /// s times the section of a numerator.
-Section with(Section s, Wide b0, Wide b1, Wide b2) {
+Section with(Section s, DoubleDouble b0, DoubleDouble b1, DoubleDouble b2) {
   s.b = {b0, b1, b2};
   return s;
 }
@@ -43,37 +43,38 @@ Parameter velocity_gain_row() {
           .open_below = true};
 }
 
-std::vector<Wide> spectral_factor(const std::vector<Wide>& p) {
+std::vector<DoubleDouble> spectral_factor(const std::vector<DoubleDouble>& p) {
   if (p.size() == 3) {
-    const Wide c0 = sqrt(p[0]), c2 = sqrt(p[2]);
-    return {c0, sqrt(p[1] + Wide(2) * c0 * c2), c2};
+    const DoubleDouble c0 = sqrt(p[0]), c2 = sqrt(p[2]);
+    return {c0, sqrt(p[1] + DoubleDouble(2) * c0 * c2), c2};
   }
-  const Wide c0 = sqrt(p[0]), c3 = sqrt(p[3]);
-  Wide c1, c2;
+  const DoubleDouble c0 = sqrt(p[0]), c3 = sqrt(p[3]);
+  DoubleDouble c1, c2;
   // Each step divides the relative error by four or more: (1/2) of a sum, twice.
   for (int i = 0; i < 80; ++i) {
-    c1 = sqrt(p[1] + Wide(2) * c0 * c2);
-    c2 = sqrt(p[2] + Wide(2) * c1 * c3);
+    c1 = sqrt(p[1] + DoubleDouble(2) * c0 * c2);
+    c2 = sqrt(p[2] + DoubleDouble(2) * c1 * c3);
   }
   return {c0, c1, c2, c3};
 }
 
-std::vector<Wide> piecewise_noise(int states, double index) {
-  const Wide s = Wide(index) * Wide(index);
+std::vector<DoubleDouble> piecewise_noise(int states, double index) {
+  const DoubleDouble s = DoubleDouble(index) * DoubleDouble(index);
   // Process alone, |x/u|^2: (1 - w^2)/(16 w^4), (1 - w^2)^2/(64 (-w^2)^3).
   if (states == 2) return {s, s, 16};
-  return {s, Wide(2) * s, s, 64};
+  return {s, DoubleDouble(2) * s, s, 64};
 }
 
-std::vector<Wide> continuous_noise(int states, double ratio) {
-  const Wide s = Wide(ratio) * Wide(ratio), one = 1;
+std::vector<DoubleDouble> continuous_noise(int states, double ratio) {
+  const DoubleDouble s = DoubleDouble(ratio) * DoubleDouble(ratio), one = 1;
   // The sampled integrators' numerators are Euler and Frobenius's z + 4 + 1/z over 6, and
   // z^2 + 26 z + 66 + 26/z + 1/z^2 over 120: (1 - w^2)(1 - w^2/3) and (1 - w^2)(1 - w^2 + (2/15) w^4).
-  if (states == 2) return {s, Wide(4) / Wide(3) * s, Wide(16) + s / Wide(3)};
-  return {s, Wide(2) * s, Wide(17) / Wide(15) * s, Wide(64) + Wide(2) / Wide(15) * s * one};
+  if (states == 2) return {s, DoubleDouble(4) / DoubleDouble(3) * s, DoubleDouble(16) + s / DoubleDouble(3)};
+  return {s, DoubleDouble(2) * s, DoubleDouble(17) / DoubleDouble(15) * s,
+          DoubleDouble(64) + DoubleDouble(2) / DoubleDouble(15) * s * one};
 }
 
-Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
+Filter tracking_filter(const FilterDesign& wanted, std::vector<DoubleDouble> c) {
   const int states = static_cast<int>(c.size()) - 1;
   check_derivative(wanted, states - 1,
                    states == 2 ? "two states are position and velocity"
@@ -82,27 +83,28 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<Wide> c) {
       difference_filter(wanted.sample_rate, wanted.derivative);  // checks the rate; its gain (2f)^d
   filter.designed = true;
   filter.sections.clear();
-  const Wide first = c[0], one = 1;
-  for (Wide& x : c) x = x / first;
+  const DoubleDouble first = c[0], one = 1;
+  for (DoubleDouble& x : c) x = x / first;
   if (states == 2) {
     const Section pair{{}, {1, c[1], c[2]}};
     filter.sections = {wanted.derivative == 0 ? with(pair, 1, c[1], c[1] - one) : with(pair, 0, 1, 1)};
     return filter;
   }
-  std::vector<WideComplex> real, upper;
-  for (const LongComplex& r : roots({to_long(c[3]), to_long(c[2]), to_long(c[1]), to_long(c[0])})) {
-    if (r.im == 0) real.push_back(to_wide(r.re));
-    if (r.im > 0) upper.push_back({to_wide(r.re), to_wide(r.im)});
+  std::vector<ComplexDoubleDouble> real, upper;
+  for (const Complex1024& r :
+       roots({to_binary1024(c[3]), to_binary1024(c[2]), to_binary1024(c[1]), to_binary1024(c[0])})) {
+    if (r.im == 0) real.push_back(to_double_double(r.re));
+    if (r.im > 0) upper.push_back({to_double_double(r.re), to_double_double(r.im)});
   }
   const Section single = section_of_pole(real.back(), 1);
   Section pair;
   if (upper.empty()) {
-    const Wide u = one / real[0].re, v = one / real[1].re;
+    const DoubleDouble u = one / real[0].re, v = one / real[1].re;
     pair.a = {1, -u - v, u * v};
   } else {
     pair = section_of_pole(upper[0], 1);
   }
-  const Wide rise = c[1] - one;
+  const DoubleDouble rise = c[1] - one;
   switch (wanted.derivative) {
     case 0:
       filter.sections = {with(single, 1, 1, 0), with(pair, 1, rise, c[2] - rise)};

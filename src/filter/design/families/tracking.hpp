@@ -20,15 +20,15 @@ Parameter velocity_gain_row();
 /// integrators' denominator. In w all p are positive, and so is each term of c1^2 = p1 + 2 c0 c2,
 /// c2^2 = p2 + 2 c1 c3: nothing cancels, and no Riccati equation need be solved.
 /// @param p  3 numbers for constant velocity, 4 for constant acceleration
-std::vector<Wide> spectral_factor(const std::vector<Wide>& p);
+std::vector<DoubleDouble> spectral_factor(const std::vector<DoubleDouble>& p);
 
 /// Noise constant over each sample, G = [T^2/2, T] (Kalata 1984) or [T^2/2, T, 1] (Gray and Murray 1993).
 /// @param index  Lambda = T^2 sigma_process/sigma_measurement
-std::vector<Wide> piecewise_noise(int states, double index);
+std::vector<DoubleDouble> piecewise_noise(int states, double index);
 
 /// White acceleration (two states) or white jerk (three).
 /// @param ratio  sqrt(q T^3)/sigma, or sqrt(q T^5)/sigma, of the intensity q and the measurement's sigma
-std::vector<Wide> continuous_noise(int states, double ratio);
+std::vector<DoubleDouble> continuous_noise(int states, double ratio);
 
 /// The transfer function from the measurement to the `derivative`-th state of x_hat(k|k), for the gains
 /// alpha, beta/T and gamma/(2 T^2) whose characteristic polynomial is c.
@@ -36,6 +36,6 @@ std::vector<Wide> continuous_noise(int states, double ratio);
 /// Two states: beta + 2 alpha w + (4 - 2 alpha - beta) w^2 proportional to c; three: gamma/2 + 2 beta w +
 /// (4 alpha - gamma/2) w^2 + (8 - 4 alpha - 2 beta) w^3.
 /// @throws Error (input; key `derivative` or `sample_rate`)
-Filter tracking_filter(const FilterDesign&, std::vector<Wide> c);
+Filter tracking_filter(const FilterDesign&, std::vector<DoubleDouble> c);
 
 }  // namespace qerr

@@ -10,7 +10,7 @@
 namespace qerr {
 namespace {
 
-using Polynomial = std::array<Long, 3>;
+using Polynomial = std::array<Binary1024, 3>;
 
 constexpr double negligible = 1e-13;  // of the H2 norm
 
@@ -23,9 +23,9 @@ Polynomial product(const LinearFactor& x, const LinearFactor& y) {
 Polynomial pair(const LinearFactor& x) { return product(x, {conj(x.u), conj(x.v)}); }
 
 /// Divides by the lowest coefficient that is not 0 and hands it over.
-std::array<Wide, 3> monic(const Polynomial& p, Long& lead) {
+std::array<DoubleDouble, 3> monic(const Polynomial& p, Binary1024& lead) {
   lead = p[0] != 0 ? p[0] : p[1] != 0 ? p[1] : p[2];
-  return {to_wide(p[0] / lead), to_wide(p[1] / lead), to_wide(p[2] / lead)};
+  return {to_double_double(p[0] / lead), to_double_double(p[1] / lead), to_double_double(p[2] / lead)};
 }
 
 /// Takes the last factor, the one of the slowest root, or 1 when there is none.
@@ -54,13 +54,13 @@ Split split(const std::vector<LinearFactor>& factors) {
 
 }  // namespace
 
-Filter filter_from_factors(const Long& gain, const std::vector<LinearFactor>& above,
+Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFactor>& above,
                            const std::vector<LinearFactor>& below, double sample_rate, int derivative) {
   Filter filter{{}, 1, sample_rate, derivative};
-  Long whole = gain;
+  Binary1024 whole = gain;
   Split zeros = split(above), poles = split(below);
   const auto add = [&](const Polynomial& b, const Polynomial& a) {
-    Long over, under;
+    Binary1024 over, under;
     filter.sections.push_back({monic(b, over), monic(a, under)});
     whole *= over / under;
   };
@@ -79,20 +79,20 @@ Filter filter_from_factors(const Long& gain, const std::vector<LinearFactor>& ab
   }
   while (!poles.real.empty()) add(product(take(zeros.real), one), product(take(poles.real), one));
   if (filter.sections.empty()) filter.taps = {1};
-  filter.gain = to_wide(whole);
+  filter.gain = to_double_double(whole);
   return filter;
 }
 
-std::vector<Long> times(const std::vector<Long>& x, const std::vector<Long>& y) {
-  std::vector<Long> r(x.size() + y.size() - 1);
+std::vector<Binary1024> times(const std::vector<Binary1024>& x, const std::vector<Binary1024>& y) {
+  std::vector<Binary1024> r(x.size() + y.size() - 1);
   for (std::size_t i = 0; i < x.size(); ++i) {
     for (std::size_t j = 0; j < y.size(); ++j) r[i + j] += x[i] * y[j];
   }
   return r;
 }
 
-bool prove(Filter& filter, const std::vector<Long>& b, const std::vector<Long>& a, double largest_modulus,
-           const std::string& key) {
+bool prove(Filter& filter, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
+           double largest_modulus, const std::string& key) {
   if (!filter.taps.empty()) return true;
   const auto deviation = deviation_of(filter, b, a, largest_modulus);
   if (!deviation) throw unstable(key, largest_modulus);

@@ -11,24 +11,24 @@ namespace qerr {
 /// The factor u + v w of a numerator or denominator. Of a conjugate pair only one is listed; real factors
 /// have im = 0.
 struct LinearFactor {
-  LongComplex u;
-  LongComplex v;
+  Complex1024 u;
+  Complex1024 v;
   bool real() const { return u.im == 0 && v.im == 0; }
 };
 
 /// gain prod(above)/prod(below) as a filter: real poles in sections of their own, so that equal ones stay
 /// equal.
 /// @pre the numerator's degree, pairs counted twice, is at most that of the denominator
-Filter filter_from_factors(const Long& gain, const std::vector<LinearFactor>& above,
+Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFactor>& above,
                            const std::vector<LinearFactor>& below, double sample_rate, int derivative);
 
 /// The product of two polynomials.
-std::vector<Long> times(const std::vector<Long>&, const std::vector<Long>&);
+std::vector<Binary1024> times(const std::vector<Binary1024>&, const std::vector<Binary1024>&);
 
 /// Notes in the filter how far it is from the stated b/a, ascending in z^-1, as a proven bound.
 /// @returns false when that is more than 1e-13 of the H2 norm
 /// @throws Error (input; key) when b/a is not proven to be stable
-bool prove(Filter&, const std::vector<Long>& b, const std::vector<Long>& a, double largest_modulus,
-           const std::string& key);
+bool prove(Filter&, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
+           double largest_modulus, const std::string& key);
 
 }  // namespace qerr

@@ -18,10 +18,10 @@ double size_of(const Triple& c) { return std::abs(c[0]) + std::abs(c[1]) + std::
 
 /// The larger root modulus of a0 z^2 + a1 z + a2.
 double largest_modulus(const Triple& a) {
-  const Wide a0 = a[0], a1 = a[1], a2 = a[2];
-  const Wide discriminant = a1 * a1 - Wide(4) * a0 * a2;
-  if (discriminant < Wide(0)) return std::sqrt(static_cast<double>(a2 / a0));
-  return static_cast<double>((abs(a1) + sqrt(discriminant)) / (Wide(2) * abs(a0)));
+  const DoubleDouble a0 = a[0], a1 = a[1], a2 = a[2];
+  const DoubleDouble discriminant = a1 * a1 - DoubleDouble(4) * a0 * a2;
+  if (discriminant < DoubleDouble(0)) return std::sqrt(static_cast<double>(a2 / a0));
+  return static_cast<double>((abs(a1) + sqrt(discriminant)) / (DoubleDouble(2) * abs(a0)));
 }
 
 /// Stable beyond the rounding of the coefficients: in w all coefficients have one sign.
@@ -43,10 +43,11 @@ void put_zeros_at_dc(Section& s, const Triple& b) {
 }
 
 /// True when the section in w is the stated one without any rounding.
-bool exact(const std::array<Wide, 3>& c, const Triple& stated, bool second) {
-  const Long c0 = stated[0], c1 = stated[1], c2 = stated[2];
-  if (!second) return to_long(c[0]) == c0 + c1 && to_long(c[1]) == c0 - c1;
-  return to_long(c[0]) == c0 + c1 + c2 && to_long(c[1]) == 2 * (c0 - c2) && to_long(c[2]) == c0 - c1 + c2;
+bool exact(const std::array<DoubleDouble, 3>& c, const Triple& stated, bool second) {
+  const Binary1024 c0 = stated[0], c1 = stated[1], c2 = stated[2];
+  if (!second) return to_binary1024(c[0]) == c0 + c1 && to_binary1024(c[1]) == c0 - c1;
+  return to_binary1024(c[0]) == c0 + c1 + c2 && to_binary1024(c[1]) == 2 * (c0 - c2) &&
+         to_binary1024(c[2]) == c0 - c1 + c2;
 }
 
 struct Stated {
@@ -74,7 +75,7 @@ Filter cascade(const std::vector<Stated>& stated, double sample_rate, int deriva
   is_exact = true;
   for (const auto& [b, a] : stated) {
     if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a number
-      filter.gain = filter.gain * Wide(b[0]) / Wide(a[0]);
+      filter.gain = filter.gain * DoubleDouble(b[0]) / DoubleDouble(a[0]);
       is_exact = false;
       continue;
     }
@@ -105,7 +106,7 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
   }
   check_finite(sos, "sos");
   std::vector<Stated> stated;
-  std::vector<Long> b{1}, a{1};
+  std::vector<Binary1024> b{1}, a{1};
   double modulus = 0;
   for (std::size_t i = 0; i < sos.size(); ++i) {
     stated.push_back(stated_by(sos[i], "sos[" + std::to_string(i) + ']'));

@@ -8,12 +8,12 @@
 namespace qerr {
 namespace {
 
-using Vector = std::vector<Long>;
+using Vector = std::vector<Binary1024>;
 using Matrix = std::vector<Vector>;
 
 constexpr int most_dc_zeros = 4;  // that rounding may have hidden
 constexpr std::size_t max_states = 20;
-const Long negligible("1e-290");  // rounding of 1024 bits
+const Binary1024 negligible("1e-290");  // rounding of 1024 bits
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 /// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
@@ -22,7 +22,7 @@ struct TransferFunction {
   Vector b, a;
 };
 
-TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Long& d) {
+TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vector& c, const Binary1024& d) {
   const std::size_t n = rows.size();
   Matrix m(n, Vector(n));
   for (std::size_t i = 0; i < n; ++i) m[i][i] = 1;
@@ -31,7 +31,7 @@ TransferFunction transfer_function(const Rows& rows, const Vector& b, const Vect
   h.b[n] = d;
   for (std::size_t k = n; k > 0; --k) {
     Matrix next(n, Vector(n));
-    Long trace = 0;
+    Binary1024 trace = 0;
     for (std::size_t i = 0; i < n; ++i) {
       for (std::size_t j = 0; j < n; ++j) {
         h.b[k - 1] += c[i] * m[i][j] * b[j];
@@ -70,9 +70,9 @@ Vector in_w(const Vector& p) {
 
 /// Coefficients that only rounding of the 1024 bits keeps from 0 are 0, or they would be roots of their own.
 void clean(Vector& p) {
-  Long largest = 0;
-  for (const Long& c : p) largest = std::max(largest, Long(abs(c)));
-  for (Long& c : p) {
+  Binary1024 largest = 0;
+  for (const Binary1024& c : p) largest = std::max(largest, Binary1024(abs(c)));
+  for (Binary1024& c : p) {
     if (abs(c) <= largest * negligible) c = 0;
   }
 }
@@ -80,39 +80,39 @@ void clean(Vector& p) {
 /// A polynomial in w as lead w^k prod(1 - w/r): real factors and one of each conjugate pair; roots that agree
 /// to 28 digits are one multiple root.
 struct Factored {
-  Long lead;
+  Binary1024 lead;
   std::vector<LinearFactor> factors;
-  std::vector<LongComplex> roots;
+  std::vector<Complex1024> roots;
 };
 
 Factored factored(Vector p) {
   clean(p);
   while (p.back() == 0) p.pop_back();
-  const auto start = std::find_if(p.begin(), p.end(), [](const Long& c) { return c != 0; });
+  const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
   Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
   std::reverse(p.begin(), p.end());
   while (p.back() == 0) p.pop_back();
   f.roots = roots(p);
   for (std::size_t i = 0; i < f.roots.size(); ++i) {
-    LongComplex& r = f.roots[i];
+    Complex1024& r = f.roots[i];
     for (std::size_t j = 0; j < i; ++j) {
       if (magnitude(r - f.roots[j]) < 1e-28L * magnitude(r)) r = f.roots[j];
     }
-    if (abs(r.im) < abs(r.re) * Long("1e-30")) r.im = 0;
-    if (r.im >= 0) f.factors.push_back({1.0, LongComplex(-1.0) / r});
+    if (abs(r.im) < abs(r.re) * Binary1024("1e-30")) r.im = 0;
+    if (r.im >= 0) f.factors.push_back({1.0, Complex1024(-1.0) / r});
   }
   return f;
 }
 
 /// The largest |z| of the roots in w; `stable` is false where one is not inside by more than `doubt`.
-double largest_modulus(const std::vector<LongComplex>& roots_in_w, double doubt, bool& stable) {
-  Long largest = 0;
+double largest_modulus(const std::vector<Complex1024>& roots_in_w, double doubt, bool& stable) {
+  Binary1024 largest = 0;
   stable = true;
-  for (const LongComplex& w : roots_in_w) {
-    const LongComplex up{1 + w.re, w.im}, down{1 - w.re, -w.im};
+  for (const Complex1024& w : roots_in_w) {
+    const Complex1024 up{1 + w.re, w.im}, down{1 - w.re, -w.im};
     // 1 - |z|^2 = -4 Re w/|1 - w|^2
     if (!(-4 * w.re > 2 * doubt * norm(down))) stable = false;
-    largest = std::max(largest, Long(sqrt(Long(norm(up) / norm(down)))));
+    largest = std::max(largest, Binary1024(sqrt(Binary1024(norm(up) / norm(down)))));
   }
   return static_cast<double>(largest);
 }
@@ -122,7 +122,7 @@ Vector solved(const Rows& a, Vector b) {
   const std::size_t n = a.size();
   Matrix m(n, Vector(n));
   for (std::size_t i = 0; i < n; ++i) {
-    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Long(a[i][j]);
+    for (std::size_t j = 0; j < n; ++j) m[i][j] = (i == j ? 1 : 0) - Binary1024(a[i][j]);
   }
   for (std::size_t k = 0; k < n; ++k) {
     std::size_t top = k;
@@ -132,7 +132,7 @@ Vector solved(const Rows& a, Vector b) {
     std::swap(m[k], m[top]);
     std::swap(b[k], b[top]);
     for (std::size_t i = k + 1; i < n; ++i) {
-      const Long factor = m[i][k] / m[k][k];
+      const Binary1024 factor = m[i][k] / m[k][k];
       for (std::size_t j = k; j < n; ++j) m[i][j] -= factor * m[k][j];
       b[i] -= factor * b[k];
     }
@@ -146,12 +146,12 @@ Vector solved(const Rows& a, Vector b) {
 
 /// How many zeros at z = 1 the rounding of C and D hides: with R = (I - A)^-1 the filter is D + C R B - C R^2
 /// B (z - 1) + ..., and a sum that cancels to its last digits is meant to be 0.
-std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Long& d) {
+std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Binary1024& d) {
   std::size_t zeros = 0;
   Vector v = b;
   for (; zeros <= most_dc_zeros; ++zeros) {
     v = solved(a, v);
-    Long sum = zeros == 0 ? d : Long(0), size = abs(sum);
+    Binary1024 sum = zeros == 0 ? d : Binary1024(0), size = abs(sum);
     for (std::size_t i = 0; i < v.size(); ++i) {
       sum += c[i] * v[i];
       size += abs(c[i] * v[i]);
@@ -216,24 +216,25 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   const Vector input = vector_of(b, n, "B"), output = vector_of(c, n, "C"), through = vector_of(d, 1, "D");
   const TransferFunction h = transfer_function(a, input, output, through[0]);
   const Vector below_w = in_w(h.a);
-  Long scale = 0;
-  for (const Long& x : below_w) scale = std::max(scale, Long(abs(x)));
+  Binary1024 scale = 0;
+  for (const Binary1024& x : below_w) scale = std::max(scale, Binary1024(abs(x)));
   // The ends are 0 with a pole at z = 1, or at z = -1.
-  const bool on_circle = std::min(Long(abs(below_w[0])), Long(abs(below_w[n]))) <= scale * negligible;
+  const bool on_circle =
+      std::min(Binary1024(abs(below_w[0])), Binary1024(abs(below_w[n]))) <= scale * negligible;
   const Factored below = factored(below_w);
   bool stable = false;
   double modulus = largest_modulus(below.roots, 2 * half_unit * size, stable);
   if (on_circle) modulus = std::max(1.0, modulus);
   if (!stable || on_circle) throw unstable("A", modulus);
   Vector above_w = in_w(h.b);
-  if (std::all_of(above_w.begin(), above_w.end(), [](const Long& x) { return x == 0; }))
+  if (std::all_of(above_w.begin(), above_w.end(), [](const Binary1024& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
   // A filter that blocks 0 Hz but for the rounding of C and D is meant to block it; not where that matters.
   Filter filter;
   const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
   for (const std::size_t zeros : {blocked, std::size_t(0)}) {
     Vector numerator = above_w;
-    std::fill_n(numerator.begin(), zeros, Long(0));
+    std::fill_n(numerator.begin(), zeros, Binary1024(0));
     const Factored above = factored(numerator);
     filter =
         filter_from_factors(above.lead / below.lead, above.factors, below.factors, sample_rate, derivative);

@@ -52,19 +52,20 @@ std::vector<Root> paired(const Rows& rows, const std::string& key) {
 
 /// z - r over 1/(1 - w): (1 - r) + (1 + r) w.
 LinearFactor factor_of(const Root& r) {
-  return {{Long(1) - r[0], Long(-r[1])}, {Long(1) + r[0], Long(r[1])}};
+  return {{Binary1024(1) - r[0], Binary1024(-r[1])}, {Binary1024(1) + r[0], Binary1024(r[1])}};
 }
 
-Wide distance_from_circle(const Root& r) {  // 1 - |r|^2
-  return Wide(1) - Wide(r[0]) * Wide(r[0]) - Wide(r[1]) * Wide(r[1]);
+DoubleDouble distance_from_circle(const Root& r) {  // 1 - |r|^2
+  return DoubleDouble(1) - DoubleDouble(r[0]) * DoubleDouble(r[0]) - DoubleDouble(r[1]) * DoubleDouble(r[1]);
 }
 
 /// prod(1 - r z^-1), ascending.
-std::vector<Long> expanded(const std::vector<Root>& roots) {
-  std::vector<Long> p{1};
+std::vector<Binary1024> expanded(const std::vector<Root>& roots) {
+  std::vector<Binary1024> p{1};
   for (const auto& [re, im] : roots) {
-    const Long x = re, y = im;
-    p = times(p, im == 0 ? std::vector<Long>{1, -x} : std::vector<Long>{1, -2 * x, x * x + y * y});
+    const Binary1024 x = re, y = im;
+    p = times(p,
+              im == 0 ? std::vector<Binary1024>{1, -x} : std::vector<Binary1024>{1, -2 * x, x * x + y * y});
   }
   return p;
 }
@@ -116,7 +117,7 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
   // The zeros that are missing lie at z = infinity: z^-1 = (1 - w)/(1 + w).
   for (std::size_t i = zeros.size(); i < poles.size(); ++i) above.push_back({1.0, -1.0});
   Filter filter = filter_from_factors(gain, above, below, sample_rate, derivative);
-  std::vector<Long> delay(poles.size() - zeros.size() + 1);
+  std::vector<Binary1024> delay(poles.size() - zeros.size() + 1);
   delay.back() = gain;
   prove(filter, times(delay, expanded(zero_roots)), expanded(pole_roots), largest, "poles");
   return filter;

@@ -8,8 +8,8 @@
 namespace qerr {
 
 /// sum |x_k| over k >= from, proven: between `sum` - `error` and `sum` + `error` + `beyond`.
-struct Remainder {
-  Sure sum;
+struct TailSum {
+  RealBall sum;
   double error = 0;
   double beyond = 0;  ///< upper bound of what was not summed
 };
@@ -18,10 +18,10 @@ struct Remainder {
 ///
 /// By runs of one sign (`sum_of_runs`), from which a mode is left out as soon as what it still adds is
 /// negligible: so a resonance that outlives the others by far ends alone, and its turns, however many, are
-/// summed by `sum_of_turns`. Where there would be too many runs, the rest is only bounded.
+/// summed by `resonance_sum`. Where there would be too many runs, the rest is only bounded.
 /// @param scale  a lower bound of the whole norm, against which parts can be negligible
 /// @param work  blocks that may be looked at, times modes
-Remainder sum_from(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work);
+TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work);
 
 /// The first sample, at most `latest`, from which all modes but the longest-lived one are negligible.
 std::int64_t slowest_alone_from(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,

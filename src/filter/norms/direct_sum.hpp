@@ -7,32 +7,32 @@
 namespace qerr {
 
 /// sum |h_k| over k < count, and a proven bound of its rounding.
-struct Partial {
+struct PartialSum {
   double sum = 0;
   double error = 0;
 };
 
 /// What one rounding in the recursion of a filter can do to sum |h_k|, found once.
-class Terms {
+class DirectSum {
  public:
   /// @pre no taps
   /// @param lift  (1 + lift) times the largest pole modulus is below 1
-  Terms(const Filter&, double lift);
+  DirectSum(const Filter&, double lift);
 
   /// In double-double.
-  Partial sum(std::int64_t count) const;
+  PartialSum sum(std::int64_t count) const;
   /// Upper bound of sum |h_k| over k >= from (Cauchy and Schwarz).
   double tail(std::int64_t from) const;
 
  private:
   struct Stage {
     bool second = false;
-    Wide b0, b1, b2, a0, a01, inverse;
+    DoubleDouble b0, b1, b2, a0, a01, inverse;
     // ||.||_1 from the stage's input, its two states and its output to the filter's output.
     double from_input = 0, from_first = 0, from_second = 0, from_output = 0;
   };
   std::vector<Stage> stages_;
-  Wide gain_;
+  DoubleDouble gain_;
   double lift_ = 0;
   double lifted_ = 0;  // ||H||_2, lifted
 };

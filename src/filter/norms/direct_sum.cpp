@@ -1,4 +1,4 @@
-#include "filter/norms/terms.hpp"
+#include "filter/norms/direct_sum.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,15 +17,15 @@ double l1_bound(const Filter& filter, double lift) {
 
 /// The filter that leads from a disturbance of a stage to the output: numerator n over the stage's
 /// denominator, times the stages behind it.
-Filter path(const Filter& filter, std::size_t stage, const std::array<Wide, 3>& n) {
+Filter path(const Filter& filter, std::size_t stage, const std::array<DoubleDouble, 3>& n) {
   Filter p{{filter.sections.begin() + static_cast<std::ptrdiff_t>(stage), filter.sections.end()}, 1, 1, 0};
   p.sections.front().b = n;
   return p;
 }
 
 /// (1 - w)/2 times c0 + c1 w.
-std::array<Wide, 3> halved(Wide c0, Wide c1) {
-  const Wide half(0.5);
+std::array<DoubleDouble, 3> halved(DoubleDouble c0, DoubleDouble c1) {
+  const DoubleDouble half(0.5);
   return {c0 * half, (c1 - c0) * half, -c1 * half};
 }
 
@@ -34,7 +34,7 @@ double slow_share(const Section& s) {
   return std::abs(s.a[0].hi) / (std::abs(s.a[0].hi) + std::abs(s.a[1].hi) + std::abs(s.a[2].hi));
 }
 
-double size(const Wide& x) { return std::abs(x.hi); }
+double size(const DoubleDouble& x) { return std::abs(x.hi); }
 
 }  // namespace
 
@@ -45,7 +45,7 @@ double size(const Wide& x) { return std::abs(x.hi); }
 //   a0]/a,
 // and a disturbance e of `high` is one of x by (a0 + a1 + a2) e. First order is the same with a single state:
 // a1 high + a0 low = x, low = high + s1, which gives (1 - w)/2 [b0 a1 - b1 a0]/a.
-Terms::Terms(const Filter& given, double lift)
+DirectSum::DirectSum(const Filter& given, double lift)
     : gain_(given.gain), lift_(lift), lifted_(lifted_norm(given, lift)) {
   // Low-passes first: differences first would pass on the rounding of numbers that the low-passes then
   // reduce.
@@ -57,8 +57,8 @@ Terms::Terms(const Filter& given, double lift)
     Stage t;
     t.second = order_of(s) == 2;
     t.b0 = s.b[0], t.b1 = s.b[1], t.b2 = s.b[2], t.a0 = s.a[0], t.a01 = s.a[0] + s.a[1];
-    const Wide all = t.a01 + s.a[2];
-    t.inverse = Wide(1) / all;
+    const DoubleDouble all = t.a01 + s.a[2];
+    t.inverse = DoubleDouble(1) / all;
     t.from_input = l1_bound(path(filter, i, s.b), lift);
     t.from_output =
         i + 1 < filter.sections.size() ? l1_bound(path(filter, i + 1, filter.sections[i + 1].b), lift) : 1;
@@ -70,14 +70,14 @@ Terms::Terms(const Filter& given, double lift)
           path(filter, i, halved(s.b[0] * s.a[1] - s.b[1] * s.a[0], s.b[0] * s.a[2] - s.b[2] * s.a[0])),
           lift);
     } else {
-      const Wide c = (s.b[0] * s.a[1] - s.b[1] * s.a[0]) * Wide(0.5);
+      const DoubleDouble c = (s.b[0] * s.a[1] - s.b[1] * s.a[0]) * DoubleDouble(0.5);
       t.from_first = l1_bound(path(filter, i, {c, -c, 0}), lift);
     }
     stages_.push_back(t);
   }
 }
 
-double Terms::tail(std::int64_t from) const {
+double DirectSum::tail(std::int64_t from) const {
   return lifted_ * (1 + lift_) / std::sqrt(lift_ * (2 + lift_)) *
          std::exp(-std::log1p(lift_) * (1 - 1e-14) * static_cast<double>(from)) * 1.0001;
 }
@@ -87,45 +87,45 @@ double Terms::tail(std::int64_t from) const {
 /// two products, two sums, and the inverse with its product, 6 (|x| + |u| + |v|) at most. The rounding of
 /// band goes to the first state once and to the second twice, to the output by b0 and b1; that of low to the
 /// second state and to the output by b0. The output takes up to 5 of each product.
-Partial Terms::sum(std::int64_t count) const {
-  constexpr double unit = Rounding<Wide>::unit;
+PartialSum DirectSum::sum(std::int64_t count) const {
+  constexpr double unit = Rounding<DoubleDouble>::unit;
   struct State {
     bool second;
-    Wide b0, b1, b2, a0, a01, inverse, s1{}, s2{};
+    DoubleDouble b0, b1, b2, a0, a01, inverse, s1{}, s2{};
     double high_size = 0, first_size = 0, second_size = 0, output_size = 0;
   };
   std::vector<State> states;
   for (const Stage& t : stages_) states.push_back({t.second, t.b0, t.b1, t.b2, t.a0, t.a01, t.inverse});
-  Wide total{}, x = gain_;
+  DoubleDouble total{}, x = gain_;
   double total_size = 0;
   for (std::int64_t k = 0; k < count; ++k) {
     for (State& s : states) {
       if (s.second) {
-        const Wide u = s.a01 * s.s1, v = s.a0 * s.s2;
-        const Wide high = (x - u - v) * s.inverse;
+        const DoubleDouble u = s.a01 * s.s1, v = s.a0 * s.s2;
+        const DoubleDouble high = (x - u - v) * s.inverse;
         s.high_size += size(x) + size(u) + size(v);
-        const Wide band = high + s.s1, low = band + s.s2;
+        const DoubleDouble band = high + s.s1, low = band + s.s2;
         s.s1 = band + high;
         s.s2 = low + band;
         s.first_size += size(band) + size(s.s1);
         s.second_size += 2 * size(band) + size(low) + size(s.s2);
-        const Wide y0 = s.b0 * low, y1 = s.b1 * band, y2 = s.b2 * high;
+        const DoubleDouble y0 = s.b0 * low, y1 = s.b1 * band, y2 = s.b2 * high;
         s.output_size += size(y0) + size(y1) + size(y2) + size(s.b0) * size(band);
         x = y0 + y1 + y2;
       } else {
-        const Wide u = s.a0 * s.s1;
-        const Wide high = (x - u) * s.inverse, low = high + s.s1;
+        const DoubleDouble u = s.a0 * s.s1;
+        const DoubleDouble high = (x - u) * s.inverse, low = high + s.s1;
         s.high_size += size(x) + size(u);
         s.s1 = low + high;
         s.first_size += size(low) + size(s.s1);
-        const Wide y0 = s.b0 * low, y1 = s.b1 * high;
+        const DoubleDouble y0 = s.b0 * low, y1 = s.b1 * high;
         s.output_size += size(y0) + size(y1);
         x = y0 + y1;
       }
     }
     total += abs(x);
     total_size += size(total);
-    x = Wide(0);
+    x = DoubleDouble(0);
   }
   double error = total_size;
   for (std::size_t i = 0; i < states.size(); ++i) {

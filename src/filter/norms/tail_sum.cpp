@@ -1,11 +1,11 @@
-#include "filter/norms/remainder.hpp"
+#include "filter/norms/tail_sum.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
-#include "filter/norms/runs.hpp"
-#include "filter/norms/turns.hpp"
+#include "filter/norms/resonance_sum.hpp"
+#include "filter/norms/sign_runs.hpp"
 
 namespace qerr {
 namespace {
@@ -55,18 +55,18 @@ bool one_resonance(const std::vector<Mode>& modes) {
 
 /// Where there are too many runs: the turns of the slowest mode, if it is a resonance, which the others can
 /// only change by their own sum.
-Remainder bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t end, const Sequence& x) {
+TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t end, const Sequence& x) {
   const auto slowest = std::min_element(modes.begin(), modes.end(), [](const Mode& a, const Mode& b) {
     return one_minus_modulus(a.one_minus_z) < one_minus_modulus(b.one_minus_z);
   });
   if (!one_resonance({*slowest}) || !x.trusted()) return {{}, 0, x.tail(from)};
   std::vector<Mode> others(modes.begin(), slowest);
   others.insert(others.end(), slowest + 1, modes.end());
-  return {sum_of_turns(*slowest, from, end), Sequence(others, Powers(others)).tail(from),
+  return {resonance_sum(*slowest, from, end), Sequence(others, Powers(others)).tail(from),
           tail(*slowest, Powers({*slowest}), end)};
 }
 
-Remainder add(Remainder x, const Remainder& y) {
+TailSum add(TailSum x, const TailSum& y) {
   x.sum += y.sum;
   x.error += y.error;
   x.beyond += y.beyond;
@@ -75,10 +75,10 @@ Remainder add(Remainder x, const Remainder& y) {
 
 }  // namespace
 
-Remainder sum_from(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work) {
+TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work) {
   std::vector<std::int64_t> deaths;
   for (const Mode& m : modes) deaths.push_back(death(m, from, scale));
-  Remainder r;
+  TailSum r;
   while (!modes.empty()) {
     const Powers powers(modes);
     const Sequence x(modes, powers);
@@ -91,7 +91,7 @@ Remainder sum_from(std::vector<Mode> modes, std::int64_t from, double scale, std
     const auto count = static_cast<std::int64_t>(modes.size());
     const double needed = blocks_per_run * runs_of(modes, from, until) * static_cast<double>(count);
     if (!x.trusted() || needed > static_cast<double>(work)) return add(r, bounded(modes, from, end, x));
-    const Stretch s = sum_of_runs(x, powers, scale, from, until, work / count);
+    const RunsSum s = sum_of_runs(x, powers, scale, from, until, work / count);
     work = s.visits * count;
     r.sum += s.sum;
     r.error += s.error;

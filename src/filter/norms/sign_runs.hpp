@@ -8,8 +8,8 @@ namespace qerr {
 
 /// sum |x_k| over a stretch, proven: `sum` holds it but for `error` (which can only make it larger or smaller
 /// by so much), up to and without `next`.
-struct Stretch {
-  Sure sum;
+struct RunsSum {
+  RealBall sum;
   double error = 0;
   std::int64_t next = 0;
   std::int64_t visits = 0;  ///< what is left of them
@@ -20,7 +20,7 @@ struct Stretch {
 /// @param powers  of the modes of x
 /// @param scale  a lower bound of the whole norm, against which a block can be negligible
 /// @pre x.trusted()
-Stretch sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
+RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
                     std::int64_t end, std::int64_t visits);
 
 }  // namespace qerr

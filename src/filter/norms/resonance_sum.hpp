@@ -9,6 +9,6 @@ namespace qerr {
 /// sum |2 Re(c z^k)| over from <= k < end for one pair of poles, proven, however many turns it takes: the
 /// signs form a Sturmian word, whose sum a Euclidean recursion finds in the number of digits of `end`.
 /// @pre mode.pair, mode.c has one element, 0 <= from < end <= 2^52
-Sure sum_of_turns(const Mode& mode, std::int64_t from, std::int64_t end);
+RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end);
 
 }  // namespace qerr

@@ -1,4 +1,4 @@
-#include "filter/norms/turns.hpp"
+#include "filter/norms/resonance_sum.hpp"
 
 #include <boost/math/constants/constants.hpp>
 #include <boost/multiprecision/cpp_int.hpp>
@@ -45,9 +45,9 @@ Word line(const Integer& p, const Integer& q, const Integer& b, const Integer& n
 constexpr int fraction_bits = 200;
 
 Integer fixed(const Angle& x) { return static_cast<Integer>(floor(ldexp(x, fraction_bits))); }
-Angle exact(const Wide& x) { return Angle(x.hi) + Angle(x.lo); }
+Angle exact(const DoubleDouble& x) { return Angle(x.hi) + Angle(x.lo); }
 
-Fine fine(const Sure& x) { return Fine(exact(x.mid()), x.rad()); }
+Fine fine(const RealBall& x) { return Fine(exact(x.mid()), x.rad()); }
 
 }  // namespace
 
@@ -55,7 +55,7 @@ Fine fine(const Sure& x) { return Fine(exact(x.mid()), x.rad()); }
 // k counted from `from`. The angles are cut off after 200 bits and arg c is known as well as c is: a sign can
 // be wrong only where the phase is that near to a change of sign, so there |x_k| <= 2 |c z^k| sin(that), and
 // the sum is low by twice that over all k, whichever they are.
-Sure sum_of_turns(const Mode& mode, std::int64_t from, std::int64_t end) {
+RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end) {
   const FineComplex unity(1.0), w{Fine::exactly(mode.w.re), Fine::exactly(mode.w.im)};
   const FineComplex z = (unity + w) / (unity - w), c{fine(mode.c[0].re), fine(mode.c[0].im)};
   const FineComplex start = c * power(Word{z, {}}, from).turn;
@@ -74,9 +74,9 @@ Sure sum_of_turns(const Mode& mode, std::int64_t from, std::int64_t end) {
   const long double size = std::hypot(start.re.largest(), start.im.largest());
   const long double doubt = 4 * std::max(start.re.rad(), start.im.rad()) + 0x1p-130L * size;
   const double count = std::min(static_cast<double>(end - from), 1.01 / one_minus_modulus(mode.one_minus_z));
-  const Wide rounded = to_wide(sum.mid());
+  const DoubleDouble rounded = to_double_double(sum.mid());
   const long double rest = (sum - Fine::exactly(rounded)).largest() + 4 * doubt * count;
-  return Sure(rounded, static_cast<double>(rest) * (1 + 0x1p-50));
+  return RealBall(rounded, static_cast<double>(rest) * (1 + 0x1p-50));
 }
 
 }  // namespace qerr

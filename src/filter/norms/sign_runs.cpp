@@ -1,4 +1,4 @@
-#include "filter/norms/runs.hpp"
+#include "filter/norms/sign_runs.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -30,7 +30,7 @@ class Runs {
     visit(first, end);
     close(next_);
   }
-  Stretch result() const { return {total_, 2 * error_, next_, std::max<std::int64_t>(visits_, 0)}; }
+  RunsSum result() const { return {total_, 2 * error_, next_, std::max<std::int64_t>(visits_, 0)}; }
 
  private:
   bool spent() { return --visits_ < 0; }
@@ -40,9 +40,9 @@ class Runs {
     powers_.quick(k, turned_);
     const double quick = x_.quick_at(k, turned_);
     if (std::abs(quick) > 1e-12 * x_.bound(k, k)) return quick < 0 ? -1 : 1;
-    const Sure x = x_.at(k);
+    const RealBall x = x_.at(k);
     if (!x.above_zero() && !x.below_zero()) error_ += x.largest() * static_cast<double>(count);
-    return x.mid() < Wide(0) ? -1 : 1;
+    return x.mid() < DoubleDouble(0) ? -1 : 1;
   }
 
   void visit(std::int64_t first, std::int64_t end) {
@@ -77,7 +77,7 @@ class Runs {
   /// Settles a block of one sign, or a negligible one.
   bool settled_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
     const double reach = static_cast<double>(std::max(middle - first, end - 1 - middle));
-    const Sure here = x_.at(middle);
+    const RealBall here = x_.at(middle);
     double change = 0, weight = 1;
     for (int j = 1; j <= taylor_order; ++j) {
       weight *= (reach + j - 1) / j;  // C(reach + j - 1, j), the largest weight on either side
@@ -86,7 +86,7 @@ class Runs {
     }
     const double whole = (here.largest() + change) * static_cast<double>(end - first);
     if (here.smallest() > change) {
-      extend(end, here.mid() < Wide(0) ? -1 : 1);
+      extend(end, here.mid() < DoubleDouble(0) ? -1 : 1);
     } else if (whole <= 1e-18 * scale_) {
       error_ += whole;
       extend(end, sign_ == 0 ? 1 : sign_);
@@ -121,7 +121,7 @@ class Runs {
 
   void close(std::int64_t end) {
     if (end <= start_) return;
-    const Sure sum = sum_.at(end - 1), run = sum - sum_before_;
+    const RealBall sum = sum_.at(end - 1), run = sum - sum_before_;
     sum_before_ = sum;
     total_ += sign_ < 0 ? -run : run;
     start_ = end;
@@ -133,8 +133,8 @@ class Runs {
   std::vector<std::complex<double>> turned_;  // the powers at the place looked at
   std::vector<double> moduli_;
   double scale_;
-  Sure total_;
-  Sure sum_before_;  // of the run at hand
+  RealBall total_;
+  RealBall sum_before_;  // of the run at hand
   double error_ = 0;
   std::int64_t start_ = 0;
   std::int64_t next_ = 0;
@@ -144,7 +144,7 @@ class Runs {
 
 }  // namespace
 
-Stretch sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
+RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
                     std::int64_t end, std::int64_t visits) {
   Runs runs(x, powers, scale, visits);
   runs.cover(first, end);
