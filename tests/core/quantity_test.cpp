@@ -1,22 +1,13 @@
 #include "qerr/core/quantity.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 
 #include <cmath>
-#include <filesystem>
-#include <fstream>
 #include <locale>
 #include <numbers>
-#include <set>
 
-#include "core/output_file.hpp"
-#include "core/parallel.hpp"
 #include "core/random.hpp"
-#include "core/sha256.hpp"
-#include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "qerr/core/error.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {
@@ -107,118 +98,6 @@ TEST(Number, ShortestReadsBackAsTheSameDouble) {
                                     static_cast<int>(random_bits(7, i, 1) % 200) - 100);
     EXPECT_EQ(parse_number(shortest(value)), value);
   }
-}
-
-TEST(Sha256, GivesTheVectorsOfFips180) {
-  EXPECT_EQ(sha256(""), "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855");
-  EXPECT_EQ(sha256("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
-  EXPECT_EQ(sha256(std::string(1000000, 'a')),
-            "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
-}
-
-TEST(Suggest, FindsWhatWasMeantAndNothingFarAway) {
-  const std::vector<std::string> known{"counts_per_rev", "lines_per_rev", "bits", "resolution"};
-  EXPECT_EQ(nearest("count_per_rev", known), "counts_per_rev");
-  EXPECT_EQ(nearest("Bits", known), "bits");
-  EXPECT_EQ(nearest("resoltuion", known), "resolution");
-  EXPECT_EQ(nearest("colour", known), "");
-}
-
-TEST(Utf8, TakesWellFormedTextAndNothingElse) {
-  for (const std::string good : {"a", "é", "€", "😀"}) EXPECT_EQ(utf8_length(good, 0), good.size());
-  for (const std::string bad :
-       {"\xC0\x80", "\xE0\x80\x80", "\xED\xA0\x80", "\xF4\x90\x80\x80", "\xF0\x9F\x98", "\x80", "\xFF"})
-    EXPECT_EQ(utf8_length(bad, 0), 0u);
-}
-
-TEST(Message, IsOneLineWithPlaceRuleFoundAndRemedyAndNoControlCharacters) {
-  const std::string text =
-      format({{{"a.yaml", 3, 7}, "encoders.x", "unknown key", "'b\x1b[2Jit\n'", "did you mean 'bits'?"}});
-  EXPECT_EQ(text, "a.yaml:3:7: encoders.x: unknown key, found 'b\\x1B[2Jit\\x0A'; did you mean 'bits'?");
-}
-
-TEST(Message, HasAtMostTwentyLines) {
-  const std::string text = format(std::vector<Fault>(100, {{"f", 1, 1}, "k", "r", "", ""}));
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 19);
-  EXPECT_NE(text.find("(81 more faults)"), std::string::npos);
-}
-
-TEST(Parallel, RunsEveryTaskOnceAndRethrows) {
-  for (const unsigned threads : {1u, 2u, 7u}) {
-    std::vector<int> done(1000);
-    parallel_for(done.size(), threads, [&](std::size_t i) { ++done[i]; });
-    EXPECT_EQ(done, std::vector<int>(1000, 1));
-  }
-  EXPECT_THROW(parallel_for(100, 3,
-                            [](std::size_t i) {
-                              if (i == 57) throw std::runtime_error("57");
-                            }),
-               std::runtime_error);
-}
-
-class OutputFiles : public testing::Test {
- protected:
-  void SetUp() override {
-    folder_ = std::filesystem::temp_directory_path() / ("qerr_output_" + std::to_string(getpid()));
-    std::filesystem::create_directories(folder_);
-  }
-  void TearDown() override { std::filesystem::remove_all(folder_); }
-  std::string read(const std::filesystem::path& path) {
-    std::ifstream in(path);
-    return {std::istreambuf_iterator<char>(in), {}};
-  }
-  std::size_t files() {
-    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
-  }
-  std::filesystem::path folder_;
-};
-
-TEST_F(OutputFiles, AppearsWholeAtCloseAndNotBefore) {
-  const auto path = folder_ / "a.json";
-  std::ofstream(path) << "old";
-  {
-    OutputFile out(path.string());
-    out.write("new");
-    EXPECT_EQ(read(path), "old");
-    out.close();
-    EXPECT_EQ(read(path), "new");
-  }
-  EXPECT_EQ(files(), 1u);
-}
-
-TEST_F(OutputFiles, LeavesTheOldFileAndNoTemporaryWhenItIsAbandoned) {
-  const auto path = folder_ / "a.json";
-  std::ofstream(path) << "old";
-  { OutputFile(path.string()).write("half"); }
-  EXPECT_EQ(read(path), "old");
-  EXPECT_EQ(files(), 1u);
-}
-
-TEST_F(OutputFiles, WritesThroughALinkAndIntoAPipeWithoutReplacingThem) {
-  std::ofstream(folder_ / "real.txt") << "old";
-  std::filesystem::create_symlink("real.txt", folder_ / "link.txt");
-  OutputFile out((folder_ / "link.txt").string());
-  out.write("new");
-  out.close();
-  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.txt"));
-  EXPECT_EQ(read(folder_ / "real.txt"), "new");
-}
-
-TEST_F(OutputFiles, SaysSoBeforeTheWorkWhenItCannotBeWritten) {
-  try {
-    OutputFile out((folder_ / "missing" / "a.json").string());
-    FAIL();
-  } catch (const Error& e) {
-    EXPECT_EQ(e.trouble(), Trouble::file_system);
-    EXPECT_NE(std::string(e.what()).find("missing"), std::string::npos);
-  }
-}
-
-TEST_F(OutputFiles, ReportsAFullDevice) {
-  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
-  OutputFile out("/dev/full");
-  out.write("x");
-  EXPECT_THROW(out.close(), Error);
 }
 
 }  // namespace

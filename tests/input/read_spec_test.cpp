@@ -1,10 +1,10 @@
-#include "qerr/input/spec.hpp"
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
 #include <numbers>
+
+#include "qerr/input/spec.hpp"
 
 namespace qerr {
 namespace {

@@ -4,52 +4,19 @@
 
 #include <chrono>
 #include <cmath>
-#include <cstdio>
 #include <filesystem>
-#include <fstream>
 #include <locale>
 #include <numbers>
 
-#include "input/read_text.hpp"
 #include "qerr/core/error.hpp"
+#include "support/urdf_text.hpp"
 
+namespace qerr {
 namespace {
 
-using qerr::Error;
-using qerr::JointType;
-using qerr::RobotModel;
+using namespace testing::urdf;
 
-const std::string limit = R"(<limit lower="-1" upper="2" effort="3" velocity="4"/>)";
-const std::string links = R"(<link name="a"/><link name="b"/><link name="c"/>)";
-
-std::string joint(const std::string& name, const std::string& type, const std::string& parent,
-                  const std::string& child, const std::string& inside = limit) {
-  return "<joint name='" + name + "' type='" + type + "'><parent link='" + parent + "'/><child link='" +
-         child + "'/>" + inside + "</joint>";
-}
-
-/// A robot whose line 2 holds `body`.
-std::string robot(const std::string& body) { return "<robot name='r'>\n" + body + "\n</robot>\n"; }
-
-/// Links a, b, c in a row; the first joint is revolute and has `inside` on line 3.
-std::string inside_joint(const std::string& inside, const std::string& type = "revolute") {
-  return robot(links + joint("ab", type, "a", "b", "\n" + inside + "\n") +
-               joint("bc", "fixed", "b", "c", ""));
-}
-
-RobotModel read(const std::string& text) { return qerr::parse_urdf(text, "r.urdf"); }
-
-std::string refusal(const std::string& text) {
-  try {
-    read(text);
-  } catch (const Error& e) {
-    EXPECT_EQ(e.trouble(), qerr::Trouble::input);
-    return e.what();
-  }
-  return "accepted";
-}
-
-TEST(Urdf, ReadsATreeWithEveryJointType) {
+TEST(ReadUrdf, ReadsATreeWithEveryJointType) {
   const RobotModel m = read(
       robot("<link name='w'/>" + links + "<link name='d'/><link name='e'/><link name='f'/>" +
             joint("1", "revolute", "w", "a") + joint("2", "continuous", "a", "b", "") +
@@ -72,7 +39,7 @@ TEST(Urdf, ReadsATreeWithEveryJointType) {
   EXPECT_TRUE(m.warnings.empty());
 }
 
-TEST(Urdf, GivesThePlaceOfEachJoint) {
+TEST(ReadUrdf, GivesThePlaceOfEachJoint) {
   const RobotModel m =
       read(robot(links + joint("x", "fixed", "a", "b", "") + "\n\n  " + joint("y", "fixed", "b", "c")));
   EXPECT_EQ(m.joints[0].place.line, 2);
@@ -82,7 +49,7 @@ TEST(Urdf, GivesThePlaceOfEachJoint) {
   EXPECT_EQ(m.joints[1].place.file, "r.urdf");
 }
 
-TEST(Urdf, RotatesByRollPitchYawToFullPrecision) {
+TEST(ReadUrdf, RotatesByRollPitchYawToFullPrecision) {
   const RobotModel m = read(inside_joint("<origin xyz='1.1 -2e-3 .5' rpy='0.1 0.2 0.3'/>", "fixed"));
   EXPECT_EQ(m.joints[0].origin.translation(), Eigen::Vector3d(1.1, -2e-3, .5));
   using Eigen::AngleAxis;
@@ -94,7 +61,7 @@ TEST(Urdf, RotatesByRollPitchYawToFullPrecision) {
   EXPECT_LT((m.joints[0].origin.linear() - expected.cast<double>()).cwiseAbs().maxCoeff(), 3e-16);
 }
 
-TEST(Urdf, ReadsMimicWithItsDefaults) {
+TEST(ReadUrdf, ReadsMimicWithItsDefaults) {
   const std::string given = limit + "<mimic joint='bc' multiplier='-2.5' offset='.25'/>";
   const RobotModel m =
       read(robot(links + joint("ab", "revolute", "a", "b", given) + joint("bc", "continuous", "b", "c")));
@@ -109,7 +76,7 @@ TEST(Urdf, ReadsMimicWithItsDefaults) {
   EXPECT_EQ(plain.joints[0].mimic->offset, 0);
 }
 
-TEST(Urdf, NormalisesAnAxisAndSaysSo) {
+TEST(ReadUrdf, NormalisesAnAxisAndSaysSo) {
   const RobotModel m = read(inside_joint("<axis xyz='0 1 1'/>", "continuous"));
   EXPECT_NEAR(m.joints[0].axis.y(), std::sqrt(0.5), 3e-16);
   EXPECT_NEAR(m.joints[0].axis.norm(), 1, 1e-15);
@@ -119,13 +86,13 @@ TEST(Urdf, NormalisesAnAxisAndSaysSo) {
   EXPECT_NEAR(huge.joints[0].axis.y(), std::sqrt(0.5), 1e-15);
 }
 
-TEST(Urdf, TakesPrintedDecimalsAsUnitLength) {
+TEST(ReadUrdf, TakesPrintedDecimalsAsUnitLength) {
   const RobotModel m = read(inside_joint("<axis xyz='0 0.7071067 0.7071068'/>", "continuous"));
   EXPECT_TRUE(m.warnings.empty());
   EXPECT_NEAR(m.joints[0].axis.norm(), 1, 1e-15);
 }
 
-TEST(Urdf, LeavesLimitsEmptyWhereNoneAreGiven) {
+TEST(ReadUrdf, LeavesLimitsEmptyWhereNoneAreGiven) {
   const RobotModel without = read(inside_joint(""));
   EXPECT_FALSE(without.joints[0].limits);
   ASSERT_EQ(without.warnings.size(), 1u);
@@ -140,7 +107,7 @@ TEST(Urdf, LeavesLimitsEmptyWhereNoneAreGiven) {
   EXPECT_EQ(half.joints[0].limits->upper, 2);
 }
 
-TEST(Urdf, WarnsOfAMimicThatMeansNothing) {
+TEST(ReadUrdf, WarnsOfAMimicThatMeansNothing) {
   const RobotModel fixed = read(inside_joint("<mimic joint='nobody'/>", "fixed"));
   EXPECT_FALSE(fixed.joints[0].mimic);
   EXPECT_EQ(fixed.warnings.size(), 1u);
@@ -151,13 +118,13 @@ TEST(Urdf, WarnsOfAMimicThatMeansNothing) {
   EXPECT_EQ(zero.warnings.size(), 1u);
 }
 
-TEST(Urdf, ReadsARobotWhoseNameIsEmptyWithAWarning) {
+TEST(ReadUrdf, ReadsARobotWhoseNameIsEmptyWithAWarning) {
   const RobotModel m = read("<robot name=''><link name='a'/></robot>");
   EXPECT_EQ(m.name, "");
   EXPECT_EQ(m.warnings.size(), 1u);
 }
 
-TEST(Urdf, LeavesOutWhatIsNotKinematics) {
+TEST(ReadUrdf, LeavesOutWhatIsNotKinematics) {
   const RobotModel m = read(
       "\xEF\xBB\xBF<?xml version='1.0' encoding='ISO-8859-1'?><!-- \xC3\xA9 ${prefix} --><robot name='r' "
       "version='1.0'>"
@@ -172,7 +139,7 @@ TEST(Urdf, LeavesOutWhatIsNotKinematics) {
   EXPECT_TRUE(m.joints.empty());
 }
 
-TEST(Urdf, ReadsJointsBeforeLinksAndTagsInAnyOrder) {
+TEST(ReadUrdf, ReadsJointsBeforeLinksAndTagsInAnyOrder) {
   const RobotModel m =
       read("<robot name='r'><joint type='revolute' name='j'>" + limit +
            "<!-- here --><axis xyz='0\t0\n 1  '/><child\n link='b'/>text<parent link='a'/></joint>"
@@ -181,7 +148,7 @@ TEST(Urdf, ReadsJointsBeforeLinksAndTagsInAnyOrder) {
   EXPECT_EQ(m.joints[0].parent, "a");
 }
 
-TEST(Urdf, KeepsUnusualNames) {
+TEST(ReadUrdf, KeepsUnusualNames) {
   const std::string odd[] = {"wam/base_yaw",
                              "a &amp; b &lt;&quot;&apos;&gt;",
                              "\xC3\xA9\xE5\x85\xB3\xF0\x9F\xA4\x96",
@@ -201,181 +168,6 @@ TEST(Urdf, KeepsUnusualNames) {
   }
 }
 
-struct Bad {
-  const char* what;
-  std::string text;
-  int line;
-  const char* message;
-};
-
-std::vector<Bad> bad_documents() {
-  const std::string two = links + joint("bc", "fixed", "b", "c", "");
-  const std::string deep = [] {
-    std::string text = "<robot name='r'>\n";
-    for (int i = 0; i < 300; ++i) text += "<x>";
-    return text;
-  }();
-  const std::string wide = [] {
-    std::string text = "<robot name='r'>\n<link";
-    for (int i = 0; i < 1001; ++i) text += " a" + std::to_string(i) + "='1'";
-    return text + "/></robot>";
-  }();
-  const auto mimics = [](const std::string& first, const std::string& second,
-                         const std::string& type = "continuous") {
-    return robot(links + joint("ab", "continuous", "a", "b", "\n" + first) +
-                 joint("bc", type, "b", "c", second));
-  };
-  return {
-      {"empty", "", 1, "the document is empty"},
-      {"blank", "\n \n", 3, "the document is empty"},
-      {"no XML", "robot: r\n", 1, "malformed"},
-      {"unclosed", "<robot name='r'>\n<link name='a'>\n", 3, "<link> of line 2 is still open"},
-      {"wrong closing tag", "<robot name='r'>\n<link name='a'>\n</joint></robot>", 3,
-       "<link> of line 2 is still open"},
-      {"second root", "<robot name='r'><link name='a'/></robot>\n<robot/>", 2, "nothing may follow </robot>"},
-      {"text after the root", "<robot name='r'><link name='a'/></robot>\nx", 2, "nothing may follow"},
-      {"late declaration", "\n<?xml version='1.0'?><robot/>", 2, "must be the very first"},
-      {"same attribute twice", "<robot name='r'>\n<link name='a' name='b'/></robot>", 2,
-       "duplicate attribute"},
-      {"unquoted value", "<robot name='r'>\n<link name=a/></robot>", 2, "malformed"},
-      {"undefined entity", "<robot name='r'>\n<link name='&x;'/></robot>", 2, "undefined entity"},
-      {"DTD", "\n<!DOCTYPE robot [<!ENTITY a 'b'>]><robot/>", 2, "DTD"},
-      {"too deep", deep, 2, "more than 256 deep"},
-      {"too many attributes", wide, 2, "more than 1000 attributes"},
-      {"cut in UTF-8", "<robot name='r'>\n\xF0", 2, "byte 0xF0"},
-      {"NUL", std::string("<robot name='r'>\n\0</robot>", 26), 2, "NUL"},
-      {"SDF", "<?xml version='1.0'?>\n<sdf version='1.6'/>", 2, "SDF file, not a URDF"},
-      {"another root", "<Robot name='r'/>", 1, "root element of a URDF is <robot>"},
-      {"xacro element", robot("<xacro:include filename='x'/>"), 2, "expand it with xacro first"},
-      {"xacro value", robot("<link name='${prefix}a'/>"), 2, "expand it with xacro first"},
-      {"version", "<robot name='r' version='2.0'><link name='a'/></robot>", 1,
-       "version of URDF is not known"},
-      {"nameless robot", "<robot><link name='a'/></robot>", 1, "a robot must have a name"},
-      {"no links", robot(""), 1, "at least one link"},
-      {"nameless link", robot("<link/>"), 2, "a link must have a name"},
-      {"same link twice", robot("<link name='a'/>\n<link name='a'/>"), 3,
-       "link 'a': two links have this name"},
-      {"misspelt link", robot("<lnik name='a'/>"), 2, "did you mean <link>?"},
-      {"misspelt joint", robot(links + "<Joint name='x'/>"), 2, "did you mean <joint>?"},
-      {"mass with a unit", robot("<link name='a'><inertial>\n<mass value='3.5kg'/></inertial></link>"), 3,
-       "'3.5kg'"},
-      {"negative mass", robot("<link name='a'><inertial>\n<mass value='-1'/></inertial></link>"), 3,
-       "negative"},
-      {"inertia", robot("<link name='a'><inertial>\n<inertia ixx='x'/></inertial></link>"), 3,
-       "'ixx' of <inertia>"},
-      {"misspelt inertial", robot("<link name='a'>\n<inertia ixx='1'/></link>"), 3,
-       "did you mean <inertial>?"},
-      {"same joint twice", robot(two + "\n" + joint("bc", "fixed", "a", "b", "")), 3,
-       "two joints have this name"},
-      {"nameless joint", robot(two + "\n<joint type='fixed'/>"), 3, "a joint must have a name"},
-      {"no type", robot(two + "\n<joint name='j'><parent link='a'/><child link='b'/></joint>"), 3,
-       "must have a type"},
-      {"capital type", robot(two + "\n" + joint("ab", "Revolute", "a", "b")), 3, "did you mean 'revolute'?"},
-      {"strange type", robot(two + "\n" + joint("ab", "hydraulic", "a", "b")), 3, "known: continuous, fixed"},
-      {"no parent", robot(two + "\n<joint name='j' type='fixed'><child link='b'/></joint>"), 3,
-       "must have a <parent>"},
-      {"no child", robot(two + "\n<joint name='j' type='fixed'><parent link='b'/></joint>"), 3,
-       "must have a <child>"},
-      {"no link", robot(two + "\n<joint name='j' type='fixed'><parent/><child link='b'/></joint>"), 3,
-       "must have 'link'"},
-      {"empty child", robot(two + "\n" + joint("ab", "fixed", "a", "", "")), 3, "must not be empty"},
-      {"unknown parent",
-       robot("<link name='base'/><link name='b'/>\n" + joint("j", "fixed", "bsae", "b", "")), 3,
-       "did you mean 'base'?"},
-      {"unknown child", robot(two + "\n" + joint("ab", "fixed", "a", "nobody", "")), 3,
-       "'nobody'; known: a, b, c"},
-      {"joint to itself", robot(two + "\n" + joint("ab", "fixed", "a", "a", "")), 3,
-       "parent and child must be two"},
-      {"two parents", robot(two + "\n" + joint("ac", "fixed", "a", "c", "")), 3,
-       "already the child of joint 'bc'"},
-      {"loop of all",
-       robot(two + joint("ab", "fixed", "a", "b", "") + "\n" + joint("ca", "fixed", "c", "a", "")), 3,
-       "form a loop"},
-      {"loop beside the tree", robot(two + "\n" + joint("cb", "fixed", "c", "b", "")), 3,
-       "'b' under 'c' under 'b'"},
-      {"two roots", robot("<link name='a'/>\n<link name='b'/>"), 3, "one root link, found 2 roots: 'a', 'b'"},
-      {"misspelt origin", inside_joint("<orign xyz='1 0 0'/>" + limit), 3, "did you mean <origin>?"},
-      {"misspelt limit", inside_joint("<limits lower='1'/>"), 3, "did you mean <limit>?"},
-      {"misspelt axis", inside_joint("<axes xyz='1 0 0'/>"), 3, "did you mean <axis>?"},
-      {"misspelt lower", inside_joint("<limit lowr='1' effort='1' velocity='1'/>"), 3,
-       "did you mean 'lower'?"},
-      {"misspelt xyz", inside_joint("<origin xy='1 0 0'/>"), 3, "did you mean 'xyz'?"},
-      {"quaternion", inside_joint("<origin quat_xyzw='0 0 0 1'/>"), 3, "quaternion"},
-      {"two axes", inside_joint("<axis xyz='1 0 0'/><axis xyz='0 0 1'/>"), 3, "<axis> is given twice"},
-      {"two limits", inside_joint(limit + "\n" + limit), 4, "<limit> is given twice"},
-      {"two parents given", inside_joint("<parent link='c'/>"), 3, "<parent> is given twice"},
-      {"zero axis", inside_joint("<axis xyz='0 0 0'/>" + limit), 3, "must not be zero"},
-      {"empty axis", inside_joint("<axis/>" + limit), 3, "<axis> must have 'xyz'"},
-      {"two numbers", inside_joint("<axis xyz='0 1'/>" + limit), 3, "must be 3 finite numbers, found '0 1'"},
-      {"four numbers", inside_joint("<origin rpy='0 1 2 3'/>" + limit), 3, "must be 3 finite numbers"},
-      {"no numbers", inside_joint("<origin xyz=''/>" + limit), 3, "must be 3 finite numbers"},
-      {"decimal comma", inside_joint("<origin xyz='0,5 0 0'/>" + limit), 3, "write decimals with a point"},
-      {"nan", inside_joint("<origin xyz='nan 0 0'/>" + limit), 3, "finite"},
-      {"infinite", inside_joint("<origin xyz='0 inf 0'/>" + limit), 3, "finite"},
-      {"overflow", inside_joint("<origin xyz='0 1e400 0'/>" + limit), 3, "finite"},
-      {"hexadecimal", inside_joint("<origin xyz='0x10 0 0'/>" + limit), 3, "finite"},
-      {"limit text", inside_joint("<limit lower='-pi' effort='1' velocity='1'/>"), 3, "'-pi'"},
-      {"no effort", inside_joint("<limit lower='0' upper='1' velocity='1'/>"), 3, "must have 'effort'"},
-      {"no velocity", inside_joint("<limit lower='0' upper='1' effort='1'/>"), 3, "must have 'velocity'"},
-      {"negative velocity", inside_joint("<limit effort='1' velocity='-1'/>"), 3, "must not be negative"},
-      {"swapped limits", inside_joint("<limit lower='1' upper='-1' effort='1' velocity='1'/>"), 3,
-       "look swapped"},
-      {"lower above 0", inside_joint("<limit lower='1' effort='1' velocity='1'/>"), 3,
-       "upper 0 (the default)"},
-      {"mimic nothing", mimics("<mimic/>", ""), 3, "<mimic> must have 'joint'"},
-      {"mimic unknown", mimics("<mimic joint='bd'/>", ""), 3,
-       "not one of this robot, found 'bd'; did you mean"},
-      {"mimic itself", mimics("<mimic joint='ab'/>", ""), 3, "cannot mimic itself"},
-      {"mimic loop", mimics("<mimic joint='bc'/>", "<mimic joint='ab'/>"), 3, "'ab' mimics 'bc' mimics 'ab'"},
-      {"mimic fixed", mimics("<mimic joint='bc'/>", "", "fixed"), 3, "'bc', which is fixed"},
-      {"mimic multiplier", mimics("<mimic joint='bc' multiplier='two'/>", ""), 3, "'multiplier' of <mimic>"},
-      {"floating mimic", inside_joint("<mimic joint='bc'/>", "floating"), 3, "a floating joint cannot mimic"},
-  };
-}
-
-TEST(Urdf, RefusesBadDocumentsAtTheirLine) {
-  for (const Bad& bad : bad_documents()) {
-    const std::string said = refusal(bad.text);
-    EXPECT_NE(said.find(bad.message), std::string::npos) << bad.what << ": " << said;
-    const std::string first = "r.urdf:" + std::to_string(bad.line) + ":";
-    EXPECT_NE(said.find(first), std::string::npos) << bad.what << ": " << said;
-  }
-}
-
-TEST(Urdf, NamesTheColumnOfTheAttribute) {
-  const std::string said =
-      refusal(robot("<link name='a'/><link name='b'/>\n <joint name='j' \t type='fixed'>\n"
-                    "  <parent link='a'/>\n  <child  link='\xC3\xA9'/>\n</joint>"));
-  EXPECT_EQ(said.find("r.urdf:5:11: joint 'j': "), 0u) << said;
-}
-
-TEST(Urdf, ReportsIndependentFaultsTogether) {
-  try {
-    read(inside_joint("<axis xyz='0 0 0'/>\n<limit lower='1' upper='0' effort='-1' velocity='1'/>"));
-    FAIL() << "accepted";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.faults().size(), 3u);
-    EXPECT_EQ(e.faults()[0].place.line, 3);
-    EXPECT_EQ(e.faults()[1].place.line, 4);
-    EXPECT_EQ(e.faults()[0].key, "joint 'ab'");
-  }
-}
-
-TEST(Urdf, SurvivesEveryCutAndMostBytes) {
-  const std::string whole = inside_joint("<origin xyz='1 2 3' rpy='0 0 0'/>" + limit + "<axis xyz='0 0 1'/>");
-  for (std::size_t i = 0; i + 2 < whole.size(); ++i) EXPECT_THROW(read(whole.substr(0, i)), Error) << i;
-  for (std::size_t i = 0; i < whole.size(); ++i) {
-    for (const char c : {'\0', '<', '>', '"', '\'', '&', ' ', '/', '9', '\xF0'}) {
-      std::string changed = whole;
-      changed[i] = c;
-      try {
-        read(changed);
-      } catch (const Error&) {
-      }
-    }
-  }
-}
-
 /// `count` links in a row, closed to a loop when asked.
 std::string chain(int count, bool loop) {
   std::string text = "<robot name='r'>";
@@ -387,7 +179,7 @@ std::string chain(int count, bool loop) {
   return text + "</robot>";
 }
 
-TEST(Urdf, ReadsTensOfThousandsOfLinksQuickly) {
+TEST(ReadUrdf, ReadsTensOfThousandsOfLinksQuickly) {
   const auto begin = std::chrono::steady_clock::now();
   EXPECT_EQ(read(chain(30000, false)).joints.size(), 29999u);
   EXPECT_NE(refusal(chain(30000, true)).find("form a loop"), std::string::npos);
@@ -407,7 +199,7 @@ struct Comma : std::numpunct<char> {
   std::string do_grouping() const override { return "\3"; }
 };
 
-TEST(Urdf, ReadsTheSameInEveryLocale) {
+TEST(ReadUrdf, ReadsTheSameInEveryLocale) {
   const std::string text = inside_joint("<origin xyz='1234.5678 0.001 1e-7'/><axis xyz='0 0 2000'/>" + limit);
   const RobotModel before = read(text);
   const std::locale previous = std::locale::global(std::locale(std::locale::classic(), new Comma));
@@ -420,7 +212,7 @@ TEST(Urdf, ReadsTheSameInEveryLocale) {
 
 const std::filesystem::path robots = std::filesystem::path(QERR_SOURCE_DIR) / "../shared/robots";
 
-TEST(Urdf, ReadsRealRobots) {
+TEST(ReadUrdf, ReadsRealRobots) {
   if (!std::filesystem::exists(robots)) GTEST_SKIP() << "no third-party robots at " << robots;
   int count = 0;
   for (const auto& entry : std::filesystem::recursive_directory_iterator(robots)) {
@@ -428,7 +220,7 @@ TEST(Urdf, ReadsRealRobots) {
       continue;
     ++count;
     try {
-      EXPECT_FALSE(qerr::read_urdf(entry.path().string()).joints.empty()) << entry.path();
+      EXPECT_FALSE(read_urdf(entry.path().string()).joints.empty()) << entry.path();
     } catch (const Error& e) {
       ADD_FAILURE() << e.what();
     }
@@ -436,28 +228,28 @@ TEST(Urdf, ReadsRealRobots) {
   EXPECT_GT(count, 10);
 }
 
-TEST(Urdf, TreatsTheNastyRobotsAsTheirNotesSay) {
+TEST(ReadUrdf, TreatsTheNastyRobotsAsTheirNotesSay) {
   const auto nasty = [](const char* name) { return (robots / "nasty" / name).string(); };
   if (!std::filesystem::exists(nasty("drake_iiwa_no_limits.urdf")))
     GTEST_SKIP() << "no nasty robots at " << robots;
-  const RobotModel iiwa = qerr::read_urdf(nasty("drake_iiwa_no_limits.urdf"));
+  const RobotModel iiwa = read_urdf(nasty("drake_iiwa_no_limits.urdf"));
   EXPECT_EQ(iiwa.warnings.size(), 7u);
   for (const auto& j : iiwa.joints) EXPECT_FALSE(j.limits);
-  for (const auto& j : qerr::read_urdf(nasty("minitaur.urdf")).joints) EXPECT_FALSE(j.limits) << j.name;
-  EXPECT_EQ(qerr::read_urdf(nasty("bullet_humanoid_axes.urdf")).warnings.size(),
+  for (const auto& j : read_urdf(nasty("minitaur.urdf")).joints) EXPECT_FALSE(j.limits) << j.name;
+  EXPECT_EQ(read_urdf(nasty("bullet_humanoid_axes.urdf")).warnings.size(),
             9u);  // 8 axes and an empty name
   int zero_ranges = 0;
-  for (const auto& j : qerr::read_urdf(nasty("zero_range_simple_humanoid.urdf")).joints)
+  for (const auto& j : read_urdf(nasty("zero_range_simple_humanoid.urdf")).joints)
     zero_ranges += j.limits && j.limits->lower == 0 && j.limits->upper == 0;
   EXPECT_EQ(zero_ranges, 29);
-  const RobotModel romeo = qerr::read_urdf(nasty("romeo_skew_axes.urdf"));
+  const RobotModel romeo = read_urdf(nasty("romeo_skew_axes.urdf"));
   int mimics = 0;
   for (const auto& j : romeo.joints) mimics += j.mimic.has_value();
   EXPECT_EQ(mimics, 22);
   EXPECT_THROW(
       {
         try {
-          qerr::read_urdf(nasty("dup_link_r2_gripper.urdf"));
+          read_urdf(nasty("dup_link_r2_gripper.urdf"));
         } catch (const Error& e) {
           EXPECT_NE(std::string(e.what()).find("'r2/left_leg/ati': two links have this name"),
                     std::string::npos);
@@ -467,37 +259,5 @@ TEST(Urdf, TreatsTheNastyRobotsAsTheirNotesSay) {
       Error);
 }
 
-TEST(ReadText, RefusesWhatIsNotAReadableFile) {
-  for (const std::string path : {"/", "/nonexistent/r.urdf", "/dev/null", ""}) {
-    try {
-      qerr::read_text(path);
-      FAIL() << path;
-    } catch (const Error& e) {
-      EXPECT_EQ(e.trouble(), qerr::Trouble::file_system) << e.what();
-    }
-  }
-}
-
-TEST(ReadText, DropsAByteOrderMarkAndRefusesBadBytesAndHugeFiles) {
-  const auto path =
-      std::filesystem::temp_directory_path() / ("qerr_read_text_" + std::to_string(std::rand()));
-  const auto write = [&](const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; };
-  write("\xEF\xBB\xBFhello\n");
-  EXPECT_EQ(qerr::read_text(path.string()), "hello\n");
-  write("");
-  EXPECT_EQ(qerr::read_text(path.string()), "");
-  write("one\n\xC3\xA9\xC3(");
-  try {
-    qerr::read_text(path.string());
-    ADD_FAILURE() << "accepted";
-  } catch (const Error& e) {
-    EXPECT_EQ(e.trouble(), qerr::Trouble::input);
-    EXPECT_EQ(e.faults()[0].place.line, 2);
-    EXPECT_EQ(e.faults()[0].place.column, 2);
-  }
-  write(std::string(16'000'001, 'x'));
-  EXPECT_THROW(qerr::read_text(path.string()), Error);
-  std::filesystem::remove(path);
-}
-
 }  // namespace
+}  // namespace qerr

@@ -7,8 +7,6 @@
 #include <numbers>
 
 #include "kinematics/jacobians.hpp"
-#include "kinematics/sampler.hpp"
-#include "lanes/lanes.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "support/random_chain.hpp"
@@ -166,66 +164,6 @@ TEST(FoldedChain, TakesRightAnglesAsSuchAndNotThoseThatComeNear) {
   EXPECT_EQ(tilt_of(1.57079632679), Tilt::general) << "5e-12 off, as in the UR5's file";
   EXPECT_EQ(tilt_of(1.5708), Tilt::general);
   EXPECT_EQ(tilt_of(1e-9), Tilt::general);
-}
-
-// Every batch of every method, on every instruction set, to the last bit.
-RC_GTEST_PROP(Sampler, DrawsWhatDrawDraws, ()) {
-  Configurations c;
-  c.method = *rc::gen::element(SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid,
-                               SamplingMethod::list);
-  c.seed = *rc::gen::arbitrary<std::uint64_t>();
-  Dice dice(c.seed);
-  const auto joints = *rc::gen::inRange<std::size_t>(1, 20);
-  for (std::size_t j = 0; j < joints; ++j) {
-    const double lower = dice.between(-4, 4);
-    c.ranges.push_back({lower, lower + dice.between(0, 3)});
-  }
-  c.count = c.method == SamplingMethod::grid ? 3 : std::uint64_t{1} << *rc::gen::inRange(6, 62);
-  if (c.method == SamplingMethod::list)
-    for (int i = 0; i < 300; ++i) c.points.push_back(dice.vector(static_cast<Eigen::Index>(joints), -3, 3));
-  const std::uint64_t batches = size(c) / batch_size;
-  if (batches == 0) return;
-  const std::uint64_t first = batch_size * (*rc::gen::arbitrary<std::uint64_t>() % batches);
-  const Eigen::MatrixXd expected = draw(c, first, batch_size);
-  AlignedNumbers q(joints * batch_size);
-  for (const InstructionSet set : available_instruction_sets()) {
-    Sampler(c, set)(first, q.data());
-    for (std::size_t j = 0; j < joints; ++j)
-      for (std::size_t i = 0; i < batch_size; ++i)
-        RC_ASSERT(q[j * batch_size + i] ==
-                  expected(static_cast<Eigen::Index>(j), static_cast<Eigen::Index>(i)));
-  }
-}
-
-/// Largest error of sine and cosine over random arguments within +-span, beside those of the angle in long
-/// double.
-template <class SineCosine, class Angle>
-long double worst_error(SineCosine sincos, Angle angle, double span, std::uint64_t seed) {
-  Dice dice(seed);
-  long double worst = 0;
-  for (int i = 0; i < 200000; ++i) {
-    const lanes::Lanes<2> x{dice.between(-span, span), dice.between(-span, span)};
-    const auto s = sincos(x);
-    for (std::size_t k = 0; k < 2; ++k)
-      worst = std::max({worst, std::abs(std::sin(angle(x[k])) - s.sine[k]),
-                        std::abs(std::cos(angle(x[k])) - s.cosine[k])});
-  }
-  return worst;
-}
-
-// In angles of the size of joints' and in the largest that are allowed.
-TEST(Lanes, SineAndCosineAreRightToTwoUnitsOfTheLastPlace) {
-  const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos(x); };
-  const auto angle = [](double x) { return static_cast<long double>(x); };
-  for (const double span : {1e-300, 1e-8, 0.7, 0.8, 3.2, 100.0, lanes::largest_angle})
-    EXPECT_LT(worst_error(sincos, angle, span, 3), 2.7e-16L) << "angles up to " << span;
-}
-
-TEST(Lanes, SineAndCosineOfQuarterTurnsAreRightToTwoUnitsOfTheLastPlace) {
-  const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos_of_quarters(x); };
-  const auto angle = [](double x) { return std::remainder(x, 4.0) * (std::numbers::pi_v<long double> / 2); };
-  for (const double span : {1e-300, 1e-8, 0.45, 0.55, 2.0, 64.0, lanes::largest_angle})
-    EXPECT_LT(worst_error(sincos, angle, span, 4), 2.7e-16L) << "quarter turns up to " << span;
 }
 
 }  // namespace

@@ -1,0 +1,81 @@
+#include "core/output_file.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+namespace {
+
+class OutputFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("qerr_output_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string read(const std::filesystem::path& path) {
+    std::ifstream in(path);
+    return {std::istreambuf_iterator<char>(in), {}};
+  }
+  std::size_t files() {
+    return static_cast<std::size_t>(std::distance(std::filesystem::directory_iterator(folder_), {}));
+  }
+  std::filesystem::path folder_;
+};
+
+TEST_F(OutputFiles, AppearsWholeAtCloseAndNotBefore) {
+  const auto path = folder_ / "a.json";
+  std::ofstream(path) << "old";
+  {
+    OutputFile out(path.string());
+    out.write("new");
+    EXPECT_EQ(read(path), "old");
+    out.close();
+    EXPECT_EQ(read(path), "new");
+  }
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFiles, LeavesTheOldFileAndNoTemporaryWhenItIsAbandoned) {
+  const auto path = folder_ / "a.json";
+  std::ofstream(path) << "old";
+  { OutputFile(path.string()).write("half"); }
+  EXPECT_EQ(read(path), "old");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFiles, WritesThroughALinkAndIntoAPipeWithoutReplacingThem) {
+  std::ofstream(folder_ / "real.txt") << "old";
+  std::filesystem::create_symlink("real.txt", folder_ / "link.txt");
+  OutputFile out((folder_ / "link.txt").string());
+  out.write("new");
+  out.close();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.txt"));
+  EXPECT_EQ(read(folder_ / "real.txt"), "new");
+}
+
+TEST_F(OutputFiles, SaysSoBeforeTheWorkWhenItCannotBeWritten) {
+  try {
+    OutputFile out((folder_ / "missing" / "a.json").string());
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.trouble(), Trouble::file_system);
+    EXPECT_NE(std::string(e.what()).find("missing"), std::string::npos);
+  }
+}
+
+TEST_F(OutputFiles, ReportsAFullDevice) {
+  if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+  OutputFile out("/dev/full");
+  out.write("x");
+  EXPECT_THROW(out.close(), Error);
+}
+
+}  // namespace
+}  // namespace qerr
