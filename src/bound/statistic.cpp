@@ -36,12 +36,21 @@ void tally_some(const double* values, std::size_t count, std::uint64_t first, Ta
 
 namespace {
 
-/// A percentile lies between two order statistics.
-struct Place {
-  std::uint64_t below;
-  double part;  ///< of the way to the next one
+constexpr StatisticKind kinds[] = {
+    {"min", "", "minimum", &Statistic::min},
+    {"mean", "", "mean", &Statistic::mean},
+    {"max", "max", "maximum", &Statistic::max},
+    {"p50", "median", "median", &Statistic::p50, 0.50},
+    {"p95", "p95", "95th percentile", &Statistic::p95, 0.95},
+    {"p99", "p99", "99th percentile", &Statistic::p99, 0.99},
+};
 
-  Place(double fraction, std::uint64_t count) {
+/// Position of a percentile among the order statistics 0 .. count - 1.
+struct Rank {
+  std::uint64_t below;
+  double part;  ///< of the interval to the next order statistic
+
+  Rank(double fraction, std::uint64_t count) {
     const double position = fraction * static_cast<double>(count - 1);
     below = static_cast<std::uint64_t>(position);
     part = position - static_cast<double>(below);
@@ -49,20 +58,43 @@ struct Place {
 };
 
 double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
-  const Place at(fraction, count);
-  const double high = at.part > 0 ? order(at.below + 1) : 0, low = order(at.below);
-  if (at.part == 0) return low;
-  return std::isinf(high) ? high : low + at.part * (high - low);
+  const Rank rank(fraction, count);
+  const double high = rank.part > 0 ? order(rank.below + 1) : 0, low = order(rank.below);
+  if (rank.part == 0) return low;
+  return std::isinf(high) ? high : low + rank.part * (high - low);
+}
+
+/// Rows of percentiles, the largest first.
+std::vector<const StatisticKind*> percentiles() {
+  std::vector<const StatisticKind*> rows;
+  for (const StatisticKind& kind : kinds)
+    if (kind.percentile >= 0) rows.push_back(&kind);
+  std::sort(rows.begin(), rows.end(), [](auto* a, auto* b) { return a->percentile > b->percentile; });
+  return rows;
 }
 
 }  // namespace
 
+std::span<const StatisticKind> statistic_kinds() { return kinds; }
+
+const StatisticKind* find_statistic(std::string_view name) {
+  for (const StatisticKind& kind : kinds)
+    if (kind.name == name) return &kind;
+  return nullptr;
+}
+
+Statistic scaled(const Statistic& s, double factor) {
+  Statistic product = s;
+  for (const StatisticKind& kind : kinds) product.*kind.value *= factor;
+  return product;
+}
+
 std::vector<std::uint64_t> percentile_ranks(std::uint64_t count) {
   std::vector<std::uint64_t> ranks;
-  for (const double fraction : {0.5, 0.95, 0.99}) {
-    const Place at(fraction, count);
-    ranks.push_back(at.below);
-    if (at.part > 0) ranks.push_back(at.below + 1);
+  for (const StatisticKind* kind : percentiles()) {
+    const Rank rank(kind->percentile, count);
+    ranks.push_back(rank.below);
+    if (rank.part > 0) ranks.push_back(rank.below + 1);
   }
   return ranks;
 }
@@ -73,13 +105,13 @@ Statistic statistic(const JoinedTally& t, const OrderStatistic& order) {
   s.min = t.min();
   s.mean = t.mean();
   s.max = t.max();
-  s.p99 = percentile(0.99, t.count(), order);
-  s.p95 = percentile(0.95, t.count(), order);
-  s.p50 = percentile(0.50, t.count(), order);
+  // In descending order, as `order_statistics` requires.
+  for (const StatisticKind* kind : percentiles())
+    s.*kind->value = percentile(kind->percentile, t.count(), order);
   return s;
 }
 
-/// What stands behind a rank once found is never looked at again.
+/// Ranks are requested in descending order: values above the last one are not visited again.
 OrderStatistic order_statistics(double* values, std::uint64_t count) {
   return [values, end = count](std::uint64_t rank) mutable {
     if (rank >= end) end = rank + 1;

@@ -143,11 +143,6 @@ class Summary {
 
 }  // namespace
 
-Statistic scaled(const Statistic& s, double factor) {
-  return {s.min * factor, s.mean * factor, s.max * factor, s.p50 * factor,
-          s.p95 * factor, s.p99 * factor,  s.at_max};
-}
-
 Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
                     const Configurations& configurations, const WorkspaceOptions& options) {
   require_moderate_angles(model.chain, configurations);

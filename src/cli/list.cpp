@@ -8,7 +8,7 @@ namespace qerr::cli {
 
 std::function<int()> declare_list(CLI::App& app, Options& o) {
   auto kind = std::make_shared<std::string>();
-  app.add_option("KIND", *kind, "effects, filters, encoders, formats or coordinates")
+  app.add_option("KIND", *kind, "effects, filters, encoders, formats, coordinates or statistics")
       ->required()
       ->check([](const std::string& text) {
         for (const std::string& known : list_kinds())

@@ -2,24 +2,6 @@
 
 namespace qerr {
 
-double value_of(const Statistic& s, Requirement::Stat stat) {
-  switch (stat) {
-    case Requirement::Stat::min:
-      return s.min;
-    case Requirement::Stat::mean:
-      return s.mean;
-    case Requirement::Stat::max:
-      return s.max;
-    case Requirement::Stat::p50:
-      return s.p50;
-    case Requirement::Stat::p95:
-      return s.p95;
-    case Requirement::Stat::p99:
-      return s.p99;
-  }
-  return s.max;
-}
-
 RequirementResult evaluate(const Requirement& r, const Workspace& w) {
   using Bound = Requirement::Bound;
   const auto& position = w.coordinates[r.coordinate];
@@ -36,7 +18,7 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
   } else {
     statistic = r.bound == Bound::sigma ? &position.sigma : &position.worst_case;
   }
-  const double value = value_of(*statistic, r.stat);
+  const double value = statistic->*r.value;
   return {value, value <= r.at_most};
 }
 

@@ -91,14 +91,7 @@ void read_requirements(const Field& f, Spec& spec, Faults& faults) {
       r.quantity = *o.text("quantity");
       read_quantity(o.at("quantity"), spec, r);
       r.statistic = o.choice("statistic");
-      using Stat = Requirement::Stat;
-      r.stat = pick<Stat>(o.at("statistic"), r.statistic, "statistic",
-                          {{"min", Stat::min},
-                           {"mean", Stat::mean},
-                           {"max", Stat::max},
-                           {"p50", Stat::p50},
-                           {"p95", Stat::p95},
-                           {"p99", Stat::p99}});
+      r.value = find_statistic(r.statistic)->value;  // known: one of the choices of its row
       const Dimension d = dimension_of(r, spec);
       r.unit = unit_name(d);
       r.at_most = read_number(o.at("at_most"), {.name = "at_most", .dimension = d, .least = 0});

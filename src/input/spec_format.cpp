@@ -1,5 +1,6 @@
 #include "input/spec_format.hpp"
 
+#include "qerr/bound/statistic.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
 
@@ -116,6 +117,12 @@ const std::vector<Parameter>& configurations() {
 }
 
 const std::vector<Parameter>& requirement() {
+  static const std::string statistics = [] {
+    std::string names;
+    for (const StatisticKind& s : statistic_kinds())
+      names += (names.empty() ? "" : "|") + std::string(s.name);
+    return names;
+  }();
   static const std::vector<Parameter> rows{
       {.name = "quantity",
        .kind = Kind::text,
@@ -125,7 +132,7 @@ const std::vector<Parameter>& requirement() {
        .kind = Kind::choice,
        .meaning = "over the configurations",
        .required = true,
-       .choices = "max|min|mean|p50|p95|p99"},
+       .choices = statistics},
       {.name = "at_most",
        .kind = Kind::any,
        .meaning = "the limit, in the quantity's unit",

@@ -93,6 +93,9 @@ std::vector<ListRow> rows_of(std::string_view kind) {
   if (kind == "coordinates")
     for (const CoordinateInfo& c : coordinate_list())
       rows.push_back({std::string(c.name), std::string(c.summary) + " [" + std::string(c.unit) + "]"});
+  if (kind == "statistics")
+    for (const StatisticKind& s : statistic_kinds())
+      rows.push_back({std::string(s.name), std::string(s.summary)});
   return rows;
 }
 
@@ -121,7 +124,8 @@ std::string junit(const Analysis& a) {
 }
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"effects", "filters", "encoders", "formats", "coordinates"};
+  static const std::vector<std::string> kinds{"effects", "filters",     "encoders",
+                                              "formats", "coordinates", "statistics"};
   return kinds;
 }
 

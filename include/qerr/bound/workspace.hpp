@@ -83,7 +83,4 @@ inline bool is_known(const std::vector<Eigen::VectorXd>& noise_in_motion, std::s
   return filter < noise_in_motion.size() && noise_in_motion[filter].size() > 0;
 }
 
-/// A statistic times a non-negative factor.
-Statistic scaled(const Statistic&, double factor);
-
 }  // namespace qerr

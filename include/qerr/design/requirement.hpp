@@ -11,15 +11,14 @@ namespace qerr {
 /// `requirements:` of a spec: a statistic of a bound must not exceed a figure.
 struct Requirement {
   enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
-  enum class Stat { min, mean, max, p50, p95, p99 };
 
   std::string quantity;        ///< as written: `velocity.x.sigma`
   std::string statistic;       ///< as written: `p99`
   std::size_t coordinate = 0;  ///< index into the model's coordinates
   std::ptrdiff_t filter = -1;  ///< index into the filters; -1: the position itself
   Bound bound = Bound::sigma;
-  Stat stat = Stat::max;
-  double at_most = 0;  ///< SI
+  double Statistic::*value = &Statistic::max;  ///< of the statistic
+  double at_most = 0;                          ///< SI
   std::string unit;
   Place place;
 };
@@ -31,8 +30,5 @@ struct RequirementResult {
 };
 
 RequirementResult evaluate(const Requirement&, const Workspace&);
-
-/// The named statistic.
-double value_of(const Statistic&, Requirement::Stat);
 
 }  // namespace qerr

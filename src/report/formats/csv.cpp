@@ -12,9 +12,8 @@ namespace {
 std::string number(double value) { return std::isfinite(value) ? shortest(value) : std::string(); }
 
 void add_statistic(std::string& out, const std::string& prefix, const Statistic& s) {
-  const std::pair<const char*, double> rows[] = {{"min", s.min}, {"mean", s.mean}, {"max", s.max},
-                                                 {"p50", s.p50}, {"p95", s.p95},   {"p99", s.p99}};
-  for (const auto& [name, value] : rows) out += prefix + ',' + name + ',' + number(value) + "\r\n";
+  for (const StatisticKind& kind : statistic_kinds())
+    out += prefix + ',' + std::string(kind.name) + ',' + number(s.*kind.value) + "\r\n";
 }
 
 std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prismatic() ? " [m]" : " [rad]"; }

@@ -18,10 +18,10 @@ Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
 }
 
 Json statistic(const Spec& spec, const Statistic& s) {
-  return {{"min", number_or_null(s.min)},      {"mean", number_or_null(s.mean)},
-          {"max", number_or_null(s.max)},      {"p50", number_or_null(s.p50)},
-          {"p95", number_or_null(s.p95)},      {"p99", number_or_null(s.p99)},
-          {"at_max", by_joint(spec, s.at_max)}};
+  Json object;
+  for (const StatisticKind& kind : statistic_kinds()) object[kind.name] = number_or_null(s.*kind.value);
+  object["at_max"] = by_joint(spec, s.at_max);
+  return object;
 }
 
 /// Null where there is no bound at all.

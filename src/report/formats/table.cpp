@@ -77,10 +77,25 @@ std::string encoder_table(const Analysis& a, const Style& style) {
 /// Below this a length, an angle or their derivative is what trigonometry leaves of a zero.
 double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
 
-std::vector<std::string> figures(const std::string& label, const Statistic& full, const std::string& unit) {
-  const Statistic s{cleaned(full.min), cleaned(full.mean), cleaned(full.max), cleaned(full.p50),
-                    cleaned(full.p95), cleaned(full.p99),  full.at_max};
-  return {label, readable(s.p50, unit), readable(s.p95, unit), readable(s.p99, unit), readable(s.max, unit)};
+/// The statistics that tables show: percentiles, then the maximum.
+std::vector<StatisticKind> columns() {
+  std::vector<StatisticKind> shown;
+  for (const StatisticKind& kind : statistic_kinds())
+    if (!kind.heading.empty()) shown.push_back(kind);
+  std::stable_partition(shown.begin(), shown.end(), [](const auto& kind) { return kind.percentile >= 0; });
+  return shown;
+}
+
+std::vector<std::string> headings() {
+  std::vector<std::string> row{""};
+  for (const StatisticKind& kind : columns()) row.emplace_back(kind.heading);
+  return row;
+}
+
+std::vector<std::string> figures(const std::string& label, const Statistic& s, const std::string& unit) {
+  std::vector<std::string> row{label};
+  for (const StatisticKind& kind : columns()) row.push_back(readable(cleaned(s.*kind.value), unit));
+  return row;
 }
 
 const char* sigma_label(const Analysis& a) {
@@ -88,7 +103,7 @@ const char* sigma_label(const Analysis& a) {
 }
 
 std::string position_table(const Analysis& a) {
-  std::vector<std::vector<std::string>> rows{{"", "median", "p95", "p99", "max"}};
+  std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
     const std::string name(info(a.spec.model.coordinates[i]).name),
@@ -102,7 +117,7 @@ std::string position_table(const Analysis& a) {
 }
 
 std::string derivative_table(const Analysis& a, std::size_t f) {
-  std::vector<std::vector<std::string>> rows{{"", "median", "p95", "p99", "max"}};
+  std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const Coordinate c = a.spec.model.coordinates[i];
     const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
