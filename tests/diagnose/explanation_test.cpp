@@ -47,12 +47,12 @@ Evidence swing(Flaw flaw, double counts_per_period = 4) {
   const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
   e.path = smooth.position;
   e.velocity = smooth.velocity;
-  e.path_noise = smooth.left;
-  e.side = side_of_motion(e.path, 10 * e.noise);
+  e.path_noise = smooth.residual_noise;
+  e.direction = direction_of_motion(e.path, 10 * e.noise);
   return e;
 }
 
-Evidence rows(const Evidence& e) { return independent(e, independent_rows(e)); }
+Evidence rows(const Evidence& e) { return group_means(e, independent_rows(e)); }
 
 std::vector<std::string> names(const Selection& s) {
   std::vector<std::string> found;
@@ -202,8 +202,8 @@ TEST(Select, SaysNothingOfOrdersWhereAJointRests) {
   for (Eigen::Index k = 0; k < e.rows(); ++k)
     e.reference[k] += e.noise * normal(static_cast<std::uint64_t>(k), 5);
   e.measured.setZero();
-  e.velocity = e.side = Eigen::ArrayXd::Zero(e.rows());
-  EXPECT_TRUE(e.rests());
+  e.velocity = e.direction = Eigen::ArrayXd::Zero(e.rows());
+  EXPECT_TRUE(e.is_stationary());
   EXPECT_EQ(names(select(rows(e))), Names{});
 }
 

@@ -32,7 +32,7 @@ Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step)
   e.time = Eigen::ArrayXd::LinSpaced(n, 0, 1e-3 * static_cast<double>(n - 1));
   e.path = 1.1 * (2.1 * e.time).sin() + 0.2 * (7.7 * e.time + 1).cos();
   e.velocity = 2.31 * (2.1 * e.time).cos() - 1.54 * (7.7 * e.time + 1).sin();
-  e.side = (e.velocity > 0).select(Eigen::ArrayXd::Ones(n), -Eigen::ArrayXd::Ones(n));
+  e.direction = (e.velocity > 0).select(Eigen::ArrayXd::Ones(n), -Eigen::ArrayXd::Ones(n));
   e.measured = e.reference = e.path;
   for (Eigen::Index k = 0; k < n; ++k) {
     const double shaft = 10 * e.path[k], off = 10 * amplitude;
@@ -42,7 +42,7 @@ Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step)
   }
   const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
   e.path = smooth.position;
-  e.path_noise = smooth.left;
+  e.path_noise = smooth.residual_noise;
   return e;
 }
 
@@ -58,7 +58,7 @@ double least_p(const Evidence& e) { return comparison({e}, {}, {}).front().p_val
 TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
   const Evidence e = swing(3, eccentric);
   const auto starts = independent_rows(e);
-  const Evidence few = independent(e, starts);
+  const Evidence few = group_means(e, starts);
   const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
   const double left = std::hypot(step / std::sqrt(12.0), 0.05 * step);
   EXPECT_TRUE(g.held_out);
@@ -81,7 +81,7 @@ TEST(FoundParameters, OfNoTermsAreNone) {
 TEST(Gain, OfATermThatIsNotThereIsNoGainOnBlocksItHasNotSeen) {
   const Evidence e = swing(4, 0);
   const auto starts = independent_rows(e);
-  const Evidence few = independent(e, starts);
+  const Evidence few = group_means(e, starts);
   const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
   EXPECT_NEAR(g.ratio(), 1, 0.01);
   EXPECT_LT(g.log_score, 0.01);
@@ -92,7 +92,7 @@ TEST(FoundParameters, HoldTheTruthInNineteenOfTwentyRecords) {
   const int records = 60;
   for (int i = 0; i < records; ++i) {
     const Evidence e = swing(100 + static_cast<std::uint64_t>(i), eccentric);
-    const Evidence few = independent(e, independent_rows(e));
+    const Evidence few = group_means(e, independent_rows(e));
     const std::vector<FoundParameter> found = found_parameters(few, explained(few))[0];
     for (const FoundParameter& p : found)
       if (p.name == "amplitude") {

@@ -82,7 +82,7 @@ TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
     e.path = Eigen::ArrayXd::NullaryExpr(
         rows, [](Eigen::Index k) { return 0.0625 * static_cast<double>(k % 997 - 500); });
     e.reference = e.path;
-    e.velocity = e.side = (e.path > 0).cast<double>() - 0.5;
+    e.velocity = e.direction = (e.path > 0).cast<double>() - 0.5;
     e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
     for (const bool ordered : {false, true}) {
       e.ordered = ordered;

@@ -10,7 +10,7 @@ namespace qerr::testing {
 /// What the evidence of a joint may be like.
 struct EvidenceMix {
   Eigen::Index rows = 1000;
-  bool ordered = true, rests = true, zero_known = true, down = false, chance = false, effort = false;
+  bool ordered = true, rests = true, zero_known = true, down = false, random_sigma = false, effort = false;
   double noise = 0.05;  ///< of the reference [counts]
 };
 
@@ -27,9 +27,9 @@ inline Evidence random_evidence(Dice& dice, const EvidenceMix& mix) {
     for (int i = 0; i < 12; ++i) sum += dice.between(-0.5, 0.5);
     return sum;
   };
-  for (Eigen::ArrayXd* a : {&e.time, &e.reference, &e.measured, &e.path, &e.velocity, &e.side})
+  for (Eigen::ArrayXd* a : {&e.time, &e.reference, &e.measured, &e.path, &e.velocity, &e.direction})
     a->resize(mix.rows);
-  if (mix.chance) e.chance.resize(mix.rows);
+  if (mix.random_sigma) e.random_sigma.resize(mix.rows);
   if (mix.effort) e.effort.resize(mix.rows);
   double moved = 0;
   for (Eigen::Index k = 0; k < mix.rows; ++k) {
@@ -38,11 +38,11 @@ inline Evidence random_evidence(Dice& dice, const EvidenceMix& mix) {
     e.time[k] = mix.ordered ? 1e-3 * static_cast<double>(k) : static_cast<double>(k);
     e.path[k] = size * std::sin(rate * moved) + (resting ? 0 : 1e-3 * step * normal());
     e.velocity[k] = resting ? 0 : size * rate * std::cos(rate * moved);
-    e.side[k] = std::cos(rate * moved) < 0 ? -1 : 1;
+    e.direction[k] = std::cos(rate * moved) < 0 ? -1 : 1;
     e.reference[k] = e.path[k] + mix.noise * step * normal();
-    if (mix.chance) e.chance[k] = dice.between(0, 0.5) * step;
+    if (mix.random_sigma) e.random_sigma[k] = dice.between(0, 0.5) * step;
     if (mix.effort) e.effort[k] = std::cos(3 * rate * moved) + 0.1 * normal();
-    e.measured[k] = quantize(e.encoder, e.path[k] + (mix.chance ? e.chance[k] * normal() : 0));
+    e.measured[k] = quantize(e.encoder, e.path[k] + (mix.random_sigma ? e.random_sigma[k] * normal() : 0));
   }
   e.noise = mix.noise * step;
   e.path_noise = 0.2 * e.noise;

@@ -43,9 +43,9 @@ class ReferenceSurrogates {
       level_ = noise_ / std::sqrt(static_cast<double>(rest_[row])) * drawn_;
     resting_ = rest_[row];
     x_ = resting_ > 0 ? level_ : second_;
-    if (e_.chance.size() > 0) {
+    if (e_.random_sigma.size() > 0) {
       draw_numbers();
-      x_ += e_.chance[row] / e_.step() * drawn_;
+      x_ += e_.random_sigma[row] / e_.step() * drawn_;
     }
     const double whole = std::floor(path_[row]);
     x_ += (path_[row] - whole - below_) + phase_;

@@ -23,7 +23,7 @@ Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   spread_ = 2 * (e.measured - e.path).abs().maxCoeff() + e.step();
   const double own = std::max(e.path_noise, 1e-3 * e.step());
   relative_.setOnes(e.rows());
-  if (e.chance.size() > 0) relative_ = (1 + (e.chance / own).square()).sqrt();
+  if (e.random_sigma.size() > 0) relative_ = (1 + (e.random_sigma / own).square()).sqrt();
   fit();
 }
 
@@ -80,7 +80,7 @@ double Explanation::gain(const Term& t) const {
 double Explanation::inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
-  if (blocks < 4 || evidence_->alike > 1) return evidence_->alike;
+  if (blocks < 4 || evidence_->rows_per_reading > 1) return evidence_->rows_per_reading;
   Eigen::MatrixXd by_block(blocks, scores.cols());
   for (Eigen::Index i = 0; i < blocks; ++i) {
     const Eigen::Index first = i * scores.rows() / blocks, last = (i + 1) * scores.rows() / blocks;

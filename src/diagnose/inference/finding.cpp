@@ -4,7 +4,7 @@
 
 #include "core/parallel.hpp"
 #include "diagnose/inference/model_choice.hpp"
-#include "diagnose/record/readings.hpp"
+#include "diagnose/record/integrated_autocorrelation.hpp"
 #include "diagnose/terms/with_effects.hpp"
 
 namespace qerr {
@@ -62,7 +62,7 @@ bool leaves_much(const Finding& f) {
   constexpr double many = 8;  // [counts]
   const Explanation& m = f.selection->model;
   const bool left = std::any_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return !t.named(); });
-  if (!left && rows_alike(f.evidence, m) == 1) return false;
+  if (!left && integrated_autocorrelation(f.evidence, m) == 1) return false;
   const Eigen::ArrayXd error = (f.evidence.measured - f.evidence.reference) / f.evidence.step();
   return (error - error.mean()).square().mean() > many * many;
 }
@@ -71,17 +71,17 @@ bool leaves_much(const Finding& f) {
 /// @return the rows that were taken
 std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
   std::vector<RowGroup> groups = independent_rows(record, enough_rows);
-  f.evidence = independent(record, groups);
+  f.evidence = group_means(record, groups);
   SelectOptions options;
   options.names_first = true;
   f.selection.emplace(select(f.evidence, options));
   // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
   // are.
-  double alike = rows_alike(f.evidence, f.selection->model);
-  for (int i = 0; i < most_passes && alike > f.evidence.alike; ++i) {
-    f.evidence.alike = alike;
+  double alike = integrated_autocorrelation(f.evidence, f.selection->model);
+  for (int i = 0; i < most_passes && alike > f.evidence.rows_per_reading; ++i) {
+    f.evidence.rows_per_reading = alike;
     f.selection.emplace(select(f.evidence, options));
-    alike = rows_alike(f.evidence, f.selection->model);
+    alike = integrated_autocorrelation(f.evidence, f.selection->model);
   }
   return groups;
 }
@@ -89,7 +89,7 @@ std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
   auto f = std::make_unique<Finding>();
   std::vector<RowGroup> groups = independent_rows(record);
-  f->evidence = independent(record, groups);
+  f->evidence = group_means(record, groups);
   f->selection.emplace(select(f->evidence));
   if (leaves_much(*f)) groups = judge_remainder(record, *f);
   f->scatter = scatter_of(f->evidence, f->selection->model);

@@ -44,7 +44,8 @@ double bayes(const Explanation& m, const Evidence& e) {
   Eigen::Index count = 0;
   for (const Term& t : m.terms())
     count += t.size() + (t.reshaped || t.effect.type == "missed_counts" ? 1 : 0);
-  return m.log_likelihood() / e.alike - 0.5 * static_cast<double>(count) * std::log(e.readings());
+  return m.log_likelihood() / e.rows_per_reading -
+         0.5 * static_cast<double>(count) * std::log(e.independent_readings());
 }
 
 double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
@@ -126,7 +127,7 @@ Explanation settled(Explanation m, const Evidence& e) {
     const double order = std::abs(wave_number(whole.effect, e.encoder));
     const bool at = std::abs(order - last.shape) < 0.02 * last.reach;
     const double lost = m.log_likelihood() - named.log_likelihood();
-    if (lost > (at ? hard_to_tell : worth_a_term) * e.alike) continue;
+    if (lost > (at ? hard_to_tell : worth_a_term) * e.rows_per_reading) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
   }
   return best ? std::move(*best) : std::move(m);

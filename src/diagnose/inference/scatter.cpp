@@ -136,7 +136,7 @@ class Trials {
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> found{noise()};
     if (e_.ordered && e_.velocity.abs().maxCoeff() > 0) found.push_back(jitter());
-    if (e_.counted && !e_.rests() && e_.encoder.counts_per_period == 4)
+    if (e_.counted && !e_.is_stationary() && e_.encoder.counts_per_period == 4)
       for (const double sign : {-1.0, 1.0}) found.push_back(states(sign));
     std::sort(found.begin(), found.end(),
               [](const Candidate& a, const Candidate& b) { return a.value > b.value; });

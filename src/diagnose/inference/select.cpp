@@ -100,7 +100,7 @@ class Search {
     }
     std::vector<std::pair<double, std::size_t>> gains;
     for (std::size_t i = 0; i < candidates.size(); ++i)
-      if (const double gain = model.gain(candidates[i]); gain > worth_trying * e_.alike)
+      if (const double gain = model.gain(candidates[i]); gain > worth_trying * e_.rows_per_reading)
         gains.emplace_back(gain, i);
     std::sort(gains.rbegin(), gains.rend());
     if (gains.size() > tried_in_full) gains.resize(tried_in_full);
@@ -116,7 +116,7 @@ class Search {
     Explanation m = model;
     for (int i = 0; i < most_steps; ++i) {
       const auto step = strongest_step(e_, m);
-      if (!step || m.gain(*step) < worth_trying * e_.alike) break;
+      if (!step || m.gain(*step) < worth_trying * e_.rows_per_reading) break;
       Explanation next = with_term(m, *step);
       const bool passed = bayes(next, e_) > bayes(m, e_) + worth_a_term && passes(m, next);
       m = std::move(next);
@@ -173,7 +173,7 @@ void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
 /// Mean square of what is left and is neither noise nor quantization: where something unknown is that large,
 /// a smaller difference between two names may be its doing.
 double left_without_shape(const Explanation& m, const Evidence& e) {
-  if (e.alike <= 1) return 0;
+  if (e.rows_per_reading <= 1) return 0;
   return std::max(0.0, left_by(m, e) - e.step() * e.step() / 12 - e.noise * e.noise);
 }
 

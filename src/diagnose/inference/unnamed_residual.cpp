@@ -22,11 +22,12 @@ constexpr Eigen::Index rows_a_knot = 25;
 std::vector<Term> tables(const Evidence& e) {
   std::vector<Term> all;
   for (const Eigen::Index knots : {24, 64})
-    if (!e.rests() && e.rows() >= rows_a_knot * knots) all.push_back(position_table_term(e, knots));
+    if (!e.is_stationary() && e.rows() >= rows_a_knot * knots) all.push_back(position_table_term(e, knots));
   if (e.ordered)
     for (const Eigen::Index knots : {24, 64, 160})
       if (e.rows() >= rows_a_knot * knots) all.push_back(time_table_term(e, knots));
-  if (all.empty() && !e.rests() && e.rows() >= 160) all.push_back(position_table_term(e, e.rows() / 40));
+  if (all.empty() && !e.is_stationary() && e.rows() >= 160)
+    all.push_back(position_table_term(e, e.rows() / 40));
   return all;
 }
 
@@ -35,7 +36,8 @@ std::optional<Term> best_table(const Explanation& m, const Evidence& e) {
   std::optional<Term> best;
   double value = worth_no_name;
   for (Term& t : tables(e)) {
-    const double here = m.gain(t) / e.alike - 0.5 * static_cast<double>(t.size()) * std::log(e.readings());
+    const double here = m.gain(t) / e.rows_per_reading -
+                        0.5 * static_cast<double>(t.size()) * std::log(e.independent_readings());
     if (here > value) value = here, best = std::move(t);
   }
   return best;
@@ -50,7 +52,7 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
   std::optional<Explanation> best;
   double value = bayes(m, e) + worth_no_name;
   for (const Term& t : candidates) {
-    if (m.gain(t) < worth_no_name * e.alike) continue;
+    if (m.gain(t) < worth_no_name * e.rows_per_reading) continue;
     Explanation next = with_term(m, t);
     if (next.terms().back().reshaped) next = refined(std::move(next), e);
     const std::size_t last = next.terms().size() - 1;

@@ -48,8 +48,8 @@ double square(double x) { return x * x; }
 Sight::Sight(const PlannedRecord& record, const PlanOptions& options)
     : record_(record), options_(options), readings_(record.weight.sum()) {
   const Evidence& e = record.evidence;
-  const double chance = rms(e.chance);
-  information_ = reading_information(std::max(1e-3, std::hypot(e.noise, chance) / e.step()));
+  const double random_sigma = rms(e.random_sigma);
+  information_ = reading_information(std::max(1e-3, std::hypot(e.noise, random_sigma) / e.step()));
   terms_ = named_terms(e);
   terms_.push_back(step_term(e, 0.5 * e.time[e.rows() - 1]));
   Eigen::Index count = 1;

@@ -77,11 +77,11 @@ std::vector<PlannedRecord> planned_records(const OperationalModel& model, const 
     e.velocity = c.velocity.row(row).transpose().array();
     e.noise = noise * e.step();
     e.path_noise = e.noise;
-    e.side = side_of_motion(e.path, std::max(10 * e.noise, 0.1 * e.step()));
+    e.direction = direction_of_motion(e.path, std::max(10 * e.noise, 0.1 * e.step()));
     if (c.effort.size() > 0) e.effort = c.effort.row(row).transpose().array();
     e = with_effects(std::move(e), present);
     e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
-    e = independent(e, independent_rows(e, e.rows()));
+    e = group_means(e, independent_rows(e, e.rows()));
     const Eigen::ArrayXd weight = weights(e, c.every);
     records.push_back({std::move(e), weight});
   }

@@ -18,7 +18,7 @@ Eigen::RowVectorXd parts_of_joints(const OperationalModel& model, Eigen::Index e
 
 }  // namespace
 
-bool feels_one_joint(const OperationalModel& model, Eigen::Index encoder) {
+bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
   return (parts_of_joints(model, encoder).array().abs() > nothing).count() == 1;
 }
 
@@ -30,7 +30,8 @@ EncoderReference encoder_reference(const OperationalModel& model, const Log& log
     const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
     if (!column) return {};
     r.position += parts[j] * log.values.col(*column);
-    r.grid = std::max(r.grid, std::abs(parts[j]) * log.columns[static_cast<std::size_t>(*column)].step());
+    r.log_resolution = std::max(r.log_resolution,
+                                std::abs(parts[j]) * log.columns[static_cast<std::size_t>(*column)].step());
   }
   return r;
 }

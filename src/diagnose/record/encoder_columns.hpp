@@ -8,12 +8,12 @@ namespace qerr {
 // What a log's columns, which are of joints, say in the coordinate of an encoder, which may feel several.
 
 /// Whether an encoder feels its own joint only.
-bool feels_one_joint(const OperationalModel&, Eigen::Index encoder);
+bool depends_on_one_joint(const OperationalModel&, Eigen::Index encoder);
 
 /// By the references of all joints that the encoder feels.
 struct EncoderReference {
-  Eigen::ArrayXd position;  ///< empty where a reference is missing [rad or m]
-  double grid = 0;          ///< the coarsest step that one of them is written with [rad or m]
+  Eigen::ArrayXd position;    ///< empty where a reference is missing [rad or m]
+  double log_resolution = 0;  ///< the coarsest step that one of them is written with [rad or m]
 };
 EncoderReference encoder_reference(const OperationalModel&, const Log&, Eigen::Index encoder);
 

@@ -34,7 +34,7 @@ std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
     if (k == e.rows() || e.measured[k] != e.measured[first] || std::abs(e.path[k] - e.path[first]) > apart ||
-        e.side[k] != e.side[first]) {
+        e.direction[k] != e.direction[first]) {
       all.push_back({first, k});
       first = k;
     }
@@ -51,11 +51,11 @@ std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
   return drawn;
 }
 
-Evidence independent(const Evidence& e, const std::vector<RowGroup>& groups) {
+Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
   Evidence few = e;
   for (Eigen::ArrayXd* column :
-       {&few.time, &few.reference, &few.measured, &few.path, &few.velocity, &few.side, &few.joint_path,
-        &few.joint_velocity, &few.effort, &few.temperature, &few.chance})
+       {&few.time, &few.reference, &few.measured, &few.path, &few.velocity, &few.direction, &few.joint_path,
+        &few.joint_velocity, &few.effort, &few.temperature, &few.random_sigma})
     *column = means(*column, groups);
   return few;
 }
@@ -70,7 +70,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   EncoderReference reference = encoder_reference(model, log, number);
   if (reference.position.size() == 0) return std::nullopt;
   e.reference = std::move(reference.position);
-  e.grid = reference.grid;
+  e.log_resolution = reference.log_resolution;
   e.encoder = model.transmission.encoders[encoder];
   const auto counts = log.find(LogSignal::counts, encoder);
   e.counted = counts.has_value();
@@ -83,23 +83,24 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   e.ordered = time.size() > 0;
   if (e.ordered) {
     e.time = time;
-    SmoothPath smooth = smooth_path(time, e.reference, e.grid);
+    SmoothPath smooth = smooth_path(time, e.reference, e.log_resolution);
     e.path = std::move(smooth.position);
     e.velocity = std::move(smooth.velocity);
     e.noise = smooth.noise;
-    e.path_noise = smooth.left;
-    if (!feels_one_joint(model, number)) {
-      SmoothPath own = smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.grid);
+    e.path_noise = smooth.residual_noise;
+    if (!depends_on_one_joint(model, number)) {
+      SmoothPath own =
+          smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.log_resolution);
       e.joint_path = std::move(own.position);
       e.joint_velocity = std::move(own.velocity);
     }
-    e.side = side_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
+    e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
   } else {
     const Eigen::Index rows = e.rows();
     e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
     e.path = e.reference;
-    e.velocity = e.side = Eigen::ArrayXd::Zero(rows);
-    e.noise = e.path_noise = e.grid / std::sqrt(12.0);
+    e.velocity = e.direction = Eigen::ArrayXd::Zero(rows);
+    e.noise = e.path_noise = e.log_resolution / std::sqrt(12.0);
   }
   if (const auto effort = log.find(LogSignal::effort, encoder)) e.effort = log.values.col(*effort);
   if (const auto warm = log.find(LogSignal::temperature, encoder))

@@ -18,7 +18,7 @@ std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index part)
   bool turned = false;
   double travel = 0;
   for (Eigen::Index k = 1; k < n; ++k) {
-    turned |= e.side[k] != e.side[k - 1];
+    turned |= e.direction[k] != e.direction[k - 1];
     travel += std::abs(e.path[k] - e.path[k - 1]);
     const Eigen::Index length = k - starts.back();
     const bool enough = turned || travel > revolution || length >= most;
@@ -43,8 +43,8 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
   Evidence part = e;
   for (Eigen::ArrayXd* column :
-       {&part.time, &part.reference, &part.measured, &part.path, &part.velocity, &part.side, &part.joint_path,
-        &part.joint_velocity, &part.effort, &part.temperature, &part.chance})
+       {&part.time, &part.reference, &part.measured, &part.path, &part.velocity, &part.direction,
+        &part.joint_path, &part.joint_velocity, &part.effort, &part.temperature, &part.random_sigma})
     if (column->size() > 0) *column = Eigen::ArrayXd((*column)(rows));
   return part;
 }

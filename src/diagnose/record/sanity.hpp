@@ -21,7 +21,7 @@ struct Sanity {
   std::vector<Effect> present;  ///< of the spec, without those that the repair has undone
   /// Per encoder: what a finer quantizer before the one of the model scatters the position by, its standard
   /// deviation [rad or m]; 0 where there is none.
-  std::vector<double> finer;
+  std::vector<double> rounding_sigma;
   std::vector<double>
       rms_before;             ///< of measured - reference as recorded, per encoder [rad or m]; 0: not known
   std::vector<Cause> causes;  ///< by name

@@ -144,7 +144,7 @@ class Window {
       out.velocity[k] = here.slope.dot(around(k));
       if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(around(k));
     }
-    if (smoothed) out.left *= kept();
+    if (smoothed) out.residual_noise *= kept();
     return out;
   }
 
@@ -185,7 +185,7 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
   return widest->path(noise);
 }
 
-Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold) {
+Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold) {
   Eigen::ArrayXd side = Eigen::ArrayXd::Zero(path.size());
   Eigen::Index low = 0, high = 0;  // of the lowest and highest point since the last reversal
   double now = 0;

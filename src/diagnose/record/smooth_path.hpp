@@ -8,7 +8,7 @@ namespace qerr {
 struct SmoothPath {
   Eigen::ArrayXd position, velocity;  ///< [unit], [unit/s]
   double noise = 0;                   ///< standard deviation of the recorded numbers' white noise [unit]
-  double left = 0;                    ///< standard deviation of what is left of it in the position [unit]
+  double residual_noise = 0;          ///< standard deviation of what is left of it in the position [unit]
 };
 
 /// Local cubic fits (Savitzky and Golay, at the actual stamps) over the widest window whose residual is still
@@ -23,6 +23,6 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
 
 /// Side on which a joint was last pushed, -1 or +1, 0 before its first motion: reversals smaller than
 /// `threshold` are noise.
-Eigen::ArrayXd side_of_motion(const Eigen::ArrayXd& path, double threshold);
+Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold);
 
 }  // namespace qerr

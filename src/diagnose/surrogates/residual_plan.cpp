@@ -42,7 +42,7 @@ void add_projections(ResidualPlan& plan, const ResidualKernels& kernels) {
   const auto rms = [](double n, double) { return 1 / std::sqrt(n); };
   const auto difference = [](double, double norm) { return 1 / norm; };
   if (e.ordered) {
-    project(plan, "by_direction", chosen(plan, e.side), [](double, double norm) { return 2 / norm; });
+    project(plan, "by_direction", chosen(plan, e.direction), [](double, double norm) { return 2 / norm; });
     project(plan, "by_speed", chosen(plan, e.velocity), rms);
     const double middle = 0.5 * (e.time[0] + e.time[e.rows() - 1]);
     project(plan, "by_time", chosen(plan, (e.time > middle).cast<double>()), difference);

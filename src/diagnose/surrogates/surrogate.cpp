@@ -86,7 +86,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& part
   const double below = e.encoder.rounding == Rounding::down ? 0.5 : 0.0;
   const Eigen::ArrayXi rest =
       e.ordered ? take_rests(path, 4 * noise * std::sqrt(part)) : Eigen::ArrayXi::Zero(path.size());
-  SurrogatePlan plan{{}, {pole_that_keeps(part), noise, e.chance.size() > 0}, e.encoder.zero_known};
+  SurrogatePlan plan{{}, {pole_that_keeps(part), noise, e.random_sigma.size() > 0}, e.encoder.zero_known};
   plan.rows.reserve(parts.size() * static_cast<std::size_t>(parts.front().rows));
   for (const Stretch& s : parts)
     for (Eigen::Index k = s.first; k < s.first + s.rows; ++k) {
@@ -98,7 +98,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<Stretch>& part
                        0,
                        Rest::none,
                        static_cast<std::int32_t>(whole - 4 * std::floor(0.25 * whole))};
-      if (plan.noise.chance) row.chance = e.chance[k] / e.step();
+      if (plan.noise.chance) row.chance = e.random_sigma[k] / e.step();
       if (rest[k] > 0) {
         // One rest follows another when the joint has moved a little between them.
         const bool begins = k == s.first || rest[k - 1] == 0 || path[k] != path[k - 1];

@@ -73,7 +73,7 @@ std::optional<Term> strongest_step(const Evidence& e, const Explanation& model) 
 }
 
 std::optional<Term> strongest_order(const Evidence& e, const Explanation& model) {
-  if (e.rests()) return std::nullopt;
+  if (e.is_stationary()) return std::nullopt;
   // Up to a period of four counts.
   // What was not seen once and a half is no period.
   const double range = e.path.maxCoeff() - e.path.minCoeff();

@@ -183,7 +183,7 @@ std::vector<Term> named_terms(const Evidence& e) {
   if (e.encoder.zero_known)
     terms.push_back(linear(e, "offset", Eigen::ArrayXd::Ones(e.rows()),
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["offset"] = c[0]; }));
-  if (!e.rests()) {
+  if (!e.is_stationary()) {
     terms.push_back(
         linear(e, "scale", e.path, [](Effect& x, const Eigen::VectorXd& c) { x.numbers["scale"] = c[0]; }));
     add_periodic(e, true, {1, 2, 3, 4, 6, 8}, terms);
@@ -195,14 +195,14 @@ std::vector<Term> named_terms(const Evidence& e) {
     terms.push_back(linear(e, "compliance", e.effort,
                            [](Effect& x, const Eigen::VectorXd& c) { x.numbers["compliance"] = c[0]; }));
   // Steppers, the usual references, err at the orders of their teeth.
-  if (!e.prismatic && !e.rests())
+  if (!e.prismatic && !e.is_stationary())
     for (const double order : {50.0, 100.0, 200.0}) terms.push_back(reference_error_term(e, order));
   if (!e.ordered) return terms;
   add_drifts(e, terms);
-  if (e.rests()) return terms;
+  if (e.is_stationary()) return terms;
   terms.push_back(linear(e, "latency", -e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["delay"] = c[0]; }));
-  terms.push_back(linear(e, "backlash", 0.5 * e.side,
+  terms.push_back(linear(e, "backlash", 0.5 * e.direction,
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["gap"] = c[0]; }));
   terms.push_back(linear(e, "clock_drift", e.time * e.joint_rate(),
                          [](Effect& x, const Eigen::VectorXd& c) { x.numbers["rate"] = c[0]; }));

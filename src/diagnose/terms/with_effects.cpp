@@ -30,7 +30,7 @@ struct Way {
   void act(const Effect& effect) {
     const Stage stage = effect_kind(effect.type).stage;
     if (effect.type == "backlash") {
-      signal += 0.5 * effect.number("gap") * e.side;
+      signal += 0.5 * effect.number("gap") * e.direction;
       return;
     }
     const Action action = effect_kind(effect.type).action(effect, e.encoder, 0);
@@ -81,7 +81,7 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   reference.pass(effects, Stage::reference, Stage::reference);
   const Eigen::ArrayXd added = encoder.signal - e.path - (reference.signal - e.joint_angle());
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
-  if (e.chance.size() > 0) variance = e.chance.square();
+  if (e.random_sigma.size() > 0) variance = e.random_sigma.square();
   for (const Effect& effect : effects)
     if (effect.joint == e.joint && by_chance(effect)) {
       const double sigma = effect.number("sigma");
@@ -91,7 +91,7 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
         variance += (sigma * e.velocity).square();
     }
   move(e, added);
-  if ((variance > 0).any()) e.chance = variance.sqrt();
+  if ((variance > 0).any()) e.random_sigma = variance.sqrt();
   return e;
 }
 

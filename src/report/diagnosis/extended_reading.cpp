@@ -74,7 +74,7 @@ Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) 
     const double truth = reading.taken(e.time[k]) == e.time[k] ? e.path[k] : position;
     const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
                         e.temperature.size() ? e.temperature[k] : 0};
-    sum[k] = 0.5 * gap * e.side[k] + reading(truth, moment) - reading.reference(e.path[k], moment);
+    sum[k] = 0.5 * gap * e.direction[k] + reading(truth, moment) - reading.reference(e.path[k], moment);
   }
   return sum;
 }

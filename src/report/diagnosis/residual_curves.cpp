@@ -60,7 +60,7 @@ ResidualCurves residual_curves(const DiagnosisReport& r) {
     const std::string joint = csv_cell(e.joint) + ',', unit = e.prismatic ? ",m\r\n" : ",rad\r\n";
     for (Eigen::Index k = 0; k < e.rows(); ++k)
       out.residual += joint + (e.ordered ? shortest(e.time[k]) : "") + ',' + shortest(e.reference[k]) + ',' +
-                      shortest(e.side.size() ? e.side[k] : 0) + ',' + shortest(before[k]) + ',' +
+                      shortest(e.direction.size() ? e.direction[k] : 0) + ',' + shortest(before[k]) + ',' +
                       shortest(after[k]) + unit;
     const double span = e.reference.maxCoeff() - e.reference.minCoeff();
     if (!(span > 0)) continue;

@@ -29,7 +29,7 @@ TipEvidence anywhere(const TipEvidence& e, const Chain& chain) {
     }
   for (Evidence& own : wide.encoders)
     for (Eigen::ArrayXd* series : {&own.time, &own.reference, &own.measured, &own.path, &own.velocity,
-                                   &own.side, &own.effort, &own.temperature})
+                                   &own.direction, &own.effort, &own.temperature})
       if (series->size() > 0) series->conservativeResize(rows);
   return wide;
 }

@@ -31,13 +31,13 @@ Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t
   e.ordered = log.has_time();
   e.time = time;
   e.reference = e.measured = e.path = measured;
-  e.velocity = e.side = Eigen::ArrayXd::Zero(measured.size());
+  e.velocity = e.direction = Eigen::ArrayXd::Zero(measured.size());
   e.noise = sigma(e.encoder);
   if (e.ordered) {
     const SmoothPath smooth = smooth_path(time, measured, e.step());
     e.path = smooth.position;
     e.velocity = smooth.velocity;
-    e.side = side_of_motion(measured, 1.5 * e.step());
+    e.direction = direction_of_motion(measured, 1.5 * e.step());
   }
   if (const auto effort = log.find(LogSignal::effort, i)) e.effort = log.values.col(*effort);
   if (const auto warm = log.find(LogSignal::temperature, i))
@@ -58,13 +58,13 @@ void take_off(TipEvidence& e, const std::vector<Effect>& present) {
 /// First rows of groups that say the same: no joint has been seen to move, nor has the tip.
 std::vector<Eigen::Index> groups(const TipEvidence& e) {
   std::vector<Eigen::Index> starts{0};
-  const double apart = 4 * std::max(e.noise, e.grid);
+  const double apart = 4 * std::max(e.noise, e.log_resolution);
   for (Eigen::Index k = 1; k < e.rows(); ++k) {
     const Eigen::Index first = starts.back();
     bool moved = !e.ordered || (e.tip.col(k) - e.tip.col(first)).cwiseAbs().maxCoeff() > apart;
     for (const Evidence& encoder : e.encoders)
       moved |= std::abs(encoder.measured[k] - encoder.measured[first]) > 0.05 * encoder.step() ||
-               encoder.side[k] != encoder.side[first];
+               encoder.direction[k] != encoder.direction[first];
     if (moved) starts.push_back(k);
   }
   return starts;
@@ -101,8 +101,9 @@ void shorten(TipEvidence& e) {
   const Eigen::Index stride = (static_cast<Eigen::Index>(starts.size()) + most_rows - 1) / most_rows;
   const Fewer fewer(std::move(starts), e.rows(), stride);
   for (Evidence& encoder : e.encoders)
-    for (Eigen::ArrayXd* series : {&encoder.time, &encoder.reference, &encoder.measured, &encoder.path,
-                                   &encoder.velocity, &encoder.side, &encoder.effort, &encoder.temperature})
+    for (Eigen::ArrayXd* series :
+         {&encoder.time, &encoder.reference, &encoder.measured, &encoder.path, &encoder.velocity,
+          &encoder.direction, &encoder.effort, &encoder.temperature})
       fewer.shorten(*series);
   e.joints = fewer.columns(e.joints);
   e.tip = fewer.columns(e.tip);
@@ -122,7 +123,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
       // grid.
       const auto seen = log.values.col(*column);
       if (seen.maxCoeff() > seen.minCoeff())
-        e.grid = std::max(e.grid, log.columns[static_cast<std::size_t>(*column)].step());
+        e.log_resolution = std::max(e.log_resolution, log.columns[static_cast<std::size_t>(*column)].step());
     }
   const auto count = static_cast<Eigen::Index>(model.chain.independent.size());
   const Eigen::Index rows = log.values.rows();
@@ -131,7 +132,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   const Eigen::ArrayXd time = time_of(log);
   e.tip = log.values(Eigen::all, columns).matrix().transpose();
   for (const Eigen::Index column : columns)
-    if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.grid));
+    if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.log_resolution));
   e.joints.resize(count, rows);
   e.joint_noise.setZero(count);
   e.to_joints = model.transmission.coupling;

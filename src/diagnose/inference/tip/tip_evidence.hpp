@@ -22,7 +22,7 @@ struct TipEvidence {
   Eigen::MatrixXd to_joints;       ///< joints x encoders: the coupling, 0 in rows of joints with a reference
   std::vector<Evidence> encoders;  ///< path, speed, side, load of every encoder, as it was read
   double noise = 0;                ///< of the tracker, per coordinate; 0: the rows do not tell [m]
-  double grid = 0;                 ///< step of the tracked numbers as they are written in the file [m]
+  double log_resolution = 0;       ///< step of the tracked numbers as they are written in the file [m]
 
   Eigen::Index rows() const { return tip.cols(); }
   bool judged(std::size_t encoder) const {  ///< whether the tip is the only truth of this encoder

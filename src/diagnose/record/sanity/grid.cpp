@@ -63,9 +63,9 @@ void check_measured(Sanity& s, Readings& read, std::size_t encoder) {
     const Eigen::ArrayXd lowest = (read.counts - 0.5 * grid).ceil();
     const Eigen::ArrayXd highest = (read.counts + 0.5 * grid).floor();
     // With an odd number of counts in every step all have as many; halves are rounded up or down by chance.
-    s.finer[encoder] = std::abs(std::remainder(grid, 2)) < 1e-3
-                           ? sigma(model)
-                           : 0.5 * rms(highest + 1 - lowest - grid) * model.resolution;
+    s.rounding_sigma[encoder] = std::abs(std::remainder(grid, 2)) < 1e-3
+                                    ? sigma(model)
+                                    : 0.5 * rms(highest + 1 - lowest - grid) * model.resolution;
     if (model.zero_known)
       read.counts = 0.5 * (lowest + highest) + (model.rounding == Rounding::down ? 0.5 - 0.5 * grid : 0.0);
     read.counts /= grid;

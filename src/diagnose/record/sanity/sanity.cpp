@@ -88,7 +88,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   s.log = log;
   s.model = model;
   s.present = present;
-  s.finer.assign(model.transmission.encoders.size(), 0);
+  s.rounding_sigma.assign(model.transmission.encoders.size(), 0);
   for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i)
     for (const Effect& effect : present)
       if (const auto rebuilt = effect_kind(effect.type).rebuilt;
@@ -116,9 +116,9 @@ std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
   std::vector<Evidence> all = evidence(s.model, s.log, threads);
   feel(all, s.model.transmission, s.present);
   for (Evidence& e : all) {
-    for (std::size_t i = 0; i < s.finer.size(); ++i)
-      if (s.finer[i] > 0 && s.model.chain.independent[i].name == e.joint)
-        e.chance = Eigen::ArrayXd::Constant(e.rows(), s.finer[i]);
+    for (std::size_t i = 0; i < s.rounding_sigma.size(); ++i)
+      if (s.rounding_sigma[i] > 0 && s.model.chain.independent[i].name == e.joint)
+        e.random_sigma = Eigen::ArrayXd::Constant(e.rows(), s.rounding_sigma[i]);
     e = with_effects(std::move(e), s.present);
   }
   return all;

@@ -15,6 +15,6 @@ namespace qerr {
 /// place lie side by side, and the larger figure counts.
 /// @param model  with all that can be explained: what it lacks would count as repetition, but for what a
 ///   coarse table of the position and one of time take up
-double rows_alike(const Evidence&, const Explanation& model);
+double integrated_autocorrelation(const Evidence&, const Explanation& model);
 
 }  // namespace qerr

@@ -1,4 +1,4 @@
-#include "diagnose/record/readings.hpp"
+#include "diagnose/record/integrated_autocorrelation.hpp"
 
 #include <algorithm>
 #include <numeric>
@@ -60,8 +60,8 @@ Eigen::ArrayXd without_tables(const Evidence& e, const Eigen::ArrayXd& scores) {
 
 }  // namespace
 
-double rows_alike(const Evidence& e, const Explanation& model) {
-  const double own = std::max({e.noise, 0.3 * e.grid, 1e-3 * e.step()});
+double integrated_autocorrelation(const Evidence& e, const Explanation& model) {
+  const double own = std::max({e.noise, 0.3 * e.log_resolution, 1e-3 * e.step()});
   if (model.plain_noise() < more_than_noise * own || e.rows() < 8 * knots) return 1;
   const Eigen::ArrayXd scores = model.plain().score - model.plain().score.mean();
   const double alike = repetition(e, without_tables(e, scores));
