@@ -1,7 +1,7 @@
 // The norms of qerr beside what one would write by hand, in one table: time and relative error.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_filter_norms &&
-//   build/tests/bench_filter_norms
+//   build/tests/bench/bench_filter_norms
 //
 // H2: a controller canonical form of the expanded coefficients in double, its discrete Lyapunov equation
 // solved as one linear system (Eigen, LU). l1 and H2: the difference equation of these coefficients summed in
@@ -15,9 +15,9 @@
 #include <functional>
 #include <string>
 
-#include "../reference_norm.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
+#include "support/reference_norm.hpp"
 
 namespace {
 

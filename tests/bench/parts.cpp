@@ -1,6 +1,7 @@
 // The parts of the main job, one by one, on the arm of configs/kuka_lwr.
 //
-//   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_parts && build/tests/bench_parts
+//   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_parts &&
+//   build/tests/bench/bench_parts
 //
 // `items_per_second` are configurations, of `histogram` values. Behind a slash stands the instruction set: 0
 // portable, 1 avx2, 2 avx512.

@@ -1,7 +1,7 @@
 // Reading a measured log beside what one would write by hand, in one run: bytes per second, and the ratio.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_read_log &&
-//   build/tests/bench_read_log
+//   build/tests/bench/bench_read_log
 //
 // The log has 15 columns (time; counts and reference of six joints; two of the tip), with 8 decimals as a
 // recorder writes them, or with all digits of a double as `qerr simulate` does. Both baselines read the same

@@ -2,7 +2,7 @@
 // configs/kuka_lwr as it is and as a calibration finds it, along sines in all joints.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_simulate &&
-//   build/tests/bench_simulate
+//   build/tests/bench/bench_simulate
 //
 // One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
 // median over the iterations of plain time over qerr's; the others are samples per second at best. Theory of

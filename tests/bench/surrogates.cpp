@@ -2,7 +2,7 @@
 // (reference_residuals.hpp), in one run: 99 of them along a record of one joint.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_surrogates &&
-//   build/tests/bench_surrogates
+//   build/tests/bench/bench_surrogates
 //
 // One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
 // median over the iterations of plain time over qerr's; the others are readings of surrogates per second at
@@ -15,10 +15,10 @@
 #include <cstdio>
 #include <cstdlib>
 
-#include "../random_evidence.hpp"
-#include "../reference_residuals.hpp"
 #include "cpu_time.hpp"
 #include "qerr/input/spec.hpp"
+#include "support/random_evidence.hpp"
+#include "support/reference_residuals.hpp"
 
 namespace {
 
