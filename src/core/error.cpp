@@ -1,6 +1,5 @@
 #include "qerr/core/error.hpp"
 
-#include <cstdio>
 #include <utility>
 
 #include "core/text.hpp"
@@ -38,12 +37,8 @@ std::string escaped(const std::string& text, std::size_t limit) {
     // U+0080..U+009F are control characters too: terminals read them as escape sequences.
     const bool c1_control = length == 2 && byte == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0;
     if (length == 0 || byte < 0x20 || byte == 0x7F || c1_control) {
-      for (std::size_t k = 0; k < step; ++k) {
-        char buffer[8];
-        std::snprintf(buffer, sizeof buffer, "\\x%02X",
-                      static_cast<unsigned>(static_cast<unsigned char>(text[i + k])));
-        out += buffer;
-      }
+      for (std::size_t k = 0; k < step; ++k)
+        out += "\\x" + hexadecimal(static_cast<unsigned char>(text[i + k]));
     } else {
       out.append(text, i, step);
     }

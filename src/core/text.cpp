@@ -53,15 +53,25 @@ std::string fixed_point(double value, int decimals) {
   return printed(value, std::chars_format::fixed, decimals);
 }
 
+double rounded_to(double value, int digits) {
+  const std::string text = printed(value, std::chars_format::scientific, digits - 1);
+  double rounded = value;
+  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  return rounded;
+}
+
+std::string hexadecimal(unsigned char byte) {
+  constexpr const char* digits = "0123456789ABCDEF";
+  return {digits[byte >> 4], digits[byte & 0xF]};
+}
+
 std::string readable(double value, const std::string& unit) {
   if (std::isnan(value)) return "not known";
   if (std::isinf(value)) return "unbounded";
   if (value == 0) return "0 " + unit;
   static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
   // The prefix is that of the rounded value: 999.96 u is 1.00 m.
-  const std::string text = printed(value, std::chars_format::scientific, 2);
-  double rounded = 0;
-  std::from_chars(text.data(), text.data() + text.size(), rounded);
+  const double rounded = rounded_to(value, 3);
   const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-12));
   const int thousand = std::clamp(static_cast<int>(std::floor(exponent / 3.0)), -4, 3);
   const double scaled = rounded / std::pow(1000.0, thousand);

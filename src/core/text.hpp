@@ -6,14 +6,14 @@
 
 namespace qerr {
 
-/// Bytes of the well-formed UTF-8 sequence at `at` (1 to 4; no overlong forms, no surrogates), or 0 when
-/// there is none.
+/// Length in bytes of the well-formed UTF-8 sequence that starts at byte `at` (1 to 4; no overlong forms, no
+/// surrogates); 0 if the bytes are not well formed.
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
 /// Columns the text takes on a terminal, counting a code point as one.
 std::size_t display_width(std::string_view text);
 
-/// "1,234,567"-free count with its noun: "1 joint", "3 joints".
+/// Count and noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);
 
 /// `value` rounded to `digits` significant digits, as printf's %g does in the C locale, in every locale.
@@ -25,5 +25,11 @@ std::string fixed_point(double value, int decimals);
 /// A quantity for people: three significant digits and an SI prefix from p to G, such as `12.3 um`,
 /// `4.56 mrad/s`, `0 m`; infinity is `unbounded`, NaN `not known`.
 std::string readable(double value, const std::string& unit);
+
+/// The nearest double with `digits` significant decimal digits; `value` itself if it is not finite.
+double rounded_to(double value, int digits);
+
+/// Two hexadecimal digits in upper case, such as `0A`.
+std::string hexadecimal(unsigned char byte);
 
 }  // namespace qerr

@@ -1,7 +1,5 @@
 #include "input/read_text.hpp"
 
-#include <cstdio>
-
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
@@ -11,12 +9,6 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t most_bytes = 16'000'000;
-
-std::string hex(unsigned char byte) {
-  char buffer[8];
-  std::snprintf(buffer, sizeof buffer, "0x%02X", static_cast<unsigned>(byte));
-  return buffer;
-}
 
 /// The place of a byte; every byte before it belongs to well-formed UTF-8.
 Place place_of(const std::string& text, std::size_t at, const std::string& file) {
@@ -57,7 +49,7 @@ void check_text(const std::string& text, const std::string& file) {
     const std::size_t length = utf8_length(text, i);
     if (length == 0) {
       throw Error(Fault{place_of(text, i, file), "", "the text must be UTF-8",
-                        "byte " + hex(static_cast<unsigned char>(text[i])),
+                        "byte 0x" + hexadecimal(static_cast<unsigned char>(text[i])),
                         utf16 ? "this looks like UTF-16: save the file as UTF-8" : "save the file as UTF-8"});
     }
     if (text[i] == '\0') {

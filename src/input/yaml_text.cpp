@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <string_view>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -25,14 +26,10 @@ std::string quoted(const std::string& text) {
       std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
   std::string out;
   for (const char c : text) {
-    char code[8] = {c, 0};
-    if (control && static_cast<unsigned char>(c) < 0x20)
-      std::snprintf(code, sizeof code, "\\x%02X", static_cast<unsigned>(c));
-    else if (control && (c == '"' || c == '\\'))
-      out += '\\';
-    else if (!control && c == '\'')
-      out += '\'';
-    out += code;
+    const bool escape = control && static_cast<unsigned char>(c) < 0x20;
+    if (control && (c == '"' || c == '\\')) out += '\\';
+    if (!control && c == '\'') out += '\'';
+    out += escape ? "\\x" + hexadecimal(static_cast<unsigned char>(c)) : std::string(1, c);
   }
   return control ? '"' + out + '"' : '\'' + out + '\'';
 }

@@ -10,9 +10,6 @@ namespace qerr {
 /// Lines up cells in columns: the first column to the left, the others to the right, two blanks between.
 std::string aligned(const std::vector<std::vector<std::string>>& rows, const std::string& indent = "  ");
 
-/// A number with `digits` significant digits, without a unit.
-std::string shortest_of(double value, int digits);
-
 /// A bar of `width` cells, filled to `fraction`, in eighths of a cell.
 std::string bar(double fraction, int width);
 

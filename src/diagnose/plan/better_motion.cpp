@@ -2,10 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <numbers>
 
+#include "core/text.hpp"
 #include "simulate/motion_path.hpp"
 
 namespace qerr {
@@ -13,13 +12,6 @@ namespace qerr {
 namespace {
 
 constexpr double margin = 0.05;  ///< of the range, left free at either end
-
-/// Three digits, as they will be printed.
-double rounded(double x) {
-  char text[40];
-  std::snprintf(text, sizeof text, "%.3g", x);
-  return std::atof(text);
-}
 
 /// How far and how fast a joint may go.
 struct Room {
@@ -57,10 +49,11 @@ JointMotion moves(const Room& r, double part, double cycles, double duration) {
   const double left = duration / cycles * 0.97 - 7 * (dwell + ramp);
   const double fast = std::min(r.speed > 0 ? r.speed : half * way / left, half * way / left);
   JointMotion m;
-  m.center = rounded(middle - 0.2 * half);
+  m.center = rounded_to(middle - 0.2 * half, 3);
   for (const auto& [to, speed] : legs) {
-    const double v = rounded(speed * fast);
-    m.moves.push_back({rounded(middle + to * half), v, rounded(fast / ramp), 0, rounded(dwell)});
+    const double v = rounded_to(speed * fast, 3);
+    m.moves.push_back(
+        {rounded_to(middle + to * half, 3), v, rounded_to(fast / ramp, 3), 0, rounded_to(dwell, 3)});
   }
   return m;
 }
@@ -73,8 +66,9 @@ JointMotion sines(const Room& r, double part, double cycles, double duration) {
   for (int i = 0; i < 3; ++i) speed += 2 * std::numbers::pi * f * rates[i] * amplitudes[i] * half;
   if (r.speed > 0) f *= std::min(1.0, r.speed / speed);
   JointMotion m;
-  m.center = rounded(0.5 * (r.low + r.high));
-  for (int i = 0; i < 3; ++i) m.sines.push_back({rounded(amplitudes[i] * half), rounded(f * rates[i]), 0});
+  m.center = rounded_to(0.5 * (r.low + r.high), 3);
+  for (int i = 0; i < 3; ++i)
+    m.sines.push_back({rounded_to(amplitudes[i] * half, 3), rounded_to(f * rates[i], 3), 0});
   return m;
 }
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/text.hpp"
 #include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/tip/tip.hpp"
 #include "diagnose/verdict/cause_report.hpp"
@@ -60,12 +61,9 @@ std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
   for (const Evidence& e : all)
     if (e.path_noise / e.step() < least) least = e.path_noise / e.step(), recorded = e.noise / e.step();
   if (all.empty() || least < hides) return std::nullopt;
-  char text[160];
-  std::snprintf(text, sizeof text,
-                "the references' noise is %.2g counts (%.2g where the path is smooth): below 0.3 they would "
-                "tell; a better sensor, or a slower motion at the same rate",
-                recorded, least);
-  return text;
+  return "the references' noise is " + significant(least, 2) + " counts (" + significant(recorded, 2) +
+         " where the path is smooth): below 0.3 they would tell; a better sensor, or a slower motion at the "
+         "same rate";
 }
 
 /// Adds what the tip tells. Its gain is the whole one where no joint has a reference.

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/text.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/text_table.hpp"
 #include "simulate/noise_along_motion.hpp"
@@ -27,7 +28,7 @@ std::string warning_of_ipqn(const Spec& spec) {
     const auto memory = followed(f.filter, 2 * longest_threshold_search);
     const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
     if (threshold)
-      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + shortest_of(*threshold, 2);
+      thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + significant(*threshold, 2);
   }
   return "sigma of a derivative assumes white noise (IPQN): right on average over speeds, at no constant "
          "speed "

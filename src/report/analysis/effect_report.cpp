@@ -52,7 +52,7 @@ std::string parameters_text(const Spec& spec, const Effect& effect) {
   for (const EffectParameter& p : effect_parameters(spec, effect)) {
     if (p.usual) continue;
     text += (text.empty() ? "" : ", ") + p.name + ' ' +
-            (p.unit.empty() ? shortest_of(p.value, 4) : readable(p.value, p.unit));
+            (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit));
   }
   for (const Parameter& row : effect_kind(effect.type).parameters) {
     const auto choice = effect.choices.find(std::string(row.name));

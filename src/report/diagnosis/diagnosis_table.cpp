@@ -19,9 +19,9 @@ std::string heading(const std::string& text, const Style& style) {
   return "\n" + painted(text, "1", style) + "\n";
 }
 
-std::string probability(double p) { return p < 1e-15 ? "p < 1e-15" : "p = " + shortest_of(p, 2); }
+std::string probability(double p) { return p < 1e-15 ? "p < 1e-15" : "p = " + significant(p, 2); }
 
-std::string counts(double value) { return shortest_of(value, 3) + " counts"; }
+std::string counts(double value) { return significant(value, 3) + " counts"; }
 
 std::string verdict_line(const Diagnosis& d, const Style& style) {
   std::string word(name(d.verdict));
@@ -35,17 +35,17 @@ std::string verdict_line(const Diagnosis& d, const Style& style) {
 /// What is wrong with at most one chance in a hundred; all else stands in the JSON.
 std::string simulation_table(const Diagnosis& d, const Style& style) {
   constexpr std::size_t most = 8;
-  constexpr double significant = 0.01;
+  constexpr double significance_level = 0.01;
   std::vector<Comparison> list;
   std::copy_if(d.simulation.begin(), d.simulation.end(), std::back_inserter(list),
-               [](const Comparison& c) { return c.p_value < significant; });
+               [](const Comparison& c) { return c.p_value < significance_level; });
   std::stable_sort(list.begin(), list.end(),
                    [](const Comparison& a, const Comparison& b) { return a.p_value < b.p_value; });
   std::vector<std::vector<std::string>> rows{{"joint", "statistic", "observed", "expected", "p"}};
   for (std::size_t i = 0; i < std::min(list.size(), most); ++i)
-    rows.push_back({shown(list[i].joint), list[i].statistic, shortest_of(list[i].observed, 3),
-                    shortest_of(list[i].expected, 3),
-                    list[i].p_value < 1e-15 ? "< 1e-15" : shortest_of(list[i].p_value, 2)});
+    rows.push_back({shown(list[i].joint), list[i].statistic, significant(list[i].observed, 3),
+                    significant(list[i].expected, 3),
+                    list[i].p_value < 1e-15 ? "< 1e-15" : significant(list[i].p_value, 2)});
   if (list.empty()) return "";
   return heading("What the simulation of the model gets wrong", style) + aligned(rows) +
          (list.size() > most ? "  and " + std::to_string(list.size() - most) + " more (--format json)\n"
@@ -114,7 +114,7 @@ std::string unexplained_list(const DiagnosisReport& r) {
     const std::string unit = coordinate_unit(r.spec, u.joint);
     out += "  " + shown(u.joint) + ": " + escaped(u.what);
     if (u.order && *u.order > 0)
-      out += ", order " + shortest_of(*u.order, 4) +
+      out += ", order " + significant(*u.order, 4) +
              (unit == "m" ? " per metre" : " per revolution of the joint");
     if (u.frequency) out += ", " + readable(*u.frequency, "Hz");
     if (u.amplitude > 0) out += ", amplitude " + readable(u.amplitude, unit);
@@ -129,14 +129,14 @@ std::string unexplained_list(const DiagnosisReport& r) {
 std::string place_of(const Cause& c) { return c.gain.of_tip ? "tip" : shown(c.effect.joint); }
 
 std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
-  const auto in_counts = [](double value) { return std::isfinite(value) ? shortest_of(value, 3) : "-"; };
+  const auto in_counts = [](double value) { return std::isfinite(value) ? significant(value, 3) : "-"; };
   return {label,
           readable(g.rms_before, g.unit),
           readable(g.rms_after, g.unit),
           in_counts(g.counts_before),
           in_counts(g.counts_after),
-          shortest_of(g.ratio(), 3),
-          g.upper > 0 ? shortest_of(g.lower, 3) + " .. " + shortest_of(g.upper, 3) : ""};
+          significant(g.ratio(), 3),
+          g.upper > 0 ? significant(g.lower, 3) + " .. " + significant(g.upper, 3) : ""};
 }
 
 std::string gain_table(const Diagnosis& d) {
@@ -183,7 +183,7 @@ std::string compensation(const DiagnosisReport& r) {
 
 std::string record_line(const Log& log) {
   std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
-  if (log.has_time()) out += " over " + shortest_of(log.last_time - log.first_time, 4) + " s";
+  if (log.has_time()) out += " over " + significant(log.last_time - log.first_time, 4) + " s";
   for (const LogColumn& c : log.columns)
     if (c.wraps.count > 0 || c.wraps.start != 0)
       out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +

@@ -11,7 +11,7 @@ std::string shown(const std::string& name) { return escaped(name, 60); }
 
 std::string label(const Cause& c) {
   const double order = c.effect.number_or("order", 0);
-  return c.effect.type + (order > 0 && order != 1 ? " (order " + shortest_of(order, 4) + ")" : "") + " of " +
+  return c.effect.type + (order > 0 && order != 1 ? " (order " + significant(order, 4) + ")" : "") + " of " +
          shown(c.effect.joint);
 }
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "core/text.hpp"
 #include "qerr/input/extended_spec.hpp"
 #include "report/diagnosis/diagnosis_writers.hpp"
 #include "report/text_table.hpp"

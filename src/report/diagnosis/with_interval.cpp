@@ -1,8 +1,8 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
+#include "core/text.hpp"
 #include "report/diagnosis/diagnosis_writers.hpp"
 #include "report/text_table.hpp"
 
@@ -11,16 +11,14 @@ namespace qerr {
 namespace {
 
 /// As many decimals as give the interval two digits.
-std::string fixed_point(double value, double half, double scale, const std::string& unit) {
+std::string with_half_width(double value, double half, double scale, const std::string& unit) {
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half / scale))), 0, 6);
-  char text[96];
-  std::snprintf(text, sizeof text, "%.*f +- %.*f ", decimals, value / scale, decimals, half / scale);
-  return text + unit;
+  return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
 }
 
 /// Degrees take no prefix.
 std::string figure(double value, const std::string& unit) {
-  return unit == "deg" ? shortest_of(value, 3) + " deg" : readable(value, unit);
+  return unit == "deg" ? significant(value, 3) + " deg" : readable(value, unit);
 }
 
 }  // namespace
@@ -34,19 +32,19 @@ std::string with_interval(const ReportedParameter& parameter) {
   }
   const auto& [name, value, lower, upper] = p.figure;
   if (p.fixed)
-    return p.unit.empty() || p.unit == "deg" ? shortest_of(value, 6) + (p.unit.empty() ? "" : " deg")
+    return p.unit.empty() || p.unit == "deg" ? significant(value, 6) + (p.unit.empty() ? "" : " deg")
                                              : readable(value, p.unit);
   const double half = 0.5 * (upper - lower);
   if (p.unit.empty())
-    return shortest_of(value, 4) + " (" + shortest_of(lower, 4) + " .. " + shortest_of(upper, 4) + ')';
+    return significant(value, 4) + " (" + significant(lower, 4) + " .. " + significant(upper, 4) + ')';
   if (!(std::abs(0.5 * (upper + lower) - value) < 0.2 * half) || std::abs(value) < half)
     return figure(value, p.unit) + " (" + figure(lower, p.unit) + " .. " + figure(upper, p.unit) + ')';
-  if (p.unit == "deg") return fixed_point(value, half, 1, "deg");
+  if (p.unit == "deg") return with_half_width(value, half, 1, "deg");
   // One prefix for both, and as many decimals as give the interval two digits.
   const int thousand =
       std::clamp(static_cast<int>(std::floor(std::log10(std::max(std::abs(value), half)) / 3)), -4, 3);
   static constexpr const char* prefixes[] = {"p", "n", "u", "m", "", "k", "M", "G"};
-  return fixed_point(value, half, std::pow(1000.0, thousand), prefixes[thousand + 4] + p.unit);
+  return with_half_width(value, half, std::pow(1000.0, thousand), prefixes[thousand + 4] + p.unit);
 }
 
 }  // namespace qerr

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text.hpp"
 #include "qerr/report/write.hpp"
 #include "report/filter/estimator_json.hpp"
 #include "report/report_json.hpp"
@@ -89,7 +90,7 @@ std::string estimator_table(const EstimatorReport& report) {
         {"speed", "counts/sample", "FDM error", "SNR", "ITM error", "SNR", "SNR as printed", "better"}};
     for (const EstimatorRow& r : e.rows) {
       const EstimatorError &fdm = r.finite_difference, &itm = r.inverse_time;
-      rows.push_back({readable(r.speed, e.unit), shortest_of(r.quanta_per_sample, 3),
+      rows.push_back({readable(r.speed, e.unit), significant(r.quanta_per_sample, 3),
                       error_text(fdm.varying, e.unit), decibels(r.speed, fdm.varying),
                       error_text(itm.varying, e.unit), decibels(r.speed, itm.varying),
                       decibels(r.speed, itm.printed), better(r) == "inverse_time" ? "ITM" : "FDM"});

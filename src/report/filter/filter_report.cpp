@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text.hpp"
 #include "qerr/report/write.hpp"
 #include "report/filter/estimator_json.hpp"
 #include "report/filter/filter_writers.hpp"
@@ -67,12 +68,12 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
     if (d == 0) continue;
     const std::string said = "filter '" + f.name + "' is said to estimate derivative " + std::to_string(d);
     if (std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
-      warnings.push_back(said + " and passes constants: H(1) = " + shortest_of(f.norms.dc_gain, 4));
+      warnings.push_back(said + " and passes constants: H(1) = " + significant(f.norms.dc_gain, 4));
     else if (!estimates_its_derivative(f.filter))
       warnings.push_back(said + (low_frequency_gain(f.filter) > 1
                                      ? " and passes a lower one: for slow motion its gain grows without bound"
                                      : ", and for slow motion gives " +
-                                           shortest_of(low_frequency_gain(f.filter), 4) +
+                                           significant(low_frequency_gain(f.filter), 4) +
                                            " of it: are its coefficients scaled by 1/T?"));
   }
   return warnings;

@@ -1,3 +1,4 @@
+#include "core/text.hpp"
 #include "qerr/report/write.hpp"
 #include "report/filter/filter_writers.hpp"
 #include "report/text_table.hpp"
@@ -6,13 +7,13 @@ namespace qerr {
 
 namespace {
 
-std::string percent(double value) { return shortest_of(100 * value, 3) + " %"; }
+std::string percent(double value) { return significant(100 * value, 3) + " %"; }
 
 /// The upper end, and the lower one where they can be told apart.
 std::string l1_of(const Interval& l1) {
   if (l1.upper < 1e-200) return "0";
-  const std::string upper = shortest_of(l1.upper, 6);
-  return l1.upper - l1.lower > 1e-6 * l1.upper ? shortest_of(l1.lower, 3) + ".." + upper : upper;
+  const std::string upper = significant(l1.upper, 6);
+  return l1.upper - l1.lower > 1e-6 * l1.upper ? significant(l1.lower, 3) + ".." + upper : upper;
 }
 
 std::string title(const FilterFigures& f) { return "\n" + escaped(f.name, 40) + ": "; }
@@ -51,7 +52,7 @@ std::string coefficient_table(const FilterFigures& f) {
 
 /// A slow pole by its distance from 1.
 std::string modulus_of(double modulus) {
-  return modulus > 0.999 && modulus < 1 ? "1 - " + shortest_of(1 - modulus, 3) : shortest_of(modulus, 6);
+  return modulus > 0.999 && modulus < 1 ? "1 - " + significant(1 - modulus, 3) : significant(modulus, 6);
 }
 
 }  // namespace
@@ -66,8 +67,8 @@ std::string filter_table(const FilterReport& report) {
     const bool doubtful = f.norms.h2 > 0 && f.norms.h2_error > 1e-12 * f.norms.h2;
     rows.push_back(
         {escaped(f.name, 40),
-         shortest_of(f.norms.h2, 6) + (doubtful ? " +- " + shortest_of(f.norms.h2_error, 2) : "") + unit,
-         l1_of(f.norms.l1) + unit, shortest_of(f.norms.dc_gain, 4), readable(f.group_delay, "s"),
+         significant(f.norms.h2, 6) + (doubtful ? " +- " + significant(f.norms.h2_error, 2) : "") + unit,
+         l1_of(f.norms.l1) + unit, significant(f.norms.dc_gain, 4), readable(f.group_delay, "s"),
          f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
          f.noise_bandwidth ? readable(*f.noise_bandwidth, "Hz") : "none",
          f.settling_time ? readable(*f.settling_time, "s") : "does not", modulus_of(f.poles_max_modulus)});

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "bound/noise_in_motion.hpp"
+#include "core/text.hpp"
 #include "filter/norms/transient.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/report/write.hpp"
@@ -45,11 +46,11 @@ NoiseRow row_of(const NamedFilter& filter, const std::optional<Autocorrelation>&
 }
 
 std::string text_of(const MotionQuestion& m) {
-  return shortest_of(m.size, 6) + ' ' + m.unit() + (m.sine ? " at " + readable(m.frequency, "Hz") : "");
+  return significant(m.size, 6) + ' ' + m.unit() + (m.sine ? " at " + readable(m.frequency, "Hz") : "");
 }
 
 std::string threshold_text(const std::optional<double>& threshold) {
-  return threshold ? shortest_of(*threshold, 3) : "not searched";
+  return threshold ? significant(*threshold, 3) : "not searched";
 }
 
 }  // namespace
@@ -111,10 +112,10 @@ std::string sine_table(const std::vector<SineErrorRow>& rows) {
       {"encoder", "amplitude", "|mean| up to", "envelope", "mean square / IPQN", "envelope"}};
   for (const SineErrorRow& r : rows)
     cells.push_back(
-        {escaped(r.encoder, 40), shortest_of(r.amplitude, 5), shortest_of(r.largest_mean, 3),
-         shortest_of(r.mean_envelope, 3),
-         shortest_of(12 * r.least_square, 5) + ".." + shortest_of(12 * r.largest_square, 5),
-         shortest_of(1 + 12 * r.square_below, 5) + ".." + shortest_of(1 + 12 * r.square_above, 5)});
+        {escaped(r.encoder, 40), significant(r.amplitude, 5), significant(r.largest_mean, 3),
+         significant(r.mean_envelope, 3),
+         significant(12 * r.least_square, 5) + ".." + significant(12 * r.largest_square, 5),
+         significant(1 + 12 * r.square_below, 5) + ".." + significant(1 + 12 * r.square_above, 5)});
   return "\nThe quantizer's own error along the sine, in counts, over every position of its zero; the "
          "paper's envelopes "
          "(Appendix B)\n" +
@@ -140,10 +141,10 @@ std::string noise_table(const std::vector<FilterNoise>& report, const std::vecto
     std::vector<std::vector<std::string>> cells{
         {"encoder", "motion", "counts/sample", "sigma", "IPQN", "ratio"}};
     for (const NoiseRow& row : f.rows)
-      cells.push_back({escaped(row.encoder, 40), text_of(row.motion), shortest_of(row.counts_per_sample, 4),
+      cells.push_back({escaped(row.encoder, 40), text_of(row.motion), significant(row.counts_per_sample, 4),
                        row.sigma ? readable(*row.sigma, row.unit) : "not known",
                        readable(row.sigma_ipqn, row.unit),
-                       row.sigma && row.sigma_ipqn > 0 ? shortest_of(*row.sigma / row.sigma_ipqn, 4) : ""});
+                       row.sigma && row.sigma_ipqn > 0 ? significant(*row.sigma / row.sigma_ipqn, 4) : ""});
     out += "\n" + escaped(f.filter, 40) + ": sigma of the filtered error of an encoder in motion\n" +
            aligned(cells);
   }

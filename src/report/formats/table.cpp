@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
@@ -19,9 +18,7 @@ std::string painted(const std::string& text, const char* code, const Style& styl
 }
 
 std::string percent(double fraction) {
-  char text[16];
-  std::snprintf(text, sizeof text, fraction > 0 && fraction < 0.001 ? "<0.1 %%" : "%.1f %%", 100 * fraction);
-  return text;
+  return fraction > 0 && fraction < 0.001 ? "<0.1 %" : fixed_point(100 * fraction, 1) + " %";
 }
 
 std::string heading(const std::string& text, const Style& style) {
@@ -135,10 +132,8 @@ std::string norm_text(const NamedFilter& f) {
   const std::string unit = f.filter.derivative == 0   ? ""
                            : f.filter.derivative == 1 ? "/s"
                                                       : "/s^" + std::to_string(f.filter.derivative);
-  char text[96];
-  std::snprintf(text, sizeof text, "H2 norm %.5g%s, l1 norm %.5g%s, %s a sample", f.norms.h2, unit.c_str(),
-                f.norms.l1.upper, unit.c_str(), readable(1 / f.filter.sample_rate, "s").c_str());
-  return text;
+  return "H2 norm " + significant(f.norms.h2, 5) + unit + ", l1 norm " + significant(f.norms.l1.upper, 5) +
+         unit + ", " + readable(1 / f.filter.sample_rate, "s") + " a sample";
 }
 
 }  // namespace
@@ -188,11 +183,7 @@ std::string check_table(const Analysis& a, const Style& style) {
 std::string threshold_table(const std::vector<ThresholdRow>& rows, const Style& style) {
   std::vector<std::vector<std::string>> cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution",
                                                "threshold", "l/(nG) as printed", "as printed"}};
-  const auto plain = [](double v) {
-    char text[32];
-    std::snprintf(text, sizeof text, "%.7g", v);
-    return std::string(text);
-  };
+  const auto plain = [](double v) { return significant(v, 7); };
   for (const ThresholdRow& r : rows)
     cells.push_back({escaped(r.robot, 40), plain(r.counts_per_rev), plain(r.gear_ratio),
                      readable(r.length, "m"), readable(r.sample_rate, "Hz"), readable(r.resolution, "m"),

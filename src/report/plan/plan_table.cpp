@@ -36,7 +36,7 @@ std::optional<Cell> cell_of(const PlannedJoint& joint, const std::string& family
 std::string text_of(const std::optional<Cell>& cell) {
   if (!cell) return "";
   if (!std::isfinite(cell->seen)) return "none";
-  return std::isfinite(cell->named) ? shortest_of(cell->named, 2) : shortest_of(cell->seen, 2) + " ?";
+  return std::isfinite(cell->named) ? significant(cell->named, 2) : significant(cell->seen, 2) + " ?";
 }
 
 std::vector<std::string> families(const std::vector<PlannedJoint>& joints) {
@@ -119,7 +119,7 @@ std::string summary(const PlanReport& r) {
   for (std::size_t j = 0; j < p.joints.size(); ++j) {
     const PlannedJoint& joint = p.joints[j];
     const bool changed = std::find(p.changed.begin(), p.changed.end(), j) != p.changed.end();
-    rows.push_back({shown(joint.joint), shortest_of(std::round(joint.readings), 6),
+    rows.push_back({shown(joint.joint), significant(std::round(joint.readings), 6),
                     joint.moves ? std::to_string(families({joint}).size()) : "",
                     joint.moves ? std::to_string(named_count(joint)) : "rests: nothing can be said",
                     changed ? std::to_string(named_count(p.joints_better[j])) + " of " +
@@ -145,8 +145,8 @@ std::string unseen(const std::vector<PlannedJoint>& joints) {
 }
 
 std::string sentence(const Plan& p) {
-  return "A reference with a noise of " + shortest_of(p.options.reference_noise, 3) +
-         " counts beside every encoder; found with " + shortest_of(100 * p.options.power, 3) +
+  return "A reference with a noise of " + significant(p.options.reference_noise, 3) +
+         " counts beside every encoder; found with " + significant(100 * p.options.power, 3) +
          " % at the sizes below.\n";
 }
 
@@ -155,7 +155,7 @@ std::string sentence(const Plan& p) {
 std::string to_table(const PlanReport& r, const Style& style) {
   const Plan& p = r.plan;
   std::string out = "qerr diagnose --plan  robot '" + escaped(r.spec.robot_name, 60) + "', " +
-                    shortest_of(r.spec.motion->duration, 6) + " s at " +
+                    significant(r.spec.motion->duration, 6) + " s at " +
                     readable(r.spec.motion->sample_rate, "Hz") + "\n\n" + sentence(p) + '\n' + summary(r);
   const bool any = std::any_of(p.joints.begin(), p.joints.end(), [](const auto& j) { return j.moves; });
   const auto heading = [&](const std::string& text) { return "\n" + painted(text, "1", style) + "\n"; };

@@ -13,14 +13,14 @@ namespace {
 std::string ratio(double over, double under) {
   if (!(under > 0) || !std::isfinite(under)) return "";
   const double r = over / under;
-  return r < 1000 ? shortest_of(r, 3) : r < 1e6 ? shortest_of(std::round(r), 6) : ">1e6";
+  return r < 1000 ? significant(r, 3) : r < 1e6 ? significant(std::round(r), 6) : ">1e6";
 }
 
 std::string percent(double part) {
   if (!std::isfinite(part)) return "";
   if (std::abs(part) > 100) return ">10000 %";
-  return std::abs(part) < 0.995 ? shortest_of(100 * part, 2) + " %"
-                                : shortest_of(std::round(100 * part), 6) + " %";
+  return std::abs(part) < 0.995 ? significant(100 * part, 2) + " %"
+                                : significant(std::round(100 * part), 6) + " %";
 }
 
 /// What is left of a constant error is rounding of the computer, not of the encoder.
@@ -34,7 +34,7 @@ bool is_unbounded(const SimulatedSignal& s) {
 }
 
 std::string factor(double value, int digits) {
-  return std::isfinite(value) ? shortest_of(value, digits) : "";
+  return std::isfinite(value) ? significant(value, digits) : "";
 }
 
 std::string label_of(const NamedSignal& s) { return escaped(s.filter, 40) + ' ' + s.coordinate; }

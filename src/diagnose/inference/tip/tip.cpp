@@ -6,6 +6,7 @@
 
 #include "core/random.hpp"
 #include "core/statistics.hpp"
+#include "core/text.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "simulate/sensing.hpp"
@@ -162,9 +163,9 @@ void tell_frames(const TipModel& m, TipDiagnosis& d) {
   const double turned = Eigen::AngleAxisd(m.belief().base.linear()).angle();
   d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
   d.warnings.push_back("tip.x/y/z stand in a frame of their own: the robot's base is " +
-                       std::to_string(shift.norm()) + " m away in it and turned by " +
-                       std::to_string(turned) + " rad, its target " + std::to_string(m.belief().tool.norm()) +
-                       " m from the model's tip; this was taken out, and hides a displaced first joint");
+                       readable(shift.norm(), "m") + " away in it and turned by " + readable(turned, "rad") +
+                       ", its target " + readable(m.belief().tool.norm(), "m") +
+                       " from the model's tip; this was taken out, and hides a displaced first joint");
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 
 /// Positions on a grid that is coarser than the encoder, and sensors that do not move.
@@ -11,12 +12,6 @@ namespace qerr::sanity {
 namespace {
 
 constexpr double still_moves = 20;  // [counts] that a sensor must have missed before it is called stuck
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
 
 /// Whether the spec has a rounding to this grid.
 bool is_known(const Sanity& s, std::size_t joint, double step) {
@@ -108,8 +103,8 @@ void check_reference(Sanity& s, const Readings& read, std::size_t encoder) {
     return;
   const bool written = of_file > 0.5 * found;
   s.warnings.push_back(
-      reference.header + ": its values are " + number(std::max(found, of_file)) + ' ' + reference.unit +
-      " apart, a count of the encoder is " + number(resolution) +
+      reference.header + ": its values are " + significant(std::max(found, of_file), 4) + ' ' +
+      reference.unit + " apart, a count of the encoder is " + significant(resolution, 4) +
       (written ? ": write more decimals" : ": a reference must be finer than what it judges"));
   if (written && of_file > resolution) name_rounding(s, encoder, of_file);
 }
@@ -124,8 +119,8 @@ void check_dead(Sanity& s, std::size_t encoder) {
   const IndependentJoint& joint = s.model.chain.independent[encoder];
   if (column && peak_to_peak(s.log.values.col(*column)) == 0 && peak_to_peak(read->counts) >= still_moves) {
     s.warnings.push_back(s.log.columns[static_cast<std::size_t>(*column)].header +
-                         ": never changes, while the encoder moves by " + number(peak_to_peak(read->counts)) +
-                         " counts: it is not used");
+                         ": never changes, while the encoder moves by " +
+                         significant(peak_to_peak(read->counts), 4) + " counts: it is not used");
     drop_column(s.log, *column);
     return;
   }
@@ -194,9 +189,10 @@ void check_stuck(Sanity& s, std::size_t encoder) {
                            {},
                            {},
                            missed * resolution});
-  s.warnings.push_back(s.log.columns[static_cast<std::size_t>(read->column)].header + ": stands still from " +
-                       number(since) + " s on while its reference moves by " + number(missed) + " counts: " +
-                       std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are left out");
+  s.warnings.push_back(
+      s.log.columns[static_cast<std::size_t>(read->column)].header + ": stands still from " +
+      significant(since, 4) + " s on while its reference moves by " + significant(missed, 4) +
+      " counts: " + std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are left out");
   s.log.values = s.log.values(kept, Eigen::all).eval();
   s.log.rows = kept.size();
   s.log.stretches.clear();

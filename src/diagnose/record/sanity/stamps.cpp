@@ -1,18 +1,13 @@
 #include <algorithm>
 #include <cmath>
 
+#include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 
 /// The column of time: effects of time are only as good as its stamps.
 namespace qerr::sanity {
 
 namespace {
-
-std::string number(double x) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.4g", x);
-  return text;
-}
 
 /// Stamps that an even clock gives when it is written with too few decimals: the clock is taken instead.
 /// @returns whether they are even
@@ -23,8 +18,8 @@ bool restore_even_clock(Sanity& s, Eigen::Index column, const Eigen::ArrayXd& in
   const double off = (time - even).abs().maxCoeff();
   if (off < 1e-3 * interval) return true;
   if (off > 0.75 * grid || grid > 20 * interval) return false;
-  s.warnings.push_back("time: stamps are written on a grid of " + number(grid) + " s, samples are " +
-                       number(interval) + " s apart: even stamps are taken in their place");
+  s.warnings.push_back("time: stamps are written on a grid of " + significant(grid, 4) + " s, samples are " +
+                       significant(interval, 4) + " s apart: even stamps are taken in their place");
   time = even;
   return true;
 }
@@ -54,12 +49,14 @@ void check_stamps(Sanity& s) {
                          " rows have the stamp of the row before: their velocity is not known");
   if (gaps > 0)
     s.warnings.push_back("time: " + std::to_string(gaps) + " gaps, the longest of " +
-                         number(steps.maxCoeff()) + " s where " + number(usual) + " s are usual");
+                         significant(steps.maxCoeff(), 4) + " s where " + significant(usual, 4) +
+                         " s are usual");
   Eigen::ArrayXd within = (steps > 5 * usual).select(usual, steps);
   if (standard_deviation(within) > 0.02 * usual) {
-    s.warnings.push_back("time: stamps are uneven, " + number(within.minCoeff()) + " to " +
-                         number(within.maxCoeff()) + " s apart (mean " + number(within.mean()) +
-                         " s, standard deviation " + number(standard_deviation(within)) +
+    s.warnings.push_back("time: stamps are uneven, " + significant(within.minCoeff(), 4) + " to " +
+                         significant(within.maxCoeff(), 4) + " s apart (mean " +
+                         significant(within.mean(), 4) + " s, standard deviation " +
+                         significant(standard_deviation(within), 4) +
                          " s); they are taken as they stand, a filter at a constant rate does not");
     return;
   }
@@ -67,7 +64,7 @@ void check_stamps(Sanity& s) {
   const double first = within.head(half).mean(), second = within.tail(half).mean();
   if (gaps == 0 && std::abs(second / first - 1) > 1e-4)
     s.warnings.push_back("time: the interval between stamps changes by " +
-                         number(1e6 * (second / first - 1)) +
+                         significant(1e6 * (second / first - 1), 4) +
                          " ppm from the first half to the second: one of the clocks drifts");
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "filter/run/filter_bank.hpp"
 #include "qerr/filter/family.hpp"
@@ -162,8 +163,8 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   if (!s.cannot_judge.empty() && name_jitter(s, r, time, joint)) return;
   if (stated == 1e300) {
     if (rate > 0)
-      s.warnings.push_back(head.header + ": the spec's filter runs at " + std::to_string(rate) +
-                           " Hz, the log at " + std::to_string(1 / r.interval) + " Hz: not compared");
+      s.warnings.push_back(head.header + ": the spec's filter runs at " + significant(rate, 6) +
+                           " Hz, the log at " + significant(1 / r.interval, 6) + " Hz: not compared");
     return;
   }
   const Candidate best = best_filter(r);
