@@ -43,7 +43,7 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& as
   plan_.part = parts_.data();
   plan_.parts = parts_.size();
   // A tip on the last joint's axis does not move with it.
-  const bool still = plan_.direct && !chain_.joints.back().turns && !chain_.joints.back().prismatic;
+  const bool still = plan_.direct && !chain_.joints.back().rotates && !chain_.joints.back().prismatic;
   plan_.moving_parts = parts_.size() - (still ? 1 : 0);
   plan_.arm = arm_.data();
   set_filters(model, asked);
@@ -136,7 +136,7 @@ void PlannedError::share_scale() {
   const double scale = std::abs(column_scale_.front());
   for (const double of_joint : column_scale_)
     if (std::abs(of_joint) != scale) return;
-  stretch_axes(chain_, scale);
+  scale_axes(chain_, scale);
   plan_.column_scale = nullptr;
 }
 

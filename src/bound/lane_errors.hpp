@@ -11,7 +11,8 @@ template <class L, std::size_t fixed, bool keep_covariance>
 [[gnu::always_inline]] inline void put_figures(const ErrorPlan& plan, const Room<L>& room, Errors<L>& e,
                                                const Bits<L>& unbounded, double* to) {
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
-  const L rho = plan.rigorous ? plan.remainder + weighted_arms(plan.chain, plan.reach, room.joints) : L{};
+  const L rho =
+      plan.rigorous ? plan.remainder + weighted_column_norms(plan.chain, plan.reach, room.joints) : L{};
   L trace{};
 #pragma GCC unroll 6
   for (std::size_t c = 0; c < m; ++c) {
@@ -38,9 +39,9 @@ template <class L, std::size_t fixed, bool keep_covariance>
 template <class L, std::size_t fixed, bool direct, bool keep_covariance>
 void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* memory) {
   const Room<L> room(plan, memory);
-  const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointRoom<L>) / sizeof(L)}
+  const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointScratch<L>) / sizeof(L)}
                                     : Spreads<L>{room.spreads, most_coordinates};
-  begin_columns(plan.chain, plan.column_scale, room.joints);
+  prepare_first_joint(plan.chain, plan.column_scale, room.joints);
   MotionsAhead<L> ahead(plan.chain, q, room);
   if (sums_with_columns<L, fixed, direct>) ahead.begin();
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {

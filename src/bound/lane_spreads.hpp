@@ -23,21 +23,21 @@ struct Spreads {
 template <class L>
 struct Room {
   SineCosine<L>*moved, *ahead;
-  JointRoom<L>* joints;
+  JointScratch<L>* joints;
   L* frames;   // [joint][x, y, z][3]
   L* spreads;  // [part][9]
 
   Room(const ErrorPlan& plan, double* room)
       : moved(reinterpret_cast<SineCosine<L>*>(room)),
         ahead(moved + plan.chain.count),
-        joints(reinterpret_cast<JointRoom<L>*>(ahead + plan.chain.count)),
+        joints(reinterpret_cast<JointScratch<L>*>(ahead + plan.chain.count)),
         frames(reinterpret_cast<L*>(joints + plan.chain.count)),
         spreads(frames + 9 * plan.chain.count) {}
 };
 
 template <class L>
 std::size_t room(const ErrorPlan& plan) {
-  return plan.chain.count * room_per_joint<L> +
+  return plan.chain.count * scratch_per_joint<L> +
          (11 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
 }
 
@@ -89,9 +89,9 @@ template <class L>
 template <class L, bool direct>
 [[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q, const Room<L>& room,
                                              double* sums) {
-  const KeepColumns<L> keep{room.joints};
+  const StoreColumns<L> keep{room.joints};
   if constexpr (direct) {
-    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, PassBy{}, keep);
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, room.moved, room.joints, Ignore{}, keep);
     return Bits<L>{};
   } else {
     const auto leave = [&](std::size_t k, const Frame<L>& f) {

@@ -93,13 +93,13 @@ struct MixedSums {
   }
 };
 
-/// @param upright  whether the first part's linear column is (x, y, 0), its angular one (0, 0, w)
+/// @param first_about_z  whether the first part's linear column is (x, y, 0), its angular one (0, 0, w)
 template <std::size_t from, class L, class To>
-[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, bool upright,
+[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, bool first_about_z,
                                              Errors<L>& e, const To& covariance) {
   ThreeSums<L> sums;
-  if (from == 0 && upright) sums.begin(spreads.of(0)[0], spreads.of(0)[1]);
-  for (std::size_t p = from == 0 && upright; p < parts; ++p) {
+  if (from == 0 && first_about_z) sums.begin(spreads.of(0)[0], spreads.of(0)[1]);
+  for (std::size_t p = from == 0 && first_about_z; p < parts; ++p) {
     const L* const u = spreads.of(p) + from;
     sums.add(u[0], u[1], u[2]);
   }
@@ -107,11 +107,11 @@ template <std::size_t from, class L, class To>
 }
 
 template <bool orthogonal, class L, class To>
-[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, bool upright,
+[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, bool first_about_z,
                                              const To& covariance) {
   MixedSums<L, orthogonal> sums;
-  if (upright) sums.begin(spreads.of(0)[0], spreads.of(0)[1], spreads.of(0)[5]);
-  for (std::size_t p = upright; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
+  if (first_about_z) sums.begin(spreads.of(0)[0], spreads.of(0)[1], spreads.of(0)[5]);
+  for (std::size_t p = first_about_z; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
   sums.put(covariance);
 }
 
@@ -147,14 +147,14 @@ constexpr bool sums_with_columns = direct&& fixed == 6 && lane_count<L> == 8;
 /// Takes the columns of a direct, plain model into the sums that need both halves of a column.
 template <class L>
 struct SumColumns {
-  KeepColumns<L> keep;
+  StoreColumns<L> keep;
   bool again;                ///< columns are looked at after they have been summed
   std::size_t moving_parts;  ///< the last one may turn the tip without moving it
   ThreeSums<L> positions = {};
   MixedSums<L, true> mixed = {};
 
-  [[gnu::always_inline]] void upright(const L& x, const L& y, double w) {
-    if (again) keep.upright(x, y, w);
+  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double w) {
+    if (again) keep.column_about_z(x, y, w);
     positions.begin(x, y);
     mixed.begin(x, y, w);
   }
@@ -174,7 +174,7 @@ class MotionsAhead {
   MotionsAhead(const FoldedPath& chain, const double* q, const Room<L>& room)
       : chain_(chain), now_(room.moved), next_(room.ahead), q_(q), end_(q + batch_size) {}
 
-  void begin() { motions(chain_, q_, batch_size, next_); }
+  void begin() { compute_motions(chain_, q_, batch_size, next_); }
 
   /// On to the next configurations.
   /// @returns their motions
@@ -188,7 +188,7 @@ class MotionsAhead {
 
   /// Of joint k, for those after.
   [[gnu::always_inline]] void operator()(std::size_t k) const {
-    if (q_ != end_) motion(chain_.joints[k], q_, batch_size, next_[k]);
+    if (q_ != end_) compute_motion(chain_.joints[k], q_, batch_size, next_[k]);
   }
 
  private:
@@ -203,7 +203,7 @@ template <class L, class To>
                                                const To& covariance) {
   SumColumns<L> sums{{room.joints}, plan.columns_again, plan.moving_parts};
   const SineCosine<L>* const moved = ahead.advance();
-  columns_moved<L>(plan.chain, plan.column_scale, moved, room.joints, PassBy{}, sums, ahead);
+  columns_of_motions<L>(plan.chain, plan.column_scale, moved, room.joints, Ignore{}, sums, ahead);
   sums.positions.template put<0>(e, covariance);
   sums.mixed.put(covariance);
   sum_three<3>(spreads, plan.parts, true, e, covariance);
@@ -225,11 +225,11 @@ template <class L, std::size_t fixed, bool direct, class To>
     if constexpr (fixed == 0) {
       sum_any(plan, spreads, unbounded, e, covariance);
     } else {
-      const bool upright = direct && begins_upright(plan.chain);
-      sum_three<0>(spreads, plan.moving_parts, upright, e, covariance);
+      const bool first_about_z = direct && first_joint_about_z(plan.chain);
+      sum_three<0>(spreads, plan.moving_parts, first_about_z, e, covariance);
       if constexpr (fixed > 3) {
-        sum_three<3>(spreads, plan.parts, upright, e, covariance);
-        sum_mixed<direct>(spreads, plan.moving_parts, upright, covariance);
+        sum_three<3>(spreads, plan.parts, first_about_z, e, covariance);
+        sum_mixed<direct>(spreads, plan.moving_parts, first_about_z, covariance);
       }
     }
     return unbounded;

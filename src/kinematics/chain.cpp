@@ -18,8 +18,8 @@ Fault robot_fault(const RobotModel& robot, std::string key, std::string rule, st
   return {{robot.file, 0, 0}, std::move(key), std::move(rule), std::move(found), std::move(remedy)};
 }
 
-/// The joint above each link.
-Index joints_above(const RobotModel& robot) {
+/// Index of the joint whose child is the link.
+Index parent_joints(const RobotModel& robot) {
   Index above;
   for (std::size_t i = 0; i < robot.joints.size(); ++i) above[robot.joints[i].child] = i;
   return above;
@@ -42,8 +42,8 @@ std::string only_leaf(const RobotModel& robot) {
   for (std::size_t i = 0; i < std::min<std::size_t>(leaves.size(), 6); ++i)
     names += (i ? ", '" : "'") + leaves[i] + "'";
   if (leaves.size() > 6) names += ", ...";
-  throw Error(robot_fault(robot, "robot.tip", "the tip must be named when the tree has several ends",
-                          std::to_string(leaves.size()) + " ends",
+  throw Error(robot_fault(robot, "robot.tip", "the tip must be named when the tree has several leaves",
+                          std::to_string(leaves.size()) + " leaves",
                           "set robot.tip to a link, such as one of " + names));
 }
 
@@ -60,17 +60,16 @@ std::vector<std::size_t> path_down(const RobotModel& robot, const Index& above, 
   for (std::string link = tip; link != base; link = robot.joints[path.back()].parent) {
     const auto joint = above.find(link);
     if (joint == above.end())
-      throw Error(robot_fault(robot, "robot.tip", "the tip must lie beyond the base in the tree",
+      throw Error(robot_fault(robot, "robot.tip", "the tip must be a descendant of base",
                               "tip '" + tip + "', base '" + base + "'",
-                              "choose a base on the way from the root '" + link + "' to the tip"));
+                              "choose a base between the root '" + link + "' and the tip"));
     path.push_back(joint->second);
   }
   std::reverse(path.begin(), path.end());
   return path;
 }
 
-/// What finally moves a joint: its master at the end of the mimic chain, with the composed multiplier and
-/// offset.
+/// The independent joint that moves a joint through all mimics, with the composed multiplier and offset.
 struct Drive {
   std::size_t master;
   double multiplier = 1, offset = 0;
@@ -93,8 +92,8 @@ class Builder {
     for (std::size_t i = 0; i < robot.joints.size(); ++i) by_name_[robot.joints[i].name] = i;
   }
 
-  /// Passes a joint from parent to child.
-  void pass(std::size_t index) {
+  /// Appends the next joint of the path.
+  void add(std::size_t index) {
     const Joint& joint = robot_.joints[index];
     if (joint.type == JointType::floating || joint.type == JointType::planar)
       throw Error(Fault{joint.place, "joint '" + joint.name + "'",
@@ -144,11 +143,11 @@ class Builder {
   Eigen::Isometry3d pending_ = Eigen::Isometry3d::Identity();
 };
 
-/// Adds what a link and everything fixed to it weighs to a joint's load. Joints beside the chain stand at
-/// zero.
-class Loader {
+/// Sums the inertias of a link and of everything below it up to the next moving joint of the chain. Joints
+/// beside the chain are at zero.
+class LoadSum {
  public:
-  Loader(const RobotModel& robot, const std::vector<std::size_t>& path) : robot_(robot) {
+  LoadSum(const RobotModel& robot, const std::vector<std::size_t>& path) : robot_(robot) {
     for (std::size_t i = 0; i < robot.links.size(); ++i) link_[robot.links[i]] = i;
     for (std::size_t i = 0; i < robot.joints.size(); ++i) below_[robot.joints[i].parent].push_back(i);
     for (const std::size_t joint : path)
@@ -158,15 +157,15 @@ class Loader {
   void add(const std::string& link, const Eigen::Isometry3d& pose, Inertia& load) const {
     std::vector<std::pair<std::string, Eigen::Isometry3d>> open{{link, pose}};
     while (!open.empty()) {
-      const auto [name, at] = open.back();
+      const auto [name, link_pose] = open.back();
       open.pop_back();
       if (const std::size_t i = link_.at(name); i < robot_.inertias.size())
-        load = sum(load, moved(robot_.inertias[i], at));
+        load = sum(load, moved(robot_.inertias[i], link_pose));
       const auto joints = below_.find(name);
       if (joints == below_.end()) continue;
       for (const std::size_t joint : joints->second)
         if (!on_path_.contains(joint))
-          open.emplace_back(robot_.joints[joint].child, at * robot_.joints[joint].origin);
+          open.emplace_back(robot_.joints[joint].child, link_pose * robot_.joints[joint].origin);
     }
   }
 
@@ -175,7 +174,8 @@ class Loader {
     return {i.mass, pose * i.center, pose.linear() * i.about_center * pose.linear().transpose()};
   }
 
-  static Eigen::Matrix3d steiner(double mass, const Eigen::Vector3d& r) {
+  /// Inertia of a point mass (parallel axis theorem).
+  static Eigen::Matrix3d point_inertia(double mass, const Eigen::Vector3d& r) {
     return mass * (r.squaredNorm() * Eigen::Matrix3d::Identity() - r * r.transpose());
   }
 
@@ -184,8 +184,8 @@ class Loader {
     if (mass == 0) return {0, Eigen::Vector3d::Zero(), a.about_center + b.about_center};
     const Eigen::Vector3d center = (a.mass * a.center + b.mass * b.center) / mass;
     return {mass, center,
-            a.about_center + b.about_center + steiner(a.mass, a.center - center) +
-                steiner(b.mass, b.center - center)};
+            a.about_center + b.about_center + point_inertia(a.mass, a.center - center) +
+                point_inertia(b.mass, b.center - center)};
   }
 
   const RobotModel& robot_;
@@ -194,8 +194,8 @@ class Loader {
   std::set<std::size_t> on_path_;
 };
 
-/// A master that lies on the chain after its mimic takes its own place in the order.
-void order_by_own_place(Chain& chain) {
+/// Sorts the independent joints along the chain. A master that follows its mimic keeps its own place.
+void sort_along_chain(Chain& chain) {
   std::vector<std::size_t> place(chain.independent.size(), chain.joints.size());
   for (std::size_t k = chain.joints.size(); k-- > 0;) {
     const ChainJoint& joint = chain.joints[k];
@@ -218,7 +218,7 @@ void order_by_own_place(Chain& chain) {
 }  // namespace
 
 Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
-  const Index above = joints_above(robot);
+  const Index above = parent_joints(robot);
   if (!base.empty()) require_link(robot, "robot.base", base);
   if (!tip.empty()) require_link(robot, "robot.tip", tip);
   const std::string from = base.empty() ? root_of(robot, above) : base;
@@ -226,18 +226,18 @@ Chain make_chain(const RobotModel& robot, const std::string& base, const std::st
 
   Builder builder(robot);
   const std::vector<std::size_t> path = path_down(robot, above, from, to);
-  for (const std::size_t joint : path) builder.pass(joint);
+  for (const std::size_t joint : path) builder.add(joint);
   Chain chain = builder.finish(from, to);
   if (chain.joints.empty())
-    throw Error(robot_fault(robot, "robot.tip", "nothing moves between base and tip",
+    throw Error(robot_fault(robot, "robot.tip", "no moving joint between base and tip",
                             "base '" + from + "', tip '" + to + "'",
                             "choose links with a moving joint between them"));
-  const Loader loader(robot, path);
+  const LoadSum loads(robot, path);
   auto moving = chain.joints.begin();
   for (const std::size_t joint : path)
     if (robot.joints[joint].type != JointType::fixed)
-      loader.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
-  order_by_own_place(chain);
+      loads.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
+  sort_along_chain(chain);
   return chain;
 }
 

@@ -18,10 +18,10 @@ double grid_fraction(std::uint64_t digit, std::uint64_t count) {
   return count == 1 ? 0.5 : static_cast<double>(digit) / static_cast<double>(count - 1);
 }
 
-/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a digital shift drawn from the seed,
-/// so that every seed gives a net of the same quality.
+/// Points of the unit cube: Sobol's sequence (Joe-Kuo directions) with a random digital shift, which
+/// preserves the net property for every seed.
 ///
-/// Boost leaves out the sequence's first point, the origin; without it no block of 2^k points would be a net.
+/// Boost omits the first point, the origin; without it no block of 2^k points is a net.
 Eigen::MatrixXd sobol_points(const Configurations& c, std::uint64_t first, std::uint64_t count) {
   const std::size_t dimensions = c.ranges.size();
   boost::random::sobol engine(dimensions);
@@ -64,10 +64,10 @@ double grid_value(const Limits& range, std::uint64_t digit, std::uint64_t count)
 std::uint64_t size(const Configurations& c) {
   if (c.method == SamplingMethod::list) return c.points.size();
   if (c.method != SamplingMethod::grid) return c.count;
-  constexpr std::uint64_t most = std::numeric_limits<std::int64_t>::max();
+  constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();
   std::uint64_t total = 1;
   for (std::size_t j = 0; j < c.ranges.size(); ++j) {
-    if (c.count > most / total) return most;
+    if (c.count > largest / total) return largest;
     total *= c.count;
   }
   return total;

@@ -6,16 +6,16 @@ namespace qerr::lanes {
 namespace {
 
 /// Rates of roll, pitch and yaw per unit of angular velocity (coordinates.hpp); those of roll and yaw are 0
-/// where they have no bound.
+/// where they are unbounded.
 template <class L>
 struct EulerRates {
-  L of[3][3];
-  L cosine;           ///< of the pitch
-  Bits<L> unbounded;  ///< where it is below 1e-12
+  L rates[3][3];
+  L cosine;           ///< of pitch
+  Bits<L> unbounded;  ///< cosine < 1e-12
 
-  /// The rate of roll (0), pitch (1) or yaw (2) at this angular velocity.
+  /// Rate of roll (0), pitch (1) or yaw (2) at an angular velocity.
   [[gnu::always_inline]] L along(int angle, const L* velocity) const {
-    const L(&r)[3] = of[angle];
+    const L(&r)[3] = rates[angle];
     return fma(r[2], velocity[2], fma(r[1], velocity[1], r[0] * velocity[0]));
   }
 };
@@ -28,15 +28,15 @@ template <class L>
   r.unbounded = r.cosine < 1e-12;
   const L inverse = r.unbounded ? L{} : 1.0 / r.cosine;
   const L cos_yaw = x[0] * inverse, sin_yaw = x[1] * inverse, tan_pitch = -x[2] * inverse;
-  r.of[0][0] = cos_yaw * inverse;
-  r.of[0][1] = sin_yaw * inverse;
-  r.of[0][2] = L{};
-  r.of[1][0] = -sin_yaw;
-  r.of[1][1] = r.unbounded ? broadcast<L>(1) : cos_yaw;
-  r.of[1][2] = L{};
-  r.of[2][0] = tan_pitch * cos_yaw;
-  r.of[2][1] = tan_pitch * sin_yaw;
-  r.of[2][2] = r.unbounded ? L{} : broadcast<L>(1);
+  r.rates[0][0] = cos_yaw * inverse;
+  r.rates[0][1] = sin_yaw * inverse;
+  r.rates[0][2] = L{};
+  r.rates[1][0] = -sin_yaw;
+  r.rates[1][1] = r.unbounded ? broadcast<L>(1) : cos_yaw;
+  r.rates[1][2] = L{};
+  r.rates[2][0] = tan_pitch * cos_yaw;
+  r.rates[2][1] = tan_pitch * sin_yaw;
+  r.rates[2][2] = r.unbounded ? L{} : broadcast<L>(1);
   return r;
 }
 

@@ -11,13 +11,14 @@ using Real = long double;
 using Matrix = Eigen::Matrix<Real, 3, 3>;
 using Vector = Eigen::Matrix<Real, 3, 1>;
 
+/// Angles [rad] and lengths (relative to the chain's) taken as 0: some units of a double's last place.
 constexpr Real negligible = 1e-15L;
-/// sin of the tilt below which axes count as nearly parallel: a frame slid to the common normal lies up to
-/// 1/0.02 times as far away as the axes are apart, and loses as many digits.
+/// sin(tilt) below which axes count as nearly parallel: the foot of the common normal is up to 1/0.02 times
+/// as far away as the axes are apart, and cancellation loses as many digits.
 constexpr Real nearly_parallel = 0.02L;
 
-/// A rotation that takes z to the axis.
-Matrix toward(const Vector& axis) {
+/// A rotation that maps z to the axis.
+Matrix rotation_to(const Vector& axis) {
   const Vector z = axis.normalized();
   Eigen::Index least = 0;
   z.cwiseAbs().minCoeff(&least);
@@ -41,7 +42,7 @@ struct Twist {
   Real before = 0, cosine = 1, sine = 0, after = 0;
 };
 
-/// @param aside  where the next axis passes, which decides `before` of parallel axes; 0: through this one's
+/// @param aside  a point on the next axis, which determines `before` of parallel axes; 0: they coincide
 Twist twist_of(const Matrix& r, const Vector& aside) {
   Twist t;
   t.sine = std::hypot(r(0, 2), r(1, 2));
@@ -54,12 +55,12 @@ Twist twist_of(const Matrix& r, const Vector& aside) {
     if (std::abs(t.cosine) <= negligible) t.cosine = 0, t.sine = 1;
     t.before = std::atan2(r(0, 2), -r(1, 2));
   }
-  const Matrix rest = about_z(-t.before) * r;
-  t.after = std::atan2(-rest(0, 1), rest(0, 0));
+  const Matrix residual = about_z(-t.before) * r;
+  t.after = std::atan2(-residual(0, 1), residual(0, 0));
   return t;
 }
 
-/// Folds joint after joint; the fixed part between two of them is known when the second one comes.
+/// Folds joint after joint. The fixed transform between two joints is complete when the second one is added.
 class Folder {
  public:
   explicit Folder(const Chain& chain) {
@@ -68,7 +69,7 @@ class Folder {
   }
 
   void add(const ChainJoint& joint) {
-    const Matrix to_axis = toward(joint.axis.cast<Real>());
+    const Matrix to_axis = rotation_to(joint.axis.cast<Real>());
     const Matrix r = pending_ * joint.origin.linear().cast<Real>() * to_axis;
     const Vector t = pending_ * joint.origin.translation().cast<Real>();
     if (folded_.joints.empty())
@@ -87,22 +88,22 @@ class Folder {
 
   FoldedChain finish(const Chain& chain, bool orientation) {
     Vector t = pending_ * chain.tip_offset.translation().cast<Real>();
-    const Real turn = !folded_.joints.back().prismatic && std::hypot(t[0], t[1]) > small()
-                          ? std::atan2(t[1], t[0])
-                          : Real{0};
-    turn_ += turn;
-    end_turn();
-    t = about_z(-turn) * t;
-    slide(t[2]);
+    const Real rotation = !folded_.joints.back().prismatic && std::hypot(t[0], t[1]) > small()
+                              ? std::atan2(t[1], t[0])
+                              : Real{0};
+    rotation_ += rotation;
+    end_rotation();
+    t = about_z(-rotation) * t;
+    translate(t[2]);
     folded_.tip_x = plain(t[0]);
     folded_.tip_y = plain(sign_y_ * t[1]);
-    Matrix axes = about_z(-turn) * pending_ * chain.tip_offset.linear().cast<Real>();
+    Matrix axes = about_z(-rotation) * pending_ * chain.tip_offset.linear().cast<Real>();
     axes.row(1) *= sign_y_;
     axes.row(2) *= sign_z_;
     folded_.tip_axes = axes.cast<double>();
-    link_axes(about_z(-turn));
+    link_axes(about_z(-rotation));
     FoldedJoint& last = folded_.joints.back();
-    if (!orientation && folded_.tip_x == 0 && folded_.tip_y == 0) last.turns = false;
+    if (!orientation && folded_.tip_x == 0 && folded_.tip_y == 0) last.rotates = false;
     prepare_joints();
     return std::move(folded_);
   }
@@ -111,49 +112,49 @@ class Folder {
   Real small() const { return negligible * extent_; }
   double plain(Real length) const { return std::abs(length) <= small() ? 0 : static_cast<double>(length); }
 
-  /// The first joint's axis where it stands.
+  /// The first joint.
   void begin(const Matrix& r, const Vector& t) {
     folded_.joints.emplace_back();
     folded_.first_point = t.cast<double>();
-    folded_.upright = std::hypot(r(0, 2), r(1, 2)) <= negligible;
-    if (!folded_.upright) {
+    folded_.aligned = std::hypot(r(0, 2), r(1, 2)) <= negligible;
+    if (!folded_.aligned) {
       folded_.first_axes = r.cast<double>();
       return;
     }
-    // Turned about its axis until X is the base's x; an axis that points down has its sign turned.
-    turn_ = std::atan2(r(1, 0), r(0, 0));
+    // Rotate about the axis until X is the base's x; reverse an axis that points down.
+    rotation_ = std::atan2(r(1, 0), r(0, 0));
     if (r(2, 2) < 0) {
       sign_y_ = sign_z_ = -1;
-      turn_ = -turn_;
+      rotation_ = -rotation_;
     }
   }
 
-  /// From the last joint's axis to the next one's.
+  /// Transform from the last joint's axis to the next one's.
   void step(const Matrix& r, const Vector& t) {
     const Twist twist = twist_of(r, std::hypot(t[0], t[1]) > small() ? t : Vector::Zero());
-    turn_ += twist.before;
-    end_turn();
+    rotation_ += twist.before;
+    end_rotation();
     Vector step = about_z(-twist.before) * t;
     link_axes(about_z(-twist.before));
-    Real along = 0;  // the next axis
+    Real along = 0;  // translation along the next axis
     if (twist.sine > nearly_parallel) {
       along = -step[1] / twist.sine;
       step[1] = 0;
       step[2] -= along * twist.cosine;
     }
-    slide(step[2]);
+    translate(step[2]);
     FoldedJoint& f = folded_.joints.emplace_back();
     f.a = plain(step[0]);
     f.b = plain(sign_y_ * step[1]);
     tilt(twist, f);
     f.d = plain(sign_z_ * along);
-    turn_ = twist.after;
+    rotation_ = twist.after;
   }
 
   void tilt(const Twist& twist, FoldedJoint& f) {
     Real cosine = twist.cosine, sine = twist.sine;
     if (sine > std::abs(cosine)) {
-      f.right = true;
+      f.right_angle = true;
       const Real y = sign_y_;
       sign_y_ = sign_z_;
       sign_z_ = -y;
@@ -171,8 +172,8 @@ class Folder {
     f.half_tangent = static_cast<double>(sine / (1 + cosine));
   }
 
-  /// Moves the last joint's point along its axis.
-  void slide(Real length) {
+  /// Translates the last joint's point along its axis.
+  void translate(Real length) {
     FoldedJoint& f = folded_.joints.back();
     if (folded_.joints.size() == 1)
       folded_.first_point += (folded_.first_axes.col(2).cast<Real>() * (sign_z_ * length)).cast<double>();
@@ -180,45 +181,45 @@ class Folder {
       f.d = plain(f.d + sign_z_ * length);
   }
 
-  /// The constant part of the last joint's turn, now that all of it is known.
-  void end_turn() {
+  /// Stores the constant part of the last joint's rotation, once it is complete.
+  void end_rotation() {
     FoldedJoint& f = folded_.joints.back();
-    const Real turn = std::remainder(sign_y_ * turn_, 2 * std::acos(Real{-1}));
-    const Real constant = std::abs(turn) <= negligible ? 0 : turn;
+    const Real rotation = std::remainder(sign_y_ * rotation_, 2 * std::acos(Real{-1}));
+    const Real constant = std::abs(rotation) <= negligible ? 0 : rotation;
     if (f.prismatic) {
-      f.turns = constant != 0;
-      f.turn_cosine = static_cast<double>(std::cos(constant));
-      f.turn_sine = static_cast<double>(std::sin(constant));
+      f.rotates = constant != 0;
+      f.rotation_cosine = static_cast<double>(std::cos(constant));
+      f.rotation_sine = static_cast<double>(std::sin(constant));
     } else {
       f.offset = static_cast<double>(f.offset + constant);
     }
-    turn_ = 0;
+    rotation_ = 0;
   }
 
-  /// How the frame behind the last joint, as the chain has it, lies in the folded one.
-  void link_axes(const Matrix& turned_back) {
-    Matrix m = turned_back * pending_;
+  /// Rotation from the frame behind the last joint of the chain to the folded one.
+  void link_axes(const Matrix& rotated_back) {
+    Matrix m = rotated_back * pending_;
     m.row(1) *= sign_y_;
     m.row(2) *= sign_z_;
     folded_.link_axes.push_back(m.cast<double>());
   }
 
-  /// What the walk asks of every joint. Where axes meet, one point serves for both.
+  /// Derived members of the joints. Intersecting axes share one point.
   void prepare_joints() {
-    bool there = false;  // the frame's point is the one kept last
+    bool shared = false;  // the frame's point is the one stored last
     for (FoldedJoint& f : folded_.joints) {
       f.has_a = f.a != 0;
       f.has_b = f.b != 0;
       f.has_d = f.d != 0;
-      f.own_point = !there || f.has_a || f.has_b;
-      there = !f.prismatic && (f.own_point || !f.has_d);
-      move_by(f, f.multiplier, f.offset);
+      f.own_point = !shared || f.has_a || f.has_b;
+      shared = !f.prismatic && (f.own_point || !f.has_d);
+      set_motion(f, f.multiplier, f.offset);
     }
   }
 
   FoldedChain folded_;
   Matrix pending_ = Matrix::Identity();  // from the frame of the last axis to the chain's frame
-  Real turn_ = 0;                        // constant turn about the last axis so far
+  Real rotation_ = 0;                    // constant rotation about the last axis so far
   Real sign_y_ = 1, sign_z_ = 1;         // of the stored axes
   Real extent_ = 0;
 };
@@ -226,23 +227,17 @@ class Folder {
 }  // namespace
 
 FoldedPath path_of(const FoldedChain& c) {
-  const auto turns = [&](std::size_t k) {
-    return k < c.joints.size() && c.joints[k].turns && !c.joints[k].prismatic;
+  const auto revolute = [&](std::size_t k) {
+    return k < c.joints.size() && c.joints[k].rotates && !c.joints[k].prismatic;
   };
-  const bool level = c.upright && turns(0) && turns(1) && c.joints[1].right && !c.joints[1].tilts;
-  return {c.joints.data(),
-          c.joints.size(),
-          c.first_axes.data(),
-          c.first_point.data(),
-          c.axes_length,
-          c.upright,
-          level,
-          c.tip_x,
-          c.tip_y,
-          c.tip_axes.data()};
+  const bool horizontal =
+      c.aligned && revolute(0) && revolute(1) && c.joints[1].right_angle && !c.joints[1].tilts;
+  return {c.joints.data(), c.joints.size(),  c.first_axes.data(), c.first_point.data(),
+          c.axes_length,   c.aligned,        horizontal,          c.tip_x,
+          c.tip_y,         c.tip_axes.data()};
 }
 
-void move_by(FoldedJoint& joint, double multiplier, double offset) {
+void set_motion(FoldedJoint& joint, double multiplier, double offset) {
   constexpr Real quarters = 2 / std::numbers::pi_v<Real>;
   joint.multiplier = multiplier;
   joint.offset = offset;
@@ -250,7 +245,7 @@ void move_by(FoldedJoint& joint, double multiplier, double offset) {
   joint.quarter_offset = static_cast<double>(offset * quarters);
 }
 
-void stretch_axes(FoldedChain& chain, double length) {
+void scale_axes(FoldedChain& chain, double length) {
   const double by = length / chain.axes_length;
   chain.axes_length = length;
   chain.first_axes *= by;

@@ -8,39 +8,39 @@
 
 namespace qerr {
 
-/// A chain with all that is constant worked out beforehand: for a walk from base to tip by few operations.
+/// A chain with its constants precomputed, for forward kinematics in few operations (see FoldedJoint).
 struct FoldedChain {
   std::vector<FoldedJoint> joints;
-  /// Axes before the first joint's turn (columns X, Y', Z') and a point on its axis, in the base frame.
+  /// Axes before the first joint's rotation (columns X, Y', Z') and a point on its axis, in the base frame.
   Eigen::Matrix3d first_axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d first_point = Eigen::Vector3d::Zero();
-  double axes_length = 1;       ///< of X, Y, Z: lengths along them count in it (stretch_axes)
-  bool upright = false;         ///< first_axes is a multiple of the identity
+  double axes_length = 1;       ///< of X, Y, Z (scale_axes)
+  bool aligned = false;         ///< first_axes is a multiple of the identity
   double tip_x = 0, tip_y = 0;  ///< tip = o + tip_x X + tip_y Y behind the last joint [m]
   /// Rotation of the tip: R = [X Y Z] tip_axes with the axes behind the last joint.
   Eigen::Matrix3d tip_axes = Eigen::Matrix3d::Identity();
-  /// [k]: a direction of the frame behind moving joint k as the chain has it, in [X Y Z] behind its turn.
+  /// [k]: maps directions in the chain's frame behind moving joint k to [X Y Z] behind its rotation.
   std::vector<Eigen::Matrix3d> link_axes;
 };
 
-/// What the batched kernels take. @pre the chain outlives the path
+/// View for the batched kernels. @pre the chain outlives it
 FoldedPath path_of(const FoldedChain&);
 
-/// Lets a joint turn or slide by multiplier q + offset [rad or m].
-void move_by(FoldedJoint&, double multiplier, double offset);
+/// Sets the motion of a joint to multiplier q + offset [rad or m].
+void set_motion(FoldedJoint&, double multiplier, double offset);
 
-/// Makes the axes X, Y, Z so long; points stay where they are. Where all columns of a Jacobian are wanted
-/// times the same factor, a walk along axes of that length needs no products for it.
-void stretch_axes(FoldedChain&, double length);
+/// Scales the axes X, Y, Z to a length; points stay the same. If all columns of a Jacobian have the same
+/// factor, axes of that length make its products unnecessary.
+void scale_axes(FoldedChain&, double length);
 
 /// Folds the fixed transforms of a chain, in long double.
 ///
-/// Joint frames are turned about and slid along their axes, which changes neither the axes nor the tip, so
-/// that most numbers vanish. Angles within 1e-15 of right or straight ones are taken as such and no others:
-/// the URDF's 1.5708 stays what it is. Where axes are nearly parallel their common normal lies far away, and
-/// frames are not slid to it.
-/// @param orientation  whether the tip's rotation is asked for; if not, the last joint need not turn a tip
-/// on its axis
+/// Joint frames are rotated about and translated along their axes, which changes neither the axes nor the
+/// tip, so that most constants are 0. Only angles within 1e-15 of a multiple of a right angle are taken as
+/// exact: the URDF's 1.5708 is not. The common normal of nearly parallel axes is far away; frames are not
+/// translated to it.
+/// @param orientation  whether the tip's rotation is needed; if not, a last joint through the tip does not
+/// rotate
 FoldedChain fold(const Chain&, bool orientation);
 
 }  // namespace qerr

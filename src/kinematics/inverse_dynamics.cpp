@@ -7,10 +7,10 @@ namespace qerr {
 
 namespace {
 
-/// A joint's frame and the load beyond it, in the base frame.
+/// A joint's frame and its load, in the base frame.
 struct Link {
   Eigen::Vector3d origin, axis, center;
-  Eigen::Vector3d force, moment;  ///< that accelerate the load, the moment about its center
+  Eigen::Vector3d force, moment;  ///< inertial and gravity wrench of the load, moment about its center
 };
 
 }  // namespace
@@ -20,8 +20,8 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
   using Eigen::Vector3d;
   std::vector<Link> links;
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  Vector3d w = Vector3d::Zero(), alpha = Vector3d::Zero(), at = Vector3d::Zero();
-  Vector3d a(0, 0, standard_gravity);  // of the frame's origin; a base that accelerates upwards is gravity
+  Vector3d w = Vector3d::Zero(), alpha = Vector3d::Zero(), origin = Vector3d::Zero();
+  Vector3d a(0, 0, standard_gravity);  // of the origin; gravity enters as an upward acceleration of the base
   for (const ChainJoint& joint : chain.joints) {
     const auto i = static_cast<Eigen::Index>(joint.coordinate);
     const double s = joint.multiplier * q[i] + joint.offset;
@@ -32,9 +32,9 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
       pose.translate(s * joint.axis);
     else
       pose.rotate(Eigen::AngleAxisd(s, joint.axis));
-    const Vector3d step = pose.translation() - at;
+    const Vector3d step = pose.translation() - origin;
     a += alpha.cross(step) + w.cross(w.cross(step));
-    at = pose.translation();
+    origin = pose.translation();
     if (joint.prismatic) {
       a += 2 * v * w.cross(axis) + dv * axis;
     } else {
@@ -43,12 +43,13 @@ Eigen::VectorXd inverse_dynamics(const Chain& chain, const Eigen::VectorXd& q,
     }
     const Vector3d arm = pose.linear() * joint.load.center;
     const Eigen::Matrix3d inertia = pose.linear() * joint.load.about_center * pose.linear().transpose();
-    links.push_back({at, axis, at + arm, joint.load.mass * (a + alpha.cross(arm) + w.cross(w.cross(arm))),
+    links.push_back({origin, axis, origin + arm,
+                     joint.load.mass * (a + alpha.cross(arm) + w.cross(w.cross(arm))),
                      inertia * alpha + w.cross(inertia * w)});
   }
   Eigen::VectorXd effort = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.independent.size()));
   Vector3d force = Vector3d::Zero(),
-           moment = Vector3d::Zero();  // of everything beyond, moment about the origin
+           moment = Vector3d::Zero();  // of all links from k on, moment about the origin of the base
   for (std::size_t k = links.size(); k-- > 0;) {
     const Link& link = links[k];
     force += link.force;

@@ -8,17 +8,16 @@ namespace qerr {
 
 inline constexpr double standard_gravity = 9.80665;  ///< along -z of the base frame [m/s^2]
 
-/// Torques and forces that the joints must exert for a motion, from the inertias of the URDF: gravity,
-/// acceleration, centrifugal and Coriolis terms (Newton and Euler, base to tip and back). No friction, no
-/// rotor inertia.
+/// Joint torques and forces of a motion (recursive Newton-Euler) from the inertias of the URDF: gravity,
+/// inertial, centrifugal and Coriolis terms, without friction and rotor inertia.
 ///
 /// @param q, velocity, acceleration  of the independent coordinates [rad or m, per s, per s^2]
-/// @returns one per independent coordinate [N m or N]; a mimic's share is carried to its master by its
-/// multiplier
+/// @returns one per independent coordinate [N m or N]; the effort of a mimic acts on
+/// its master times the multiplier
 Eigen::VectorXd inverse_dynamics(const Chain&, const Eigen::VectorXd& q, const Eigen::VectorXd& velocity,
                                  const Eigen::VectorXd& acceleration);
 
-/// Whether the URDF gives any mass beyond the base.
+/// Whether any moving link of the chain has a mass.
 bool has_masses(const Chain&);
 
 }  // namespace qerr

@@ -7,11 +7,11 @@
 namespace qerr::lanes {
 namespace {
 
-/// Columns of one configuration per lane into [6 k + row][batch_size].
+/// Stores the columns of one configuration per lane at [6 k + row][batch_size].
 template <class L>
-struct PutColumns {
+struct WriteColumns {
   double* to;
-  [[gnu::always_inline]] void upright(const L& x, const L& y, double w) const {
+  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double w) const {
     column(0, {x, y, L{}}, {L{}, L{}, broadcast<L>(w)});
   }
   [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) const {
@@ -24,13 +24,13 @@ struct PutColumns {
 };
 
 template <class L>
-void jacobians(const FoldedPath& chain, const double* signs, const double* q, double* to, double* room) {
-  auto* const moved = reinterpret_cast<SineCosine<L>*>(room);
-  auto* const joints = reinterpret_cast<JointRoom<L>*>(moved + chain.count);
-  begin_columns(chain, signs, joints);
+void jacobians(const FoldedPath& chain, const double* signs, const double* q, double* to, double* scratch) {
+  auto* const motions = reinterpret_cast<SineCosine<L>*>(scratch);
+  auto* const joints = reinterpret_cast<JointScratch<L>*>(motions + chain.count);
+  prepare_first_joint(chain, signs, joints);
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const PutColumns<L> put{to + i};
-    columns<L>(chain, signs, q + i, batch_size, moved, joints, PassBy{}, put);
+    const WriteColumns<L> write{to + i};
+    columns<L>(chain, signs, q + i, batch_size, motions, joints, Ignore{}, write);
   }
 }
 
@@ -41,20 +41,20 @@ template <class L>
   return words;
 }
 
-/// Whole numbers below 2^53 as doubles.
+/// Integers below 2^53 as doubles.
 template <class L>
 [[gnu::always_inline]] inline L number(const Words<L>& whole) {
 #if defined(__AVX512DQ__)
   return __builtin_convertvector(__builtin_bit_cast(Bits<L>, whole), L);
 #else
-  // Both halves become numbers by the exponents put before them: 2^84 + high 2^32 and 2^52 + low.
+  // Exponents put before both halves give 2^84 + high 2^32 and 2^52 + low.
   const L high = __builtin_bit_cast(L, (whole >> 32) | 0x4530000000000000u);
   const L low = __builtin_bit_cast(L, (whole & 0xFFFFFFFFu) | 0x4330000000000000u);
   return (high - 0x1.00000001p84) + low;
 #endif
 }
 
-/// A joint's range in registers: what is stored might be the range itself, for all the compiler knows.
+/// A joint's range in registers: the compiler must assume that stores alias the range in memory.
 template <class L>
 struct Range {
   L lower, scale, upper;
@@ -66,9 +66,8 @@ struct Range {
 
   /// lower + fraction (upper - lower), inside the range; the fraction in units of 2^-53.
   ///
-  /// Rounded as `draw` rounds it: exactly up to the product, which is rounded before the sum; that is not
-  /// below `lower`.
-  [[gnu::always_inline]] L at(const Words<L>& fraction) const {
+  /// Rounded like `draw`: the product is rounded before the sum (not fused), which therefore is >= `lower`.
+  [[gnu::always_inline]] L value(const Words<L>& fraction) const {
     return min(rounded(number<L>(fraction) * scale) + lower, upper);
   }
 };
@@ -79,8 +78,8 @@ void sobol(const SampledRanges& r, const std::uint64_t* start, const std::uint64
     const Range<L> range(r, joint);
     const Words<L> first = Words<L>{} + start[joint];
     for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-      const std::size_t at = joint * batch_size + i;
-      store(to + at, range.at(load_words<L>(patterns + at) ^ first));
+      const std::size_t index = joint * batch_size + i;
+      store(to + index, range.value(load_words<L>(patterns + index) ^ first));
     }
   }
 }
@@ -95,7 +94,7 @@ void random(const SampledRanges& r, const std::uint64_t* keys, std::uint64_t fir
     for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
       const Words<L> index = lane + (first + i);
       store(to + joint * batch_size + i,
-            range.at(mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + key) >> 11));
+            range.value(mixed<Words<L>>((index + 1) * 0x9E3779B97F4A7C15u + key) >> 11));
     }
   }
 }
@@ -109,7 +108,7 @@ template <>
 const KinematicKernels& compiled_kernels<KinematicKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr KinematicKernels kernels{lane_count<L>, room_per_joint<L>, jacobians<L>, sobol<L>,
+  static constexpr KinematicKernels kernels{lane_count<L>, scratch_per_joint<L>, jacobians<L>, sobol<L>,
                                             random<L>};
   return kernels;
 }

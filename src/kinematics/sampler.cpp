@@ -11,16 +11,16 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t bits = 64;
-constexpr int unused = 11;  ///< bits of a point: a double has 53
+constexpr int unused = 11;  ///< low bits of a point: a double holds 53
 constexpr std::uint64_t batches_per_block = 64, block_size = batches_per_block * batch_size;
 
-/// [joint][b]: what Sobol's points change by when bit b of the Gray code of their index does. Point 2^b has
-/// the Gray code 2^b + 2^(b-1).
+/// [joint][b]: direction number of bit b of the Gray code of the index. Point 2^b has the Gray code
+/// 2^b + 2^(b-1).
 std::vector<std::uint64_t> sobol_directions(std::size_t joints, std::uint64_t count) {
   std::vector<std::uint64_t> directions(joints * bits);
   for (std::size_t b = 0; b < 63 && (b == 0 || count >> (b - 1)) && (b < 6 || count >> b); ++b) {
     boost::random::sobol engine(joints);
-    const std::uint64_t before = (std::uint64_t{1} << b) - 1;  // Boost leaves out the first point, the origin
+    const std::uint64_t before = (std::uint64_t{1} << b) - 1;  // Boost omits the first point, the origin
     if (before > 0) engine.discard(before * joints);
     for (std::size_t j = 0; j < joints; ++j)
       directions[j * bits + b] = engine() ^ (b > 0 ? directions[j * bits + b - 1] : 0);
@@ -61,8 +61,8 @@ Sampler::Sampler(const Configurations& c, InstructionSet set) : configurations_(
   }
 }
 
-/// Where a batch starts. A Gray code of first + i is that of first xor that of i where first is a multiple of
-/// a power of two beyond i.
+/// First point of a batch. gray(first + i) = gray(first) xor gray(i) if first is a multiple of a power of two
+/// > i.
 void Sampler::sobol(std::uint64_t first) {
   const std::uint64_t block = first / block_size, batch = first % block_size / batch_size;
   if (block != block_) {
@@ -93,7 +93,7 @@ void Sampler::operator()(std::uint64_t first, double* to) {
   }
 }
 
-/// An odometer: divisions for the first point of the batch alone.
+/// Divides for the first point of the batch only, then counts the digits up.
 void Sampler::grid(std::uint64_t first, double* to) const {
   const std::uint64_t count = configurations_->count;
   std::vector<std::uint64_t> digits(lower_.size());

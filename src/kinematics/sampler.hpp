@@ -8,8 +8,8 @@
 
 namespace qerr {
 
-/// Draws configurations in batches, with what does not change from batch to batch worked out beforehand. The
-/// same numbers as those of `draw`, to the last bit, on every instruction set.
+/// Draws configurations in batches: bit-identical to `draw` on every instruction set, with the constants of
+/// the sequences computed once.
 class Sampler {
  public:
   /// @pre the configurations outlive it
@@ -18,7 +18,7 @@ class Sampler {
   /// Configurations first .. first + 63.
   ///
   /// @param to  receives configuration first + c of joint i at to[i * batch_size + c] [rad or m]; aligned to
-  /// 64 bytes. Behind the last configuration stand further ones of the same ranges.
+  /// 64 bytes. Beyond the last configuration the values are arbitrary within the ranges.
   /// @pre first is a multiple of batch_size
   void operator()(std::uint64_t first, double* to);
 
@@ -30,8 +30,9 @@ class Sampler {
   InstructionSet set_;
   std::vector<double> lower_, width_, upper_;  // [joint]
   std::vector<std::uint64_t> keys_;            // [joint]: shift of Sobol's sequence, key of random points
-  // Of Sobol's sequence: [joint][bit of the Gray code]; [joint][64], what points of a batch, and what batches
-  // of a block of 64, differ by; the last block and its first points, and a batch's.
+  // Sobol's sequence: directions [joint][bit of the Gray code]; offsets of the points within a batch and of
+  // the batches within a block [joint][64]; index and first points of the current block, first point of the
+  // batch.
   std::vector<std::uint64_t> directions_, patterns_, steps_, block_points_, start_;
   std::uint64_t block_ = ~std::uint64_t{0};
 };

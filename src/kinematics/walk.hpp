@@ -6,8 +6,8 @@
 namespace qerr::lanes {
 namespace {
 
-/// step(0), step(1), step(2): written out, as GCC keeps a frame in registers from joint to joint only where
-/// it knows before all loops which of its numbers is meant.
+/// step(0), step(1), step(2), written out: GCC keeps a frame in registers from joint to joint only if all its
+/// indices are constant before loop optimization.
 template <class Step>
 [[gnu::always_inline]] inline void each_of_three(Step step) {
   step(0);
@@ -15,23 +15,24 @@ template <class Step>
   step(2);
 }
 
-/// A frame of the folded chain in the base frame: its axes and a point on its joint's axis.
+/// A frame of the folded chain in the base frame: axes and a point on the joint's axis.
 template <class L>
 struct Frame {
   L x[3], y[3], z[3], o[3];
 };
 
+/// point += length along.
 template <class L, class A>
 [[gnu::always_inline]] inline void advance(L (&point)[3], const A& length, const L (&along)[3]) {
   each_of_three([&](int i) __attribute__((always_inline)) { point[i] = fma(length, along[i], point[i]); });
 }
 
-/// From the frame behind the joint before to that of the joint, still unturned.
+/// From the frame behind the previous joint to the frame of the joint before its motion.
 template <class L>
-[[gnu::always_inline]] inline void approach(const FoldedJoint& joint, Frame<L>& f) {
+[[gnu::always_inline]] inline void apply_link(const FoldedJoint& joint, Frame<L>& f) {
   if (joint.has_a) advance(f.o, joint.a, f.x);
   if (joint.has_b) advance(f.o, joint.b, f.y);
-  if (joint.right) {
+  if (joint.right_angle) {
     each_of_three([&](int i) __attribute__((always_inline)) {
       const L z = f.z[i];
       f.z[i] = f.y[i];
@@ -48,8 +49,9 @@ template <class L>
   if (joint.has_d) advance(f.o, joint.d, f.z);
 }
 
+/// Rotates the frame about its z.
 template <class L, class C>
-[[gnu::always_inline]] inline void turn(const C& cosine, const C& sine, Frame<L>& f) {
+[[gnu::always_inline]] inline void rotate(const C& cosine, const C& sine, Frame<L>& f) {
   each_of_three([&](int i) __attribute__((always_inline)) {
     const L x = f.x[i], y = f.y[i];
     f.x[i] = fma(cosine, x, sine * y);
@@ -57,36 +59,37 @@ template <class L, class C>
   });
 }
 
-/// The motion of a joint: its slide, or the sine and cosine of its turn.
+/// The motion of a joint: sine and cosine of its rotation, or its translation in place of the sine.
 ///
-/// @param q  of independent joint i at q + i * stride [rad or m]
+/// @param q  independent joint i at q + i * stride [rad or m]
 template <class L>
-[[gnu::always_inline]] inline void motion(const FoldedJoint& joint, const double* q, std::size_t stride,
-                                          SineCosine<L>& to) {
-  const L at = load<L>(q + joint.coordinate * stride);
+[[gnu::always_inline]] inline void compute_motion(const FoldedJoint& joint, const double* q,
+                                                  std::size_t stride, SineCosine<L>& to) {
+  const L coordinate = load<L>(q + joint.coordinate * stride);
   if (joint.prismatic)
-    to.sine = fma(joint.multiplier, at, broadcast<L>(joint.offset));
-  else if (joint.turns)
-    to = sincos_of_quarters(fma(joint.quarter_multiplier, at, broadcast<L>(joint.quarter_offset)));
+    to.sine = fma(joint.multiplier, coordinate, broadcast<L>(joint.offset));
+  else if (joint.rotates)
+    to = sincos_of_quarters(fma(joint.quarter_multiplier, coordinate, broadcast<L>(joint.quarter_offset)));
 }
 
-/// Those of all joints: apart from the walk, as they do not depend on each other and the steps of the walk
-/// do.
+/// Motions of all joints. Computed before the recursion along the chain because they are independent of each
+/// other.
 template <class L>
-[[gnu::always_inline]] inline void motions(const FoldedPath& chain, const double* q, std::size_t stride,
-                                           SineCosine<L>* to) {
-  for (std::size_t k = 0; k < chain.count; ++k) motion(chain.joints[k], q, stride, to[k]);
+[[gnu::always_inline]] inline void compute_motions(const FoldedPath& chain, const double* q,
+                                                   std::size_t stride, SineCosine<L>* to) {
+  for (std::size_t k = 0; k < chain.count; ++k) compute_motion(chain.joints[k], q, stride, to[k]);
 }
 
-/// Walks a folded chain from base to tip, one configuration per lane, its joints moved as `motions` says.
+/// Forward kinematics of a folded chain, one configuration per lane.
 ///
-/// @param arrive  called with (k, frame) when the frame stands on the axis of moving joint k: z is the axis
-/// times FoldedJoint::sign, o a point on it
-/// @param leave   called with (k, frame) when joint k has moved
-/// @returns the frame behind the last joint, its point moved to the tip
-template <class L, class Arrive, class Leave>
-[[gnu::always_inline]] inline Frame<L> walk_moved(const FoldedPath& chain, const SineCosine<L>* moved,
-                                                  Arrive arrive, Leave leave) {
+/// @param motions  [joint]: of `compute_motions`
+/// @param before   called with (k, frame) before the motion of joint k: z is its axis times
+/// FoldedJoint::sign, o a point on it
+/// @param after    called with (k, frame) after the motion of joint k
+/// @returns the frame behind the last joint, with o at the tip
+template <class L, class Before, class After>
+[[gnu::always_inline]] inline Frame<L> walk_motions(const FoldedPath& chain, const SineCosine<L>* motions,
+                                                    Before before, After after) {
   Frame<L> f;
   each_of_three([&](int i) __attribute__((always_inline)) {
     f.x[i] = broadcast<L>(chain.first_axes[i]);
@@ -96,17 +99,17 @@ template <class L, class Arrive, class Leave>
   });
   for (std::size_t k = 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
-    if (k > 0) approach(joint, f);
-    arrive(k, f);
+    if (k > 0) apply_link(joint, f);
+    before(k, f);
     if (joint.prismatic) {
-      advance(f.o, moved[k].sine, f.z);
-      if (joint.turns) turn(joint.turn_cosine, joint.turn_sine, f);
-    } else if (k == 0 && chain.upright && joint.turns) {
-      f.x[0] = f.y[1] = chain.axes_length * moved[k].cosine;
-      f.x[1] = chain.axes_length * moved[k].sine;
+      advance(f.o, motions[k].sine, f.z);
+      if (joint.rotates) rotate(joint.rotation_cosine, joint.rotation_sine, f);
+    } else if (k == 0 && chain.aligned && joint.rotates) {
+      f.x[0] = f.y[1] = chain.axes_length * motions[k].cosine;
+      f.x[1] = chain.axes_length * motions[k].sine;
       f.y[0] = -f.x[1];
-    } else if (k == 1 && chain.level) {  // y is (0, 0, 1) now, and x has no z
-      const auto [sine, cosine] = moved[k];
+    } else if (k == 1 && chain.horizontal) {  // here y = (0, 0, 1) and x[2] = 0
+      const auto [sine, cosine] = motions[k];
 #pragma GCC unroll 2
       for (int i = 0; i < 2; ++i) {
         f.y[i] = -(sine * f.x[i]);
@@ -114,26 +117,26 @@ template <class L, class Arrive, class Leave>
       }
       f.x[2] = chain.axes_length * sine;
       f.y[2] = chain.axes_length * cosine;
-    } else if (joint.turns) {
-      turn(moved[k].cosine, moved[k].sine, f);
+    } else if (joint.rotates) {
+      rotate(motions[k].cosine, motions[k].sine, f);
     }
-    leave(k, f);
+    after(k, f);
   }
-  Frame<L> tip = f;  // which the caller may index as it likes
+  Frame<L> tip = f;  // a copy: the caller may index it at run time without forcing f into memory
   if (chain.tip_x != 0) advance(tip.o, chain.tip_x, f.x);
   if (chain.tip_y != 0) advance(tip.o, chain.tip_y, f.y);
   return tip;
 }
 
-/// The same of joints at q.
+/// The same for joint coordinates.
 ///
-/// @param q      of independent joint i at q + i * stride [rad or m]
-/// @param moved  room for one of each joint
-template <class L, class Arrive, class Leave>
+/// @param q        independent joint i at q + i * stride [rad or m]
+/// @param motions  [joint]: scratch
+template <class L, class Before, class After>
 [[gnu::always_inline]] inline Frame<L> walk(const FoldedPath& chain, const double* q, std::size_t stride,
-                                            SineCosine<L>* moved, Arrive arrive, Leave leave) {
-  motions(chain, q, stride, moved);
-  return walk_moved<L>(chain, moved, arrive, leave);
+                                            SineCosine<L>* motions, Before before, After after) {
+  compute_motions(chain, q, stride, motions);
+  return walk_motions<L>(chain, motions, before, after);
 }
 
 template <class L>
@@ -143,30 +146,29 @@ template <class L>
   to[2] = fma(a[0], b[1], -(a[1] * b[0]));
 }
 
-/// For walks that keep nothing of the frames, and have nothing to do meanwhile.
-struct PassBy {
+/// Callback that does nothing.
+struct Ignore {
   template <class L>
   [[gnu::always_inline]] void operator()(std::size_t, const Frame<L>&) const {}
   [[gnu::always_inline]] void operator()(std::size_t) const {}
 };
 
-/// What a kernel keeps of each moving joint while it works: the kernel's caller gives it the room, as chains
-/// may have any length.
+/// Intermediate results of one moving joint; the caller of a kernel allocates one per joint of the chain.
 template <class L>
-struct JointRoom {
+struct JointScratch {
   L column[6];  ///< of the Jacobian: linear, angular
   L point[3];   ///< on the joint's axis
 };
 
-/// Whether the first joint turns about the base's z.
-[[gnu::always_inline]] inline bool begins_upright(const FoldedPath& chain) {
-  return chain.upright && chain.joints[0].turns && !chain.joints[0].prismatic;
+/// Whether the first joint is revolute about the base's z.
+[[gnu::always_inline]] inline bool first_joint_about_z(const FoldedPath& chain) {
+  return chain.aligned && chain.joints[0].rotates && !chain.joints[0].prismatic;
 }
 
-/// What `columns` keeps of a first joint that turns: its axis stands still whatever the configuration.
+/// Axis and point of a revolute first joint, which do not depend on the configuration.
 template <class L>
-[[gnu::always_inline]] inline void begin_columns(const FoldedPath& chain, const double* scale,
-                                                 JointRoom<L>* joints) {
+[[gnu::always_inline]] inline void prepare_first_joint(const FoldedPath& chain, const double* scale,
+                                                       JointScratch<L>* joints) {
 #pragma GCC unroll 3
   for (int i = 0; i < 3; ++i) {
     joints[0].column[3 + i] = broadcast<L>((scale ? scale[0] : 1) * chain.first_axes[6 + i]);
@@ -174,53 +176,53 @@ template <class L>
   }
 }
 
-/// Walks the chain, its joints moved as `motions` says, then gives the columns of the Jacobian of the moving
-/// joints, times a factor each.
+/// Forward kinematics, then the columns of the Jacobian of the moving joints, each times a factor.
 ///
-/// @param scale  the factors; null: all 1
-/// @param leave  as of `walk`
-/// @param take   its `column(k, linear, angular)` is called for every moving joint, but `upright(x, y, w)`
-/// for a first one about the base's z: linear (x, y, 0), angular (0, 0, w). Angular also stays in
+/// @param scale        [joint]: the factors; null: all 1
+/// @param after        as of `walk_motions`
+/// @param consumer     receives `column(k, linear, angular)` of every moving joint, or `column_about_z(x, y,
+/// w)` of a first joint about the base's z: linear (x, y, 0), angular (0, 0, w). Angular is also stored in
 /// joints[k].column
-/// @param meanwhile  called with k at every joint of the walk, whose steps wait for each other: for work that
-/// waits for nothing
-/// @returns as `walk`
-/// @pre `begin_columns` has been called, once for all configurations
-template <class L, class Leave, class Take, class Meanwhile = PassBy>
-[[gnu::always_inline]] inline Frame<L> columns_moved(const FoldedPath& chain, const double* scale,
-                                                     const SineCosine<L>* moved, JointRoom<L>* joints,
-                                                     Leave leave, Take&& take,
-                                                     const Meanwhile& meanwhile = {}) {
-  const bool upright = begins_upright(chain);
-  const Frame<L> tip = walk_moved<L>(
-      chain, moved,
+/// @param interleaved  called with k before every joint: independent work that hides the latency of the
+/// recursion
+/// @returns as `walk_motions`
+/// @pre `prepare_first_joint` has been called, once for all configurations
+template <class L, class After, class Consumer, class Interleaved = Ignore>
+[[gnu::always_inline]] inline Frame<L> columns_of_motions(const FoldedPath& chain, const double* scale,
+                                                          const SineCosine<L>* motions,
+                                                          JointScratch<L>* joints, After after,
+                                                          Consumer&& consumer,
+                                                          const Interleaved& interleaved = {}) {
+  const bool about_z = first_joint_about_z(chain);
+  const Frame<L> tip = walk_motions<L>(
+      chain, motions,
       [&](std::size_t k, const Frame<L>& f) {
-        meanwhile(k);
-        if (k == 0 && !chain.joints[0].prismatic) return;  // `begin_columns` has put it there
+        interleaved(k);
+        if (k == 0 && !chain.joints[0].prismatic) return;  // stored by `prepare_first_joint`
         each_of_three([&](int i) __attribute__((always_inline)) {
           joints[k].column[3 + i] = scale ? scale[k] * f.z[i] : f.z[i];
         });
         if (!chain.joints[k].own_point) return;
         each_of_three([&](int i) __attribute__((always_inline)) { joints[k].point[i] = f.o[i]; });
       },
-      leave);
+      after);
   L arm[3] = {};
-  if (upright) {
+  if (about_z) {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) arm[i] = tip.o[i] - chain.first_point[i];
     const double w = scale ? scale[0] * chain.axes_length : chain.axes_length;
-    take.upright(-(w * arm[1]), w * arm[0], w);
+    consumer.column_about_z(-(w * arm[1]), w * arm[0], w);
   }
-  for (std::size_t k = upright ? 1 : 0; k < chain.count; ++k) {
+  for (std::size_t k = about_z ? 1 : 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};
-    const L still[3] = {};
+    const L zero[3] = {};
     if (joint.prismatic) {
       column[3] = column[4] = column[5] = L{};
-      take.column(k, axis, still);
-    } else if (!joint.turns) {  // the tip lies on the axis
-      take.column(k, still, axis);
+      consumer.column(k, axis, zero);
+    } else if (!joint.rotates) {  // the tip lies on the axis
+      consumer.column(k, zero, axis);
     } else {
       if (joint.own_point) {
 #pragma GCC unroll 3
@@ -228,26 +230,26 @@ template <class L, class Leave, class Take, class Meanwhile = PassBy>
       }
       L linear[3];
       cross(axis, arm, linear);
-      take.column(k, linear, axis);
+      consumer.column(k, linear, axis);
     }
   }
   return tip;
 }
 
-/// The same of joints at q, as `walk` takes it.
-template <class L, class Leave, class Take>
+/// The same for joint coordinates, as `walk`.
+template <class L, class After, class Consumer>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
-                                               std::size_t stride, SineCosine<L>* moved, JointRoom<L>* joints,
-                                               Leave leave, Take&& take) {
-  motions(chain, q, stride, moved);
-  return columns_moved<L>(chain, scale, moved, joints, leave, take);
+                                               std::size_t stride, SineCosine<L>* motions,
+                                               JointScratch<L>* joints, After after, Consumer&& consumer) {
+  compute_motions(chain, q, stride, motions);
+  return columns_of_motions<L>(chain, scale, motions, joints, after, consumer);
 }
 
-/// Keeps the columns with what is kept of the joints.
+/// Stores the columns in the scratch of the joints.
 template <class L>
-struct KeepColumns {
-  JointRoom<L>* joints;
-  [[gnu::always_inline]] void upright(const L& x, const L& y, double) const {
+struct StoreColumns {
+  JointScratch<L>* joints;
+  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double) const {
     joints[0].column[0] = x;
     joints[0].column[1] = y;
     joints[0].column[2] = L{};
@@ -260,8 +262,8 @@ struct KeepColumns {
 
 /// sum_k weight_k |linear column k|.
 template <class L>
-[[gnu::always_inline]] inline L weighted_arms(const FoldedPath& chain, const double* weight,
-                                              const JointRoom<L>* joints) {
+[[gnu::always_inline]] inline L weighted_column_norms(const FoldedPath& chain, const double* weight,
+                                                      const JointScratch<L>* joints) {
   L sum{};
   for (std::size_t k = 0; k < chain.count; ++k) {
     const L(&u)[6] = joints[k].column;
@@ -270,9 +272,9 @@ template <class L>
   return sum;
 }
 
-/// Numbers of room a kernel needs for its moving joints: their motions and what is kept of them.
+/// Doubles of scratch memory that a kernel needs per moving joint: its motion and JointScratch.
 template <class L>
-constexpr std::size_t room_per_joint = (sizeof(SineCosine<L>) + sizeof(JointRoom<L>)) / sizeof(double);
+constexpr std::size_t scratch_per_joint = (sizeof(SineCosine<L>) + sizeof(JointScratch<L>)) / sizeof(double);
 
 }  // namespace
 }  // namespace qerr::lanes

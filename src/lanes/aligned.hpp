@@ -7,8 +7,7 @@
 
 namespace qerr {
 
-/// Numbers that start at a multiple of 64 bytes, as the lanes of the batched kernels want them. Zero at
-/// first.
+/// Array of doubles aligned to 64 bytes, the widest vector of the batched kernels; initially zero.
 class AlignedNumbers {
  public:
   AlignedNumbers() = default;

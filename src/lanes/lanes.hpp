@@ -3,12 +3,12 @@
 #include <cstddef>
 #include <cstdint>
 
-/// Numbers side by side: one configuration, or one instant, per lane.
+/// Vectors of doubles: one configuration, or one instant, per lane.
 ///
-/// `Lanes<n>` is the compiler's own vector of n doubles: +, -, *, / and comparisons act on every lane, a
-/// scalar stands for n equal ones. What is written here for them is written once for any n; which
-/// instructions come out is decided by the flags of the file that includes it. Everything has internal
-/// linkage: the linker must never take one file's AVX-512 code for another file's call.
+/// `Lanes<n>` is the compiler's vector of n doubles: +, -, *, / and comparisons act on every lane, a scalar
+/// is broadcast. The functions are templates over n; the flags of the translation unit that includes them
+/// decide on the instructions. Everything has internal linkage: with external linkage the linker could keep
+/// the AVX-512 code of one translation unit for the calls of another.
 namespace qerr::lanes {
 namespace {
 
@@ -19,7 +19,7 @@ struct LanesOf {
 template <int n>
 using Lanes = typename LanesOf<n>::type;
 
-/// Whole numbers as wide as the lanes; also what comparing lanes gives: -1 where true, 0 where not.
+/// Signed 64-bit integers, as many as L has lanes; also the result of a comparison: -1 true, 0 false.
 template <class L>
 using Bits = decltype(L{} < L{});
 
@@ -43,7 +43,7 @@ template <class L>
   __builtin_memcpy(to, &lanes, sizeof lanes);
 }
 
-/// a b + c; one operation and one rounding where the file is compiled for processors that have it.
+/// a b + c; fused (one rounding) where the instruction set of the translation unit has it.
 template <class A, class B, class C>
 [[gnu::always_inline]] inline auto fma(const A& a, const B& b, const C& c) {
   return a * b + c;
@@ -72,7 +72,7 @@ template <class L>
   return root;
 }
 
-/// The same number, behind a wall: a product that passes it is rounded before anything is added to it.
+/// x, opaque to the optimizer: a product is rounded before it is added, not fused.
 template <class L>
 [[gnu::always_inline]] inline L rounded(L x) {
 #if defined(__x86_64__)
@@ -83,8 +83,9 @@ template <class L>
   return x;
 }
 
-/// kernel<group>(first lane) for groups of vectors of a row, the largest first: where each waits for its last
-/// row, the others of its group fill the time.
+/// Calls kernel<group>(first lane) for groups of vectors of a row of `width` numbers, the largest groups
+/// first. The vectors of a group are independent, so that their recursions over the rows overlap in the
+/// pipeline.
 template <int group, class L, class Kernel>
 [[gnu::always_inline]] inline void in_groups(std::size_t first, std::size_t width, Kernel kernel) {
   for (; first + group * lane_count<L> <= width; first += group * lane_count<L>)
@@ -93,8 +94,7 @@ template <int group, class L, class Kernel>
     if (first < width) in_groups<group - 1, L>(first, width, kernel);
 }
 
-/// c0 + c1 x + ... (Horner): the fewest operations, which wait for each other while those of the next joints
-/// fill the time.
+/// c0 + c1 x + ... by Horner's rule: the fewest operations; their latency is hidden by those of other joints.
 template <class L, class... More>
 [[gnu::always_inline]] inline L polynomial(const L& x, double c0, More... more) {
   if constexpr (sizeof...(more) == 0)
@@ -108,10 +108,11 @@ struct SineCosine {
   L sine, cosine;
 };
 
-/// Largest angle of `sincos` [rad].
+/// Largest |angle| for which `sincos` keeps its accuracy [rad].
 constexpr double largest_angle = 1 << 20;
 
-/// Sine and cosine of an angle within +-pi/4.
+/// Sine and cosine of an angle within +-pi/4, by polynomials of least largest error (degrees 13 and
+/// 12; 1.6e-18 and 5.2e-17).
 template <class L>
 [[gnu::always_inline]] inline SineCosine<L> sincos_near_zero(const L& r) {
   const L s = r * r;
@@ -122,9 +123,9 @@ template <class L>
   return {fma(s * r, sine, r), fma(s, cosine, broadcast<L>(1))};
 }
 
-/// What sine and cosine become when n quarter turns are added; n mod 4 stands in the last bits.
+/// Sine and cosine after adding n quarter turns; the last two bits of the double hold n mod 4.
 template <class L>
-[[gnu::always_inline]] inline SineCosine<L> turned(const SineCosine<L>& a, const L& n) {
+[[gnu::always_inline]] inline SineCosine<L> add_quarter_turns(const SineCosine<L>& a, const L& n) {
   const Bits<L> quarter = __builtin_bit_cast(Bits<L>, n);
   const Bits<L> negative_sine = (quarter & 2) << 62, negative_cosine = ((quarter + 1) & 2) << 62;
   const Bits<L> odd = quarter << 63;
@@ -133,10 +134,10 @@ template <class L>
           __builtin_bit_cast(L, __builtin_bit_cast(Bits<L>, cosine) ^ negative_cosine)};
 }
 
-/// Sine and cosine of y quarter turns, to 1.6e-16 of those of the angle that y pi/2 is.
+/// Sine and cosine of the angle y pi/2, absolute error 1.6e-16.
 ///
-/// As `sincos`, without its reduction: quarter turns less the nearest whole ones are exact. Who has an angle
-/// in radians loses as much by making quarter turns of it as by a unit of its last place.
+/// As `sincos`, but the reduction y - round(y) is exact. Converting radians to quarter turns costs one
+/// rounding of the angle.
 template <class L>
 [[gnu::always_inline]] inline SineCosine<L> sincos_of_quarters(const L& y) {
   constexpr double shift = 0x1.8p52;  // as below
@@ -146,27 +147,26 @@ template <class L>
                  0x1.50782f2f4eb80p-13, -0x1.e2ffddcca7a9fp-19, 0x1.e3c3709f5c019p-25);
   const L cosine = polynomial(s, 1, -0x1.3bd3cc9be45a5p+0, 0x1.03c1f081b14bep-2, -0x1.55d3c7dcb5f56p-6,
                               0x1.e1f4fbfc011a2p-11, -0x1.a6ca009623920p-16, 0x1.f3ef423289948p-22);
-  return turned(SineCosine<L>{part * sine, cosine}, shifted);
+  return add_quarter_turns(SineCosine<L>{part * sine, cosine}, shifted);
 }
 
-/// Sine and cosine of an angle in radians, to 1.6e-16 (2.7e-16 without fused multiply-add).
+/// Sine and cosine of an angle in radians, absolute error 1.6e-16 (2.7e-16 without fused multiply-add).
 ///
-/// The angle less the nearest multiple n of pi/2 (Cody and Waite: pi/2 in parts, so that nothing is lost to
-/// cancellation), and two polynomials of least largest error on +-pi/4 (degrees 13 and 12, off by 1.6e-18 and
-/// 5.2e-17). An angle is as sure as its last place: at 1e6 rad 1e-10. Beyond `largest_angle` the result is
-/// off by as much as some units of the angle's last place make.
+/// Cody-Waite reduction r = angle - n pi/2 with pi/2 in parts, so that cancellation loses no digits, then
+/// `sincos_near_zero`. The angle's own last place limits the result (1e-10 at 1e6 rad); beyond
+/// `largest_angle` the error is some units of that place.
 template <class L>
 [[gnu::always_inline]] inline SineCosine<L> sincos(const L& angle) {
   constexpr double two_over_pi = 0x1.45f306dc9c883p-1, shift = 0x1.8p52;
-  // Added to 1.5 2^52 a number is rounded to a whole one, which stands in the last bits of the sum.
+  // Adding 1.5 2^52 rounds to an integer, held by the last bits of the sum.
   const L shifted = fma(angle, two_over_pi, broadcast<L>(shift));
   const L n = shifted - shift;
 #if defined(__FMA__) || defined(__aarch64__)
   const L r = fma(n, -0x1.1a62633145c07p-54, fma(n, -0x1.921fb54442d18p+0, angle));
-#else  // parts of 33 bits: their products with n are exact
+#else  // parts of 33 bits: n times a part is exact
   const L r = ((angle - n * 0x1.921fb544p+0) - n * 0x1.0b4611a6p-34) - n * 0x1.3198a2e037073p-69;
 #endif
-  return turned(sincos_near_zero(r), shifted);
+  return add_quarter_turns(sincos_near_zero(r), shifted);
 }
 
 }  // namespace

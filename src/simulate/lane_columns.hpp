@@ -15,7 +15,7 @@ constexpr std::size_t depth = 4;
 template <class L>
 struct ErrorRoom {
   SineCosine<L>* moved;      // [moving joint]
-  JointRoom<L>* columns;     // [depth][columns]: of the joints, then of errors that have one of their own
+  JointScratch<L>* columns;  // [depth][columns]: of the joints, then of errors that have one of their own
   std::size_t columns_each;  // of a vector of instants
   std::size_t* column_at;    // [error]: vectors from the first column to the error's
   L* missed;                 // [encoder][depth]: its error over its resolution
@@ -23,7 +23,7 @@ struct ErrorRoom {
   L* channels;               // [width][depth]; behind the last channel they stay 0
   Bits<L>* unbounded;        // [depth]: where roll and yaw have no bounded rate
 
-  JointRoom<L>* joints(std::size_t i) const { return columns + i * columns_each; }
+  JointScratch<L>* joints(std::size_t i) const { return columns + i * columns_each; }
 };
 
 inline std::size_t joints_of(const PathErrorPlan& p) {
@@ -40,7 +40,7 @@ inline std::size_t columns_of(const PathErrorPlan& p) {
 template <class L>
 std::size_t errors_room(const PathErrorPlan& p) {
   return joints_of(p) * (sizeof(SineCosine<L>) / sizeof(double)) +
-         depth * columns_of(p) * (sizeof(JointRoom<L>) / sizeof(double)) +
+         depth * columns_of(p) * (sizeof(JointScratch<L>) / sizeof(double)) +
          depth * (p.encoders + 9 + p.width + 1) * lane_count<L> + p.encoders + p.sources;
 }
 
@@ -48,7 +48,7 @@ template <class L>
 ErrorRoom<L> furnished(const PathErrorPlan& p, double* room) {
   ErrorRoom<L> r;
   r.moved = reinterpret_cast<SineCosine<L>*>(room);
-  r.columns = reinterpret_cast<JointRoom<L>*>(r.moved + joints_of(p));
+  r.columns = reinterpret_cast<JointScratch<L>*>(r.moved + joints_of(p));
   r.columns_each = columns_of(p);
   r.missed = reinterpret_cast<L*>(r.columns + depth * r.columns_each);
   r.pose = r.missed + depth * p.encoders;
@@ -68,7 +68,7 @@ template <class L>
 /// From a row of a column to that of the next vector of instants.
 template <class L>
 [[gnu::always_inline]] inline std::size_t next_vector(const ErrorRoom<L>& room) {
-  return room.columns_each * (sizeof(JointRoom<L>) / sizeof(L));
+  return room.columns_each * (sizeof(JointScratch<L>) / sizeof(L));
 }
 
 /// Columns that are sums of several joints', or another factor of one.
@@ -133,10 +133,10 @@ void begin_errors(const PathErrorPlan& p, const ErrorRoom<L>& room) {
     const ErrorColumn& column = p.columns[e];
     const bool joints_own = column.direct && !p.angles;
     room.column_at[e] =
-        (joints_own ? p.parts[column.first].joint : joints_of(p) + e) * (sizeof(JointRoom<L>) / sizeof(L));
+        (joints_own ? p.parts[column.first].joint : joints_of(p) + e) * (sizeof(JointScratch<L>) / sizeof(L));
   }
   for (std::size_t i = 0; i < depth; ++i) {
-    begin_columns(p.chain, p.scale, room.joints(i));
+    prepare_first_joint(p.chain, p.scale, room.joints(i));
     if (p.sources > 0) shift_origins(p, 0, base_frame<L>(), i, room);
   }
 }
@@ -174,7 +174,7 @@ template <class L>
 template <class L>
 void sines(const FoldedPath& chain, const double* joint, double* to) {
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>, to += chain.count * 2 * lane_count<L>)
-    motions(chain, joint + i, batch_size, reinterpret_cast<SineCosine<L>*>(to));
+    compute_motions(chain, joint + i, batch_size, reinterpret_cast<SineCosine<L>*>(to));
 }
 
 /// From the sine and cosine of an angle to those of one that is farther by the angle of this sine, whose
@@ -192,7 +192,7 @@ template <class L>
   for (std::size_t k = 0; k < chain.count; ++k) {
     if (chain.joints[k].prismatic)
       to[k].sine = path[k].sine + turns[k].sine;
-    else if (chain.joints[k].turns)
+    else if (chain.joints[k].rotates)
       to[k] = turned_on(path[k], broadcast<L>(turns[k].sine), broadcast<L>(turns[k].less));
   }
 }
@@ -211,7 +211,7 @@ template <class L>
     const L seen = load<L>(estimate + at), d = joint.multiplier * (seen - load<L>(q + at));
     if (joint.prismatic) {
       moved[k].sine = fma(joint.multiplier, seen, broadcast<L>(joint.offset));
-    } else if (joint.turns) {
+    } else if (joint.rotates) {
       const SmallTurn<L> by(d);
       moved[k] = turned_on(moved[k], by.sine, by.less);
       far |= ~(abs(d) <= SmallTurn<L>::largest);
@@ -227,23 +227,23 @@ template <class L>
   if (b.path_sines)
     displaced(p.chain, b.path_sines + 2 * p.chain.count * at, b.turns, room.moved);
   else
-    motions(p.chain, b.joint + at, batch_size, room.moved);
-  const Frame<L> modelled = columns_moved<L>(
+    compute_motions(p.chain, b.joint + at, batch_size, room.moved);
+  const Frame<L> modelled = columns_of_motions<L>(
       p.chain, p.scale, room.moved, room.joints(i),
       [&](std::size_t k, const Frame<L>& f) {
         if (p.sources > 0) shift_origins(p, k + 1, f, i, room);
       },
-      KeepColumns<L>{room.joints(i)});
+      StoreColumns<L>{room.joints(i)});
   if (p.mixed || p.angles) mix_columns(p, i, room);
   if (p.angles) turn_angles(p, modelled, i, room);
   if (b.bounds_only) return;
   const bool near = move_on(p.chain, b.joint + at, b.estimate + at, room.moved);
-  if (!near) motions(p.chain, b.estimate + at, batch_size, room.moved);
-  const Frame<L> estimate = walk_moved<L>(p.chain, room.moved, PassBy{}, PassBy{});
+  if (!near) compute_motions(p.chain, b.estimate + at, batch_size, room.moved);
+  const Frame<L> estimate = walk_motions<L>(p.chain, room.moved, Ignore{}, Ignore{});
   if (p.as_modelled)
     pose_error(p, estimate, modelled, near, room.pose + i);
   else
-    pose_error(p, estimate, walk<L>(p.built, b.built_joint + at, batch_size, room.moved, PassBy{}, PassBy{}),
+    pose_error(p, estimate, walk<L>(p.built, b.built_joint + at, batch_size, room.moved, Ignore{}, Ignore{}),
                false, room.pose + i);
   for (std::size_t e = 0; e < p.encoders; ++e) {
     const std::size_t from = e * batch_size + at;

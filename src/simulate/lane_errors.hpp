@@ -34,7 +34,8 @@ template <class L>
       worst += 0.5 * abs(column_of(room, e)[static_cast<std::size_t>(p.rows[c]) + i * next_vector(room)]);
     const L mean = mean_error(p, c, i, room, worst);
     L bound = min(worst + p.rotation, broadcast<L>(p.rotation_angle));
-    if (p.rows[c] < 3) bound = worst + p.remainder + weighted_arms(p.chain, p.per_column, room.joints(i));
+    if (p.rows[c] < 3)
+      bound = worst + p.remainder + weighted_column_norms(p.chain, p.per_column, room.joints(i));
     rigorous = max(rigorous, bound);
     deviation = max(deviation, bound - abs(mean) + abs(mean - p.center_mean[c]));
   }

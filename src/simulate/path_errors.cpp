@@ -26,7 +26,7 @@ std::vector<FoldedJoint> moved_directly(const FoldedChain& chain) {
   std::vector<FoldedJoint> joints = chain.joints;
   for (std::size_t k = 0; k < joints.size(); ++k) {
     joints[k].coordinate = k;
-    move_by(joints[k], 1, 0);
+    set_motion(joints[k], 1, 0);
   }
   return joints;
 }

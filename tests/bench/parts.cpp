@@ -11,7 +11,7 @@
 #include "bound/batched_error.hpp"
 #include "bound/histogram.hpp"
 #include "core/random.hpp"
-#include "kinematics/jacobians.hpp"
+#include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/aligned.hpp"
 #include "qerr/bound/operational_error.hpp"

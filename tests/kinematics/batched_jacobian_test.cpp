@@ -6,7 +6,7 @@
 #include <limits>
 #include <numbers>
 
-#include "kinematics/jacobians.hpp"
+#include "kinematics/batched_jacobian.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "support/random_chain.hpp"

@@ -19,15 +19,15 @@ struct Bounds {
 /// @param sigma       of that error
 /// @param norms       of the derivative filter [1/s for a velocity]
 /// @returns bounds of the derivative [m/s or rad/s]
-/// @pre the filter has settled: a mean that is switched on passes with partial sums of h, not with H(1);
-///   the Jacobian is constant over the filter's memory; sigma also needs white input, false below about
-/// one count
-///   a sample
+/// @pre steady state of the filter (the response to a mean that is switched on is a partial sum of h, not
+/// H(1));
+///   the Jacobian is constant over the filter's memory; sigma also needs white input, which is false below
+///   about one count per sample
 Bounds derivative_error(double half_width, double mean, double sigma, const Norms& norms);
 
-/// The same for a coordinate to whose error sources beside the quantization belong: their half widths pass
-/// with ||H||_1 and their means with |H(1)| as well, each sigma with the gain that says how much of an error
-/// that comes and goes as this one does the filter lets through.
+/// The same for a coordinate of an OperationalError with error sources: their half widths are multiplied by
+/// ||H||_1 and their means by |H(1)| as well, the sigma of each by its own gain, which depends on the
+/// spectrum of the source.
 /// @param gains  of `gains_behind`, one per source; empty without sources
 Bounds derivative_error(const OperationalError&, Eigen::Index coordinate, const Norms&,
                         const Eigen::VectorXd& gains);

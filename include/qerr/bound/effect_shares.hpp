@@ -10,48 +10,52 @@
 
 namespace qerr {
 
-/// How the independent joints are used, and with them the coordinates C^-1 q of their encoders.
+/// Motion of the independent joints q, and of the encoder coordinates C^-1 q.
 struct RobotUsage {
   std::vector<Usage> joints, encoders;
 };
 
-/// The usage that the joints' ranges and the URDF's <limit velocity effort> suggest: positions evenly spread
-/// over the ranges, velocity and effort over -limit .. limit (rms limit/sqrt(3)). What no limit gives, and
-/// any time, is not known.
-/// @param ranges  one per independent joint; an unbounded one says nothing [rad or m]
+/// Usage derived from the joints' ranges and the URDF's <limit velocity effort>: positions uniform over the
+/// ranges, velocity and effort uniform over -limit .. limit (rms limit/sqrt(3)). Quantities without a limit,
+/// and times, are unknown.
+/// @param ranges  one per independent joint; an infinite range leaves the position unknown [rad or m]
 RobotUsage usage_from_limits(const OperationalModel&, const std::vector<Limits>& ranges);
 
 /// Spread of equally likely samples. @pre there is one
 Spread spread_of(std::span<const double> samples);
 
-/// What one effect of the spec adds, and where.
+/// Error that one effect of the spec adds, and its joint.
 struct EffectShare {
   Effect effect;
   std::size_t joint = 0;       ///< index of its independent joint
-  std::optional<Share> share;  ///< empty: the usage lacks what `effect_kind(type).need` says
-  bool counts = false;         ///< known, and of the robot: not of a file or a reference alone
+  std::optional<Share> share;  ///< empty: the usage does not have `effect_kind(type).need`
+  bool counts = false;  ///< whether it is known and acts on the robot, not only on a log or a reference
 };
 
 /// Shares of all effects, in the order given.
 ///
-/// Effects act one after the other, in the order of `Stage`: one that multiplies the position meets what
-/// those before it have added, so that the position it sees is widened by their worst case.
-/// @throws std::out_of_range for an effect of a joint that the chain has not
+/// Effects act in the order of `Stage`: the position range of an effect is widened by the worst case of the
+/// effects before it.
+/// @throws std::out_of_range for an effect of a joint that is not in the chain
 std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vector<Effect>&,
                                        const RobotUsage&);
 
-/// sigma of an error behind a filter over its sigma before it, by how it comes and goes.
+/// sigma of an error behind a filter over its sigma before it, from the course (spectrum) of its share.
 ///
-/// white: ||H||_2. constant: |H(1)|. motion: |H(e^{j w T})| at the mean angular frequency w of what it is
-/// proportional to, as if that were one sine. reversals: the square wave that turns as often as the motion,
-/// sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w
-/// T})|^2). travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave k, which is exact at
-/// constant speed and otherwise takes the speed as constant over the filter's memory. Where the usage does
-/// not know w or v all frequencies count alike, which is ||H||_2.
+/// - white: ||H||_2
+/// - constant: |H(1)|
+/// - motion: |H(e^{j w T})| at the mean angular frequency w of the quantity it is proportional to, taken as
+/// one sine
+/// - reversals: square wave of the motion's frequency, sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w T})|^2)
+/// - travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave k; exact at constant speed,
+/// otherwise
+///   the speed is taken as constant over the filter's memory
+///
+/// With w or v unknown, ||H||_2.
 double passed_by(const Filter&, const Norms&, const Share&, const Usage&);
 
-/// The sources of error that the effects are to `operational_error`, with their gains behind the filters.
-/// Those that do not count, or have no size, are left out.
+/// Error sources of the effects for `operational_error`, with their gains behind the filters. Shares that do
+/// not count or are 0 are skipped.
 /// @param norms  one per filter
 std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
                                        const RobotUsage&, const std::vector<Filter>&,

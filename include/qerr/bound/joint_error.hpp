@@ -9,15 +9,15 @@ namespace qerr {
 
 /// Error of every independent joint, estimate - true, in chain order [rad or m].
 struct JointError {
-  Eigen::VectorXd mean;        ///< C m, m: mean errors of the encoders; 0 when all round to nearest
+  Eigen::VectorXd mean;        ///< C m with the encoders' mean errors m; 0 when all round to nearest
   Eigen::VectorXd half_width;  ///< 0.5 |C| Delta (paper, Eq. 3, carried through the coupling)
   Eigen::VectorXd worst_case;  ///< half_width + |mean|
-  Eigen::VectorXd
-      sigma;  ///< sqrt(diag(C diag(Delta^2/12) C^T)) (paper, Eq. 9, which is diagonal only for C = I)
+  /// sqrt(diag(C diag(Delta^2/12) C^T)) (paper, Eq. 9, whose covariance is diagonal only for C = I).
+  Eigen::VectorXd sigma;
 };
 
-/// Joint error of a transmission: bounds from the quantization intervals of its encoders, and from what other
-/// sources add at joints and encoders: means and half widths add, variances add.
+/// Joint error of a transmission, from the quantization intervals of its encoders and the sources at joints
+/// and encoders: means, half widths and variances add (displaced origins do not move a joint).
 JointError joint_error(const Transmission&, const std::vector<ErrorSource>& = {});
 
 }  // namespace qerr

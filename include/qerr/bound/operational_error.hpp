@@ -9,27 +9,28 @@
 
 namespace qerr {
 
-/// Bounds of the tip's coordinates at one configuration, in the order of the coordinates asked for [m or
+/// Bounds of the tip's coordinates at one configuration, in the order of OperationalModel::coordinates [m or
 /// rad].
 struct OperationalError {
   Eigen::VectorXd mean;        ///< (J C) m and the sources' means; 0 when all encoders round to nearest
   Eigen::VectorXd half_width;  ///< 0.5 |J C| Delta and the sources' half widths
   Eigen::VectorXd worst_case;  ///< half_width + |mean|: the linear bound (paper, Eq. 17)
-  Eigen::VectorXd rigorous;    ///< no configuration exceeds it; +inf for roll pitch yaw, where there is none
+  Eigen::VectorXd rigorous;    ///< with the second-order remainder; +inf for roll pitch yaw, which have none
   Eigen::VectorXd sigma;       ///< sqrt(diag Sigma_x), about the mean (paper, Eqs. 19 and 20)
   Eigen::MatrixXd
       weighted;  ///< (J C) diag(Delta), coordinates x encoders: Sigma_x = weighted weighted^T / 12
   double cosine_of_pitch = 1;  ///< 0 at the gimbal lock
-  /// Coordinates x sources, none without: sigma of each, signed, and its |mean| + half width.
+  /// Coordinates x sources: sigma of each, with the sign of its column, and its |mean| + half width.
   Eigen::MatrixXd added_sigma, added_worst;
 };
 
-/// What stays the same over all configurations.
+/// The robot, its encoders and the coordinates of interest: everything that does not depend on the
+/// configuration.
 struct OperationalModel {
   Chain chain;
   Transmission transmission;
   std::vector<Coordinate> coordinates;
-  std::vector<ErrorSource> sources = {};  ///< what real robots add to the quantization; none: the ideal one
+  std::vector<ErrorSource> sources = {};  ///< errors other than quantization; empty: the ideal model
 };
 
 /// Error of the tip at independent coordinates q (paper, Eqs. 16 to 24, carried through the coupling).
@@ -47,15 +48,16 @@ struct OperationalModel {
 ///   1/2 sum_k h_k S_{k-1} (axes move) + A^2/4 + 0.034 A^3 (phi' = w - phi x w / 2 + c phi x (phi x w), c
 ///   |phi|^2 <= 0.1014 |phi|^2).
 ///
-/// A source at a joint or an encoder enters as the quantization does, by its column of J or J C: in the mean,
+/// A source at a joint or an encoder enters like the quantization, by its column of J or J C: in the mean,
 /// the half width, the box of the rigorous bound and, independent of all others, the variance. A displaced
-/// origin shifts the tip by R_k d, exactly: no remainder.
+/// origin shifts the tip by exactly R_k d, without remainder.
 /// @pre sigma: IPQN, the errors of the encoders are uniform and independent
 OperationalError operational_error(const OperationalModel&, const Eigen::VectorXd& q);
 
-/// Covariance of all coordinates: Sigma_x, and behind a filter with the gains of the sources h2^2 times the
-/// encoders' part and gain^2 times each source's.
+/// Covariance Sigma_x of all coordinates, sources included [m^2, m rad, rad^2].
 Eigen::MatrixXd covariance(const OperationalError&);
+
+/// Covariance behind a filter: h2^2 times the encoders' part plus gain^2 times the part of each source.
 Eigen::MatrixXd covariance(const OperationalError&, double h2, const Eigen::VectorXd& gains);
 
 }  // namespace qerr

@@ -10,10 +10,10 @@ namespace qerr {
 ///   E e^2 = 1/12 + sum (-1)^k/(pi k)^2 cos(2 pi k offset) J_0(2 pi k amplitude)
 ///   E e (x - offset) = amplitude sum (-1)^k/(pi k) cos(2 pi k offset) J_1(2 pi k amplitude)
 ///
-/// The series fall only as k^-3/2 and k^-5/2, so they are not summed: up to amplitude 10 the exact integrals
-/// between the crossings of the quantizer's thresholds are (arc cosines); beyond, Hankel's expansion of the
-/// Bessel functions, whose sums over k are polylogarithms of half-integer order. Absolute error below 1e-12
-/// (times the amplitude for the correlation).
+/// The terms fall only as k^-3/2 and k^-5/2, so the series are not summed. Up to amplitude 10 the integrals
+/// between the crossings of the quantizer's thresholds are summed exactly (arc cosines); beyond, Hankel's
+/// expansion of the Bessel functions is, whose sums over k are polylogarithms of half-integer order. Absolute
+/// error below 1e-12 (times the amplitude for the correlation).
 /// @param offset, amplitude  [quanta]; finite, amplitude >= 0
 double quantized_sine_mean(double offset, double amplitude);
 double quantized_sine_mean_square(double offset, double amplitude);
@@ -29,7 +29,7 @@ double quantized_sine_autocorrelation(double amplitude, double cycles_per_sample
 
 /// The paper's envelopes over every offset: |E e| <= 0.135/sqrt(amplitude) (Eq. 55), and E e^2 - 1/12 between
 /// -0.029/sqrt(amplitude) and 0.038/sqrt(amplitude) (Eq. 56). The figures are rounded: from amplitude 2
-/// quanta on the mean reaches 0.1358/sqrt(amplitude), 0.6 % more.
+/// quanta on the largest mean is 0.1358/sqrt(amplitude), 0.6 % more.
 ///
 /// Eq. 56 holds for the mean-square error. The paper states it of the difference of the variances of output
 /// and input, R2, for which it is false: that contains 2 E e(x - offset), about 0.37 sqrt(amplitude).

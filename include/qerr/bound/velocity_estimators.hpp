@@ -2,21 +2,20 @@
 
 namespace qerr {
 
-/// Largest |error| of a velocity computed from an encoder's counts [rad/s or m/s]; infinite where there is
-/// none.
+/// Largest |error| of a velocity computed from an encoder's counts [rad/s or m/s]; infinite: unbounded.
 ///
 /// The error is against the mean velocity over the interval measured (paper, Eqs. 47 and 50).
 struct EstimatorError {
   double printed = 0;   ///< the paper's bound, Eq. 48 (with its sign mended) or Eq. 52
   double varying = 0;   ///< least bound for any motion (FDM), any monotone one up to the speed (ITM)
-  double constant = 0;  ///< least bound for a constant speed; 0 where the counts come out even
+  double constant = 0;  ///< least bound for a constant speed; 0 for whole counts per interval
 };
 
-/// Fixed time, FDM: (x_k - x_{k-1}) f. A sample of V = v/(Delta f) counts sees floor(V) or ceil(V) of them:
-/// constant Delta f max({V}, 1 - {V}), 0 for whole V; printed and varying Delta f.
+/// Fixed time, FDM: (x_k - x_{k-1}) f. At V = v/(Delta f) counts per sample the difference is floor(V) or
+/// ceil(V): constant Delta f max({V}, 1 - {V}), 0 for whole V; printed and varying Delta f.
 /// @param resolution   Delta [rad or m], > 0
 /// @param sample_rate  f [Hz], > 0
-/// @param speed        v [rad/s or m/s]; its sign does not matter
+/// @param speed        v [rad/s or m/s]; |v| is used
 EstimatorError finite_difference_error(double resolution, double sample_rate, double speed);
 
 /// Fixed distance, ITM: Delta over the time between two edges, which is measured in n whole ticks of a clock.
@@ -27,7 +26,7 @@ EstimatorError finite_difference_error(double resolution, double sample_rate, do
 /// printed Delta f_c/m, loose by m + 1. Infinite for alpha < 1, where two edges may share a tick.
 /// @param clock  f_c [Hz]: the paper's is the sample rate; a hardware timer is faster
 /// @pre the velocity keeps its sign between the edges. Against the instantaneous velocity, which changes
-/// while the joint moves on by Delta, no such bound holds.
+/// while the joint moves on by Delta, no such bound exists.
 EstimatorError inverse_time_error(double resolution, double clock, double speed);
 
 /// The highest speed up to which ITM's error is never larger than FDM's, `varying` bounds [rad/s or m/s]:

@@ -5,23 +5,23 @@
 
 namespace qerr {
 
-/// The instructions that the batched kernels are compiled for, from the least to the most lanes.
+/// Instruction sets that the batched kernels are compiled for, in ascending order of vector width.
 enum class InstructionSet {
-  portable,  ///< what every processor of the architecture has: 2 lanes
-  avx2,      ///< x86-64 with AVX2 and fused multiply-add: 4 lanes
-  avx512     ///< x86-64 with AVX-512 (F, DQ, VL, BW): 8 lanes
+  portable,  ///< the baseline of the architecture: 2 doubles per vector
+  avx2,      ///< x86-64 with AVX2 and fused multiply-add: 4
+  avx512     ///< x86-64 with AVX-512 (F, DQ, VL, BW): 8
 };
 
 std::string_view name_of(InstructionSet);
 
-/// Those that this processor has and this build holds, the widest last.
+/// Instruction sets that this processor supports and this build contains, in ascending order of width.
 const std::vector<InstructionSet>& available_instruction_sets();
 
-/// The widest one, or the one that the environment variable QERR_INSTRUCTION_SET names.
+/// The widest available set, or the one named by the environment variable QERR_INSTRUCTION_SET.
 ///
-/// Sets differ in their last bits (a fused multiply-add rounds once): on one machine the same version gives
-/// the same bytes, between machines 12 digits.
-/// @throws Error (usage) when the variable names none that can be had
+/// Results of different sets differ by rounding (a fused multiply-add rounds once): one version gives the
+/// same bytes on one machine, and 12 equal digits on different ones.
+/// @throws Error (usage) when the variable names a set that is not available
 InstructionSet instruction_set();
 
 }  // namespace qerr

@@ -12,24 +12,23 @@ namespace qerr {
 enum class SamplingMethod {
   sobol,   ///< low-discrepancy points, digitally shifted by the seed
   random,  ///< independent uniform points
-  grid,    ///< `count` equally spaced values a joint, both ends included; the last joint runs fastest
+  grid,    ///< `count` equally spaced values per joint, both ends included; the last joint varies fastest
   list     ///< the given points (methods `list` and `file` of the spec)
 };
 
-/// The configurations over which statistics are taken. Configuration i depends on the method, the seed and i
-/// alone.
+/// The configurations over which statistics are computed. Configuration i depends only on method, seed and i.
 struct Configurations {
   SamplingMethod method = SamplingMethod::sobol;
-  std::uint64_t count = 10000;  ///< points in all; of a grid, values per joint
+  std::uint64_t count = 10000;  ///< number of points; of a grid, values per joint
   std::uint64_t seed = 1;
   std::vector<Limits> ranges;                ///< one per independent joint [rad or m]
-  std::vector<Eigen::VectorXd> points = {};  ///< of a list
+  std::vector<Eigen::VectorXd> points = {};  ///< of method list
 };
 
-/// How many configurations there are; a grid has count^joints. Saturates at 2^63 - 1.
+/// Number of configurations; count^joints for a grid. Saturates at 2^63 - 1.
 std::uint64_t size(const Configurations&);
 
-/// The digit-th of `count` equally spaced values of a range; a single one stands in the middle [rad or m].
+/// Value `digit` of `count` equally spaced values of a range, the middle for count 1 [rad or m].
 double grid_value(const Limits& range, std::uint64_t digit, std::uint64_t count);
 
 /// Configurations first .. first + count - 1 as columns.

@@ -29,7 +29,8 @@ inline bool is_position(Coordinate c) { return c <= Coordinate::z; }
 inline bool is_rotation_vector(Coordinate c) { return c >= Coordinate::rx && c <= Coordinate::rz; }
 inline bool is_euler_angle(Coordinate c) { return c >= Coordinate::roll; }
 
-/// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock, where roll and yaw have no rates.
+/// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock, where the rates of roll and yaw are
+/// unbounded.
 double cosine_of_pitch(const Eigen::Matrix3d& rotation);
 
 /// Rows of the chosen coordinates from a geometric Jacobian (6 x joints, linear rows first).

@@ -8,15 +8,17 @@ namespace qerr {
 
 using Jacobian = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// Geometric Jacobian of the chain's own moving joints, mimics counted apart, at independent coordinates q.
+/// Geometric Jacobian of the chain's moving joints (a mimic has a column of its own) at independent
+/// coordinates q.
 ///
 /// Column k: [z_k x (p - o_k); z_k] for a revolute joint, [z_k; 0] for a prismatic one, all in the base
-/// frame; linear rows first. `pose`, when given, receives the tip's pose.
-/// @returns 6 x joints, rows [m/rad or 1] and [1/1]
+/// frame; linear rows first.
+/// @param pose  receives the pose of the tip; may be null
+/// @returns 6 x joints; linear rows [m/rad or 1], angular rows [1 or 0]
 Jacobian joint_jacobian(const Chain&, const Eigen::VectorXd& q, Eigen::Isometry3d* pose = nullptr);
 
-/// Folds columns of moving joints into those of the independent coordinates: a mimic adds multiplier times
-/// its column.
+/// Columns of the independent coordinates: the sum of multiplier times column over the joints that each one
+/// moves.
 /// @param columns  m x joints
 /// @returns m x independent
 Eigen::MatrixXd to_independent(const Chain&, const Eigen::MatrixXd& columns);

@@ -53,10 +53,10 @@ using lanes::multiplied;
 double multiplications(const FoldedPath& chain, const double* scale, const double* q, double* room) {
   auto* const moved = reinterpret_cast<lanes::SineCosine<Counted>*>(room);
   multiplied = 0;
-  auto* const joints = reinterpret_cast<lanes::JointRoom<Counted>*>(moved + chain.count);
-  lanes::begin_columns(chain, scale, joints);
-  lanes::KeepColumns<Counted> keep{joints};
-  lanes::columns<Counted>(chain, scale, q, batch_size, moved, joints, lanes::PassBy{}, keep);
+  auto* const joints = reinterpret_cast<lanes::JointScratch<Counted>*>(moved + chain.count);
+  lanes::prepare_first_joint(chain, scale, joints);
+  lanes::StoreColumns<Counted> keep{joints};
+  lanes::columns<Counted>(chain, scale, q, batch_size, moved, joints, lanes::Ignore{}, keep);
   return multiplied;
 }
 

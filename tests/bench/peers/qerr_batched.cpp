@@ -5,7 +5,7 @@
 #include "bound/error_plan.hpp"
 #include "counted.hpp"
 #include "kinematics/folded_chain.hpp"
-#include "kinematics/jacobians.hpp"
+#include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/aligned.hpp"
 #include "qerr/bound/workspace.hpp"

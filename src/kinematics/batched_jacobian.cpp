@@ -1,4 +1,4 @@
-#include "kinematics/jacobians.hpp"
+#include "kinematics/batched_jacobian.hpp"
 
 #include <vector>
 
@@ -9,12 +9,12 @@ namespace qerr {
 BatchedJacobian::BatchedJacobian(const Chain& chain, InstructionSet set)
     : chain_(fold(chain, false)),
       set_(set),
-      room_(chain.joints.size() * select_kernels<KinematicKernels>(set).room_per_joint) {}
+      scratch_(chain.joints.size() * select_kernels<KinematicKernels>(set).scratch_per_joint) {}
 
 void BatchedJacobian::operator()(const double* q, double* to) {
   std::vector<double> signs;
   for (const FoldedJoint& joint : chain_.joints) signs.push_back(joint.sign);
-  select_kernels<KinematicKernels>(set_).jacobians(path_of(chain_), signs.data(), q, to, room_.data());
+  select_kernels<KinematicKernels>(set_).jacobians(path_of(chain_), signs.data(), q, to, scratch_.data());
 }
 
 }  // namespace qerr

@@ -7,8 +7,8 @@
 
 namespace qerr {
 
-/// Jacobians of batches of configurations, several at once in the lanes of the processor: `joint_jacobian` of
-/// each, from which they differ by rounding, some 1e-15 of the arm's length.
+/// `joint_jacobian` of batches of configurations, one configuration per vector lane. Differs from it by
+/// rounding, about 1e-15 of the arm's length.
 class BatchedJacobian {
  public:
   explicit BatchedJacobian(const Chain&, InstructionSet = instruction_set());
@@ -17,13 +17,13 @@ class BatchedJacobian {
   /// bytes
   /// @param to  receives entry (row, k) of configuration c at to[(6 k + row) * batch_size + c], linear rows
   /// first [m/rad or 1, and 1]; aligned to 64 bytes
-  /// @pre |angles| <= 2^20 rad, beyond which sines lose digits (lanes.hpp)
+  /// @pre |angles| <= 2^20 rad, beyond which sines lose accuracy (lanes.hpp)
   void operator()(const double* q, double* to);
 
  private:
   FoldedChain chain_;
   InstructionSet set_;
-  AlignedNumbers room_;
+  AlignedNumbers scratch_;
 };
 
 }  // namespace qerr
