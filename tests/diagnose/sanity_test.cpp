@@ -198,7 +198,7 @@ TEST(Sanity, RestoresStampsThatWereRoundedAndToldOfGapsAndDoubles) {
   Column doubled = m.time;
   for (int k = 10; k < m.rows; k += 50) doubled[k] = doubled[k - 1];
   ASSERT_FALSE(found(doubled, 7).warnings.empty());
-  EXPECT_NE(found(doubled, 7).warnings[0].find("stamp of the row before"), std::string::npos);
+  EXPECT_NE(found(doubled, 7).warnings[0].find("stamp of the previous row"), std::string::npos);
   const Sanity same = found(Column::Zero(m.rows), 7);
   EXPECT_FALSE(same.log.has_time());
 }

@@ -31,7 +31,7 @@ std::string told(const Diagnosis& d) {
   std::string text(name(d.verdict));
   for (const Cause& c : d.causes) text += ", " + c.effect.type + " at " + c.effect.joint;
   for (const AlternativeCause& a : d.alternatives) text += ", or " + a.effect + " at " + a.joint;
-  for (const Unnamed& u : d.unexplained) text += ", unexplained at " + u.joint + ": " + u.what;
+  for (const Unidentified& u : d.unexplained) text += ", unexplained at " + u.joint + ": " + u.what;
   return text;
 }
 
@@ -208,7 +208,7 @@ TEST(DiagnoseTip, LeavesUnexplainedThatAxesAreAskewAndStillNamesTheDimensions) {
     EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
     EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << told(d);
     EXPECT_TRUE(std::any_of(d.unexplained.begin(), d.unexplained.end(),
-                            [](const Unnamed& u) { return u.what == "the axis of the joint is askew"; }))
+                            [](const Unidentified& u) { return u.what == "the axis of the joint is askew"; }))
         << seed << ": " << told(d);
     EXPECT_GT(d.gain.lower, 1.5) << seed << ": " << told(d);
   }

@@ -63,7 +63,7 @@ struct AlternativeCause {
 };
 
 /// Something real without a name.
-struct Unnamed {
+struct Unidentified {
   std::string joint;
   std::string what;                 ///< "periodic in the joint angle", "slow in time", "vibrates", ...
   std::optional<double> order;      ///< periods per revolution of the joint (or per metre)
@@ -78,7 +78,7 @@ struct Diagnosis {
   std::vector<Comparison> simulation;
   std::vector<Cause> causes;  ///< by the variance they remove
   std::vector<AlternativeCause> alternatives;
-  std::vector<Unnamed> unexplained;
+  std::vector<Unidentified> unexplained;
   Gain gain;  ///< over all judged joints; of the tip where no joint has a reference
   std::vector<std::string> warnings;
 };

@@ -75,7 +75,7 @@ class Account {
   void of_scatter(const Scatter& scatter) {
     // Beside something that has no name, what scatters is its remainder.
     double unnamed = 0;
-    for (const Unnamed& u : d_.unexplained)
+    for (const Unidentified& u : d_.unexplained)
       if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
     if (scatter.size < unnamed) return;
     if (scatter.effect) {

@@ -80,7 +80,7 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
 
 /// Whether something without a name is worth a verdict: not where the causes of its joint explain more than
 /// 99 % of the variance; there it is told, and that is all.
-bool counts(const Unnamed& left, const std::vector<Cause>& causes) {
+bool counts(const Unidentified& left, const std::vector<Cause>& causes) {
   constexpr double worth = 0.1;
   return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
     return c.effect.joint == left.joint && left.amplitude < worth * c.gain.rms_before &&
@@ -94,7 +94,7 @@ Verdict verdict_of(const Diagnosis& d, bool judged) {
   if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
   if (!d.alternatives.empty()) return Verdict::ambiguous;
   const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
-                                    [&](const Unnamed& u) { return counts(u, d.causes); });
+                                    [&](const Unidentified& u) { return counts(u, d.causes); });
   return counting ? Verdict::partly_explained : Verdict::explained;
 }
 

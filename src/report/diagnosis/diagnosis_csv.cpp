@@ -70,7 +70,7 @@ void add_causes(Tidy& rows, const DiagnosisReport& r) {
 }
 
 void add_unexplained(Tidy& rows, const DiagnosisReport& r) {
-  for (const Unnamed& u : r.diagnosis.unexplained) {
+  for (const Unidentified& u : r.diagnosis.unexplained) {
     if (u.order)
       rows.add(
           {.section = "unexplained", .joint = u.joint, .name = u.what, .figure = "order", .value = *u.order});

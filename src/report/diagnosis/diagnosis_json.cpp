@@ -65,7 +65,7 @@ Json alternatives(const Diagnosis& d) {
 
 Json unexplained(const DiagnosisReport& r) {
   Json list = Json::array();
-  for (const Unnamed& u : r.diagnosis.unexplained)
+  for (const Unidentified& u : r.diagnosis.unexplained)
     list.push_back({{"joint", u.joint},
                     {"what", u.what},
                     {"order", number_or_null(u.order)},

@@ -110,7 +110,7 @@ std::string alternatives_list(const Diagnosis& d) {
 
 std::string unexplained_list(const DiagnosisReport& r) {
   std::string out;
-  for (const Unnamed& u : r.diagnosis.unexplained) {
+  for (const Unidentified& u : r.diagnosis.unexplained) {
     const std::string unit = coordinate_unit(r.spec, u.joint);
     out += "  " + shown(u.joint) + ": " + escaped(u.what);
     if (u.order && *u.order > 0)

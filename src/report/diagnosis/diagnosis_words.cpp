@@ -47,7 +47,7 @@ std::string or_instead(const Diagnosis& d) {
 
 std::string unnamed_places(const Diagnosis& d) {
   std::vector<std::string> places;
-  for (const Unnamed& u : d.unexplained)
+  for (const Unidentified& u : d.unexplained)
     if (std::find(places.begin(), places.end(), shown(u.joint)) == places.end())
       places.push_back(shown(u.joint));
   return listed(places);

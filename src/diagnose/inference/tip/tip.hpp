@@ -11,7 +11,7 @@ struct TipDiagnosis {
   bool judged = false;  ///< the log has a tip, and all joints
   std::vector<Cause> causes;
   std::vector<AlternativeCause> alternatives;
-  std::vector<Unnamed> unexplained;
+  std::vector<Unidentified> unexplained;
   Gain gain;  ///< per coordinate of the tip [m]
   std::vector<std::string> warnings;
 };

@@ -7,56 +7,71 @@
 
 #include "diagnose/record/sanity/sanity_steps.hpp"
 
-/// Faults of the counter behind the encoder: it wraps, or it counts other edges than the spec says.
+/// Faults of the counter behind the encoder: it overflows, or it counts other edges than the spec says.
 namespace qerr::sanity {
 
 namespace {
 
-constexpr double least_modulus = 256;
-constexpr double slack = 3;  // [counts], of an edge that is not quite where it should be
+constexpr double least_modulus = 256;  ///< of a counter of 8 bits
 
-/// What each row jumps by, beyond what it moves: against the reference, or the steps about it [counts].
-Eigen::ArrayXd jumps(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+/// Counts by which a jump may differ from the modulus: motion and edge errors between two rows (convention).
+constexpr double slack = 3;
+
+/// The same relative to the modulus, for fast motion (convention).
+constexpr double relative_slack = 0.05;
+
+/// Modulus of a counter of 15 bits and a sign.
+constexpr double signed_word = 32768;
+
+/// Change of the counts at each row, less the motion: that of the reference, or the median change over five
+/// rows [counts].
+Eigen::ArrayXd jumps_of(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
   const Eigen::Index n = counts.size();
   Eigen::ArrayXd out = Eigen::ArrayXd::Zero(n);
   const Eigen::ArrayXd x = reference.size() > 0 ? Eigen::ArrayXd(counts - reference) : counts;
   for (Eigen::Index k = 1; k < n; ++k) {
     out[k] = x[k] - x[k - 1];
     if (reference.size() > 0) continue;
-    std::vector<double> about;
+    std::vector<double> changes;
     for (Eigen::Index i = std::max<Eigen::Index>(1, k - 2); i <= std::min(n - 1, k + 2); ++i)
-      about.push_back(x[i] - x[i - 1]);
-    out[k] -= median(std::move(about));
+      changes.push_back(x[i] - x[i - 1]);
+    out[k] -= median(std::move(changes));
   }
   return out;
 }
 
-/// The modulus that all great jumps are one of, a power of two where one is near; 0 when they differ.
-double modulus_of(const Eigen::ArrayXd& jump, bool& power) {
-  std::vector<double> great;
-  for (const double j : jump)
-    if (std::abs(j) > 0.75 * least_modulus) great.push_back(std::abs(j));
-  if (great.empty()) return 0;
-  double modulus = std::round(median(great));
+struct Modulus {
+  double counts = 0;  ///< 0: none
+  bool power_of_two = false;
+};
+
+/// The common size of all large jumps; none if they differ. It is a power of two if one is within 1 %.
+Modulus modulus_of(const Eigen::ArrayXd& jumps) {
+  std::vector<double> large;
+  for (const double j : jumps)
+    if (std::abs(j) > 0.75 * least_modulus) large.push_back(std::abs(j));
+  if (large.empty()) return {};
+  double modulus = std::round(median(large));
   const double nearest = std::exp2(std::round(std::log2(modulus)));
-  power = std::abs(modulus - nearest) <= std::max(4.0, 0.01 * nearest);
+  const bool power = std::abs(modulus - nearest) <= std::max(4.0, 0.01 * nearest);
   if (power) modulus = nearest;
-  if (modulus < least_modulus) return 0;
-  const auto other = std::count_if(great.begin(), great.end(), [&](double j) {
-    return std::abs(j - modulus) > std::max(2 * slack, 0.05 * modulus);
+  if (modulus < least_modulus) return {};
+  const bool same = std::all_of(large.begin(), large.end(), [&](double j) {
+    return std::abs(j - modulus) <= std::max(2 * slack, relative_slack * modulus);
   });
-  return other == 0 ? modulus : 0;
+  return same ? Modulus{modulus, power} : Modulus{};
 }
 
-/// Where the counter ends, if every jump is at one of its ends: a position modulo the modulus lies between
-/// `low` and `high`.
-struct Boundary {
+/// Interval [low, high] that contains the count at which the counter overflows, modulo its modulus, if every
+/// jump is an overflow; empty (low > high) if the jumps contradict each other.
+struct OverflowPoint {
   double low = -1e300, high = 1e300;
-  int crossings = 0;
+  int overflows = 0;
 
-  void cross(double before, double after, double modulus) {
+  /// Intersects the interval with [before, after], the unwrapped counts about one jump.
+  void narrow(double before, double after, double modulus) {
     double from = std::min(before, after) - slack, to = std::max(before, after) + slack;
-    if (crossings++ > 0) {
+    if (overflows++ > 0) {
       const double turns = std::round((0.5 * (low + high) - 0.5 * (from + to)) / modulus);
       from += turns * modulus;
       to += turns * modulus;
@@ -65,34 +80,35 @@ struct Boundary {
     high = std::min(high, to);
   }
 
-  /// Zero or half the modulus: the ends of a counter without and with a sign.
-  bool at_usual_place(double modulus) const { return std::floor(high / (modulus / 2)) * modulus / 2 >= low; }
+  /// Whether it contains zero or half the modulus: where an unsigned and a signed counter overflow.
+  bool at_end_of_word(double modulus) const { return std::floor(high / (modulus / 2)) * modulus / 2 >= low; }
 };
 
-constexpr std::array<double, 8> few_numbers{1, 2, 3, 4, 5, 6, 8, 10};
+/// Numerators and denominators of the ratios that are considered.
+constexpr std::array<double, 8> terms_of_ratios{1, 2, 3, 4, 5, 6, 8, 10};
 
-/// The simple ratio that a slope is, 1 where it is none.
+/// The ratio of wrong decoding nearest to a slope, 1 if there is none.
 ///
-/// Those of x1, x2 and x4 may come with a scale error beside them; for others the ratio must be near, as
-/// there are many.
-double simple_ratio(double slope) {
+/// Ratios of x1, x2 and x4 decoding may be combined with a scale error of up to 3 %. The other ratios lie
+/// close to each other, so that the slope must agree within 0.2 % (conventions).
+double decoding_ratio(double slope) {
   const double size = std::abs(slope);
   double best = 1, best_off = 0.03;
   for (const double ratio : {0.125, 0.25, 0.5, 2.0, 4.0, 8.0})
     if (std::abs(size / ratio - 1) < best_off) best = ratio, best_off = std::abs(size / ratio - 1);
   if (best == 1 && (size < 0.7 || size > 1.4)) {
     best_off = 2e-3;
-    for (const double a : few_numbers)
-      for (const double b : few_numbers)
+    for (const double a : terms_of_ratios)
+      for (const double b : terms_of_ratios)
         if (std::abs(size * b / a - 1) < best_off) best = a / b, best_off = std::abs(size * b / a - 1);
   }
   if (best == 1 && std::abs(size - 1) > 0.1) return 1;
   return slope < 0 ? -best : best;
 }
 
-/// Where the interval of true counts that one reading stands for has its middle, less reading/factor
-/// [counts]: as the effect has it, reading = floor(factor count + 1/2), counts rounded to nearest or down.
-double middle_of_reading(double factor, Rounding rounding) {
+/// Centre of the true counts that give one reading, less reading/factor [counts]. The reading is
+/// floor(factor count + 1/2), with counts rounded to nearest or down.
+double centre_of_reading(double factor, Rounding rounding) {
   const double every = 1 / std::abs(factor);
   if (every != std::round(every)) return 0;
   const bool even = every == 2 * std::floor(every / 2);
@@ -100,129 +116,131 @@ double middle_of_reading(double factor, Rounding rounding) {
   return -below + (rounding == Rounding::nearest ? 0.5 * (every - 1) : 0);
 }
 
-/// The greatest number that all differences of whole counts are multiples of.
-double common_step(const Eigen::ArrayXd& counts) {
+/// Greatest common divisor of the differences between whole counts.
+double common_divisor(const Eigen::ArrayXd& counts) {
   std::int64_t step = 0;
   for (const double c : counts) step = std::gcd(step, std::llround(c - counts[0]));
   return static_cast<double>(std::max<std::int64_t>(step, 1));
 }
 
-/// The counter as it would have gone on, and where it wrapped.
+/// The counts without overflow.
 struct Unwrapped {
-  Eigen::ArrayXd counts, turns;
-  Boundary boundary;
+  Eigen::ArrayXd counts, overflows;  ///< overflows: signed number up to each row
+  OverflowPoint overflow_point;
 
-  Unwrapped(const Eigen::ArrayXd& read, const Eigen::ArrayXd& jump, double modulus)
-      : counts(read), turns(Eigen::ArrayXd::Zero(read.size())) {
+  Unwrapped(const Eigen::ArrayXd& read, const Eigen::ArrayXd& jumps, double modulus)
+      : counts(read), overflows(Eigen::ArrayXd::Zero(read.size())) {
     for (Eigen::Index k = 1; k < counts.size(); ++k) {
-      const double more = -std::round(jump[k] / modulus);
-      turns[k] = turns[k - 1] + more;
-      counts[k] += turns[k] * modulus;
-      if (more != 0) boundary.cross(counts[k - 1], counts[k], modulus);
+      const double more = -std::round(jumps[k] / modulus);
+      overflows[k] = overflows[k - 1] + more;
+      counts[k] += overflows[k] * modulus;
+      if (more != 0) overflow_point.narrow(counts[k - 1], counts[k], modulus);
     }
   }
 };
 
-/// Brings an unwrapped counter to its reference, as far as whole turns of it go.
-void to_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference, const Encoder& encoder,
-                  double modulus) {
+/// Adds the multiple of the modulus that brings unwrapped counts nearest to the reference [counts].
+void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference, const Encoder& encoder,
+                          double modulus) {
   if (reference.size() > 0 && encoder.zero_known)
     counts += modulus * std::round((reference - counts).mean() / modulus);
 }
 
-/// A wrap that the spec has is undone without a word, unless the counter wraps at another modulus.
-void undo_known_rollover(Sanity& s, std::size_t encoder) {
-  const Effect* effect = known(s, encoder, "rollover");
-  auto read = readings(s, encoder);
+/// Silently undoes a specified rollover, unless the counter overflows at another modulus.
+void undo_specified_rollover(Sanity& s, std::size_t encoder) {
+  const Effect* effect = specified_effect(s, encoder, "rollover");
+  auto read = recorded_counts(s, encoder);
   if (!effect || !read) return;
   const double modulus = effect->number("modulus");
-  forget(s, effect);
+  remove_effect(s, effect);
   const Encoder& model = s.model.transmission.encoders[encoder];
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
-  const Eigen::ArrayXd jump = jumps(read->counts, reference);
-  bool power = false;
-  const double shown = modulus_of(jump, power);
-  const bool other = shown > 0 && std::abs(shown - modulus) > std::max(2 * slack, 0.05 * modulus);
+  const Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
+  const double observed = modulus_of(jumps).counts;
+  const bool other =
+      observed > 0 && std::abs(observed - modulus) > std::max(2 * slack, relative_slack * modulus);
   if (other || peak_to_peak(read->counts) > modulus + slack) return;
-  read->counts = Unwrapped(read->counts, jump, modulus).counts;
-  to_reference(read->counts, reference, model, modulus);
+  read->counts = Unwrapped(read->counts, jumps, modulus).counts;
+  align_with_reference(read->counts, reference, model, modulus);
   write_back(s, *read, encoder);
 }
 
 }  // namespace
 
-double decode(Sanity& s, Readings read, std::size_t encoder, double factor) {
+double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor) {
   Encoder& model = s.model.transmission.encoders[encoder];
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  const double every = read.whole ? common_step(read.counts) : 1, coarser = every / std::abs(factor);
+  const double divisor = read.direct ? common_divisor(read.counts) : 1;
+  const double true_per_reading = divisor / std::abs(factor);
   Eigen::ArrayXd counts = read.counts / factor;
-  if (every == 1) counts += middle_of_reading(factor, model.rounding);
-  if (every == 1 && reference.size() > 0 && model.zero_known) {
-    const double mean = model.rounding == Rounding::down ? -0.5 * coarser : 0;
+  if (divisor == 1) counts += centre_of_reading(factor, model.rounding);
+  if (divisor == 1 && reference.size() > 0 && model.zero_known) {
+    const double mean = model.rounding == Rounding::down ? -0.5 * true_per_reading : 0;
     const double edges = std::round((reference / model.resolution - counts).mean() + mean);
-    if (std::abs(edges) <= 0.5 * coarser) counts += edges;
+    if (std::abs(edges) <= 0.5 * true_per_reading) counts += edges;
   }
-  read.counts = counts / coarser;
-  model.resolution *= coarser;
-  model.counts_per_period = std::max(1.0, model.counts_per_period / coarser);
+  read.counts = counts / true_per_reading;
+  model.resolution *= true_per_reading;
+  model.counts_per_period = std::max(1.0, model.counts_per_period / true_per_reading);
   write_back(s, read, encoder);
   return reference.size() > 0 ? rms(read.counts * model.resolution - reference) : 0;
 }
 
 void check_rollover(Sanity& s, std::size_t encoder) {
-  undo_known_rollover(s, encoder);
-  auto read = readings(s, encoder);
+  undo_specified_rollover(s, encoder);
+  auto read = recorded_counts(s, encoder);
   if (!read) return;
   const Encoder& model = s.model.transmission.encoders[encoder];
   const double step = model.resolution;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
-  const Eigen::ArrayXd jump = jumps(read->counts, reference);
-  bool power = false;
-  double modulus = modulus_of(jump, power);
-  // Beyond its own range no counter counts.
+  const Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
+  auto [modulus, power_of_two] = modulus_of(jumps);
+  // The range of a counter is its modulus.
   if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;
-  Unwrapped whole(read->counts, jump, modulus);
-  const Boundary& boundary = whole.boundary;
-  if (boundary.crossings == 0 || boundary.low > boundary.high) return;
-  // One jump anywhere may be lost counts; not where counters end, nor by 2^15 to the count.
-  if (!boundary.at_usual_place(modulus) && boundary.crossings < 5 && !(power && modulus >= 32768)) return;
+  Unwrapped unwrapped(read->counts, jumps, modulus);
+  const OverflowPoint& point = unwrapped.overflow_point;
+  if (point.overflows == 0 || point.low > point.high) return;
+  // A few jumps at any count may be lost counts, but not at the end of a word or by a power of two >= 2^15.
+  if (!point.at_end_of_word(modulus) && point.overflows < 5 && !(power_of_two && modulus >= signed_word))
+    return;
   double before = 0, after = 0;
   if (reference.size() > 0) {
-    if (!power) {  // each jump is a count or so off, their levels are not
-      modulus = std::round(-fit_line(whole.turns, read->counts - reference).slope);
-      whole = Unwrapped(read->counts, jump, modulus);
+    if (!power_of_two) {  // a jump may be off by some counts; the difference between levels is exact
+      modulus = std::round(-fit_line(unwrapped.overflows, read->counts - reference).slope);
+      unwrapped = Unwrapped(read->counts, jumps, modulus);
     }
-    to_reference(whole.counts, reference, model, modulus);
+    align_with_reference(unwrapped.counts, reference, model, modulus);
     before = rms(read->counts - reference) * step;
-    after = rms(whole.counts - reference) * step;
+    after = rms(unwrapped.counts - reference) * step;
   }
-  const double chance = std::min(1.0, 2 * (boundary.high - boundary.low) / modulus);
-  s.causes.push_back(cause(s, encoder, "rollover", {{"modulus", modulus}},
-                           std::min(1e-6, std::pow(chance, boundary.crossings)), before, after));
-  read->counts = std::move(whole.counts);
+  // Probability that a jump at a uniformly random count lies as near to the common overflow point.
+  const double probability = std::min(1.0, 2 * (point.high - point.low) / modulus);
+  s.causes.push_back(exact_cause(s, encoder, "rollover", {{"modulus", modulus}},
+                                 std::min(1e-6, std::pow(probability, point.overflows)), before, after));
+  read->counts = std::move(unwrapped.counts);
   write_back(s, *read, encoder);
 }
 
 void check_decoding(Sanity& s, std::size_t encoder) {
-  while (const Effect* effect = known(s, encoder, "decoding")) {
+  while (const Effect* effect = specified_effect(s, encoder, "decoding")) {
     const double factor = effect->number("factor");
-    forget(s, effect);
-    if (const auto read = readings(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);
+    remove_effect(s, effect);
+    if (const auto read = recorded_counts(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);
   }
-  const auto read = readings(s, encoder);
+  const auto read = recorded_counts(s, encoder);
   const double resolution = s.model.transmission.encoders[encoder].resolution;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
   if (!read || reference.size() == 0 || peak_to_peak(reference) < 64 || peak_to_peak(read->counts) < 8)
     return;
   const Line line = fit_line(reference, read->counts);
-  const double factor = simple_ratio(line.slope);
-  const double moved = std::abs(line.slope) * standard_deviation(reference);
-  if (factor == 1 || line.residual_rms > 0.1 * moved) return;
+  const double factor = decoding_ratio(line.slope);
+  const double explained = std::abs(line.slope) * standard_deviation(reference);
+  if (factor == 1 || line.residual_rms > 0.1 * explained) return;
   const double before = rms(read->counts - reference) * resolution;
   const double after = decode(s, *read, encoder, factor);
-  const double tail = moved / std::max(line.residual_rms, 1e-12);
+  const double tail = explained / std::max(line.residual_rms, 1e-12);
   s.causes.push_back(
-      cause(s, encoder, "decoding", {{"factor", factor}}, std::exp(-0.5 * tail * tail), before, after));
+      exact_cause(s, encoder, "decoding", {{"factor", factor}}, std::exp(-0.5 * tail * tail), before, after));
 }
 
 }  // namespace qerr::sanity

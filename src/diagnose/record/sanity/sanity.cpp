@@ -9,20 +9,20 @@ namespace qerr {
 
 namespace sanity {
 
-std::optional<Readings> readings(const Sanity& s, std::size_t encoder) {
+std::optional<RecordedCounts> recorded_counts(const Sanity& s, std::size_t encoder) {
   const Transmission& t = s.model.transmission;
   if (const auto counts = s.log.find(LogSignal::counts, encoder))
-    return Readings{*counts, true, s.log.values.col(*counts)};
+    return RecordedCounts{*counts, true, s.log.values.col(*counts)};
   const auto measured = s.log.find(LogSignal::measured, encoder);
   const auto row = static_cast<Eigen::Index>(encoder);
-  const bool own = t.coupling(row, row) == 1 && t.coupling.row(row).cwiseAbs().sum() == 1;
-  if (!measured || !own) return std::nullopt;
-  return Readings{*measured, false, s.log.values.col(*measured) / t.encoders[encoder].resolution};
+  const bool uncoupled = t.coupling(row, row) == 1 && t.coupling.row(row).cwiseAbs().sum() == 1;
+  if (!measured || !uncoupled) return std::nullopt;
+  return RecordedCounts{*measured, false, s.log.values.col(*measured) / t.encoders[encoder].resolution};
 }
 
-void write_back(Sanity& s, const Readings& r, std::size_t encoder) {
+void write_back(Sanity& s, const RecordedCounts& r, std::size_t encoder) {
   s.log.values.col(r.column) =
-      r.whole ? r.counts : Eigen::ArrayXd(r.counts * s.model.transmission.encoders[encoder].resolution);
+      r.direct ? r.counts : Eigen::ArrayXd(r.counts * s.model.transmission.encoders[encoder].resolution);
 }
 
 Eigen::ArrayXd encoder_reference(const Sanity& s, std::size_t encoder) {
@@ -36,8 +36,9 @@ double ideal_sigma(const Sanity& s, std::size_t joint) {
   return steps.norm() / std::sqrt(12.0);
 }
 
-Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
-            double p_value, double rms_before, double rms_after) {
+Cause exact_cause(const Sanity& s, std::size_t encoder, const char* effect,
+                  std::map<std::string, double> numbers, double p_value, double rms_before,
+                  double rms_after) {
   Cause c;
   c.effect = {effect, s.model.chain.independent[encoder].name, std::move(numbers), {}};
   c.p_value = std::max(p_value, 1e-300);
@@ -47,13 +48,13 @@ Cause cause(const Sanity& s, std::size_t encoder, const char* effect, std::map<s
   return c;
 }
 
-const Effect* known(const Sanity& s, std::size_t encoder, std::string_view effect) {
+const Effect* specified_effect(const Sanity& s, std::size_t encoder, std::string_view effect) {
   for (const Effect& e : s.present)
     if (e.type == effect && e.joint == s.model.chain.independent[encoder].name) return &e;
   return nullptr;
 }
 
-void forget(Sanity& s, const Effect* effect) {
+void remove_effect(Sanity& s, const Effect* effect) {
   s.present.erase(s.present.begin() + (effect - s.present.data()));
 }
 
@@ -66,16 +67,16 @@ void drop_column(Log& log, Eigen::Index column) {
 
 namespace {
 
-/// Without any truth about positions there is nothing that counts could be held against.
-void check_truth(Sanity& s) {
-  bool truth =
+/// Without a reference of any position the counts cannot be compared with anything.
+void check_reference_exists(Sanity& s) {
+  bool exists =
       s.log.find(LogSignal::tip, 0) || s.log.find(LogSignal::tip, 1) || s.log.find(LogSignal::tip, 2);
   for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i)
-    truth = truth || (readings(s, i) && encoder_reference(s, i).size() > 0);
-  if (!truth)
+    exists = exists || (recorded_counts(s, i) && encoder_reference(s, i).size() > 0);
+  if (!exists)
     s.cannot_judge =
-        "the log has no reference that moves: record 'JOINT.reference' by a better sensor on a joint, or "
-        "'tip.x', 'tip.y', 'tip.z' by a tracker";
+        "the log has no reference that moves: record 'JOINT.reference' with a reference sensor at a joint, "
+        "or 'tip.x', 'tip.y', 'tip.z' with a tracker";
 }
 
 }  // namespace
@@ -96,18 +97,19 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
         rebuilt(s.model.transmission.encoders[i]);
   const std::size_t encoders = model.transmission.encoders.size();
   for (std::size_t i = 0; i < encoders; ++i) {
-    const auto read = sanity::readings(s, i);
+    const auto read = sanity::recorded_counts(s, i);
     const Eigen::ArrayXd reference = sanity::encoder_reference(s, i);
     s.rms_before.push_back(read && reference.size() > 0
                                ? rms(read->counts * model.transmission.encoders[i].resolution - reference)
                                : 0);
   }
-  if (log.values.rows() < 8) return s;
+  if (log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
-  for (const auto step : {sanity::check_dead, sanity::check_rollover, sanity::check_decoding,
-                          sanity::check_grids, sanity::check_droop, sanity::check_stuck})
+  for (const auto step :
+       {sanity::check_constant_columns, sanity::check_rollover, sanity::check_decoding,
+        sanity::check_log_resolution, sanity::check_controller_output, sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
-  sanity::check_truth(s);
+  sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
   return s;
 }

@@ -5,57 +5,57 @@
 #include "core/statistics.hpp"
 #include "diagnose/record/sanity.hpp"
 
-/// The steps of check_sanity, in their order. Each reads the log as the steps before have left it.
+/// The steps of check_sanity, in their order. Each step reads the log as the previous steps have repaired it.
 namespace qerr::sanity {
 
-/// What one encoder read.
-struct Readings {
+/// The counts of one encoder.
+struct RecordedCounts {
   Eigen::Index column = 0;  ///< of the log
-  bool whole = true;        ///< from a column of counts; else a measured position over the resolution
+  bool direct = true;       ///< recorded as counts; else computed as measured position / resolution
   Eigen::ArrayXd counts;
 };
 
-/// Empty where the log has neither counts nor, of an uncoupled joint, the measured position.
-std::optional<Readings> readings(const Sanity&, std::size_t encoder);
+/// Empty if the log has neither counts nor, for an uncoupled joint, the measured position.
+std::optional<RecordedCounts> recorded_counts(const Sanity&, std::size_t encoder);
 
-/// Writes readings back, in counts of the model's present resolution.
-void write_back(Sanity&, const Readings&, std::size_t encoder);
+/// Writes counts of the model's present resolution to the log.
+void write_back(Sanity&, const RecordedCounts&, std::size_t encoder);
 
-/// The encoder's coordinate by the references of all joints that it feels [rad or m]; empty where one is
-/// missing.
+/// Reference in the encoder's coordinate, from the references of all joints that move it [rad or m]; empty if
+/// one of them is missing.
 Eigen::ArrayXd encoder_reference(const Sanity&, std::size_t encoder);
 
-/// Standard deviation of a joint's own quantization error, by all encoders that it is made of [rad or m].
+/// Standard deviation of a joint's quantization error, from all encoders that determine it [rad or m].
 double ideal_sigma(const Sanity&, std::size_t joint);
 
-/// A cause of the encoder's joint whose numbers are exact; the gain is of all rows.
-Cause cause(const Sanity&, std::size_t encoder, const char* effect, std::map<std::string, double> numbers,
-            double p_value, double rms_before, double rms_after);
+/// A cause at the encoder's joint whose numbers are exact, with its gain over all rows.
+Cause exact_cause(const Sanity&, std::size_t encoder, const char* effect,
+                  std::map<std::string, double> numbers, double p_value, double rms_before, double rms_after);
 
-/// The spec's effect of this type on the encoder's joint, null where it has none left.
-const Effect* known(const Sanity&, std::size_t encoder, std::string_view effect);
+/// The remaining effect of this type that the spec has at the encoder's joint; null if there is none.
+const Effect* specified_effect(const Sanity&, std::size_t encoder, std::string_view effect);
 
-/// An effect of the spec that has been undone in the log.
-void forget(Sanity&, const Effect*);
+/// Removes an effect of the spec that has been undone in the log.
+void remove_effect(Sanity&, const Effect*);
 
-/// Readings that are `factor` times the counts, brought to these; the encoder's edges lie where the readings
-/// have theirs.
+/// Converts counts that are `factor` times the true ones to true counts, with the model's edges where those
+/// of the readings lie.
 ///
-/// Which of its edges a coarser counter uses, nobody knows: if the encoder's zero is known, the one that the
-/// reference tells, within one reading.
-/// @returns rms of measured - reference then, 0 without a reference
-double decode(Sanity&, Readings, std::size_t encoder, double factor);
+/// Which of the true edges a coarser counter uses is not recorded. If the encoder's zero is known, the edge
+/// is chosen that agrees with the reference, within one reading.
+/// @returns rms of measured - reference after the conversion, 0 without a reference
+double decode(Sanity&, RecordedCounts, std::size_t encoder, double factor);
 
-/// Takes a column out of the log.
+/// Removes a column from the log.
 void drop_column(Log&, Eigen::Index column);
 
 void check_stamps(Sanity&);
-void check_dead(Sanity&, std::size_t encoder);  ///< columns that never move
+void check_constant_columns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
 void check_decoding(Sanity&, std::size_t encoder);
-void check_grids(Sanity&, std::size_t encoder);
-void check_stuck(Sanity&, std::size_t encoder);  ///< a sensor that stood still for a while
-void check_droop(Sanity&, std::size_t encoder);
+void check_log_resolution(Sanity&, std::size_t encoder);
+void check_stuck_sensor(Sanity&, std::size_t encoder);
+void check_controller_output(Sanity&, std::size_t encoder);
 void check_velocity(Sanity&, const std::vector<Filter>&, std::size_t encoder);
 
 }  // namespace qerr::sanity

@@ -1,25 +1,39 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 
-/// The column of time: effects of time are only as good as its stamps.
+/// Time stamps: effects that depend on time are identified only as accurately as these.
 namespace qerr::sanity {
 
 namespace {
 
-/// Stamps that an even clock gives when it is written with too few decimals: the clock is taken instead.
-/// @returns whether they are even
+/// Interval, relative to the usual one, that is a gap (convention).
+constexpr double gap = 5;
+
+/// Standard deviation of the intervals, relative to the usual one, above which stamps are uneven
+/// (convention): a velocity that assumes a constant rate has a relative error of this size.
+constexpr double uneven = 0.02;
+
+/// Relative difference between the mean intervals of both halves that is reported as drift (convention; the
+/// tolerance of a quartz oscillator is usually below 50 ppm).
+constexpr double clock_drift = 1e-4;
+
+/// Replaces stamps that are those of an even clock, written with too few decimals, by the exact ones.
+/// @param clock  line through the stamps by row number
+/// @returns whether the stamps are even
 bool restore_even_clock(Sanity& s, Eigen::Index column, const Eigen::ArrayXd& index, const Line& clock) {
   auto time = s.log.values.col(column);
-  const double grid = s.log.columns[static_cast<std::size_t>(column)].step(), interval = clock.slope;
+  const double step = s.log.columns[static_cast<std::size_t>(column)].step(), interval = clock.slope;
   const Eigen::ArrayXd even = clock.intercept + interval * index;
   const double off = (time - even).abs().maxCoeff();
   if (off < 1e-3 * interval) return true;
-  if (off > 0.75 * grid || grid > 20 * interval) return false;
-  s.warnings.push_back("time: stamps are written on a grid of " + significant(grid, 4) + " s, samples are " +
-                       significant(interval, 4) + " s apart: even stamps are taken in their place");
+  // Rounding moves a stamp by half a step at most; the fitted line adds an error of its own.
+  if (off > 0.75 * step || step > 20 * interval) return false;
+  s.warnings.push_back("time: stamps are multiples of " + significant(step, 4) + " s, samples are " +
+                       significant(interval, 4) + " s apart: replaced by even stamps");
   time = even;
   return true;
 }
@@ -34,37 +48,37 @@ void check_stamps(Sanity& s) {
   for (Eigen::Index k = 0; k < n; ++k) index[k] = static_cast<double>(s.log.row_number(k));
   const Line clock = fit_line(index, s.log.values.col(*column));
   if (!(clock.slope > 0)) {
-    s.warnings.push_back("time: all stamps are the same: nothing that depends on time can be judged");
+    s.warnings.push_back("time: all stamps are the same: no verdict on effects that depend on time");
     drop_column(s.log, *column);
     return;
   }
   if (restore_even_clock(s, *column, index, clock)) return;
   const Eigen::ArrayXd time = s.log.values.col(*column);
-  const Eigen::ArrayXd steps =
+  const Eigen::ArrayXd intervals =
       (time.tail(n - 1) - time.head(n - 1)) / (index.tail(n - 1) - index.head(n - 1));
-  const double middle = median({steps.begin(), steps.end()}), usual = middle > 0 ? middle : clock.slope;
-  const auto same = (steps == 0).count(), gaps = (steps > 5 * usual).count();
+  const double middle = median({intervals.begin(), intervals.end()});
+  const double usual = middle > 0 ? middle : clock.slope;
+  const auto same = (intervals == 0).count(), gaps = (intervals > gap * usual).count();
   if (same > 0)
     s.warnings.push_back("time: " + std::to_string(same) + " of " + std::to_string(n) +
-                         " rows have the stamp of the row before: their velocity is not known");
+                         " rows have the stamp of the previous row: their velocity is unknown");
   if (gaps > 0)
     s.warnings.push_back("time: " + std::to_string(gaps) + " gaps, the longest of " +
-                         significant(steps.maxCoeff(), 4) + " s where " + significant(usual, 4) +
-                         " s are usual");
-  Eigen::ArrayXd within = (steps > 5 * usual).select(usual, steps);
-  if (standard_deviation(within) > 0.02 * usual) {
+                         significant(intervals.maxCoeff(), 4) + " s; the usual interval is " +
+                         significant(usual, 4) + " s");
+  const Eigen::ArrayXd within = (intervals > gap * usual).select(usual, intervals);
+  if (standard_deviation(within) > uneven * usual) {
     s.warnings.push_back("time: stamps are uneven, " + significant(within.minCoeff(), 4) + " to " +
                          significant(within.maxCoeff(), 4) + " s apart (mean " +
                          significant(within.mean(), 4) + " s, standard deviation " +
                          significant(standard_deviation(within), 4) +
-                         " s); they are taken as they stand, a filter at a constant rate does not");
+                         " s); the diagnosis uses them as recorded, a filter assumes a constant rate");
     return;
   }
   const Eigen::Index half = (n - 1) / 2;
-  const double first = within.head(half).mean(), second = within.tail(half).mean();
-  if (gaps == 0 && std::abs(second / first - 1) > 1e-4)
-    s.warnings.push_back("time: the interval between stamps changes by " +
-                         significant(1e6 * (second / first - 1), 4) +
+  const double change = within.tail(half).mean() / within.head(half).mean() - 1;
+  if (gaps == 0 && std::abs(change) > clock_drift)
+    s.warnings.push_back("time: the interval between stamps changes by " + significant(1e6 * change, 4) +
                          " ppm from the first half to the second: one of the clocks drifts");
 }
 

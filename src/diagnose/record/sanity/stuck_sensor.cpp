@@ -1,0 +1,98 @@
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+#include "core/text.hpp"
+#include "diagnose/record/sanity/sanity_steps.hpp"
+
+/// Sensors that do not follow the motion, always or for some time.
+namespace qerr::sanity {
+
+namespace {
+
+/// Motion that a sensor must have missed to be called stuck [counts] (convention).
+constexpr double missed_motion = 20;
+
+/// Rows in which the readings do not change: first, and one past the last.
+struct ConstantRun {
+  Eigen::Index first, end;
+};
+
+/// Motion of the reference that a stuck sensor misses during a run, 0 if the sensor is not stuck [counts].
+///
+/// A stuck sensor makes up for the motion with a jump at the end of the run. After a gap in the record, or
+/// where counts are lost, it does not.
+double missed_in(const ConstantRun& run, const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+  const Eigen::Index n = counts.size();
+  if (run.end - run.first < 5) return 0;
+  const double moved = reference[std::min(run.end, n - 1)] - reference[run.first];
+  const double jump = run.end < n ? counts[run.end] - counts[run.first] : moved;
+  // Motion after the last row of the run may be a gap in the record.
+  const double within = std::abs(reference[run.end - 1] - reference[run.first]);
+  const bool catches_up = jump * moved > 0 && std::abs(jump - moved) < 0.2 * std::abs(moved) + 2;
+  const bool has_end = run.end < n || run.first == 0 || run.end - run.first > n / 100;
+  const bool stuck =
+      within >= 0.5 * missed_motion && std::abs(moved) >= missed_motion && catches_up && has_end;
+  return stuck ? std::abs(moved) : 0;
+}
+
+}  // namespace
+
+void check_constant_columns(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!read) return;
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const double travel = peak_to_peak(read->counts);
+  if (column && peak_to_peak(s.log.values.col(*column)) == 0 && travel >= missed_motion) {
+    s.warnings.push_back(s.log.columns[static_cast<std::size_t>(*column)].header +
+                         ": constant, while the encoder moves by " + significant(travel, 4) +
+                         " counts: the column is not used");
+    drop_column(s.log, *column);
+    return;
+  }
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  if (reference.size() == 0 || travel > 0 || peak_to_peak(reference) < missed_motion * resolution) return;
+  s.unexplained.push_back({s.model.chain.independent[encoder].name,
+                           "the encoder is constant while its reference moves",
+                           {},
+                           {},
+                           peak_to_peak(reference)});
+  s.warnings.push_back(s.log.columns[static_cast<std::size_t>(read->column)].header +
+                       ": constant: no verdict on this joint");
+  drop_column(s.log, read->column);
+}
+
+void check_stuck_sensor(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
+  if (!read || !s.log.has_time()) return;
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
+  if (reference.size() == 0) return;
+  const Eigen::Index n = read->counts.size();
+  std::vector<Eigen::Index> kept;
+  double missed = 0, since = 0;
+  for (ConstantRun run{0, 0}; run.first < n; run.first = run.end) {
+    run.end = run.first + 1;
+    while (run.end < n && read->counts[run.end] == read->counts[run.first]) ++run.end;
+    const double here = missed_in(run, read->counts, reference);
+    if (here > missed) missed = here, since = s.log.values(run.first, *s.log.find(LogSignal::time));
+    for (Eigen::Index k = run.first; k < (here > 0 ? run.first + 1 : run.end); ++k) kept.push_back(k);
+  }
+  if (missed == 0) return;
+  s.unexplained.push_back({s.model.chain.independent[encoder].name,
+                           "the encoder is constant for some time, then jumps to its reference",
+                           {},
+                           {},
+                           missed * resolution});
+  s.warnings.push_back(
+      s.log.columns[static_cast<std::size_t>(read->column)].header + ": constant from " +
+      significant(since, 4) + " s on while its reference moves by " + significant(missed, 4) +
+      " counts: " + std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are excluded");
+  s.log.values = s.log.values(kept, Eigen::all).eval();
+  s.log.rows = kept.size();
+  s.log.stretches.clear();
+}
+
+}  // namespace qerr::sanity
