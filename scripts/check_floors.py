@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Checks that every module of qerr includes only modules on the floors below it, and that no type is defined twice.
+"""Checks the structure of qerr's sources: a module includes only modules on the floors below it, no type is defined
+twice, no call follows the locale, and the rows of a family are named in its folder alone.
 
     check_floors.py [ROOT]       reads the #include lines of ROOT/include and ROOT/src (default: this project)
     check_floors.py --self-test  tests the check itself on a small tree
@@ -11,7 +12,7 @@ import re
 import sys
 import tempfile
 
-# A module may include itself and modules on lower floors; those on one floor are strangers.
+# A module may include itself and modules on lower floors; those on one floor do not include each other.
 FLOORS = {
     "core": 0, "lanes": 0,
     "encoder": 1, "kinematics": 1, "filter": 1,
@@ -21,8 +22,9 @@ FLOORS = {
     "input": 5, "report": 5,
     "cli": 6,
 }
-# Floor mates that know each other all the same: (who, whom).
-ACQUAINTED = {("lanes", "core"), ("report", "input"), ("simulate", "bound")}
+# Exceptions, as (including module, included module): allowed on one floor; forbidden although it is a lower floor.
+ALLOWED = {("lanes", "core"), ("report", "input"), ("simulate", "bound")}
+FORBIDDEN = {("input", "diagnose")}
 
 # Libraries that a single module names, in its own sources: public headers do not pass them on.
 LIBRARIES = [
@@ -32,6 +34,10 @@ LIBRARIES = [
     (re.compile(r"nlohmann/"), "report"),
     (re.compile(r"CLI(/|11)"), "cli"),
 ]
+# Functions whose result depends on the locale of the process: core/text and core/quantity write and read numbers.
+LOCALE_DEPENDENT = re.compile(r"\b(?:v?s(?:n)?printf|sscanf|ato[fil]|strto[dfl]\w*|sto[dfil]|imbue)\(")
+# Families whose members are files named after them: (folder, where no text may name a member).
+FAMILIES = [("src/encoder/kinds", ("src/input", "include/qerr/input"))]
 UMBRELLA = "qerr/qerr.hpp"
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]')
 NAMESPACE = re.compile(r"^namespace ?([\w:]*) ?\{$")
@@ -51,7 +57,9 @@ def fault_between(user, used):
     """Why module `user` must not include module `used`; "" when it may."""
     if used not in FLOORS:
         return f"no such module: '{used}'"
-    if user == used or FLOORS[used] < FLOORS[user] or (user, used) in ACQUAINTED:
+    if (user, used) in FORBIDDEN:
+        return f"{user} must not include {used}"
+    if user == used or FLOORS[used] < FLOORS[user] or (user, used) in ALLOWED:
         return ""
     where = "the same floor" if FLOORS[used] == FLOORS[user] else "a higher floor"
     return f"{user} (floor {FLOORS[user]}) must not include {used} (floor {FLOORS[used]}), which is on {where}"
@@ -104,6 +112,30 @@ def check_types(files):
     return faults
 
 
+def check_calls(files):
+    """One line per call of a function that follows the locale; `files` are (path, text)."""
+    return [f"{path}:{number}: {found[0]}) depends on the locale; use core/text or core/quantity"
+            for path, text in files for number, line in enumerate(text.splitlines(), 1)
+            if (found := LOCALE_DEPENDENT.search(line.split("//")[0]))]
+
+
+def check_families(files):
+    """One line per string that names a member of a family outside the family's folder; `files` are (path, text)."""
+    files = [(path.as_posix(), text) for path, text in files]
+    faults = []
+    for folder, elsewhere in FAMILIES:
+        members = [pathlib.Path(path).stem for path, _ in files if path.startswith(f"{folder}/") and path.endswith(".cpp")]
+        # A name that is also an English word counts only as a whole string.
+        named = re.compile("|".join(rf'"[^"]*\b{m}\b[^"]*"' if "_" in m else rf'"{m}"' for m in members))
+        for path, text in files:
+            if not members or not path.startswith(elsewhere):
+                continue
+            faults += [f"{path}:{number}: {found[0]} is named outside {folder}"
+                       for number, line in enumerate(text.splitlines(), 1)
+                       if not INCLUDE.match(line) and (found := named.search(line.split("//")[0]))]
+    return faults
+
+
 def check(root):
     """All faults of a source tree, as lines of text."""
     root = pathlib.Path(root).resolve()
@@ -128,7 +160,8 @@ def check(root):
             fault = fault_of(root, path, found[1], found[2])
             if fault:
                 faults.append(f"{path}:{number}: {fault}")
-    faults += check_types((p.relative_to(root), p.read_text(encoding="utf-8")) for p in files)
+    texts = [(p.relative_to(root), p.read_text(encoding="utf-8")) for p in files]
+    faults += check_types(texts) + check_calls(texts) + check_families(texts)
     public = {p.relative_to(root / "include").as_posix() for p in files if p.is_relative_to(root / "include")}
     faults += [f"include/{UMBRELLA}:1: does not include {name}" for name in sorted(public - shown - {UMBRELLA})]
     return faults
@@ -153,6 +186,8 @@ def self_test():
         ("src/core/a.cpp", '"qerr/encoder/a.hpp"', "higher floor"),
         ("src/core/angle.cpp", "<qerr/encoder/a.hpp>", "higher floor"),
         ("src/input/a.cpp", '"qerr/report/a.hpp"', "same floor"),
+        ("include/qerr/diagnose/a.hpp", "<cmath>", None),
+        ("src/input/cause.cpp", '"qerr/diagnose/a.hpp"', "must not include"),
         ("src/input/yaml.cpp", "<yaml-cpp/yaml.h>", None),
         ("src/input/expat.cpp", "<expat.h>", None),
         ("src/report/a.cpp", "<yaml-cpp/yaml.h>", "src/input"),
@@ -189,7 +224,7 @@ def self_test():
         wrong.append(f"the umbrella header without {forgotten}: no fault")
     if len(faults) != sum(word is not None for _, _, word in cases) + 1:
         wrong.append(f"unexpected faults among {faults}")
-    return [f"self-test: {w}" for w in wrong + self_test_of_types()]
+    return [f"self-test: {w}" for w in wrong + self_test_of_types() + self_test_of_texts()]
 
 
 def self_test_of_types():
@@ -217,6 +252,19 @@ def self_test_of_types():
         if faults != expected:
             wrong.append(f"{one!r} and {other!r}: expected {expected}, got {faults}")
     return wrong
+
+
+def self_test_of_texts():
+    """Calls that follow the locale, and members of a family that are named elsewhere."""
+    path = pathlib.Path
+    calls = [("std::snprintf(text, 8, \"%g\", x);", 1), ("std::fprintf(stderr, text);", 0), ("// atof(x)", 0),
+             ("y = std::stod(x);", 1), ("put(std::atof(x));", 1), ("fast_atof(x);", 0)]
+    names = [('if (kind == "bits") {', 1), ('"give 12 bits, please"', 0), ('"or x_bits: 12"', 1), ('"bitset"', 0), ("int bits = 3;", 0)]
+    wrong = [f"{line!r}: expected {expected} faults" for line, expected in calls
+             if len(check_calls([(path("src/core/a.cpp"), line)])) != expected]
+    members = [(path(f"src/encoder/kinds/{m}.cpp"), f'"{m}"') for m in ("bits", "x_bits")]
+    return wrong + [f"{line!r}: expected {expected} faults" for line, expected in names
+                    if len(check_families(members + [(path("src/input/a.cpp"), line)])) != expected]
 
 
 def main(arguments):

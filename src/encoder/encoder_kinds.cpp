@@ -1,96 +1,25 @@
 #include "qerr/encoder/encoder_kinds.hpp"
 
-#include <cmath>
+#include <algorithm>
+#include <stdexcept>
+
+#include "encoder/kinds/kinds.hpp"
 
 namespace qerr {
 
-namespace {
-
-using Numbers = std::map<std::string, double>;
-using Choices = std::map<std::string, std::string>;
-
-constexpr double most_counts = 1e15;
-
-double counts(const Numbers& n, const Choices&) { return n.at("counts_per_rev"); }
-
-double edges_per_line(const Numbers&, const Choices& c) {
-  const std::string& decoding = c.at("decoding");
-  return decoding == "x1" ? 1 : decoding == "x2" ? 2 : 4;
-}
-
-double lines(const Numbers& n, const Choices& c) { return n.at("lines_per_rev") * edges_per_line(n, c); }
-
-double bits(const Numbers& n, const Choices&) { return std::exp2(n.at("bits")); }
-
-double steps_per_period(const Numbers& n, const Choices&) { return std::exp2(n.at("interpolation_bits")); }
-
-double periods(const Numbers& n, const Choices& c) {
-  return n.at("periods_per_rev") * steps_per_period(n, c);
-}
-
-}  // namespace
-
 const std::vector<EncoderKind>& encoder_kinds() {
   static const std::vector<EncoderKind> kinds{
-      {"counts_per_rev",
-       "counts per revolution of the encoder's shaft, after decoding (need not be whole)",
-       {{.name = "counts_per_rev",
-         .meaning = "counts per encoder revolution, after decoding",
-         .required = true,
-         .least = 0,
-         .most = most_counts,
-         .open_below = true}},
-       counts},
-      {"lines_per_rev",
-       "incremental encoder: lines (slots) per revolution and the decoding of its two channels",
-       {{.name = "lines_per_rev",
-         .meaning = "lines per encoder revolution",
-         .required = true,
-         .least = 0,
-         .most = most_counts,
-         .open_below = true},
-        {.name = "decoding",
-         .kind = Kind::choice,
-         .meaning = "edges counted per line: 1, 2 or 4",
-         .choices = "x4|x2|x1"}},
-       lines,
-       edges_per_line},
-      {"bits",
-       "absolute encoder: bits per revolution",
-       {{.name = "bits",
-         .kind = Kind::integer,
-         .meaning = "bits per encoder revolution",
-         .required = true,
-         .least = 1,
-         .most = 40}},
-       bits},
-      {"periods_per_rev",
-       "sine/cosine encoder or resolver: signal periods per revolution, interpolated",
-       {{.name = "periods_per_rev",
-         .meaning = "signal periods per encoder revolution",
-         .required = true,
-         .least = 0,
-         .most = most_counts,
-         .open_below = true},
-        {.name = "interpolation_bits",
-         .kind = Kind::integer,
-         .meaning = "bits per signal period",
-         .required = true,
-         .least = 1,
-         .most = 32}},
-       periods,
-       steps_per_period},
-      {"resolution",
-       "quantization interval at the joint itself",
-       {{.name = "resolution",
-         .meaning = "interval at the joint, rad (m for a prismatic joint)",
-         .required = true,
-         .least = 0,
-         .open_below = true,
-         .coordinate = true}},
-       nullptr},
+      counts_per_rev_encoder(),  lines_per_rev_encoder(), bits_encoder(),
+      periods_per_rev_encoder(), resolution_encoder(),
   };
   return kinds;
+}
+
+const EncoderKind& encoder_kind(std::string_view name) {
+  const auto& kinds = encoder_kinds();
+  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
+  if (found == kinds.end()) throw std::out_of_range("no encoder kind '" + std::string(name) + "'");
+  return *found;
 }
 
 const std::vector<Parameter>& common_encoder_parameters() {
@@ -113,6 +42,13 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .choices = "known|free"},
   };
   return common;
+}
+
+std::vector<Parameter> encoder_parameters(const EncoderKind& kind) {
+  std::vector<Parameter> rows = kind.parameters;
+  for (const Parameter& p : common_encoder_parameters())
+    if (kind.counts_per_rev || (p.name != "gear_ratio" && p.name != "travel_per_rev")) rows.push_back(p);
+  return rows;
 }
 
 }  // namespace qerr

@@ -11,17 +11,30 @@ namespace qerr {
 
 namespace {
 
-/// Bare `cpr` and `ppr` mean counts to some vendors and lines to others: a factor of 4 that nobody should
-/// guess.
+/// Some vendors count lines in `cpr` and `ppr`, others counts: a factor of 4.
 void refuse_ambiguous_keys(const Field& f) {
   for (const auto& [key, value] : read_map(f))
-    for (const std::string_view bad : {"cpr", "ppr", "CPR", "PPR"})
-      if (key.name == bad)
-        throw Error(
-            {key.place, value.path,
-             "'" + key.name + "' is ambiguous: vendors use it for lines and for counts, 4 times as many",
-             "'" + key.name + "'",
-             "write counts_per_rev (after decoding) or lines_per_rev with decoding: x1, x2 or x4"});
+    for (const EncoderKind& kind : encoder_kinds())
+      for (const std::string& ambiguous : words_of(kind.ambiguous_keys))
+        if (key.name == ambiguous)
+          throw Error(
+              {key.place, value.path,
+               "'" + key.name + "' is ambiguous: vendors use it for lines and for counts, 4 times as many",
+               "'" + key.name + "'", std::string(kind.ambiguous_remedy)});
+}
+
+/// The first kind that is stated at the joint, or at the encoder's shaft.
+const EncoderKind& first_kind(bool at_joint) {
+  const auto& kinds = encoder_kinds();
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const EncoderKind& kind) {
+    return (kind.resolution_at_joint != nullptr) == at_joint;
+  });
+}
+
+std::string list_of_kinds() {
+  std::string text;
+  for (const EncoderKind& kind : encoder_kinds()) text += (text.empty() ? "" : ", ") + std::string(kind.name);
+  return text;
 }
 
 const EncoderKind& kind_of(const Field& f) {
@@ -42,7 +55,7 @@ const EncoderKind& kind_of(const Field& f) {
       throw Error(
           {key.place, value.path, "unknown key", "'" + key.name + "'", did_you_mean(key.name, known)});
   throw Error({f.node->place, f.path, "the encoder's counts are missing", described(*f.node),
-               "give one of counts_per_rev, lines_per_rev, bits, periods_per_rev, resolution"});
+               "give one of " + list_of_kinds()});
 }
 
 std::vector<Parameter> format_of(const EncoderKind& kind) {
@@ -65,14 +78,15 @@ double travel_of(const Object& o, const IndependentJoint& joint) {
   if (const auto travel = o.number("travel_per_rev")) return *travel;
   throw Error({o.self().node->place, o.self().path, "a prismatic joint needs its travel per revolution",
                described(*o.self().node),
-               "add travel_per_rev: 10 mm (screw lead or pulley travel), or give resolution: 1 um"});
+               "add travel_per_rev: 10 mm (screw lead or pulley travel), or give " +
+                   std::string(first_kind(true).example)});
 }
 
 std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const IndependentJoint& joint) {
   if (f.node->type == Node::Type::mapping)
     refuse_ambiguous_keys(f);
   else
-    throw Error(f.fault("must be a mapping", "write {counts_per_rev: 4096, gear_ratio: 100}"));
+    throw Error(f.fault("must be a mapping", "write {" + std::string(first_kind(false).example) + "}"));
   const EncoderKind& kind = kind_of(f);
   const Object o(f, format_of(kind));
   const auto numbers = o.numbers(kind.parameters, coordinate_dimension(joint));
@@ -94,7 +108,7 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     refuse_key(o, "gear_ratio", "a resolution is at the joint, behind the gear", "leave gear_ratio out");
     refuse_key(o, "travel_per_rev", "a resolution is at the joint, behind the screw",
                "leave travel_per_rev out");
-    encoder.resolution = numbers.at("resolution");
+    encoder.resolution = kind.resolution_at_joint(numbers, o.choices(kind.parameters));
     figures.counts_per_rev = 2 * std::numbers::pi / encoder.resolution;
   }
   if (!(encoder.resolution > 0) || !std::isfinite(encoder.resolution))
@@ -165,9 +179,9 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
     if (!of_joint[i].node && rest_is_faulty) continue;  // said once, not for every joint
     const bool good = faults.guard([&] {
       if (!of_joint[i].node && !rest.node)
-        throw Error(
-            {f.node->place, f.path + '.' + joint.name, "the joint has no encoder", "",
-             "add '" + joint.name + ": {counts_per_rev: ..., gear_ratio: ...}', or '*' for all the rest"});
+        throw Error({f.node->place, f.path + '.' + joint.name, "the joint has no encoder", "",
+                     "add '" + joint.name + ": {" + std::string(first_kind(false).example) +
+                         "}', or '*' for all other joints"});
       const Field& entry = of_joint[i].node ? of_joint[i] : rest;
       std::tie(transmission.encoders[i], spec.encoder_figures[i]) = read_encoder(entry, joint);
     });

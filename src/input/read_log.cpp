@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "input/log_columns.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
 #include "simulate/unwrap.hpp"
 
 namespace qerr {
@@ -12,15 +13,16 @@ namespace {
 
 constexpr double most_counts = 9007199254740992;  // 2^53: beyond it a double skips whole numbers
 
-/// What a column starts anew at, when it does so at all; 0 when it never should.
-double turn_of(const LogColumn& column, const Spec& spec) {
+/// Interval after which a column of absolute positions starts again; 0 for a column that does not.
+double wrap_interval(const LogColumn& column, const Spec& spec) {
   switch (column.signal) {
     case LogSignal::counts: {
       const EncoderFigures& encoder = spec.encoder_figures[column.index];
+      const AbsoluteRange range = encoder_kind(encoder.kind).absolute_within;
       const bool one_period =
-          encoder.kind == "periods_per_rev" &&
+          range == AbsoluteRange::signal_period &&
           spec.model.transmission.encoders[column.index].counts_per_period == encoder.counts_per_rev;
-      return encoder.kind == "bits" || one_period ? encoder.counts_per_rev : 0;
+      return range == AbsoluteRange::revolution || one_period ? encoder.counts_per_rev : 0;
     }
     case LogSignal::measured:
     case LogSignal::reference:
@@ -56,7 +58,7 @@ class LogReader::Rows {
       const auto index = static_cast<Eigen::Index>(i);
       if (column.signal == LogSignal::counts) counts_.push_back(index);
       if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
-      const double turn = turn_of(column, spec);
+      const double turn = wrap_interval(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
       const bool follows = column.signal == LogSignal::reference || column.signal == LogSignal::command;
       if (turn > 0 && follows && is_measured(log, transmission_, column.index))

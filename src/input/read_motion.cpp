@@ -5,6 +5,7 @@
 #include "core/suggest.hpp"
 #include "input/joint_table.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
 
 /// How the robot moves and what it does to the ideal model: motion, effects.
 namespace qerr {
@@ -91,7 +92,7 @@ const EffectKind& kind_of(const Field& f) {
 /// Effects within a line speak of the encoder's signals, which not every encoder has.
 void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spec& spec) {
   if (joint >= spec.encoder_figures.size() || spec.encoder_figures[joint].kind.empty()) return;  // faulty
-  const std::string& kind = spec.encoder_figures[joint].kind;
+  const EncoderKind& kind = encoder_kind(spec.encoder_figures[joint].kind);
   const double counts = spec.model.transmission.encoders[joint].counts_per_period;
   const std::string what = "the encoder of '" + effect.joint + "' counts " + shortest(counts) +
                            (counts == 1 ? " time" : " times") + " a period: ";
@@ -101,11 +102,11 @@ void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spe
   if (effect.type != "subdivision_error") return;
   if (counts < 4)
     throw Error(o.at("type").fault(what + "nothing is interpolated within it",
-                                   "periods_per_rev with interpolation_bits, or decoding: x4"));
-  if (kind == "bits" || kind == "resolution")
-    spec.warnings.push_back(o.self().path + ": the encoder of '" + effect.joint +
-                            "' is given without its signal period, which is taken as four counts; give "
-                            "periods_per_rev and interpolation_bits");
+                                   "an interpolated encoder (see `qerr list encoders`), or decoding: x4"));
+  if (!kind.period_remedy.empty())
+    spec.warnings.push_back(o.self().path + ": the signal period of the encoder of '" + effect.joint +
+                            "' is not stated; four counts are assumed. To state it, " +
+                            std::string(kind.period_remedy));
 }
 
 Effect read_effect(const Field& f, const RobotModel& robot, Spec& spec) {

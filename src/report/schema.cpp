@@ -93,12 +93,7 @@ Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)
 
 Json encoder() {
   Json kinds = Json::array();
-  for (const EncoderKind& kind : encoder_kinds()) {
-    std::vector<Parameter> rows = kind.parameters;
-    for (const Parameter& p : common_encoder_parameters())
-      if (kind.counts_per_rev || (p.name != "gear_ratio" && p.name != "travel_per_rev")) rows.push_back(p);
-    kinds.push_back(object_of(rows));
-  }
+  for (const EncoderKind& kind : encoder_kinds()) kinds.push_back(object_of(encoder_parameters(kind)));
   return {{"oneOf", kinds}};
 }
 

@@ -77,12 +77,8 @@ std::vector<ListRow> rows_of(std::string_view kind) {
     }
   }
   if (kind == "encoders")
-    for (const EncoderKind& e : encoder_kinds()) {
-      rows.push_back({std::string(e.name), std::string(e.summary), e.parameters});
-      for (const Parameter& p : common_encoder_parameters())
-        if (e.counts_per_rev || (p.name != "gear_ratio" && p.name != "travel_per_rev"))
-          rows.back().parameters.push_back(p);
-    }
+    for (const EncoderKind& e : encoder_kinds())
+      rows.push_back({std::string(e.name), std::string(e.summary), encoder_parameters(e)});
   if (kind == "effects")
     for (const EffectKind& e : effect_kinds())
       rows.push_back({std::string(e.name),

@@ -33,15 +33,18 @@ struct Parameter {
   bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
 };
 
-/// The words of `choices`.
-inline std::vector<std::string> choices_of(const Parameter& p) {
+/// The words of a list such as "matched|tustin".
+inline std::vector<std::string> words_of(std::string_view list) {
   std::vector<std::string> words;
-  for (std::size_t at = 0; at < p.choices.size();) {
-    const std::size_t bar = std::min(p.choices.find('|', at), p.choices.size());
-    words.emplace_back(p.choices.substr(at, bar - at));
-    at = bar + 1;
+  for (std::size_t begin = 0; begin < list.size();) {
+    const std::size_t bar = std::min(list.find('|', begin), list.size());
+    words.emplace_back(list.substr(begin, bar - begin));
+    begin = bar + 1;
   }
   return words;
 }
+
+/// The words of `choices`.
+inline std::vector<std::string> choices_of(const Parameter& p) { return words_of(p.choices); }
 
 }  // namespace qerr

@@ -9,25 +9,44 @@
 
 namespace qerr {
 
-/// A way to state an encoder's counts per revolution. Exactly one kind's key stands in an encoder of the
-/// spec.
+using EncoderNumbers = std::map<std::string, double>;       ///< checked parameters in SI units, by name
+using EncoderChoices = std::map<std::string, std::string>;  ///< checked choices, by name
+
+/// Range within which an encoder's count is absolute: beyond it a recorded count starts again.
+enum class AbsoluteRange { none, signal_period, revolution };
+
+/// A row of the list of encoder kinds: one way to state an encoder's resolution. Exactly one kind's key
+/// stands in an encoder of the spec.
 struct EncoderKind {
-  std::string_view name;  ///< the key that tells the kind
+  std::string_view name;  ///< key that selects the kind
   std::string_view summary;
   std::vector<Parameter> parameters;
-  /// Counts per revolution of the encoder's shaft, after decoding; for `resolution`, which is at the joint,
-  /// empty.
-  double (*counts_per_rev)(const std::map<std::string, double>& numbers,
-                           const std::map<std::string, std::string>& choices);
-  /// Counts in one line or signal period; 4, of a quadrature signal, where nothing else is said.
-  double (*counts_per_period)(const std::map<std::string, double>& numbers,
-                              const std::map<std::string, std::string>& choices) = nullptr;
+  std::string_view example;  ///< of its parameters in a spec
+  /// Keys, separated by `|`, that vendors use both for this kind and for another one; refused with the
+  /// remedy.
+  std::string_view ambiguous_keys = {};
+  std::string_view ambiguous_remedy = {};
+  /// Counts per revolution of the encoder's shaft, after decoding; null for a kind stated at the joint.
+  double (*counts_per_rev)(const EncoderNumbers&, const EncoderChoices&) = nullptr;
+  /// Quantization interval at the joint [rad or m]; null for a kind stated at the encoder's shaft.
+  double (*resolution_at_joint)(const EncoderNumbers&, const EncoderChoices&) = nullptr;
+  /// Counts in one line or signal period; null: 4, as of a quadrature signal.
+  double (*counts_per_period)(const EncoderNumbers&, const EncoderChoices&) = nullptr;
+  AbsoluteRange absolute_within = AbsoluteRange::none;
+  /// How to state the signal period where the kind's own parameters do not determine it; empty where they do.
+  std::string_view period_remedy = {};
 };
 
 /// All kinds, in the order of `qerr list encoders`.
 const std::vector<EncoderKind>& encoder_kinds();
 
-/// Keys that go with every kind: gear_ratio, travel_per_rev, rounding, zero.
+/// @throws std::out_of_range for an unknown name; specs are checked when they are read
+const EncoderKind& encoder_kind(std::string_view name);
+
+/// Keys of every kind: gear_ratio, travel_per_rev, rounding, zero.
 const std::vector<Parameter>& common_encoder_parameters();
+
+/// Keys of a kind and those of every kind that apply to it: one stated at the joint has no gear.
+std::vector<Parameter> encoder_parameters(const EncoderKind&);
 
 }  // namespace qerr
