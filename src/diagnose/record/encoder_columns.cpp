@@ -9,41 +9,41 @@ namespace qerr {
 
 namespace {
 
-constexpr double nothing = 1e-12;  ///< of a joint's part in what an encoder feels
+constexpr double negligible = 1e-12;  ///< weight, by rounding errors
 
-/// What the encoder feels of every joint, per unit of it.
-Eigen::RowVectorXd parts_of_joints(const OperationalModel& model, Eigen::Index encoder) {
+/// Change of the encoder's coordinate per unit of every joint.
+Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index encoder) {
   return inverse(model.transmission.coupling).row(encoder);
 }
 
 }  // namespace
 
 bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
-  return (parts_of_joints(model, encoder).array().abs() > nothing).count() == 1;
+  return (joint_weights(model, encoder).array().abs() > negligible).count() == 1;
 }
 
 EncoderReference encoder_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
-  const Eigen::RowVectorXd parts = parts_of_joints(model, encoder);
+  const Eigen::RowVectorXd weights = joint_weights(model, encoder);
   EncoderReference r{Eigen::ArrayXd::Zero(log.values.rows())};
-  for (Eigen::Index j = 0; j < parts.size(); ++j) {
-    if (std::abs(parts[j]) < nothing) continue;
+  for (Eigen::Index j = 0; j < weights.size(); ++j) {
+    if (std::abs(weights[j]) < negligible) continue;
     const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
     if (!column) return {};
-    r.position += parts[j] * log.values.col(*column);
+    r.position += weights[j] * log.values.col(*column);
     r.log_resolution = std::max(r.log_resolution,
-                                std::abs(parts[j]) * log.columns[static_cast<std::size_t>(*column)].step());
+                                std::abs(weights[j]) * log.columns[static_cast<std::size_t>(*column)].step());
   }
   return r;
 }
 
 Eigen::ArrayXd encoder_measured(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
-  const Eigen::RowVectorXd parts = parts_of_joints(model, encoder);
+  const Eigen::RowVectorXd weights = joint_weights(model, encoder);
   Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
-  for (Eigen::Index j = 0; j < parts.size(); ++j) {
-    if (std::abs(parts[j]) < nothing) continue;
+  for (Eigen::Index j = 0; j < weights.size(); ++j) {
+    if (std::abs(weights[j]) < negligible) continue;
     const auto joint = measured_joint(log, log.values, model.transmission, static_cast<std::size_t>(j));
     if (!joint) return {};
-    x += parts[j] * *joint;
+    x += weights[j] * *joint;
   }
   return x;
 }

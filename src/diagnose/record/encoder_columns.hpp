@@ -5,20 +5,21 @@
 
 namespace qerr {
 
-// What a log's columns, which are of joints, say in the coordinate of an encoder, which may feel several.
+// The columns of a log are joint coordinates; with a coupling the coordinate of an encoder is a combination
+// of several joints.
 
-/// Whether an encoder feels its own joint only.
+/// Whether the encoder's coordinate depends on its own joint only.
 bool depends_on_one_joint(const OperationalModel&, Eigen::Index encoder);
 
-/// By the references of all joints that the encoder feels.
+/// Reference of the encoder's coordinate, combined from the references of all joints that it depends on.
 struct EncoderReference {
-  Eigen::ArrayXd position;    ///< empty where a reference is missing [rad or m]
-  double log_resolution = 0;  ///< the coarsest step that one of them is written with [rad or m]
+  Eigen::ArrayXd position;    ///< [rad or m]; empty if a joint's reference is missing
+  double log_resolution = 0;  ///< coarsest step of these columns in the file [rad or m]
 };
 EncoderReference encoder_reference(const OperationalModel&, const Log&, Eigen::Index encoder);
 
-/// By the positions that the robot knows of these joints (measured_joint); empty where one is missing
-/// [rad or m].
+/// The encoder's coordinate combined from the measured positions of these joints (measured_joint) [rad or m];
+/// empty if one of them is missing.
 Eigen::ArrayXd encoder_measured(const OperationalModel&, const Log&, Eigen::Index encoder);
 
 }  // namespace qerr

@@ -28,19 +28,19 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
 }  // namespace
 
 std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
-  // The noise alone must not make two rows of one.
-  const double apart = std::max(3 * e.path_noise, 0.05 * e.step());
+  // Noise alone must not separate rows.
+  const double distinct = std::max(3 * e.path_noise, 0.05 * e.step());
   std::vector<RowGroup> all;
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
-    if (k == e.rows() || e.measured[k] != e.measured[first] || std::abs(e.path[k] - e.path[first]) > apart ||
-        e.direction[k] != e.direction[first]) {
+    if (k == e.rows() || e.measured[k] != e.measured[first] ||
+        std::abs(e.path[k] - e.path[first]) > distinct || e.direction[k] != e.direction[first]) {
       all.push_back({first, k});
       first = k;
     }
   const auto count = static_cast<Eigen::Index>(all.size());
   if (count <= most) return all;
-  // At random within each stretch: evenly spaced rows could keep pace with the motion.
+  // Evenly spaced rows could be commensurate with a periodic motion.
   std::vector<RowGroup> drawn;
   for (Eigen::Index i = 0; i < most; ++i) {
     const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
@@ -52,17 +52,18 @@ std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
 }
 
 Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
-  Evidence few = e;
+  Evidence grouped = e;
   for (Eigen::ArrayXd* column :
-       {&few.time, &few.reference, &few.measured, &few.path, &few.velocity, &few.direction, &few.joint_path,
-        &few.joint_velocity, &few.effort, &few.temperature, &few.random_sigma})
+       {&grouped.time, &grouped.reference, &grouped.measured, &grouped.path, &grouped.velocity,
+        &grouped.direction, &grouped.joint_path, &grouped.joint_velocity, &grouped.effort,
+        &grouped.temperature, &grouped.random_sigma})
     *column = means(*column, groups);
-  return few;
+  return grouped;
 }
 
 namespace {
 
-/// @param time  from the first row [s]; empty: the rows are in no order
+/// @param time  since the first row [s]; empty: the rows are not ordered
 std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,
                                     std::size_t encoder) {
   const auto number = static_cast<Eigen::Index>(encoder);

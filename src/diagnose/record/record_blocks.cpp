@@ -8,23 +8,23 @@ namespace qerr {
 
 namespace {
 
-/// @param part  of the record that a block has at most
-std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index part) {
+/// @param fewest  blocks, if the record is long enough
+std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index fewest) {
   const Eigen::Index n = e.rows();
   const Eigen::Index least = std::max<Eigen::Index>(std::min<Eigen::Index>(50, n / 4), (n + 127) / 128);
-  const Eigen::Index most = std::max(least, n / part);
+  const Eigen::Index most = std::max(least, n / fewest);
   const double revolution = 2 * std::numbers::pi / std::max(std::abs(e.encoder.shaft_ratio), 1e-12);
   std::vector<Eigen::Index> starts{0};
-  bool turned = false;
+  bool reversed = false;
   double travel = 0;
   for (Eigen::Index k = 1; k < n; ++k) {
-    turned |= e.direction[k] != e.direction[k - 1];
+    reversed |= e.direction[k] != e.direction[k - 1];
     travel += std::abs(e.path[k] - e.path[k - 1]);
     const Eigen::Index length = k - starts.back();
-    const bool enough = turned || travel > revolution || length >= most;
+    const bool enough = reversed || travel > revolution || length >= most;
     if (length < least || !enough || n - k < least) continue;
     starts.push_back(k);
-    turned = false;
+    reversed = false;
     travel = 0;
   }
   return starts;
@@ -34,9 +34,9 @@ std::vector<Eigen::Index> starts_of_blocks(const Evidence& e, Eigen::Index part)
 
 std::vector<Eigen::Index> block_starts(const Evidence& e) {
   constexpr std::size_t few = 12;
-  constexpr Eigen::Index coarse = 8, fine = 53;  // a prime: no low order keeps pace with the blocks
+  constexpr Eigen::Index coarse = 8, fine = 53;  // a prime: blocks are not commensurate with any low order
   std::vector<Eigen::Index> starts = starts_of_blocks(e, coarse);
-  // Within one revolution blocks of an eighth would hide half of every period of order 4 from a fit.
+  // Alternate blocks of an eighth of a revolution would exclude half of every period of order 4 from the fit.
   return starts.size() < few ? starts_of_blocks(e, fine) : starts;
 }
 

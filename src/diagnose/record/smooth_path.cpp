@@ -14,14 +14,23 @@ namespace qerr {
 namespace {
 
 constexpr std::array<Eigen::Index, 7> half_windows{1, 2, 3, 5, 8, 12, 18};
-constexpr Eigen::Index fewest_in_motion = 64;
-constexpr Eigen::Index enough_rows = 20000;  ///< to know a scatter to a percent
+constexpr Eigen::Index fewest_in_motion = 64;  ///< differences, for a median (convention)
 
-/// Rows of a long record that stand for all of it.
+/// Rows from which noise is estimated: a standard deviation from n values has the relative error
+/// 1/sqrt(2 n) = 0.5 %, a median absolute deviation 0.8 %.
+constexpr Eigen::Index enough_rows = 20000;
+
+/// Median absolute value of a standard normal variable.
+constexpr double normal_median = 0.6745;
+
+/// Excess of the residual over the noise at which the window distorts the path (convention).
+constexpr double distorted = 1.15;
+
+/// Distance of the rows that are used of a long record.
 Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }
 
-/// Divided difference of `order` at the order + 1 stamps from `first` on, scaled to unit variance of white
-/// noise: takes out any polynomial of a lower order, at whatever stamps. Empty where stamps coincide.
+/// Divided difference of `order` at the order + 1 stamps from `first` on, scaled to unit variance for white
+/// noise. It is zero for polynomials of lower order, at any stamps. Empty if stamps coincide.
 std::optional<double> divided_difference(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x,
                                          Eigen::Index first, Eigen::Index order) {
   const double span = time[first + order] - time[first];
@@ -37,41 +46,46 @@ std::optional<double> divided_difference(const Eigen::ArrayXd& time, const Eigen
   return sum / std::sqrt(squares);
 }
 
-/// Standard deviation of white noise on a smooth path, by differences of one order.
+/// Standard deviation of white noise on a smooth path, from divided differences of one order.
 ///
-/// A path that rests, written on a grid, has none in most places: then what moves must tell.
-double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid, Eigen::Index order) {
+/// A rounded path is constant at standstill and shows no noise there. If that is most of the record, only
+/// differences in motion are used.
+double roughness(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log_resolution,
+                 Eigen::Index order) {
   std::vector<double> all, moving;
   for (Eigen::Index k = 0; k + order < x.size(); k += stride_of(x.size()))
     if (const auto d = divided_difference(time, x, k, order)) {
       all.push_back(std::abs(*d));
-      if (std::abs(x[k + order] - x[k]) > 4 * grid) moving.push_back(all.back());
+      if (std::abs(x[k + order] - x[k]) > 4 * log_resolution) moving.push_back(all.back());
     }
   const double of_all = median(std::move(all));
-  const bool tells = of_all > 0 || static_cast<Eigen::Index>(moving.size()) < fewest_in_motion;
-  return (tells ? of_all : median(std::move(moving))) / 0.6745;
+  const bool use_all = of_all > 0 || static_cast<Eigen::Index>(moving.size()) < fewest_in_motion;
+  return (use_all ? of_all : median(std::move(moving))) / normal_median;
 }
 
-/// Higher differences take out faster motion (a path sampled a few dozen times per period leaves its own
-/// fourth difference), and noise stays in all of them.
-double noise_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double grid) {
-  double least = roughness(time, x, grid, 4);
+/// The smallest estimate of several orders. Higher differences suppress faster motion (with a few dozen
+/// samples per period the path contributes to the fourth difference), while noise has the same variance in
+/// all of them.
+double noise_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log_resolution) {
+  double least = roughness(time, x, log_resolution, 4);
   for (const Eigen::Index order : {6, 8})
-    if (x.size() > 4 * order) least = std::min(least, roughness(time, x, grid, order));
+    if (x.size() > 4 * order) least = std::min(least, roughness(time, x, log_resolution, order));
   return least;
 }
 
-/// Whether there are rows enough, at more than one time.
+/// Whether there are enough rows for the differences, at more than one time.
 bool has_path(const Eigen::ArrayXd& time) { return time.size() >= 8 && time[time.size() - 1] > time[0]; }
 
-/// Weights by which samples make the value and the slope of their least-squares polynomial at `at`.
-struct Fit {
+/// Weights of the samples in the value and the slope of their least-squares polynomial at one time.
+struct FitWeights {
   Eigen::VectorXd value, slope;
 
-  /// @param times  of the samples [s]; a cubic through them, through three a line (and a parabola's slope)
-  Fit(const Eigen::VectorXd& times, double at) {
-    const double scale = std::max({times[times.size() - 1] - at, at - times[0], 1e-300});
-    const Eigen::ArrayXd u = (times.array() - at) / scale;
+  /// A cubic; through three samples a line for the value and a parabola for the slope.
+  /// @param times   of the samples [s]
+  /// @param centre  where the polynomial is evaluated [s]
+  FitWeights(const Eigen::VectorXd& times, double centre) {
+    const double scale = std::max({times[times.size() - 1] - centre, centre - times[0], 1e-300});
+    const Eigen::ArrayXd u = (times.array() - centre) / scale;
     const Eigen::Index n = times.size();
     Eigen::MatrixXd powers(n, n == 3 ? 3 : 4);
     powers.col(0).setOnes();
@@ -81,7 +95,7 @@ struct Fit {
   }
 
  private:
-  /// Of (P^T P)^-1 P^T. Coinciding stamps share what they have (the tiny ridge).
+  /// Row of (P^T P)^-1 P^T. The small ridge gives samples with equal stamps equal weight.
   static Eigen::VectorXd row(const Eigen::MatrixXd& powers, Eigen::Index which) {
     Eigen::MatrixXd normal = powers.transpose() * powers;
     normal.diagonal().array() += 1e-12 * normal.diagonal().maxCoeff();
@@ -89,7 +103,7 @@ struct Fit {
   }
 };
 
-/// The interval that nearly all stamps keep, but for gaps; 0 where there is none [s].
+/// The interval of nearly all stamps, apart from gaps [s]; 0 if there is none.
 double common_interval(const Eigen::ArrayXd& time) {
   const Eigen::Index n = time.size();
   const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);
@@ -102,10 +116,10 @@ class Window {
   Eigen::Index first(Eigen::Index k) const {
     return std::clamp(k - h_, Eigen::Index{0}, x_.size() - 1 - 2 * h_);
   }
-  /// Relative to the sample itself, so that a long way from zero costs no digits.
-  auto around(Eigen::Index k) const { return (x_.segment(first(k), 2 * h_ + 1) - x_[k]).matrix(); }
+  /// Relative to the sample itself, so that large positions lose no digits.
+  auto window_at(Eigen::Index k) const { return (x_.segment(first(k), 2 * h_ + 1) - x_[k]).matrix(); }
 
-  /// Of a window about 0.
+  /// Stamps of a window, relative to its centre.
   static Eigen::VectorXd stamps(const Eigen::ArrayXd& time, Eigen::Index h, double interval) {
     if (interval > 0)
       return interval *
@@ -117,39 +131,39 @@ class Window {
   Window(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, Eigen::Index h, double interval)
       : time_(time), x_(x), h_(h), interval_(interval), common_(stamps(time, h, interval), 0) {}
 
-  /// Part of white noise that stays in the position.
-  double kept() const { return std::sqrt(std::max(0.0, common_.value[h_])); }
+  /// Standard deviation of unit white noise after smoothing.
+  double noise_gain() const { return std::sqrt(std::max(0.0, common_.value[h_])); }
 
-  /// Standard deviation of white noise that would leave the same residual.
-  double left() const {
+  /// Standard deviation of white noise that would give the residual of this window.
+  double residual_noise() const {
     double squares = 0, count = 0;
-    std::optional<Fit> own;
+    std::optional<FitWeights> own;
     for (Eigen::Index k = h_; k < x_.size() - h_; k += stride_of(x_.size())) {
-      const Fit& here = fit(k, own);
-      const double shift = here.value.dot(around(k));
+      const FitWeights& here = fit(k, own);
+      const double shift = here.value.dot(window_at(k));
       squares += shift * shift / std::max(1 - here.value[h_], 1e-3);
       ++count;
     }
     return std::sqrt(squares / count);
   }
 
-  /// Position and velocity at every row. At the ends a fit would lean on one side only: there the position is
-  /// the recorded one.
+  /// Position and velocity at every row. At the ends a fit would be one-sided: there the position is the
+  /// recorded one.
   SmoothPath path(double noise) const {
     SmoothPath out{x_, Eigen::ArrayXd(x_.size()), noise, noise};
-    const bool smoothed = h_ > half_windows.front();  // a line through three samples is no better than they
-    std::optional<Fit> own;
+    const bool smoothed = h_ > half_windows.front();  // a line through three samples hardly reduces noise
+    std::optional<FitWeights> own;
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
-      const Fit& here = fit(k, own);
-      out.velocity[k] = here.slope.dot(around(k));
-      if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(around(k));
+      const FitWeights& here = fit(k, own);
+      out.velocity[k] = here.slope.dot(window_at(k));
+      if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
     }
-    if (smoothed) out.residual_noise *= kept();
+    if (smoothed) out.residual_noise *= noise_gain();
     return out;
   }
 
  private:
-  const Fit& fit(Eigen::Index k, std::optional<Fit>& own) const {
+  const FitWeights& fit(Eigen::Index k, std::optional<FitWeights>& own) const {
     const double width = 2 * static_cast<double>(h_) * interval_;
     if (first(k) == k - h_ && std::abs(time_[k + h_] - time_[k - h_] - width) < 1e-3 * interval_)
       return common_;
@@ -158,27 +172,27 @@ class Window {
 
   const Eigen::ArrayXd &time_, &x_;
   Eigen::Index h_;
-  double interval_;  ///< of even stamps; 0: they are uneven
-  Fit common_;
+  double interval_;    ///< of even stamps; 0: stamps are uneven
+  FitWeights common_;  ///< of windows without gaps
 };
 
 }  // namespace
 
-double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
+double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   if (!has_path(time)) return 0;
-  return std::max(noise_of(time, recorded, grid), grid / std::sqrt(12.0));
+  return std::max(noise_of(time, recorded, log_resolution), log_resolution / std::sqrt(12.0));
 }
 
-SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double grid) {
+SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   const Eigen::Index n = recorded.size();
   if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
-  const double noise = noise_of_path(time, recorded, grid);
+  const double noise = noise_of_path(time, recorded, log_resolution);
   const double interval = common_interval(time);
   std::optional<Window> widest;
   for (const Eigen::Index h : half_windows) {
     if (2 * h + 1 > n / 3) break;
     Window next(time, recorded, h, interval);
-    if (widest && next.left() > 1.15 * noise) break;
+    if (widest && next.residual_noise() > distorted * noise) break;
     widest.emplace(std::move(next));
   }
   if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), noise, noise};
@@ -186,24 +200,24 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
 }
 
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold) {
-  Eigen::ArrayXd side = Eigen::ArrayXd::Zero(path.size());
-  Eigen::Index low = 0, high = 0;  // of the lowest and highest point since the last reversal
-  double now = 0;
+  Eigen::ArrayXd direction = Eigen::ArrayXd::Zero(path.size());
+  Eigen::Index low = 0, high = 0;  // rows of the lowest and highest position since the last reversal
+  double present = 0;
   for (Eigen::Index k = 0; k < path.size(); ++k) {
     if (path[k] <= path[low]) low = k;
     if (path[k] >= path[high]) high = k;
-    const bool rose = now <= 0 && path[k] > path[low] + threshold;
-    const bool fell = now >= 0 && path[k] < path[high] - threshold;
+    const bool rose = present <= 0 && path[k] > path[low] + threshold;
+    const bool fell = present >= 0 && path[k] < path[high] - threshold;
     if (rose || fell) {
-      // The motion turned at the extreme, not where it had become certain.
-      const Eigen::Index turn = rose ? low : high;
-      now = rose ? 1 : -1;
-      side.segment(turn + 1, k - turn).setConstant(now);
+      // The reversal is at the extreme position, not where it exceeds the threshold.
+      const Eigen::Index reversal = rose ? low : high;
+      present = rose ? 1 : -1;
+      direction.segment(reversal + 1, k - reversal).setConstant(present);
       low = high = k;
     }
-    side[k] = now;
+    direction[k] = present;
   }
-  return side;
+  return direction;
 }
 
 }  // namespace qerr
