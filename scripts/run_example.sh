@@ -1,5 +1,5 @@
 #!/usr/bin/env bash
-# Prepares the machine, builds qerr into build/ and analyzes a shipped robot.
+# Installs missing packages, builds qerr in build/ and analyzes a shipped robot.
 #
 #   scripts/run_example.sh [SPEC]    default: configs/phantom_premium/spec.yaml
 set -euo pipefail
@@ -13,7 +13,7 @@ options=()
 if [[ ! -f $root/build/CMakeCache.txt ]]; then
   options=(-G Ninja -DCMAKE_BUILD_TYPE=Release -DQERR_TESTS=OFF)
 fi
-# The build speaks on standard error: standard output is the report alone.
+# Build messages go to standard error, so that standard output is the report alone.
 cmake -S "$root" -B "$root/build" "${options[@]}" >&2
 cmake --build "$root/build" --parallel "$(nproc)" --target qerr >&2
 

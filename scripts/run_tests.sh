@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Prepares the machine, builds qerr with its tests into build/, and runs them all.
+# Installs missing packages, builds qerr and its tests in build/, and runs all tests.
 #
 #   scripts/run_tests.sh [CTEST OPTIONS]    such as -R Filter
 #
-# The style and the floors of the source are checked first. With CI=true warnings are errors.
+# The floors and the format of the sources are checked first. With CI=true warnings are errors.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

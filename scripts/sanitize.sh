@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# Builds qerr with sanitizers, each mode in a folder of its own, and runs the tests.
+# Builds qerr with sanitizers, each mode in its own folder, and runs the tests.
 #
 #   scripts/sanitize.sh            addresses and undefined behaviour, in build-address/
 #   scripts/sanitize.sh thread     data races, in build-thread/
 #
-# Further arguments go to ctest, such as -R Filter.
+# Further arguments are passed to ctest, such as -R Filter.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -23,10 +23,10 @@ export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
 
-# GCC 12's thread sanitizer cannot start where the kernel spreads addresses too widely.
-fixed=()
+# GCC 12's thread sanitizer fails to start if the kernel randomizes addresses over too many bits.
+command_prefix=()
 if [[ $mode == thread ]] && setarch "$(uname -m)" --addr-no-randomize true 2>/dev/null; then
-  fixed=(setarch "$(uname -m)" --addr-no-randomize)
+  command_prefix=(setarch "$(uname -m)" --addr-no-randomize)
 fi
 
 options=(-DQERR_TESTS=ON "-DQERR_SANITIZE=$sanitizers" -DCMAKE_BUILD_TYPE=RelWithDebInfo)
@@ -34,6 +34,6 @@ if [[ ! -f $build/CMakeCache.txt ]]; then
   options+=(-G Ninja)
 fi
 cmake -S "$root" -B "$build" "${options[@]}"
-# The build itself runs the tests once, to list them.
-"${fixed[@]}" cmake --build "$build" --parallel "$(nproc)"
-"${fixed[@]}" ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"
+# The build runs the test program to list its tests, therefore under setarch too.
+"${command_prefix[@]}" cmake --build "$build" --parallel "$(nproc)"
+"${command_prefix[@]}" ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$(nproc)" "$@"

@@ -1,51 +1,50 @@
 #!/usr/bin/env bash
-# Installs the Debian packages that qerr needs, those that are missing and no others.
+# Installs the missing ones of the Debian packages that qerr needs.
 #
-#   scripts/setup.sh           to build qerr
-#   scripts/setup.sh --tests   also to test it
-#   scripts/setup.sh --plots   also to draw the paper's figures
-#   scripts/setup.sh --bench   also to test it and to time it
+#   scripts/setup.sh           packages for the program
+#   scripts/setup.sh --tests   and for the tests
+#   scripts/setup.sh --plots   and for the figures of the paper
+#   scripts/setup.sh --bench   and for the benchmarks
 #
-# This is the one place where the packages are listed (Debian 12 or later).
+# The only list of packages (Debian 12 or later).
 set -euo pipefail
 
 packages=(
   g++ cmake ninja-build
   libeigen3-dev         # matrices
   liburdfdom-dev        # URDF
-  libexpat1-dev         # URDF: line and column of every element
+  libexpat1-dev         # URDF: line and column of each element, for messages
   libyaml-cpp-dev       # specs
-  libboost-dev          # headers only: Sobol sequence, multiprecision
+  libboost-dev          # headers only: Sobol sequence, multiprecision, distributions
   nlohmann-json3-dev    # reports
   libcli11-dev          # command line
 )
 test_packages=(
   libgtest-dev librapidcheck-dev
-  liborocos-kdl-dev     # Jacobians to compare with
+  liborocos-kdl-dev     # reference for Jacobians and dynamics
   libvalijson-dev       # JSON Schema validator
   python3 python3-numpy
   clang-format
 )
-
 plot_packages=(
   python3 python3-numpy python3-matplotlib
 )
 bench_packages=(
-  libbenchmark-dev      # the parts' times
-  liborocos-kdl-dev     # the peer of scripts/compare_peers.sh
-  python3-pandas        # reads logs beside qerr
+  libbenchmark-dev      # timing
+  liborocos-kdl-dev     # scripts/compare_peers.sh
+  python3-pandas        # bench_read_log
 )
 
 case "${1-}" in
   "") ;;
   --tests) packages+=("${test_packages[@]}") ;;
   --plots) packages+=("${plot_packages[@]}") ;;
-  --bench) packages+=("${test_packages[@]}" "${bench_packages[@]}") ;;
+  --bench) packages+=("${bench_packages[@]}") ;;
   *) echo "usage: ${0##*/} [--tests|--plots|--bench]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then
-  echo "setup: this is no Debian system; please see to the equivalents of: ${packages[*]}" >&2
+  echo "setup: not a Debian system; please install the equivalents of: ${packages[*]}" >&2
   exit 0
 fi
 
