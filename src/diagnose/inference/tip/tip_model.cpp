@@ -78,7 +78,7 @@ TipSolution TipModel::trial(const std::vector<std::size_t>& without, const Eigen
     x.conservativeResize(Eigen::NoChange, x.cols() + extra.cols());
     x.rightCols(extra.cols()) = extra;
   }
-  const double least = std::max({0.5 * evidence_->noise, 0.3 * evidence_->grid, 1e-9});
+  const double least = std::max({0.5 * evidence_->noise, 0.3 * evidence_->log_resolution, 1e-9});
   return solve(x, y_, known_, least);
 }
 
