@@ -13,20 +13,20 @@ struct BatchedError::Plan {
 };
 
 struct BatchedError::Work {
-  AlignedNumbers room, sums;
+  AlignedNumbers scratch, sums;
 };
 
-BatchedError::BatchedError(const OperationalModel& model, const ErrorFigures& asked, InstructionSet set)
-    : plan_(new Plan{{model, asked}, select_kernels<BoundKernels>(set)}) {
+BatchedError::BatchedError(const OperationalModel& model, const ErrorFigures& requested, InstructionSet set)
+    : plan_(new Plan{{model, requested}, select_kernels<BoundKernels>(set)}) {
   const ErrorPlan& plan = plan_->error.plan();
-  work_ = std::make_unique<Work>(Work{AlignedNumbers(plan_->kernels.room(plan)),
+  work_ = std::make_unique<Work>(Work{AlignedNumbers(plan_->kernels.scratch(plan)),
                                       AlignedNumbers(plan.sums.count * plan_->kernels.lanes)});
 }
 
 BatchedError::BatchedError(const BatchedError& other)
     : plan_(other.plan_),
       work_(std::make_unique<Work>(
-          Work{AlignedNumbers(other.work_->room.size()), AlignedNumbers(other.work_->sums.size())})) {}
+          Work{AlignedNumbers(other.work_->scratch.size()), AlignedNumbers(other.work_->sums.size())})) {}
 
 BatchedError::~BatchedError() = default;
 
@@ -36,7 +36,7 @@ bool BatchedError::own_worst_case() const { return plan_->error.plan().filtered_
 bool BatchedError::own_sigma() const { return plan_->error.plan().filtered_sigma; }
 
 void BatchedError::operator()(const double* q, double* figures) {
-  plan_->kernels.errors(plan_->error.plan(), q, figures, work_->sums.data(), work_->room.data());
+  plan_->kernels.errors(plan_->error.plan(), q, figures, work_->sums.data(), work_->scratch.data());
 }
 
 std::vector<double> BatchedError::take_sums() {

@@ -11,22 +11,22 @@
 
 namespace qerr {
 
-/// What `BatchedError` works out beside worst case and sigma.
+/// Figures that `BatchedError` computes besides worst case and sigma.
 struct ErrorFigures {
-  bool rigorous = true;     ///< the bound with the second-order remainder
-  bool shares = true;       ///< what each encoder contributes, its largest arm, and the position's variance
-  bool covariance = false;  ///< of every configuration, instead of sigma and the sum
-  /// Norms of filters, and sigma of each encoder's error behind them in a motion, in quantization intervals
-  /// (empty where it is not known): figures behind filters, where they are not the coordinate's times a norm.
+  bool rigorous = true;  ///< the bound with the second-order remainder
+  bool shares = true;    ///< the encoders' contributions and largest arms, and the variance of the position
+  bool covariance = false;  ///< covariance of every configuration instead of sigma and the sum
+  /// Norms of filters, and sigma of each encoder's error behind each of them in a motion [quantization
+  /// intervals] (empty: unknown). They add figures behind filters that are not the coordinate's times a norm.
   std::vector<Norms> filters = {};
   std::vector<Eigen::VectorXd> noise_in_motion = {};
 };
 
-/// `operational_error` and `derivative_error` of batches of configurations, several at once in the lanes of
-/// the processor. The scalar functions are the reference, from which the figures differ by rounding, some
-/// 1e-15 of the largest; equations and assumptions stand there.
+/// `operational_error` and `derivative_error` (equations and assumptions there) of batches of configurations,
+/// one configuration per vector lane. The figures differ from those functions by rounding, about 1e-15 of the
+/// largest.
 ///
-/// Copies share nothing that is written to: one for each thread.
+/// A copy per thread: copies share only constants.
 class BatchedError {
  public:
   BatchedError(const OperationalModel&, const ErrorFigures&, InstructionSet = instruction_set());
@@ -36,18 +36,18 @@ class BatchedError {
   const FigureLayout& figures() const;
   const SumLayout& sums() const;
 
-  /// Whether worst cases behind a filter are figures of their own, not the position's times ||H||_1; the same
-  /// of sigma and ||H||_2.
+  /// Whether worst cases behind a filter are separate figures rather than the position's times ||H||_1, and
+  /// sigmas rather than the position's times ||H||_2.
   bool own_worst_case() const;
   bool own_sigma() const;
 
-  /// Figures of a batch, and its part of the sums.
+  /// Computes the figures of a batch and adds to the sums.
   /// @param q        configuration c of independent joint i at q[i * batch_size + c]; aligned to 64 bytes
   /// @param figures  receives figures().count * batch_size numbers; aligned to 64 bytes
-  /// @pre |angles| <= 2^20 rad, beyond which sines lose digits (lanes.hpp)
+  /// @pre |angles| <= 2^20 rad, beyond which sines lose accuracy (lanes.hpp)
   void operator()(const double* q, double* figures);
 
-  /// The sums over all batches since the last call, in the order of sums(), which start anew.
+  /// Returns the sums over all batches since the last call, in the order of sums(), and resets them.
   std::vector<double> take_sums();
 
  private:

@@ -16,13 +16,12 @@ BlockCounts::BlockCounts(std::vector<Histogram> empty)
 
 void BlockCounts::end_of_block(std::uint64_t values) {
   for (std::size_t f = 0; f < lists_.size(); ++f) {
-    BinList& of_figure = lists_[f];
-    const auto listed = static_cast<std::size_t>(of_figure.next - list(f));
+    BinList& bins = lists_[f];
+    const auto listed = static_cast<std::size_t>(bins.next - list(f));
     std::uint64_t below = 0;
-    for (std::int32_t& of_lane : of_figure.below)
-      below += static_cast<std::uint64_t>(std::exchange(of_lane, 0));
+    for (std::int32_t& lane : bins.below) below += static_cast<std::uint64_t>(std::exchange(lane, 0));
     histograms_[f].add(list(f), listed, below, values - listed - below);
-    of_figure.next = list(f);
+    bins.next = list(f);
   }
 }
 

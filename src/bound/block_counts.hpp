@@ -10,28 +10,28 @@
 
 namespace qerr {
 
-/// Histograms of all figures of one thread. The bins of a block are listed first and counted at its end,
-/// figure after figure: so a figure's histogram is in the nearest memory when it is needed.
+/// Histograms of all figures of one thread. Kernels list the bins of a block of configurations; at its end
+/// they are counted figure by figure, so that each histogram is in the first-level cache while it is used.
 class BlockCounts {
  public:
-  /// Values of a figure in one block.
+  /// Values per figure in one block.
   static constexpr std::size_t block_size = 64 * batch_size;
 
-  /// @param empty  of every figure
+  /// @param empty  [figure]: its empty histogram
   explicit BlockCounts(std::vector<Histogram> empty);
 
-  /// For the kernel: those of the block, of every figure.
+  /// [figure]: lists of the block, for the kernel.
   BinList* lists() { return lists_.data(); }
 
-  /// Where the list of figure f begins. Not a power of two apart, or all would want the same lines of the
-  /// cache; and a kernel writes beyond the end.
+  /// Begin of the list of figure f. The stride is not a power of two, which would map all lists to the same
+  /// cache lines; a kernel writes up to a vector beyond the end.
   std::int32_t* list(std::size_t f) { return bins_.get() + f * (block_size + batch_size); }
 
-  /// A value of figure f that the kernel has not listed.
+  /// Adds a value of figure f that the kernel has not listed.
   void add(std::size_t f, double value) { histograms_[f].add(value); }
 
-  /// Counts what is listed.
-  /// @param values  of every figure that the kernel has seen
+  /// Counts the listed bins and clears the lists.
+  /// @param values  number of values per figure in the block
   void end_of_block(std::uint64_t values);
 
   std::vector<Histogram>& histograms() { return histograms_; }

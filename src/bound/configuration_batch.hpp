@@ -8,7 +8,7 @@
 
 namespace qerr {
 
-/// Neighbouring configurations with their figures.
+/// Consecutive configurations and their figures. Borrows the arrays for the duration of a call.
 struct ConfigurationBatch {
   std::uint64_t first;    ///< index of the first one
   std::size_t count;      ///< up to batch_size

@@ -9,11 +9,11 @@ Bounds derivative_error(double half_width, double mean, double sigma, const Norm
 }
 
 Bounds derivative_error(const OperationalError& e, Eigen::Index i, const Norms& norms,
-                        const Eigen::VectorXd& gains) {
+                        const Eigen::VectorXd& ratios) {
   Bounds b = derivative_error(e.half_width[i], e.mean[i], e.sigma[i], norms);
-  if (gains.size() == 0 || !std::isfinite(e.sigma[i])) return b;
+  if (ratios.size() == 0 || !std::isfinite(e.sigma[i])) return b;
   const double quantization = norms.h2 * e.weighted.row(i).norm() / std::sqrt(12.0);
-  b.sigma = std::hypot(quantization, e.added_sigma.row(i).cwiseProduct(gains.transpose()).norm());
+  b.sigma = std::hypot(quantization, e.added_sigma.row(i).cwiseProduct(ratios.transpose()).norm());
   return b;
 }
 

@@ -10,12 +10,12 @@ namespace qerr {
 
 namespace {
 
-/// At a joint's coordinate rather than at its encoder's.
+/// Whether effects of the stage act on the joint's coordinate, not on the encoder's.
 bool at_joint(Stage stage) { return stage == Stage::clock || stage == Stage::link || stage == Stage::gear; }
 
 double worst(const Share& s) { return std::abs(s.mean) + s.half_width; }
 
-/// Where an error of up to `by` may have moved the position to.
+/// Usage of a position with an additional error of at most `by`.
 Usage widened(Usage usage, double by) {
   if (usage.position) {
     usage.position->lower -= by;
@@ -25,7 +25,8 @@ Usage widened(Usage usage, double by) {
   return usage;
 }
 
-/// Sum of a quantity of the joints, times the rows of C^-1: extremes may meet, deviations are independent.
+/// Spread of a quantity of one encoder coordinate, a weighted sum over the joints (a row of C^-1): extremes
+/// may coincide, deviations are independent.
 std::optional<Spread> combined(const Eigen::RowVectorXd& weights, const std::vector<Usage>& joints,
                                std::optional<Spread> Usage::*quantity) {
   Spread sum;
@@ -44,12 +45,12 @@ std::optional<Spread> combined(const Eigen::RowVectorXd& weights, const std::vec
   return sum;
 }
 
-Spread even(double lower, double upper) {
+Spread uniform(double lower, double upper) {
   const double mean = 0.5 * (lower + upper), half = 0.5 * (upper - lower);
   return {lower, upper, mean, mean * mean + half * half / 3};
 }
 
-/// Limits say nothing of how velocity and effort change: as the position does.
+/// Limits do not determine the rates of velocity and effort: that of the position is assumed.
 void set_rates(Usage& u) {
   if (!u.position || !u.velocity || u.position->stray() == 0) return;
   const double rate = u.velocity->rms() / u.position->stray();
@@ -57,8 +58,8 @@ void set_rates(Usage& u) {
   if (u.effort) u.effort->rate = rate;
 }
 
-/// Values that are spread evenly over a range.
-std::vector<double> evenly(const std::optional<Spread>& s) {
+/// Equally spaced values of a range.
+std::vector<double> equally_spaced(const std::optional<Spread>& s) {
   constexpr int count = 256;
   std::vector<double> values;
   for (int i = 0; s && i < count; ++i) values.push_back(s->lower + 2 * s->half() * (i + 0.5) / count);
@@ -86,10 +87,10 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     const IndependentJoint& joint = model.chain.independent[i];
     Usage& u = usage.joints.emplace_back();
     if (std::isfinite(ranges[i].lower) && std::isfinite(ranges[i].upper))
-      u.position = even(ranges[i].lower, ranges[i].upper);
-    if (joint.velocity_limit) u.velocity = even(-*joint.velocity_limit, *joint.velocity_limit);
-    if (joint.effort_limit) u.effort = even(-*joint.effort_limit, *joint.effort_limit);
-    u.speeds = evenly(u.velocity);
+      u.position = uniform(ranges[i].lower, ranges[i].upper);
+    if (joint.velocity_limit) u.velocity = uniform(-*joint.velocity_limit, *joint.velocity_limit);
+    if (joint.effort_limit) u.effort = uniform(-*joint.effort_limit, *joint.effort_limit);
+    u.speeds = equally_spaced(u.velocity);
     set_rates(u);
   }
   const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
@@ -98,7 +99,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     Usage u = usage.joints[i];
     u.position = combined(weights, usage.joints, &Usage::position);
     u.velocity = combined(weights, usage.joints, &Usage::velocity);
-    u.speeds = evenly(u.velocity);
+    u.speeds = equally_spaced(u.velocity);
     set_rates(u);
     usage.encoders.push_back(std::move(u));
   }
@@ -110,7 +111,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   std::vector<EffectShare> shares;
   for (const Effect& e : effects) shares.push_back({e, independent_index(model.chain, e.joint), {}, false});
   const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
-  Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // added so far, at most
+  Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // worst case so far
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
     const auto current = static_cast<Stage>(stage);
     if (current == Stage::disc) at_encoders = inverse(model.transmission.coupling).cwiseAbs() * at_joints;
@@ -134,12 +135,12 @@ double magnitude(const Filter& filter, double angular) {
   return std::abs(response(filter, angular / (2 * std::numbers::pi)));
 }
 
-/// sqrt(sum over odd m of (8/(pi m)^2) |H(m w)|^2). High ones are taken in blocks of half a percent; beyond
-/// four times the sample rate |H|^2 is put in at its mean over all frequencies.
-double of_square_wave(const Filter& filter, const Norms& norms, double rate) {
+/// sqrt(sum over odd m of (8/(pi m)^2) |H(m w)|^2). High orders are summed in blocks 0.5 % wide; beyond four
+/// times the sample rate (and order 200) |H|^2 is replaced by its mean over all frequencies, ||H||_2^2.
+double square_wave_ratio(const Filter& filter, const Norms& norms, double rate) {
   constexpr double pi = std::numbers::pi;
   const double highest = std::max(200.0, 8 * pi * filter.sample_rate / rate);
-  double sum = 0, low = 0;  // everything below `low` is summed
+  double sum = 0, low = 0;  // orders below `low` are summed
   while (low < highest) {
     const double width = 2 * std::max(1.0, std::floor(0.0025 * low)), m = low + 0.5 * width;
     const double weight = width == 2 ? 8 / (m * m) : 4 / low - 4 / (low + width);
@@ -149,20 +150,21 @@ double of_square_wave(const Filter& filter, const Norms& norms, double rate) {
   return std::sqrt(sum + 4 / low * norms.h2 * norms.h2) / pi;
 }
 
-double of_waves(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
-  double power = 0, rest = 1;
+/// sqrt(sum over the waves k of part_k mean_v |H(k v)|^2), the remaining power taken as white.
+double travel_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
+  double power = 0, remaining = 1;
   for (const Wave& wave : share.waves) {
     double sum = 0;
     for (const double v : usage.speeds) sum += std::pow(magnitude(filter, wave.number * v), 2);
     power += wave.part * sum / static_cast<double>(usage.speeds.size());
-    rest -= wave.part;
+    remaining -= wave.part;
   }
-  return std::sqrt(power + std::max(0.0, rest) * norms.h2 * norms.h2);
+  return std::sqrt(power + std::max(0.0, remaining) * norms.h2 * norms.h2);
 }
 
 }  // namespace
 
-double passed_by(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
+double sigma_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
   switch (share.course) {
     case Course::constant:
       return std::abs(norms.dc_gain);
@@ -170,10 +172,11 @@ double passed_by(const Filter& filter, const Norms& norms, const Share& share, c
       return share.rate ? magnitude(filter, *share.rate) : norms.h2;
     case Course::reversals:
       if (!usage.reversals) return norms.h2;
-      // A joint that never turns stays on one side.
-      return *usage.reversals > 0 ? of_square_wave(filter, norms, *usage.reversals) : std::abs(norms.dc_gain);
+      // A joint that never reverses has a constant error.
+      return *usage.reversals > 0 ? square_wave_ratio(filter, norms, *usage.reversals)
+                                  : std::abs(norms.dc_gain);
     case Course::travel:
-      return usage.speeds.empty() ? norms.h2 : of_waves(filter, norms, share, usage);
+      return usage.speeds.empty() ? norms.h2 : travel_ratio(filter, norms, share, usage);
     case Course::white:
       break;
   }
@@ -200,7 +203,7 @@ std::vector<ErrorSource> error_sources(const OperationalModel& model, const std:
     source.sigma = s.share->sigma;
     const Usage& u = at_joint(stage) ? usage.joints[s.joint] : usage.encoders[s.joint];
     for (std::size_t f = 0; f < filters.size(); ++f)
-      source.gains.push_back(passed_by(filters[f], norms[f], *s.share, u));
+      source.sigma_ratios.push_back(sigma_ratio(filters[f], norms[f], *s.share, u));
     sources.push_back(std::move(source));
   }
   return sources;

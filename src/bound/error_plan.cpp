@@ -24,7 +24,7 @@ bool are_leading(const std::vector<Coordinate>& coordinates) {
 
 }  // namespace
 
-PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& asked)
+PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& requested)
     : chain_(fold(model.chain, any_of_kind(model.coordinates, is_euler_angle))) {
   for (const FoldedJoint& joint : chain_.joints) column_scale_.push_back(joint.sign);
   set_coordinates(model);
@@ -42,12 +42,12 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& as
   }
   plan_.part = parts_.data();
   plan_.parts = parts_.size();
-  // A tip on the last joint's axis does not move with it.
-  const bool still = plan_.direct && !chain_.joints.back().rotates && !chain_.joints.back().prismatic;
-  plan_.moving_parts = parts_.size() - (still ? 1 : 0);
+  // A tip on the last joint's axis does not move with that joint.
+  const bool tip_on_axis = plan_.direct && !chain_.joints.back().rotates && !chain_.joints.back().prismatic;
+  plan_.moving_parts = parts_.size() - (tip_on_axis ? 1 : 0);
   plan_.arm = arm_.data();
-  set_filters(model, asked);
-  lay_out(asked);
+  set_filters(model, requested);
+  set_layout(requested);
 }
 
 void PlannedError::set_coordinates(const OperationalModel& model) {
@@ -99,17 +99,17 @@ void PlannedError::add_source(const OperationalModel& model, const ErrorSource& 
   } else {
     for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
       const ChainJoint& joint = model.chain.joints[k];
-      const double moved = source.where == ErrorSource::Where::joint
-                               ? static_cast<double>(joint.coordinate == source.owner)
-                               : model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate),
-                                                             static_cast<Eigen::Index>(source.owner));
-      if (moved != 0) weights.push_back({k, joint.multiplier * moved * scale});
+      const double coupling = source.where == ErrorSource::Where::joint
+                                  ? static_cast<double>(joint.coordinate == source.owner)
+                                  : model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate),
+                                                                static_cast<Eigen::Index>(source.owner));
+      if (coupling != 0) weights.push_back({k, joint.multiplier * coupling * scale});
     }
   }
   parts_.push_back(part);
 }
 
-/// Where every joint has an encoder of its own, columns carry the parts' scales from the start.
+/// Direct models: each joint has one encoder, whose scale is a factor of the joint's column.
 void PlannedError::set_direct() {
   plan_.direct = plan_.plain && plan_.positions_first && parts_.size() == chain_.joints.size();
   std::vector<std::size_t> part_of(chain_.joints.size(), parts_.size());
@@ -130,8 +130,8 @@ void PlannedError::set_direct() {
   weights_ = std::move(weights);
 }
 
-/// Equal encoders give all columns one scale, which the chain's axes take. Signs do not matter: no error has
-/// a mean.
+/// Equal scales of all columns become the length of the chain's axes. Signs do not matter: no error has a
+/// mean.
 void PlannedError::share_scale() {
   const double scale = std::abs(column_scale_.front());
   for (const double of_joint : column_scale_)
@@ -153,64 +153,64 @@ void PlannedError::set_remainder(const OperationalModel& model) {
   plan_.reach = reach_.data();
 }
 
-void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures& asked) {
+void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures& requested) {
   const auto& sources = model.sources;
   const bool biased = !mean_errors(model.transmission).isZero(0);
-  for (std::size_t f = 0; f < asked.filters.size(); ++f) {
-    const Norms& norms = asked.filters[f];
-    const Eigen::VectorXd gains = gains_behind(sources, f, norms.h2);
-    const bool known = f < asked.noise_in_motion.size() && asked.noise_in_motion[f].size() > 0;
+  for (std::size_t f = 0; f < requested.filters.size(); ++f) {
+    const Norms& norms = requested.filters[f];
+    const Eigen::VectorXd ratios = sigma_ratios(sources, f, norms.h2);
+    const bool known = f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0;
     l1_.push_back(norms.l1.upper);
     dc_gain_.push_back(std::abs(norms.dc_gain));
     Eigen::Index source = 0;
     for (const ErrorPart& part : parts_) {
-      const double added = part.source ? std::pow(part.sigma * gains[source++], 2) : 0;
-      gain_squares_.push_back(part.source ? added : norms.h2 * norms.h2);
-      // Noise counts quantization intervals, and sigma is 1/sqrt(12) of one.
-      const double moving =
+      const double added = part.source ? std::pow(part.sigma * ratios[source++], 2) : 0;
+      ratio_squares_.push_back(part.source ? added : norms.h2 * norms.h2);
+      // noise_in_motion is in quantization intervals, sigma is 1/sqrt(12) of one.
+      const double in_motion =
           known && !part.source
-              ? 12 * std::pow(asked.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2)
+              ? 12 * std::pow(requested.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2)
               : added;
-      motion_squares_.push_back(known ? moving : -1);
+      motion_squares_.push_back(known ? in_motion : -1);
     }
   }
-  plan_.filters = asked.filters.size();
+  plan_.filters = requested.filters.size();
   plan_.filtered_worst = biased || !sources.empty();
   plan_.filtered_sigma = !sources.empty();
   plan_.l1 = l1_.data();
   plan_.dc_gain = dc_gain_.data();
-  plan_.gain_squares = gain_squares_.data();
+  plan_.ratio_squares = ratio_squares_.data();
   plan_.motion_squares = motion_squares_.data();
 }
 
-void PlannedError::lay_out(const ErrorFigures& asked) {
-  plan_.keep_covariance = asked.covariance;
-  plan_.shares = asked.shares;
-  plan_.rigorous = asked.rigorous;
-  plan_.columns_again = asked.shares || asked.rigorous || plan_.filters > 0;
+void PlannedError::set_layout(const ErrorFigures& requested) {
+  plan_.keep_covariance = requested.covariance;
+  plan_.shares = requested.shares;
+  plan_.rigorous = requested.rigorous;
+  plan_.keep_columns = requested.shares || requested.rigorous || plan_.filters > 0;
   const std::size_t m = plan_.coordinates, entries = m * (m + 1) / 2, f = plan_.filters;
   const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
-    const std::size_t at = total;
+    const std::size_t first = total;
     if (wanted) total += count;
-    return at;
+    return first;
   };
   FigureLayout& figures = plan_.figures;
   figures.coordinates = m;
   figures.worst_case = place(figures.count, true, m);
-  figures.sigma = place(figures.count, !asked.covariance, m);
-  figures.rigorous = place(figures.count, asked.rigorous, m);
+  figures.sigma = place(figures.count, !requested.covariance, m);
+  figures.rigorous = place(figures.count, requested.rigorous, m);
   figures.filtered_worst = place(figures.count, plan_.filtered_worst, f * m);
   figures.filtered_sigma = place(figures.count, plan_.filtered_sigma, f * m);
-  figures.in_motion = place(figures.count, !asked.noise_in_motion.empty(), f * m);
-  figures.trace = place(figures.count, asked.shares, 1);
-  figures.covariance = place(figures.count, asked.covariance, entries);
+  figures.in_motion = place(figures.count, !requested.noise_in_motion.empty(), f * m);
+  figures.trace = place(figures.count, requested.shares, 1);
+  figures.covariance = place(figures.count, requested.covariance, entries);
   SumLayout& sums = plan_.sums;
-  sums.covariance = place(sums.count, !asked.covariance, entries);
+  sums.covariance = place(sums.count, !requested.covariance, entries);
   sums.filtered = place(sums.count, plan_.filtered_sigma, f * entries);
-  sums.variance_parts = place(sums.count, asked.shares, m * plan_.encoders);
-  sums.share = place(sums.count, asked.shares, m * plan_.encoders);
-  sums.worst_share = place(sums.count, asked.shares, m * plan_.encoders);
-  sums.arms = place(sums.count, asked.shares, plan_.encoders);
+  sums.variance_parts = place(sums.count, requested.shares, m * plan_.encoders);
+  sums.share = place(sums.count, requested.shares, m * plan_.encoders);
+  sums.worst_share = place(sums.count, requested.shares, m * plan_.encoders);
+  sums.arms = place(sums.count, requested.shares, plan_.encoders);
   sums.pitch = place(sums.count, plan_.any_euler, 1);
 }
 

@@ -8,7 +8,7 @@
 
 namespace qerr {
 
-/// Owns what an ErrorPlan points to: the model with all that is constant worked out.
+/// Builds an ErrorPlan from a model and owns the arrays that it points to.
 class PlannedError {
  public:
   PlannedError(const OperationalModel&, const ErrorFigures&);
@@ -25,11 +25,11 @@ class PlannedError {
   void share_scale();
   void set_remainder(const OperationalModel&);
   void set_filters(const OperationalModel&, const ErrorFigures&);
-  void lay_out(const ErrorFigures&);
+  void set_layout(const ErrorFigures&);
 
   ErrorPlan plan_ = {};
   FoldedChain chain_;
-  std::vector<double> column_scale_, reach_, arm_, l1_, dc_gain_, gain_squares_, motion_squares_;
+  std::vector<double> column_scale_, reach_, arm_, l1_, dc_gain_, ratio_squares_, motion_squares_;
   std::vector<int> coordinate_;
   std::vector<ErrorPart> parts_;
   std::vector<std::vector<JointWeight>> weights_;  // [part]

@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-constexpr int octave = 52 - bin_shift;  // bins of one, as a power of two
+constexpr int octave = 52 - bin_shift;  // log2 of the bins per octave
 constexpr std::int32_t octaves_below = 40;
 constexpr std::int32_t last_bin = bin_count - 1;
 constexpr std::uint64_t most_few = std::uint64_t{1} << 31;
@@ -16,14 +16,14 @@ double lower_edge(std::int32_t leading) {
   return std::bit_cast<double>(static_cast<std::uint64_t>(leading) << bin_shift);
 }
 
-/// The part of it that lies in a histogram's span.
+/// Its intersection with the span of a histogram.
 Histogram::Usual within_span(const Histogram::Usual& usual, std::int32_t lowest) {
   const std::int32_t first = std::clamp(usual.first, lowest, lowest + last_bin),
                      end = std::clamp(usual.first + usual.count, first, lowest + last_bin);
   return {first, end - first};
 }
 
-/// What lies below the span is counted in its lowest bin, if that is counted.
+/// Values below the span are counted in its lowest bin, if that is counted.
 CountedBins within_span(CountedBins counted, std::int32_t lowest) {
   if (counted.begin <= lowest) {
     counted.begin = CountedBins::first;
@@ -58,7 +58,7 @@ void Histogram::add(const std::int32_t* bins, std::size_t count, std::uint64_t b
   if (added_ + count > most_few) spill();
   added_ += count;
   Counters* const counters = few_.data();
-  const Usual usual = usual_;  // which the compiler would read again for every bin
+  const Usual usual = usual_;  // hoisted: the counters may alias it
   const auto count_one = [&](std::size_t i) {
     const auto bin = static_cast<std::uint32_t>(bins[i] - usual.first);
     if (bin < static_cast<std::uint32_t>(usual.count)) [[likely]]
@@ -76,7 +76,7 @@ void Histogram::add(const std::int32_t* bins, std::size_t count, std::uint64_t b
 
 void Histogram::append(const Histogram& other) {
   many_.resize(bin_count);
-  for (std::size_t b = 0; b < bin_count; ++b) many_[b] += other.at(b);
+  for (std::size_t b = 0; b < bin_count; ++b) many_[b] += other.count_of(b);
   below_ += other.below_;
   between_ += other.between_;
 }
@@ -92,16 +92,16 @@ double Histogram::order_statistic(std::uint64_t rank, double min, double max) co
   const std::size_t top = index(std::max(counted_.top, counted_.end));
   for (std::size_t b = index(std::max(leading_bits(min), counted_.begin)); b < bin_count; ++b) {
     if (b == top) before += between_;
-    const std::uint64_t here = at(b);
-    if (before + here <= rank) {
-      before += here;
+    const std::uint64_t in_bin = count_of(b);
+    if (before + in_bin <= rank) {
+      before += in_bin;
       continue;
     }
     if (b == 0) return min;
     if (b + 1 == bin_count) return max;
     const std::int32_t leading = lowest_ + static_cast<std::int32_t>(b);
     const double low = std::max(lower_edge(leading), min), high = std::min(lower_edge(leading + 1), max);
-    return low + (high - low) * (static_cast<double>(rank - before) + 0.5) / static_cast<double>(here);
+    return low + (high - low) * (static_cast<double>(rank - before) + 0.5) / static_cast<double>(in_bin);
   }
   return max;
 }
@@ -112,11 +112,11 @@ std::size_t Histogram::index(std::int32_t leading) const {
 
 std::uint64_t Histogram::in_the_middle() const {
   std::uint64_t sum = 0;
-  for (std::size_t b = index(counted_.begin); b < index(counted_.end); ++b) sum += at(b);
+  for (std::size_t b = index(counted_.begin); b < index(counted_.end); ++b) sum += count_of(b);
   return sum;
 }
 
-std::uint64_t Histogram::at(std::size_t bin) const {
+std::uint64_t Histogram::count_of(std::size_t bin) const {
   const std::int64_t of_usual = lowest_ + static_cast<std::int64_t>(bin) - usual_.first;
   const bool usual = of_usual >= 0 && of_usual < usual_.count;
   return (usual ? few_[static_cast<std::size_t>(of_usual)].sum() : 0) + (many_.empty() ? 0 : many_[bin]);

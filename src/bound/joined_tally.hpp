@@ -9,7 +9,7 @@
 
 namespace qerr {
 
-/// Tallies of blocks of configurations, joined in their order.
+/// Sum of the tallies of blocks of configurations, appended in their order.
 class JoinedTally {
  public:
   void append(const Tally&, std::uint64_t count);
@@ -27,20 +27,20 @@ class JoinedTally {
   std::uint64_t count_ = 0;
 };
 
-/// A few values into a tally, as the batched kernel adds 64.
+/// Adds `count` values to a tally, as the batched kernel adds 64.
 void tally_some(const double* values, std::size_t count, std::uint64_t first, Tally&);
 
-/// The order statistics that percentiles of so many values are made of.
+/// Ranks of the order statistics from which the percentiles of `count` values are interpolated.
 std::vector<std::uint64_t> percentile_ranks(std::uint64_t count);
 
-/// The value that has `rank` smaller ones before it.
+/// The value of a rank; 0: the smallest.
 using OrderStatistic = std::function<double(std::uint64_t rank)>;
 
-/// Statistic without `at_max`; the order statistics are asked for from the largest percentile down.
+/// Statistic without `at_max`. Ranks are requested in descending order.
 Statistic statistic(const JoinedTally&, const OrderStatistic&);
 
-/// Order statistics of these values, which get into another order; each rank is at most one more than the one
-/// before.
+/// Order statistics of values, which are reordered.
+/// @pre ranks are requested in descending order, but for one more than the previous rank
 OrderStatistic order_statistics(double* values, std::uint64_t count);
 
 }  // namespace qerr

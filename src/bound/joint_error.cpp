@@ -4,13 +4,6 @@
 
 namespace qerr {
 
-Eigen::VectorXd gains_behind(const std::vector<ErrorSource>& sources, std::size_t filter, double h2) {
-  Eigen::VectorXd gains = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(sources.size()), h2);
-  for (std::size_t s = 0; s < sources.size(); ++s)
-    if (filter < sources[s].gains.size()) gains[static_cast<Eigen::Index>(s)] = sources[s].gains[filter];
-  return gains;
-}
-
 JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& sources) {
   const Eigen::VectorXd delta = resolutions(t);
   JointError e;

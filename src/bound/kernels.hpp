@@ -11,71 +11,72 @@
 
 namespace qerr {
 
-// As folded_path.hpp: without Eigen and containers, for files that are compiled per instruction set.
+// Included by kernel sources: without Eigen and containers (see folded_path.hpp).
 
 /// Half width over sigma of a uniform error: sqrt(3).
 inline constexpr double half_width_of_sigma = 0x1.bb67ae8584caap+0;
 
-/// A column of the Jacobian of a moving joint, as a part of an error takes it.
+/// A multiple of a moving joint's column of the Jacobian.
 struct JointWeight {
   std::size_t joint;
   double weight;
 };
 
-/// One independent error: of an encoder, or of a source beside it. Its size is a common scale s; `spread` is
-/// what the coordinates move by when it is s.
+/// One independent error, of an encoder or of an error source, in units of its scale s. Its spread is the
+/// change of the coordinates by an error of s.
 struct ErrorPart {
-  const JointWeight *begin = nullptr, *end = nullptr;  ///< columns it moves by, times s
-  std::size_t link = 0;      ///< of a displaced origin: behind which moving joint, plus 1; else 0
-  double direction[3] = {};  ///< of that, in the folded frame there (0: the base's), times s
-  double sigma = 0, half_width = 0, mean = 0;  ///< over s
-  double width = 0;                            ///< over s: what it counts for among the worst cases
-  std::size_t owner = 0;                       ///< index of the encoder it is counted with
-  bool source = false;                         ///< beside the quantization
+  const JointWeight *begin = nullptr, *end = nullptr;  ///< columns of its spread, times s
+  std::size_t link = 0;  ///< displaced origin: 1 + index of the previous moving joint; 0: none, or the base
+  double direction[3] = {};  ///< displaced origin: in the folded frame of the link (0: base), times s
+  double sigma = 0, half_width = 0, mean = 0;  ///< divided by s
+  double width = 0;                            ///< |mean| + half width, divided by s
+  std::size_t owner = 0;                       ///< index of the encoder it is attributed to
+  bool source = false;                         ///< an error source, not quantization
 };
 
-/// What the batched kernel works by (error_plan.hpp makes it from a model). At most nine coordinates.
+/// Input of the batched kernel, built from a model by PlannedError (error_plan.hpp). At most nine
+/// coordinates.
 struct ErrorPlan {
   FoldedPath chain;
-  const double* column_scale;  ///< of every moving joint; null: the chain's axes have it
-  bool direct;                 ///< part k moves by column k alone, which has its scale already
-  bool plain;  ///< parts are encoders that round to nearest: sigma 1, half width sqrt(3), mean 0
+  const double* column_scale;  ///< [moving joint]; null: 1, the scale is the length of the chain's axes
+  bool direct;                 ///< the spread of part k is the scaled column k
+  bool plain;  ///< all parts are encoders that round to nearest: sigma 1, half width sqrt(3), mean 0
   std::size_t parts, encoders, coordinates, filters;
-  std::size_t moving_parts;  ///< the first ones, which move the tip; those behind only turn it
+  std::size_t moving_parts;  ///< the first ones; the others only rotate the tip
   const ErrorPart* part;
   const int* coordinate;  ///< values of qerr::Coordinate
-  bool positions_first;   ///< the coordinates begin with x y z, and are these or these and rx ry rz
+  bool positions_first;   ///< the coordinates are x y z or x y z rx ry rz
   bool any_euler, any_position;
-  bool keep_covariance;  ///< of every configuration, as figures
+  bool keep_covariance;  ///< covariances are figures of every configuration
   bool shares, rigorous;
-  bool columns_again;  ///< whether linear columns are looked at after they have been summed
-  const double* arm;   ///< of every encoder: 1/s, for its largest |dp/dx|
-  /// rho = remainder + sum_k reach[k] |linear column k|; an angle's: linear + angle_remainder, at most angle.
+  bool keep_columns;  ///< linear columns are needed after they have been summed
+  const double* arm;  ///< [encoder]: 1/s, for its largest |dp/dx|
+  /// Position: rho = remainder + sum_k reach[k] |linear column k|; rotation: min(linear + angle_remainder,
+  /// angle).
   double remainder, angle_remainder, angle;
   const double* reach;
   bool filtered_worst, filtered_sigma;
   const double *l1, *dc_gain;    ///< [filter]
-  const double* gain_squares;    ///< [filter][part]: of its variance behind the filter
-  const double* motion_squares;  ///< [filter][part]: the same with the encoders' speeds; negative: unknown
+  const double* ratio_squares;   ///< [filter][part]: variance behind the filter over s^2
+  const double* motion_squares;  ///< [filter][part]: the same in motion; negative: unknown
   FigureLayout figures;
   SumLayout sums;
 };
 
-/// The bins of one figure, as a kernel comes across them.
+/// Bins of one figure, appended by a kernel.
 struct alignas(64) BinList {
-  std::int32_t below[16] = {};  ///< by lane: how many lie below the counted ones
+  std::int32_t below[16] = {};  ///< [lane]: number of values below the counted bins
   CountedBins counted;
-  std::int32_t* next =
-      nullptr;  ///< where the next counted ones go; up to 16 numbers from here are written to
+  std::int32_t* next = nullptr;  ///< end of the list; a kernel writes up to 16 numbers beyond
 };
 
 struct BoundKernels {
   std::size_t lanes;
-  /// Numbers of room that `errors` works in.
-  std::size_t (*room)(const ErrorPlan&);
-  /// Figures of 64 configurations, and their sums added to those before.
-  void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* room);
-  /// 64 values of every figure into their tallies and, unless it is null, the lists of their bins.
+  /// Doubles of scratch memory that `errors` needs.
+  std::size_t (*scratch)(const ErrorPlan&);
+  /// Computes the figures of a batch and adds to the sums.
+  void (*errors)(const ErrorPlan&, const double* q, double* figures, double* sums, double* scratch);
+  /// Adds a batch of every figure to the tallies and, unless null, to the lists of bins.
   void (*tally)(std::size_t count, const double* figures, std::uint64_t first, Tally*, BinList*);
 };
 

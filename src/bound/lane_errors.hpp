@@ -6,13 +6,13 @@
 namespace qerr::lanes {
 namespace {
 
-/// Worst case, sigma and rigorous bound of every coordinate into their places.
+/// Stores worst case, sigma and rigorous bound of every coordinate.
 template <class L, std::size_t fixed, bool keep_covariance>
-[[gnu::always_inline]] inline void put_figures(const ErrorPlan& plan, const Room<L>& room, Errors<L>& e,
-                                               const Bits<L>& unbounded, double* to) {
+[[gnu::always_inline]] inline void store_figures(const ErrorPlan& plan, const Scratch<L>& scratch,
+                                                 Errors<L>& e, const Bits<L>& unbounded, double* to) {
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
   const L rho =
-      plan.rigorous ? plan.remainder + weighted_column_norms(plan.chain, plan.reach, room.joints) : L{};
+      plan.rigorous ? plan.remainder + weighted_column_norms(plan.chain, plan.reach, scratch.joints) : L{};
   L trace{};
 #pragma GCC unroll 6
   for (std::size_t c = 0; c < m; ++c) {
@@ -33,33 +33,33 @@ template <class L, std::size_t fixed, bool keep_covariance>
   if (plan.shares) store(to + plan.figures.trace * batch_size, trace);
 }
 
-/// @tparam fixed   coordinates of a plain model: 3 are x y z, 6 also rx ry rz; 0: any coordinates and model
-/// @tparam direct  each part moves by one column alone
-/// @tparam keep_covariance  of every configuration, as figures
+/// @tparam fixed            coordinates of a plain model: 3 for x y z, 6 for x y z rx ry rz; 0: any model
+/// @tparam direct           ErrorPlan::direct
+/// @tparam keep_covariance  ErrorPlan::keep_covariance
 template <class L, std::size_t fixed, bool direct, bool keep_covariance>
 void errors_of(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* memory) {
-  const Room<L> room(plan, memory);
-  const Spreads<L> spreads = direct ? Spreads<L>{room.joints->column, sizeof(JointScratch<L>) / sizeof(L)}
-                                    : Spreads<L>{room.spreads, most_coordinates};
-  prepare_first_joint(plan.chain, plan.column_scale, room.joints);
-  MotionsAhead<L> ahead(plan.chain, q, room);
+  const Scratch<L> scratch(plan, memory);
+  const Spreads<L> spreads = direct ? Spreads<L>{scratch.joints->column, sizeof(JointScratch<L>) / sizeof(L)}
+                                    : Spreads<L>{scratch.spreads, most_coordinates};
+  prepare_first_joint(plan.chain, plan.column_scale, scratch.joints);
+  MotionsAhead<L> ahead(plan.chain, q, scratch);
   if (sums_with_columns<L, fixed, direct>) ahead.begin();
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     double* const to = figures + i;
     const CovarianceTo<L, keep_covariance> covariance(plan, to, sums);
     Errors<L> e{};
     const Bits<L> unbounded =
-        sum_parts<L, fixed, direct>(plan, q + i, ahead, room, spreads, e, covariance, sums);
-    put_figures<L, fixed, keep_covariance>(plan, room, e, unbounded, to);
+        sum_parts<L, fixed, direct>(plan, q + i, ahead, scratch, spreads, e, covariance, sums);
+    store_figures<L, fixed, keep_covariance>(plan, scratch, e, unbounded, to);
     if (plan.shares) add_shares<L, fixed>(plan, spreads, e, sums);
     if (plan.filters > 0) {
-      Errors<L> seen;  // what a function may look at cannot stay in registers
+      Errors<L> copy;  // `e` itself stays in registers, as no call takes its address
 #pragma GCC unroll 9
       for (std::size_t c = 0; c < most_coordinates; ++c) {
-        seen.half[c] = e.half[c];
-        seen.mean[c] = e.mean[c];
+        copy.half[c] = e.half[c];
+        copy.mean[c] = e.mean[c];
       }
-      add_filtered(plan, spreads, seen, unbounded, to, sums);
+      add_filtered(plan, spreads, copy, unbounded, to, sums);
     }
   }
 }
@@ -73,8 +73,9 @@ template <class L, bool keep_covariance>
 }
 
 template <class L>
-void errors(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* room) {
-  (plan.keep_covariance ? errors_by<L, true>(plan) : errors_by<L, false>(plan))(plan, q, figures, sums, room);
+void errors(const ErrorPlan& plan, const double* q, double* figures, double* sums, double* scratch) {
+  (plan.keep_covariance ? errors_by<L, true>(plan) : errors_by<L, false>(plan))(plan, q, figures, sums,
+                                                                                scratch);
 }
 
 }  // namespace

@@ -8,7 +8,7 @@ template <>
 const BoundKernels& compiled_kernels<BoundKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr BoundKernels kernels{lane_count<L>, room<L>, errors<L>, tally<L>};
+  static constexpr BoundKernels kernels{lane_count<L>, scratch<L>, errors<L>, tally<L>};
   return kernels;
 }
 

@@ -10,8 +10,9 @@ template <class L>
   store(sum, load<L>(sum) + value);
 }
 
-/// What each encoder contributes: to the variance, to the coordinates' shares of it and of the worst case,
-/// and its largest arm. A coordinate that is nothing but rounding against the largest has no shares.
+/// Adds the contribution of each encoder to the variance and its shares of variance and worst case, and
+/// updates its largest arm. A coordinate below 1e-13 of the largest sigma is rounding error and has no
+/// shares.
 template <class L, std::size_t fixed>
 [[gnu::always_inline]] inline void add_shares(const ErrorPlan& plan, const Spreads<L>& spreads,
                                               const Errors<L>& total, double* sums) {
@@ -36,31 +37,32 @@ template <class L, std::size_t fixed>
   for (std::size_t p = 0; p < plan.parts; ++p) {
     const ErrorPart& part = plan.part[p];
     const L* const u = spreads.of(p);
-    double* const at = sums + part.owner * lane_count<L>;
+    double* const of_owner = sums + part.owner * lane_count<L>;
     L arm{};
 #pragma GCC unroll 6
     for (std::size_t c = 0; c < m; ++c) {
       const L magnitude = abs(u[c]);
       const L square = fixed > 0 ? u[c] * u[c] : (part.sigma * part.sigma) * (u[c] * u[c]);
-      add_to(at + plan.sums.variance_parts * lane_count<L> + c * row, square);
-      add_to(at + plan.sums.share * lane_count<L> + c * row, square * over[c]);
-      add_to(at + plan.sums.worst_share * lane_count<L> + c * row, magnitude * (part.width * over_worst[c]));
+      add_to(of_owner + plan.sums.variance_parts * lane_count<L> + c * row, square);
+      add_to(of_owner + plan.sums.share * lane_count<L> + c * row, square * over[c]);
+      add_to(of_owner + plan.sums.worst_share * lane_count<L> + c * row,
+             magnitude * (part.width * over_worst[c]));
       if (fixed > 0 ? c < 3 : plan.coordinate[c] < 3) arm = max(arm, magnitude);
     }
     if (part.source) continue;
-    double* const arms = at + plan.sums.arms * lane_count<L>;
+    double* const arms = of_owner + plan.sums.arms * lane_count<L>;
     store(arms, max(load<L>(arms), plan.arm[part.owner] * arm));
   }
 }
 
-/// Figures behind the filters where they are not the coordinate's times a norm.
+/// Stores the figures behind the filters that are not the coordinate's times a norm.
 template <class L>
 void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors<L>& total,
                   const Bits<L>& unbounded, double* figures, double* sums) {
   const std::size_t m = plan.coordinates;
   for (std::size_t f = 0; f < plan.filters; ++f) {
     for (std::size_t c = 0; c < m; ++c) {
-      const auto put = [&](std::size_t figure, const L& value) {
+      const auto store_figure = [&](std::size_t figure, const L& value) {
         store(figures + (figure + f * m + c) * batch_size, bounded(plan.coordinate[c], unbounded, value));
       };
       const auto spread_behind = [&](const double* squares) {
@@ -72,16 +74,16 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors
         return sqrt(sum);
       };
       if (plan.filtered_worst)
-        put(plan.figures.filtered_worst,
-            fma(plan.l1[f], total.half[c], plan.dc_gain[f] * abs(total.mean[c])));
-      if (plan.filtered_sigma) put(plan.figures.filtered_sigma, spread_behind(plan.gain_squares));
+        store_figure(plan.figures.filtered_worst,
+                     fma(plan.l1[f], total.half[c], plan.dc_gain[f] * abs(total.mean[c])));
+      if (plan.filtered_sigma) store_figure(plan.figures.filtered_sigma, spread_behind(plan.ratio_squares));
       if (plan.motion_squares[f * plan.parts] >= 0)
-        put(plan.figures.in_motion, spread_behind(plan.motion_squares));
+        store_figure(plan.figures.in_motion, spread_behind(plan.motion_squares));
       if (!plan.filtered_sigma) continue;
       for (std::size_t b = 0; b <= c; ++b) {
         L sum{};
         for (std::size_t p = 0; p < plan.parts; ++p)
-          sum = fma(plan.gain_squares[f * plan.parts + p], spreads.of(p)[c] * spreads.of(p)[b], sum);
+          sum = fma(plan.ratio_squares[f * plan.parts + p], spreads.of(p)[c] * spreads.of(p)[b], sum);
         add_to(sums + (plan.sums.filtered + f * entry(m, 0) + entry(c, b)) * lane_count<L>,
                bounded(plan.coordinate[c], unbounded, bounded(plan.coordinate[b], unbounded, sum)));
       }

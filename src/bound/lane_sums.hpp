@@ -5,15 +5,16 @@
 namespace qerr::lanes {
 namespace {
 
-/// What one configuration per lane gives before it is put into figures and sums.
+/// Half width, mean and variance of every coordinate.
 template <class L>
 struct Errors {
   L half[most_coordinates], mean[most_coordinates], variance[most_coordinates];
 };
 
+/// Index of an entry of a symmetric matrix, column <= row.
 constexpr std::size_t entry(std::size_t row, std::size_t column) { return row * (row + 1) / 2 + column; }
 
-/// Where the entries of the covariance go: kept of every configuration, or added to the sum.
+/// Stores the entries of the covariance as figures of every configuration (keep), or adds them to the sums.
 template <class L, bool keep>
 struct CovarianceTo {
   static constexpr std::size_t stride = keep ? batch_size : lane_count<L>;
@@ -27,7 +28,7 @@ struct CovarianceTo {
   }
 };
 
-/// Sums of three coordinates of a plain model: as many as a processor's registers hold at once.
+/// Sums over the parts of three coordinates of a plain model: |u_i| and u_i u_j, which fit in the registers.
 template <class L>
 struct ThreeSums {
   L a[3] = {}, s[6] = {};
@@ -44,7 +45,7 @@ struct ThreeSums {
     s[5] = fma(z, z, s[5]);
   }
 
-  /// The first one, whose third coordinate is 0.
+  /// The first part, with third coordinate 0.
   [[gnu::always_inline]] void begin(const L& x, const L& y) {
     a[0] = abs(x);
     a[1] = abs(y);
@@ -65,15 +66,15 @@ struct ThreeSums {
   }
 };
 
-/// Covariance of positions u and rotations w.
+/// Covariance of positions u and rotations w: sum of w_i u_j over the parts.
 ///
-/// @tparam orthogonal  u w = 0 in each part, as of a single joint's column: two of the diagonal give the
-/// third
+/// @tparam orthogonal  u . w = 0 in each part, as in the column of a joint: the diagonal sums to 0, so that
+/// its third entry follows from two
 template <class L, bool orthogonal>
 struct MixedSums {
   L s[9] = {};
 
-  /// The first one: of a joint about z, whose column is (x, y, 0, 0, 0, w).
+  /// The first part, with the column (x, y, 0, 0, 0, w) of a joint about z.
   template <class W>
   [[gnu::always_inline]] void begin(const L& x, const L& y, const W& w) {
     s[6] = w * x;
@@ -93,7 +94,7 @@ struct MixedSums {
   }
 };
 
-/// @param first_about_z  whether the first part's linear column is (x, y, 0), its angular one (0, 0, w)
+/// @param first_about_z  whether the column of the first part is (x, y, 0, 0, 0, w)
 template <std::size_t from, class L, class To>
 [[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, bool first_about_z,
                                              Errors<L>& e, const To& covariance) {
@@ -115,8 +116,8 @@ template <bool orthogonal, class L, class To>
   sums.put(covariance);
 }
 
-/// Any coordinates and parts.
-/// @param unbounded  where roll and yaw have no bound
+/// Sums for any coordinates and parts.
+/// @param unbounded  lanes in which roll and yaw are unbounded
 template <class L, class To>
 void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& unbounded, Errors<L>& e,
              const To& covariance) {
@@ -139,54 +140,54 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& un
   }
 }
 
-/// Whether sums of positions and mixed ones are taken as the columns come, which need not be read again: of a
-/// direct model, where a processor has registers (32) for both together.
+/// Whether position and mixed sums are accumulated while the columns are computed: for a direct model, if the
+/// 32 registers of AVX-512 hold both.
 template <class L, std::size_t fixed, bool direct>
 constexpr bool sums_with_columns = direct&& fixed == 6 && lane_count<L> == 8;
 
-/// Takes the columns of a direct, plain model into the sums that need both halves of a column.
+/// Consumer of columns of a direct model: adds them to the sums that include positions.
 template <class L>
 struct SumColumns {
   StoreColumns<L> keep;
-  bool again;                ///< columns are looked at after they have been summed
-  std::size_t moving_parts;  ///< the last one may turn the tip without moving it
+  bool keep_columns;         ///< also store them
+  std::size_t moving_parts;  ///< the last part may rotate the tip without moving it
   ThreeSums<L> positions = {};
   MixedSums<L, true> mixed = {};
 
   [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double w) {
-    if (again) keep.column_about_z(x, y, w);
+    if (keep_columns) keep.column_about_z(x, y, w);
     positions.begin(x, y);
     mixed.begin(x, y, w);
   }
   [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) {
-    if (again) keep.column(k, linear, angular);
+    if (keep_columns) keep.column(k, linear, angular);
     if (k >= moving_parts) return;
     positions.add(linear[0], linear[1], linear[2]);
     mixed.add(linear, angular);
   }
 };
 
-/// Motions of the joints, a register of configurations ahead of the walk: so they fill the time in which its
-/// steps wait for each other.
+/// Computes the motions of the joints for the next vector of configurations between the steps of the forward
+/// kinematics of the current one, whose latency they hide.
 template <class L>
 class MotionsAhead {
  public:
-  MotionsAhead(const FoldedPath& chain, const double* q, const Room<L>& room)
-      : chain_(chain), now_(room.moved), next_(room.ahead), q_(q), end_(q + batch_size) {}
+  MotionsAhead(const FoldedPath& chain, const double* q, const Scratch<L>& scratch)
+      : chain_(chain), now_(scratch.motions), next_(scratch.ahead), q_(q), end_(q + batch_size) {}
 
   void begin() { compute_motions(chain_, q_, batch_size, next_); }
 
-  /// On to the next configurations.
-  /// @returns their motions
+  /// Advances by one vector.
+  /// @returns motions of the current configurations
   [[gnu::always_inline]] const SineCosine<L>* advance() {
-    SineCosine<L>* const there = next_;
+    SineCosine<L>* const current = next_;
     next_ = now_;
-    now_ = there;
+    now_ = current;
     q_ += lane_count<L>;
-    return there;
+    return current;
   }
 
-  /// Of joint k, for those after.
+  /// Computes the motion of joint k for the next vector.
   [[gnu::always_inline]] void operator()(std::size_t k) const {
     if (q_ != end_) compute_motion(chain_.joints[k], q_, batch_size, next_[k]);
   }
@@ -199,29 +200,29 @@ class MotionsAhead {
 
 template <class L, class To>
 [[gnu::always_inline]] inline void sum_columns(const ErrorPlan& plan, MotionsAhead<L>& ahead,
-                                               const Room<L>& room, const Spreads<L>& spreads, Errors<L>& e,
-                                               const To& covariance) {
-  SumColumns<L> sums{{room.joints}, plan.columns_again, plan.moving_parts};
-  const SineCosine<L>* const moved = ahead.advance();
-  columns_of_motions<L>(plan.chain, plan.column_scale, moved, room.joints, Ignore{}, sums, ahead);
+                                               const Scratch<L>& scratch, const Spreads<L>& spreads,
+                                               Errors<L>& e, const To& covariance) {
+  SumColumns<L> sums{{scratch.joints}, plan.keep_columns, plan.moving_parts};
+  const SineCosine<L>* const motions = ahead.advance();
+  columns_of_motions<L>(plan.chain, plan.column_scale, motions, scratch.joints, Ignore{}, sums, ahead);
   sums.positions.template put<0>(e, covariance);
   sums.mixed.put(covariance);
   sum_three<3>(spreads, plan.parts, true, e, covariance);
 }
 
-/// How the coordinates move with every part, and all sums over the parts.
-/// @param ahead  where sums are taken as the columns come; it has begun
-/// @returns where roll and yaw have no bound
+/// Spreads of the parts and all sums over them.
+/// @param ahead  begun, if `sums_with_columns`
+/// @returns lanes in which roll and yaw are unbounded
 template <class L, std::size_t fixed, bool direct, class To>
 [[gnu::always_inline]] inline Bits<L> sum_parts(const ErrorPlan& plan, const double* q,
-                                                MotionsAhead<L>& ahead, const Room<L>& room,
+                                                MotionsAhead<L>& ahead, const Scratch<L>& scratch,
                                                 const Spreads<L>& spreads, Errors<L>& e, const To& covariance,
                                                 double* sums) {
   if constexpr (sums_with_columns<L, fixed, direct>) {
-    sum_columns(plan, ahead, room, spreads, e, covariance);
+    sum_columns(plan, ahead, scratch, spreads, e, covariance);
     return Bits<L>{};
   } else {
-    const Bits<L> unbounded = spread<L, direct>(plan, q, room, sums);
+    const Bits<L> unbounded = spread<L, direct>(plan, q, scratch, sums);
     if constexpr (fixed == 0) {
       sum_any(plan, spreads, unbounded, e, covariance);
     } else {

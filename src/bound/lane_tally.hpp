@@ -11,6 +11,7 @@
 namespace qerr::lanes {
 namespace {
 
+/// Maximum of a batch.
 template <class L>
 [[gnu::always_inline]] inline double largest(const double* values) {
   L high = load<L>(values);
@@ -22,7 +23,7 @@ template <class L>
   return most;
 }
 
-/// A batch with a maximum larger than before: looks for the configurations.
+/// Updates the maxima of a batch in which at least one is new, and their configurations.
 template <class L>
 [[gnu::noinline]] void find_maxima(const double* figures, std::size_t count, std::uint64_t first,
                                    Tally* tallies) {
@@ -31,9 +32,9 @@ template <class L>
     Tally& t = tallies[f];
     const double most = largest<L>(values);
     if (!(most > t.max)) continue;
-    const bool is_another = most > same_maximum * t.max;
+    const bool is_larger = most > same_maximum * t.max;
     t.max = most;
-    for (std::size_t i = 0; i < batch_size && is_another; ++i)
+    for (std::size_t i = 0; i < batch_size && is_larger; ++i)
       if (values[i] * same_maximum >= most) {
         t.at_max = first + i;
         break;
@@ -41,7 +42,7 @@ template <class L>
   }
 }
 
-/// As many bins as a register has room for: twice as many as numbers.
+/// A vector of bins, twice as many as doubles.
 template <class L>
 struct BinsOf {
   typedef std::int32_t type __attribute__((vector_size(sizeof(L))));
@@ -50,7 +51,7 @@ struct BinsOf {
 template <class L>
 using Bins = typename BinsOf<L>::type;
 
-/// The bins of values in two registers: of a double's bits the upper half is enough.
+/// Bins of two vectors of values, from the upper halves of the doubles.
 template <class L>
 [[gnu::always_inline]] inline Bins<L> bins_of(const double* values) {
   constexpr int u = __BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__ ? 1 : 0;
@@ -68,23 +69,23 @@ template <class L>
 }
 
 #if defined(__AVX2__)
-/// The places of the set bits of every mask of eight, a byte each.
-constexpr struct KeptPlaces {
+/// [mask]: indices of the set bits of an 8-bit mask, a byte each.
+constexpr struct KeptIndices {
   std::uint64_t of[256] = {};
 
-  constexpr KeptPlaces() {
+  constexpr KeptIndices() {
     for (unsigned mask = 0; mask < 256; ++mask) {
       int shift = 0;
-      for (std::uint64_t place = 0; place < 8; ++place)
-        if (mask >> place & 1) of[mask] |= place << shift, shift += 8;
+      for (std::uint64_t bit = 0; bit < 8; ++bit)
+        if (mask >> bit & 1) of[mask] |= bit << shift, shift += 8;
     }
   }
-} kept_places;
+} kept_indices;
 #endif
 
-/// Puts those bins that are kept (negative; the others are not) one behind the other.
-/// @param to  room for a register
-/// @returns behind the last one
+/// Appends the bins whose `kept` is negative.
+/// @param to  end of the list; a whole vector is written
+/// @returns the new end
 template <class L>
 [[gnu::always_inline]] inline std::int32_t* append(const Bins<L>& bins, const Bins<L>& kept,
                                                    std::int32_t* to) {
@@ -99,9 +100,9 @@ template <class L>
 #if defined(__AVX2__)
   if constexpr (lane_count<L> == 4) {
     const auto mask = static_cast<unsigned>(_mm256_movemask_ps(__builtin_bit_cast(__m256, kept)));
-    const auto places = _mm_cvtsi64_si128(static_cast<long long>(kept_places.of[mask]));
+    const auto indices = _mm_cvtsi64_si128(static_cast<long long>(kept_indices.of[mask]));
     const auto packed =
-        _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), _mm256_cvtepu8_epi32(places));
+        _mm256_permutevar8x32_epi32(__builtin_bit_cast(__m256i, bins), _mm256_cvtepu8_epi32(indices));
     __builtin_memcpy(to, &packed, sizeof packed);
     return to + __builtin_popcount(mask);
   }
@@ -114,7 +115,7 @@ template <class L>
   return to;
 }
 
-/// One figure on its way into its tally, eight values at a time.
+/// A Tally in registers; adds eight values at a time.
 template <class L>
 class FigureTally {
  public:
@@ -137,13 +138,13 @@ class FigureTally {
     }
   }
 
-  /// @param news  gets true where the maximum is a new one
-  [[gnu::always_inline]] void finish(Tally& tally, Bits<L>& news) const {
+  /// @param increased  set in the lanes in which the maximum is larger than before
+  [[gnu::always_inline]] void finish(Tally& tally, Bits<L>& increased) const {
 #pragma GCC unroll 8
     for (std::size_t p = 0; p < packs; ++p) {
       store(tally.sum + p * lane_count<L>, sum_[p]);
       store(tally.min + p * lane_count<L>, low_[p]);
-      news |= high_[p] > broadcast<L>(tally.max);
+      increased |= high_[p] > broadcast<L>(tally.max);
     }
   }
 
@@ -153,7 +154,7 @@ class FigureTally {
   L low_[packs], high_[packs], sum_[packs];
 };
 
-/// The bins of one figure on their way into its list.
+/// A BinList in registers; adds `at_once` values at a time.
 template <class L>
 class FigureBins {
  public:
@@ -183,7 +184,7 @@ class FigureBins {
 
 template <class L>
 void tally(std::size_t count, const double* figures, std::uint64_t first, Tally* tallies, BinList* lists) {
-  Bits<L> news{};
+  Bits<L> increased{};
   for (std::size_t f = 0; f < count; ++f) {
     const double* const values = figures + f * batch_size;
     FigureTally<L> figure(tallies[f]);
@@ -198,11 +199,11 @@ void tally(std::size_t count, const double* figures, std::uint64_t first, Tally*
     } else {
       for (std::size_t i = 0; i < batch_size; i += 8) figure.add(values + i);
     }
-    figure.finish(tallies[f], news);
+    figure.finish(tallies[f], increased);
   }
   std::int64_t any = 0;
 #pragma GCC unroll 8
-  for (std::size_t i = 0; i < lane_count<L>; ++i) any |= news[i];
+  for (std::size_t i = 0; i < lane_count<L>; ++i) any |= increased[i];
   if (any) find_maxima<L>(figures, count, first, tallies);  // rare
 }
 

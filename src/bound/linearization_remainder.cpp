@@ -10,8 +10,8 @@ LinearizationRemainder linearization_remainder(const Chain& chain, const Eigen::
   LinearizationRemainder r;
   r.per_column = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(chain.joints.size()));
   double before = 0;   // S_{k-1}
-  double carried = 0;  // what a metre of reach beyond joint k adds by way of the joints before it
-  double axes = 0;
+  double carried = 0;  // sum_{i<k} per_column_i: R_i grows by h_k (R_k or 1)
+  double axes = 0;     // sum_k h_k S_{k-1} / 2
   for (Eigen::Index k = 0; k < r.per_column.size(); ++k) {
     const ChainJoint& joint = chain.joints[static_cast<std::size_t>(k)];
     const double h = std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];

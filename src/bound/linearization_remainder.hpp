@@ -6,15 +6,15 @@
 
 namespace qerr {
 
-/// Second-order remainders of the tip's pose over the whole quantization box, as far as the configuration
-/// does not change them (`operational_error` says where they come from).
+/// Second-order remainders of the tip's pose over the whole quantization box (derivation:
+/// `operational_error`), in terms that do not depend on the configuration.
 ///
-/// Of the position: rho = position + sum_k per_column_k |linear part of column k of the joint Jacobian|.
+/// Position: rho = position + sum_k per_column_k |linear part of column k of the joint Jacobian|.
 struct LinearizationRemainder {
   double position = 0;         ///< [m]
-  Eigen::VectorXd per_column;  ///< of each moving joint, 0 of prismatic ones
-  double rotation = 0;  ///< [rad], of one component of the rotation vector; infinite for boxes beyond pi
-  double rotation_angle = 0;  ///< [rad], bound of the whole angle
+  Eigen::VectorXd per_column;  ///< [moving joint]; 0 for prismatic ones
+  double rotation = 0;        ///< of one component of the rotation vector; infinite for boxes beyond pi [rad]
+  double rotation_angle = 0;  ///< bound of the rotation angle [rad]
 };
 
 /// @param largest  error of each independent joint [rad or m]

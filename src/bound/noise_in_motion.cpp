@@ -17,15 +17,15 @@ constexpr double pi = std::numbers::pi;
 
 /// {s}(1 - {s}), for |s| < 2^51. The addition rounds to the nearest integer and, unlike floor, in a vector.
 double loss(double s) {
-  constexpr double magic = 0x1.8p52;
-  const double part = std::abs(s - ((s + magic) - magic));
+  constexpr double shift = 0x1.8p52;
+  const double part = std::abs(s - ((s + shift) - shift));
   return part * (1 - part);
 }
 
 /// E {s}(1 - {s}) of a sine of this amplitude: 1/4 - E e^2 of s + 1/2.
 double sine_loss(double amplitude) { return 0.25 - quantized_sine_mean_square(0.5, amplitude); }
 
-/// sqrt(H(1)^2/12 - sum r_n loss_of(n)), summed from the small end.
+/// sqrt(H(1)^2/12 - sum r_n loss_of(n)), summed in ascending order of magnitude.
 template <class Loss>
 double sigma_of(const Autocorrelation& a, Loss loss_of) {
   double sum = 0;
@@ -42,20 +42,20 @@ double constant_speed_sigma(const Autocorrelation& a, double v) {
 
 namespace {
 
-/// |H|^2 at `part` of a turn per sample.
+/// |H|^2 at a frequency of `part` cycles per sample.
 double power(const Filter& filter, double part) {
   return std::norm(response(filter, std::remainder(part, 1.0) * filter.sample_rate));
 }
 
-/// The fraction p/q nearest to v with q <= most, if v is that fraction but for its rounding: its q, else 0.
+/// Denominator q <= most of the fraction p/q that v equals up to rounding; 0: v is not such a fraction.
 int denominator_of(double v, int most) {
   for (int q = 1; q <= most; ++q)
     if (std::abs(std::remainder(q * v, 1.0)) <= 4 * q * std::numeric_limits<double>::epsilon()) return q;
   return 0;
 }
 
-/// By harmonics: sum_k |H(k V)|^2/(2 pi^2 k^2), or for V = p/q sum_m |H(m p/q)|^2/(4 q^2 sin^2(pi m/q)) and
-/// H(1)^2/(12 q^2). What is left out beyond k is put in at its mean over V.
+/// sum_k |H(k V)|^2/(2 pi^2 k^2), or for V = p/q sum_m |H(m p/q)|^2/(4 q^2 sin^2(pi m/q)) +
+/// H(1)^2/(12 q^2). The terms beyond `most` are replaced by their mean over V.
 double sigma_by_harmonics(const Filter& filter, double v) {
   constexpr int most = 500000;
   double sum = 0;
@@ -105,16 +105,16 @@ double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
 
 namespace {
 
-/// Within this many quanta per sample every unit interval is searched in full.
+/// Up to this many quanta per sample every unit interval is searched on the whole grid.
 constexpr int first_intervals = 8;
 
 class ThresholdSearch {
  public:
   ThresholdSearch(const Autocorrelation& a, double tolerance) : a_(a), tolerance_(tolerance) {
-    // Lags that cannot move the ratio by 1e-4 of the tolerance only cost time.
-    double rest = 0;
-    while (a_.r.size() > 1 && rest + std::abs(a_.r.back()) <= 1e-4 * tolerance * a_.r[0]) {
-      rest += std::abs(a_.r.back());
+    // Drop lags that cannot change the ratio by 1e-4 of the tolerance.
+    double dropped = 0;
+    while (a_.r.size() > 1 && dropped + std::abs(a_.r.back()) <= 1e-4 * tolerance * a_.r[0]) {
+      dropped += std::abs(a_.r.back());
       a_.r.pop_back();
     }
     ipqn_ = ipqn_sigma(a_);
@@ -140,38 +140,40 @@ class ThresholdSearch {
   double ratio(double v) const { return slow_sine_sigma(a_, v) / ipqn_; }
   bool outside(double v) const { return std::abs(ratio(v) - 1) > tolerance_; }
 
-  /// What sigma^2/sigma_IPQN^2 - 1 may be, over what it is allowed: |E {s}(1 - {s}) - 1/6| of a sine of
-  /// amplitude u is at most 1/6 and at most 0.0381/sqrt(u).
-  bool within_for_certain(double v) const {
+  /// Whether a bound of |sigma^2/sigma_IPQN^2 - 1| is within the tolerance: |E {s}(1 - {s}) - 1/6| of a sine
+  /// of amplitude u is at most 1/6 and at most 0.0381/sqrt(u) (quantized_sine_envelope).
+  bool proven_within(double v) const {
     double sum = 0;
     for (std::size_t n = 1; n < a_.r.size(); ++n)
       sum += std::abs(a_.r[n]) * std::min(1.0 / 6, 0.0381 / std::sqrt(static_cast<double>(n) * v));
     return 12 * sum <= tolerance_ * (2 - tolerance_) * a_.r[0];
   }
 
-  /// A speed from which on the bound holds.
+  /// A speed above which `proven_within` holds.
   double proven_ceiling() const {
     double low = 1e-9, high = 1e9;
     for (int i = 0; i < 30; ++i) {
       const double middle = std::sqrt(low * high);
-      (within_for_certain(middle) ? high : low) = middle;
+      (proven_within(middle) ? high : low) = middle;
     }
     return high;
   }
 
-  /// |sigma^2/sigma_IPQN^2 - 1| over what the tolerance allows.
+  /// |sigma^2/sigma_IPQN^2 - 1| over its limit by the tolerance.
   double excess(double v) const {
     const double x = std::pow(ratio(v), 2) - 1;
     return std::abs(x) / (x > 0 ? tolerance_ * (2 + tolerance_) : tolerance_ * (2 - tolerance_));
   }
 
-  /// The excess at far + grid, which is sqrt(far/V) times that elsewhere, and the V at which its peak is 1.
+  /// Computes the excess at far + grid; elsewhere it is sqrt(far/V) times as large.
+  /// @returns the V at which its peak is 1
   double find_asymptotically() {
     for (const double part : grid_) excess_.push_back(excess(far + part));
     const auto peak = std::max_element(excess_.begin(), excess_.end());
-    const auto at = std::clamp<std::ptrdiff_t>(peak - excess_.begin(), 1, std::ssize(grid_) - 2);
-    // The grid is refined about its peak, by golden sections.
-    double above = grid_[static_cast<std::size_t>(at - 1)], below = grid_[static_cast<std::size_t>(at + 1)];
+    const auto peak_index = std::clamp<std::ptrdiff_t>(peak - excess_.begin(), 1, std::ssize(grid_) - 2);
+    // Refine the grid at its peak by golden section search.
+    double above = grid_[static_cast<std::size_t>(peak_index - 1)],
+           below = grid_[static_cast<std::size_t>(peak_index + 1)];
     for (int i = 0; i < 20; ++i) {
       const double a = below + 0.382 * (above - below), b = below + 0.618 * (above - below);
       const bool a_is_less = excess(far + a) < excess(far + b);
@@ -196,7 +198,7 @@ class ThresholdSearch {
     return {std::find_if(grid_.begin(), grid_.end(), [&](double g) { return g <= part; }), grid_.end()};
   }
 
-  /// The last V = p + part outside the tolerance, followed to the crossing beyond it; 0 when there is none.
+  /// The crossing above the largest V = p + part outside the tolerance; 0: all are within.
   double last_crossing(int p, const std::vector<double>& parts) const {
     for (const double part : parts) {
       double low = p + part;

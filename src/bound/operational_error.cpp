@@ -9,14 +9,15 @@ namespace qerr {
 
 namespace {
 
-double rigorous_bound(Coordinate c, double linear, const LinearizationRemainder& r, double of_position) {
-  if (is_position(c)) return linear + of_position;
+double rigorous_bound(Coordinate c, double linear, const LinearizationRemainder& r,
+                      double position_remainder) {
+  if (is_position(c)) return linear + position_remainder;
   if (is_rotation_vector(c)) return std::min(linear + r.rotation, r.rotation_angle);
   return std::numeric_limits<double>::infinity();
 }
 
-/// The frame before a joint of the chain, turned so that its axes are those of the joint's parent link.
-Eigen::Matrix3d axes_before(const Chain& chain, const Eigen::VectorXd& q, std::size_t link) {
+/// Rotation of the parent link's frame of a joint of the chain in the base frame.
+Eigen::Matrix3d parent_axes(const Chain& chain, const Eigen::VectorXd& q, std::size_t link) {
   Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
   for (std::size_t k = 0; k < link; ++k) {
     const ChainJoint& joint = chain.joints[k];
@@ -28,14 +29,14 @@ Eigen::Matrix3d axes_before(const Chain& chain, const Eigen::VectorXd& q, std::s
   return axes * chain.joints[link].parent_axes;
 }
 
-/// How the coordinates move with a source of unit size.
+/// Derivative of the coordinates with respect to a source.
 Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, const Eigen::VectorXd& q,
-                          const Eigen::MatrixXd& of_joints, const Eigen::MatrixXd& sensed) {
+                          const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows) {
   const auto i = static_cast<Eigen::Index>(s.owner);
-  if (s.where == ErrorSource::Where::joint) return of_joints.col(i);
-  if (s.where == ErrorSource::Where::encoder) return sensed.col(i);
-  const Eigen::Vector3d shift = axes_before(model.chain, q, s.link) * s.direction;
-  Eigen::VectorXd column = Eigen::VectorXd::Zero(of_joints.rows());
+  if (s.where == ErrorSource::Where::joint) return joint_rows.col(i);
+  if (s.where == ErrorSource::Where::encoder) return encoder_rows.col(i);
+  const Eigen::Vector3d shift = parent_axes(model.chain, q, s.link) * s.direction;
+  Eigen::VectorXd column = Eigen::VectorXd::Zero(joint_rows.rows());
   for (Eigen::Index c = 0; c < column.size(); ++c) {
     const Coordinate coordinate = model.coordinates[static_cast<std::size_t>(c)];
     if (is_position(coordinate)) column[c] = shift[static_cast<Eigen::Index>(coordinate)];
@@ -43,13 +44,13 @@ Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, c
   return column;
 }
 
-void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& of_joints,
-                 const Eigen::MatrixXd& sensed, OperationalError& e) {
-  e.added_sigma.resize(of_joints.rows(), static_cast<Eigen::Index>(model.sources.size()));
+void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& joint_rows,
+                 const Eigen::MatrixXd& encoder_rows, OperationalError& e) {
+  e.added_sigma.resize(joint_rows.rows(), static_cast<Eigen::Index>(model.sources.size()));
   e.added_worst.resizeLike(e.added_sigma);
   for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
     const ErrorSource& s = model.sources[static_cast<std::size_t>(i)];
-    const Eigen::VectorXd column = column_of(s, model, q, of_joints, sensed);
+    const Eigen::VectorXd column = column_of(s, model, q, joint_rows, encoder_rows);
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
     e.added_sigma.col(i) = column * s.sigma;
@@ -63,22 +64,22 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
   Eigen::Isometry3d pose;
   const Jacobian joints = joint_jacobian(model.chain, q, &pose);
   Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, pose.linear());
-  // At the gimbal lock roll and yaw are unbounded; products with infinity would turn into NaN, so it is put
-  // in last.
+  // At the gimbal lock roll and yaw are unbounded; infinity is assigned last because its products could be
+  // NaN.
   const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
     if (unbounded[i]) rows.row(i).setZero();
-  const Eigen::MatrixXd of_joints = to_independent(model.chain, rows);
-  const Eigen::MatrixXd sensed = of_joints * model.transmission.coupling;
+  const Eigen::MatrixXd joint_rows = to_independent(model.chain, rows);
+  const Eigen::MatrixXd encoder_rows = joint_rows * model.transmission.coupling;
 
   OperationalError e;
   e.cosine_of_pitch = cosine_of_pitch(pose.linear());
-  e.weighted = sensed * resolutions(model.transmission).asDiagonal();
-  e.mean = sensed * mean_errors(model.transmission);
+  e.weighted = encoder_rows * resolutions(model.transmission).asDiagonal();
+  e.mean = encoder_rows * mean_errors(model.transmission);
   e.half_width = 0.5 * e.weighted.cwiseAbs().rowwise().sum();
   e.sigma = e.weighted.rowwise().norm() / std::sqrt(12.0);
   if (!model.sources.empty()) {
-    add_sources(model, q, of_joints, sensed, e);
+    add_sources(model, q, joint_rows, encoder_rows, e);
     e.sigma = (e.sigma.array().square() + e.added_sigma.rowwise().squaredNorm().array()).sqrt();
   }
   e.worst_case = e.half_width + e.mean.cwiseAbs();
@@ -90,11 +91,11 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
 
   const LinearizationRemainder r =
       linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
-  const double of_position = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
+  const double position_remainder = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
   e.rigorous.resize(e.sigma.size());
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
-    e.rigorous[i] =
-        rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r, of_position);
+    e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r,
+                                   position_remainder);
   return e;
 }
 
@@ -102,11 +103,11 @@ Eigen::MatrixXd covariance(const OperationalError& e) {
   return covariance(e, 1, Eigen::VectorXd::Ones(e.added_sigma.cols()));
 }
 
-Eigen::MatrixXd covariance(const OperationalError& e, double h2, const Eigen::VectorXd& gains) {
+Eigen::MatrixXd covariance(const OperationalError& e, double h2, const Eigen::VectorXd& ratios) {
   Eigen::MatrixXd sum = e.weighted * e.weighted.transpose() / 12.0;
   if (h2 != 1) sum *= h2 * h2;
-  if (gains.size() > 0) {
-    const Eigen::MatrixXd added = e.added_sigma * gains.asDiagonal();
+  if (ratios.size() > 0) {
+    const Eigen::MatrixXd added = e.added_sigma * ratios.asDiagonal();
     sum += added * added.transpose();
   }
   return sum;

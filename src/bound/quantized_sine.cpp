@@ -13,9 +13,10 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double large = 10;  // quanta: from here on (2 pi A)^-9 is below 1e-15
+constexpr double large = 10;  // [quanta]: above, (2 pi A)^-9 is below 1e-15
 
-/// Sum over the thresholds t > 0 of both sides, in the distance from the mean: visit(t, side), t < amplitude.
+/// Calls visit(t, side) for the quantizer's thresholds at distances t < amplitude above (side +1) and below
+/// (-1) the offset.
 template <class Visit>
 void each_threshold(double offset, double amplitude, Visit visit) {
   const double within = offset - std::floor(offset + 0.5);
@@ -29,7 +30,8 @@ double root(double amplitude, double t) { return std::sqrt((amplitude - t) * (am
 ///
 /// a_m: Hankel's coefficients (DLMF 10.17.1). F near x = 0 (DLMF 25.12.12): Gamma(1 - s)(-2 pi i x)^(s - 1) +
 /// sum_k zeta(s - k)(2 pi i x)^k/k!. For the phases used here the first term is real for x > 0 and vanishes
-/// for x < 0: it is the sine's turning point passing a threshold.
+/// for x < 0: the singularity where a peak of the sine crosses a
+/// threshold.
 class HankelSum {
  public:
   HankelSum(double s, double phase) : lowest_power_(s - 1) {
@@ -48,13 +50,13 @@ class HankelSum {
 
   double operator()(int bessel_order, double x, double amplitude) const {
     x -= std::floor(x + 0.5);
-    // Terms shrink by |x| each: so many bits.
-    const double bits = std::max(1.0, -std::log2(std::abs(x)));
+    // Successive terms shrink by |x|.
+    const double bits_per_term = std::max(1.0, -std::log2(std::abs(x)));
     double sum = 0, weight = 1, power = x > 0 ? std::sqrt(x) * (lowest_power_ > 1 ? x : 1) : 0;
     for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
-      // The weight spares the higher orders digits.
-      const int needed = static_cast<int>((54 + std::ilogb(weight)) / bits);
-      // Even and odd terms apart, two chains that run side by side.
+      // Smaller weights need fewer digits.
+      const int needed = static_cast<int>((54 + std::ilogb(weight)) / bits_per_term);
+      // Separate recursions for even and odd terms run in parallel.
       double even = 0, odd_terms = 0;
       for (std::size_t k = std::min(terms, static_cast<std::size_t>(needed / 2 * 2 + 2)); k > 0; k -= 2) {
         odd_terms = odd_terms * x * x + smooth_[m][k - 1];
@@ -103,7 +105,7 @@ double quantized_sine_mean(double offset, double amplitude) {
 
 double quantized_sine_mean_square(double offset, double amplitude) {
   if (amplitude < large) {
-    // e^2 = (x - n)^2 - 2 sum (|x - n| beyond each threshold), n the nearest count of the offset.
+    // e^2 = (x - n)^2 - 2 sum (|x - n| - t where beyond a threshold t), n the count nearest to the offset.
     const double within = offset - std::floor(offset + 0.5);
     double sum = 0.5 * amplitude * amplitude + within * within;
     each_threshold(offset, amplitude, [&](double t, double) {
@@ -114,7 +116,7 @@ double quantized_sine_mean_square(double offset, double amplitude) {
   const double v = offset + 0.5;
   const HankelSum& sum = second_power();
   const double ahead = sum(0, amplitude + v, amplitude);
-  // At offset 1/2, where the correlations of motion ask, both sides are alike.
+  // Equal at offset 1/2, the argument of autocorrelations.
   const double behind = v == 1 ? ahead : sum(0, amplitude - v, amplitude);
   return 1.0 / 12 + (ahead + behind) / (2 * pi * pi * pi * std::sqrt(amplitude));
 }

@@ -14,7 +14,7 @@ SampledBins::SampledBins(const std::int32_t* begin, const std::int32_t* end)
     smallest = std::min(smallest, *bin);
     if (*bin < infinite) beyond = std::max(beyond, *bin + 1);
   }
-  if (smallest == infinite) beyond = infinite;  // all of them
+  if (smallest == infinite) beyond = infinite;  // all values are infinite
   first_ = std::max(smallest, beyond - static_cast<std::int32_t>(bin_count));
   counts_.resize(static_cast<std::size_t>(beyond - first_ + 1));
   for (const std::int32_t* bin = begin; bin != end; ++bin)
@@ -22,19 +22,19 @@ SampledBins::SampledBins(const std::int32_t* begin, const std::int32_t* end)
 }
 
 std::int32_t SampledBins::operator[](std::uint64_t rank) const {
-  std::size_t at = 0;
-  for (std::uint64_t before = counts_[0]; before <= rank; before += counts_[at]) ++at;
-  return first_ + static_cast<std::int32_t>(at);
+  std::size_t bin = 0;
+  for (std::uint64_t before = counts_[0]; before <= rank; before += counts_[bin]) ++bin;
+  return first_ + static_cast<std::int32_t>(bin);
 }
 
 CountedBins SampledBins::near_percentiles() const {
-  constexpr double deviations = 4.5;
+  constexpr double deviations = 4.5;  // P(beyond) = 3.4e-6
   const auto n = static_cast<double>(count_);
   const auto edge = [&](double fraction, double side) {
-    const double off = deviations * std::sqrt(n * fraction * (1 - fraction));
-    return (*this)[static_cast<std::uint64_t>(std::clamp(n * fraction + side * off, 0.0, n - 1))];
+    const double distance = deviations * std::sqrt(n * fraction * (1 - fraction));
+    return (*this)[static_cast<std::uint64_t>(std::clamp(n * fraction + side * distance, 0.0, n - 1))];
   };
-  // The first bin stands for all that are smaller, too.
+  // The first bin includes all smaller values.
   const auto from = [&](std::int32_t bin) { return bin == first_ ? CountedBins::first : bin; };
   return {from(edge(0.5, -1)), edge(0.5, 1) + 1, from(edge(0.95, -1))};
 }

@@ -7,22 +7,22 @@
 
 namespace qerr {
 
-/// Bins of a sample of values in their order, as leading bits: what a histogram of many more can expect.
+/// Sorted bins (leading bits) of a sample of values, to plan the histogram of many more.
 class SampledBins {
  public:
   /// @pre begin < end
   SampledBins(const std::int32_t* begin, const std::int32_t* end);
 
-  /// That of the value with `rank` smaller ones before it; what is 64 octaves below the largest, or not
-  /// finite, as the nearest bin beyond the others.
+  /// Bin of the order statistic of a rank. Values more than 64 octaves below the largest, and infinite ones,
+  /// have the adjacent bin beyond the others.
   std::int32_t operator[](std::uint64_t rank) const;
 
-  /// The bins that percentiles of all values need: some standard deviations on either side of the median, and
-  /// from as far below the next percentile on. Where the values are independent, three of a million such
-  /// edges are on the wrong side.
+  /// Bins that the percentiles of all values need: 4.5 standard deviations (of the sample's percentile) on
+  /// either side of the median, and everything from as far below the 95th percentile on. For independent
+  /// values three edges in a million are on the wrong side.
   CountedBins near_percentiles() const;
 
-  /// From the smallest to an octave above the largest.
+  /// Bins from the smallest value to an octave above the largest.
   Histogram::Usual usual() const;
 
  private:

@@ -5,15 +5,16 @@
 
 namespace qerr {
 
-/// Maxima within this factor are the same but for rounding: the first configuration has it.
+/// Maxima within this factor are equal up to rounding; the first configuration is reported.
 inline constexpr double same_maximum = 1 + 1e-13;
 
-/// What is known of one figure after some configurations. Plain, and aligned for the batched kernels.
+/// Sum, minimum and maximum of one figure over some configurations. Without containers, and aligned, for the
+/// batched kernels.
 struct alignas(64) Tally {
   static constexpr double infinite = __builtin_inf();
-  double sum[8] = {};  ///< by lane, as `min`
+  double sum[8] = {};  ///< [lane], as `min`
   double min[8] = {infinite, infinite, infinite, infinite, infinite, infinite, infinite, infinite};
-  double max = -1;  ///< or what it had to exceed from the start
+  double max = -1;  ///< or the value that it had to exceed
   static constexpr std::uint64_t none = ~std::uint64_t{0};
   std::uint64_t at_max = none;  ///< index of the first configuration with it
 };

@@ -8,8 +8,8 @@ namespace qerr {
 
 namespace {
 
-/// A number that a double cannot tell from a whole one, after a few operations, is taken as whole.
-double settled(double x) {
+/// Rounds a number that is an integer up to the rounding errors of a few operations.
+double snapped(double x) {
   const double nearest = std::round(x);
   return std::abs(x - nearest) <= 8 * std::numeric_limits<double>::epsilon() * x ? nearest : x;
 }
@@ -18,17 +18,17 @@ double settled(double x) {
 
 EstimatorError finite_difference_error(double resolution, double sample_rate, double speed) {
   const double unit = resolution * sample_rate;
-  const double counts = settled(std::abs(speed) / unit), part = counts - std::floor(counts);
+  const double counts = snapped(std::abs(speed) / unit), part = counts - std::floor(counts);
   return {unit, unit, part == 0 ? 0 : unit * std::max(part, 1 - part)};
 }
 
 EstimatorError inverse_time_error(double resolution, double clock, double speed) {
   const double unit = resolution * clock;
   if (speed == 0) return {};
-  const double alpha = settled(unit / std::abs(speed)), m = std::floor(alpha);
+  const double alpha = snapped(unit / std::abs(speed)), m = std::floor(alpha);
   if (m < 1) {
-    constexpr double none = std::numeric_limits<double>::infinity();
-    return {none, none, none};
+    constexpr double unbounded = std::numeric_limits<double>::infinity();
+    return {unbounded, unbounded, unbounded};
   }
   const double constant = m == alpha ? 0 : unit * std::max(1 / m - 1 / alpha, 1 / alpha - 1 / (m + 1));
   return {unit / m, unit / (m * (m + 1)), constant};
@@ -37,7 +37,7 @@ EstimatorError inverse_time_error(double resolution, double clock, double speed)
 double estimator_crossing(double resolution, double sample_rate, double clock) {
   const double ratio = clock / sample_rate;
   double m = std::max(1.0, std::ceil(0.5 * (std::sqrt(1 + 4 * ratio) - 1)));
-  // The root may have been rounded across the integer.
+  // Correct a rounding of the root across the integer.
   if (m > 1 && (m - 1) * m >= ratio) m -= 1;
   if (m * (m + 1) < ratio) m += 1;
   return resolution * clock / m;

@@ -23,7 +23,7 @@ double largest_coordinate(const Configurations& c, std::size_t joint) {
   return largest;
 }
 
-/// Beyond, sines lose the digits that are promised.
+/// Larger angles would lose accuracy (lanes.hpp).
 void require_moderate_angles(const Chain& chain, const Configurations& c) {
   for (const ChainJoint& joint : chain.joints) {
     if (joint.prismatic) continue;
@@ -32,13 +32,13 @@ void require_moderate_angles(const Chain& chain, const Configurations& c) {
     if (!(angle <= lanes::largest_angle))
       throw Error({{},
                    "configurations",
-                   "joint '" + joint.name + "' must stay within 2^20 rad, some 167 000 turns",
+                   "joint '" + joint.name + "' must stay within 2^20 rad, about 167 000 revolutions",
                    shortest(angle) + " rad",
-                   "angles that differ by whole turns are the same: take smaller ones"});
+                   "subtract whole revolutions"});
   }
 }
 
-/// Makes a Workspace of what the job has found.
+/// Converts the results of a job to a Workspace.
 class Summary {
  public:
   Summary(const WorkspaceJob& job, const OperationalModel& model, const std::vector<Norms>& filters,
@@ -66,22 +66,22 @@ class Summary {
   }
 
  private:
-  Statistic of(std::size_t figure) const {
+  Statistic statistic(std::size_t figure) const {
     Statistic s = job_.statistic_of(figure);
     if (job_.total() > 0) s.at_max = draw(configurations_, job_.at_max(figure), 1).col(0);
     return s;
   }
 
   CoordinateStatistics coordinate(std::size_t c) const {
-    CoordinateStatistics s{of(figures_.worst_case + c), {}, of(figures_.sigma + c), {}, {}};
+    CoordinateStatistics s{statistic(figures_.worst_case + c), {}, statistic(figures_.sigma + c), {}, {}};
     if (options_.brief) return s;
-    s.worst_case_rigorous = of(figures_.rigorous + c);
+    s.worst_case_rigorous = statistic(figures_.rigorous + c);
     s.share = above(1e-24, matrix(sums_.share).row(static_cast<Eigen::Index>(c)));
     s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(static_cast<Eigen::Index>(c)));
     return s;
   }
 
-  /// A zero comes out of trigonometry as 1e-17, and shares of such noise would look like figures.
+  /// Shares that are only rounding errors of trigonometry (zeros are about 1e-17) become 0.
   static Eigen::VectorXd above(double rounding, const Eigen::VectorXd& shares) {
     return (shares.array() > rounding).select(shares, 0.0);
   }
@@ -89,14 +89,15 @@ class Summary {
   std::vector<DerivativeStatistics> derivatives(std::size_t f, const Workspace& w) const {
     std::vector<DerivativeStatistics> all;
     for (std::size_t c = 0; c < m_; ++c) {
-      const std::size_t at = f * m_ + c;
+      const std::size_t figure = f * m_ + c;
       all.push_back({job_.errors().own_worst_case()
-                         ? of(figures_.filtered_worst + at)
+                         ? statistic(figures_.filtered_worst + figure)
                          : scaled(w.coordinates[c].worst_case, filters_[f].l1.upper),
-                     job_.errors().own_sigma() ? of(figures_.filtered_sigma + at)
+                     job_.errors().own_sigma() ? statistic(figures_.filtered_sigma + figure)
                                                : scaled(w.coordinates[c].sigma, filters_[f].h2),
                      {}});
-      if (is_known(options_.noise_in_motion, f)) all.back().sigma_in_motion = of(figures_.in_motion + at);
+      if (is_known(options_.noise_in_motion, f))
+        all.back().sigma_in_motion = statistic(figures_.in_motion + figure);
     }
     return all;
   }
@@ -113,7 +114,7 @@ class Summary {
     for (std::size_t f = 0; f < filters_.size() && job_.errors().own_sigma(); ++f)
       w.filtered.push_back(
           {covariance(sums_.filtered + f * m_ * (m_ + 1) / 2),
-           qerr::covariance(largest, filters_[f].h2, gains_behind(model_.sources, f, filters_[f].h2))});
+           qerr::covariance(largest, filters_[f].h2, sigma_ratios(model_.sources, f, filters_[f].h2))});
   }
 
   /// Coordinates x encoders.

@@ -12,7 +12,7 @@ namespace qerr {
 
 namespace {
 
-/// What is smaller by this factor is not the same but for rounding.
+/// Values smaller by this factor differ by more than rounding.
 constexpr double clearly_smaller = 1 - 1e-6;
 
 }  // namespace
@@ -44,7 +44,7 @@ WorkspaceJob::WorkspaceJob(const OperationalModel& model, const std::vector<Norm
 void WorkspaceJob::run() {
   sweep();
   if (exact_ || percentiles_are_counted()) return;
-  // The sample was not like the rest.
+  // The sample was not representative: count all bins.
   counted_.assign(joined_.size(), CountedBins{});
   sweep();
 }
@@ -57,8 +57,8 @@ void WorkspaceJob::sweep() {
   const unsigned threads = thread_count(options_.threads);
   std::vector<Worker> workers;
   for (unsigned i = 0; i < std::min<std::uint64_t>(threads, blocks()); ++i) workers.push_back(worker());
-  // What all blocks of a wave find is known to those of the next: the first waves are short. Texts wait in
-  // memory for their turn.
+  // The maxima of one wave of blocks are known to the next; the first waves are short. Texts of a wave are
+  // held in memory.
   const std::uint64_t most = options_.text ? 16 : 256;
   std::vector<BlockResult> results;
   for (std::uint64_t wave = 0, size = 16; wave < blocks(); wave += size, size = std::min(2 * size, most)) {
@@ -108,21 +108,20 @@ std::vector<Histogram> WorkspaceJob::empty_histograms() const {
   return empty;
 }
 
-/// A block of configurations from all over the job, before it starts: every thread bins alike, by the size of
-/// what they show, what is clearly smaller than their largest is no news to any, and what is far from their
-/// percentiles need not be counted.
+/// Computes a block of configurations spread over the job, to set the same bins for all threads: their span,
+/// the bins near the percentiles, and a lower bound of each maximum.
 void WorkspaceJob::take_sample() {
   lowest_bins_.assign(joined_.size(), 0);
   counted_.resize(joined_.size());
   usual_.resize(joined_.size());
   Worker w = worker();
   std::vector<Tally> tallies(joined_.size()), unused(joined_.size());
-  // Neighbours in Sobol's sequence are far from independent: how figures are spread is seen at random points.
+  // Consecutive points of Sobol's sequence are not independent: take the distribution from random points.
   const bool correlated = configurations_.method == SamplingMethod::sobol;
   const Configurations at_random{.method = SamplingMethod::random, .ranges = configurations_.ranges};
   Sampler random(at_random, options_.instructions);
   for (std::uint64_t batch = 0; batch * batch_size < block_size; ++batch) {
-    draw_anywhere(batch, w);
+    draw_sample(batch, w);
     w.errors(w.q.data(), w.figures.data());
     kernels_.tally(tallies.size(), w.figures.data(), 0, tallies.data(),
                    correlated ? nullptr : w.counts.lists());
@@ -135,27 +134,27 @@ void WorkspaceJob::take_sample() {
     const SampledBins sample(w.counts.list(f), w.counts.lists()[f].next);
     lowest_bins_[f] = Histogram::lowest_bin(sample[BlockCounts::block_size * 95 / 100]);
     if (std::isfinite(tallies[f].max)) sampled_largest_[f] = clearly_smaller * tallies[f].max;
-    // Texts are written once: nothing may be missed.
+    // Texts are written once: a second sweep is not possible.
     if (!options_.text) counted_[f] = sample.near_percentiles();
     usual_[f] = sample.usual();
   }
 }
 
-/// Batch number `batch` of the sample. Neighbours in a grid or a list are alike: of these, one of many
-/// batches each.
-void WorkspaceJob::draw_anywhere(std::uint64_t batch, Worker& w) const {
-  const auto anywhere = [&](std::uint64_t i) {
+/// Batch `batch` of the sample. Neighbours in a grid or a list are correlated: each configuration is taken
+/// from a different batch.
+void WorkspaceJob::draw_sample(std::uint64_t batch, Worker& w) const {
+  const auto random_first = [&](std::uint64_t i) {
     return random_bits(batch, i, 0) % (total_ / batch_size) * batch_size;
   };
   if (configurations_.method == SamplingMethod::sobol || configurations_.method == SamplingMethod::random) {
-    w.sampler(anywhere(0), w.q.data());
+    w.sampler(random_first(0), w.q.data());
     return;
   }
   AlignedNumbers neighbours(w.q.size());
   for (std::size_t i = 0; i < batch_size; ++i) {
-    w.sampler(anywhere(i), neighbours.data());
-    const std::size_t at = random_bits(batch, i, 1) % batch_size;
-    for (std::size_t j = 0; j < joints_; ++j) w.q[j * batch_size + i] = neighbours[j * batch_size + at];
+    w.sampler(random_first(i), neighbours.data());
+    const std::size_t chosen = random_bits(batch, i, 1) % batch_size;
+    for (std::size_t j = 0; j < joints_; ++j) w.q[j * batch_size + i] = neighbours[j * batch_size + chosen];
   }
 }
 
@@ -163,13 +162,13 @@ void WorkspaceJob::block(Worker& w, std::uint64_t first, BlockResult& result) {
   result.count = std::min(block_size, total_ - first);
   result.tallies.assign(joined_.size(), Tally{});
   result.text.clear();
-  // What is not larger than what was found before is no news.
+  // Only values above the maximum so far are searched for their configuration.
   for (std::size_t f = 0; f < joined_.size(); ++f) result.tallies[f].max = largest_[f];
   std::vector<double> surplus(errors_.sums().count);
   for (std::uint64_t done = 0; done < result.count; done += batch_size) {
     const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, result.count - done));
     w.sampler(first + done, w.q.data());
-    if (count < batch_size) surplus = fill_up(w, count);
+    if (count < batch_size) surplus = pad(w, count);
     w.errors(w.q.data(), w.figures.data());
     keep(w, first + done, count, result.tallies);
     if (options_.text)
@@ -181,9 +180,10 @@ void WorkspaceJob::block(Worker& w, std::uint64_t first, BlockResult& result) {
     if (s < errors_.sums().arms && std::isfinite(result.sums[s])) result.sums[s] -= surplus[s];
 }
 
-/// The last batch may be a part of one: the rest is filled with its first configuration, whose surplus in the
-/// sums is found by a batch of nothing else. A sum without bound has no surplus that could be taken off.
-std::vector<double> WorkspaceJob::fill_up(Worker& w, std::size_t count) const {
+/// Pads an incomplete last batch with its first configuration.
+/// @returns the contribution of the padding to the sums, from a batch of that configuration alone (infinite
+/// sums are not corrected)
+std::vector<double> WorkspaceJob::pad(Worker& w, std::size_t count) const {
   BatchedError alone(w.errors);
   AlignedNumbers q(w.q.size()), figures(w.figures.size());
   for (std::size_t j = 0; j < joints_; ++j)
@@ -201,7 +201,7 @@ void WorkspaceJob::keep(Worker& w, std::uint64_t first, std::size_t count, std::
   const double* const figures = w.figures.data();
   if (count == batch_size) {
     kernels_.tally(tallies.size(), figures, first, tallies.data(), exact_ ? nullptr : w.counts.lists());
-  } else {  // the rest of the batch is no configuration
+  } else {  // without the padding
     for (std::size_t f = 0; f < tallies.size(); ++f) {
       tally_some(figures + f * batch_size, count, first, tallies[f]);
       for (std::size_t i = 0; i < count && !exact_; ++i) w.counts.add(f, figures[f * batch_size + i]);

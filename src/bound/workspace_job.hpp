@@ -13,8 +13,7 @@
 
 namespace qerr {
 
-/// The work behind `workspace`: blocks of configurations, taken by whichever thread is free, joined in their
-/// order.
+/// Implementation of `workspace`: threads process blocks of configurations, which are joined in their order.
 class WorkspaceJob {
  public:
   WorkspaceJob(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
@@ -26,20 +25,21 @@ class WorkspaceJob {
   std::uint64_t total() const { return total_; }
   bool exact() const { return exact_; }
 
-  /// Sum number s (SumLayout), averaged over the configurations; maxima as they are.
+  /// Sum s (SumLayout) divided by the number of configurations.
   double mean_sum(std::size_t s) const {
     return static_cast<double>(sums_[s] / static_cast<long double>(total_));
   }
+  /// Maximum s (SumLayout).
   double maximum(std::size_t s) const { return static_cast<double>(sums_[s]); }
   std::uint64_t at_max(std::size_t figure) const { return joined_[figure].at_max(); }
 
-  /// Without `at_max`.
+  /// Statistic without `at_max`.
   Statistic statistic_of(std::size_t figure) const;
 
  private:
   static constexpr std::uint64_t block_size = BlockCounts::block_size;
 
-  /// What one block of configurations gives.
+  /// Results of one block of configurations.
   struct BlockResult {
     std::uint64_t count = 0;
     std::vector<Tally> tallies;
@@ -47,7 +47,7 @@ class WorkspaceJob {
     std::string text;
   };
 
-  /// All that a thread writes to while it works.
+  /// State of one thread.
   struct Worker {
     Sampler sampler;
     BatchedError errors;
@@ -59,12 +59,12 @@ class WorkspaceJob {
   Worker worker() const;
   std::vector<Histogram> empty_histograms() const;
   void take_sample();
-  void draw_anywhere(std::uint64_t batch, Worker&) const;
+  void draw_sample(std::uint64_t batch, Worker&) const;
   void sweep();
   bool percentiles_are_counted() const;
-  /// @param result  of an earlier block: its memory serves again
+  /// @param result  of an earlier block, whose memory is reused
   void block(Worker&, std::uint64_t first, BlockResult& result);
-  std::vector<double> fill_up(Worker&, std::size_t count) const;
+  std::vector<double> pad(Worker&, std::size_t count) const;
   void keep(Worker&, std::uint64_t first, std::size_t count, std::vector<Tally>&);
   void join(const BlockResult&);
 
@@ -76,12 +76,12 @@ class WorkspaceJob {
   Sampler sampler_;
   BatchedError errors_;
   bool exact_;
-  AlignedNumbers values_;                  // [figure][configuration], where percentiles are exact
+  AlignedNumbers values_;                  // [figure][configuration], if percentiles are exact
   std::vector<std::int32_t> lowest_bins_;  // [figure]
   std::vector<CountedBins> counted_;       // [figure]
   std::vector<Histogram::Usual> usual_;    // [figure]
   std::vector<JoinedTally> joined_;        // [figure]
-  // [figure]: what is known to be reached, from the sample and while the job goes on
+  // [figure]: lower bounds of the maximum, from the sample and from the blocks so far
   std::vector<double> sampled_largest_, largest_;
   std::vector<long double> sums_;
   std::vector<Histogram> histograms_;  // [figure]

@@ -32,7 +32,8 @@ ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t filters) {
   s.mean = dice.chance(0.5) ? dice.between(-1e-3, 1e-3) : 0;
   s.half_width = dice.chance(0.7) ? dice.between(0, 1e-3) : 0;
   s.sigma = dice.chance(0.7) ? dice.between(0, 1e-3) : 0;
-  for (std::size_t f = 0; f < filters && dice.chance(0.7); ++f) s.gains.push_back(dice.between(0, 1e3));
+  for (std::size_t f = 0; f < filters && dice.chance(0.7); ++f)
+    s.sigma_ratios.push_back(dice.between(0, 1e3));
   return s;
 }
 
@@ -61,10 +62,10 @@ OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
   return m;
 }
 
-/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), and what the sources add behind their gains.
+/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), and what the sources add behind their ratios.
 double sigma_in_motion(const OperationalError& e, Eigen::Index row, const Eigen::VectorXd& noise,
-                       const Eigen::VectorXd& gains) {
-  const double added = gains.size() > 0 ? e.added_sigma.row(row).cwiseProduct(gains.transpose()).norm() : 0;
+                       const Eigen::VectorXd& ratios) {
+  const double added = ratios.size() > 0 ? e.added_sigma.row(row).cwiseProduct(ratios.transpose()).norm() : 0;
   return std::hypot(e.weighted.row(row).cwiseProduct(noise.transpose()).norm(), added);
 }
 
@@ -121,8 +122,8 @@ void check(const Case& c, InstructionSet set) {
                 near(figure(at.rigorous + r), e.rigorous[row], scale));
       for (std::size_t f = 0; f < c.asked.filters.size(); ++f) {
         const Norms& norms = c.asked.filters[f];
-        const Eigen::VectorXd gains = gains_behind(c.model.sources, f, norms.h2);
-        const Bounds b = derivative_error(e, row, norms, gains);
+        const Eigen::VectorXd ratios = sigma_ratios(c.model.sources, f, norms.h2);
+        const Bounds b = derivative_error(e, row, norms, ratios);
         const double worst = batched.own_worst_case() ? figure(at.filtered_worst + f * m + r)
                                                       : norms.l1.upper * figure(at.worst_case + r);
         const double sigma =
@@ -133,7 +134,7 @@ void check(const Case& c, InstructionSet set) {
         const Eigen::VectorXd& noise = c.asked.noise_in_motion[f];
         if (noise.size() > 0)
           RC_ASSERT(
-              near(figure(at.in_motion + f * m + r), sigma_in_motion(e, row, noise, gains), 1e3 * behind));
+              near(figure(at.in_motion + f * m + r), sigma_in_motion(e, row, noise, ratios), 1e3 * behind));
       }
     }
   }

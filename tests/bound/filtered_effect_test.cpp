@@ -53,7 +53,7 @@ Passed passed(const Effect& effect, const Motion& motion, const Filter& filter,
     error.push_back(kind.stage == Stage::clock ? path.position(0, action(moment.time, moment)) - x
                                                : action(x, moment) - x);
   }
-  return {passed_by(filter, norms(filter), share, usage.encoders[0]) * share.sigma,
+  return {sigma_ratio(filter, norms(filter), share, usage.encoders[0]) * share.sigma,
           filtered_sigma(filter, error, error.size() / 5)};
 }
 

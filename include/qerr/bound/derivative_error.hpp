@@ -26,10 +26,10 @@ struct Bounds {
 Bounds derivative_error(double half_width, double mean, double sigma, const Norms& norms);
 
 /// The same for a coordinate of an OperationalError with error sources: their half widths are multiplied by
-/// ||H||_1 and their means by |H(1)| as well, the sigma of each by its own gain, which depends on the
+/// ||H||_1 and their means by |H(1)| as well, the sigma of each by its own ratio, which depends on the
 /// spectrum of the source.
-/// @param gains  of `gains_behind`, one per source; empty without sources
+/// @param ratios  of `sigma_ratios`, one per source; empty without sources
 Bounds derivative_error(const OperationalError&, Eigen::Index coordinate, const Norms&,
-                        const Eigen::VectorXd& gains);
+                        const Eigen::VectorXd& ratios);
 
 }  // namespace qerr

@@ -52,9 +52,9 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
 ///   the speed is taken as constant over the filter's memory
 ///
 /// With w or v unknown, ||H||_2.
-double passed_by(const Filter&, const Norms&, const Share&, const Usage&);
+double sigma_ratio(const Filter&, const Norms&, const Share&, const Usage&);
 
-/// Error sources of the effects for `operational_error`, with their gains behind the filters. Shares that do
+/// Error sources of the effects for `operational_error`, with their ratios behind the filters. Shares that do
 /// not count or are 0 are skipped.
 /// @param norms  one per filter
 std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,

@@ -19,13 +19,13 @@ struct ErrorSource {
   Eigen::Vector3d direction =
       Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before the joint
   double mean = 0, half_width = 0,
-         sigma = 0;                ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
-  std::vector<double> gains = {};  ///< [filter]: sigma of the filtered error over sigma; empty: white
+         sigma = 0;                       ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
+  std::vector<double> sigma_ratios = {};  ///< [filter]: sigma of the filtered error over sigma; empty: white
 };
 
 /// Ratios sigma behind a filter over sigma before it, one per source.
-/// @param filter  index into ErrorSource::gains
+/// @param filter  index into ErrorSource::sigma_ratios
 /// @param h2      ||H||_2 of the filter, the ratio of a white source
-Eigen::VectorXd gains_behind(const std::vector<ErrorSource>&, std::size_t filter, double h2);
+Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>&, std::size_t filter, double h2);
 
 }  // namespace qerr

@@ -58,6 +58,6 @@ OperationalError operational_error(const OperationalModel&, const Eigen::VectorX
 Eigen::MatrixXd covariance(const OperationalError&);
 
 /// Covariance behind a filter: h2^2 times the encoders' part plus gain^2 times the part of each source.
-Eigen::MatrixXd covariance(const OperationalError&, double h2, const Eigen::VectorXd& gains);
+Eigen::MatrixXd covariance(const OperationalError&, double h2, const Eigen::VectorXd& ratios);
 
 }  // namespace qerr
