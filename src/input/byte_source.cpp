@@ -24,28 +24,28 @@ int open_input(const std::string& path) {
   if (path == "-") return STDIN_FILENO;
   if (path.find('\0') != std::string::npos) unreadable(path, "a file name cannot hold a NUL byte");
   struct stat status {};
-  // Asked before opening: opening a device can already do something, or wait for ever.
+  // Checked before opening: opening a device can act on it or block.
   if (::stat(path.c_str(), &status) != 0) unreadable(path, "cannot be opened: " + reason(errno));
   if (S_ISDIR(status.st_mode)) unreadable(path, "is a directory", "name a file in it");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode))
     unreadable(path, "is neither a regular file nor a pipe");
-  const int number = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  if (number < 0) unreadable(path, "cannot be opened: " + reason(errno));
-  return number;
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  if (descriptor < 0) unreadable(path, "cannot be opened: " + reason(errno));
+  return descriptor;
 }
 
 }  // namespace
 
 ByteSource::ByteSource(const std::string& path)
-    : name_(path == "-" ? "(standard input)" : path), number_(open_input(path)) {}
+    : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {}
 
 ByteSource::~ByteSource() {
-  if (number_ > STDIN_FILENO) ::close(number_);  // standard input is left open
+  if (descriptor_ > STDIN_FILENO) ::close(descriptor_);  // standard input stays open
 }
 
-std::size_t ByteSource::read(char* to, std::size_t most) {
+std::size_t ByteSource::read(char* buffer, std::size_t most) {
   while (true) {
-    const ssize_t count = ::read(number_, to, most);
+    const ssize_t count = ::read(descriptor_, buffer, most);
     if (count >= 0) return static_cast<std::size_t>(count);
     if (errno != EINTR) unreadable(name_, "cannot be read: " + reason(errno));
   }

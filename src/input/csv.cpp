@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-/// Zeros behind the last byte: one ends every number and text, none belongs to either.
+/// Zeros after the last byte: no number or text contains one, so that scanning stops there.
 constexpr std::size_t padding = 16;
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
@@ -22,8 +22,8 @@ std::string trimmed(const std::string& text) {
   return text.substr(first, text.find_last_not_of(" \t\r") - first + 1);
 }
 
-/// What a file is that begins so, when it is no table; "" when it may be one.
-std::string no_text(std::string_view head) {
+/// Remedy for a file that begins like a known binary format; "" for any other.
+std::string binary_format(std::string_view head) {
   if (head.starts_with("\x1F\x8B")) return "this is a gzip archive: unpack it";
   if (head.starts_with("PK\x03\x04")) return "this is a zip archive or a spreadsheet: export it as CSV";
   if (head.starts_with("\xFF\xFE") || head.starts_with("\xFE\xFF"))
@@ -44,44 +44,44 @@ CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
   while (end_ < 8 && fill()) {
   }
   if (end_ == 0) throw Error({{file(), 1, 1}, "", "the file is empty", "", "a header and rows of numbers"});
-  const std::string why = no_text({buffer_.data(), end_});
+  const std::string why = binary_format({buffer_.data(), end_});
   if (!why.empty()) throw Error({{file(), 1, 1}, "", "the table must be UTF-8 text", "", why});
-  if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) at_ = 3;
+  if (std::string_view(buffer_.data(), end_).starts_with("\xEF\xBB\xBF")) next_ = 3;
   read_header();
 }
 
-/// Moves what is left of the buffer to its front and reads on. @returns false when nothing more comes
+/// Moves the current row to the front of the buffer and reads more. @returns false at the end of the source
 bool CsvReader::fill() {
   if (ended_) return false;
   std::memmove(buffer_.data(), buffer_.data() + row_, end_ - row_);
-  at_ -= row_;
+  next_ -= row_;
   end_ -= row_;
   row_ = 0;
   if (end_ + limits_.block / 2 + 1 + padding > buffer_.size())
-    buffer_.resize(2 * buffer_.size());  // a row that is nearly as long as a block, or longer
-  const std::size_t room = buffer_.size() - padding - end_;
-  const std::size_t count = source_.read(buffer_.data() + end_, std::min(room, limits_.block));
+    buffer_.resize(2 * buffer_.size());  // the row is about as long as a block, or longer
+  const std::size_t space = buffer_.size() - padding - end_;
+  const std::size_t count = source_.read(buffer_.data() + end_, std::min(space, limits_.block));
   end_ += count;
   ended_ = count == 0;
   if (ended_ && end_ > 0 && buffer_[end_ - 1] != '\n') {
-    buffer_[end_++] = '\n';  // every row ends
-    cut_off_ = true;
+    buffer_[end_++] = '\n';  // every row ends with a line end
+    unterminated_ = true;
   }
   std::memset(buffer_.data() + end_, 0, padding - 1);
-  return !ended_ || cut_off_;
+  return !ended_ || unterminated_;
 }
 
 void CsvReader::read_header() {
   while (true) {
-    row_ = at_;
+    row_ = next_;
     line_ = next_line_;
-    if (at_ == end_ && !fill())
+    if (next_ == end_ && !fill())
       throw Error({{file(), line(), 1}, "", "the file has no header", "", "a header and rows of numbers"});
-    const bool comment = buffer_[at_] == '#';
-    const char* end = comment ? nullptr : record_end(buffer_.data() + at_);
+    const bool comment = buffer_[next_] == '#';
+    const char* end = comment ? nullptr : record_end(buffer_.data() + next_);
     if (comment) {
-      const void* found = std::memchr(buffer_.data() + at_, '\n', end_ - at_);
-      if (!found && end_ - at_ <= limits_.longest_row && fill()) continue;
+      const void* found = std::memchr(buffer_.data() + next_, '\n', end_ - next_);
+      if (!found && end_ - next_ <= limits_.longest_row && fill()) continue;
       end = static_cast<const char*>(found);
     }
     if (!end)
@@ -92,7 +92,7 @@ void CsvReader::read_header() {
                    "at most " + std::to_string(limits_.longest_row) + " bytes"});
     const char* begin = buffer_.data() + row_;
     next_line_ += 1 + std::count(begin, end, '\n');
-    at_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
+    next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     if (comment || std::all_of(begin, end, blank)) continue;
     for (const Cell& cell : cells_of(begin, end)) {
       header_.push_back(cell.text);
@@ -126,7 +126,7 @@ int CsvReader::line() const {
   return static_cast<int>(std::min<std::int64_t>(line_, std::numeric_limits<int>::max()));
 }
 
-/// A cell's place; its column counts code points.
+/// The place of a cell; its column counts code points.
 Place CsvReader::place_at(const char* cell) const {
   const char* const row = buffer_.data() + row_;
   const char* start = cell;
@@ -137,19 +137,19 @@ Place CsvReader::place_at(const char* cell) const {
 }
 
 Place CsvReader::place(std::size_t chosen) const {
-  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + at_ - 1);
+  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
   return place_at(cells[chosen_[chosen]].begin);
 }
 
 std::string CsvReader::text(std::size_t chosen) const {
-  return cells_of(buffer_.data() + row_, buffer_.data() + at_ - 1)[chosen_[chosen]].text;
+  return cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1)[chosen_[chosen]].text;
 }
 
 DecimalText CsvReader::written(std::size_t chosen) const {
   const Written& w = written_[chosen];
   if (w.least_decimals > w.most_decimals) return {};
   int digits = 0;
-  for (std::uint64_t rest = w.largest; rest > 0; rest /= 10) ++digits;
+  for (std::uint64_t n = w.largest; n > 0; n /= 10) ++digits;
   return {w.most_decimals, w.least_decimals, std::max(w.most_digits, digits)};
 }
 

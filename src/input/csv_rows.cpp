@@ -7,22 +7,23 @@
 #include "core/text.hpp"
 #include "input/csv.hpp"
 
-/// The rows of a table. Nearly all are plain: numbers with nothing around them. They are read in one pass
-/// without a copy; any other row, or one that the buffer does not hold whole, is read again with care.
+/// The rows of a table. The fast path reads rows of unquoted numbers in one pass without a copy; a row with
+/// quotation marks or faults, or one that crosses the end of the buffer, is read again by the general path.
 namespace qerr {
 
 namespace {
 
 constexpr std::array<double, 20> powers{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
                                         1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
-constexpr std::uint64_t exact = std::uint64_t{1} << 53;
+constexpr std::uint64_t most_exact = std::uint64_t{1} << 53;
 
 unsigned digit(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
 
 bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
-/// The end of a cell that nobody wants: at its comma or its line's end. Null, or at another byte, when it
-/// needs care: it goes on behind the buffer, holds a line's end, has text behind its quotes.
+/// The end of a cell that is not chosen: its comma or line end. Null, or another byte, if the general path
+/// must read the row: the cell crosses the end of the buffer, contains a line end, or has text after its
+/// quotation mark.
 const char* skip_cell(const char* p) {
   if (*p == '"') {
     for (++p; *p != '"' || *++p == '"'; ++p)
@@ -33,7 +34,7 @@ const char* skip_cell(const char* p) {
   return p;
 }
 
-/// The end of an exponent's digits, `p` standing at its e; null when there are none.
+/// The end of the digits of an exponent whose `e` is at `p`; null if it has no digits.
 const char* skip_exponent(const char* p) {
   p += 1 + (p[1] == '-' || p[1] == '+');
   if (digit(*p) > 9) return nullptr;
@@ -43,10 +44,11 @@ const char* skip_exponent(const char* p) {
 
 }  // namespace
 
-/// Reads a number that begins at `p`, the fastest way that is still correctly rounded: a whole number below
-/// 2^53 over a power of ten up to 10^22 takes one rounding (Clinger 1990); from_chars does the rest.
-/// @returns its end, or null when there is none, none that a double holds, or the buffer ends in it
-const char* CsvReader::plain_number(const char* p, double& value, Written& written) {
+/// Reads the number at `p`, correctly rounded: an integer below 2^53 divided by a power of ten up to 10^19 is
+/// one rounding of exact operands (Clinger 1990); std::from_chars reads any other number.
+/// @returns its end, or null if there is no number, it is out of the range of double, or the buffer ends in
+/// it
+const char* CsvReader::fast_number(const char* p, double& value, Written& written) {
   const char* const begin = p;
   const bool negative = *p == '-';
   p += negative;
@@ -63,7 +65,7 @@ const char* CsvReader::plain_number(const char* p, double& value, Written& writt
   }
   if (digits == 0 || *p == '\0') return nullptr;
   int exponent = 0;
-  if (digits <= 19 && whole <= exact && *p != 'e' && *p != 'E') {
+  if (digits <= 19 && whole <= most_exact && *p != 'e' && *p != 'E') {
     const double size = static_cast<double>(static_cast<std::int64_t>(whole)) / powers[decimals];
     value = negative ? -size : size;
     written.largest = std::max(written.largest, whole);
@@ -75,7 +77,7 @@ const char* CsvReader::plain_number(const char* p, double& value, Written& writt
     if (failure != std::errc{} || end != p) return nullptr;
     if (p != power && std::from_chars(power + 1 + (power[1] == '+'), p, exponent).ec != std::errc{})
       return nullptr;
-    int zeros = 0;  // leading ones are not significant
+    int zeros = 0;  // leading zeros are not significant
     for (const char* c = first; *c == '0' || *c == '.'; ++c) zeros += *c == '0';
     written.most_digits = std::max(written.most_digits, static_cast<int>(digits) - zeros);
   }
@@ -85,8 +87,8 @@ const char* CsvReader::plain_number(const char* p, double& value, Written& writt
   return p;
 }
 
-/// Reads a row of plain numbers. @returns its end, or null when it is not of this kind
-const char* CsvReader::plain_row(double* values, std::ptrdiff_t stride) {
+/// Reads a row of unquoted numbers. @returns its end, or null if the general path must read the row
+const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
   const char* p = buffer_.data() + row_;
   const std::ptrdiff_t* const plan = plan_.data();
   const std::size_t last = plan_.size() - 1;
@@ -94,7 +96,7 @@ const char* CsvReader::plain_row(double* values, std::ptrdiff_t stride) {
     const std::ptrdiff_t chosen = plan[i];
     while (*p == ' ' || *p == '\t') ++p;
     p = chosen < 0 ? skip_cell(p)
-                   : plain_number(p, values[chosen * stride], written_[static_cast<std::size_t>(chosen)]);
+                   : fast_number(p, values[chosen * stride], written_[static_cast<std::size_t>(chosen)]);
     if (!p) return nullptr;
     if (i == last) break;
     if (*p++ != ',') return nullptr;
@@ -105,24 +107,24 @@ const char* CsvReader::plain_row(double* values, std::ptrdiff_t stride) {
 
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
   while (true) {
-    row_ = at_;
+    row_ = next_;
     line_ = next_line_;
-    if (const char* const end = plain_row(values, stride)) {
-      at_ = static_cast<std::size_t>(end - buffer_.data());
+    if (const char* const end = fast_row(values, stride)) {
+      next_ = static_cast<std::size_t>(end - buffer_.data());
       ++next_line_;
       return true;
     }
-    if (at_ == end_ && !fill()) return false;
+    if (next_ == end_ && !fill()) return false;
     const char* const end = record_end(buffer_.data() + row_);
     const char* const begin = buffer_.data() + row_;
-    at_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
+    next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
     if (std::all_of(begin, end, blank)) continue;
-    return careful_row(values, stride);
+    return general_row(values, stride);
   }
 }
 
-/// The line's end that ends the record at `row_`, not one within quotes; reads on until it is found.
+/// The line end of the record at `row_`, outside quotation marks; fills the buffer until it is found.
 /// @param begin  of the record, in the buffer
 const char* CsvReader::record_end(const char* begin) {
   while (true) {
@@ -134,7 +136,7 @@ const char* CsvReader::record_end(const char* begin) {
         if (*p == '"') quoted = false, closed = p;
       } else if (*p == '"' && (starts || p - 1 == closed)) {
         if (starts) opened = p;
-        quoted = true;  // again, for a doubled quote
+        quoted = true;  // again after a doubled quotation mark
         starts = false;
       } else if (*p == '\n') {
         return p;
@@ -146,8 +148,8 @@ const char* CsvReader::record_end(const char* begin) {
     const auto offset = static_cast<std::size_t>(quoted ? opened - (buffer_.data() + row_) : 0);
     if (too_long || !fill()) {
       if (quoted)
-        throw Error({place_at(buffer_.data() + row_ + offset), "", "a quote is not closed", "",
-                     "end the cell with \"; a quote within is doubled"});
+        throw Error({place_at(buffer_.data() + row_ + offset), "", "a quotation mark is not closed", "",
+                     "end the cell with \"; inside a cell it is doubled"});
       throw Error({{file(), line(), 1},
                    "",
                    "a line is too long",
@@ -158,7 +160,8 @@ const char* CsvReader::record_end(const char* begin) {
   }
 }
 
-/// Splits a record into its cells: quotes protect commas and line ends, a doubled quote stands for one.
+/// Splits a record into its cells (RFC 4180): a quoted cell may contain commas and line ends, and a doubled
+/// quotation mark is one.
 std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* end) const {
   std::vector<Cell> cells;
   const char* p = begin;
@@ -167,7 +170,7 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
     Cell cell{{}, p, p != end && *p == '"'};
     if (cell.quoted) {
       for (++p; p != end && (*p != '"' || (p + 1 != end && *++p == '"')); ++p) cell.text += *p;
-      // p stands behind the closing quote, or on it at the record's end
+      // p is after the closing quotation mark, or on it at the end of the record
       p += p != end && *p == '"';
       while (p != end && blank(*p)) ++p;
       if (p != end && *p != ',')
@@ -178,7 +181,7 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
       cell.text.assign(cell.begin, p);
       while (!cell.text.empty() && blank(cell.text.back())) cell.text.pop_back();
       if (const auto at = cell.text.find('\r'); at != std::string::npos)
-        throw Error({place_at(cell.begin + at), "", "a carriage return stands alone", "",
+        throw Error({place_at(cell.begin + at), "", "a carriage return without a line feed", "",
                      "end lines with LF or CR LF"});
     }
     cells.push_back(std::move(cell));
@@ -191,32 +194,32 @@ void CsvReader::ragged(std::size_t cells) const {
   const char* const row = buffer_.data() + row_;
   std::string remedy = counted(header_.size(), "cell");
   if (*row == '#')
-    remedy = "comments stand before the header";
-  else if (cut_off_ && at_ == end_)
+    remedy = "comments are allowed only before the header";
+  else if (unterminated_ && next_ == end_)
     remedy += "; the file ends within this row: was the recording cut off?";
   throw Error({{file(), line(), 1},
                "",
-               "the row has not as many cells as the header",
+               "the row must have as many cells as the header",
                counted(cells, "cell"),
                remedy});
 }
 
-void CsvReader::careful_cell(const Cell& cell, std::size_t chosen, double& value) {
+void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
   const std::string ended = cell.text + ',';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';
-  const char* const end = plain_number(begin, value, written_[chosen]);
+  const char* const end = fast_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + cell.text.size()) return;
   throw Error({place_at(cell.begin), header_[chosen_[chosen]],
                cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
                cell.text.empty() ? "" : "'" + cell.text + "'", "write a plain number, or leave the row out"});
 }
 
-bool CsvReader::careful_row(double* values, std::ptrdiff_t stride) {
-  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + at_ - 1);
+bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
+  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
   if (cells.size() != header_.size()) ragged(cells.size());
   for (std::size_t i = 0; i < chosen_.size(); ++i)
-    careful_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
+    general_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
   return true;
 }
 

@@ -13,26 +13,24 @@ namespace {
 
 namespace fs = std::filesystem;
 
-Node scalar_node(const std::string& text) { return {Node::Type::scalar, {}, text, false, {}, {}}; }
-
 const EffectKind* find_kind(const std::string& type) {
   const auto& kinds = effect_kinds();
   const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == type; });
   return found == kinds.end() ? nullptr : &*found;
 }
 
-/// As the reader takes it: keys in the order of the row, SI numbers that read back as the same double.
+/// An entry of `effects:`: keys in the order of the row, SI numbers that read back as the same double.
 Node node_of(const AddedEffect& added, const EffectKind& kind) {
   Node node{Node::Type::mapping, {}, {}, false, {}, {}, added.note};
   const auto add = [&](std::string_view key, const std::string& text) {
-    node.entries.emplace_back(Node::Key{std::string(key), {}}, scalar_node(text));
+    node.entries.push_back({{std::string(key), {}}, scalar_node(text)});
   };
   add("type", added.effect.type);
   add("joint", added.effect.joint);
   for (const Parameter& row : kind.parameters) {
     const auto number = added.effect.numbers.find(std::string(row.name));
     if (number != added.effect.numbers.end() && row.fallback != number->second)
-      // A whole number is fitted as any other.
+      // Parameters of integer kind are estimated as real numbers.
       add(row.name, shortest(row.kind == Kind::integer ? std::round(number->second) : number->second));
     const auto choice = added.effect.choices.find(std::string(row.name));
     if (choice != added.effect.choices.end()) add(row.name, choice->second);
@@ -40,9 +38,9 @@ Node node_of(const AddedEffect& added, const EffectKind& kind) {
   return node;
 }
 
-/// Why an effect cannot stand in a spec, or "".
+/// Why an effect cannot be written into a spec; "" if it can.
 std::string obstacle(const Effect& effect) {
-  if (!find_kind(effect.type)) return "no effect that can be simulated";
+  if (!find_kind(effect.type)) return "not an effect that can be simulated";
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
@@ -53,30 +51,24 @@ fs::path folder_of(const std::string& file) {
   return parent.empty() ? fs::path(".") : parent;
 }
 
-/// The same file, seen from the folder where the text will stand. Links on the way are followed: `..` behind
-/// a link leads to where the link points.
+/// The path of the same file relative to the folder `to` of the new spec. Symbolic links are resolved, since
+/// `..` after a link refers to the link's target.
 std::string moved(const std::string& path, const fs::path& from, const fs::path& to) {
   if (fs::path(path).is_absolute()) return path;
   std::error_code wrong;
-  const fs::path here = fs::canonical(from, wrong);
-  const fs::path there = wrong ? fs::path() : fs::canonical(to, wrong);
-  if (wrong || here == there) return path;
-  const fs::path file = here / path;
+  const fs::path old_folder = fs::canonical(from, wrong);
+  const fs::path new_folder = wrong ? fs::path() : fs::canonical(to, wrong);
+  if (wrong || old_folder == new_folder) return path;
+  const fs::path file = old_folder / path;
   const fs::path folder = fs::canonical(file.parent_path(), wrong);
-  return wrong ? path : (folder / file.filename()).lexically_relative(there).generic_string();
-}
-
-Node* entry(Node& mapping, const std::string& key) {
-  for (auto& [name, value] : mapping.entries)
-    if (name.name == key) return &value;
-  return nullptr;
+  return wrong ? path : (folder / file.filename()).lexically_relative(new_folder).generic_string();
 }
 
 void move_paths(Node& root, const std::string& from, const std::string& to) {
   for (const auto& [section, key] :
        {std::pair{"robot", "urdf"}, {"motion", "file"}, {"configurations", "file"}}) {
-    Node* place = entry(root, section);
-    Node* path = place ? entry(*place, key) : nullptr;
+    Node* place = root.find(section);
+    Node* path = place ? place->find(key) : nullptr;
     if (path && path->type == Node::Type::scalar)
       path->text = moved(path->text, folder_of(from), folder_of(to));
   }
@@ -91,6 +83,7 @@ std::string comment_lines(const std::string& text) {
   return out + '\n';
 }
 
+/// The text of a spec with added effects and filters.
 class Extension {
  public:
   Extension(const Spec& spec, const std::string& remarks, const std::string& target,
@@ -100,45 +93,45 @@ class Extension {
   void add(const AddedEffect& effect) {
     const std::string why = obstacle(effect.effect);
     if (why.empty())
-      taken_.push_back(effect);
+      accepted_.push_back(effect);
     else
-      leave(effect, why);
+      omit(effect, why);
   }
 
   std::string text() {
-    tell_filters();
-    std::string out = written(taken_);
-    if (!taken_.empty() && !fault_in(out).empty()) {
-      // One of them is refused: found by reading each alone.
+    describe_filters();
+    std::string out = written(accepted_);
+    if (!accepted_.empty() && !fault_in(out).empty()) {
+      // At least one is rejected; reading each alone shows which.
       std::vector<AddedEffect> good;
-      for (const AddedEffect& effect : taken_) {
+      for (const AddedEffect& effect : accepted_) {
         const std::string why = fault_in(written({effect}));
-        why.empty() ? good.push_back(effect) : leave(effect, why);
+        why.empty() ? good.push_back(effect) : omit(effect, why);
       }
-      out = written(taken_ = good);
+      out = written(accepted_ = good);
     }
     parse_spec(out, target_);
     return out;
   }
 
  private:
-  void leave(const AddedEffect& effect, const std::string& why) {
-    left_ += comment_lines("found, but not in this model: " + effect.effect.type + " of " +
-                           effect.effect.joint + " (" + why + ")\n  " + effect.note);
+  void omit(const AddedEffect& effect, const std::string& why) {
+    omitted_ += comment_lines("found, but not part of this model: " + effect.effect.type + " of " +
+                              effect.effect.joint + " (" + why + ")\n  " + effect.note);
   }
 
-  /// What becomes of the filters: one that replaces another one's low-pass has no place of its own for a
-  /// comment.
-  void tell_filters() {
+  /// Comments on the filters: one that replaces the low-pass of a present filter has no entry of its own to
+  /// carry its note.
+  void describe_filters() {
     const std::string why = filters_.empty() ? "" : fault_in(written({}));
     for (const AddedFilter& f : filters_) {
-      const bool there = std::any_of(spec_.filters.begin(), spec_.filters.end(),
-                                     [&](const NamedFilter& old) { return old.name == f.name; });
+      const bool present = std::any_of(spec_.filters.begin(), spec_.filters.end(),
+                                       [&](const NamedFilter& old) { return old.name == f.name; });
       if (!why.empty())
-        left_ +=
-            comment_lines("found, but not in this model: filter " + f.name + " (" + why + ")\n  " + f.note);
-      else if (there)
-        left_ += comment_lines("filters." + f.name + ": " + f.note);
+        omitted_ += comment_lines("found, but not part of this model: filter " + f.name + " (" + why +
+                                  ")\n  " + f.note);
+      else if (present)
+        omitted_ += comment_lines("filters." + f.name + ": " + f.note);
     }
     if (!why.empty()) filters_.clear();
   }
@@ -159,10 +152,9 @@ class Extension {
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
     if (!effects.empty()) {
-      if (!entry(root, "effects"))
-        root.entries.emplace_back(Node::Key{"effects", {}},
-                                  Node{Node::Type::sequence, {}, {}, false, {}, {}});
-      Node& list = *entry(root, "effects");
+      if (!root.find("effects"))
+        root.entries.push_back({{"effects", {}}, Node{Node::Type::sequence, {}, {}, false, {}, {}}});
+      Node& list = *root.find("effects");
       for (std::size_t i = 0; i < effects.size(); ++i) {
         list.items.push_back(node_of(effects[i], *find_kind(effects[i].effect.type)));
         if (i == 0) list.items.back().comment = remarks_ + '\n' + effects[i].note;
@@ -171,12 +163,12 @@ class Extension {
     std::string out = rewritten(spec_.text, root, spec_.file);
     if (!out.ends_with('\n')) out += '\n';
     if (effects.empty()) out += comment_lines(remarks_);
-    return out + left_;
+    return out + omitted_;
   }
 
   const Spec& spec_;
-  std::string remarks_, target_, left_;
-  std::vector<AddedEffect> taken_;
+  std::string remarks_, target_, omitted_;
+  std::vector<AddedEffect> accepted_;
   std::vector<AddedFilter> filters_;
 };
 

@@ -23,16 +23,16 @@ Unit column_unit(const std::string& cell, Dimension dimension, const Place& plac
   return *read;
 }
 
-/// The number of a named column.
+/// The index of a named column.
 std::size_t find_column(const CsvReader& table, const std::string& name, const std::string& rule) {
   std::vector<std::string> names;
   for (const std::string& cell : table.header()) names.push_back(column_name(cell).name);
   const auto found = std::find(names.begin(), names.end(), name);
   if (found == names.end()) throw Error({table.header_place(0), name, rule, "", did_you_mean(name, names)});
-  const auto again = std::find(found + 1, names.end(), name);
-  if (again != names.end())
-    throw Error({table.header_place(static_cast<std::size_t>(again - names.begin())), name,
-                 "two columns have this name", "", "keep one of them"});
+  const auto second = std::find(found + 1, names.end(), name);
+  if (second != names.end())
+    throw Error({table.header_place(static_cast<std::size_t>(second - names.begin())), name,
+                 "duplicate column", "", "keep one of them"});
   return static_cast<std::size_t>(found - names.begin());
 }
 
@@ -56,28 +56,29 @@ JointTable read_joint_table(const std::string& path, const Chain& chain, TimeCol
     const std::size_t i = columns.emplace_back(find_column(table, name, rule));
     units.push_back(column_unit(table.header()[i], dimension, table.header_place(i)));
   };
-  const std::size_t timed = with_time == TimeColumn::required;
-  if (timed) choose("time", dimension::time, "the file has no column for the time");
+  const std::size_t has_time = with_time == TimeColumn::required;
+  if (has_time) choose("time", dimension::time, "the file has no column for the time");
   for (const IndependentJoint& joint : chain.independent)
     choose(joint.name, coordinate_dimension(joint), "the file has no column for this joint");
   table.choose(columns);
   if (table.header().size() > columns.size())
-    warnings.push_back(table.file() + ": columns that are no joint of the chain are ignored");
+    warnings.push_back(table.file() + ": columns that are not joints of the chain are ignored");
 
   JointTable result{table.file(), {}, {}, {}};
   std::vector<double> row(columns.size()), positions;
   while (table.next(row.data())) {
     for (std::size_t i = 0; i < row.size(); ++i) row[i] = units[i].in_si(row[i]);
-    if (timed && !result.time.empty() && !(row[0] > result.time.back()))
+    if (has_time && !result.time.empty() && !(row[0] > result.time.back()))
       throw Error({table.place(0), "time", "time must increase from row to row",
                    shortest(row[0]) + " s after " + shortest(result.time.back()) + " s",
-                   "sort the rows, keep one per instant"});
-    if (timed) result.time.push_back(row[0]);
-    positions.insert(positions.end(), row.begin() + static_cast<std::ptrdiff_t>(timed), row.end());
+                   "sort the rows and keep one per instant"});
+    if (has_time) result.time.push_back(row[0]);
+    positions.insert(positions.end(), row.begin() + static_cast<std::ptrdiff_t>(has_time), row.end());
     result.lines.push_back(table.line());
   }
   if (result.lines.empty())
-    throw Error({{table.file(), table.line(), 1}, "", "the file has no rows of numbers", "", "at least one"});
+    throw Error(
+        {{table.file(), table.line(), 1}, "", "the file has no rows of numbers", "", "give at least one"});
   result.positions =
       Eigen::Map<const Eigen::MatrixXd>(positions.data(), static_cast<Eigen::Index>(chain.independent.size()),
                                         static_cast<Eigen::Index>(result.lines.size()));

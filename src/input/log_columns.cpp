@@ -22,24 +22,24 @@ constexpr std::array joint_signals{
     NamedSignal{"temperature", LogSignal::temperature}};
 
 /// A column that a log of this robot can have.
-struct Known {
+struct KnownColumn {
   std::string name;
   LogSignal signal;
   std::size_t index;
 };
 
-std::vector<Known> known_columns(const Chain& chain) {
-  std::vector<Known> known{{"time", LogSignal::time, 0},
-                           {"tip.x", LogSignal::tip, 0},
-                           {"tip.y", LogSignal::tip, 1},
-                           {"tip.z", LogSignal::tip, 2}};
+std::vector<KnownColumn> known_columns(const Chain& chain) {
+  std::vector<KnownColumn> known{{"time", LogSignal::time, 0},
+                                 {"tip.x", LogSignal::tip, 0},
+                                 {"tip.y", LogSignal::tip, 1},
+                                 {"tip.z", LogSignal::tip, 2}};
   for (std::size_t j = 0; j < chain.independent.size(); ++j)
     for (const NamedSignal& s : joint_signals)
       known.push_back({chain.independent[j].name + '.' + std::string(s.name), s.signal, j});
   return known;
 }
 
-Dimension dimension_of(const Known& column, const Chain& chain) {
+Dimension dimension_of(const KnownColumn& column, const Chain& chain) {
   const bool prismatic = column.signal != LogSignal::time && column.signal != LogSignal::tip &&
                          chain.independent[column.index].prismatic();
   switch (column.signal) {
@@ -60,7 +60,8 @@ Dimension dimension_of(const Known& column, const Chain& chain) {
   }
 }
 
-/// An effort may be a current or anything that grows with the load: fitted parameters then have its unit.
+/// An effort may be a current or any quantity proportional to the load: estimated parameters then have its
+/// unit.
 std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& unit) {
   if (unit.empty() || unit == "1" || unit == "%") return {{"1", Unit{1, unit == "%" ? 100.0 : 1.0, {}}}};
   if (unit == "A") return {{"A", Unit{}}};
@@ -68,8 +69,8 @@ std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& 
   return std::nullopt;
 }
 
-/// Reads the unit of a column's head; without one it is SI.
-void read_unit(LogColumn& column, const Known& known, const std::string& unit, const Chain& chain,
+/// Reads the unit of a column from its header; without one the column is in SI units.
+void read_unit(LogColumn& column, const KnownColumn& known, const std::string& unit, const Chain& chain,
                const Place& place) {
   const Dimension dimension = dimension_of(known, chain);
   const bool counts = column.signal == LogSignal::counts;
@@ -83,22 +84,22 @@ void read_unit(LogColumn& column, const Known& known, const std::string& unit, c
   if (unit.empty()) return;
   std::string why;
   const auto read = parse_unit(unit, why);
-  const std::string right = counts ? "count" : unit_name(dimension);
+  const std::string expected = counts ? "count" : unit_name(dimension);
   const std::string others = column.signal == LogSignal::effort ? ", A, or 1 for an arbitrary unit" : "";
-  if (!read) throw Error({place, column.header, why, "", "such as [" + right + "]" + others});
+  if (!read) throw Error({place, column.header, why, "", "such as [" + expected + "]" + others});
   if (read->dimension != dimension || (counts && read->in_si(1) != 1))
     throw Error({place, column.header, "the column has the wrong unit", "'" + unit + "'",
-                 "use " + right + (others.empty() ? " or a unit of that kind" : others)});
+                 "use " + expected + (others.empty() ? " or a unit of that kind" : others)});
   column.scale = *read;
 }
 
-/// "a" -> "did you mean"-text of the nearest known column, "" when none is near.
+/// " (did you mean 'X'?)" for the nearest known column; "" if none is near.
 std::string hint(const std::string& name, const std::vector<std::string>& known) {
   const std::string near = nearest(name, known);
   return near.empty() ? "" : " (did you mean '" + near + "'?)";
 }
 
-/// A name that can only mean the stamps: "Time", "time (s)", "timestamp", "t".
+/// Whether a name means the time stamps: "Time", "time (s)", "timestamp", "t".
 bool means_time(const std::string& name) {
   std::string lower;
   for (const char c : name) lower += static_cast<char>(c >= 'A' && c <= 'Z' ? c + 32 : c);
@@ -106,13 +107,13 @@ bool means_time(const std::string& name) {
          lower.starts_with("t [");
 }
 
-/// The columns in one pass over the header; the rest is what they must have together.
-class Finder {
+/// Finds the columns in one pass over the header, then checks that they are complete.
+class ColumnFinder {
  public:
-  Finder(const CsvReader& table, const Spec& spec) : table_(table), spec_(spec) {
+  ColumnFinder(const CsvReader& table, const Spec& spec) : table_(table), spec_(spec) {
     known_ = known_columns(spec.model.chain);
-    for (const Known& k : known_) names_.push_back(k.name);
-    for (std::size_t i = 0; i < table.header().size(); ++i) take(i);
+    for (const KnownColumn& k : known_) names_.push_back(k.name);
+    for (std::size_t i = 0; i < table.header().size(); ++i) add(i);
     log_.columns = found_.columns;
   }
 
@@ -128,20 +129,20 @@ class Finder {
   }
 
  private:
-  void take(std::size_t i) {
+  void add(std::size_t i) {
     const std::string& cell = table_.header()[i];
     const ColumnName parts = column_name(cell);
-    const auto at = std::find(names_.begin(), names_.end(), parts.name);
-    if (at == names_.end()) {
+    const auto found = std::find(names_.begin(), names_.end(), parts.name);
+    if (found == names_.end()) {
       ignored_ += (ignored_.empty() ? "'" : ", '") + cell + "'" + hint(parts.name, names_);
       ignored_names_.push_back(parts.name);
-      ignored_at_.push_back(i);
+      ignored_places_.push_back(i);
       return;
     }
-    const Known& known = known_[static_cast<std::size_t>(at - names_.begin())];
+    const KnownColumn& known = known_[static_cast<std::size_t>(found - names_.begin())];
     for (const LogColumn& other : found_.columns)
       if (other.signal == known.signal && other.index == known.index)
-        throw Error({table_.header_place(i), cell, "two columns have this name", "", "keep one of them"});
+        throw Error({table_.header_place(i), cell, "duplicate column", "", "keep one of them"});
     LogColumn column{known.signal, known.index, cell, {}, {}, {}, {}};
     read_unit(column, known, parts.unit, spec_.model.chain, table_.header_place(i));
     if (parts.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
@@ -159,14 +160,14 @@ class Finder {
             {table_.header_place(0), "", "cells must be separated by commas", name, "export it as CSV"});
   }
 
-  /// A table without time is judged in another way, which nobody should get by a slip of the pen.
+  /// A table without time is diagnosed as a static one; a misspelt time column must not cause that silently.
   void check_time() const {
     if (log_.has_time()) return;
-    for (std::size_t i = 0; i < ignored_at_.size(); ++i)
+    for (std::size_t i = 0; i < ignored_places_.size(); ++i)
       if (means_time(ignored_names_[i]))
-        throw Error({table_.header_place(ignored_at_[i]), table_.header()[ignored_at_[i]],
+        throw Error({table_.header_place(ignored_places_[i]), table_.header()[ignored_places_[i]],
                      "no column is called time", "",
-                     "call it 'time [s]', or leave it out for a static table"});
+                     "name it 'time [s]', or leave it out for a static table"});
   }
 
   void check_measured() const {
@@ -176,10 +177,9 @@ class Finder {
       const bool measured = is_measured(log_, spec_.model.transmission, j);
       any = any || measured;
       if (measured) continue;
-      if (log_.find(LogSignal::reference, j))
-        missing(j, "the joint has a reference, and nothing that was measured");
+      if (log_.find(LogSignal::reference, j)) missing(j, "the joint has a reference but no measurement");
       for (std::size_t i = 0; i < 3; ++i)
-        if (log_.find(LogSignal::tip, i)) missing(j, "the tip was tracked, and a joint not measured");
+        if (log_.find(LogSignal::tip, i)) missing(j, "the tip was tracked, but a joint was not measured");
     }
     if (!any) missing(0, "the log has no measured joint");
   }
@@ -202,9 +202,9 @@ class Finder {
 
   const CsvReader& table_;
   const Spec& spec_;
-  std::vector<Known> known_;
+  std::vector<KnownColumn> known_;
   std::vector<std::string> names_, ignored_names_;
-  std::vector<std::size_t> ignored_at_;
+  std::vector<std::size_t> ignored_places_;
   std::string ignored_, unitless_;
   LogColumns found_;
   Log log_;
@@ -213,7 +213,7 @@ class Finder {
 }  // namespace
 
 LogColumns find_log_columns(const CsvReader& table, const Spec& spec, std::vector<std::string>& warnings) {
-  return Finder(table, spec).checked(warnings);
+  return ColumnFinder(table, spec).checked(warnings);
 }
 
 }  // namespace qerr

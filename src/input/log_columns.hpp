@@ -7,14 +7,14 @@
 
 namespace qerr {
 
-/// The columns of a log that mean something, in the file's order.
+/// The columns of a log that qerr reads, in the order of the file.
 struct LogColumns {
   std::vector<LogColumn> columns;
-  std::vector<std::size_t> places;  ///< of each: its number in the file
+  std::vector<std::size_t> places;  ///< index of each column in the file
 };
 
-/// Finds them by the table's header and puts what is to be said of the others into `warnings`.
-/// @throws Error (input) as LogReader does for headers
+/// Finds the columns by their names in the header; adds a warning about all other columns.
+/// @throws Error (input) like LogReader for headers
 LogColumns find_log_columns(const CsvReader&, const Spec&, std::vector<std::string>& warnings);
 
 }  // namespace qerr

@@ -42,7 +42,7 @@ const EncoderKind& kind_of(const Field& f) {
   for (const EncoderKind& kind : encoder_kinds()) {
     if (!f.node->find(kind.name)) continue;
     if (found)
-      throw Error({f.node->place, f.path, "an encoder is stated in one way",
+      throw Error({f.node->place, f.path, "an encoder must be stated in one way",
                    "'" + std::string(found->name) + "' and '" + std::string(kind.name) + "'",
                    "keep one of them"});
     found = &kind;
@@ -158,34 +158,34 @@ bool off_chain(const RobotModel& robot, const Chain& chain, const std::string& n
 void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
   const Chain& chain = spec.model.chain;
   std::vector<Field> of_joint(chain.independent.size());
-  Field rest;
+  Field others;  // of `*`
   for (const auto& [key, value] : read_map(f)) {
     if (key.name == "*") {
-      rest = value;
+      others = value;
     } else if (off_chain(robot, chain, key.name)) {
       spec.warnings.push_back("encoders." + key.name + " is not used: the joint is not between base and tip");
     } else {
-      const Place place = key.place;
+      const Node::Key& joint = key;  // a structured binding cannot be captured
       const Field& entry = value;
-      faults.guard([&] { of_joint[find_joint(robot, chain, key.name, place, entry.path)] = entry; });
+      faults.guard([&] { of_joint[find_joint(robot, chain, joint.name, joint.place, entry.path)] = entry; });
     }
   }
   Transmission& transmission = spec.model.transmission;
   transmission.encoders.resize(of_joint.size());
   spec.encoder_figures.resize(of_joint.size());
-  bool rest_is_faulty = false;
+  bool others_are_faulty = false;
   for (std::size_t i = 0; i < of_joint.size(); ++i) {
     const IndependentJoint& joint = chain.independent[i];
-    if (!of_joint[i].node && rest_is_faulty) continue;  // said once, not for every joint
+    if (!of_joint[i].node && others_are_faulty) continue;  // reported once, not for every joint
     const bool good = faults.guard([&] {
-      if (!of_joint[i].node && !rest.node)
+      if (!of_joint[i].node && !others.node)
         throw Error({f.node->place, f.path + '.' + joint.name, "the joint has no encoder", "",
                      "add '" + joint.name + ": {" + std::string(first_kind(false).example) +
                          "}', or '*' for all other joints"});
-      const Field& entry = of_joint[i].node ? of_joint[i] : rest;
+      const Field& entry = of_joint[i].node ? of_joint[i] : others;
       std::tie(transmission.encoders[i], spec.encoder_figures[i]) = read_encoder(entry, joint);
     });
-    rest_is_faulty = rest_is_faulty || (!good && !of_joint[i].node && rest.node);
+    others_are_faulty = others_are_faulty || (!good && !of_joint[i].node && others.node);
   }
   const auto n = static_cast<Eigen::Index>(of_joint.size());
   transmission.coupling = Eigen::MatrixXd::Identity(n, n);
@@ -206,7 +206,7 @@ void read_coupling(const Field& f, Spec& spec) {
           read_number(row[j], {.name = "coupling"});
   }
   if (!coupling.allFinite() || rank(coupling) < static_cast<Eigen::Index>(n))
-    throw Error({f.node->place, f.path, "the coupling is singular: some joint motion moves no encoder",
+    throw Error({f.node->place, f.path, "the coupling is singular: a joint motion moves no encoder",
                  "rank " + std::to_string(rank(coupling)) + " of " + std::to_string(n), "check its rows"});
   spec.model.transmission.coupling = coupling;
 }

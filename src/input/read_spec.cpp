@@ -118,7 +118,7 @@ class SpecReader {
 std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepAxis& axis,
                                       const std::string& value) {
   Node variant = root;
-  std::erase_if(variant.entries, [](const auto& entry) { return entry.first.name == "sweep"; });
+  std::erase_if(variant.entries, [](const auto& entry) { return entry.key.name == "sweep"; });
   try {
     apply_override(variant, axis.key, value, file);
     SpecReader(file).read(variant);

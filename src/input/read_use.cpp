@@ -75,7 +75,7 @@ void read_coordinates(const Field& f, Spec& spec) {
     const auto coordinate = find_coordinate(name);
     if (!coordinate) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
     if (std::find(chosen.begin(), chosen.end(), *coordinate) != chosen.end())
-      throw Error(item.fault("the coordinate stands twice", "keep one of them"));
+      throw Error(item.fault("duplicate coordinate", "keep one of them"));
     chosen.push_back(*coordinate);
   }
   if (chosen.empty())

@@ -153,7 +153,7 @@ class Rewriter {
     const std::string name = flow_scalar(key, false);
     if (starts_with(have, '{')) return add_in_brackets(have, value.comment, name + ": " + flow(value), path);
     if (have.entries.empty()) refuse(have, path);
-    const size_t first = offset(have.entries.front().first.place);
+    const size_t first = offset(have.entries.front().key.place);
     const std::string lead = text_.substr(line_start(first), first - line_start(first));
     if (lead.find_first_not_of(' ') != std::string::npos) refuse(have, path);
     if (have.place.line > 0 && path.find('.') == std::string::npos)

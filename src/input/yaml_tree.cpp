@@ -11,9 +11,9 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t deepest = 64;
+constexpr std::size_t most_levels = 64;  // of nesting; the format of a spec has 6
 
-/// Builds the tree while yaml-cpp reads, so that depth and size are bounded during reading, not after it.
+/// Builds the tree from yaml-cpp's events, so that the depth is bounded during reading, not after it.
 class TreeBuilder : public YAML::EventHandler {
  public:
   TreeBuilder(const std::string& text, std::string file) : file_(std::move(file)) {
@@ -22,12 +22,12 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   Node take() { return std::move(root_); }
-  bool empty() const { return !seen_; }
+  bool empty() const { return !any_; }
   Place place(const YAML::Mark& mark) const {
     return mark.is_null() ? Place{file_, 0, 0} : Place{file_, mark.line + 1, mark.column + 1};
   }
 
-  /// What stands at a place, for messages about syntax.
+  /// The text at a place, for messages about syntax.
   std::string text_at(const YAML::Mark& mark) const {
     const auto line = static_cast<std::size_t>(mark.line), column = static_cast<std::size_t>(mark.column);
     if (mark.is_null() || line >= lines_.size() || column >= lines_[line].size())
@@ -44,7 +44,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    throw Error({place(mark), "", "aliases are not taken", "an alias ('*name')", "write the value out"});
+    throw Error({place(mark), "", "aliases are not supported", "an alias ('*name')", "write the value out"});
   }
 
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor,
@@ -52,7 +52,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuse_anchor(mark, anchor);
     const bool quoted = tag == "!";
     if (!quoted) refuse_tag(mark, tag);
-    refuse_many_lines(mark, value, quoted);
+    refuse_several_lines(mark, value, quoted);
     add(Node{Node::Type::scalar, place(mark), value, quoted, {}, {}});
   }
 
@@ -68,7 +68,7 @@ class TreeBuilder : public YAML::EventHandler {
   void OnMapEnd() override { close(); }
 
  private:
-  /// A container that is being filled; a mapping waits for a key or for the key's value.
+  /// A container that is being filled; a mapping expects a key or the value of `key`.
   struct Open {
     Node node;
     bool has_key = false;
@@ -78,40 +78,41 @@ class TreeBuilder : public YAML::EventHandler {
 
   void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) const {
     if (anchor != 0)
-      throw Error({place(mark), "", "anchors are not taken", "an anchor ('&name')", "write the value out"});
+      throw Error(
+          {place(mark), "", "anchors are not supported", "an anchor ('&name')", "write the value out"});
   }
 
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?" && tag != "!")
-      throw Error({place(mark), "", "tags are not taken", "'" + tag + "'", "leave the tag out"});
+      throw Error({place(mark), "", "tags are not supported", "'" + tag + "'", "leave the tag out"});
   }
 
-  /// yaml-cpp lets a missing closing quote swallow the rest of the file; no value of a spec needs a second
-  /// line.
-  void refuse_many_lines(const YAML::Mark& mark, const std::string& value, bool quoted) const {
+  /// In yaml-cpp a missing closing quotation mark extends the value to the end of the file; no value of a
+  /// spec needs a second line.
+  void refuse_several_lines(const YAML::Mark& mark, const std::string& value, bool quoted) const {
     const auto line = static_cast<std::size_t>(mark.line);
     if (quoted && line < lines_.size()) {
       const std::string& text = lines_[line];
       const auto column = static_cast<std::size_t>(mark.column);
       const char quote = column < text.size() ? text[column] : '\0';
       if (quote == '"' || quote == '\'') {
-        std::size_t at = column + 1;
-        while (at < text.size() && text[at] != quote) at += quote == '"' && text[at] == '\\' ? 2 : 1;
-        if (at >= text.size())
-          throw Error({place(mark), "", "a quote is not closed on its line", "",
+        std::size_t i = column + 1;
+        while (i < text.size() && text[i] != quote) i += quote == '"' && text[i] == '\\' ? 2 : 1;
+        if (i >= text.size())
+          throw Error({place(mark), "", "a quotation mark is not closed on its line", "",
                        "end the text with " + std::string(1, quote)});
       }
     }
     if (value.find('\n') != std::string::npos)
-      throw Error({place(mark), "", "a value goes over several lines", "", "keep it on one line"});
+      throw Error({place(mark), "", "a value extends over several lines", "", "keep it on one line"});
   }
 
   void open(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t anchor, Node::Type type) {
     refuse_anchor(mark, anchor);
     refuse_tag(mark, tag);
-    if (stack_.size() >= deepest)
+    if (stack_.size() >= most_levels)
       throw Error({place(mark), "", "values are nested too deeply", "",
-                   "at most " + std::to_string(deepest) + " levels"});
+                   "at most " + std::to_string(most_levels) + " levels"});
     stack_.push_back({Node{type, place(mark), {}, false, {}, {}}, false, {}, {}});
   }
 
@@ -122,7 +123,7 @@ class TreeBuilder : public YAML::EventHandler {
   }
 
   void add(Node node) {
-    seen_ = true;
+    any_ = true;
     if (stack_.empty()) {
       root_ = std::move(node);
       return;
@@ -131,21 +132,22 @@ class TreeBuilder : public YAML::EventHandler {
     if (top.node.type == Node::Type::sequence) {
       top.node.items.push_back(std::move(node));
     } else if (!top.has_key) {
-      take_key(top, node);
+      read_key(top, node);
     } else {
-      if (node.type == Node::Type::null) node.place = top.key.place;  // yaml-cpp points at what comes next
-      top.node.entries.emplace_back(std::move(top.key), std::move(node));
+      if (node.type == Node::Type::null)
+        node.place = top.key.place;  // yaml-cpp gives the place of the next token
+      top.node.entries.push_back({std::move(top.key), std::move(node)});
       top.has_key = false;
     }
   }
 
-  void take_key(Open& top, const Node& node) {
+  void read_key(Open& top, const Node& node) {
     if (node.type != Node::Type::scalar)
       throw Error({node.place, "", "a key must be plain text", described(node), "write 'key: value'"});
     if (node.text == "<<" && !node.quoted)
-      throw Error({node.place, "<<", "merge keys are not taken", "'<<'", "write the values out"});
+      throw Error({node.place, "<<", "merge keys are not supported", "'<<'", "write the values out"});
     if (!top.keys.insert(node.text).second)
-      throw Error({node.place, node.text, "the key stands twice", "'" + node.text + "'", "keep one of them"});
+      throw Error({node.place, node.text, "duplicate key", "'" + node.text + "'", "keep one of them"});
     top.key = {node.text, node.place};
     top.has_key = true;
   }
@@ -154,19 +156,19 @@ class TreeBuilder : public YAML::EventHandler {
   std::vector<std::string> lines_;
   std::vector<Open> stack_;
   Node root_;
-  bool seen_ = false;
+  bool any_ = false;
 };
 
 bool only_comments(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
-    const std::size_t at = line.find_first_not_of(" \t\r");
-    if (at != std::string::npos && line[at] != '#' && line.compare(at, 3, "---") != 0) return false;
+    const std::size_t first = line.find_first_not_of(" \t\r");
+    if (first != std::string::npos && line[first] != '#' && line.compare(first, 3, "---") != 0) return false;
   }
   return true;
 }
 
-/// The child of `node` that the path's beginning names, and what is left of the path.
+/// The child of `node` that the first key of the path names, and the remaining path.
 std::pair<Node*, std::string> step(Node& node, const std::string& path, const Fault& fault) {
   if (node.type == Node::Type::sequence) {
     const std::size_t dot = std::min(path.find('.'), path.size());
@@ -180,8 +182,8 @@ std::pair<Node*, std::string> step(Node& node, const std::string& path, const Fa
   Node* child = nullptr;
   std::size_t longest = 0;
   for (auto& [key, value] : node.entries) {
-    const bool leads = path == key.name || path.starts_with(key.name + ".");
-    if (leads && key.name.size() >= longest) {
+    const bool matches = path == key.name || path.starts_with(key.name + ".");
+    if (matches && key.name.size() >= longest) {
       child = &value;
       longest = key.name.size();
     }
@@ -190,18 +192,30 @@ std::pair<Node*, std::string> step(Node& node, const std::string& path, const Fa
     longest = std::min(path.find('.'), path.size());
     const Node::Key key{path.substr(0, longest), fault.place};
     if (key.name.empty()) throw Error(fault);
-    node.entries.emplace_back(key, Node{Node::Type::null, fault.place, {}, false, {}, {}});
-    child = &node.entries.back().second;
+    node.entries.push_back({key, Node{Node::Type::null, fault.place, {}, false, {}, {}}});
+    child = &node.entries.back().value;
   }
   return {child, longest == path.size() ? "" : path.substr(longest + 1)};
 }
 
 }  // namespace
 
-const Node* Node::find(std::string_view key) const {
-  for (const auto& [name, value] : entries)
-    if (name.name == key) return &value;
+const Node* Node::find(std::string_view wanted) const {
+  for (const auto& [key, value] : entries)
+    if (key.name == wanted) return &value;
   return nullptr;
+}
+
+Node* Node::find(std::string_view wanted) {
+  return const_cast<Node*>(static_cast<const Node*>(this)->find(wanted));
+}
+
+Node scalar_node(const std::string& text) { return {Node::Type::scalar, {}, text, false, {}, {}}; }
+
+Node mapping_node(std::vector<std::pair<std::string, Node>> entries) {
+  Node node{Node::Type::mapping, {}, {}, false, {}, {}};
+  for (auto& [key, value] : entries) node.entries.push_back({{key, {}}, std::move(value)});
+  return node;
 }
 
 std::string described(const Node& node) {
@@ -230,10 +244,10 @@ Node parse_yaml(const std::string& text, const std::string& file) {
                    only_comments(text) ? "the file is empty" : "the file is not a mapping",
                    "",
                    "a spec begins with 'qerr: 1'"});
-    // At most one more call: on some malformed input yaml-cpp 0.7 announces documents for ever.
-    TreeBuilder rest(text, file);
-    if (parser.HandleNextDocument(rest))
-      throw Error({rest.place(YAML::Mark()), "", "a second YAML document follows",
+    // At most one more call: on some malformed input yaml-cpp 0.7 reports documents without end.
+    TreeBuilder second(text, file);
+    if (parser.HandleNextDocument(second))
+      throw Error({second.place(YAML::Mark()), "", "a second YAML document follows",
                    "'---' or text after the end", "keep one document in a file"});
   } catch (const YAML::Exception& e) {
     throw Error({builder.place(e.mark), "", "not valid YAML: " + e.msg, "",
@@ -246,16 +260,16 @@ void apply_override(Node& root, const std::string& path, const std::string& valu
                     const std::string& origin) {
   const Fault fault{{origin, 0, 0},
                     path,
-                    "no such place in the spec",
+                    "no such key in the spec",
                     "'" + path + "'",
                     "name a key by its path, such as filters.velocity.lowpass.cutoff, or a list's item by "
                     "its number from 0"};
   Node replacement = parse_yaml(value.empty() ? "''" : value, origin);
   Node* node = &root;
-  std::string rest = path;
+  std::string remaining = path;
   do {
-    std::tie(node, rest) = step(*node, rest, fault);
-  } while (!rest.empty());
+    std::tie(node, remaining) = step(*node, remaining, fault);
+  } while (!remaining.empty());
   *node = std::move(replacement);
 }
 

@@ -9,39 +9,51 @@
 
 namespace qerr {
 
-/// A strict YAML value: one document, no aliases, tags or merge keys, unique keys, every place known.
+/// A value of strict YAML: one document, no aliases, tags or merge keys, unique keys, every place known.
 struct Node {
   enum class Type { null, scalar, sequence, mapping };
 
-  /// A key with its own place, so that a message about a key points at the key.
+  /// A key with its own place, at which messages about the key point.
   struct Key {
     std::string name;
     Place place;
   };
+
+  struct Entry;  // contains a Node, hence defined below it
 
   Type type = Type::null;
   Place place;
   std::string text;     ///< of a scalar, as written
   bool quoted = false;  ///< "12" is text, 12 is a number
   std::vector<Node> items;
-  std::vector<std::pair<Key, Node>> entries;
-  std::string comment = {};  ///< to be written above it; what is read has none
+  std::vector<Entry> entries;
+  std::string comment = {};  ///< written above the value by `rewritten`; empty in a tree that was read
 
   const Node* find(std::string_view key) const;
+  Node* find(std::string_view key);
 };
 
-/// What a value is, for "found ...": `'12 mm'`, `a list of 3`, `a mapping`, `nothing`.
+struct Node::Entry {
+  Key key;
+  Node value;
+};
+
+/// Values that are built rather than read: they have no place.
+Node scalar_node(const std::string& text);
+Node mapping_node(std::vector<std::pair<std::string, Node>> entries);
+
+/// A value as messages name it after "found": `'12 mm'`, `a list of 3`, `a mapping`, `nothing`.
 std::string described(const Node&);
 
 /// Parses one YAML document with yaml-cpp's events.
 /// @throws Error (input) with file, line and column
 Node parse_yaml(const std::string& text, const std::string& file);
 
-/// Replaces or adds the value at a dotted path (`encoders.elbow.bits`, `requirements.0.at_most`); where keys
-/// contain dots the longest matching key is taken.
+/// Replaces or adds the value at a dotted path (`filters.velocity.derivative`, `requirements.0.at_most`);
+/// where keys contain dots, the longest matching key is used.
 /// @param value  YAML text of the new value
-/// @throws Error (input) when the path leads through a scalar or past the end of a list, or the value is not
-/// YAML
+/// @throws Error (input) if the path passes through a scalar or beyond the end of a list, or if the value is
+/// not YAML
 void apply_override(Node& root, const std::string& path, const std::string& value, const std::string& origin);
 
 }  // namespace qerr

@@ -129,7 +129,7 @@ TEST(ExtendedSpec, SaysInACommentWhatCannotBeSimulatedAndWhy) {
   const AddedEffect filter{{"filter_mismatch", a_joint(), {{"cutoff", 12.0}}, {}}, "cutoff 12 Hz"};
   const std::string text = extended(base, {filter, backlash(-1), backlash(NAN), backlash()});
   EXPECT_EQ(spec_of(text).effects.size(), 1u);
-  EXPECT_NE(text.find("# found, but not in this model: filter_mismatch of "), std::string::npos) << text;
+  EXPECT_NE(text.find("# found, but not part of this model: filter_mismatch of "), std::string::npos) << text;
   EXPECT_NE(text.find("is out of range"), std::string::npos) << text;
   EXPECT_NE(text.find("gap is not known"), std::string::npos) << text;
 }
@@ -157,7 +157,7 @@ TEST(ExtendedSpec, PutsAFoundFilterBesideTheSpecsOrInItsPlace) {
   EXPECT_EQ(spec_of(instead).filters.size(), 1u);
   const std::string refused = with({{"v", "first_order", 2, 600, "of the log"}});
   EXPECT_EQ(refused.substr(0, base.size()), base);
-  EXPECT_NE(refused.find("# found, but not in this model: filter v ("), std::string::npos) << refused;
+  EXPECT_NE(refused.find("# found, but not part of this model: filter v ("), std::string::npos) << refused;
 }
 
 TEST(ExtendedSpec, StandsUnchangedButForARemarkWhenNothingWasFound) {

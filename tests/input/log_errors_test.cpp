@@ -20,7 +20,7 @@ const std::vector<Faulty> faulty{
     {head + "0,1,2,3\n", "2:1", "found 4 cells; 3 cells"},
     {head + "0,1,2,\n", "2:1", "found 4 cells"},
     {head + "0,1,2\n1,2", "3:1", "was the recording cut off?"},
-    {head + "0,1,2\n# pause\n1,1,2\n", "3:1", "comments stand before the header"},
+    {head + "0,1,2\n# pause\n1,1,2\n", "3:1", "comments are allowed only before the header"},
     {head + "0,1,2\n1,,2\n", "3:3", "shoulder.counts: the cell is empty"},
     {head + "0,1,2\n1,1, \n", "3:6", "the cell is empty"},
     {head + "0,1,nan\n", "2:5", "shoulder.reference [rad]: not a finite decimal number, found 'nan'"},
@@ -36,9 +36,9 @@ const std::vector<Faulty> faulty{
     {head + "0,1,\xC3\xA9t\xC3\xA9\n", "2:5", "found '\xC3\xA9t\xC3\xA9'"},
     {head + "0,1,\x1B[2J\n", "2:5", "found '\\x1B[2J'"},
     {head + "0,1,\xFF\n", "2:5", "found '\\xFF'"},
-    {head + "0,\"1\n", "2:3", "a quote is not closed"},
+    {head + "0,\"1\n", "2:3", "a quotation mark is not closed"},
     {head + "0,\"1\"2,3\n", "2:6", "text follows the closing quote"},
-    {head + "0,1,2\r1,1,2\n", "2:6", "a carriage return stands alone"},
+    {head + "0,1,2\r1,1,2\n", "2:6", "a carriage return without a line feed"},
     {head + "0,1,2\r\r\n", "accepted", ""},
     {head + "0,1,2\n1,1,2\n0.5,1,2\n", "4:1", "time runs backwards, after 1 s, found '0.5'"},
     {head + "0,1,2\n0,1,2\n", "accepted", ""},
@@ -64,7 +64,7 @@ const std::vector<Faulty> faulty{
     {"time [s],shoulder.counts,caf\xE9\n0,1,2\n", "1:26", "the header must be UTF-8 text, found 'caf\\xE9'"},
     {"time [s];shoulder.counts\n0;1\n", "1:1", "separated by commas, found semicolons"},
     {"time [s]\tshoulder.counts\n0\t1\n", "1:1", "separated by commas, found tabulators"},
-    {"# c\ntime [s],shoulder.counts,shoulder.counts\n0,1,2\n", "2:26", "two columns have this name"},
+    {"# c\ntime [s],shoulder.counts,shoulder.counts\n0,1,2\n", "2:26", "duplicate column"},
     {"time [s],shoulder.counts,shoulder.reference [rad],shoulder.reference [deg]\n0,1,2,3\n", "1:51",
      "two columns"},
     {"time [m],shoulder.counts\n0,1\n", "1:1", "time [m]: the column has the wrong unit, found 'm'; use s"},
@@ -77,11 +77,11 @@ const std::vector<Faulty> faulty{
     {"time [s],shoulder.counts,shoulder.effort [N]\n0,1,2\n", "1:26", "use N m, A, or 1"},
     {"time [s],shoulder.counts,shoulder.temperature [m]\n0,1,2\n", "1:26", "use K"},
     {"time [s],shoulder.counts,tip.x [rad]\n0,1,2\n", "1:26", "use m"},
-    {"Time [s],shoulder.counts\n0,1\n", "1:1", "call it 'time [s]'"},
-    {"shoulder.counts,time (s)\n0,1\n", "1:17", "call it 'time [s]'"},
+    {"Time [s],shoulder.counts\n0,1\n", "1:1", "name it 'time [s]'"},
+    {"shoulder.counts,time (s)\n0,1\n", "1:17", "name it 'time [s]'"},
     // what must be there together
     {"time [s],shoulder.reference [rad],sholder.counts\n0,1,2\n", "1:1",
-     "shoulder: the joint has a reference, and nothing that was measured; add 'shoulder.counts' or "
+     "shoulder: the joint has a reference but no measurement; add 'shoulder.counts' or "
      "'shoulder.measured [rad]'; is it 'sholder.counts'?"},
     {"time [s],lift.reference [m],shoulder.counts\n0,1,2\n", "1:1", "'lift.measured [m]'"},
     {"time [s],shoulder.counts,tip.x [m]\n0,1,2\n", "1:1", "elbow: the tip was tracked"},
@@ -111,7 +111,7 @@ TEST_F(LogErrors, ALineThatIsTooLongIsRefusedBeforeItFillsTheMemory) {
   EXPECT_EQ(refusal(std::string(500, '#') + '\n' + head + "0,1,2\n", options),
             "log.csv:1:1: a line is too long; at most 200 bytes");
   EXPECT_EQ(refusal(head + "0,1,\"" + std::string(500, '\n'), options).substr(0, 35),
-            "log.csv:2:5: a quote is not closed;");
+            "log.csv:2:5: a quotation mark is not closed;");
 }
 
 TEST_F(LogErrors, AFileThatCannotBeReadIsTroubleOfTheFileSystem) {

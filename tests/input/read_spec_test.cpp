@@ -109,7 +109,7 @@ TEST_F(ReadSpec, RefusesWhatEachSectionMustNotSay) {
   } cases[] = {
       {"coupling: [[1, 0, 0], [0, 1, 0], [1, 0, 0]]\n", "the coupling is singular"},
       {"coupling: [[1, 0], [0, 1]]\n", "the coupling has the wrong size"},
-      {"coordinates: [x, x]\n", "the coordinate stands twice"},
+      {"coordinates: [x, x]\n", "duplicate coordinate"},
       {"coordinates: [x, rol]\n", "did you mean 'roll'?"},
       {"filters: {v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, cutoff: 500 Hz}}}\n",
        "below half the sample rate"},
@@ -135,11 +135,11 @@ TEST_F(ReadSpec, RefusesWhatEachSectionMustNotSay) {
       {"effects: [{type: backlash, joint: elbow}]\n", "effects[0].gap: missing key"},
       {"sweep: [{key: encoders.elbow.bitz, values: [13, 15]}]\n", "sweep[0]"},
       {"sweep: [{key: encoders.elbow.gear_ratio, from: 10, to: 0, count: 3, scale: log}]\n", "positive ends"},
-      {"threshold: {length: 300}\nthreshold: {length: 1}\n", "the key stands twice"},
+      {"threshold: {length: 300}\nthreshold: {length: 1}\n", "duplicate key"},
       {"---\nqerr: 1\n", "a second YAML document"},
-      {"robot2: &a {}\n", "anchors are not taken"},
+      {"robot2: &a {}\n", "anchors are not supported"},
       {"threshold: {length: 010}\n", "not a finite decimal number"},
-      {"threshold: {length: '3}\n", "a quote is not closed"},
+      {"threshold: {length: '3}\n", "a quotation mark is not closed"},
   };
   for (const auto& c : cases) {
     const std::string message = refusal(head + encoders + c.text);

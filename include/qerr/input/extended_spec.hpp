@@ -7,14 +7,14 @@
 
 namespace qerr {
 
-/// An effect to be written into a spec, and what a person should know of it.
+/// An effect to be written into a spec, with a note for the reader.
 struct AddedEffect {
   Effect effect;
   std::string note;  ///< written above it as a comment; may have several lines
 };
 
-/// A velocity estimator to be written into a spec's `filters:`. The entry that has this name gets another
-/// low-pass; a name that is not there becomes an entry with the spec's own derivative and sample rate.
+/// A velocity estimator to be written into a spec's `filters:`. A present entry of this name gets a new
+/// low-pass; otherwise a new entry has the derivative and sample rate of the spec's velocity filter.
 struct AddedFilter {
   std::string name;
   std::string family;  ///< of the low-pass
@@ -23,15 +23,15 @@ struct AddedFilter {
   std::string note;   ///< written as a comment
 };
 
-/// The text of a spec with more effects at the end of its `effects:`, ready to stand at `target`.
+/// The text of a spec with effects appended to its `effects:`, for a file at `target`.
 ///
 /// The user's text, comments and layout are kept. The spec's overrides (`--set`) are written into the text.
-/// Paths of other files (URDF, motion, configurations) lead from the target's folder to the same files.
-/// Effects that no row of the list can simulate, and those that the reader refuses, become comments at the
-/// end that say so; so do filters that it refuses.
-/// @param remarks  a comment above the first effect, or at the end where there is none
-/// @param target  path at which the text will stand; `-` stands for the working folder
-/// @throws Error (input) where an override cannot be written into the text as it is laid out
+/// Paths of other files (URDF, motion, configurations) are rewritten relative to the folder of `target`.
+/// Effects without a row in the list of effects, and effects or filters that the reader rejects, become
+/// comments at the end with the reason.
+/// @param remarks  a comment above the first effect, or at the end if there is none
+/// @param target  path of the new file; `-` means the working folder
+/// @throws Error (input) if an override cannot be written into the layout of the text
 std::string extended_spec(const Spec&, const std::vector<AddedEffect>&, const std::string& remarks,
                           const std::string& target, const std::vector<AddedFilter>& filters = {});
 
