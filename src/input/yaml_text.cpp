@@ -76,8 +76,8 @@ bool says_the_same(const Node& a, const Node& b) {
   for (std::size_t i = 0; i < a.items.size(); ++i)
     if (!says_the_same(a.items[i], b.items[i])) return false;
   return std::all_of(a.entries.begin(), a.entries.end(), [&](const auto& entry) {
-    const Node* other = b.find(entry.first.name);
-    return other && says_the_same(entry.second, *other);
+    const Node* other = b.find(entry.key.name);
+    return other && says_the_same(entry.value, *other);
   });
 }
 
