@@ -52,8 +52,8 @@ const PlannedEffect& find(const PlannedJoint& joint, const std::string& type, co
 }
 
 bool twins(const PlannedEffect& p, const std::string& type) {
-  return std::any_of(p.rivals.begin(), p.rivals.end(),
-                     [&](const Rival& r) { return r.effect.type == type && r.twin(); });
+  return std::any_of(p.correlated.begin(), p.correlated.end(),
+                     [&](const CorrelatedEffect& r) { return r.effect.type == type && r.inseparable(); });
 }
 
 TEST(Plan, SaysThatOneWayAtOneSpeedOffsetBacklashAndLatencyAreAlike) {
@@ -62,15 +62,15 @@ TEST(Plan, SaysThatOneWayAtOneSpeedOffsetBacklashAndLatencyAreAlike) {
   for (const char* one : {"offset", "backlash", "latency"})
     for (const char* other : {"offset", "backlash", "latency"})
       EXPECT_TRUE(one == std::string(other) || twins(find(turn, one), other)) << one << ' ' << other;
-  EXPECT_EQ(find(turn, "backlash").named, infinite);
+  EXPECT_EQ(find(turn, "backlash").identifiable, infinite);
   EXPECT_TRUE(twins(find(turn, "noise"), "timing_jitter"));
 }
 
 TEST(Plan, SaysThatReversalsAtSeveralSpeedsTellThemApart) {
   const PlannedJoint turn = plan(stage(4000, 50), {}, motion(to_and_fro(1, 0.4), 8), statistics()).joints[0];
   for (const char* one : {"offset", "backlash", "latency", "timing_jitter"}) {
-    EXPECT_FALSE(find(turn, one).has_twin()) << one;
-    EXPECT_LT(find(turn, one).named, infinite) << one;
+    EXPECT_FALSE(find(turn, one).has_inseparable()) << one;
+    EXPECT_LT(find(turn, one).identifiable, infinite) << one;
   }
 }
 
@@ -95,11 +95,11 @@ TEST(Plan, SaysThatLessThanATurnOfTheEncoderMakesEccentricityAScaleOrAnOffset) {
 TEST(Plan, SaysThatTwoShaftsWithAWholeRatioShareTheirOrders) {
   const PlannedJoint turn = plan(stage(4000, 3), {}, motion(to_and_fro(2, 0.4), 8), statistics()).joints[0];
   const PlannedEffect& disc = find(turn, "eccentricity", "encoder");
-  const auto third = std::find_if(disc.rivals.begin(), disc.rivals.end(), [](const Rival& r) {
+  const auto third = std::find_if(disc.correlated.begin(), disc.correlated.end(), [](const CorrelatedEffect& r) {
     return r.effect.number("order") == 3 && r.effect.choices.at("shaft") == "joint";
   });
-  ASSERT_NE(third, disc.rivals.end());
-  EXPECT_TRUE(third->twin());
+  ASSERT_NE(third, disc.correlated.end());
+  EXPECT_TRUE(third->inseparable());
   EXPECT_NEAR(third->correlation, 1, 1e-9);
 }
 
@@ -112,7 +112,7 @@ TEST(Plan, NeedsSizesThatShrinkWithTheRootOfTheNumberOfReadings) {
   EXPECT_NEAR(many.readings / few.readings, 4, 0.02);
   for (const char* type : {"offset", "backlash", "latency", "eccentricity"}) {
     // The threshold grows with log n alone.
-    EXPECT_NEAR(find(few, type).seen / find(many, type).seen, 2, 0.15) << type;
+    EXPECT_NEAR(find(few, type).detectable / find(many, type).detectable, 2, 0.15) << type;
   }
 }
 
@@ -125,7 +125,7 @@ TEST(Plan, CountsTheReadingsOfLongMotionsWithoutLookingAtAll) {
                      other = plan(stage(4000, 50), {}, m, part).joints[0];
   EXPECT_NEAR(other.readings, one.readings, 0.02 * one.readings);
   for (const char* type : {"offset", "scale", "latency", "eccentricity"})
-    EXPECT_NEAR(find(other, type).seen, find(one, type).seen, 0.03 * find(one, type).seen) << type;
+    EXPECT_NEAR(find(other, type).detectable, find(one, type).detectable, 0.03 * find(one, type).detectable) << type;
 }
 
 TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
@@ -135,7 +135,7 @@ TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
     PlanOptions o = statistics();
     o.reference_noise = noise;
     return find(plan(stage(4000, 50), {}, motion(to_and_fro(1, 0.4), 8), o).joints[0], "offset")
-        .seen_counts();
+        .detectable_counts();
   };
   double integral = 0;
   for (double z = -8; z < 8; z += 1e-3) {
@@ -167,8 +167,8 @@ TEST(Plan, KnowsABetterMotionThatStaysInTheLimitsAndNamesWhatThisOneCannot) {
   EXPECT_GE(range(0, 0), -3);
   EXPECT_LE(range(0, 1), 3);
   for (const char* type : {"offset", "backlash", "latency"}) {
-    EXPECT_EQ(find(p.joints[0], type).named, infinite) << type;
-    EXPECT_LT(find(p.joints_better[0], type).named, infinite) << type;
+    EXPECT_EQ(find(p.joints[0], type).identifiable, infinite) << type;
+    EXPECT_LT(find(p.joints_better[0], type).identifiable, infinite) << type;
   }
   const MotionPath path(*p.better);
   for (double t = 0; t < 4; t += 0.01) EXPECT_LE(std::abs(path.at(0, t).velocity), 4) << t;
@@ -184,8 +184,8 @@ TEST(Plan, HearsTheNoiseThatTheSpecHas) {
   const OperationalModel model = stage(4000, 50);
   const Effect noise{"noise", "turn", {{"sigma", model.transmission.encoders[0].resolution}}, {}};
   const Motion m = motion(to_and_fro(1, 0.4), 8);
-  const double quiet = find(plan(model, {}, m, statistics()).joints[0], "offset").seen,
-               loud = find(plan(model, {noise}, m, statistics()).joints[0], "offset").seen;
+  const double quiet = find(plan(model, {}, m, statistics()).joints[0], "offset").detectable,
+               loud = find(plan(model, {noise}, m, statistics()).joints[0], "offset").detectable;
   EXPECT_GT(loud, 3 * quiet);
 }
 

@@ -17,93 +17,93 @@ enum class Verdict { nothing_wrong, explained, partly_explained, ambiguous, unex
 /// "nothing_wrong", ...
 std::string_view name(Verdict);
 
-/// One thing that measured data and the simulation of the model were compared by.
+/// One statistic by which the measured data are compared with simulations of the model.
 struct Comparison {
   std::string joint;      ///< or a coordinate of the tip
-  std::string statistic;  ///< mean, sigma_ratio, uniformity, autocorrelation, ...
+  std::string statistic;  ///< mean, sigma_ratio, uniformity, autocorrelation, ... (residual_statistics.hpp)
   double observed = 0;
-  double expected = 0;  ///< mean of the surrogates
-  double p_value = 1;
+  double expected = 0;  ///< mean of the simulations
+  double p_value = 1;   ///< corrected for the number of comparisons (Bonferroni)
 };
 
-/// A number that was fitted, with its 95 % interval [SI].
+/// A fitted parameter with its 95 % interval [SI].
 struct FoundParameter {
   std::string name;
   double value = 0, lower = 0, upper = 0;
 };
 
-/// Root mean squares of the residual measured - reference, means included and quantization left in. NaN:
-/// not known.
+/// Reduction of the residual measured - reference by the extended model, as root mean squares that include
+/// the mean and the quantization error. NaN: unknown.
 struct Gain {
   double rms_before = 0, rms_after = 0;
-  bool held_out = false;        ///< after: by a model that was fitted to other blocks of the record
-  double lower = 0, upper = 0;  ///< 95 % interval of before/after, by the blocks (bootstrap)
+  bool held_out = false;        ///< rms_after is of blocks to which the model was not fitted
+  double lower = 0, upper = 0;  ///< 95 % interval of before/after (block bootstrap), with the ratio in it
   double counts_before = std::nan(""), counts_after = std::nan("");  ///< in counts of each encoder
-  double sigma_ratio = std::nan("");  ///< rms of the rest, over what the extended model predicts
-  double log_score = std::nan("");    ///< gain in log-likelihood per reading
-  double coverage = std::nan("");     ///< part of the readings inside the model's central 95 %
+  double sigma_ratio = std::nan("");  ///< rms of the residual over that predicted by the extended model
+  double log_score = std::nan("");    ///< increase of the log-likelihood per reading
+  double coverage = std::nan("");     ///< share of the readings in the model's central 95 % interval
   std::string unit = "rad";           ///< of the rms values; m: of the tip, or of prismatic joints alone
   bool of_tip = false;                ///< per coordinate of the tip; else per reading of encoders
 
   double ratio() const { return rms_after > 0 ? rms_before / rms_after : 1; }
 };
 
-/// A cause by its name.
+/// An identified cause of the residual.
 struct Cause {
-  Effect effect;  ///< ready to stand in the spec's `effects:`
+  Effect effect;  ///< as an entry of the spec's `effects:`
   std::vector<FoundParameter> parameters;
-  double p_value = 1;  ///< of no such effect, under control for the number of hypotheses
-  Gain gain;           ///< of its joint, or of the tip where that is what it was seen by
-  double rms = 0;      ///< of what it adds to the readings [rad or m]; 0: not known
+  double p_value = 1;  ///< of the hypothesis without the effect, corrected for the number of hypotheses
+  Gain gain;           ///< at its joint, or at the tip if the cause was found there
+  double rms = 0;      ///< of its contribution to the readings [rad or m]; 0: unknown
 };
 
-/// What could be instead of a cause, and what to record to tell them apart.
+/// An effect that may be the cause instead of another one, and what to record to distinguish them.
 struct AlternativeCause {
   std::string instead_of, effect, joint, record;
 };
 
-/// Something real without a name.
+/// A significant part of the residual that no effect of the catalogue explains.
 struct Unidentified {
   std::string joint;
-  std::string what;                 ///< "periodic in the joint angle", "slow in time", "vibrates", ...
+  std::string what;                 ///< "periodic in the joint angle", "slow in time", ...
   std::optional<double> order;      ///< periods per revolution of the joint (or per metre)
   std::optional<double> frequency;  ///< [Hz]
   double amplitude = 0;             ///< [rad or m]
 };
 
-/// What a log says about the model of its robot.
+/// Comparison of a log with the model of its robot.
 struct Diagnosis {
   Verdict verdict = Verdict::cannot_judge;
-  std::string reason;  ///< of cannot_judge: what would suffice; else ""
+  std::string reason;  ///< of cannot_judge, and what to record; else ""
   std::vector<Comparison> simulation;
-  std::vector<Cause> causes;  ///< by the variance they remove
+  std::vector<Cause> causes;  ///< in descending order of the variance that they explain
   std::vector<AlternativeCause> alternatives;
   std::vector<Unidentified> unexplained;
-  Gain gain;  ///< over all judged joints; of the tip where no joint has a reference
+  Gain gain;  ///< over all joints with a verdict; of the tip if no joint has a reference
   std::vector<std::string> warnings;
 };
 
-/// How a log is judged. What is found does not depend on the threads, and causes not on the seed.
+/// The result does not depend on the number of threads, and the causes not on the seed.
 struct DiagnoseOptions {
-  std::uint64_t seed =
-      1;                 ///< of the simulations that residuals are held against, and of the gain's intervals
-  unsigned threads = 0;  ///< 0: as many as the machine has
+  std::uint64_t seed = 1;  ///< of the simulations and of the bootstrap
+  unsigned threads = 0;    ///< 0: one per core
 };
 
-/// Holds a log against the model: what its simulation gets wrong, the causes, what the extended model gains.
+/// Compares a log with the model: what the simulation of the model gets wrong, which effects are the cause,
+/// and the improvement with the extended model.
 ///
-/// The residual of an encoder is measured - reference [rad or m], in its own coordinate; that of the tip is
-/// forward kinematics of the measured joints - tracked tip [m], for causes that no joint's reference shows.
-/// Every cause is tested against the log's own likelihood, in which quantization is exact (Explanation), and
-/// the gain is of blocks that the model was not fitted to.
+/// The residual of an encoder is measured - reference [rad or m] in the encoder's coordinate. That of the tip
+/// is forward kinematics of the measured joints - tracked tip [m]; it shows causes that no joint's reference
+/// shows. Causes are tested with the likelihood of the quantized readings (interval_likelihood.hpp), and the
+/// gain is computed on blocks to which the model was not fitted.
 ///
-/// Assumed is that references have white noise of their own beside the encoders' errors, that joints move on
-/// paths which are smooth from row to row, and that the rows of a log with time follow each other. A log that
-/// does not say enough (fewer than 30 rows, no reference that moves, references noisier than 0.3 counts) is
-/// no error: the verdict is `cannot_judge`, with the reason.
+/// It is assumed that references have white noise, independent of the encoders' errors, that joints move on
+/// paths that are smooth from row to row, and that the rows of a log with time are consecutive. An
+/// insufficient log (fewer than 30 rows, no reference that moves, references noisier than 0.3 counts) is not
+/// an error: the verdict is `cannot_judge`, with the reason.
 ///
-/// @param filters  of the spec; those of the first derivative are held against JOINT.velocity
-/// @param present  effects that the spec already has: the model is to be judged with them
+/// @param filters  of the spec; those of the first derivative are compared with JOINT.velocity
+/// @param present  effects that the spec has: they are part of the model
 /// @param log      with its values; rows x columns finite, times increasing, as read_log has checked
 /// @throws std::out_of_range for an effect in `present` that is not in the catalogue; specs are checked when
 ///   they are read

@@ -11,15 +11,16 @@ namespace qerr {
 
 namespace {
 
-constexpr double margin = 0.05;  ///< of the range, left free at either end
+constexpr double margin = 0.05;      ///< share of the range that is kept free at either end
+constexpr double speed_share = 0.8;  ///< of the velocity limit
 
-/// How far and how fast a joint may go.
-struct Room {
-  double low = 0, high = 0, speed = 0;  ///< speed 0: not known
+/// Range and highest speed of a joint in a candidate motion.
+struct MotionRange {
+  double low = 0, high = 0, speed = 0;  ///< speed 0: unknown
 };
 
-Room room(const IndependentJoint& joint, double now_low, double now_high, double now_speed) {
-  Room r{now_low, now_high, now_speed};
+MotionRange motion_range(const IndependentJoint& joint, double now_low, double now_high, double now_speed) {
+  MotionRange r{now_low, now_high, now_speed};
   if (joint.limits) {
     const double kept = margin * (joint.limits->upper - joint.limits->lower);
     r.low = std::min(now_low, joint.limits->lower + kept);
@@ -30,24 +31,24 @@ Room room(const IndependentJoint& joint, double now_low, double now_high, double
     r.high = std::max(now_high, middle + 2 * std::numbers::pi);
   }
   if (joint.velocity_limit && *joint.velocity_limit > 0)
-    r.speed = std::max(now_speed, 0.8 * *joint.velocity_limit);
+    r.speed = std::max(now_speed, speed_share * *joint.velocity_limit);
   return r;
 }
 
-/// To and fro over a part of the room, about once or several times in the duration.
-JointMotion moves(const Room& r, double part, double cycles, double duration) {
+/// Moves in both directions over a part of the range, repeated `cycles` times in the duration.
+JointMotion moves(const MotionRange& r, double part, double cycles, double duration) {
   const double middle = 0.5 * (r.low + r.high), half = 0.5 * part * (r.high - r.low);
-  // Legs in parts of half the range, and speeds in parts of the highest one.
+  // Targets relative to half the range, and speeds relative to the highest one.
   constexpr double legs[][2] = {{1, 1},      {-0.93, 0.6}, {0.31, 0.27}, {-0.47, 1},
                                 {0.77, 0.6}, {-1, 1},      {-0.2, 0.27}};
-  double way = 0, from = -0.2;
+  double path = 0, from = -0.2;  // length of the legs, weighted with 1/speed
   for (const auto& [to, speed] : legs) {
-    way += std::abs(to - from) / speed;
+    path += std::abs(to - from) / speed;
     from = to;
   }
   const double dwell = 0.015 * duration / cycles, ramp = 0.02 * duration / cycles;
-  const double left = duration / cycles * 0.97 - 7 * (dwell + ramp);
-  const double fast = std::min(r.speed > 0 ? r.speed : half * way / left, half * way / left);
+  const double moving = duration / cycles * 0.97 - 7 * (dwell + ramp);
+  const double fast = std::min(r.speed > 0 ? r.speed : half * path / moving, half * path / moving);
   JointMotion m;
   m.center = rounded_to(middle - 0.2 * half, 3);
   for (const auto& [to, speed] : legs) {
@@ -58,8 +59,8 @@ JointMotion moves(const Room& r, double part, double cycles, double duration) {
   return m;
 }
 
-/// A slow sine over the range and faster ones on it.
-JointMotion sines(const Room& r, double part, double cycles, double duration) {
+/// A slow sine over the range, and two smaller, faster ones.
+JointMotion sines(const MotionRange& r, double part, double cycles, double duration) {
   const double half = 0.5 * part * (r.high - r.low);
   constexpr double amplitudes[] = {0.72, 0.2, 0.08}, rates[] = {1, 3.37, 7.73};
   double f = cycles / duration, speed = 0;
@@ -72,7 +73,7 @@ JointMotion sines(const Room& r, double part, double cycles, double duration) {
   return m;
 }
 
-/// Rounding may have led out of the limits.
+/// Rounding may have exceeded the limits.
 bool within(const IndependentJoint& joint, const JointMotion& m, const Motion& like) {
   if (!joint.limits) return true;
   Motion one = like;
@@ -94,7 +95,7 @@ std::vector<std::vector<JointMotion>> better_motions(const OperationalModel& mod
     for (int k = 0; k <= 1000; ++k)
       speed = std::max(speed, std::abs(path.at(j, motion.duration * k / 1000).velocity));
     const auto row = static_cast<Eigen::Index>(j);
-    const Room r = room(joint, range(row, 0), range(row, 1), speed);
+    const MotionRange r = motion_range(joint, range(row, 0), range(row, 1), speed);
     std::vector<JointMotion>& list = all.emplace_back();
     if (!(r.high > r.low)) continue;
     const double now = (range(row, 1) - range(row, 0)) / (r.high - r.low);

@@ -7,13 +7,13 @@
 
 namespace qerr {
 
-/// Motions of the same length and rate that a joint could do instead, the modest ones first: moves at three
-/// speeds to and fro with rests between, and sums of sines, over parts of what limits allow; rounded to
-/// figures that a person writes.
+/// Candidate motions of every joint with the duration and rate of a given motion, in order of increasing
+/// range: point-to-point moves at three speeds in both directions with dwells between them, and sums of
+/// sines. Numbers are rounded to three digits.
 ///
-/// Limits and speeds are the URDF's; where it has none, a joint goes as far and as fast as it does now, a
-/// revolute one without limits one turn to either side.
-/// @returns one list per joint; empty for joints that cannot be told how far they may go
+/// Ranges and speeds are within the URDF's limits. Without limits a revolute joint moves by up to one
+/// revolution to either side, another joint as far, and any joint as fast, as in the given motion.
+/// @returns one list per joint; empty for joints whose range is unknown
 std::vector<std::vector<JointMotion>> better_motions(const OperationalModel&, const Motion&);
 
 }  // namespace qerr

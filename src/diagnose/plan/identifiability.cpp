@@ -16,20 +16,20 @@ namespace {
 
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-double least_eigenvalue(const Eigen::MatrixXd& m) {
+double smallest_eigenvalue(const Eigen::MatrixXd& m) {
   return m.size() == 1 ? m(0, 0) : symmetric_eigenvalues(m).minCoeff();
 }
 
-/// Least of u^T a u / u^T b u.
-double least_ratio(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+/// Smallest value of u^T a u / u^T b u over all u.
+double smallest_ratio(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
   if (a.size() == 1) return b(0, 0) > 0 ? a(0, 0) / b(0, 0) : 0;
-  if (least_eigenvalue(b) <= 1e-12 * b.trace()) return 0;
+  if (smallest_eigenvalue(b) <= 1e-12 * b.trace()) return 0;
   return symmetric_eigenvalues(a, b).minCoeff();
 }
 
 bool periodic(const Term& t) { return t.effect.numbers.contains("order"); }
 
-/// The parameter that a coefficient is.
+/// The effect's parameter to which a coefficient corresponds.
 std::string parameter_of(const Term& t, Eigen::Index column) {
   Effect filled = t.effect;
   t.fill(filled, Eigen::VectorXd::Unit(t.size(), column));
@@ -45,7 +45,7 @@ double square(double x) { return x * x; }
 
 }  // namespace
 
-Sight::Sight(const PlannedRecord& record, const PlanOptions& options)
+Identifiability::Identifiability(const PlannedRecord& record, const PlanOptions& options)
     : record_(record), options_(options), readings_(record.weight.sum()) {
   const Evidence& e = record.evidence;
   const double random_sigma = rms(e.random_sigma);
@@ -64,110 +64,118 @@ Sight::Sight(const PlannedRecord& record, const PlanOptions& options)
   normal_ = x.transpose() * record.weight.matrix().asDiagonal() * x;
 }
 
-std::vector<Sight::Face> Sight::faces(std::size_t term) const {
+std::vector<Identifiability::Coefficients> Identifiability::parameters_of(std::size_t term) const {
   const Eigen::Index size = terms_[term].size();
   if (periodic(terms_[term])) return {{term, first_[term], size}};
-  std::vector<Face> list;
+  std::vector<Coefficients> list;
   for (Eigen::Index i = 0; i < size; ++i) list.push_back({term, first_[term] + i, 1});
   return list;
 }
 
-/// Normal matrix of a face less what the constant (of an encoder whose zero is free) and another term can
-/// make of it. `other` beyond the last: no other.
-Eigen::MatrixXd Sight::beyond(const Face& f, std::size_t other) const {
-  const Eigen::MatrixXd own = normal_.block(f.first, f.first, f.size, f.size);
+/// Block of the normal matrix after projection on the orthogonal complement of the constant (if the encoder's
+/// zero is free) and of another term's columns.
+/// @param other  terms_.size(): none
+Eigen::MatrixXd Identifiability::remaining_normal(const Coefficients& parameter, std::size_t other) const {
+  const Eigen::MatrixXd own = normal_.block(parameter.first, parameter.first, parameter.size, parameter.size);
   std::vector<Eigen::Index> columns;
   if (!record_.evidence.encoder.zero_known) columns.push_back(0);
   if (other < terms_.size())
     for (Eigen::Index i = 0; i < terms_[other].size(); ++i) columns.push_back(first_[other] + i);
   if (columns.empty()) return own;
   Eigen::MatrixXd others = normal_(columns, columns);
-  Eigen::MatrixXd across = normal_(columns, Eigen::seqN(f.first, f.size));
-  // Units must not decide what is small.
+  Eigen::MatrixXd across = normal_(columns, Eigen::seqN(parameter.first, parameter.size));
+  // Scaled to unit diagonal: the threshold of the rank must not depend on units.
   const Eigen::VectorXd scale =
       others.diagonal().cwiseSqrt().unaryExpr([](double d) { return d > 0 ? 1 / d : 1; });
   others = scale.asDiagonal() * others * scale.asDiagonal();
   across = scale.asDiagonal() * across;
-  Eigen::MatrixXd left = own - across.transpose() * least_norm_solution(others, across, 1e-10);
-  // What is left of rounding is nothing.
-  if (left.trace() < 1e-9 * own.trace()) left.setZero();
-  return left;
+  Eigen::MatrixXd remaining = own - across.transpose() * least_norm_solution(others, across, 1e-10);
+  // Rounding errors.
+  if (remaining.trace() < 1e-9 * own.trace()) remaining.setZero();
+  return remaining;
 }
 
-/// What twice the log-likelihood ratio must exceed for the term to be chosen.
-double Sight::threshold(const Term& t) const {
+/// Twice the log-likelihood ratio above which `diagnose` selects a term: the significance level divided by
+/// the number of hypotheses (Bonferroni), its threshold for candidates, and the Bayesian criterion.
+double Identifiability::selection_threshold(const Term& t) const {
   const auto size = static_cast<double>(t.size());
   const double tests = static_cast<double>(terms_.size()) * (scanned(t) ? scanned_hypotheses : 1);
   return std::max({chi_squared_tail_quantile(options_.alpha / tests, size), 2 * worth_trying,
                    2 * worth_a_term + size * std::log(readings_)});
 }
 
-/// Size at which what it adds is loud enough: its rms, and for a name of its own its rms about its mean,
-/// which may be an offset's.
-double Sight::floor_of(const Face& f, bool own_name) const {
-  const Term& t = terms_[f.term];
+/// Size at which the rms of the contribution reaches the smallest reported one.
+/// @param about_mean  the rms about the mean, as the mean alone may be due to an offset
+double Identifiability::reportable_size(const Coefficients& parameter, bool about_mean) const {
+  const Term& t = terms_[parameter.term];
   const double least = (scanned(t) ? 2 : 1) * options_.least_amplitude;
-  const Eigen::MatrixXd square = normal_.block(f.first, f.first, f.size, f.size) / readings_;
-  const Eigen::VectorXd mean = normal_.block(f.first, 0, f.size, 1) / readings_;
-  const bool centred = (own_name && t.effect.type != "offset") || !record_.evidence.encoder.zero_known;
-  const double variance = least_eigenvalue(centred ? square - mean * mean.transpose() : square);
+  const Eigen::MatrixXd square =
+      normal_.block(parameter.first, parameter.first, parameter.size, parameter.size) / readings_;
+  const Eigen::VectorXd mean = normal_.block(parameter.first, 0, parameter.size, 1) / readings_;
+  const bool centred = (about_mean && t.effect.type != "offset") || !record_.evidence.encoder.zero_known;
+  const double variance = smallest_eigenvalue(centred ? square - mean * mean.transpose() : square);
   return variance > 1e-9 * square.trace() ? least / std::sqrt(variance) : infinite;
 }
 
-PlannedEffect Sight::seen_by(const Face& f) const {
-  const Term& t = terms_[f.term];
+PlannedEffect Identifiability::planned_effect(const Coefficients& parameter) const {
+  const Term& t = terms_[parameter.term];
   PlannedEffect p;
   p.effect = t.effect;
-  p.parameter = parameter_of(t, f.first - first_[f.term]);
+  p.parameter = parameter_of(t, parameter.first - first_[parameter.term]);
   if (scanned(t)) p.effect.numbers.erase("time");
-  p.counts_per_size = periodic(t) ? 1 / record_.evidence.step() : peak_[f.first];
-  const double need = noncentrality_for_power(threshold(t), static_cast<double>(t.size()), options_.power);
-  const double information = information_.position * least_eigenvalue(beyond(f, terms_.size()));
-  // What is estimated of a size scatters, and must be loud enough all the same.
-  const double surely = normal_quantile(options_.power);
+  p.counts_per_size = periodic(t) ? 1 / record_.evidence.step() : peak_[parameter.first];
+  const double need =
+      noncentrality_for_power(selection_threshold(t), static_cast<double>(t.size()), options_.power);
+  const double information =
+      information_.position * smallest_eigenvalue(remaining_normal(parameter, terms_.size()));
+  // The estimated size must exceed the smallest reported one with the same power.
+  const double deviations = normal_quantile(options_.power);
   if (information <= 0) return p;
-  const double from = std::sqrt(need / information), scatter = surely / std::sqrt(information);
-  p.seen = std::max(from, floor_of(f, false) + scatter);
-  p.named = std::max(p.seen, floor_of(f, true) + scatter);
-  // Counts are lost whole.
-  if (scanned(t)) p.seen = std::max(1.0, std::ceil(p.seen - 1e-9));
+  const double significant = std::sqrt(need / information), margin = deviations / std::sqrt(information);
+  p.detectable = std::max(significant, reportable_size(parameter, false) + margin);
+  p.identifiable = std::max(p.detectable, reportable_size(parameter, true) + margin);
+  // Only whole counts are lost.
+  if (scanned(t)) p.detectable = std::max(1.0, std::ceil(p.detectable - 1e-9));
   for (std::size_t other = 0; other < terms_.size(); ++other) {
-    if (other == f.term || same_but_for_time(t.effect, terms_[other].effect)) continue;
-    Rival r = rival_of(f, other);
-    if (square(r.correlation) <= worth_comparing) continue;
-    p.named = std::max(p.named, r.size);
-    p.rivals.push_back(std::move(r));
+    if (other == parameter.term || same_but_for_time(t.effect, terms_[other].effect)) continue;
+    CorrelatedEffect c = correlated_effect(parameter, other);
+    if (square(c.correlation) <= worth_comparing) continue;
+    p.identifiable = std::max(p.identifiable, c.separable_from);
+    p.correlated.push_back(std::move(c));
   }
-  if (scanned(t)) p.named = std::max(p.seen, std::ceil(p.named - 1e-9));
+  if (scanned(t)) p.identifiable = std::max(p.detectable, std::ceil(p.identifiable - 1e-9));
   return p;
 }
 
-Rival Sight::rival_of(const Face& f, std::size_t other) const {
-  const Term &t = terms_[f.term], &o = terms_[other];
-  Rival r;
+CorrelatedEffect Identifiability::correlated_effect(const Coefficients& parameter, std::size_t other) const {
+  const Term &t = terms_[parameter.term], &o = terms_[other];
+  CorrelatedEffect r;
   r.effect = o.effect;
   if (scanned(o)) r.effect.numbers.erase("time");
-  const Eigen::MatrixXd left = beyond(f, other);
-  const double part = 1 - std::clamp(least_ratio(left, beyond(f, terms_.size())), 0.0, 1.0);
-  r.correlation = std::sqrt(part);
+  const Eigen::MatrixXd remaining = remaining_normal(parameter, other);
+  const double reproduced =
+      1 - std::clamp(smallest_ratio(remaining, remaining_normal(parameter, terms_.size())), 0.0, 1.0);
+  r.correlation = std::sqrt(reproduced);
   r.record = record_advice(t.effect.type, o.effect.type);
-  if (part > nearly_as_good) return r;
-  const double price = static_cast<double>(t.size() - o.size()) * std::log(readings_);
-  const double need = noncentrality_for_power(std::max(4.0, 2 * cannot_be_told + price),
+  if (reproduced > nearly_as_good) return r;
+  const double penalty = static_cast<double>(t.size() - o.size()) * std::log(readings_);
+  const double need = noncentrality_for_power(std::max(4.0, 2 * cannot_be_told + penalty),
                                               static_cast<double>(t.size()), options_.power);
-  r.size = std::sqrt(need / (information_.position * least_eigenvalue(left)));
+  r.separable_from = std::sqrt(need / (information_.position * smallest_eigenvalue(remaining)));
   return r;
 }
 
-std::vector<PlannedEffect> Sight::effects() const {
+std::vector<PlannedEffect> Identifiability::effects() const {
   std::vector<PlannedEffect> list;
   for (std::size_t i = 0; i < terms_.size(); ++i) {
-    std::vector<PlannedEffect> sides;
-    for (const Face& f : faces(i)) sides.push_back(seen_by(f));
-    // Of several parameters the one that is hardest to name.
-    list.push_back(*std::max_element(sides.begin(), sides.end(), [](const auto& a, const auto& b) {
-      return std::pair(a.named_counts(), a.seen_counts()) < std::pair(b.named_counts(), b.seen_counts());
-    }));
+    std::vector<PlannedEffect> by_parameter;
+    for (const Coefficients& parameter : parameters_of(i)) by_parameter.push_back(planned_effect(parameter));
+    // Of several parameters the one that is identifiable from the largest size.
+    list.push_back(
+        *std::max_element(by_parameter.begin(), by_parameter.end(), [](const auto& a, const auto& b) {
+          return std::pair(a.identifiable_counts(), a.detectable_counts()) <
+                 std::pair(b.identifiable_counts(), b.detectable_counts());
+        }));
   }
   return list;
 }

@@ -2,40 +2,45 @@
 
 #include <vector>
 
-#include "diagnose/plan/detection.hpp"
 #include "diagnose/plan/planned_record.hpp"
+#include "diagnose/plan/reading_information.hpp"
 #include "diagnose/terms/term.hpp"
 #include "qerr/diagnose/plan.hpp"
 
 namespace qerr {
 
-/// How well one encoder's record shows the terms of the catalogue, and shows them apart.
+/// From which size on one encoder's record shows each term of the catalogue, and distinguishes it from
+/// others.
 ///
-/// All figures come from one normal matrix, X^T W X of all columns [counts] with the readings a row stands
-/// for as weights: the information of the columns, what others can make of them (a Schur complement), and
-/// their variance.
-class Sight {
+/// All figures follow from one normal matrix, X^T W X of the columns of all terms [counts], with the number
+/// of readings per row as weights: the information on the coefficients, the information that remains if other
+/// columns are fitted too (Schur complement), and the variance of the contributions.
+///
+/// The record must outlive this object.
+class Identifiability {
  public:
-  Sight(const PlannedRecord&, const PlanOptions&);
+  Identifiability(const PlannedRecord&, const PlanOptions&);
+  Identifiability(const Identifiability&) = delete;
+  Identifiability& operator=(const Identifiability&) = delete;
 
-  /// One for every named term, and one for a lost count in the middle of the record.
+  /// One for every term of the catalogue, and one for a lost count in the middle of the record.
   std::vector<PlannedEffect> effects() const;
 
   const ReadingInformation& information() const { return information_; }
   double readings() const { return readings_; }
 
  private:
-  /// Coefficients whose size is one number: a sine and its cosine, or a single column.
-  struct Face {
+  /// Coefficients with one common size: a sine and its cosine, or a single column.
+  struct Coefficients {
     std::size_t term = 0;
     Eigen::Index first = 0, size = 1;  ///< columns of the normal matrix
   };
-  std::vector<Face> faces(std::size_t term) const;
-  PlannedEffect seen_by(const Face&) const;
-  Rival rival_of(const Face&, std::size_t other) const;
-  Eigen::MatrixXd beyond(const Face&, std::size_t other) const;
-  double threshold(const Term&) const;
-  double floor_of(const Face&, bool own_name) const;
+  std::vector<Coefficients> parameters_of(std::size_t term) const;
+  PlannedEffect planned_effect(const Coefficients&) const;
+  CorrelatedEffect correlated_effect(const Coefficients&, std::size_t other) const;
+  Eigen::MatrixXd remaining_normal(const Coefficients&, std::size_t other) const;
+  double selection_threshold(const Term&) const;
+  double reportable_size(const Coefficients&, bool about_mean) const;
 
   const PlannedRecord& record_;
   PlanOptions options_;
@@ -43,8 +48,8 @@ class Sight {
   double readings_;
   std::vector<Term> terms_;
   std::vector<Eigen::Index> first_;  ///< column of each term
-  Eigen::VectorXd peak_;             ///< of each column [counts]
-  Eigen::MatrixXd normal_;           ///< the constant comes first
+  Eigen::VectorXd peak_;             ///< largest entry of each column [counts]
+  Eigen::MatrixXd normal_;           ///< the first column is the constant
 };
 
 }  // namespace qerr

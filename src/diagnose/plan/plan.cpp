@@ -11,15 +11,17 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index rows_of_a_trial = 4000;
-constexpr double of_a_twin = 30;        ///< times the size that is seen, when motions are compared
-constexpr double worth_changing = 0.1;  ///< mean log of the sizes over all effects
+constexpr Eigen::Index rows_of_a_trial = 4000;  ///< of a motion that is tried
+// Conventions for the comparison of motions:
+constexpr double inseparable_size = 30;   ///< size at which an inseparable effect counts, per detectable size
+constexpr double undetectable_size = 50;  ///< logarithm of the size at which an undetectable effect counts
+constexpr double least_improvement = 0.1;  ///< mean over all effects of the logarithm of their sizes
 
-void add_unseen(const Evidence& e, PlannedJoint& joint) {
+void add_undetectable(const Evidence& e, PlannedJoint& joint) {
   if (e.effort.size() == 0)
-    joint.unseen.push_back(
+    joint.undetectable.push_back(
         {"compliance", "the column " + e.joint + ".effort; the URDF has no masses to plan it with"});
-  joint.unseen.push_back({"drift with the temperature", "the column " + e.joint + ".temperature"});
+  joint.undetectable.push_back({"drift with the temperature", "the column " + e.joint + ".temperature"});
 }
 
 PlannedJoint planned_joint(const PlannedRecord& record, const PlanOptions& options) {
@@ -28,10 +30,11 @@ PlannedJoint planned_joint(const PlannedRecord& record, const PlanOptions& optio
   joint.moves = e.path.maxCoeff() - e.path.minCoeff() >= e.step();
   joint.readings = record.weight.sum();
   if (!joint.moves) return joint;
-  const Sight sight(record, options);
-  joint.effects = sight.effects();
-  for (PlannedEffect& p : planned_scatter(record, sight, options)) joint.effects.push_back(std::move(p));
-  add_unseen(e, joint);
+  const Identifiability identifiability(record, options);
+  joint.effects = identifiability.effects();
+  for (PlannedEffect& p : planned_scatter(record, identifiability, options))
+    joint.effects.push_back(std::move(p));
+  add_undetectable(e, joint);
   return joint;
 }
 
@@ -44,32 +47,34 @@ std::vector<PlannedJoint> planned_joints(const OperationalModel& model, const st
   return joints;
 }
 
-/// Sum of the logs of the sizes from which effects are named; twins count as large.
+/// Sum of the logarithms of the sizes from which effects are identifiable.
 double difficulty(const PlannedJoint& joint) {
   double sum = 0;
   for (const PlannedEffect& p : joint.effects) {
-    const double size = std::isfinite(p.named) ? std::min(p.named, of_a_twin * p.seen) : of_a_twin * p.seen;
-    sum += std::isfinite(size) ? std::log(size) : 50;
+    const double size = std::isfinite(p.identifiable)
+                            ? std::min(p.identifiable, inseparable_size * p.detectable)
+                            : inseparable_size * p.detectable;
+    sum += std::isfinite(size) ? std::log(size) : undetectable_size;
   }
   return sum;
 }
 
-/// Whether a joint's record says clearly more than another.
-bool says_more(const PlannedJoint& a, const PlannedJoint& than) {
+/// Whether one record of a joint is clearly more informative than another.
+bool is_better(const PlannedJoint& a, const PlannedJoint& than) {
   if (!a.moves || !than.moves) return a.moves;
-  return difficulty(a) < difficulty(than) - worth_changing * static_cast<double>(a.effects.size());
+  return difficulty(a) < difficulty(than) - least_improvement * static_cast<double>(a.effects.size());
 }
 
-/// Every joint does the best of its motions, or what it did where none is clearly better. The records of one
-/// joint do not depend on what the others do but for its load and a coupling.
+/// Chooses the best of its candidate motions for every joint, or the given motion if none is clearly better.
+/// Joints are chosen independently: the record of one depends on the others only by its load and a coupling.
 void improve(const OperationalModel& model, const std::vector<Effect>& present, const Motion& motion,
              Plan& plan) {
   const auto candidates = better_motions(model, motion);
-  const bool tabled = motion.joints.empty();
+  const bool from_file = motion.joints.empty();
   Motion best = motion;
   best.table = {};
   best.file.clear();
-  if (tabled) best.joints.resize(candidates.size());
+  if (from_file) best.joints.resize(candidates.size());
   std::vector<PlannedJoint> record = planned_joints(model, present, motion, plan.options, rows_of_a_trial);
   std::vector<bool> changed(candidates.size(), false);
   std::size_t most = 0;
@@ -80,15 +85,15 @@ void improve(const OperationalModel& model, const std::vector<Effect>& present, 
       if (i < candidates[j].size()) trial.joints[j] = candidates[j][i];
     const auto joints = planned_joints(model, present, trial, plan.options, rows_of_a_trial);
     for (std::size_t j = 0; j < candidates.size(); ++j)
-      if (i < candidates[j].size() && says_more(joints[j], record[j])) {
+      if (i < candidates[j].size() && is_better(joints[j], record[j])) {
         record[j] = joints[j];
         best.joints[j] = trial.joints[j];
         changed[j] = true;
       }
   }
-  // A motion from a file cannot be mixed with written ones.
+  // A table of positions cannot be combined with other motions.
   for (std::size_t j = 0; j < changed.size(); ++j)
-    if (tabled && !changed[j] && plan.joints[j].moves) return;
+    if (from_file && !changed[j] && plan.joints[j].moves) return;
   for (std::size_t j = 0; j < changed.size(); ++j)
     if (changed[j]) plan.changed.push_back(j);
   if (plan.changed.empty()) return;

@@ -14,18 +14,18 @@ namespace qerr {
 namespace {
 
 /// Encoder coordinates, their velocities and the joints' efforts at every row.
-struct Passage {
+struct SampledMotion {
   Eigen::ArrayXd time;
-  Eigen::MatrixXd position, velocity, effort;  ///< encoders x rows; effort empty where it is not known
-  double every = 1;                            ///< samples that a row stands for
+  Eigen::MatrixXd position, velocity, effort;  ///< encoders x rows; effort empty if unknown
+  double samples_per_row = 1;
 };
 
-Passage passage(const OperationalModel& model, const Motion& motion, Eigen::Index most) {
+SampledMotion sampled(const OperationalModel& model, const Motion& motion, Eigen::Index most_rows) {
   const MotionPath path(motion);
   const double samples = std::max(1.0, std::floor(motion.duration * motion.sample_rate + 0.5));
-  Passage c;
-  c.every = std::ceil(samples / static_cast<double>(most));
-  const auto rows = static_cast<Eigen::Index>(std::ceil(samples / c.every));
+  SampledMotion c;
+  c.samples_per_row = std::ceil(samples / static_cast<double>(most_rows));
+  const auto rows = static_cast<Eigen::Index>(std::ceil(samples / c.samples_per_row));
   const auto n = static_cast<Eigen::Index>(path.joints());
   const bool masses = has_masses(model.chain);
   c.time.resize(rows);
@@ -34,7 +34,7 @@ Passage passage(const OperationalModel& model, const Motion& motion, Eigen::Inde
   if (masses) c.effort.resize(n, rows);
   Eigen::VectorXd acceleration(n);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    c.time[k] = static_cast<double>(k) * c.every / motion.sample_rate;
+    c.time[k] = static_cast<double>(k) * c.samples_per_row / motion.sample_rate;
     for (Eigen::Index j = 0; j < n; ++j) {
       const JointState state = path.at(static_cast<std::size_t>(j), c.time[k]);
       c.position(j, k) = state.position;
@@ -50,20 +50,20 @@ Passage passage(const OperationalModel& model, const Motion& motion, Eigen::Inde
   return c;
 }
 
-/// Of the samples between two rows those count that have moved on.
-Eigen::ArrayXd weights(const Evidence& e, double every) {
+/// Independent readings per row: samples that are farther apart than the noise of the reference.
+Eigen::ArrayXd weights(const Evidence& e, double samples_per_row) {
   Eigen::ArrayXd w = Eigen::ArrayXd::Ones(e.rows());
-  const double apart = std::max(e.noise, 0.05 * e.step());
+  const double distinct = std::max(e.noise, 0.05 * e.step());
   for (Eigen::Index k = 0; k + 1 < e.rows(); ++k)
-    w[k] = std::clamp(std::abs(e.path[k + 1] - e.path[k]) / apart, 1.0, every);
+    w[k] = std::clamp(std::abs(e.path[k + 1] - e.path[k]) / distinct, 1.0, samples_per_row);
   return w;
 }
 
 }  // namespace
 
 std::vector<PlannedRecord> planned_records(const OperationalModel& model, const std::vector<Effect>& present,
-                                           const Motion& motion, double noise, Eigen::Index most) {
-  const Passage c = passage(model, motion, most);
+                                           const Motion& motion, double noise, Eigen::Index most_rows) {
+  const SampledMotion c = sampled(model, motion, most_rows);
   std::vector<PlannedRecord> records;
   for (std::size_t i = 0; i < model.chain.independent.size(); ++i) {
     const auto row = static_cast<Eigen::Index>(i);
@@ -82,7 +82,7 @@ std::vector<PlannedRecord> planned_records(const OperationalModel& model, const 
     e = with_effects(std::move(e), present);
     e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
     e = group_means(e, independent_rows(e, e.rows()));
-    const Eigen::ArrayXd weight = weights(e, c.every);
+    const Eigen::ArrayXd weight = weights(e, c.samples_per_row);
     records.push_back({std::move(e), weight});
   }
   return records;

@@ -8,16 +8,16 @@
 
 namespace qerr {
 
-/// What one encoder would record along a motion, rows that say the same taken together.
+/// The record of one encoder along a planned motion.
 struct PlannedRecord {
-  Evidence evidence;
-  Eigen::ArrayXd weight;  ///< readings that a row stands for
+  Evidence evidence;      ///< rows that are not independent are merged
+  Eigen::ArrayXd weight;  ///< independent readings per row
 };
 
-/// Of every encoder, its joints having a reference.
-/// @param noise  of the reference [counts]
-/// @param most   rows that are looked at, evenly over the motion
+/// Records of all encoders, with references at all joints.
+/// @param noise      of the reference [counts]
+/// @param most_rows  evaluated, evenly over the motion
 std::vector<PlannedRecord> planned_records(const OperationalModel&, const std::vector<Effect>& present,
-                                           const Motion&, double noise, Eigen::Index most);
+                                           const Motion&, double noise, Eigen::Index most_rows);
 
 }  // namespace qerr

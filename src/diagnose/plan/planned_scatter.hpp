@@ -6,8 +6,8 @@
 
 namespace qerr {
 
-/// How well a record shows what widens the readings instead of moving them: noise, jitter of the clock,
-/// unequal quadrature states.
-std::vector<PlannedEffect> planned_scatter(const PlannedRecord&, const Sight&, const PlanOptions&);
+/// Sizes from which a record shows the effects that add random errors or widen the distribution of the
+/// readings without shifting it: noise, jitter of the sampling, unequal quadrature states.
+std::vector<PlannedEffect> planned_scatter(const PlannedRecord&, const Identifiability&, const PlanOptions&);
 
 }  // namespace qerr

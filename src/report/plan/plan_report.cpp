@@ -26,33 +26,34 @@ Json effect_json(const Effect& e) {
 Json joints_json(const std::vector<PlannedJoint>& joints) {
   Json list = Json::array();
   for (const PlannedJoint& joint : joints) {
-    Json effects = Json::array(), unseen = Json::array();
+    Json effects = Json::array(), undetectable = Json::array();
     for (const PlannedEffect& p : joint.effects) {
-      Json rivals = Json::array(), entry = effect_json(p.effect);
-      for (const Rival& r : p.rivals) {
-        Json rival = effect_json(r.effect);
-        rival["correlation"] = number(r.correlation);
-        rival["told_apart"] = number(r.size);
-        rival["record"] = r.record;
-        rivals.push_back(rival);
+      Json correlated = Json::array(), entry = effect_json(p.effect);
+      for (const CorrelatedEffect& r : p.correlated) {
+        Json other = effect_json(r.effect);
+        other["correlation"] = number(r.correlation);
+        other["told_apart"] = number(r.separable_from);
+        other["record"] = r.record;
+        correlated.push_back(other);
       }
       entry["parameter"] = p.parameter;
       entry["unit"] = size_unit(p, joint.prismatic);
-      entry["seen"] = number(p.seen);
-      entry["named"] = number(p.named);
-      entry["seen_counts"] = number(p.seen_counts());
-      entry["named_counts"] = number(p.named_counts());
-      entry["alike"] = rivals;
+      entry["seen"] = number(p.detectable);
+      entry["named"] = number(p.identifiable);
+      entry["seen_counts"] = number(p.detectable_counts());
+      entry["named_counts"] = number(p.identifiable_counts());
+      entry["alike"] = correlated;
       effects.push_back(entry);
     }
-    for (const Unseen& u : joint.unseen) unseen.push_back({{"effect", u.effect}, {"needs", u.needs}});
+    for (const UndetectableEffect& u : joint.undetectable)
+      undetectable.push_back({{"effect", u.effect}, {"needs", u.required}});
     list.push_back({{"joint", joint.joint},
                     {"unit", joint.prismatic ? "m" : "rad"},
                     {"resolution", joint.resolution},
                     {"moves", joint.moves},
                     {"readings", number(joint.readings)},
                     {"effects", effects},
-                    {"unseen", unseen}});
+                    {"unseen", undetectable}});
   }
   return list;
 }
@@ -62,16 +63,16 @@ void add_rows(std::string& out, const char* motion, const std::vector<PlannedJoi
   for (const PlannedJoint& joint : joints)
     for (const PlannedEffect& p : joint.effects) {
       std::string twins;
-      for (const Rival& r : p.rivals)
-        if (r.twin()) twins += (twins.empty() ? "" : "; ") + family_of(r.effect);
+      for (const CorrelatedEffect& r : p.correlated)
+        if (r.inseparable()) twins += (twins.empty() ? "" : "; ") + family_of(r.effect);
       const auto shaft = p.effect.choices.find("shaft");
       out += std::string(motion) + ',' + csv_cell(joint.joint) + ',' + p.effect.type + ',' +
              (shaft == p.effect.choices.end() ? "" : shaft->second) + ',' +
              (p.effect.numbers.contains("order") ? shortest(p.effect.number("order")) : "") + ',' +
              (p.effect.numbers.contains("time_constant") ? shortest(p.effect.number("time_constant")) : "") +
-             ',' + p.parameter + ',' + cell(p.seen) + ',' + cell(p.named) + ',' +
-             size_unit(p, joint.prismatic) + ',' + cell(p.seen_counts()) + ',' + cell(p.named_counts()) +
-             ',' + csv_cell(twins) + "\r\n";
+             ',' + p.parameter + ',' + cell(p.detectable) + ',' + cell(p.identifiable) + ',' +
+             size_unit(p, joint.prismatic) + ',' + cell(p.detectable_counts()) + ',' +
+             cell(p.identifiable_counts()) + ',' + csv_cell(twins) + "\r\n";
     }
 }
 

@@ -19,7 +19,7 @@ std::string shown(const std::string& name) { return escaped(name, 40); }
 
 /// Of all orders and time constants of one family the one that is hardest to see, and to name.
 struct Cell {
-  double seen = 0, named = 0;  // [counts]
+  double detectable = 0, identifiable = 0;  // [counts]
 };
 
 std::optional<Cell> cell_of(const PlannedJoint& joint, const std::string& family) {
@@ -27,16 +27,17 @@ std::optional<Cell> cell_of(const PlannedJoint& joint, const std::string& family
   for (const PlannedEffect& p : joint.effects) {
     if (family_of(p.effect) != family) continue;
     if (!worst) worst.emplace();
-    worst->seen = std::max(worst->seen, p.seen_counts());
-    worst->named = std::max(worst->named, p.named_counts());
+    worst->detectable = std::max(worst->detectable, p.detectable_counts());
+    worst->identifiable = std::max(worst->identifiable, p.identifiable_counts());
   }
   return worst;
 }
 
 std::string text_of(const std::optional<Cell>& cell) {
   if (!cell) return "";
-  if (!std::isfinite(cell->seen)) return "none";
-  return std::isfinite(cell->named) ? significant(cell->named, 2) : significant(cell->seen, 2) + " ?";
+  if (!std::isfinite(cell->detectable)) return "none";
+  return std::isfinite(cell->identifiable) ? significant(cell->identifiable, 2)
+                                           : significant(cell->detectable, 2) + " ?";
 }
 
 std::vector<std::string> families(const std::vector<PlannedJoint>& joints) {
@@ -65,8 +66,8 @@ std::string matrix(const std::vector<PlannedJoint>& joints) {
 std::set<std::pair<std::string, std::string>> pairs(const PlannedJoint& joint) {
   std::set<std::pair<std::string, std::string>> found;
   for (const PlannedEffect& p : joint.effects)
-    for (const Rival& r : p.rivals)
-      if (r.twin()) {
+    for (const CorrelatedEffect& r : p.correlated)
+      if (r.inseparable()) {
         const std::string a = family_of(p.effect), b = family_of(r.effect);
         if (!found.contains({b, a})) found.insert({a, b});
       }
@@ -76,9 +77,9 @@ std::set<std::pair<std::string, std::string>> pairs(const PlannedJoint& joint) {
 std::string record_for(const std::vector<PlannedJoint>& joints, const std::string& a, const std::string& b) {
   for (const PlannedJoint& joint : joints)
     for (const PlannedEffect& p : joint.effects)
-      for (const Rival& r : p.rivals)
-        if (r.twin() && ((family_of(p.effect) == a && family_of(r.effect) == b) ||
-                         (family_of(p.effect) == b && family_of(r.effect) == a)))
+      for (const CorrelatedEffect& r : p.correlated)
+        if (r.inseparable() && ((family_of(p.effect) == a && family_of(r.effect) == b) ||
+                                (family_of(p.effect) == b && family_of(r.effect) == a)))
           return r.record;
   return "";
 }
@@ -108,7 +109,7 @@ std::string twins(const std::vector<PlannedJoint>& joints) {
 std::size_t named_count(const PlannedJoint& joint) {
   std::size_t count = 0;
   for (const std::string& family : families({joint}))
-    if (const auto cell = cell_of(joint, family); cell && std::isfinite(cell->named)) ++count;
+    if (const auto cell = cell_of(joint, family); cell && std::isfinite(cell->identifiable)) ++count;
   return count;
 }
 
@@ -129,14 +130,15 @@ std::string summary(const PlanReport& r) {
   return aligned(rows);
 }
 
-std::string unseen(const std::vector<PlannedJoint>& joints) {
+std::string undetectable(const std::vector<PlannedJoint>& joints) {
   std::vector<std::string> lines;
   for (const PlannedJoint& joint : joints)
-    for (const Unseen& u : joint.unseen) {
-      std::string needs = escaped(u.needs, 200);
+    for (const UndetectableEffect& u : joint.undetectable) {
+      std::string required = escaped(u.required, 200);
       const std::string own = shown(joint.joint) + ".";
-      if (const auto at = needs.find(own); at != std::string::npos) needs.replace(at, own.size(), "JOINT.");
-      const std::string line = "  " + u.effect + " needs " + needs + '\n';
+      if (const auto at = required.find(own); at != std::string::npos)
+        required.replace(at, own.size(), "JOINT.");
+      const std::string line = "  " + u.effect + " needs " + required + '\n';
       if (std::find(lines.begin(), lines.end(), line) == lines.end()) lines.push_back(line);
     }
   std::string out;
@@ -164,7 +166,7 @@ std::string to_table(const PlanReport& r, const Style& style) {
            "  ?: seen from there on, and never told from another; none: not seen\n";
     if (const std::string list = twins(p.joints); !list.empty())
       out += heading("Cannot be told apart in this motion") + list;
-    out += heading("Cannot be seen in this record") + unseen(p.joints);
+    out += heading("Cannot be seen in this record") + undetectable(p.joints);
   }
   if (!p.better) return out + "\nNone of the motions tried says clearly more.\n";
   out += heading(
