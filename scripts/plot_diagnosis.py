@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Pictures of what `qerr diagnose SPEC LOG --plots FOLDER` wrote: one PNG a joint, beside the CSV files.
+"""Plots the output of `qerr diagnose SPEC LOG --plots FOLDER`: one PNG per joint, in the same folder.
 
     plot_diagnosis.py FOLDER
 
-measured - reference against angle (by direction) and time, and its spectrum over the joint's orders; before, and after
-what the found effects explain. Needs numpy and matplotlib.
+measured - reference over angle (by direction) and time, and its spectrum over the joint's orders; before and after subtraction
+of the found effects. Needs numpy and matplotlib.
 """
 import argparse
 import csv
@@ -23,7 +23,7 @@ except ImportError:
     sys.exit("matplotlib is missing: apt-get install python3-matplotlib")
 
 BEFORE, AFTER = "#d55e00", "#0072b2"
-MOST = 20000  # points of a curve: more only make the picture black
+MOST = 20000  # points of a curve; more are not distinguishable
 
 
 def by_joint(path):
@@ -40,7 +40,7 @@ def by_joint(path):
 
 
 def scaled(peak, unit):
-    """(factor, unit) that makes the peak a number between 1 and 1000."""
+    """(factor, unit) by which the peak is between 1 and 1000."""
     for factor, prefix in ((1, ""), (1e3, "m"), (1e6, "u"), (1e9, "n")):
         if peak * factor >= 1:
             return factor, prefix + unit
@@ -48,7 +48,7 @@ def scaled(peak, unit):
 
 
 def legend(axes):
-    """Above the points: room is made for it."""
+    """At the top, with the axis extended so that it covers no points."""
     low, high = axes.get_ylim()
     axes.set_ylim(low, high + 0.2 * (high - low))
     axes.legend(loc="upper center", ncol=3, markerscale=5)

@@ -1,8 +1,8 @@
-"""Makes the paper's tables and figures with qerr, and judges its claims. See scripts/reproduce_paper.sh.
+"""Reproduces the paper's tables and figures with qerr, and checks its claims. See scripts/reproduce_paper.sh.
 
     python3 scripts/reproduce_paper [OUT]          everything, into OUT (default: build/paper)
-    python3 scripts/reproduce_paper --check        is configs/paper/README.md still right?
-    python3 scripts/reproduce_paper --write-page   renew the table of that page
+    python3 scripts/reproduce_paper --check        compare configs/paper/README.md with new results
+    python3 scripts/reproduce_paper --write-page   write new results into that page
 """
 import argparse
 import importlib
@@ -16,7 +16,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 import page  # noqa: E402
 from tool import ROOT, Output, Qerr, write_csv  # noqa: E402
 
-# In the order of the paper; --quick leaves out those that simulate for long.
+# In the order of the paper; --quick omits the long simulations.
 QUICK = [
     "tables",
     "velocity_ellipses",
@@ -32,7 +32,7 @@ SLOW = ["position_error", "derivative_error", "time_domain"]
 
 def main():
     parser = argparse.ArgumentParser(
-        description="Makes the paper's tables and figures, and judges its claims."
+        description="Reproduces the paper's tables and figures, and checks its claims."
     )
     parser.add_argument(
         "out", nargs="?", default=str(ROOT / "build" / "paper"), help="folder for CSV and plots"
@@ -41,9 +41,9 @@ def main():
     parser.add_argument("--quick", action="store_true", help="without long simulations")
     action = parser.add_mutually_exclusive_group()
     action.add_argument(
-        "--check", action="store_true", help="compare configs/paper/README.md with fresh figures"
+        "--check", action="store_true", help="compare configs/paper/README.md with new results"
     )
-    action.add_argument("--write-page", action="store_true", help="write fresh figures into that page")
+    action.add_argument("--write-page", action="store_true", help="write new results into that page")
     arguments = parser.parse_args()
     if arguments.write_page and arguments.quick:
         parser.error("--write-page needs all claims; leave out --quick")

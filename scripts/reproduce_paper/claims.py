@@ -1,4 +1,4 @@
-"""What the paper says, what comes out, and whether the two agree."""
+"""A claim of the paper, the computed result, and the verdict."""
 import dataclasses
 import math
 
@@ -9,7 +9,7 @@ CONFIRMED, LOOSE, WRONG = "confirmed", "loosely worded", "wrong"
 class Claim:
     """One row of the page.
 
-    `ours` is text with the fresh figures in it; `why` says what is loose or wrong, "" when nothing is.
+    `ours` is a text with the new figures; `why` explains a verdict other than "confirmed", else "".
     """
 
     where: str
@@ -22,7 +22,7 @@ class Claim:
 
 
 def rounds_to(value, printed):
-    """Whether `value`, rounded to the digits of the text `printed`, is that: .08 has two decimals."""
+    """Whether `value`, rounded to the decimals of the text `printed`, equals it: .08 has two decimals."""
     decimals = len(printed.split(".")[1]) if "." in printed else 0
     return math.isclose(round(value, decimals), float(printed), abs_tol=0.5 * 10.0 ** -(decimals + 6))
 
@@ -32,7 +32,7 @@ def confirmed_if(condition, otherwise=WRONG):
 
 
 def number(value, digits=3):
-    """Short and plain: 0.0802, 17.6, 1330, 1.2e-05."""
+    """Short decimal notation: 0.0802, 17.6, 1330, 1.2e-05."""
     if value == 0:
         return "0"
     text = f"{value:.{digits}g}"

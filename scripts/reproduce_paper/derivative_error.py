@@ -1,4 +1,4 @@
-"""Fig. 13: errors of the Premium's velocity and acceleration, and the gap to theory split into causes."""
+"""Fig. 13: errors of the Premium's velocity and acceleration, and the difference from theory by cause."""
 
 import math
 
@@ -84,7 +84,7 @@ def make(qerr, out):
 
 
 def _periodic_gap(rows):
-    """Largest difference between qerr's ratios to IPQN and those of an own simulation of one period."""
+    """Largest difference between qerr's ratios to IPQN and those of an independent simulation of one period."""
     offsets = [premium.displaced((0, 0, 0), i) for i in range(2000)]
     power = independent.premium_period_power(offsets, math.radians(15), premium.STEP)
     ipqn = independent.ipqn_sigma(independent.premium_jacobian((0, 0, 0)), [premium.STEP] * 3)[0]

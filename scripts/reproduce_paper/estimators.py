@@ -122,7 +122,7 @@ def _claims(qerr, itm, fdm):
         ),
         Claim(
             "(46), Fig. 14",
-            "The two change places at v = Delta f",
+            "The two cross over at v = Delta f",
             "1",
             f"{number(cross)} Delta f, and above it (53) has no bound (qerr against own formulas: {gap:.0e})",
             confirmed_if(abs(cross - 1) < 1e-9),

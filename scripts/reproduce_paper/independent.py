@@ -1,4 +1,4 @@
-"""The same quantities by other means: nothing here comes from qerr."""
+"""The same quantities, computed independently of qerr."""
 import math
 
 import numpy as np
@@ -53,7 +53,7 @@ def steady_covariance(a, b):
 
 
 def h2_by_lyapunov(d, n, cutoff, rate):
-    """The paper's own recipe, Eqs. 37 and 38."""
+    """The paper's method, Eqs. 37 and 38."""
     a, b, c, direct = controller_form(d, n, cutoff, rate)
     return math.sqrt((c @ steady_covariance(a, b) @ c.T).item() + direct**2)
 
@@ -114,7 +114,7 @@ def premium_period_power(offsets, amplitude, step, samples=400):
 
 
 def filtered_sigma(power, d, n, cutoff, rate):
-    """sqrt of the sum of a periodic signal's power behind the filter, its mean apart."""
+    """Standard deviation of a periodic signal after the filter, from its power spectrum."""
     delay = np.exp(-2j * math.pi * np.arange(len(power)) / len(power))
     a = math.exp(-2 * math.pi * cutoff / rate)
     gain = np.abs(((1 - delay) * rate) ** d * ((1 - a) / (1 - a * delay)) ** n) ** 2

@@ -1,4 +1,4 @@
-"""Sec. IV-B: what the linear bound (17) leaves out, and what is linear in the quantization intervals."""
+"""Sec. IV-B: the linearization remainder of (17), and the dependence of sigma on the quantization intervals."""
 import csv
 import itertools
 import math
@@ -20,7 +20,7 @@ def make(qerr, out):
 
 
 def _vertices(qerr, out):
-    """The exact error at the corners of the quantization box, against qerr's bounds there."""
+    """Compares the exact error at the corners of the quantization box with qerr's bounds."""
     command = qerr("analyze", SPEC, set={"configurations.count": 2000})
     with tempfile.TemporaryDirectory() as folder:
         path = pathlib.Path(folder) / "points.csv"
@@ -74,7 +74,7 @@ def _vertices(qerr, out):
 
 
 def _intervals(qerr):
-    """sigma_x with all intervals halved, and with one."""
+    """sigma_x with all intervals halved, and with one of them halved."""
 
     def sigma(**resolutions):
         overrides = {f"encoders.{name}": f"{{resolution: {value}}}" for name, value in resolutions.items()}

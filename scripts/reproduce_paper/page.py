@@ -1,4 +1,4 @@
-"""The table of claims in configs/paper/README.md: written from fresh figures, and held against them."""
+"""The table of claims in configs/paper/README.md: written from new results, and compared with them."""
 import re
 import sys
 
@@ -8,7 +8,7 @@ PAGE = ROOT / "configs" / "paper" / "README.md"
 BEGIN, END = "<!-- claims: written by scripts/reproduce_paper.sh --write-page -->", "<!-- end of claims -->"
 COLUMNS = ["where", "claim", "printed", "ours", "verdict", "why", "command"]
 TOLERANCE = (
-    0.02  # of a figure between machines: compilers round differently, and counts then fall differently
+    0.02  # relative, between machines: different rounding can change individual counts
 )
 
 _FIGURE = re.compile(r"(?<![\w.])[-+]?(?:\d+\.?\d*|\.\d+)(?:e[-+]?\d+)?(?![\w])")
@@ -46,7 +46,7 @@ def _table(claims):
 def _parts():
     text = PAGE.read_text(encoding="utf-8")
     if BEGIN not in text or END not in text:
-        sys.exit(f"reproduce_paper: {PAGE} has lost its marks '{BEGIN}' and '{END}'")
+        sys.exit(f"reproduce_paper: {PAGE} lacks the marks '{BEGIN}' and '{END}'")
     before, rest = text.split(BEGIN, 1)
     table, after = rest.split(END, 1)
     return before, table.strip("\n"), after
@@ -58,7 +58,7 @@ def write(claims):
 
 
 def same(old, new):
-    """The same words, and figures within the tolerance (rounding errors, below 1e-6, are only that)."""
+    """Equal words, and figures within the tolerance; figures below 1e-6 are rounding errors and not compared."""
     if _FIGURE.sub("#", old) != _FIGURE.sub("#", new):
         return False
     for a, b in zip(map(float, _FIGURE.findall(old)), map(float, _FIGURE.findall(new))):
@@ -69,7 +69,7 @@ def same(old, new):
 
 
 def check(claims, complete):
-    """Every fresh row and command must stand in the page, whatever its number. @returns 1 if not"""
+    """Every new row and command must be in the page, independent of its number. @returns 1 if not"""
     lines = {re.sub(r"^(\| \d+ \||\d+\.) ", "", line) for line in _parts()[1].splitlines()}
     faults = 0
     for claim in claims:
@@ -78,11 +78,11 @@ def check(claims, complete):
             if not any(same(line, bare) for line in lines):
                 faults += 1
                 print(
-                    f"{PAGE.relative_to(ROOT)}: not as it comes out now, which is:\n  {bare}", file=sys.stderr
+                    f"{PAGE.relative_to(ROOT)}: differs from the new result:\n  {bare}", file=sys.stderr
                 )
     rows = sum(line.count("**") >= 2 for line in lines)
     if complete and rows != len(claims):
         faults += 1
-        print(f"{PAGE.relative_to(ROOT)}: {rows} claims, and {len(claims)} are judged now", file=sys.stderr)
+        print(f"{PAGE.relative_to(ROOT)}: {rows} claims, but {len(claims)} are checked now", file=sys.stderr)
     print(f"{len(claims)} claims compared with the page, {faults} differences", file=sys.stderr)
     return 1 if faults else 0

@@ -1,4 +1,4 @@
-"""Fig. 12: position error of the Phantom Premium in several configurations, simulation beside theory."""
+"""Fig. 12: position error of the Phantom Premium in several configurations, simulation against theory."""
 
 import premium
 from claims import LOOSE, WRONG, Claim, confirmed_if, number, numbers

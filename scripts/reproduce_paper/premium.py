@@ -15,7 +15,7 @@ CONFIGURATIONS = {
     "E": (-20, -10, 20),
 }
 AVERAGED = 500  # runs with random sub-count phases
-SINGLE = 24  # runs that are looked at one by one
+SINGLE = 24  # runs that are evaluated individually
 
 
 def centers(angles):
@@ -30,7 +30,7 @@ def radians(angles):
 
 
 def displaced(angles, run):
-    """The same configuration with the run's own part of a count in every angle."""
+    """The same configuration, shifted by a random fraction of a count in every angle."""
     return tuple(
         a + STEP * ((0.37 + run * irrational) % 1 - 0.5)
         for a, irrational in zip(angles, (0.8191725134, 0.6710436067, 0.5497004779))
@@ -38,7 +38,7 @@ def displaced(angles, run):
 
 
 def aligned(angles):
-    """The nearest configuration a whole number of counts from zero: all quantizers are in step."""
+    """The nearest configuration at an integer number of counts from zero: all quantizers are in phase."""
     return tuple(STEP * round(a / STEP) for a in angles)
 
 
@@ -63,6 +63,6 @@ def results(command):
 
 
 def spread(runs, key, field="sigma_simulated"):
-    """Least and largest of several results."""
+    """Minimum and maximum of several results."""
     values = [run[key][field] for run in runs]
     return min(values), max(values)

@@ -1,4 +1,4 @@
-"""Appendix B: the error of a quantized sine, how uniform it is (54 to 56) and how white (57, 58)."""
+"""Appendix B: the error of a quantized sine, its uniformity (54 to 56) and whiteness (57, 58)."""
 import math
 
 import numpy as np
@@ -96,7 +96,7 @@ def variance_gap(offset, amplitude=AMPLITUDE):
 
 
 def _output_variance(qerr, out):
-    """R2 taken at its word: variance of the quantized sine minus variance of the sine, over DC offsets."""
+    """R2 as defined: variance of the quantized sine minus variance of the sine, over DC offsets."""
     rows = []
     for i in range(21):
         offset = i / 20 - 0.5

@@ -1,4 +1,4 @@
-"""Figs. 9 and 10: the sample rate, simulation beside theory, and the filters' frequency response."""
+"""Figs. 9 and 10: the sample rate, simulation against theory, and the filters' frequency response."""
 
 import math
 
@@ -142,7 +142,7 @@ def _plot_10(rows, out):
     goal = {"color": "0.75", "linewidth": 6, "zorder": 1}
     axes[0].plot([1, 50], [1, 2500], solid_capstyle="butt", **goal)
     axes[0].plot([50, 50], [2500, 1], **goal)
-    axes[1].plot([], [], label="goal: $\\omega^2$,\nthen nothing", **goal)
+    axes[1].plot([], [], label="ideal: $\\omega^2$\nup to the cut-off", **goal)
     axes[0].set(ylabel="magnitude [1/s²]", yscale="log", ylim=(1, 2e6))
     axes[1].set(ylabel="phase [°]")
     axes[0].set_title("Fig. 10: acceleration filters, cut-off 50 rad/s")

@@ -1,4 +1,4 @@
-"""Sec. V: what Figs. 7 to 10 share."""
+"""Sec. V: shared by Figs. 7 to 10."""
 
 SPEC = "configs/paper/section_v.yaml"
 ORDERS = (1, 2, 3, 4)
@@ -23,7 +23,7 @@ def norms(command):
 
 
 def simulation(command):
-    """Filter name -> what simulate says of x."""
+    """Filter name -> the results of `simulate` for x."""
     return {r["filter"]: r for r in command.json()["results"]}
 
 

@@ -1,8 +1,8 @@
-"""How every plot looks: one size of text, lines told apart in grey print too, legends beside the data."""
+"""The style of all plots: one text size, lines distinguishable in greyscale, legends outside the data."""
 import matplotlib
 
 matplotlib.use("Agg")
-import matplotlib.pyplot as plt  # noqa: E402  (the backend must be chosen first)
+import matplotlib.pyplot as plt  # noqa: E402  (the backend must be selected first)
 
 plt.rcParams.update(
     {
@@ -23,7 +23,7 @@ plt.rcParams.update(
     }
 )
 
-# Orders 1, 2, 3, 4 of a filter: dash, marker and lightness differ, so that colour is not needed.
+# Orders 1, 2, 3, 4 of a filter differ in dash, marker and lightness, so that colour is not needed.
 _ORDERS = {
     1: ("#000000", "-", "o"),
     2: ("#1f5fa8", "--", "s"),
@@ -49,7 +49,7 @@ def simulated(n):
 
 
 def figure(columns=1, width=None, height=3.8):
-    """Axes side by side; the legend goes to their right."""
+    """Axes in a row, with the legend at their right."""
     fig, axes = plt.subplots(
         1, columns, figsize=(width or 4.6 * columns + 2.2, height), squeeze=False, constrained_layout=True
     )
@@ -57,7 +57,7 @@ def figure(columns=1, width=None, height=3.8):
 
 
 def legend(axis, title=None, right=1.02):
-    """Beside the axes, never over the data; bars, then points, then lines, each label once."""
+    """At the right of the axes; bars, then points, then lines, each label once."""
     handles, labels = axis.get_legend_handles_labels()
     unique = dict(zip(labels, handles))
     bars_first = sorted(unique, key=lambda label: not hasattr(unique[label], "patches"))

@@ -14,7 +14,7 @@ def make(qerr, out):
 
 
 def table_2(qerr, out):
-    """The summary of both error models, with the figures of the Premium in its zero position beside it."""
+    """The summary of both error models, with the figures of the Premium in its zero position."""
     command = qerr("analyze", EXPERIMENT)
     report = command.json()
     rows = [
@@ -76,7 +76,7 @@ FAMILIES = ("matched", "tustin", "prewarped", "backward_euler")
 
 
 def table_3(qerr, out):
-    """How sigma = ||H||_2 sigma_x goes with the sample rate, for every discretization of the low-pass."""
+    """sigma = ||H||_2 sigma_x as a function of the sample rate, for every discretization of the low-pass."""
     rows, slopes, limits, exceptions = [], {}, {}, []
     for family in FAMILIES:
         norms = {}
@@ -141,7 +141,7 @@ def table_3(qerr, out):
     ]
 
 
-# Rows of Table IV as printed: folder, label, n G as given, Delta_x [mm], Delta_x f [mm/s].
+# Rows of Table IV as printed: folder, label, n G as stated, Delta_x [mm], Delta_x f [mm/s].
 TABLE_4 = [
     ("premium", "Premium", ".03", "15.0"),
     ("wam", "WAM (7dof)", None, "0.2"),

@@ -1,4 +1,4 @@
-"""Sec. VI as a record: errors in time inside their bounds, from qerr's log by own kinematics and filters."""
+"""Sec. VI as a record: errors in time inside their bounds, from qerr's log by independent kinematics and filters."""
 import math
 
 import numpy as np
@@ -83,7 +83,7 @@ def _record(qerr, out):
 
 
 def _independence(qerr, out):
-    """Correlation of two joints' errors that make the same sine, their quantizers delta counts apart."""
+    """Correlation of the errors of two joints that follow the same sine, their quantizers delta counts apart."""
     rows = []
     for delta in (0, 0.1, 0.2, 0.3, 0.4, 0.5):
         overrides = premium.centers((0, delta * premium.STEP, 0))

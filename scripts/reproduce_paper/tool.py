@@ -1,4 +1,4 @@
-"""Runs qerr and reads what it prints. Every figure that is called ours comes through here."""
+"""Runs qerr and parses its output."""
 import csv
 import io
 import json
@@ -12,7 +12,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 
 
 class Qerr:
-    """The program. `qerr("analyze", spec, set={...})` is a command that has not run yet."""
+    """The program. `qerr("analyze", spec, set={...})` returns a command that is not yet executed."""
 
     def __init__(self, path):
         self.path = str(pathlib.Path(path).resolve())
@@ -22,7 +22,7 @@ class Qerr:
 
 
 class Command:
-    """One command line. Specs are named relative to the project's root, where it runs."""
+    """One command line. Paths of specs are relative to the project's root, the working folder."""
 
     def __init__(self, path, command, arguments, overrides):
         self._path = path
@@ -34,7 +34,7 @@ class Command:
         return "qerr " + " ".join(shlex.quote(word) for word in self._words)
 
     def text(self, *more):
-        """Standard output; a failure of qerr ends the reproduction with qerr's own message."""
+        """Standard output; an error of qerr ends the reproduction with qerr's message."""
         done = subprocess.run(
             [self._path, *self._words, "-q", *more], cwd=ROOT, capture_output=True, text=True
         )
@@ -59,7 +59,7 @@ class Command:
 
 
 def write_csv(path, header, rows):
-    """A CSV file in SI units, figures with nine digits."""
+    """Writes a CSV file in SI units, with nine significant digits."""
     with path.open("w", newline="") as stream:
         out = csv.writer(stream)
         out.writerow(header)
@@ -68,7 +68,7 @@ def write_csv(path, header, rows):
 
 
 class Output:
-    """Where the files go. Plots are drawn when asked for only: they alone need matplotlib."""
+    """The output folder. Plots are optional, since they need matplotlib."""
 
     def __init__(self, folder, draws):
         self.folder, self.draws = pathlib.Path(folder), draws

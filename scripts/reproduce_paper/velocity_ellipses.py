@@ -15,7 +15,7 @@ ELBOW = math.radians(110)
 
 
 def equal_shoulder(elbow):
-    """The q2 in (-45, 45) degrees at which x and y err alike: sigma_x - sigma_y changes its sign there."""
+    """The q2 in (-45, 45) degrees with sigma_x = sigma_y, by bisection."""
 
     def gap(shoulder):
         x, y = independent.ipqn_sigma(independent.prr_jacobian(shoulder, elbow), RESOLUTIONS)

@@ -1,4 +1,4 @@
-"""Appendix B: how white the error of a moving quantizer is (57, 58)."""
+"""Appendix B: whiteness of the error of a moving quantizer (57, 58)."""
 
 import math
 
@@ -15,7 +15,7 @@ def make(qerr, out):
 
 
 def share_above_nyquist(peak):
-    """Of the power of a slow sine's error, what lies above f/2 before it is sampled.
+    """Fraction of the power of a slow sine's error above f/2, before sampling.
 
     The error's harmonic k, sin(2 pi k x), has 6/(pi k)^2 of the power; its frequency spreads like
     k peak sin(phi), in cycles per sample.

@@ -1,4 +1,4 @@
-"""The specs of the acceptance run: public robots from ../shared where present, and the corpus' own robots."""
+"""The specs of the acceptance run: public robots from ../shared if present, and the robots of the corpus."""
 import math
 import pathlib
 
@@ -81,7 +81,7 @@ class Case:
         self.text = self.spec(encoders, coordinates, filters)
 
     def draw(self, count):
-        """Seeded points inside the limits, away from gimbal lock where roll and yaw are asked for."""
+        """Seeded points inside the limits, away from gimbal lock if roll or yaw is among the coordinates."""
         rng = np.random.default_rng(len(self.name) * 1000 + len(self.chain.names))
         low, high = [], []
         for n in self.chain.names:

@@ -27,7 +27,7 @@ def bound_unit(coordinate, derivative=0):
 
 
 def compare_stat(worst, where, stat, values, floor, case):
-    """STAT against the expected values per configuration; at_max must be a point where the maximum is reached."""
+    """Compares the statistics with the expected values per configuration; at_max must be a point that attains the maximum."""
     if not isinstance(stat, dict) or [k for k in STAT if k not in stat]:
         worst.add(f"{where} (keys)", None, 0)
         return

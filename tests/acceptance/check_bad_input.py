@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Acceptance of qerr's manners: bad specs, bad URDFs, exit codes, outputs that cannot be written.
+"""Acceptance of error handling: bad specs, bad URDFs, exit codes, outputs that cannot be written.
 
     check_bad_input.py --qerr build/qerr [--verbose]
 """
@@ -19,7 +19,7 @@ CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f]")
 
 
 def faults(ran, line="-", text="-"):
-    """What is wrong with qerr's answer to a bad input; empty when it is as the contract says."""
+    """What is wrong with qerr's answer to a bad input; empty if it satisfies the contract."""
     found = []
     message = ran.err.decode("utf-8", errors="surrogateescape")
     if ran.code == "timeout" or ran.seconds > 2:

@@ -43,7 +43,7 @@ VERDICTS = ["nothing_wrong", "explained", "partly_explained", "ambiguous", "unex
 
 
 def misshapen(value, form, path="answer"):
-    """What of a value has not the contract's form; [] when all is well."""
+    """The parts of a value that violate the contract's form; [] if none."""
     if isinstance(form, dict):
         if not isinstance(value, dict):
             return [f"{path} is no object"]
@@ -165,7 +165,7 @@ def check_table(t, qerr, folder):
 
 
 def check_tip(t, qerr, folder):
-    """A log whose only better sensor is a tracker at the tip."""
+    """A log whose only reference sensor is a tracker at the tip."""
     rows = list(csv.reader(io.StringIO((folder / "log.csv").read_text())))
     keep = [i for i, h in enumerate(rows[0]) if ".reference" not in h]
     log, plots = folder / "tip.csv", folder / "tip_plots"

@@ -49,7 +49,7 @@ def report(t, qerr, path, *more):
 
 
 class Source:
-    """mean, half width, sigma of one joint, and its sigma behind a filter over that, by a function of the filter."""
+    """Mean, half width and sigma of an error at one joint; `gain(filter)` is the ratio of its sigma after the filter to sigma."""
 
     def __init__(self, joint, mean, half, sigma, gain):
         self.joint, self.mean, self.half, self.sigma, self.gain = NAMES.index(joint), mean, half, sigma, gain
@@ -73,7 +73,7 @@ def at(omega):
 
 
 def square_wave(omega):
-    """Of harmonics up to many times the sample rate, by the filter's response on one period of frequencies."""
+    """Gain for a square wave, from its harmonics up to many times the sample rate, aliased into one period of frequencies."""
     def gain(f):
         m = np.arange(1, 400001, 2)
         grid = np.linspace(0, math.pi, 20001)
@@ -160,7 +160,7 @@ def check_motion(t, qerr, folder):
         "{type: log_rounding, joint: wrist, step: 1 deg}", "{type: reference_error, joint: wrist, amplitude: 1 deg, order: 50}"], MOTION))
     fast, slow = 2 * math.pi * 0.5 * 0.8, 2 * math.pi * 0.5
     gap = 1e-3
-    # Scale comes behind the gear: it sees the position widened by the play.
+    # Scale acts after the gear: the range of its position includes the backlash.
     widened = 0.5 + gap
     found_scale = [e for e in found["effects"] if e["effect"] == "scale"][0]
     t.check("motion: scale sees the play before it", abs(found_scale["worst_case"] - 1e-3 * (0.3 + widened)) < 5e-8, str(found_scale))
@@ -187,14 +187,14 @@ def check_identities(t, qerr, folder):
         b = report(t, qerr, spec(folder, [], motion))
         same = [k for k in b if k not in ("effects", "spec", "warnings") and a[k] != b[k]]
         t.check(f"effects of no size change no figure ({label})", not same and len(a["effects"]) == len(none), str(same))
-    # Clock drift needs a duration, which no limit gives.
+    # Clock drift needs a duration, which the limits do not provide.
     a = report(t, qerr, spec(folder, ["{type: clock_drift, joint: elbow, rate: 1e-4}"]))
     same = [k for k in b if k in ("joints", "position") and a[k] != b[k]]
     entry = a["effects"][0]
     t.check("an effect whose size is not known is null, left out and warned of",
             not same and entry["sigma"] is None and entry["worst_case"] is None and not entry["counted"]
             and any("clock_drift" in w and "motion" in w for w in a["warnings"]), str(entry))
-    # A displaced origin by hand: y of the shoulder's parent is y of the base.
+    # A displaced origin, by hand: y of the shoulder's parent is y of the base.
     a = report(t, qerr, spec(folder, ["{type: geometry, joint: shoulder, axis: y, length: 0.25 mm}"]))
     for p, q in zip(a["position"], b["position"]):
         shift = 0.25e-3 if p["coordinate"] == "y" else 0

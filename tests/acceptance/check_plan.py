@@ -80,7 +80,7 @@ def alternative(answer, effect, joint):
 
 
 def check_promises(t, qerr, folder, factor, seeds):
-    """One of each effect; with many seeds every order of every joint."""
+    """One entry of each effect; with several seeds every order of every joint."""
     spec = folder / "rich.yaml"
     spec.write_text(SPEC + RICH)
     answer = plan(qerr, spec)

@@ -24,7 +24,7 @@ TURN = 2 * np.pi
 
 
 def answer(qerr, folder, encoder, header, columns, formats):
-    """The diagnosis of a one-joint log."""
+    """The diagnosis of a log of one joint."""
     (folder / "stage.urdf").write_text(URDF)
     (folder / "spec.yaml").write_text(
         f"qerr: 1\nrobot: {{urdf: stage.urdf}}\nencoders:\n  shaft: {encoder}\nconfigurations: {{method: sobol, count: 100}}\n")
@@ -44,7 +44,7 @@ def causes(said):
 
 
 def magnet_table(qerr, folder, tally):
-    """One row per count of a 14-bit magnet, interpolated between 200 steps of a motor that errs itself."""
+    """One row per count of a 14-bit magnetic encoder; the reference is interpolated between 200 steps of an inaccurate motor."""
     dice = np.random.default_rng(5)
     true = TURN * np.arange(201) / 200
     count = TURN / 2**14
@@ -71,7 +71,7 @@ def magnet_table(qerr, folder, tally):
 
 
 def clipped_resolver(qerr, folder, tally):
-    """One turn there and back at 36 deg/s, 35 ms late, both signals clipped at 0.65 of their amplitude."""
+    """One revolution forward and backward at 36 deg/s, 35 ms late, both signals clipped at 0.65 of their amplitude."""
     dice = np.random.default_rng(6)
     time = 0.01 * np.arange(3000)
     speed = np.interp(time, [2, 2.1, 12, 12.1, 16, 16.1, 26, 26.1], np.array([0, 1, 1, 0, 0, -1, -1, 0]))
@@ -93,7 +93,7 @@ def clipped_resolver(qerr, folder, tally):
 
 
 def load_of_the_controller(qerr, folder, tally):
-    """The "load" of a servo is its own gain times the error, which is play."""
+    """The logged "load" of a servo is its gain times the error, and the error is backlash."""
     dice = np.random.default_rng(7)
     time = 0.002 * np.arange(6000)
     path = 2 + 1.2 * np.sin(TURN * 0.4 * time) + 0.3 * np.sin(TURN * 1.3 * time + 1)
@@ -109,7 +109,7 @@ def load_of_the_controller(qerr, folder, tally):
 
 
 def measured_logs(qerr, data, tally):
-    """The measured logs against their expected answers, by their own script."""
+    """The measured logs, scored against their expected answers by the script of the data set."""
     if not (data / "score_real.py").is_file():
         print(f"skip  measured logs: no {data}")
         return

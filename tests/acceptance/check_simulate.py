@@ -75,7 +75,7 @@ def filtered(name, signal):
 
 
 def check_against_log(t, qerr, folder):
-    """Sigma, mean and peak of every coordinate and filter, from counts and references with our own kinematics."""
+    """Sigma, mean and peak of every coordinate and filter, from counts and references with independent kinematics."""
     rng = np.random.default_rng(7)
     for name, coupling, encoders, amplitude in CASES:
         chain = Chain(ROOT / f"configs/{name}/{name}.urdf")
@@ -142,7 +142,7 @@ NOTHING = {
 
 
 def check_nothing(t, qerr, folder):
-    """An effect of no size changes no byte of the log."""
+    """An effect of magnitude zero changes no byte of the log."""
     chain = Chain(ROOT / "configs/puma560/puma560.urdf")
     motion = motion_of(chain, 0.3, np.random.default_rng(3))
     joint, encoders = chain.names[1], {"*": ("{lines_per_rev: 1024, gear_ratio: 10}", None)}

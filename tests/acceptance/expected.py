@@ -1,4 +1,4 @@
-"""What analyze must answer, computed independently of qerr from a case (cases.py)."""
+"""The expected output of `analyze` for a case (cases.py), computed independently of qerr."""
 import itertools
 
 import numpy as np
@@ -50,7 +50,7 @@ def expected(case):
 
 
 def rigorous_ceiling(case):
-    """A generous bound on the second-order remainder: rigorous bounds beyond it say nothing."""
+    """An upper bound of the second-order remainder, above which a rigorous bound would be useless."""
     coupling = np.array(case.coupling) if case.coupling is not None else np.eye(len(case.delta))
     width = np.abs(coupling) @ case.delta
     spin = travel = 0.0
@@ -66,7 +66,7 @@ def rigorous_ceiling(case):
 
 
 def box_errors(case, interior=64, seed=5):
-    """Largest |error| per configuration and coordinate over all corners (and some inside) of the quantization box."""
+    """Largest |error| per configuration and coordinate over all corners and some interior points of the quantization box."""
     n = len(case.delta)
     coupling = np.array(case.coupling) if case.coupling is not None else np.eye(n)
     low = np.where(case.down > 0, -case.delta, -case.delta / 2)

@@ -1,4 +1,4 @@
-"""Norms of the spec's filters from their impulse responses, in long double, by plain cascades."""
+"""Norms of the spec's filters from their impulse responses, in long double, by cascades of sections."""
 import math
 
 import numpy as np

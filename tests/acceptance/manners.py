@@ -1,4 +1,4 @@
-"""Exit codes, outputs that cannot be written, and the specs that must be accepted."""
+"""Exit codes, outputs that cannot be written, and specs that must be accepted."""
 import json
 import os
 import shlex

@@ -1,4 +1,4 @@
-"""Checks of the reports themselves: CSV against JSON, the same bytes again, the paper's figures, Table IV."""
+"""Checks of the reports: CSV against JSON, reproducibility, the paper's figures, Table IV."""
 import csv
 import io
 import json

@@ -1,4 +1,4 @@
-"""A URDF reader and forward kinematics of the harness: independent of qerr, batched, good for complex arguments."""
+"""URDF reader and forward kinematics, independent of qerr: batched, and valid for complex arguments."""
 import math
 import xml.etree.ElementTree as ElementTree
 
@@ -40,7 +40,7 @@ class Joint:
 
 
 class Chain:
-    """The chain from base to tip; `names` are its independent joints in chain order, masters off the chain where met."""
+    """The chain from base to tip; `names` are its independent joints in chain order; a mimic's master off the chain follows its first mimic."""
 
     def __init__(self, path, base=None, tip=None):
         root = ElementTree.parse(path).getroot()
@@ -70,7 +70,7 @@ class Chain:
         self.units = ["m" if self.by_name[n].kind == "prismatic" else "rad" for n in self.names]
 
     def reach(self, points):
-        """A length no lever arm of the chain exceeds, over the points."""
+        """An upper bound of all lever arms of the chain, over the points."""
         total = sum(float(np.linalg.norm(j.xyz)) for j in self.joints)
         for joint in self.joints:
             if joint.kind == "prismatic":
@@ -136,7 +136,7 @@ def turn_rate(s, c, ds, dc):
 
 
 def rotation_vector(rot):
-    """Small-angle-safe logarithm of rotations (N, 3, 3), angles below pi/2."""
+    """Logarithm of rotations (N, 3, 3), accurate for small angles; angles below pi/2."""
     v = np.stack([rot[:, 2, 1] - rot[:, 1, 2], rot[:, 0, 2] - rot[:, 2, 0], rot[:, 1, 0] - rot[:, 0, 1]], axis=1) / 2
     sine = np.linalg.norm(v, axis=1)
     angle = np.arcsin(np.minimum(sine, 1))

@@ -1,4 +1,4 @@
-"""The robot of the checks of `qerr diagnose` and its plans: a rotary stage with a slide."""
+"""The robot of check_diagnose.py and check_plan.py: a rotary stage with a slide."""
 import math
 
 URDF = """<robot name="stage"><link name="base"/><link name="table"/><link name="tip"/>
@@ -15,4 +15,4 @@ encoders:
   reach: {resolution: 10 um}  # a scale
 configurations: {method: sobol, count: 100}
 """
-STEP = {"turn": 2 * math.pi / 12000, "reach": 1e-5}  # of the encoders, at the joints [rad, m]
+STEP = {"turn": 2 * math.pi / 12000, "reach": 1e-5}  # resolution of the encoders at the joints [rad, m]

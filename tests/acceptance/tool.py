@@ -1,4 +1,4 @@
-"""Running qerr, and counting checks."""
+"""Runs qerr, and counts checks."""
 import subprocess
 import time
 
@@ -39,7 +39,7 @@ class Tally:
 
 
 class Worst:
-    """The largest deviation of many values from their expectations, as a multiple of what is allowed."""
+    """The largest deviation of many values from their expectations, as a multiple of the tolerance."""
 
     def __init__(self, relative=1e-9):
         self.relative, self.ratio, self.where, self.count = relative, 0.0, "", 0

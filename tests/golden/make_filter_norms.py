@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes filter_norms.csv: exact norms of filters of the families, by mpmath and by no formula of qerr's.
+"""Writes filter_norms.csv: exact norms of filters of the families, by mpmath and without formulas of qerr.
 
     make_filter_norms.py > filter_norms.csv        (Debian's python3-mpmath; a few seconds)
 
@@ -107,7 +107,7 @@ def value(poly, k):
 
 
 def sign_changes(poly, start):
-    """Whole k > start where P(k - 1) and P(k) differ in sign, by bisection between the changes of P's derivative."""
+    """Integers k > start where P(k - 1) and P(k) differ in sign, by bisection between the changes of P's derivative."""
     if len(poly) <= 1:
         return []
     inner = sign_changes([j * c for j, c in enumerate(poly)][1:], start)
@@ -132,7 +132,7 @@ def sign_changes(poly, start):
 
 def norms_of_multiple_pole(b, a, n):
     head, poly, start = multiple_pole(b, a, n)
-    if a < 0:  # fast, of alternating signs: |h_k| = |P(k)| |a|^k
+    if a < 0:  # fast decay, alternating signs: |h_k| = |P(k)| |a|^k
         head, poly, a = [abs(h) for h in head], poly, -a
     squares = times(poly, poly)
     h2 = sum(h * h for h in head) + tail_sum(squares, a * a, start)
@@ -182,7 +182,7 @@ def main():
                 for rate, cutoff in [settings[(d + n) % 4], settings[(d + n + 1) % 4]]:
                     b, a, m = first_order(kind, d, n, rate, cutoff)
                     row("first_order", kind, d, n, rate, cutoff, norms_of_multiple_pole(b, a, m))
-    for n in range(13, 21):  # slow, of high order: cut-offs that are doubles
+    for n in range(13, 21):  # slow decay, high order: cut-offs exactly representable as doubles
         for d in range(5):
             kind = ["matched", "tustin", "backward_euler"][(d + n) % 3]
             rate, cutoff = [(1000000, "5"), (400000, "0.96875"), (300000, "1.75"), (1000, "20")][(d + 2 * n) % 4]

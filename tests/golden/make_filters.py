@@ -98,7 +98,7 @@ def chebyshev2(order, attenuation):
 
 
 def elliptic(order, ripple, attenuation):
-    """By mpmath's own elliptic functions: k from the degree equation by root finding."""
+    """By mpmath's elliptic functions: k from the degree equation by root finding."""
     with mp.workdps(60):
         ratio = lambda m: mp.ellipk(1 - m) / mp.ellipk(m)
         epsilon2 = mp.mpf(10) ** (mp.mpf(ripple) / 10) - 1
@@ -203,7 +203,7 @@ def taps(rows):
         with mp.workdps(120):
             h = fitted([mp.mpf(window - 1 - k) for k in range(window)], order, derivative, at)
         theirs = signal.savgol_coeffs(window, order, deriv=derivative, pos=float(at) if window % 2 == 0 else int(at), use="conv")
-        # scipy solves ill-conditioned normal equations in double: at order 10 it has no digits left.
+        # scipy solves ill-conditioned normal equations in double: at order 10 no digit is correct.
         assert order > 6 or max(abs(float(x) - y) for x, y in zip(h, theirs)) < 1e-6 * max(abs(theirs)), (window, order)
         row("savitzky_golay", derivative, dict(window=window, polynomial_order=order, position=position), h)
     for window, order, derivative in ((2, 1, 1), (10, 1, 1), (30, 2, 1), (30, 2, 2), (15, 1, 0)):

@@ -54,14 +54,14 @@ class Case:
     def temperature(self, t):
         return 21 - self.warming[0] * np.expm1(-t / self.warming[1])
 
-    def machine(self, chance=True):
+    def machine(self, noisy=True):
         quiet = np.zeros(len(self.encoders))
         return Machine(self.robot, self.encoders, [d.effect for d in self.drawn], self.coupling,
-                       self.reference_noise if chance else quiet, self.payload, self.tip_noise if chance else 0.0)
+                       self.reference_noise if noisy else quiet, self.payload, self.tip_noise if noisy else 0.0)
 
 
 def base(rng, kind, sub, shape=None, seconds=None, encoders=None, **more):
-    """A random machine without flaws, with its record's length and the noise of its reference."""
+    """A random machine without effects, with the length of its record and the noise of its reference."""
     robot = random_robot(rng, shape)
     encoders = encoders or [random_encoder(rng, p) for p in robot.prismatic]
     while True:
@@ -74,14 +74,14 @@ def base(rng, kind, sub, shape=None, seconds=None, encoders=None, **more):
     case.comment, case.warm_joint = bool(rng.random() < 0.3), int(rng.integers(len(step)))
     case.cutoff = float(min(50, rate / 10))
     if rng.random() < 0.15:
-        case.columns.add("temperature")  # a decoy unless the effect is a drift
+        case.columns.add("temperature")  # irrelevant unless the effect is a drift
     if rng.random() < 0.1:
         case.columns.add("command")
     return case
 
 
 def estimated_velocity(case, measured, joint):
-    """The controller's own: back difference, then `filter_order` one-pole sections a = exp(-2 pi f T), started in the steady
+    """The controller's velocity: back difference, then `filter_order` one-pole sections a = exp(-2 pi f T), started in the steady
     state of the first motion."""
     pole = math.exp(-2 * math.pi * case.cutoff * case.velocity_factor.get(joint, 1.0) / case.rate)
     v = np.diff(measured, prepend=2 * measured[0] - measured[1]) * case.rate
@@ -95,9 +95,9 @@ def estimated_velocity(case, measured, joint):
 
 
 def recorded(case, rng, paths, rows):
-    """The machine's record along the paths, with the columns that depend on the whole of it."""
+    """The machine's record along the paths, with the columns that depend on the complete record."""
     t = np.arange(rows) / case.rate
-    if case.uneven:  # the instants are uneven and the stamps are right: data, not an error
+    if case.uneven:  # uneven instants with correct time stamps are no error
         t = t + np.concatenate([[0], rng.uniform(-0.3, 0.3, rows - 1)]) / case.rate
     record = case.machine().record(paths, t, rng)
     for d in case.drawn:
@@ -110,19 +110,19 @@ def recorded(case, rng, paths, rows):
     return record
 
 
-# What the spec's motion shows again, whatever the record was.
+# Effects that also appear along the spec's own motion, independent of the record.
 REPEATABLE = {"offset", "scale", "eccentricity", "transmission_error", "subdivision_error", "state_width", "backlash",
               "compliance", "latency", "noise", "timing_jitter", "clock_drift"}
 
 
 def simulated_rms(case):
-    """rms of measured - joint along the spec's own motion: what `qerr simulate` with the extended model should find.
-    None where the flaw belongs to the record (an event, a temperature) or the URDF does not know the load."""
+    """rms of measured - joint along the spec's own motion: the expected result of `qerr simulate` with the extended model.
+    None if the effect belongs to the record (an event, a temperature) or if the URDF lacks the load."""
     names = {d.effect.name for d in case.drawn}
     if not names <= REPEATABLE or ("compliance" in names and case.payload):
         return None
     t = np.arange(int(5 * case.rate)) / case.rate
-    r = case.machine(chance=False).record(case.spec_motion, t, np.random.default_rng(1))
+    r = case.machine(noisy=False).record(case.spec_motion, t, np.random.default_rng(1))
     return dict(zip(case.robot.joints, np.sqrt(np.mean((r.measured - r.link) ** 2, axis=1)).tolist()))
 
 
@@ -133,7 +133,7 @@ def truth_of(case, machine, expected_verdict):
         e = d.effect
         alone = Machine(case.robot, case.encoders, [e], case.coupling, None, case.payload)
         shift = alone.record(case.paths, case.time, np.random.default_rng(0))
-        size = d.chance or np.abs(shift.model - shift.link)[e.joint].max()
+        size = d.random_sigma or np.abs(shift.model - shift.link)[e.joint].max()
         if e.name == "reference_error":
             size = e.p["amplitude"]
         if e.name == "geometry":
@@ -157,7 +157,7 @@ def truth_of(case, machine, expected_verdict):
 
 
 def finish(case, rng, second=True):
-    """Records the case once, and once more in another motion, and writes down the truth."""
+    """Records the case along two different motions, and returns the truth."""
     case.record = recorded(case, rng, case.paths, case.rows)
     if second:
         rows = max(1200, int(case.rows * rng.uniform(0.5, 0.8)))

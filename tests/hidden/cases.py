@@ -14,11 +14,11 @@ from encoders import Encoder, random_encoder
 from foreign import FOREIGN, Context
 from machine import Effect, Machine
 
-ALIKE = 0.95  # shapes that correlate by more than this are not told apart in a record
+INDISTINGUISHABLE = 0.95  # |correlation| of two effects above which a record cannot distinguish them
 
 
 def told_apart(scene, drawn, machine):
-    """Whether the effect has a shape in this motion: not a constant, and none of the other shapes."""
+    """Whether the effect is distinguishable in this motion: neither constant nor like another effect."""
     name = drawn.effect.name
     if name in catalogue.SHAPELESS:
         return True
@@ -31,18 +31,18 @@ def told_apart(scene, drawn, machine):
     others.pop(name, None)
     if name.startswith("outside:"):
         return max(catalogue.alike(shift, x) for x in others.values()) < 0.8
-    return all(catalogue.alike(shift, x) < ALIKE for x in others.values())
+    return all(catalogue.alike(shift, x) < INDISTINGUISHABLE for x in others.values())
 
 
 def chosen_encoder(rng, name, size):
-    if name == "log_rounding":  # finer than the file: the grid of the log is what one sees
+    if name == "log_rounding":  # finer than the file: the grid of the log is observed
         step = 10.0 ** float(rng.choice([-4, -3.0]))
         return Encoder("resolution", 1.0, round(2 * math.pi / (step / (2 * size))))
     return random_encoder(rng, kind=catalogue.ENCODER.get(name))
 
 
 def with_effects(rng, kind, names, sizes, tries=400):
-    """A case that hides the named effects, each of its size in counts; None when no draw had a shape of its own."""
+    """A case that hides the named effects, each of its size in counts; None if no draw was distinguishable."""
     for _ in range(tries):
         case = base(rng, kind, "+".join(names))
         revolute = [j for j, p in enumerate(case.robot.prismatic) if not p]
@@ -72,7 +72,7 @@ def with_effects(rng, kind, names, sizes, tries=400):
 
 
 def seen_by_tip(rng, case, names, kind):
-    """Now and then a tracker on the tool is the truth, alone or beside the joints' own."""
+    """In some cases a tracker on the tool is the reference, alone or in addition to the joints' references."""
     n, dice = len(case.robot.joints), rng.random()
     small = n <= 3 and not case.coupling
     if names == ["geometry"]:
@@ -117,7 +117,7 @@ def drawn_into(rng, case, names, joints, sizes):
 
 
 def size_in_counts(rng, name=None):
-    """Half a count to ten, as many small as large."""
+    """0.5 to 10 counts, uniform in the logarithm."""
     return float(rng.uniform(0.5, 0.93)) if name == "state_width" else math.exp(rng.uniform(*np.log([0.5, 10])))
 
 
@@ -131,7 +131,7 @@ def two_effects(rng):
 
 
 def outside(rng, name, tries=300):
-    """One effect that the catalogue does not have, and that is unlike those that it has."""
+    """One effect outside the catalogue, distinguishable from those in it."""
     for _ in range(tries):
         case = base(rng, "d", name, seconds=(2.5, 16), verdict="unexplained")
         j = int(rng.choice([k for k, p in enumerate(case.robot.prismatic) if not p]))

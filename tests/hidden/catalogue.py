@@ -1,4 +1,4 @@
-"""Draws one effect of the catalogue, of a wanted size in counts, for a joint of a given machine in a given motion.
+"""Draws one effect of the catalogue, of a given size in counts, for a joint of a given machine in a given motion.
 
 Each maker takes a `Scene` and a size [rad or m at the joint] and returns a `Drawn`: the effect (or the flaw set on the encoder),
 the parameters that an analysis should find, and what else it may rightly say.
@@ -21,7 +21,7 @@ class Scene:
     joint: int
     payload: float = 0.0
     temperature: bool = False
-    fixed: dict = field(default_factory=dict)  # parameters that must keep their value in a second record
+    fixed: dict = field(default_factory=dict)  # parameters with the same value in a second record
 
     def __post_init__(self):
         self.q, self.v, self.a = self.paths.at(self.time)
@@ -48,7 +48,7 @@ class Drawn:
     also_accept: list = field(default_factory=list)
     tolerated: list = field(default_factory=list)
     flaws: dict = field(default_factory=dict)      # set on the joint's encoder
-    chance: float = 0.0                            # its size [rad] where it is random and has no expected shape
+    random_sigma: float = 0.0                      # standard deviation [rad] if it is random and has no expected shape
 
 
 def parameter(name, values, unit, *aliases):
@@ -96,7 +96,7 @@ def transmission_error(s, size):
 
 
 def subdivision_error(s, size):
-    """Two of the flaws of sine and cosine, grown together until the peak error is the wanted one."""
+    """Two of the errors of sine and cosine, scaled together to the given peak error."""
     e, rng = s.encoder, s.rng
     names = list(rng.choice(["offset_sin", "offset_cos", "gain", "phase", "clipping"], 2, replace=False))
     weight = {n: rng.uniform(0.4, 1.0) * (1 if n == "clipping" else rng.choice([-1, 1])) for n in names}
@@ -164,7 +164,7 @@ def latency(s, size):
 
 def timing_jitter(s, size):
     sigma = size / s.peak(s.v[s.joint])
-    return Drawn(Effect("timing_jitter", s.joint, {"sigma": sigma}), [parameter("sigma", sigma, "s")], chance=size)
+    return Drawn(Effect("timing_jitter", s.joint, {"sigma": sigma}), [parameter("sigma", sigma, "s")], random_sigma=size)
 
 
 def clock_drift(s, size):
@@ -174,7 +174,7 @@ def clock_drift(s, size):
 
 def noise(s, size):
     size = min(size, 3 * s.encoder.resolution)
-    return Drawn(Effect("noise", s.joint, {"sigma": size}), [parameter("sigma", size, "rad")], chance=size)
+    return Drawn(Effect("noise", s.joint, {"sigma": size}), [parameter("sigma", size, "rad")], random_sigma=size)
 
 
 def drift(s, size):
@@ -189,7 +189,7 @@ def drift(s, size):
 
 
 def rollover(s, size):
-    """A counter too narrow for the motion: the smallest power of two that wraps, but not all the time."""
+    """A counter with too few bits for the motion: the largest power of two that wraps."""
     counts = np.abs(s.q[s.joint]).max() / s.encoder.resolution
     modulus = 2 ** math.floor(math.log2(2 * counts))
     wrapped = np.abs(s.q[s.joint]) / s.encoder.resolution > modulus / 2
@@ -199,7 +199,7 @@ def rollover(s, size):
 
 
 def geometry(s, size):
-    """A link longer than drawn, seen by a tracker: size is what it moves the tip [m]; along the link, across both axes."""
+    """A link longer than its drawing, measured by a tracker; size is the displacement of the tip [m]."""
     j, r = s.joint, s.robot
     axis = "xyz"[int(np.argmax(np.abs(r.xyz[j])))]
     along = np.eye(3)["xyz".index(axis)]
@@ -210,7 +210,7 @@ def geometry(s, size):
 
 
 def reference_error(s, size):
-    """A stepper as reference: orders 50 and so on of its own machine; that it is not the joint's is a guess from the number."""
+    """A stepper motor as reference: orders 50 and multiples, which indicate the reference and not the joint."""
     order, phase = int(s.rng.choice([50, 100, 200])), phase_of(s)
     ratio = order / s.encoder.to_shaft
     if abs(ratio - round(ratio)) < 0.02:
@@ -222,7 +222,7 @@ def reference_error(s, size):
 
 def log_rounding(s, size):
     step = 10.0 ** round(math.log10(2 * size))
-    return Drawn(Effect("log_rounding", s.joint, {"step": step}), [parameter("step", step, "rad")], chance=step / 2)
+    return Drawn(Effect("log_rounding", s.joint, {"step": step}), [parameter("step", step, "rad")], random_sigma=step / 2)
 
 
 def controller_droop(s, size):
@@ -235,23 +235,23 @@ def controller_droop(s, size):
 
 
 def filter_mismatch(s, size):
-    """The controller's velocity is filtered at another corner than the spec says."""
+    """The cut-off of the controller's velocity filter differs from the spec's."""
     factor = float(s.rng.choice([0.2, 0.35, 2.5, 4.0]))
-    return Drawn(Effect("filter_mismatch", s.joint, {"factor": factor}), chance=size)
+    return Drawn(Effect("filter_mismatch", s.joint, {"factor": factor}), random_sigma=size)
 
 
 MAKERS = {f.__name__: f for f in (offset, scale, eccentricity, transmission_error, subdivision_error, state_width,
                                   missed_counts, decoding, backlash, compliance, latency, timing_jitter, clock_drift, noise,
                                   drift, rollover, geometry, reference_error, log_rounding, controller_droop,
                                   filter_mismatch)}
-# How often each is drawn, the encoder it needs, and the columns beside counts and reference without which it has no name.
+# Relative frequency, required encoder, and the columns besides counts and reference that are needed to identify the effect.
 WEIGHT = {"offset": 1, "scale": 2, "eccentricity": 3, "transmission_error": 3, "subdivision_error": 2, "state_width": 1,
           "missed_counts": 2, "decoding": 1, "backlash": 3, "compliance": 2, "latency": 3, "timing_jitter": 1,
           "clock_drift": 1, "noise": 2, "drift": 2, "rollover": 1, "geometry": 1, "reference_error": 1, "log_rounding": 1,
           "controller_droop": 1, "filter_mismatch": 1}
 ENCODER = {"subdivision_error": "sincos", "state_width": "lines", "decoding": "lines", "log_rounding": "resolution"}
 COLUMNS = {"compliance": {"effort"}, "controller_droop": {"effort"}, "filter_mismatch": {"velocity"}}
-# Effects that have no shape in the mean, or one that no other shape resembles.
+# Effects with zero mean, or with a mean that no other effect resembles.
 SHAPELESS = {"offset", "state_width", "missed_counts", "decoding", "timing_jitter", "noise", "rollover", "geometry",
              "log_rounding", "filter_mismatch", "controller_droop"}
 PAIRABLE = ["scale", "eccentricity", "transmission_error", "backlash", "compliance", "latency", "noise", "drift", "offset",
@@ -259,7 +259,7 @@ PAIRABLE = ["scale", "eccentricity", "transmission_error", "backlash", "complian
 
 
 def shapes(s, gap=None):
-    """What the usual suspects would look like here, for the check that the true one is told apart."""
+    """Contributions of the other effects in this record, to check that the true one is distinguishable."""
     j, out = s.joint, {}
     out["latency"] = s.v[j]
     out["scale"] = s.q[j]

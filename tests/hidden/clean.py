@@ -1,4 +1,4 @@
-"""Machines without a flaw, in the records that mislead an analysis: slow, at rest, one-way, with a very good or a poor reference."""
+"""Machines without effects, in difficult records: slow, at rest, one-way, with a very good or a poor reference."""
 import numpy as np
 
 import catalogue
@@ -25,7 +25,7 @@ def stops(rng, case):
 
 
 def slow(rng, case):
-    """0.02 to 0.4 counts a sample: the error is neither white nor uniform, and nothing is wrong."""
+    """0.02 to 0.4 counts a sample: the error is neither white nor uniform, although there is no effect."""
     step = resolution(case) * case.rate
     case.paths = each(case, lambda j, c: motions.Sines(c, [(step[j] * rng.uniform(0.02, 0.4) / (2 * np.pi * f), f, 0.0)
                                                            for f in [rng.uniform(0.8, 2.5) * case.rate / case.rows]]))
@@ -51,7 +51,7 @@ def poor_reference(rng, case):
 
 
 def free_zero(rng, case):
-    """Incremental without an index: its constant says nothing."""
+    """Incremental without an index: its offset is arbitrary."""
     stops(rng, case)
     for j, e in enumerate(case.encoders):
         if e.kind != "bits":
@@ -65,7 +65,7 @@ def uneven_stamps(rng, case):
 
 
 def all_columns(rng, case):
-    """Load, temperature, velocity and command are logged, and none of them explains anything."""
+    """Load, temperature, velocity and command are logged, and none of them explains the residual."""
     multisine(rng, case)
     case.columns |= {"effort", "temperature", "velocity", "command"}
 
@@ -90,7 +90,7 @@ def rounding_down(rng, case):
 
 
 def fine_encoders(rng, case):
-    """Sine/cosine and absolute encoders, joints that rest while others move."""
+    """Sine/cosine and absolute encoders; some joints do not move."""
     for j, prismatic in enumerate(case.robot.prismatic):
         if not prismatic:
             case.encoders[j] = random_encoder(rng, kind=str(rng.choice(["sincos", "bits"])))

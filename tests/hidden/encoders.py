@@ -1,4 +1,4 @@
-"""Encoders as they are built: a table of edges, or sine and cosine with an arctangent; an eccentric disc before them.
+"""Physical models of encoders: a table of edges, or sine and cosine with an arctangent; an eccentric disc before them.
 
 Positions are those of the joint [rad or m] that the encoder believes in: shaft angle over gear ratio. One count is `resolution`.
 """
@@ -20,7 +20,7 @@ class Encoder:
     travel: float = 0.0          # m per revolution; 0: a revolute joint
     rounding: str = "nearest"
     zero: str = "known"
-    flaws: dict = field(default_factory=dict)  # what this one has and its data sheet has not
+    flaws: dict = field(default_factory=dict)  # deviations from the data sheet
 
     @property
     def resolution(self):
@@ -32,7 +32,7 @@ class Encoder:
         return 2 * math.pi * self.gear / (self.travel or 2 * math.pi)
 
     def spec(self):
-        """As the spec states it: the ideal encoder."""
+        """The ideal encoder, as the spec states it."""
         stated = {"counts": f"counts_per_rev: {self.counts:.10g}",
                   "lines": f"lines_per_rev: {self.counts / PERIOD:.10g}, decoding: x4",
                   "bits": f"bits: {self.bits}",
@@ -51,7 +51,7 @@ class Encoder:
 
     # -- the disc ------------------------------------------------------------------------------------------------------
     def on_disc(self, x):
-        """What the reading head sees of a disc whose pattern is `eccentricity` (over its radius) off centre.
+        """The angle that the reading head measures on a disc whose pattern is `eccentricity` (over its radius) off centre.
 
         Head at (1, 0), pattern centre at c = e (cos, sin)(shaft + p): the head lies at the angle atan2(-c_y, 1 - c_x) as
         seen from the pattern, which has turned by the shaft's angle: reading = shaft - that angle.
@@ -82,7 +82,7 @@ class Encoder:
         return k, ideal, ideal + shift * step
 
     def interpolated(self, x):
-        """Position that atan2 finds in distorted signals: sine (1 + gain) sin(u + phase) + offset, cosine cos u + offset,
+        """Position by atan2 of distorted signals: sine (1 + gain) sin(u + phase) + offset, cosine cos u + offset,
         both clipped, over the signal's period."""
         f = self.flaws.get("heydemann")
         if not f:
@@ -109,7 +109,7 @@ class Encoder:
         return (k[used][0] - per) // per + np.searchsorted(np.sort(actual[used]), seen, side="right")
 
     def apparent(self, x):
-        """The position of which an ideal encoder would give the same counts (mean over what the comparators' noise does).
+        """The position of which an ideal encoder would give the same counts (averaged over the comparators' noise).
 
         Between its edges the position is stretched linearly onto the ideal edges.
         """
@@ -125,7 +125,7 @@ class Encoder:
 
 
 def random_encoder(rng, prismatic=False, kind=None):
-    """Sizes as they are sold: a count of 1.5e-5 to 4e-4 rad at the joint."""
+    """Commercial resolutions: a count of 1.5e-5 to 4e-4 rad at the joint."""
     if prismatic:
         return Encoder("counts", float(rng.choice([1, 2, 5])), float(rng.choice([1000, 2000, 4096])), travel=0.02)
     kind = kind or rng.choice(["counts", "lines", "bits", "sincos"], p=[0.4, 0.4, 0.1, 0.1])

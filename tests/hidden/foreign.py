@@ -1,4 +1,4 @@
-"""Errors that no name in the catalogue fits: functions of (instant, angle, speed, effort) that add to the motor's angle [rad].
+"""Errors outside the catalogue: functions of (instant, angle, speed, effort) that add to the motor's angle [rad].
 
 Each maker takes (rng, size [rad], context) and returns (function, what is physically there, also_accept). The context tells
 duration [s], the angle's range, the encoder's shaft ratio, the largest effort and speed, and the planned path.
@@ -75,21 +75,21 @@ def creep(rng, size, c):
 
 
 def bump(rng, size, c):
-    """A damaged tooth: one angle at which the reading is off."""
+    """A damaged tooth: an error at one angle."""
     centre, width = rng.uniform(0.3, 0.7), rng.uniform(0.03, 0.06) * (c.high - c.low)
     centre = c.low + centre * (c.high - c.low)
     return lambda t, q, v, f: size * np.exp(-0.5 * ((q - centre) / width) ** 2), {"angle": centre}, []
 
 
 def bent_scale(rng, size, c):
-    """Not proportional but bent: a cube of the angle about the middle of its range."""
+    """A nonlinear scale: the cube of the angle about the middle of its range."""
     middle, half = (c.low + c.high) / 2, (c.high - c.low) / 2
     u = lambda q: (q - middle) / half
     return lambda t, q, v, f: size * (4 * u(q) ** 3 - 3 * u(q)), {}, []
 
 
 def noisy_sector(rng, size, c):
-    """Dirt: the reading flickers within one sector of the angle."""
+    """Contamination: random errors within one sector of the angle."""
     centre, width = rng.uniform(0.35, 0.65), 0.12 * (c.high - c.low)
     centre = c.low + centre * (c.high - c.low)
     rate = rng.uniform(150, 260)
@@ -98,7 +98,7 @@ def noisy_sector(rng, size, c):
 
 
 def beat_in_time(rng, size, c):
-    """Mains hum that aliases: a steady tone, moving or not."""
+    """Aliased mains interference: a sine in time, independent of the motion."""
     frequency, phase = rng.uniform(3, 30), rng.uniform(0, 2 * np.pi)
     return lambda t, q, v, f: size * np.sin(2 * np.pi * frequency * t + phase), {"frequency": frequency}, []
 

@@ -27,13 +27,13 @@ NAMES = {"a": clean.CLEAN, "b": catalogue.MAKERS, "d": foreign.FOREIGN, "e": pai
 
 
 def kind_of(index, kinds):
-    """Kinds in their shares, evenly through the sequence, so that any first N cases hold all of them."""
+    """Kinds according to their shares, evenly distributed, so that the first N cases contain all of them."""
     weight = np.array([SHARES[k] for k in kinds])
     return kinds[int(np.searchsorted(np.cumsum(weight) / weight.sum(), (index * 0.6180339887 + 0.5) % 1.0, side="right"))]
 
 
 def name_of(seed, index, kind):
-    """An effect, record or pair of this kind in its share, evenly through the sequence too; two effects are left to chance."""
+    """An effect, record or pair of this kind according to its share, evenly distributed; pairs of effects are random."""
     if kind not in NAMES:
         return None
     weight = np.array([catalogue.WEIGHT[n] if kind == "b" else 1 for n in NAMES[kind]], float)
@@ -42,7 +42,7 @@ def name_of(seed, index, kind):
 
 
 def make(seed, index, kinds, name=None):
-    """Case number `index` of this seed; a draw that finds no distinct motion is drawn anew."""
+    """Case number `index` of this seed; a draw without a distinguishing motion is repeated."""
     for attempt in range(20):
         rng = np.random.default_rng([seed, index, attempt])
         kind = kind_of(index, kinds)

@@ -1,4 +1,4 @@
-"""A machine with a hidden flaw, recorded: planned path -> gear -> disc -> edges -> decoder -> log. Physics, no regressors.
+"""The record of a machine with hidden effects: planned path -> gear -> disc -> edges -> decoder -> log. Physics, no regressors.
 
 Signs, as the contract has them: measured - reference is +A sin(order shaft + phase) of an eccentric disc with A = e/gear at the
 joint, +-gap/2 on the side of the last motion, +compliance effort, q(t - delay) - q(t), q(t + rate t) - q(t).
@@ -11,7 +11,7 @@ FINE = 8  # steps of the play operator per sample
 
 
 def play(motor, gap, start=None):
-    """What a link behind a gap does: it rests until the motor has crossed the gap, then is pushed.
+    """Play operator: the link does not move until the motor has crossed the gap.
 
     link_k = clip(link_(k-1), motor_k - gap/2, motor_k + gap/2): exact between two turning points. Starts mid-gap.
     """
@@ -33,18 +33,18 @@ class Effect:
 
 @dataclass
 class Record:
-    """What the log holds, and what only the generator knows (`link`, `model`). Arrays are (joints, samples)."""
+    """The content of the log, and quantities known to the generator only (`link`, `model`). Arrays are (joints, samples)."""
     time: np.ndarray
     counts: np.ndarray
-    measured: np.ndarray      # C counts resolution, or what the log rounds it to
+    measured: np.ndarray      # C counts resolution, or its value rounded in the log
     reference: np.ndarray
     effort: np.ndarray
     link: np.ndarray
-    model: np.ndarray         # measured without quantization and chance: what the true model expects
+    model: np.ndarray         # measured without quantization and noise: the expectation of the true model
     velocity: np.ndarray
     tip: np.ndarray           # (samples, 3), of the machine as it was built, with the tracker's noise
     events: dict = field(default_factory=dict)
-    unexpected: np.ndarray = None  # measured - reference that the true model leaves
+    unexpected: np.ndarray = None  # residual of the true model
 
 
 class Machine:
@@ -63,38 +63,38 @@ class Machine:
 
     @property
     def resolution(self):
-        """Of the encoders, at the joint side."""
+        """Resolutions of the encoders, at the joint side."""
         return np.array([e.resolution for e in self.encoders])
 
     # -- from the plan to the shafts -----------------------------------------------------------------------------------
     def link(self, paths, t):
-        """The links' true angles: the plan, less what a gap holds back."""
+        """The links' true angles: the plan after the play operator."""
         q = paths.at(t)[0]
         for e in self.of("backlash"):
             grid = np.linspace(t[0], t[-1], FINE * (len(t) - 1) + 1)
             plan = paths.joints[e.joint].at(grid)[0]
-            start = plan[0] - e.p.get("side", 0) * e.p["gap"] / 2  # mid-gap unless it was pushed to a side before
+            start = plan[0] - e.p.get("side", 0) * e.p["gap"] / 2  # mid-gap unless the record starts at one side
             q[e.joint] = np.interp(t, grid, play(plan, e.p["gap"], start))
         return q
 
-    def clock(self, joint, t, chance=None):
-        """When the encoder of this joint is really read."""
+    def clock(self, joint, t, rng=None):
+        """The instants at which the encoder of this joint is sampled."""
         when = t.copy()
         for e in self.of("clock_drift", joint):
             when = when + e.p["rate"] * t
         for e in self.of("latency", joint):
             when = when - e.p["delay"]
         for e in self.of("timing_jitter", joint):
-            if chance is not None:
-                when = when + e.p["sigma"] * chance.standard_normal(len(t))
+            if rng is not None:
+                when = when + e.p["sigma"] * rng.standard_normal(len(t))
         return when
 
-    def motor(self, paths, t, chance=None):
-        """Angles at the motors' side of link and gear, brought to the joint."""
+    def motor(self, paths, t, rng=None):
+        """Angles at the motor side of link and gear, scaled to the joint."""
         n = len(self.encoders)
         out = np.empty((n, len(t)))
         for j in range(n):
-            when = self.clock(j, t, chance)
+            when = self.clock(j, t, rng)
             mine = [e for e in self.effects if e.joint == j]
             out[j] = paths.joints[j].at(when)[0]
             q, v, a = paths.at(when) if any(e.name == "compliance" or "outside" in e.name for e in mine) else (0, 0, 0)
@@ -126,7 +126,7 @@ class Machine:
 
     # -- counting ------------------------------------------------------------------------------------------------------
     def decoded(self, i, counts, t):
-        """Counts lost or gained, and a counter that wraps; (counts, what was added)."""
+        """Counts lost or gained, and a counter that wraps; (counts, added counts)."""
         out = counts.copy()
         for e in self.of("missed_counts", i):
             for when, lost in zip(e.p["times"], e.p["counts"]):
@@ -137,7 +137,7 @@ class Machine:
         return out, out - counts
 
     def record(self, paths, t, rng, stamps=None):
-        """Reads everything at the instants t; `stamps` are what the log calls them."""
+        """Samples all signals at the instants t; `stamps` are the times in the log."""
         n, step = len(self.encoders), self.resolution
         to_encoders = np.linalg.inv(self.coupling)
         expected, real = to_encoders @ self.motor(paths, t), to_encoders @ self.motor(paths, t, rng)
@@ -154,7 +154,7 @@ class Machine:
         link, (q, v, a) = self.link(paths, t), paths.at(t)
         reference = link + self.reference_noise[:, None] * rng.standard_normal((n, len(t)))
         measured = self.coupling @ (counts * step[:, None])
-        # A count that stands for several leaves the joint as unknown as all of these together.
+        # A count that represents several edges has the uncertainty of all of them.
         coarser = np.array([e.flaws.get("counts_every", 1) for e in self.encoders])
         unknown = self.coupling @ ((coarser - 1)[:, None] * (counts * step[:, None] - model))
         model = self.coupling @ model
@@ -173,7 +173,7 @@ class Machine:
                       measured - reference - (model - expected_reference) + unknown)
 
     def gain(self, record):
-        """rms of measured - reference (mean included) before, and after the true model is taken off, per joint and over all."""
+        """rms of measured - reference (mean included) before and after subtracting the true model, per joint and over all."""
         def figures(before, after):
             b, a = (float(np.sqrt(np.mean(np.square(x)))) for x in (before, after))
             return {"rms_before": b, "rms_after": a, "ratio": b / a if a > 0 else None}

@@ -69,7 +69,7 @@ class Pieces:
 
 
 class Paths:
-    """One path a joint."""
+    """One path per joint."""
 
     def __init__(self, joints):
         self.joints = joints
@@ -80,7 +80,7 @@ class Paths:
 
 
 def multisine(rng, centre, duration, reach=None):
-    """Two to four sines: the slowest passes its range about once or twice in the record."""
+    """Two to four sines: the slowest has about one or two periods in the record."""
     base = rng.uniform(0.9, 2.2) / duration
     big = reach if reach is not None else min(rng.uniform(0.4, 1.1), 1.6 / (2 * np.pi * base))
     sines = [(big, base, rng.uniform(0, 2 * np.pi))]
@@ -91,7 +91,7 @@ def multisine(rng, centre, duration, reach=None):
 
 
 def stops(rng, centre, duration, reach=None, jerk_share=None):
-    """Moves at several speeds with rests between, starting and ending with one."""
+    """Moves at several speeds with pauses between, at the start and at the end."""
     reach = reach if reach is not None else rng.uniform(0.35, 0.9)
     jerk_share = rng.choice([0.0, 0.3]) if jerk_share is None else jerk_share
     path = Pieces(centre)
@@ -106,7 +106,7 @@ def stops(rng, centre, duration, reach=None, jerk_share=None):
 
 
 def triangle(rng, centre, duration, reach=0.5, turns=5, ramp=1e-3):
-    """To and fro at one speed without a rest; the direction turns within `ramp` s."""
+    """Back and forth at one speed without pauses; the direction reverses within `ramp` s."""
     speed = 2 * reach * turns / duration
     path = Pieces(centre - reach * rng.uniform(0.3, 0.9))
     path.phase(ramp, speed / ramp)
@@ -130,7 +130,7 @@ def standstill(centre):
 
 
 def rich(rng, robot, duration, kind=None):
-    """Every joint its own: sines or stops, so that speed, direction, angle, load and time vary apart from each other."""
+    """A different motion per joint, so that speed, direction, angle, load and time vary independently."""
     paths = []
     for j, centre in enumerate(robot.centre_angle):
         reach = rng.uniform(0.05, 0.15) if robot.prismatic[j] else None

@@ -1,4 +1,4 @@
-"""Records in which two names fit equally well: the right answer is both, and which record would tell them apart.
+"""Records in which two effects fit equally well: the right answer names both, and the record that distinguishes them.
 
 Each maker fills a case and returns (effect, names that fit, why). The truth is one of the names, by the toss of a coin where
 either can be built.
@@ -48,7 +48,7 @@ def latency_backlash(rng, case):
 
 
 def backlash_one_way(rng, case):
-    """The gap was crossed before the record starts."""
+    """The gap is crossed before the record starts."""
     size, name = size_in_counts(rng) * step(case), str(rng.choice(["backlash", "offset", "latency"]))
     speed = rng.uniform(0.1, 0.4) * rng.choice([-1, 1])
     case.paths = motions.Paths([motions.constant_speed(c, speed) for c in case.robot.centre_angle])
@@ -59,7 +59,7 @@ def backlash_one_way(rng, case):
 
 
 def resolver_eccentricity(rng, case):
-    """One electrical period a revolution: an offset of the sine is an eccentric disc."""
+    """One electrical period per revolution: an offset of the sine is an eccentric disc."""
     bits = int(rng.integers(10, 14))
     gear = float(rng.choice([10, 20, 30]))
     case.encoders[0] = Encoder("sincos", gear, 2.0 ** bits, 1, bits)
@@ -89,7 +89,7 @@ def compliance_or_order_1(rng, case):
 
 
 def scale_or_clock(rng, case):
-    """One way at one speed, from zero: angle and time are proportional."""
+    """One direction at one speed, from zero: angle and time are proportional."""
     case.paths = motions.Paths([motions.constant_speed(0.0, rng.uniform(0.2, 0.5) * rng.choice([-1, 1]))
                                 for _ in case.robot.joints])
     size, q = size_in_counts(rng) * step(case), case.paths.at(case.time)[0][0]
@@ -109,7 +109,7 @@ def noise_or_jitter(rng, case):
 
 
 def encoder_or_reference(rng, case):
-    """An order that both machines have: 50 of a stepper, and of a gear of 25 its second."""
+    """An order of both machines: 50 of a stepper motor, and the second order of a gear with 25 teeth."""
     case.encoders[0] = Encoder("lines", 25.0, 4.0 * rng.choice([500, 1000, 1024]))
     rich(rng, case)
     size, order = size_in_counts(rng) * step(case), 50
@@ -134,7 +134,7 @@ def inseparable(rng, name):
     case = base(rng, "e", name, shape, seconds, probe, verdict="ambiguous")
     case.columns -= {"temperature"}
     effect, case.pairs, case.why = PAIRS[name](rng, case)
-    chance = {"noise": lambda p: p["sigma"], "timing_jitter": lambda p: p["sigma"] * np.abs(case.paths.at(case.time)[1][0]).max()}
-    case.drawn = [catalogue.Drawn(effect, chance=float(chance.get(effect.name, lambda p: 0.0)(effect.p)))]
+    random_sigma = {"noise": lambda p: p["sigma"], "timing_jitter": lambda p: p["sigma"] * np.abs(case.paths.at(case.time)[1][0]).max()}
+    case.drawn = [catalogue.Drawn(effect, random_sigma=float(random_sigma.get(effect.name, lambda p: 0.0)(effect.p)))]
     case.reference_noise = rng.uniform(0.02, 0.1) * np.array([e.resolution for e in case.encoders])
     return finish(case, rng, second=False)

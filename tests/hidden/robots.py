@@ -1,4 +1,4 @@
-"""Random robots: their URDF, their kinematics and their load. Written for the tests, knows nothing of qerr.
+"""Random robots: their URDF, their kinematics and their load. Written for the tests, independent of qerr.
 
 A robot is an open chain. Joint i sits at `xyz[i]`, turned by `rpy[i]` in the frame of the link before it, and moves about (or
 along) the unit axis `axis[i]`; link i has mass [kg], centre of mass [m] and principal inertias [kg m^2] in its own frame.
@@ -22,7 +22,7 @@ def rotation_rpy(roll, pitch, yaw):
 
 
 def rotation_about(axis, angle):
-    """Rodrigues: R = 1 + sin(a) K + (1 - cos(a)) K^2, one matrix a sample."""
+    """Rodrigues: R = 1 + sin(a) K + (1 - cos(a)) K^2, one matrix per sample."""
     x, y, z = axis
     k = np.array([[0, -z, y], [z, 0, -x], [-y, x, 0]])
     s, c = np.sin(angle)[:, None, None], (1 - np.cos(angle))[:, None, None]
@@ -106,7 +106,7 @@ class Robot:
         return effort
 
     def lengthened(self, joint, axis, length):
-        """The robot as it was built: the origin of `joint` moved by `length` [m] along x, y or z of the frame before."""
+        """The robot with a geometric error: the origin of `joint` moved by `length` [m] along x, y or z of the frame before."""
         xyz = self.xyz.copy()
         xyz[joint] += length * AXES[axis]
         return Robot(self.name, self.joints, xyz, self.rpy, self.axis, self.tool, self.mass, self.centre,
@@ -135,7 +135,7 @@ class Robot:
         return "\n".join(text)
 
 
-# Shapes of machines: per joint (name, direction of the axis, where the next joint lies, usual angle). Lengths are scaled.
+# Robot types: per joint (name, direction of the axis, position of the next joint, usual angle). Lengths are scaled.
 SHAPES = {
     "turntable": [("table", "z", (0.15, 0, 0.05), 0.0)],
     "swing_arm": [("swing", "y", (0.30, 0, 0.0), 0.4)],
@@ -158,7 +158,7 @@ SHAPES = {
 
 
 def random_robot(rng, shape=None):
-    """A machine of a known shape with its own lengths, masses and usual angles."""
+    """A machine of a given type with random lengths, masses and usual angles."""
     shape = shape or rng.choice(list(SHAPES))
     rows = SHAPES[shape]
     n = len(rows)

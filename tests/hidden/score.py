@@ -1,4 +1,4 @@
-"""Holds one answer of `qerr diagnose` against one truth. Pure functions on the two JSON documents.
+"""Compares one answer of `qerr diagnose` with one truth. Pure functions on the two JSON documents.
 
 `slow_motion`, `varying_jacobian` and `correlated_joints` are statements about the paper's formula and may stand beside anything.
 An offset, and what the truth lists as tolerated, may be named beside the right cause.
@@ -8,7 +8,7 @@ import math
 STATEMENTS = {"slow_motion", "varying_jacobian", "correlated_joints"}
 NAMING = {"explained", "partly_explained", "ambiguous"}
 VERDICTS = NAMING | {"nothing_wrong", "unexplained", "cannot_judge"}
-# Records that may honestly be declined: nothing moves, or the reference is hardly better than the encoder.
+# Records for which no verdict is acceptable: no motion, or a reference hardly better than the encoder.
 MAY_DECLINE = {"standstill", "poor_reference", "constant_speed"}
 
 
@@ -38,7 +38,7 @@ def same_joint(effect, cause):
 
 
 def is_cause(effect, cause):
-    """Whether the cause names the true effect, or one that the truth accepts in its place."""
+    """Whether the cause names the true effect, or one that the truth accepts instead."""
     if not same_joint(effect, cause):
         return False
     if cause.get("effect") == effect["effect"]:
@@ -57,7 +57,7 @@ def is_tolerated(truth, cause):
 
 
 def covered(effect, cause):
-    """[(name, relative width, whether the 95 % interval holds the true value)] for each parameter that both state."""
+    """[(name, relative width, whether the 95 % interval contains the true value)] for each parameter that both state."""
     out, found = [], parameters(cause)
     for p in effect.get("parameters") or []:
         for name in [p["name"], *p.get("aliases", [])]:
@@ -66,7 +66,7 @@ def covered(effect, cause):
             low, high = number(found[name].get("lower")), number(found[name].get("upper"))
             if low is None or high is None or not p["values"]:
                 out.append((p["name"], None, False))
-            elif low == high and p["name"] in ("order", "factor", "modulus"):  # a whole number that was chosen, not fitted
+            elif low == high and p["name"] in ("order", "factor", "modulus"):  # an integer that was selected, not fitted
                 pass
             else:
                 slack = 1e-12 * max(abs(low), abs(high))
@@ -77,7 +77,7 @@ def covered(effect, cause):
 
 
 def pair_reported(truth, answer):
-    """(either both names of a pair are told, or the verdict is ambiguous and one of them is told; both are told)"""
+    """(both effects of a pair are named, or one of them with an ambiguous verdict; both are named)"""
     told = {c.get("effect") for c in causes_of(answer)}
     for a in rows(answer, "alternatives"):
         told |= {a.get("effect"), a.get("instead_of")}
@@ -87,7 +87,7 @@ def pair_reported(truth, answer):
 
 
 def gains(truth, answer):
-    """(reached over reachable of the whole residual, the same of the first true effect's joint); None where not told.
+    """(reached over reachable of the whole residual, the same of the first true effect's joint); None if not reported.
 
     The gain is rms before over rms after on data that was not fitted."""
     def ratio(g):
@@ -114,7 +114,7 @@ def label(cause):
 
 
 def score(truth, answer):
-    """Everything the tables need about one case."""
+    """The figures of one case that the tables need."""
     causes, verdict, effects = causes_of(answer), answer.get("verdict"), truth["effects"]
     named = [any(is_cause(e, c) for c in causes) for e in effects]
     alternatives = rows(answer, "alternatives")

@@ -1,13 +1,13 @@
 #!/usr/bin/python3
-"""How well does `qerr diagnose` find what is hidden in a log? Runs it on many cases with a known truth, and scores the answers.
+"""Measures how well `qerr diagnose` finds hidden effects: runs it on many cases with a known truth, and scores the answers.
 
 usage: study.py --qerr PATH [--cases 400 --seed S --jobs 2 --out DIR]      generates the cases first
-       study.py --qerr PATH --dir DIR                                      judges the cases that lie there
+       study.py --qerr PATH --dir DIR                                      scores the cases in DIR
        study.py --qerr PATH --quick                                        60 cases, for the test suite
 
-Every case is diagnosed; its extended model judges the second log and, where the truth allows, is simulated. The tables go to
-standard output, cases.csv, confusion.csv, intervals.csv and every answer to the folder of --out, which stays. Exit code 0: all
-criteria met (with --quick: none missed by more than chance allows, and no crash); 1: not met; 2: nothing could be run.
+Every case is diagnosed; its extended model diagnoses the second log and, if the truth permits, is simulated. The tables go to
+standard output; cases.csv, confusion.csv, intervals.csv and every answer to the folder of --out, which is kept. Exit code 0: all
+criteria met (with --quick: none missed significantly, and no crash); 1: not met; 2: qerr could not be run.
 """
 import argparse
 import concurrent.futures
@@ -29,7 +29,7 @@ from score import causes_of, score
 
 
 def run(command, limit):
-    """(exit code or None, standard output, what went wrong or '')"""
+    """(exit code or None, standard output, error or '')"""
     try:
         done = subprocess.run([str(c) for c in command], stdin=subprocess.DEVNULL, capture_output=True, timeout=limit,
                               env=dict(os.environ, NO_COLOR="1"))
@@ -58,7 +58,7 @@ def diagnose(qerr, spec, log, limit, *more):
 
 
 def simulated_rms(qerr, model, truth, folder, limit):
-    """rms of the flawed joints that `simulate` finds with the extended model, over the true machine's along the same motion."""
+    """Ratio of the rms that `simulate` computes with the extended model to the true machine's, for the joints with effects."""
     log = folder / "simulated.csv"
     _, _, fault = run([*qerr, "simulate", model, "--format", "json", "--log", log, "--quiet"], limit)
     if fault or not log.exists():
@@ -69,7 +69,7 @@ def simulated_rms(qerr, model, truth, folder, limit):
         with open(log, encoding="utf-8") as f:
             for row in csv.DictReader((line for line in f if not line.startswith("#")), strict=True):
                 if None in row or None in row.values():
-                    return math.inf  # a ragged row: the columns cannot be told apart
+                    return math.inf  # a ragged row
                 samples += 1
                 for j in joints:
                     reference = next(float(v) for k, v in row.items() if k.startswith(j + ".reference"))
@@ -83,11 +83,11 @@ def simulated_rms(qerr, model, truth, folder, limit):
 
 
 def judge(qerr, case, out, limit):
-    """Runs everything on one case; never raises for what qerr does."""
+    """Runs and scores one case; errors of qerr are recorded, not raised."""
     truth = json.loads((case / "truth.json").read_text(encoding="utf-8"))
     folder = out / "answers" / case.name
     folder.mkdir(parents=True, exist_ok=True)
-    shutil.copyfile(case / "robot.urdf", folder / "robot.urdf")  # the extended model lies beside it
+    shutil.copyfile(case / "robot.urdf", folder / "robot.urdf")  # the extended model refers to it
     model, spec = folder / "model.yaml", case / "spec.yaml"
     model.unlink(missing_ok=True)
     start = time.monotonic()
@@ -110,7 +110,7 @@ def judge(qerr, case, out, limit):
 
 
 def wrong_cases(results):
-    """A line and a command for every case that was not right."""
+    """A line and a command for every case that is not right."""
     for r in results:
         s = r["score"]
         if s.get("right") and r.get("second", "nothing_wrong") == "nothing_wrong":

@@ -15,7 +15,7 @@ class Criterion:
     hits: int = 0
     trials: int = 0
     value: float = None
-    ceiling: float = None       # a rate that must also not be above this
+    ceiling: float = None       # an upper limit of the rate
 
     @property
     def rate(self):
@@ -28,7 +28,7 @@ class Criterion:
         return good and (self.ceiling is None or self.rate <= self.ceiling)
 
     def surely_missed(self):
-        """Missed by more than chance allows (one-sided 99 %), for samples too small for the rate itself."""
+        """Missed significantly (one-sided 99 %), for samples too small to test the rate itself."""
         if self.value is not None or not self.trials:
             return self.met() is False
         if self.at_least:
@@ -90,7 +90,7 @@ def reachable(r):
 
 
 def asides(results):
-    """Figures beside the criteria: what a lenient reader would count."""
+    """Figures in addition to the criteria, counted leniently."""
     b = [r for r in results if r["truth"]["kind"] == "b"]
     lines = []
     for text, chosen, good in [

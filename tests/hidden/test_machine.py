@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The machines of the generator against formulas derived by hand.
+"""Compares the machines of the generator with formulas derived by hand.
 
 usage: test_machine.py [--shared DIR]     DIR/hidden_examples is skipped, saying so, when absent
 """
@@ -121,8 +121,8 @@ def backlash_keeps_its_side_at_rest_and_leads_the_motion():
     v = np.gradient(r.link[0], t)
     near(e[v > 0.1].mean(), gap / 2)
     near(e[v < -0.1].mean(), -gap / 2)
-    assert abs(e[t < 0.19]).max() < 0.51 * STEP              # starts in the middle
-    assert (e[(t > 0.72) & (t < 0.88)] > gap / 2 - 0.51 * STEP).all()  # at rest after the first move: still ahead
+    assert abs(e[t < 0.19]).max() < 0.51 * STEP              # starts at mid-gap
+    assert (e[(t > 0.72) & (t < 0.88)] > gap / 2 - 0.51 * STEP).all()  # at rest after the first move: still leading
     assert (e[t > 1.8] < -gap / 2 + 0.51 * STEP).all()
 
 
@@ -249,7 +249,7 @@ def the_examples_have_the_same_signs(folder):
         return effect_of(log, q, log[f"{j}.counts"] * truth["resolution"][j] - q, e["physical"], truth["resolution"][j], j)
 
     def eccentric(log, q, e, p, step, j):
-        u = 10 * q  # this encoder turns ten times
+        u = 10 * q  # gear ratio 10
         model = np.arctan2(p["ecc"] * np.sin(u + p["phase"]), 1 - p["ecc"] * np.cos(u + p["phase"])) / 10
         near(np.std(e - model), step / math.sqrt(12), 0.05)
 
@@ -270,7 +270,7 @@ def the_examples_have_the_same_signs(folder):
 
 
 def run(checks):
-    """Runs functions without arguments; returns how many failed."""
+    """Runs functions without arguments; returns the number of failures."""
     failed = 0
     for check in checks:
         try:

@@ -1,5 +1,5 @@
 #!/usr/bin/python3
-"""The generator's files against their truth, and the scoring against answers made up here.
+"""Tests the generator's files against their truth, and the scoring with constructed answers.
 
 usage: test_score.py
 """
