@@ -108,7 +108,7 @@ def check_position(t, label, report, case, e):
     if share.count:
         t.check(f"{label}: share", share.holds(), share.detail())
     t.check(f"{label}: rigorous bound holds at the corners", not rigorous, "; ".join(rigorous[:3]))
-    t.check(f"{label}: rigorous bound is sane", not sane, "; ".join(sane[:3]))
+    t.check(f"{label}: rigorous bound is not far above the linear one", not sane, "; ".join(sane[:3]))
 
 
 def check_derivatives(t, label, report, case, e):
@@ -194,7 +194,7 @@ def main():
                 try:
                     check_case(t, qerr, case, folder)
                 except (KeyError, TypeError, ValueError, IndexError) as trouble:
-                    t.check(f"{case.name}: the report has the contract's form", False, repr(trouble))
+                    t.check(f"{case.name}: the report satisfies the contract's schema", False, repr(trouble))
         if not arguments.only:
             reports.check_reproducible(t, qerr, ROOT, folder)
             reports.check_paper(t, qerr, ROOT, folder)

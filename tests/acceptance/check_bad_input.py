@@ -10,7 +10,7 @@ import re
 import sys
 import tempfile
 
-import manners
+import exit_codes
 from cases import CORPUS
 from tool import Tally, run
 
@@ -82,7 +82,7 @@ def grown(folder):
 
 def check_urdfs(t, qerr, folder):
     sound = run(qerr, "analyze", spec_around(folder, CORPUS / "two_joints.urdf"))
-    t.check("the sound robot of the corpus is accepted", sound.code == 0, sound.err.decode(errors="replace")[:300])
+    t.check("the valid robot of the corpus is accepted", sound.code == 0, sound.err.decode(errors="replace")[:300])
     with open(CORPUS / "bad_urdfs" / "expect.csv", newline="") as table:
         rows = list(csv.DictReader(table))
     present = {p.name for p in (CORPUS / "bad_urdfs").glob("*.urdf")}
@@ -94,7 +94,7 @@ def check_urdfs(t, qerr, folder):
         t.check(f"bad_urdfs/{row['file']}", not problem, problem)
     for path in grown(folder):
         problem = faults(run(qerr, "analyze", spec_around(folder, path), limit=20))
-        t.check(f"a URDF made at run time: {path.stem}", not problem, problem)
+        t.check(f"a generated URDF: {path.stem}", not problem, problem)
 
 
 def grown_specs(folder):
@@ -126,10 +126,10 @@ def main():
         check_specs(t, qerr)
         for path in grown_specs(folder):
             problem = faults(run(qerr, "analyze", path, limit=20))
-            t.check(f"a spec made at run time: {path.stem}", not problem, problem)
+            t.check(f"a generated spec: {path.stem}", not problem, problem)
         check_urdfs(t, qerr, folder)
-        manners.check_good_specs(t, qerr, CORPUS)
-        manners.check_exit_codes(t, qerr, folder, spec_around(folder, CORPUS / "two_joints.urdf"))
+        exit_codes.check_good_specs(t, qerr, CORPUS)
+        exit_codes.check_exit_codes(t, qerr, folder, spec_around(folder, CORPUS / "two_joints.urdf"))
     return t.close()
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Acceptance of the outside of `qerr diagnose`: its answers' form, its errors, its files. How well it finds causes is another
-matter (tests/hidden). Needs numpy only.
+"""Acceptance of the interface of `qerr diagnose`: the form of its answers, its errors, its files. tests/hidden measures how well
+it finds causes. Needs numpy only.
 
     check_diagnose.py --qerr build/qerr
 """
@@ -91,17 +91,17 @@ def check_answer(t, qerr, folder):
     found = {(c["effect"], c["joint"]): c for c in answer["causes"]}
     t.check("both effects are named", {("eccentricity", "turn"), ("backlash", "reach")} <= set(found), str(list(found)))
     units = {p["name"]: p["unit"] for c in found.values() for p in c["parameters"]}
-    t.check("units are the joints'", units.get("amplitude") == "rad" and units.get("gap") == "m", str(units))
+    t.check("units are those of the joints", units.get("amplitude") == "rad" and units.get("gap") == "m", str(units))
     t.check("gains are in the joints' units", found.get(("backlash", "reach"), {}).get("gain", {}).get("unit") == "m", "")
     again = run(qerr, "diagnose", spec, log, "--format", "json", "--threads", 4)
     t.check("the same bytes for any number of threads", again.out == ran.out, "")
     clean = strict(run(qerr, "diagnose", spec, folder / "clean.csv", "--format", "json").out)
-    t.check("a clean log has its form, too", not misshapen(clean, FORM), "; ".join(misshapen(clean, FORM)[:5]))
+    t.check("the answer to a clean log has the contract's form", not misshapen(clean, FORM), "; ".join(misshapen(clean, FORM)[:5]))
     t.check("a clean log: nothing wrong", clean["verdict"] == "nothing_wrong" and not clean["causes"], clean["verdict"])
     table = run(qerr, "diagnose", spec, log).out.decode()
     words = answer["verdict"].upper().replace("_", " ")
-    t.check("the table says the verdict first", table.splitlines()[2].startswith(words + ": "), table[:200])
-    t.check("no colours but on a terminal", "\x1b" not in table, "")
+    t.check("the table starts with the verdict", table.splitlines()[2].startswith(words + ": "), table[:200])
+    t.check("no colours unless on a terminal", "\x1b" not in table, "")
     rows = list(csv.reader(io.StringIO(run(qerr, "diagnose", spec, log, "--format", "csv").out.decode(), newline="")))
     t.check("the CSV is tidy", len({len(r) for r in rows}) == 1 and len(rows) > 5, str(rows[:3]))
     return answer
@@ -113,25 +113,25 @@ def check_model(t, qerr, folder, answer):
     model = elsewhere / "found.yaml"
     ran = run(qerr, "diagnose", folder / "spec.yaml", folder / "log.csv", "--write-model", model, "--format", "json")
     t.check("--write-model runs", ran.code == 0, ran.err.decode()[:300])
-    t.check("and is named in the answer", strict(ran.out)["extended_model"] == str(model), "")
+    t.check("the answer names the model's file", strict(ran.out)["extended_model"] == str(model), "")
     text = model.read_text()
     t.check("comments of the spec are kept", all(c in text for c in ("# a rotary stage", "# beside this file", "# a scale")), text)
-    t.check("its URDF is found from its folder", "urdf: ../stage.urdf" in text, text)
+    t.check("the path of the URDF is relative to the model's folder", "urdf: ../stage.urdf" in text, text)
     for command in ("simulate", "analyze"):
         ran = run(qerr, command, model, "--format", "json", "--quiet")
         t.check(f"the model is read by {command}", ran.code == 0, ran.err.decode()[:300])
     effects = strict(run(qerr, "analyze", model, "--format", "json", "--quiet").out)["effects"]
-    t.check("all causes are in it", [e["effect"] for e in effects] == [c["effect"] for c in answer["causes"]], str(effects)[:300])
+    t.check("the model has all causes", [e["effect"] for e in effects] == [c["effect"] for c in answer["causes"]], str(effects)[:300])
     for e, c in zip(effects, answer["causes"]):
         wrote = {p["name"]: p["value"] for p in e["parameters"]}
-        t.check(f"{c['effect']} is written as it was found", all(wrote[p["name"]] == p["value"] for p in c["parameters"]), str(wrote))
+        t.check(f"{c['effect']} is written with the estimated parameters", all(wrote[p["name"]] == p["value"] for p in c["parameters"]), str(wrote))
     log = folder / "again.csv"
     run(qerr, "simulate", model, "--log", log, "-o", folder / "r.txt", "--quiet")
     was, now = columns(folder / "log.csv"), columns(log)
     for joint, step in STEP.items():
         rms = [np.sqrt(np.mean([(float(r[f"{joint}.counts"]) * step - float(v)) ** 2 for r in rows
                                 for k, v in r.items() if k.startswith(f"{joint}.reference")])) for rows in (was, now)]
-        t.check(f"simulated with the model, {joint} errs as it was recorded", abs(rms[1] / rms[0] - 1) < 0.05, str(rms))
+        t.check(f"simulated with the model, {joint} has the rms of the record", abs(rms[1] / rms[0] - 1) < 0.05, str(rms))
     more = run(qerr, "diagnose", folder / "spec.yaml", folder / "log.csv", "--set", "encoders.turn.gear_ratio=3",
                "--set", "configurations.count=50", "--write-model", "-", "-o", folder / "report.txt")
     t.check("overrides are written into the model", more.code == 0 and b"count: 50}" in more.out, more.err.decode()[:300])
@@ -139,7 +139,7 @@ def check_model(t, qerr, folder, answer):
     odd.write_text(SPEC.replace("  turn: {counts_per_rev: 4000, gear_ratio: 3}",
                                 "  turn:\n    counts_per_rev: 4000\n    gear_ratio: 3"))
     ran = run(qerr, "diagnose", odd, folder / "clean.csv", "--set", "encoders.turn={bits: 14}", "--write-model", folder / "no.yaml")
-    t.check("an override that cannot be written is refused", ran.code == 3 and not (folder / "no.yaml").exists(), ran.err.decode())
+    t.check("an override that cannot be written is rejected", ran.code == 3 and not (folder / "no.yaml").exists(), ran.err.decode())
 
 
 def check_table(t, qerr, folder):
@@ -154,11 +154,11 @@ def check_table(t, qerr, folder):
     measured = np.array([float(r["turn.counts"]) for r in log]) * STEP["turn"]
     corrected = measured + np.interp(np.mod(3 * measured, 2 * np.pi), at, add)
     rms = np.sqrt(np.mean((corrected - reference) ** 2)) / (STEP["turn"] / np.sqrt(12))
-    t.check("the look-up table leaves quantization alone", rms < 1.1, f"{rms:.3f} of it")
-    t.check("what no table can hold is named", "# not in this table: backlash of reach" in table.read_text(), "")
+    t.check("after the look-up table only quantization remains", rms < 1.1, f"{rms:.3f} of it")
+    t.check("the table names the effects that it cannot contain", "# not in this table: backlash of reach" in table.read_text(), "")
     curves = columns(plots / "residual.csv")
     after = np.array([float(r["after"]) for r in curves if r["joint"] == "turn"])
-    t.check("the curves end where the table does", np.sqrt(np.mean(after**2)) < 1.1 * STEP["turn"] / np.sqrt(12), "")
+    t.check("the residual after correction is that of the table", np.sqrt(np.mean(after**2)) < 1.1 * STEP["turn"] / np.sqrt(12), "")
     spectrum = [r for r in columns(plots / "spectrum.csv") if r["joint"] == "turn"]
     peak = max(spectrum, key=lambda r: float(r["before"]))
     t.check("the spectrum peaks at one period per revolution of the encoder", abs(float(peak["encoder_order"]) - 1) < 0.25, str(peak))
@@ -171,14 +171,14 @@ def check_tip(t, qerr, folder):
     log, plots = folder / "tip.csv", folder / "tip_plots"
     log.write_text("".join(",".join(row[i] for i in keep) + "\n" for row in rows))
     ran = run(qerr, "diagnose", folder / "spec.yaml", log, "--plots", plots, "--format", "json")
-    if not t.check("a log of the tip alone is judged", ran.code == 0, ran.err.decode()[:300]):
+    if not t.check("a log with a tip only is diagnosed", ran.code == 0, ran.err.decode()[:300]):
         return
     answer = strict(ran.out)
     gain = answer["gain"]
-    t.check("what an encoder adds is named, though the axis that the tip keeps still on is written without decimals",
+    t.check("an encoder's effect is named, although a constant coordinate of the tip has no decimals",
             ("eccentricity", "turn") in {(c["effect"], c["joint"]) for c in answer["causes"]}, str(answer["causes"])[:300])
-    t.check("its gain is in metres, and has no counts", gain["unit"] == "m" and gain["counts_before"] is None, str(gain))
-    t.check("there is no joint's residual to plot, which is said", not list(plots.iterdir()) and b"--plots" in ran.err,
+    t.check("the gain is in metres, without counts", gain["unit"] == "m" and gain["counts_before"] is None, str(gain))
+    t.check("there is no joint's residual to plot, and a message says so", not list(plots.iterdir()) and b"--plots" in ran.err,
             ran.err.decode()[:300])
 
 
@@ -186,7 +186,7 @@ def check_limits(t, qerr, folder):
     log = (folder / "log.csv").read_text().splitlines(keepends=True)
     (folder / "short.csv").write_text("".join(log[:2]))
     ran = run(qerr, "diagnose", folder / "spec.yaml", folder / "short.csv", "--format", "json")
-    t.check("one row: no verdict, and what would suffice",
+    t.check("one row: no verdict",
             ran.code == 0 and strict(ran.out)["verdict"] == "cannot_judge" and strict(ran.out)["causes"] == [], ran.err.decode()[:200])
     before = (folder / "log.csv").read_bytes()
     for option in ("-o", "--write-model", "--write-table"):
@@ -204,7 +204,7 @@ def check_errors(t, qerr, folder):
         path.write_text("\n".join(lines) + "\n")
         ran = run(qerr, "diagnose", spec, path)
         said = ran.err.decode()
-        t.check(f"{name}: exit code {code}, said in a line, nothing on standard output",
+        t.check(f"{name}: exit code {code}, a message, nothing on standard output",
                 ran.code == code and not ran.out and all(w in said for w in words) and len(said.splitlines()) <= 20, said[:300])
 
     bad("a ragged row", [*good[:5], good[5] + ",1", *good[6:9]], 3, "bad.csv:6")
@@ -231,15 +231,15 @@ def check_pipes(t, qerr, folder):
     whole = run(qerr, "diagnose", spec, log, "--format", "json").out
     from_log, from_spec = (piped(log.read_bytes(), spec, "-", "--format", "json"), piped(spec.read_bytes(), "-", log, "--format", "json"))
     for name, ran in (("log", from_log), ("spec", from_spec)):
-        t.check(f"the {name} may come from standard input",
+        t.check(f"the {name} may be read from standard input",
                 ran.returncode == 0 and json.loads(ran.stdout)["causes"] == json.loads(whole)["causes"], ran.stderr.decode()[:200])
     model = piped(spec.read_bytes(), "-", log, "--write-model", "-", "-o", "report.json")
     t.check("a spec from standard input becomes a model on standard output", model.returncode == 0 and b"effects:" in model.stdout, "")
-    t.check("which reads from the working folder", subprocess.run(
+    t.check("and is valid relative to the working folder", subprocess.run(
         [str(qerr), "analyze", "-", "--quiet"], input=model.stdout, capture_output=True, cwd=folder).returncode == 0, "")
     closed = subprocess.run(f"'{qerr}' diagnose '{spec}' '{log}' --format json | true; echo ${{PIPESTATUS[0]}}", shell=True,
                             executable="/bin/bash", capture_output=True, timeout=60)
-    t.check("a closed pipe is no fault", closed.stdout.strip() in (b"0", b"141") and not closed.stderr, str(closed))
+    t.check("a closed pipe is not an error", closed.stdout.strip() in (b"0", b"141") and not closed.stderr, str(closed))
 
 
 def main():

@@ -163,7 +163,7 @@ def check_motion(t, qerr, folder):
     # Scale acts after the gear: the range of its position includes the backlash.
     widened = 0.5 + gap
     found_scale = [e for e in found["effects"] if e["effect"] == "scale"][0]
-    t.check("motion: scale sees the play before it", abs(found_scale["worst_case"] - 1e-3 * (0.3 + widened)) < 5e-8, str(found_scale))
+    t.check("motion: scale includes the backlash before it", abs(found_scale["worst_case"] - 1e-3 * (0.3 + widened)) < 5e-8, str(found_scale))
     compare(t, "motion", found, [
         Source("shoulder", 0, 1e-3 * fast, 1e-3 * fast / math.sqrt(2), at(slow)),
         Source("shoulder", 0, 4e-4 * fast, 1e-4 * fast / math.sqrt(2), white),
@@ -173,7 +173,7 @@ def check_motion(t, qerr, folder):
         Source("wrist", -3 * DELTA[3], 3 * DELTA[3], 3 * DELTA[3], constant)], 1e-4, 1e-3)
     t.check("motion: sigma of scale", abs(found_scale["sigma"] - 1e-3 * 0.5 / math.sqrt(2)) < 2e-6, str(found_scale))
     counted = {e["effect"]: e["counted"] for e in found["effects"]}
-    t.check("motion: what is of the file and the reference is not counted",
+    t.check("motion: effects of the file and the reference are not counted",
             [n for n, c in counted.items() if not c] == ["log_rounding", "reference_error"], str(counted))
 
 
@@ -186,12 +186,12 @@ def check_identities(t, qerr, folder):
         a = report(t, qerr, spec(folder, none, motion))
         b = report(t, qerr, spec(folder, [], motion))
         same = [k for k in b if k not in ("effects", "spec", "warnings") and a[k] != b[k]]
-        t.check(f"effects of no size change no figure ({label})", not same and len(a["effects"]) == len(none), str(same))
+        t.check(f"effects of magnitude zero change no figure ({label})", not same and len(a["effects"]) == len(none), str(same))
     # Clock drift needs a duration, which the limits do not provide.
     a = report(t, qerr, spec(folder, ["{type: clock_drift, joint: elbow, rate: 1e-4}"]))
     same = [k for k in b if k in ("joints", "position") and a[k] != b[k]]
     entry = a["effects"][0]
-    t.check("an effect whose size is not known is null, left out and warned of",
+    t.check("an effect of unknown magnitude is null, not counted, and a warning is given",
             not same and entry["sigma"] is None and entry["worst_case"] is None and not entry["counted"]
             and any("clock_drift" in w and "motion" in w for w in a["warnings"]), str(entry))
     # A displaced origin, by hand: y of the shoulder's parent is y of the base.
@@ -206,7 +206,7 @@ def check_identities(t, qerr, folder):
 def check_rest(t, qerr, folder):
     requirement = "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 0.5 mm}]\n"
     codes = [run(qerr, "check", spec(folder, e, requirement)).code for e in ([], ["{type: backlash, joint: shoulder, gap: 10 mrad}"])]
-    t.check("check counts effects", codes == [0, 1], str(codes))
+    t.check("check includes effects", codes == [0, 1], str(codes))
     path = spec(folder, ["{type: backlash, joint: shoulder, gap: 10 mrad}", "{type: noise, joint: elbow, sigma: 1 mrad}"])
     each = folder / "each.csv"
     a = report(t, qerr, path, "--per-configuration", each)
@@ -217,9 +217,9 @@ def check_rest(t, qerr, folder):
             for bound in ("worst_case", "sigma"):
                 column = header.index(f"{d['filter']}.{c['coordinate']}.{bound} [{c['unit']}]")
                 worst.add(f"{d['filter']}.{c['coordinate']}.{bound}", c[bound]["max"], max(float(r[column]) for r in rows), 1e-15)
-    t.check("--per-configuration has the effects in it", worst.holds(), worst.detail())
+    t.check("--per-configuration includes the effects", worst.holds(), worst.detail())
     table = run(qerr, "analyze", path, "--no-color").out.decode()
-    t.check("the table shows them", all(w in table for w in ("Effects: what they add", "gap 10.0 mrad", "sigma 1.00 mrad")), table[:800])
+    t.check("the table shows the effects", all(w in table for w in ("Effects: what they add", "gap 10.0 mrad", "sigma 1.00 mrad")), table[:800])
     bytes_of = [run(qerr, "analyze", path, "--format", "json", "--threads", n).out for n in (1, 3)]
     t.check("the same bytes for --threads 1 and 3", bytes_of[0] == bytes_of[1] and bytes_of[0])
     rows = json.loads(run(qerr, "list", "effects", "--format", "json").out)

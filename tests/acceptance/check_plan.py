@@ -97,7 +97,7 @@ def check_promises(t, qerr, folder, factor, seeds):
                 key = f"{entry['effect']} {entry.get('order', entry.get('time_constant', ''))} {entry.get('shaft', '')} of {joint['joint']}"
                 hits.setdefault(key, []).append(right)
                 if seeds == 1:
-                    t.check(f"{key}, {size:.3g} {entry['unit']} ({factor} times what the plan says is named)", right,
+                    t.check(f"{key}, {size:.3g} {entry['unit']} ({factor} times the identifiable magnitude of the plan)", right,
                             f"{found['verdict']} {[c['effect'] for c in found['causes']]}")
     return hits
 
@@ -109,29 +109,29 @@ def check_twins(t, qerr, folder):
     turn = answer["joints"][0]
     backlash = next(e for e in turn["effects"] if e["effect"] == "backlash")
     twins = {r["effect"] for r in backlash["alike"] if r["told_apart"] is None}
-    t.check("one way at one speed, backlash is alike to offset and latency", {"offset", "latency"} <= twins, twins)
-    t.check("and has no size from which it is named", backlash["named"] is None, backlash["named"])
-    t.check("of a joint at rest the plan says nothing",
+    t.check("one direction at one speed: backlash is indistinguishable from offset and latency", {"offset", "latency"} <= twins, twins)
+    t.check("and identifiable at no magnitude", backlash["named"] is None, backlash["named"])
+    t.check("the plan has no effects of a joint at rest",
             answer["joints"][1]["moves"] is False and answer["joints"][1]["effects"] == [], answer["joints"][1])
     rng = np.random.default_rng(1)
     found = diagnosis(qerr, spec, folder, f"effects=[{{type: backlash, joint: turn, gap: {20 * backlash['seen']}}}]", rng)
     known = {c["effect"] for c in found["causes"]} | {a["effect"] for a in found["alternatives"]}
-    t.check("and diagnose reports it as one of them", "backlash" in known and known & {"offset", "latency"}, known)
+    t.check("diagnose reports one of them", "backlash" in known and known & {"offset", "latency"}, known)
     better = answer["better"]
-    t.check("a better motion is known", better is not None and "turn" in better["changed"], better)
+    t.check("there is a better motion", better is not None and "turn" in better["changed"], better)
     (folder / "better.yaml").write_text(SPEC + better["motion"])
     again = plan(qerr, folder / "better.yaml")
-    t.check("the better motion, put into the spec, says what was promised",
+    t.check("the plan of the better motion is the one that was predicted",
             [j["effects"] for j in again["joints"]] == [j["effects"] for j in better["joints"]])
     after = next(e for e in again["joints"][0]["effects"] if e["effect"] == "backlash")
-    t.check("and names backlash", after["named"] is not None, after)
+    t.check("it identifies backlash", after["named"] is not None, after)
     size = 2 * after["named"]
     found = diagnosis(qerr, folder / "better.yaml", folder, f"effects=[{{type: backlash, joint: turn, gap: {size}}}]", rng)
-    t.check("as diagnose then does", named(found, "backlash", "turn") and not alternative(found, "offset", "turn"),
+    t.check("and so does diagnose", named(found, "backlash", "turn") and not alternative(found, "offset", "turn"),
             found["causes"])
 
 
-def check_manners(t, qerr, folder):
+def check_interface(t, qerr, folder):
     spec = folder / "rich.yaml"
     (folder / "still.yaml").write_text(SPEC)
     for arguments, code, words in (
@@ -144,12 +144,12 @@ def check_manners(t, qerr, folder):
         t.check(f"{' '.join(str(a) for a in arguments[1:]) or 'no log'}: exit {code} and a remedy",
                 answer.code == code and not answer.out and all(w in answer.err.decode() for w in words), answer.err)
     table = run(qerr, "diagnose", spec, "--plan").out.decode()
-    t.check("the table fits a screen", max(map(len, table.split("\n"))) < 140 and "Smallest size" in table, table)
+    t.check("the table is less than 140 columns wide", max(map(len, table.split("\n"))) < 140 and "Smallest size" in table, table)
     rows = list(csv.reader(io.StringIO(run(qerr, "diagnose", spec, "--plan", "--format", "csv").out.decode())))
     t.check("the CSV is rectangular", len(rows) > 20 and {len(r) for r in rows} == {13}, rows[:2])
     louder = plan(qerr, spec, "--reference-noise", "0.5")
     quiet = plan(qerr, spec)
-    t.check("a worse reference shows nothing better",
+    t.check("a worse reference detects no smaller magnitude",
             all(b["seen"] >= a["seen"] for a, b in zip(quiet["joints"][0]["effects"], louder["joints"][0]["effects"])))
 
 
@@ -171,7 +171,7 @@ def main():
             print(f"{sum(total)}/{len(total)}")
             return 0
         check_twins(t, o.qerr, folder)
-        check_manners(t, o.qerr, folder)
+        check_interface(t, o.qerr, folder)
     return t.close()
 
 

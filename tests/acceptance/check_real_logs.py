@@ -57,16 +57,16 @@ def magnet_table(qerr, folder, tally):
     said = answer(qerr, folder, "{bits: 14}", "time [s],shaft.counts,shaft.reference [rad]",
                   [1e-3 * np.arange(keep.sum()), np.arange(2**14)[keep], reference[keep]], ["%.3f", "%d", "%.6f"])
     found = causes(said)
-    tally.check("table: the orders of the magnet are named, the largest first",
+    tally.check("table: the orders of the magnetic encoder are named, the largest first",
                 list(found)[:1] == [("transmission_error", 2)] and ("eccentricity", 1) in found and ("transmission_error", 4) in found,
                 said.get("causes"))
     sizes = [(found.get(("eccentricity" if k == 1 else "transmission_error", k)) or {}).get("amplitude", 0) / count
              for k in amplitudes]
-    tally.check("table: their amplitudes are right to 8 %", np.allclose(sizes, list(amplitudes.values()), rtol=0.08), sizes)
-    tally.check("table: at 50 periods a turn the stepper may be the culprit",
+    tally.check("table: their amplitudes are accurate to 8 %", np.allclose(sizes, list(amplitudes.values()), rtol=0.08), sizes)
+    tally.check("table: at 50 periods per revolution the stepper motor is a possible cause",
                 "reference_error" in [a["effect"] for a in said.get("alternatives", [])], said.get("alternatives"))
-    tally.check("table: 200 points make few names", len(found) <= 7, list(found))
-    tally.check("table: no name needs motion", not {k for k, _ in found} & {"latency", "backlash", "clock_drift", "missed_counts"},
+    tally.check("table: 200 points support few causes", len(found) <= 7, list(found))
+    tally.check("table: no cause depends on the motion", not {k for k, _ in found} & {"latency", "backlash", "clock_drift", "missed_counts"},
                 list(found))
 
 
@@ -84,12 +84,12 @@ def clipped_resolver(qerr, folder, tally):
                   ["%.2f", "%.9f", "%.9f"])
     found = causes(said)
     first = next((k for k in found if k[0] != "offset"), None)
-    tally.check("resolver: the fourth order comes first, or the error within its period",
+    tally.check("resolver: the first cause is the fourth order or the subdivision error",
                 first in [("transmission_error", 4), ("subdivision_error", None)], list(found))
-    tally.check("resolver: the delay is found to 2 ms", abs(found.get(("latency", None), {}).get("delay", 0) - 0.035) < 0.002, found)
-    tally.check("resolver: no counts are lost and nothing has a gap",
+    tally.check("resolver: the delay is accurate to 2 ms", abs(found.get(("latency", None), {}).get("delay", 0) - 0.035) < 0.002, found)
+    tally.check("resolver: neither missed counts nor backlash",
                 not {k for k, _ in found} & {"missed_counts", "backlash"}, list(found))
-    tally.check("resolver: blocks that were held out gain eightfold", said.get("gain", {}).get("ratio", 0) > 8, said.get("gain"))
+    tally.check("resolver: the gain on held-out blocks is above 8", said.get("gain", {}).get("ratio", 0) > 8, said.get("gain"))
 
 
 def load_of_the_controller(qerr, folder, tally):
@@ -104,8 +104,8 @@ def load_of_the_controller(qerr, folder, tally):
     said = answer(qerr, folder, "{counts_per_rev: 4096}", "time [s],shaft.counts,shaft.reference [rad],shaft.effort [N m]",
                   [time, read, reference, 40 * (read * count - reference)], ["%.3f", "%d", "%.9f", "%.9f"])
     found = {k for k, _ in causes(said)}
-    tally.check("servo: a load made of the error is called that", "controller_droop" in found, list(found))
-    tally.check("servo: and nothing is said to be compliant", "compliance" not in found, list(found))
+    tally.check("servo: a load proportional to the error is reported as controller droop", "controller_droop" in found, list(found))
+    tally.check("servo: no compliance is reported", "compliance" not in found, list(found))
 
 
 def measured_logs(qerr, data, tally):
@@ -117,7 +117,7 @@ def measured_logs(qerr, data, tally):
                           capture_output=True, text=True)
     print(done.stdout, end="")
     scored = [line for line in done.stdout.splitlines() if line[:3] in ("ok ", "BAD")]
-    tally.check("every measured log is judged acceptably", scored and not [x for x in scored if x.startswith("BAD")], done.stderr)
+    tally.check("every measured log has an acceptable answer", scored and not [x for x in scored if x.startswith("BAD")], done.stderr)
 
 
 def main():

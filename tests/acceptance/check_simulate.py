@@ -87,12 +87,12 @@ def check_against_log(t, qerr, folder):
         report = json.loads(ran.out)
         raw = log.read_bytes().decode()
         header, data = read_log(raw)
-        t.check(f"{name}: log ends its lines as RFC 4180 says", raw.count("\r\n") == raw.count("\n") == 2001,
+        t.check(f"{name}: line ends of the log conform to RFC 4180", raw.count("\r\n") == raw.count("\n") == 2001,
                 f"{raw.count(chr(13))} and {raw.count(chr(10))}")
         t.check(f"{name}: time", np.array_equal(data[:, 0], np.arange(2000) / RATE), "")
         counts = np.stack([column(header, data, n + ".counts") for n in chain.names], 1)
         truth = np.stack([column(header, data, n + ".reference") for n in chain.names], 1)
-        t.check(f"{name}: counts are whole", np.array_equal(counts, np.round(counts)), "")
+        t.check(f"{name}: counts are integers", np.array_equal(counts, np.round(counts)), "")
         steps = np.array([encoders.get(n, encoders["*"])[1] for n in chain.names])
         estimate = (counts * steps) @ np.array(coupling or np.eye(len(steps)), dtype=float).T
         (p, r), (pe, re) = chain.pose(truth), chain.pose(estimate)
@@ -154,11 +154,11 @@ def check_nothing(t, qerr, folder):
         spec.write_text(text_of("puma560", None, encoders, motion,
                                 f"effects:\n  - {{type: {effect}, joint: {joint}, {numbers}}}\n"))
         ran = run(qerr, "simulate", spec, "--log", log)
-        t.check(f"{effect} of no size changes no byte", ran.code == 0 and log.read_bytes() == plain,
+        t.check(f"{effect} of magnitude zero changes no byte", ran.code == 0 and log.read_bytes() == plain,
                 ran.err.decode()[:200])
     known = json.loads(run(qerr, "list", "effects", "--format", "json").out)
     names = {e["name"] for e in (known if isinstance(known, list) else next(v for v in known.values() if isinstance(v, list)))}
-    t.check("every effect was tried", names - {"truncation"} <= set(NOTHING), str(names - set(NOTHING)))
+    t.check("every effect is tested", names - {"truncation"} <= set(NOTHING), str(names - set(NOTHING)))
 
 
 def check_reproducible(t, qerr, folder):
@@ -168,18 +168,18 @@ def check_reproducible(t, qerr, folder):
         log = folder / "threads.csv"
         ran = run(qerr, "simulate", spec, "--runs", 5, "--threads", threads, "--format", "json", "--log", log)
         seen.add((ran.out, log.read_bytes()))
-    t.check("same bytes for 1, 2 and 3 threads", len(seen) == 1, f"{len(seen)} answers")
+    t.check("same bytes for 1, 2 and 3 threads", len(seen) == 1, f"{len(seen)} different outputs")
     other = run(qerr, "simulate", spec, "--runs", 5, "--seed", 2, "--format", "json")
-    t.check("another seed, other phases", all(other.out != s[0] for s in seen), "")
+    t.check("another seed gives other phases", all(other.out != s[0] for s in seen), "")
     table = run(qerr, "simulate", spec, "--format", "csv").out.decode()
     rows = list(csv.DictReader(io.StringIO(table, newline="")))
     report = json.loads(run(qerr, "simulate", spec, "--format", "json").out)
     same = all(float(row[k]) == r[k] for row, r in zip(rows, report["results"])
                for k in ("sigma_simulated", "sigma_exact", "worst_case_path", "peak_simulated"))
-    t.check("CSV says what the JSON says", same and len(rows) == len(report["results"]), "")
+    t.check("CSV and JSON agree", same and len(rows) == len(report["results"]), "")
 
 
-def check_manners(t, qerr, folder):
+def check_interface(t, qerr, folder):
     still = ROOT / "configs/table_iv/premium.yaml"
     spec = ROOT / "configs/phantom_premium/experiment.yaml"
     for label, arguments, code, word in [
@@ -205,7 +205,7 @@ def main():
         check_against_log(t, arguments.qerr, folder)
         check_nothing(t, arguments.qerr, folder)
         check_reproducible(t, arguments.qerr, folder)
-        check_manners(t, arguments.qerr, folder)
+        check_interface(t, arguments.qerr, folder)
     return t.close()
 
 

@@ -69,7 +69,7 @@ def check_reproducible(t, qerr, root, folder):
     for path in files:
         run(qerr, "analyze", spec, "-o", path)
     stdout = run(qerr, "analyze", spec, "--format", "json").out
-    t.check("-o FILE.json holds what --format json prints, twice", all(p.exists() and p.read_bytes() == stdout for p in files))
+    t.check("-o FILE.json has the bytes of --format json, twice", all(p.exists() and p.read_bytes() == stdout for p in files))
     if not stdout:
         t.check("seeds", False, "no report")
         return
@@ -78,7 +78,7 @@ def check_reproducible(t, qerr, root, folder):
             json.loads(seeds[0])["position"] == json.loads(stdout)["position"]
             and json.loads(seeds[1])["position"] != json.loads(stdout)["position"] and json.loads(seeds[1])["seed"] == 2)
     shipped = sorted((root / "configs").glob("*/*.yaml"))
-    t.check("configs/ ships robots", len(shipped) >= 7, str(len(shipped)))
+    t.check("configs/ has robots", len(shipped) >= 7, str(len(shipped)))
     for path in shipped:
         outs = [run(qerr, "analyze", path, "--format", "json", "--threads", n).out for n in (1, 3)]
         t.check(f"{path.relative_to(root)}: runs, the same bytes for --threads 1 and 3", outs[0] and outs[0] == outs[1])
@@ -111,7 +111,7 @@ def check_paper(t, qerr, root, folder):
         for key, value in zip(THRESHOLD[5:], (2 * math.pi * step, 2 * math.pi * step * rate, step, step * rate)):
             worst.add(f"{row['robot']}.{key}", float(row[key]), value)
         printed.add(float(f"{step:.3g}"))
-    t.check("threshold: both readings follow from n, G, l and f", worst.holds(), worst.detail())
+    t.check("threshold: both interpretations follow from n, G, l and f", worst.holds(), worst.detail())
     t.check("threshold: l/(nG) of Table IV's five rows", printed == {0.015, 1.67e-4, 5e-4, 0.02, 0.005}, str(printed))
     ran = run(qerr, "threshold", *specs)
-    t.check("threshold: the table names both readings' figures", ran.code == 0 and len(ran.out.splitlines()) >= 6, ran.out.decode()[:200])
+    t.check("threshold: the table has the figures of both interpretations", ran.code == 0 and len(ran.out.splitlines()) >= 6, ran.out.decode()[:200])

@@ -11,7 +11,7 @@ from tool import run
 
 def check_good_specs(t, qerr, corpus):
     specs = sorted((corpus / "good_specs").glob("*.yaml"))
-    t.check("good specs are there", len(specs) >= 15, str(len(specs)))
+    t.check("at least 15 good specs", len(specs) >= 15, str(len(specs)))
     for spec in specs:
         ran = run(qerr, "analyze", spec, "--format", "json")
         t.check(f"good_specs/{spec.name} is accepted", ran.code == 0, f"exit {ran.code}: {ran.err.decode(errors='replace')[:300]}")
@@ -80,7 +80,7 @@ def check_outputs(t, qerr, folder, spec):
         code, _, err = shell(f"{command}{form} > /dev/full")
         t.check(f"{form} > /dev/full: 4", code == 4 and err, f"exit {code}: {err.decode()[:200]}")
         code, out, err = shell(f"{command}{form} --quiet | head -1")
-        t.check(f"{form} | head -1: no complaint", out.count(b"\n") <= 1 and b"error" not in err.lower() and b"pipe" not in err.lower(), err.decode()[:200])
+        t.check(f"{form} | head -1: no error message", out.count(b"\n") <= 1 and b"error" not in err.lower() and b"pipe" not in err.lower(), err.decode()[:200])
     code, _, err = shell(f"{command}json >&-")
     t.check("standard output closed: 4", code == 4, f"exit {code}: {err.decode()[:200]}")
     t.check("/dev/full is still a device", not os.path.isfile("/dev/full"))
@@ -90,10 +90,10 @@ def check_outputs(t, qerr, folder, spec):
     bad = folder / "bad_after.yaml"
     bad.write_text(spec.read_text() + "nonsense: 1\n")
     run(qerr, "analyze", bad, "-o", target)
-    t.check("a failed run leaves the old output alone and no temporary file",
+    t.check("a failed run keeps the old output and leaves no temporary file",
             target.read_text() == "old" and set(os.listdir(folder)) == before | {"bad_after.yaml"})
     run(qerr, "analyze", spec, "-o", target)
-    t.check("a good run replaces it, no temporary file stays",
+    t.check("a successful run replaces it and leaves no temporary file",
             target.read_text().startswith("{") and set(os.listdir(folder)) == before | {"bad_after.yaml"})
     code, out, err = shell(f"cat {shlex.quote(str(spec))} | {shlex.quote(str(qerr))} analyze - --format json -o -")
     t.check("the spec from standard input, the report to standard output", code == 0 and out.startswith(b"{"), err.decode()[:200])
@@ -102,9 +102,9 @@ def check_outputs(t, qerr, folder, spec):
     plain = {name: subprocess.run([str(qerr), "analyze", str(spec), "--format", "json"], capture_output=True,
                                   env=dict(os.environ, **extra)).stdout
              for name, extra in (("C", {"LC_ALL": "C"}), ("de", {"LC_ALL": "de_DE.UTF-8", "LANG": "de_DE.UTF-8"}))}
-    t.check("the locale changes nothing", plain["C"] == plain["de"] and plain["C"])
+    t.check("the output is independent of the locale", plain["C"] == plain["de"] and plain["C"])
     ran = run(qerr, "analyze", spec, "--no-color")
-    t.check("no colour codes off a terminal", b"\x1b" not in ran.out)
+    t.check("no colour codes unless on a terminal", b"\x1b" not in ran.out)
     check_interrupt(t, qerr, folder, spec)
 
 
