@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Acceptance of `qerr diagnose --plan`: what it promises of a motion holds. Effects of twice the size that it says is named are
-simulated along the motion, the reference gets the noise that was planned with, and `qerr diagnose` must name them; what it calls
-alike comes back with its twin among the alternatives. Needs numpy only.
+"""Acceptance of `qerr diagnose --plan`: its predictions hold. Effects of twice the identifiable magnitude are simulated along the
+motion, with the planned noise of the reference, and `qerr diagnose` must name them; effects that the plan cannot distinguish must
+be among the alternatives. Needs numpy only.
 
     check_plan.py --qerr build/qerr
-    check_plan.py --qerr build/qerr --factor 1 --seeds 20    # how often effects of the promised size itself are named
+    check_plan.py --qerr build/qerr --factor 1 --seeds 20    # rate of identification at the magnitude itself
 """
 import argparse
 import csv

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""`qerr diagnose` on logs as they come from workshops: a reference interpolated between few points, a clipped resolver that went
-there and back, a "load" that the controller made of the error. Then, where the shared data are, on measured ones.
+"""Acceptance of `qerr diagnose` on logs with typical deficiencies: a reference interpolated between few points, a clipped resolver
+with one reversal, a "load" that the controller computes from the error; and on measured logs.
 
-    check_real_logs.py --qerr build/qerr [--shared DIR]     DIR/data is skipped, saying so, when absent
+    check_real_logs.py --qerr build/qerr [--shared DIR]     DIR/data is skipped, with a message, if absent
 Needs numpy only.
 """
 import argparse

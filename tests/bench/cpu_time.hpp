@@ -5,7 +5,7 @@
 
 namespace qerr::bench {
 
-/// CPU time that a part takes on this thread [s].
+/// CPU time of a function on this thread [s].
 template <class Part>
 double cpu_seconds(Part part) {
   const auto now = [] {

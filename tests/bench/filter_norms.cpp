@@ -1,11 +1,11 @@
-// The norms of qerr beside what one would write by hand, in one table: time and relative error.
+// Compares the norms of qerr with straightforward implementations: time and relative error.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_filter_norms &&
 //   build/tests/bench/bench_filter_norms
 //
 // H2: a controller canonical form of the expanded coefficients in double, its discrete Lyapunov equation
 // solved as one linear system (Eigen, LU). l1 and H2: the difference equation of these coefficients summed in
-// double, until nothing is added any more or 2e7 terms. Errors of H2 are against the step-down recursion in
+// double, until the sum is constant or 2e7 terms. Errors of H2 are against the step-down recursion in
 // 1200 digits; those of l1 against the middle of qerr's proven interval, whose relative width is given.
 
 #include <Eigen/Dense>
@@ -29,7 +29,7 @@ struct Coefficients {
   Exacts b{1}, a{1};
 };
 
-/// The sections multiplied out in z^-1.
+/// The product of the sections, in z^-1.
 Coefficients multiplied_out(const Filter& filter) {
   const auto exact = [](const DoubleDouble& x) { return Exact(x.hi) + Exact(x.lo); };
   const auto in_z = [&](const std::array<DoubleDouble, 3>& c, bool second) {

@@ -1,10 +1,10 @@
-// The parts of the main job, one by one, on the arm of configs/kuka_lwr.
+// Times the parts of `analyze` separately, on the arm of configs/kuka_lwr.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_parts &&
 //   build/tests/bench/bench_parts
 //
-// `items_per_second` are configurations, of `histogram` values. Behind a slash stands the instruction set: 0
-// portable, 1 avx2, 2 avx512.
+// `items_per_second` are configurations; for `histogram`, values. The number after a slash is the instruction
+// set: 0 portable, 1 avx2, 2 avx512.
 
 #include <benchmark/benchmark.h>
 
@@ -28,7 +28,7 @@ const Spec& spec() {
   return one;
 }
 
-/// Calls `part(q)` for point after point.
+/// Calls `part(q)` for each point.
 template <typename Part>
 void for_each_configuration(benchmark::State& state, Part part) {
   static const Eigen::MatrixXd all = draw(spec().configurations, 0, points);
@@ -66,14 +66,14 @@ void sample(benchmark::State& state, SamplingMethod method) {
   state.SetItemsProcessed(state.iterations() * points);
 }
 
-/// Room for a batch of configurations and what is made of it.
+/// Buffers for a batch of configurations and its results.
 struct Batch {
   AlignedNumbers q{spec().model.chain.independent.size() * batch_size};
   AlignedNumbers columns{6 * spec().model.chain.joints.size() * batch_size};
   AlignedNumbers figures{64 * batch_size};
 };
 
-/// Calls `part(batch, index of the first configuration)` for batch after batch.
+/// Calls `part(batch, index of the first configuration)` for each batch.
 template <typename Part>
 void for_each_batch(benchmark::State& state, Part part) {
   Batch batch;

@@ -10,9 +10,9 @@
 #include "filter/norms/autocorrelation.hpp"
 #include "qerr/simulate/simulate.hpp"
 
-/// A simulation as one writes it without thinking of speed more than Eigen's users do: sample after sample,
-/// fixed sizes where they are natural, transforms and AngleAxis, no allocation in the loop. It gives what
-/// `simulate` gives of an ideal robot along sines, theory along the path and all.
+/// A straightforward simulation with Eigen: sample by sample, with fixed sizes where possible, transforms and
+/// AngleAxis, without allocation in the loop. It computes the results of `simulate` for an ideal robot along
+/// sines, including the theory along the path.
 namespace plain {
 
 using namespace qerr;
@@ -101,7 +101,7 @@ class ChannelFilter {
   double gain_;
 };
 
-/// Mean, squares about it and peak of one channel (Welford).
+/// Mean, sum of squared deviations and peak of one channel (Welford).
 struct Moments {
   double mean = 0, squares = 0, peak = 0;
   void add(double value, double count) {
@@ -113,19 +113,19 @@ struct Moments {
 };
 
 struct Output {
-  std::vector<ChannelFilter> filters;  // by channel; none: the position itself
+  std::vector<ChannelFilter> filters;  // by channel; empty: the position itself
   std::vector<Moments> moments;
   double count = 0;
 };
 
-/// Of each output and coordinate, over all runs: as in SimulatedSignal; and the bound along the path, and the
-/// root mean square of J Delta.
+/// Figures of each output and coordinate over all runs, as in SimulatedSignal; the bound along the path, and
+/// the root mean square of J Delta.
 struct Signal {
   double sigma = 0, mean = 0, peak = 0, linear = 0, parts = 0;
 };
 struct Result {
   std::vector<std::vector<Signal>> signals;
-  Eigen::MatrixXd exact;  // sigma behind each filter by the encoders' speeds, coordinates x filters
+  Eigen::MatrixXd exact;  // sigma after each filter by the encoders' speeds, coordinates x filters
   Eigen::VectorXd rigorous;
   Eigen::MatrixXd path_squares;
 };

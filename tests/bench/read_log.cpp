@@ -1,4 +1,4 @@
-// Reading a measured log beside what one would write by hand, in one run: bytes per second, and the ratio.
+// Compares reading a measured log with straightforward implementations: bytes per second, and the ratio.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_read_log &&
 //   build/tests/bench/bench_read_log
@@ -140,7 +140,7 @@ void by_strtod(benchmark::State& state) {
   });
 }
 
-/// pandas' default reader, rounding to the last digit or so, in its processor time.
+/// The default reader of pandas (not exactly rounded), by its CPU time.
 void by_pandas(benchmark::State& state) {
   const std::string command =
       "/usr/bin/python3 -c \"import pandas, time; t = time.process_time(); pandas.read_csv('" +
@@ -159,7 +159,7 @@ void by_pandas(benchmark::State& state) {
   report(state);
 }
 
-/// Prints what the console reporter does, then how many times faster the reader is than each baseline.
+/// The console output, followed by the speed of the reader relative to each baseline.
 class Ratios : public benchmark::ConsoleReporter {
  public:
   Ratios() : ConsoleReporter(OO_Tabular) {}
@@ -193,7 +193,7 @@ BENCHMARK(by_pandas)->DenseRange(0, 1)->Unit(benchmark::kMillisecond)->UseManual
 
 int main(int argc, char** argv) {
   benchmark::Initialize(&argc, argv);
-  files();  // written before any clock runs
+  files();  // written before the measurement
   Ratios ratios;
   benchmark::RunSpecifiedBenchmarks(&ratios);
   benchmark::Shutdown();

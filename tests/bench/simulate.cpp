@@ -1,12 +1,12 @@
-// `simulate` beside the same simulation written plainly (plain_simulation.hpp), in one run: the arm of
-// configs/kuka_lwr as it is and as a calibration finds it, along sines in all joints.
+// Compares `simulate` with a straightforward simulation (plain_simulation.hpp), for the nominal and the
+// calibrated arm of configs/kuka_lwr, along sines in all joints.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_simulate &&
 //   build/tests/bench/bench_simulate
 //
-// One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
-// median over the iterations of plain time over qerr's; the others are samples per second at best. Theory of
-// every filter along the path (sigma_exact) is part of both; without filters there is none.
+// One thread, interleaved, CPU time. First the results of both are compared. `ratio` is the median over the
+// iterations of plain time over qerr's; the others are the best samples per second. The theory of every
+// filter along the path (sigma_exact) is part of both.
 
 #include "qerr/simulate/simulate.hpp"
 
@@ -36,7 +36,7 @@ struct Case {
   std::vector<Eigen::VectorXd> displacements;
 };
 
-/// Every fixed transform turned by up to 1 mrad and shifted by up to 0.1 mm: no right angles are left.
+/// Rotates every fixed transform by up to 1 mrad and shifts it by up to 0.1 mm: no angle is a right angle.
 void calibrate(Chain& chain) {
   std::uint64_t drawn = 0;
   const auto off = [&] { return 2 * unit_interval(random_bits(1, drawn++, 5)) - 1; };
@@ -48,7 +48,7 @@ void calibrate(Chain& chain) {
   perturb(chain.tip_offset);
 }
 
-/// The displacements of `simulate`: an additive sequence, from a start that the seed draws.
+/// The displacements of `simulate`: an additive recurrence with a random start from the seed.
 std::vector<Eigen::VectorXd> displacements(const SimulationOptions& o, const Eigen::VectorXd& steps) {
   std::vector<Eigen::VectorXd> all(o.runs, Eigen::VectorXd::Zero(steps.size()));
   if (!o.random_phase) return all;
@@ -108,7 +108,7 @@ double difference(const Case& c) {
       const SimulatedSignal& a = ours.results[o][i];
       const plain::Signal& b = theirs.signals[o][i];
       compare(a.sigma_simulated, b.sigma);
-      // A mean is a small rest of what has a sigma.
+      // The mean is a small difference of values with standard deviation sigma.
       worst = std::max(worst, std::abs(a.mean_simulated - b.mean) / b.sigma);
       compare(a.peak_simulated, b.peak);
       compare(a.ladder.nonlinear, b.sigma / b.linear);

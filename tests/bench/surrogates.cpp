@@ -1,13 +1,12 @@
-// The surrogates of `diagnose` and the statistics of their residuals, beside the same row after row
-// (reference_residuals.hpp), in one run: 99 of them along a record of one joint.
+// Compares the surrogates of `diagnose` and the statistics of their residuals with plain code, row by row
+// (reference_residuals.hpp): 99 surrogates of a record of one joint.
 //
 //   cmake -S . -B build -G Ninja -DQERR_BENCH=ON && ninja -C build bench_surrogates &&
 //   build/tests/bench/bench_surrogates
 //
-// One thread; both take turns, and time is CPU time. First the results of both are compared. `ratio` is the
-// median over the iterations of plain time over qerr's; the others are readings of surrogates per second at
-// best. What is worked out once for all surrogates of a joint is part of both. Behind `set` stands the
-// instruction set: 0 portable, 1 avx2, 2 avx512.
+// One thread, interleaved, CPU time. First the results of both are compared. `ratio` is the median over the
+// iterations of plain time over qerr's; the others are the best readings of surrogates per second. The
+// preparation per joint is part of both. `set` is the instruction set: 0 portable, 1 avx2, 2 avx512.
 
 #include <benchmark/benchmark.h>
 
@@ -37,7 +36,7 @@ void side_by_side(benchmark::State& state) {
   const InstructionSet set = static_cast<InstructionSet>(state.range(0));
   const auto& available = available_instruction_sets();
   if (std::find(available.begin(), available.end(), set) == available.end())
-    return state.SkipWithError("this processor lacks it");
+    return state.SkipWithError("not supported by this processor");
   testing::Dice dice(1);
   testing::EvidenceMix mix;
   mix.rows = state.range(1);
@@ -47,7 +46,7 @@ void side_by_side(benchmark::State& state) {
   const auto ours = [&] { return residual_statistics(e, filters, surrogates, 1, 1, set); };
   const auto theirs = [&] { return testing::reference_statistics(e, filters, surrogates, 1); };
   if (const double d = difference(ours(), theirs()); !(d < 1e-11)) {
-    std::fprintf(stderr, "qerr and the surrogates row after row differ by %.2g\n", d);
+    std::fprintf(stderr, "qerr and the plain surrogates differ by %.2g\n", d);
     std::exit(1);
   }
   std::vector<double> our_times, their_times, ratios;

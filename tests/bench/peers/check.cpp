@@ -10,7 +10,8 @@ namespace {
 
 constexpr double not_shown = std::numeric_limits<double>::quiet_NaN();
 
-/// Largest |a - b| over largest |b|, over the rows that `group(row)` puts together. A NaN is infinitely far.
+/// Largest |a - b| over largest |b|, over the rows with the same `group(row)`. A NaN is an infinite
+/// deviation.
 template <typename Group>
 double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Group group) {
   std::array<double, 3> difference{}, size{};
@@ -29,10 +30,10 @@ double relative(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b, Group group)
   return worst;
 }
 
-/// Of a coordinate: 0 positions, 1 rotations.
+/// Group of a coordinate: 0 positions, 1 rotations.
 int unit(Eigen::Index coordinate) { return coordinate % 6 < 3 ? 0 : 1; }
 
-/// Of an entry of the covariance: 0 positions, 1 mixed, 2 rotations.
+/// Group of an entry of the covariance: 0 positions, 1 mixed, 2 rotations.
 int unit_of_entry(Eigen::Index entry) {
   int row = 0;
   while (entry > row) entry -= ++row;

@@ -7,12 +7,11 @@
 namespace qerr::bench {
 
 /// Largest deviations of a contestant from the reference, relative to the largest figure of the same unit
-/// (rows of positions or of rotations) over all configurations, where this is no less than 1e-4 of the
-/// others: a tip on its only axis has no lever but rounding. NaN where the contestant does not show that
-/// figure.
+/// (rows of positions or of rotations) over all configurations, if this is at least 1e-4 of the others: for
+/// a tip on its only axis, positions are rounding errors. NaN if the contestant does not output that figure.
 struct Deviation {
   double jacobian = 0, worst_case = 0, covariance = 0;
-  double summary = 0;   ///< of maxima and means, and of the figure at the place of the maximum
+  double summary = 0;   ///< of maxima and means, and of the figure at the configuration of the maximum
   double quantile = 0;  ///< of quantiles, which come from histograms
 
   static constexpr double largest_allowed = 1e-12;
@@ -21,7 +20,7 @@ struct Deviation {
   bool agrees() const;
 };
 
-/// Lets contestant and reference do the same `count` configurations in every stage that both do.
+/// Compares contestant and reference over the same `count` configurations in every stage that both support.
 Deviation deviation(const Contestant&, const Contestant& reference, const Problem&, std::uint64_t count);
 
 }  // namespace qerr::bench

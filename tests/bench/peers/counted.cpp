@@ -7,8 +7,8 @@ namespace {
 
 double multiplied = 0;
 
-/// A number that counts its multiplications: each is one operation of the FMA pipes, whether it is added to
-/// or not. Additions have pipes of their own, or vanish in a multiplication.
+/// A number that counts its multiplications: each is one operation of the FMA pipes, fused or not. Additions
+/// have separate adders, or are fused with a multiplication.
 struct Counted {
   double value;
 };
@@ -35,7 +35,7 @@ bool operator<(Counted a, double b) { return a.value < b; }
 Counted abs(const Counted& a) { return {a.value < 0 ? -a.value : a.value}; }
 Counted sqrt(const Counted& a) { return {__builtin_sqrt(a.value)}; }
 
-/// Logic, no multiplications.
+/// Logical operations, without multiplications.
 SineCosine<Counted> turned(const SineCosine<Counted>& a, const Counted& n) {
   const auto quarter = __builtin_bit_cast(std::uint64_t, n.value) & 3;
   const Counted sine = quarter & 1 ? a.cosine : a.sine, cosine = quarter & 1 ? a.sine : a.cosine;

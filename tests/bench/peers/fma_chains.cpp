@@ -1,12 +1,12 @@
-// Compiled once per instruction set, with QERR_LANES doubles to a vector and the set's own flags.
+// Compiled once per instruction set, with QERR_LANES doubles per vector and the flags of the set.
 
 #include <array>
 #include <cstdint>
 
 namespace qerr::bench {
 
-/// As many independent chains as latency times throughput asks for (a multiplication and an addition apart
-/// take 6 cycles at two a cycle), with their two constants still in sixteen registers.
+/// Number of independent chains: at least latency times throughput (a multiplication and a separate addition
+/// take 6 cycles at two per cycle), and at most what sixteen registers hold together with two constants.
 inline constexpr int chains = 12;
 
 /// Runs x <- a x + b `rounds` times in every chain.

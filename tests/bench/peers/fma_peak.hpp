@@ -6,7 +6,7 @@
 
 namespace qerr::bench {
 
-/// How many multiply-add instructions one core can do, one row per vector width.
+/// Peak rate of multiply-add instructions of one core, one row per vector width.
 struct FmaPeak {
   std::string instruction_set;  ///< as Contestant::instruction_set
   int lanes;                    ///< doubles in a vector
@@ -18,7 +18,7 @@ struct FmaPeak {
   static constexpr double per_round = 12;
 };
 
-/// Every row that this build has, narrowest first, also those that this machine cannot run.
+/// Every row of this build, narrowest first, including those that this machine cannot run.
 std::vector<FmaPeak> fma_peaks();
 
 }  // namespace qerr::bench

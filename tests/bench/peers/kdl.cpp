@@ -20,7 +20,7 @@ KDL::Frame frame(const Eigen::Isometry3d& t) {
           vector(t.translation())};
 }
 
-/// The joint's own kind where its axis is one of the frame's, which spares KDL Rodrigues' formula.
+/// A joint about a coordinate axis if possible, for which KDL needs no Rodrigues formula.
 KDL::Joint joint(const ChainJoint& j) {
   using K = KDL::Joint;
   constexpr std::array turns{K::RotX, K::RotY, K::RotZ}, slides{K::TransX, K::TransY, K::TransZ};
@@ -32,7 +32,7 @@ KDL::Joint joint(const ChainJoint& j) {
   return K(j.name, KDL::Vector::Zero(), vector(j.axis), j.prismatic ? K::TransAxis : K::RotAxis);
 }
 
-/// As one tunes it by hand: fixed transforms behind the joints, joints of their own kinds.
+/// Tuned by hand: fixed transforms after the joints, joints about coordinate axes.
 KDL::Chain tuned(const Chain& chain) {
   KDL::Chain result;
   result.addSegment(
@@ -45,8 +45,8 @@ KDL::Chain tuned(const Chain& chain) {
   return result;
 }
 
-/// As kdl_parser makes it of a URDF, which is how most users get theirs: each joint turns about an axis in
-/// the frame before.
+/// As kdl_parser builds it from a URDF, the usual case: each joint has an arbitrary axis in the previous
+/// frame.
 KDL::Chain parsed(const Chain& chain) {
   KDL::Chain result;
   for (const ChainJoint& j : chain.joints) {

@@ -1,5 +1,5 @@
-// qerr's kernel beside other libraries, everything in turn in one run; scripts/compare_peers.sh builds and
-// calls it. One row of contestants.cpp is one contestant.
+// Compares qerr's kernels with other libraries, interleaved in one run; scripts/compare_peers.sh builds and
+// runs it. One row of contestants.cpp is one contestant.
 
 #include <CLI/CLI.hpp>
 #include <cstdio>
@@ -28,7 +28,7 @@ struct Arguments {
   throw Error({{"", 0, 0}, "", rule, "'" + found + "'", remedy}, Trouble::usage);
 }
 
-/// The peaks of the sets asked for, or of all that run here.
+/// The peaks of the requested instruction sets, or of all that this machine supports.
 std::vector<FmaPeak> chosen_peaks(const std::vector<std::string>& wanted) {
   std::vector<FmaPeak> chosen;
   std::vector<std::string> known;
@@ -48,7 +48,7 @@ bool contains(const std::string& text, const std::string& part) {
   return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
 }
 
-/// The rows whose name holds one of the words of --only, and whose instruction set is among the peaks.
+/// The rows whose name contains one of the words of --only, and whose instruction set is among the peaks.
 std::vector<Contestant> chosen_contestants(const Arguments& a, const std::vector<FmaPeak>& peaks) {
   std::vector<Contestant> chosen;
   std::vector<std::string> known;

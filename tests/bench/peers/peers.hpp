@@ -2,8 +2,8 @@
 
 #include "contestant.hpp"
 
-/// The libraries beside qerr. Each is a shared library of its own that shows this one function: what it
-/// compiles with its own flags must not take the place of the same inline functions elsewhere.
+/// The other libraries. Each is a separate shared library that exports this one function: inline functions
+/// that it compiles with its own flags must not replace the same functions elsewhere.
 #define QERR_PEER __attribute__((visibility("default")))
 
 namespace qerr::bench {

@@ -1,4 +1,4 @@
-// Pinocchio: computeJointJacobians and getFrameJacobian, its quickest way to the Jacobian of a frame, with
+// Pinocchio: computeJointJacobians and getFrameJacobian, its fastest Jacobian of a frame, with
 // the world's axes at the frame's origin.
 
 #include <pinocchio/algorithm/frames.hpp>
@@ -17,7 +17,7 @@ namespace pin = pinocchio;
 
 pin::SE3 placement(const Eigen::Isometry3d& t) { return pin::SE3(t.linear(), t.translation()); }
 
-/// The joint's own kind where its axis is one of the frame's, as Pinocchio's own URDF reader chooses it.
+/// A joint about a coordinate axis if possible, as in Pinocchio's URDF reader.
 pin::JointModel joint(const ChainJoint& j) {
   const auto along = [&](int i) { return j.axis == Eigen::Vector3d::Unit(i); };
   if (j.prismatic) {

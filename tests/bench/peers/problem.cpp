@@ -11,13 +11,13 @@ namespace qerr::bench {
 
 namespace {
 
-/// Range of a joint whose file gives none.
+/// Range of a joint without limits in its file.
 Limits default_range(const IndependentJoint& joint) {
   const double reach = joint.prismatic() ? 1.0 : std::numbers::pi;
   return joint.limits.value_or(Limits{-reach, reach});
 }
 
-/// make_chain() for a command line: its errors speak of a spec's keys.
+/// make_chain() for a command line: its errors refer to keys of a spec.
 Chain chain_of(const RobotModel& robot, const std::string& base, const std::string& tip) try {
   return make_chain(robot, base, tip);
 } catch (const Error& e) {
@@ -47,7 +47,7 @@ Problem from_spec(const std::string& file) {
   p.model.sources.clear();
   for (Encoder& encoder : p.model.transmission.encoders) encoder.rounding = Rounding::nearest;
   p.configurations.ranges = std::move(spec.configurations.ranges);
-  if (p.configurations.ranges.size() != p.model.chain.independent.size()) {  // a list of points has none
+  if (p.configurations.ranges.size() != p.model.chain.independent.size()) {  // a list of points has no ranges
     p.configurations.ranges.clear();
     for (const IndependentJoint& joint : p.model.chain.independent)
       p.configurations.ranges.push_back(default_range(joint));

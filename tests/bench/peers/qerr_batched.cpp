@@ -4,8 +4,8 @@
 
 #include "bound/error_plan.hpp"
 #include "counted.hpp"
-#include "kinematics/folded_chain.hpp"
 #include "kinematics/batched_jacobian.hpp"
+#include "kinematics/folded_chain.hpp"
 #include "kinematics/sampler.hpp"
 #include "lanes/aligned.hpp"
 #include "qerr/bound/workspace.hpp"
@@ -15,7 +15,7 @@ namespace qerr::bench {
 namespace {
 
 constexpr auto lanes = static_cast<Eigen::Index>(batch_size);
-/// [figure or entry][configuration], as the kernels leave them.
+/// [figure or entry][configuration], the layout of the kernels' output.
 using Batch = Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, lanes, Eigen::RowMajor>>;
 
 Batch batch_of(const AlignedNumbers& numbers) {
@@ -88,7 +88,7 @@ class Batched {
 
 }  // namespace
 
-/// Of a configuration, its draw included: a multiplication for each joint.
+/// Operations of a configuration including its sampling: a multiplication for each joint.
 double counted_operations(const Problem& p, Stage stage) {
   const auto drawn = static_cast<double>(p.model.chain.independent.size());
   const AlignedNumbers q(p.model.chain.independent.size() * batch_size), figures(64 * batch_size), sums(64);

@@ -9,7 +9,7 @@ namespace qerr::bench {
 std::vector<Contestant> qerr_batched();
 
 /// Operations of one configuration that need the FMA pipes: fused multiply-adds and multiplications, counted
-/// by a number that counts, run through the same kernels.
+/// by running the same kernels with a counting number type.
 double counted_operations(const Problem&, Stage);
 
 }  // namespace qerr::bench

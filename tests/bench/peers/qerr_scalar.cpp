@@ -9,7 +9,7 @@ namespace {
 
 using Figures = Eigen::Matrix<double, Tally::figures, 1>;
 
-/// What the job asks of one configuration: worst cases, then sigmas.
+/// The figures of one configuration: worst cases, then sigmas.
 Figures bounds(const Problem& p, const Eigen::VectorXd& q, Recording* recording, Eigen::Index column) {
   const OperationalError e = operational_error(p.model, q);
   const Eigen::MatrixXd sigma = covariance(e);

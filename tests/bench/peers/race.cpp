@@ -19,22 +19,22 @@ double seconds(clockid_t clock) {
   return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
-/// Something that can be done any number of times, and how long it took.
+/// Work that can be repeated any number of times, and its measured rates.
 class Timed {
  public:
-  /// @param work   does `count` of it
-  /// @param limit  the most that `work` can do in one call; more is done in several
+  /// @param work   performs `count` repetitions
+  /// @param limit  the maximum number of repetitions per call; more are split into several calls
   Timed(clockid_t clock, std::uint64_t limit, std::function<void(std::uint64_t)> work)
       : clock_(clock), limit_(limit), work_(std::move(work)) {}
 
-  /// Finds out how much fills the slice; also warms up.
+  /// Determines the number of repetitions per slice; also a warm-up.
   void fit(double slice) {
     for (count_ = std::min<std::uint64_t>(256, limit_);; count_ *= 4) {
       const double taken = time();
       if (taken < slice / 20) continue;
       const double fitting = static_cast<double>(count_) * slice / taken;
       count_ = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(fitting));
-      // Whole calls, so that each takes the same configurations.
+      // An integer number of calls, so that each evaluates the same configurations.
       if (count_ > limit_) count_ = (count_ + limit_ / 2) / limit_ * limit_;
       return;
     }
@@ -48,7 +48,7 @@ class Timed {
     rates_.push_back(rate);
   }
 
-  /// How many cores all threads together had in the best round.
+  /// Number of cores used by all threads in the best round.
   double cores() const { return cores_; }
 
   Rate rate() const {
@@ -84,7 +84,7 @@ Timed timed_contestant(const Contestant& c, const Problem& p, Stage stage) {
           [run = c.prepare(p), stage](std::uint64_t count) { run(stage, count, nullptr); }};
 }
 
-/// workspace() with so many threads, by the clock on the wall.
+/// workspace() with a number of threads, by wall time.
 Timed timed_threads(const Problem& p, unsigned threads) {
   return {CLOCK_MONOTONIC, unlimited, [&p, threads](std::uint64_t count) {
             Configurations configurations = p.configurations;
@@ -101,7 +101,7 @@ Timed timed_peak(const FmaPeak& peak) {
           }};
 }
 
-/// All that runs, in the order in which it runs.
+/// All timed work, in the order of execution.
 struct Course {
   struct Entry {
     std::size_t problem, contestant, stage;
@@ -117,7 +117,7 @@ struct Course {
 
   void fit(double slice) {
     for (Entry& e : entries) e.timed.fit(slice);
-    // The wall's clock also counts what others do: longer, and starting threads must not matter.
+    // Wall time includes other processes and the start of threads: a longer slice reduces their influence.
     for (Threads& t : threads) t.one.fit(3 * slice), t.two.fit(3 * slice);
     for (Timed& peak : peaks) peak.fit(slice);
   }

@@ -10,7 +10,7 @@
 
 namespace qerr::bench {
 
-/// Of several rounds.
+/// Rate over several rounds.
 struct Rate {
   double best = 0, median = 0;  ///< [1/s]
 };
@@ -24,10 +24,10 @@ struct ContestantResult {
   std::array<std::optional<double>, stages.size()> fraction_of_bound, fma_pipe_operations;
 };
 
-/// workspace() with two threads beside one, by the wall's clock, in the best round of each.
+/// Speed-up of workspace() with two threads, by wall time, in the best round of each.
 struct TwoThreads {
   double ratio = 0;  ///< time of one over time of two
-  double cores = 0;  ///< that the two really had, CPU time over wall time: below 2 where others use them
+  double cores = 0;  ///< CPU time over wall time of the two threads: below 2 if other processes run
 };
 
 struct ProblemResult {
@@ -52,7 +52,7 @@ struct RaceOptions {
   double slice = 0.1;  ///< CPU time of each contestant, robot and stage in a round [s]
 };
 
-/// Times everything in turn, round by round, so that whatever slows the machine meets all alike.
+/// Times everything in interleaved rounds, so that disturbances of the machine affect all contestants.
 /// @param results  the problems with their contestants and deviations, whose rates are filled in
 void race(const std::vector<Problem>&, const std::vector<Contestant>&, const RaceOptions&, Results& results);
 

@@ -11,13 +11,14 @@ namespace {
 
 namespace rbd = RigidBodyDynamics;
 
-/// RBDL's transforms turn coordinates: the rotation's transpose, with the origin in the parent's axes.
+/// RBDL's transforms apply to coordinates: the transpose of the rotation, with the origin in the parent's
+/// axes.
 rbd::Math::SpatialTransform transform(const Eigen::Isometry3d& t) {
   return rbd::Math::SpatialTransform(rbd::Math::Matrix3d(t.linear().transpose()),
                                      rbd::Math::Vector3d(t.translation()));
 }
 
-/// The joint's own kind where its axis is one of the frame's.
+/// A joint about a coordinate axis if possible.
 rbd::Joint joint(const ChainJoint& j) {
   const Eigen::Vector3d& a = j.axis;
   if (j.prismatic) return rbd::Joint(rbd::Math::SpatialVector(0., 0., 0., a.x(), a.y(), a.z()));
@@ -37,7 +38,7 @@ class RbdlArm {
     tip_ = p.model.chain.tip_offset.translation();
     const auto n = static_cast<Eigen::Index>(p.model.chain.joints.size());
     q_ = rbd::Math::VectorNd::Zero(n);
-    jacobian_ = rbd::Math::MatrixNd::Zero(6, n);  // the function writes only what is not zero
+    jacobian_ = rbd::Math::MatrixNd::Zero(6, n);  // the function writes non-zero entries only
   }
 
   const rbd::Math::MatrixNd& jacobian(const double* motions) {

@@ -15,7 +15,7 @@ std::string format(const char* pattern, double value) {
   return buffer;
 }
 
-/// Three digits are what a timing is worth.
+/// Timings have three significant digits.
 std::string digits(double value) {
   const int before = value > 0 ? static_cast<int>(std::floor(std::log10(value))) + 1 : 1;
   char buffer[64];
@@ -31,7 +31,7 @@ std::string percent(const std::optional<double>& fraction) {
 }
 std::string small(double value) { return std::isnan(value) ? "-" : value == 0 ? "0" : format("%.1e", value); }
 
-/// Rows of cells, the first of them the head; the first column is text, the others are figures.
+/// Rows of cells, the first of them the header; the first column is text, the others are figures.
 class Table {
  public:
   void row(std::vector<std::string> cells) { rows_.push_back(std::move(cells)); }
@@ -88,7 +88,7 @@ std::string rates(const ProblemResult& problem, bool markdown) {
   return out;
 }
 
-/// How many times as fast as the row's contestant each of qerr's own is, at the whole job.
+/// Speed of each contestant of qerr relative to the row's contestant, at the whole job.
 std::string ratios(const ProblemResult& problem, bool markdown) {
   constexpr auto full = static_cast<std::size_t>(Stage::full);
   Table table;

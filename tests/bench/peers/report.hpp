@@ -6,19 +6,19 @@
 
 namespace qerr::bench {
 
-/// What the figures were measured on and with.
+/// Machine and compiler of the measurement.
 struct Setting {
-  std::string machine;   ///< the processor's own name
-  std::string compiler;  ///< that built the benchmark
+  std::string machine;   ///< the processor's name
+  std::string compiler;  ///< of the benchmark
   RaceOptions options;
   std::uint64_t configurations = 0, compared = 0;
 };
 Setting setting(const RaceOptions&, std::uint64_t configurations, std::uint64_t compared);
 
-/// Tables for a person: aligned columns, or Markdown.
+/// Tables as text: aligned columns, or Markdown.
 std::string text(const Results&, const Setting&, bool markdown);
 
-/// How far every contestant is from the reference, as a table.
+/// Deviations of every contestant from the reference, as a table.
 std::string agreement(const Results&, bool markdown);
 
 /// All figures, rates in 1/s.

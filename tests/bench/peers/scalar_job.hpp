@@ -8,8 +8,8 @@ namespace qerr::bench {
 
 using Matrix6X = Eigen::Matrix<double, 6, Eigen::Dynamic>;
 
-/// The job in plain scalar C++ around a library that gives one configuration's Jacobian: the same code for
-/// all of them, fixed sizes where there are any, and nothing allocated on the way.
+/// The job in scalar C++ for a library that computes one configuration's Jacobian: the same code for all
+/// libraries, with fixed sizes where possible and without allocations.
 ///
 /// `Arm` is built from a Problem and has
 ///   const M& jacobian(const double* motions)   6 x joints, valid until the next call

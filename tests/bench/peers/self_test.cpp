@@ -4,7 +4,7 @@ namespace qerr::bench {
 
 namespace {
 
-/// What is done to the results of one run; no Recording at the stage `full`, no Summaries below.
+/// Modifies the results of one run; no Recording at the stage `full`, no Summaries below.
 using Spoil = std::function<void(Recording*, Summaries&)>;
 
 Contestant spoiled(const Contestant& right, const std::string& figure, const Spoil& spoil) {
@@ -20,7 +20,7 @@ Contestant spoiled(const Contestant& right, const std::string& figure, const Spo
   return wrong;
 }
 
-/// One entry of the last configuration, by 1e-10 of it.
+/// Changes one entry of the last configuration by 1e-10, relative.
 void nudge(Eigen::MatrixXd& figures) {
   if (figures.size() == 0) return;
   auto last = figures.col(figures.cols() - 1);

@@ -6,7 +6,7 @@
 
 namespace qerr::bench {
 
-/// Contestants that do what `right` does and then spoil one figure each, by little: none may be let through.
+/// Contestants that copy `right` and change one figure slightly: the check must reject each of them.
 std::vector<Contestant> spoiled(const Contestant& right);
 
 }  // namespace qerr::bench

@@ -8,8 +8,8 @@
 
 namespace qerr::bench {
 
-/// Statistics as one writes them in plain scalar code: maximum and its place, mean, and a histogram whose
-/// bins are the leading bits of the number, 128 to an octave (0.8 % wide at most).
+/// Statistics in scalar code: maximum and its configuration, mean, and a histogram whose bins are the leading
+/// bits of the number, 128 per octave (at most 0.8 % wide).
 class Tally {
  public:
   static constexpr int figures = 12;
@@ -35,7 +35,7 @@ class Tally {
   }
 
  private:
-  // From 2^-44 to 2^20; what is smaller shares the first bin, what is larger the last.
+  // From 2^-44 to 2^20; smaller values are in the first bin, larger ones in the last.
   static constexpr int bits = 7;
   static constexpr std::uint64_t first = std::uint64_t{1023 - 44} << bits;
   static constexpr std::size_t bin_count = std::size_t{64} << bits;
