@@ -67,7 +67,7 @@ TEST(ResidualStatistics, OfALongRecordAreThoseOfItsStretches) {
   EvidenceMix mix;
   mix.rows = 70'007;
   const Evidence e = random_evidence(dice, mix);
-  ASSERT_GT(stretches(e.rows(), 65536).size(), 1u);
+  ASSERT_GT(sampled_ranges(e.rows(), 65536).size(), 1u);
   for (const InstructionSet set : available_instruction_sets()) expect_reference(e, 8, set);
 }
 

@@ -29,7 +29,7 @@ class ReferenceSums {
     in_stretch_ = 0;
     block_ = zero_;
     banks_.clear();
-    for (const Velocity& v : plan_.velocities) banks_.emplace_back(*v.filter, lanes_);
+    for (const FilteredResidual& v : plan_.velocities) banks_.emplace_back(*v.filter, lanes_);
   }
 
   void add(const Eigen::ArrayXd& r, const Eigen::ArrayXi& state) {
@@ -150,7 +150,7 @@ inline std::vector<ResidualStatistic> reference_statistics(const Evidence& e,
   Eigen::ArrayXd residual(surrogates + 1);
   Eigen::ArrayXi state(surrogates + 1);
   Eigen::Index row = 0;
-  for (const Stretch& s : plan.parts) {
+  for (const RowRange& s : plan.ranges) {
     drawn.start();
     sums.start();
     for (Eigen::Index k = s.first; k < s.first + s.rows; ++k, ++row) {

@@ -3,18 +3,18 @@
 #include "diagnose/surrogates/residual_kernels.hpp"
 #include "lanes/lane_words.hpp"
 
-// Surrogates in lanes: their noise, and what their encoders read.
+// Noise and readings of surrogates, vectorized over surrogates.
 
 namespace qerr::lanes {
 namespace {
 
-/// Whole numbers below 2^52 as what they are: they stand in the last bits of 2^52 + themselves.
+/// Converts integers below 2^52: they are the last bits of 2^52 plus the integer.
 template <class L>
 [[gnu::always_inline]] inline L number_of(const Words<L>& whole) {
   return __builtin_bit_cast(L, whole | 0x4330000000000000u) - 0x1p52;
 }
 
-/// One step of SplitMix64: the sum of its four numbers of 16 bits, to mean 0 and variance 1.
+/// One step of SplitMix64; the sum of its four numbers of 16 bits, scaled to mean 0 and variance 1.
 template <class L>
 [[gnu::always_inline]] inline L normal_like(Words<L>& generator) {
   constexpr double mean = 4 * 32767.5, sigma = 37837.22783634604;
@@ -25,7 +25,7 @@ template <class L>
   return (number_of<L>((pairs & 0xffffffffu) + (pairs >> 32)) - mean) * (1 / sigma);
 }
 
-/// Some vectors of surrogates in registers.
+/// State of several vectors of surrogates in registers.
 template <class L, int group>
 struct SurrogatesAt {
   Words<L> generator[group];
@@ -40,7 +40,7 @@ struct SurrogatesAt {
       second[g] = load<L>(from.second + at);
     }
   }
-  [[gnu::always_inline]] void keep(const SurrogateLanes& to, std::size_t lane) const {
+  [[gnu::always_inline]] void store_to(const SurrogateLanes& to, std::size_t lane) const {
 #pragma GCC unroll 4
     for (int g = 0; g < group; ++g) {
       const std::size_t at = lane + g * lane_count<L>;
@@ -59,7 +59,7 @@ struct SurrogatesAt {
   }
 };
 
-/// Vectors whose noise the registers hold.
+/// Vectors whose state fits the registers.
 template <class L>
 constexpr int noise_group = lane_count<L> == 8 ? 2 : 1;
 
@@ -68,7 +68,7 @@ void draw(const PathNoise& n, std::size_t draws, std::size_t width, const Surrog
   in_groups<noise_group<L>, L>(0, width, [&]<int group>(std::size_t lane) {
     SurrogatesAt<L, group> s(lanes, lane);
     for (std::size_t i = 0; i < draws; ++i) s.draw(n);
-    s.keep(lanes, lane);
+    s.store_to(lanes, lane);
   });
 }
 
@@ -76,8 +76,8 @@ template <class L, int group>
 [[gnu::always_inline]] inline void read_group(const PathNoise& noise, const SurrogateRow* rows,
                                               std::size_t count, std::size_t width, std::size_t lane,
                                               const SurrogateLanes& lanes, double* residual, double* state) {
-  using Rest = SurrogateRow::Rest;
-  const PathNoise n = noise;  // as what is written might change it
+  using Standstill = SurrogateRow::Standstill;
+  const PathNoise n = noise;  // a copy: stores to the outputs may alias it
   SurrogatesAt<L, group> s(lanes, lane);
   for (std::size_t k = 0; k < count; ++k) {
     const SurrogateRow& row = rows[k];
@@ -85,22 +85,23 @@ template <class L, int group>
 #pragma GCC unroll 4
     for (int g = 0; g < group; ++g) {
       const std::size_t at = lane + g * lane_count<L>;
-      if (row.rest == Rest::begins) store<L>(lanes.level + at, row.level * s.drawn[g]);
-      L x = row.rest == Rest::none ? s.second[g] : load<L>(lanes.level + at);
-      // What the model itself leaves to chance comes before the quantizer.
-      if (n.chance) x = fma(row.chance, normal_like<L>(s.generator[g]), x);
+      if (row.standstill == Standstill::begins)
+        store<L>(lanes.standstill + at, row.standstill_sigma * s.drawn[g]);
+      L x = row.standstill == Standstill::none ? s.second[g] : load<L>(lanes.standstill + at);
+      // Random effects of the model act before the quantizer.
+      if (n.random_effects) x = fma(row.random_sigma, normal_like<L>(s.generator[g]), x);
       const L phase = load<L>(lanes.phase + at);
-      x += row.place + phase;
-      // Added to 1.5 2^52 a number is rounded to a whole one, which stands in the last bits of the sum.
+      x += row.offset + phase;
+      // Adding 1.5 2^52 rounds to the nearest integer, which is then in the last bits of the sum.
       constexpr double shift = 0x1.8p52;
       const L shifted = x + shift;
       const Words<L> count_at =
-          __builtin_bit_cast(Words<L>, shifted) + static_cast<std::uint64_t>(std::int64_t{row.whole});
+          __builtin_bit_cast(Words<L>, shifted) + static_cast<std::uint64_t>(std::int64_t{row.count});
       store<L>(residual + k * width + at, (shifted - shift) - (phase + row.reference));
       store<L>(state + k * width + at, number_of<L>(count_at & 3));
     }
   }
-  s.keep(lanes, lane);
+  s.store_to(lanes, lane);
 }
 
 template <class L>

@@ -5,45 +5,44 @@
 
 #include "lanes/dispatch.hpp"
 
-// What the kernels of the surrogates take; files that are compiled per instruction set include this, and
-// nothing that has code of its own.
+// Interface of the kernels of the surrogates. Files that are compiled per instruction set include this, and
+// nothing that contains code of its own.
 //
-// Lanes are surrogates: noise and filters remember their past from row to row, and all that is known of a row
-// is the same for all surrogates. Numbers of lanes stand in rows, `width` of them:
-// a multiple of 8.
+// A lane is one surrogate: noise and filters depend on the previous rows, while the data of a row are the
+// same for all surrogates. Arrays are [row][lane], with `width` lanes, a multiple of 8.
 
 namespace qerr {
 
-/// What all surrogates of a record share in a row of it [counts].
+/// Data of one row that are common to all surrogates of a record [counts].
 struct SurrogateRow {
-  enum class Rest : std::int32_t { none, begins, goes_on };
-  double place;        ///< of the path in its count; less half a count where the encoder rounds down
-  double reference;    ///< from where that count begins
-  double chance;       ///< standard deviation of what the model itself leaves to chance
-  double level;        ///< where a rest begins: standard deviation of what its position is known to
-  Rest rest;           ///< of the joint
-  std::int32_t whole;  ///< the count, modulo four
+  enum class Standstill : std::int32_t { none, begins, continues };
+  double offset;            ///< of the path from the edge of its count; minus 1/2 if the encoder rounds down
+  double reference;         ///< from the same edge
+  double random_sigma;      ///< standard deviation of the model's random effects
+  double standstill_sigma;  ///< where a standstill begins: standard deviation of its mean position
+  Standstill standstill;    ///< of the joint
+  std::int32_t count;       ///< of the path, modulo four
 };
 
-/// The noise of a path: normal numbers behind two low-passes (1 - pole)/(1 - pole z^-1).
+/// Noise of a path: normal numbers after two low-pass filters (1 - pole)/(1 - pole z^-1).
 struct PathNoise {
   double pole;
-  double sigma;  ///< before them [counts]
-  bool chance;   ///< rows have some
+  double sigma;         ///< before the filters [counts]
+  bool random_effects;  ///< some rows have a random_sigma
 };
 
-/// Where the surrogates stand, a number of each lane.
+/// State of the surrogates, one number per lane.
 struct SurrogateLanes {
   std::uint64_t* generator;  ///< of SplitMix64
   double* phase;             ///< from the encoder's zero to the edge of a count [counts]
-  double *first, *second;    ///< outputs of the low-passes [counts]
-  double* level;             ///< of the rest [counts]
+  double *first, *second;    ///< outputs of the low-pass filters [counts]
+  double* standstill;        ///< error of the present standstill's position [counts]
 };
 
-/// Sums over rows, a number of each lane.
+/// Sums over rows, one number per lane.
 struct MomentLanes {
   double *sum, *square;
-  double *lagged, *last;  ///< of the products of neighbours; and the row before, 0 where there is none
+  double *lagged, *last;  ///< sum of the products of neighbours; the previous row, 0 if there is none
 };
 
 /// A filter's section as trapezoidal integrators, solved for its highest derivative (FilterBank):
@@ -53,33 +52,33 @@ struct ResidualSection {
   double in, k0, k1, b0, b1, b2;
 };
 
-/// Bins of a distribution, over two counts about its middle; what is beyond counts in the outermost ones.
+/// Bins of a histogram over two counts about its centre; the outermost bins include the values beyond.
 inline constexpr int residual_bins = 64;
 
 struct ResidualKernels {
   std::size_t lanes;
   void (*sines)(const double* angle, std::size_t count, double* sine, double* cosine);
-  /// The noise of some rows that nobody looks at.
+  /// Advances the noise by some rows.
   void (*draw)(const PathNoise&, std::size_t draws, std::size_t width, const SurrogateLanes&);
-  /// What the encoders read: residual [counts], and the reading's count modulo four.
+  /// Readings of the encoders: residual [counts], and count modulo four.
   void (*read)(const PathNoise&, const SurrogateRow*, std::size_t rows, std::size_t width,
                const SurrogateLanes&, double* residual, double* state);
   void (*moments)(const double* in, std::size_t rows, std::size_t width, const MomentLanes&);
-  /// Means over each `each` rows.
+  /// Means over groups of `each` rows.
   void (*means)(const double* in, std::size_t rows, std::size_t each, std::size_t width, double* out);
-  /// sums += column' in: a number of the column for each row.
+  /// sums += column^T in.
   void (*project)(const double* column, const double* in, std::size_t rows, std::size_t width, double* sums);
-  /// Adds the rows to those of their state: sums[4][width], and how many there were.
+  /// Adds the rows to the sums of their states, sums[4][width], and counts them.
   void (*by_state)(const double* in, const double* state, std::size_t rows, std::size_t width, double* sums,
                    double* counts);
   /// @param bins  [lane][residual_bins]
-  /// @param places  room for the bin of every number
+  /// @param places  scratch memory, one number per value
   void (*distribute)(const double* in, double middle, std::size_t rows, std::size_t width,
                      std::int32_t* places, std::uint32_t* bins);
-  /// Rows through a section. @param out  may be `in`  @param state  [2][width]
+  /// Filters rows by one section. @param out  may be `in`  @param state  [2][width]
   void (*section)(const ResidualSection&, const double* in, std::size_t rows, std::size_t width,
                   double* state, double* out);
-  /// @param in  the row of the first output; those before it stand before it
+  /// @param in  row of the first output, preceded by count - 1 previous rows
   void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
                double* out);
 };

@@ -8,34 +8,34 @@
 
 namespace qerr {
 
-/// What the residual is projected on: orthonormal columns over the rows looked at, without their means.
+/// Orthonormal columns without their means on which the residual is projected.
 struct Projection {
   std::string name;
   Eigen::ArrayXXd columns;  ///< rows x 1 or 2
-  double to_counts = 1;     ///< from the projection to what is reported
+  double to_counts = 1;     ///< factor from the projection to the reported statistic
 };
 
-/// A filter that the record can go through, and of how many rows it has forgotten where it began.
-struct Velocity {
+/// A derivative filter that is applied to the residual.
+struct FilteredResidual {
   std::string name;
-  const Filter* filter;
-  Eigen::Index settling;
-  double h2;
+  const Filter* filter;   ///< must outlive the plan
+  Eigen::Index settling;  ///< rows until the initial transient has decayed
+  double h2;              ///< H2 norm
 };
 
-/// What is the same for the record and for every surrogate.
+/// What the record and all surrogates have in common. The evidence and the filters must outlive it.
 struct ResidualPlan {
   const Evidence* e;
-  std::vector<Stretch> parts;
-  Eigen::Index rows = 0;  ///< of all parts
+  std::vector<RowRange> ranges;
+  Eigen::Index rows = 0;  ///< of all ranges
   std::vector<Projection> projections;
-  std::vector<Velocity> velocities;
+  std::vector<FilteredResidual> velocities;
   Eigen::ArrayXd residual;  ///< of the record in these rows [counts]
-  Eigen::ArrayXd state;     ///< its counts there, modulo four
+  Eigen::ArrayXd state;     ///< counts of the record, modulo four
   SurrogatePlan surrogates;
 };
 
-/// Which rows are looked at, and what their residuals are reduced to.
+/// Selects the rows that are evaluated and the statistics of their residuals.
 ResidualPlan residual_plan(const Evidence&, const std::vector<Filter>&, InstructionSet = instruction_set());
 
 }  // namespace qerr

@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t smooth = 16;  ///< readings whose mean is the smooth part
+constexpr std::size_t smooth = 16;  ///< readings per mean, in autocorrelation_smooth
 static_assert(ResidualSums::most_rows % smooth == 0);
 
 Eigen::Map<const Eigen::ArrayXXd> by_lane(const AlignedNumbers& a, std::size_t width) {
@@ -43,9 +43,9 @@ Eigen::ArrayXd Moments::of(const AlignedNumbers& a) {
   return Eigen::Map<const Eigen::ArrayXd>(a.data(), static_cast<Eigen::Index>(a.size()));
 }
 
-Eigen::ArrayXd Moments::correlation(double stretches) const {
-  const double pairs = rows() - stretches;
-  // Without those that are nobody's left neighbour, and without those that are nobody's right one.
+Eigen::ArrayXd Moments::correlation(double ranges) const {
+  const double pairs = rows() - ranges;
+  // Means of all left and of all right neighbours: without the last and without the first values.
   const Eigen::ArrayXd left = (of(sum_) - (of(lasts_) + of(last_))) / pairs,
                        right = (of(sum_) - of(firsts_)) / pairs;
   return (of(lagged_) / pairs - left * right) / variance().max(1e-6);
@@ -61,8 +61,8 @@ ResidualSums::ResidualSums(const ResidualPlan& plan, std::size_t width, const Re
       bins_(width * residual_bins),
       by_state_(4 * width),
       in_state_(4 * width),
-      room_(most_rows * width) {
-  for (const Velocity& v : plan.velocities) {
+      scratch_(most_rows * width) {
+  for (const FilteredResidual& v : plan.velocities) {
     velocities_.emplace_back(width, kernels);
     filters_.emplace_back(*v.filter, width, most_rows, kernels);
   }
@@ -74,13 +74,13 @@ void ResidualSums::start() {
   moments_.start();
   smooth_.start();
   for (ResidualFilter& f : filters_) f.start();
-  in_stretch_ = 0;
+  in_range_ = 0;
 }
 
 void ResidualSums::add(const double* r, const double* state, std::size_t rows) {
   moments_.add(r, rows);
-  kernels_.means(r, rows, smooth, width_, room_.data());
-  smooth_.add(room_.data(), rows / smooth);
+  kernels_.means(r, rows, smooth, width_, scratch_.data());
+  smooth_.add(scratch_.data(), rows / smooth);
   for (std::size_t p = 0; p < projected_.size(); ++p)
     for (Eigen::Index c = 0; c < plan_.projections[p].columns.cols(); ++c)
       kernels_.project(plan_.projections[p].columns.col(c).data() + row_, r, rows, width_,
@@ -90,37 +90,37 @@ void ResidualSums::add(const double* r, const double* state, std::size_t rows) {
   kernels_.by_state(r, state, rows, width_, by_state_.data(), in_state_.data());
   add_velocities(r, rows);
   row_ += rows;
-  in_stretch_ += rows;
+  in_range_ += rows;
 }
 
 void ResidualSums::add_velocities(const double* r, std::size_t rows) {
   for (std::size_t f = 0; f < filters_.size(); ++f) {
-    filters_[f](r, rows, room_.data());
+    filters_[f](r, rows, scratch_.data());
     const auto settling = static_cast<std::size_t>(plan_.velocities[f].settling);
-    const std::size_t left = std::min(rows, settling - std::min(settling, in_stretch_));
-    velocities_[f].add(room_.data() + left * width_, rows - left);
+    const std::size_t left = std::min(rows, settling - std::min(settling, in_range_));
+    velocities_[f].add(scratch_.data() + left * width_, rows - left);
   }
 }
 
-Eigen::ArrayXd ResidualSums::farthest_from_uniform() const {
-  Eigen::ArrayXd farthest(static_cast<Eigen::Index>(width_));
+Eigen::ArrayXd ResidualSums::distance_from_uniform() const {
+  Eigen::ArrayXd distance(static_cast<Eigen::Index>(width_));
   for (std::size_t i = 0; i < width_; ++i) {
-    double below = 0, most = 0;
+    double below = 0, largest = 0;
     for (int b = 0; b < residual_bins; ++b) {
       below += bins_[i * residual_bins + static_cast<std::size_t>(b)];
       const double uniform = std::clamp((b + 1) / (0.5 * residual_bins) - 0.5, 0.0, 1.0);
-      most = std::max(most, std::abs(below / moments_.rows() - uniform));
+      largest = std::max(largest, std::abs(below / moments_.rows() - uniform));
     }
-    farthest[static_cast<Eigen::Index>(i)] = most;
+    distance[static_cast<Eigen::Index>(i)] = largest;
   }
-  return farthest;
+  return distance;
 }
 
 void ResidualSums::add_correlations(std::vector<ResidualStatistic>& all) const {
-  const auto parts = static_cast<double>(plan_.parts.size());
-  all.push_back({"autocorrelation", Tail::both_sides, 1, 0.01, moments_.correlation(parts)});
-  if (smooth_.rows() > 24 + parts)
-    all.push_back({"autocorrelation_smooth", Tail::both_sides, 1, 0.1, smooth_.correlation(parts)});
+  const auto ranges = static_cast<double>(plan_.ranges.size());
+  all.push_back({"autocorrelation", Tail::both_sides, 1, 0.01, moments_.correlation(ranges)});
+  if (smooth_.rows() > 24 + ranges)
+    all.push_back({"autocorrelation_smooth", Tail::both_sides, 1, 0.1, smooth_.correlation(ranges)});
 }
 
 void ResidualSums::add_projections(std::vector<ResidualStatistic>& all) const {
@@ -135,7 +135,7 @@ void ResidualSums::add_projections(std::vector<ResidualStatistic>& all) const {
   }
 }
 
-/// How far the means of the four states are from that of all, each by how often it was read.
+/// Rms distance of the four states' means from the mean of all readings, weighted by their frequency.
 Eigen::ArrayXd ResidualSums::by_count() const {
   const auto sums = by_lane(by_state_, width_), counts = by_lane(in_state_, width_);
   const Eigen::ArrayXXd off = sums / counts.max(1.0) - moments_.mean().replicate(1, 4);
@@ -147,7 +147,7 @@ std::vector<ResidualStatistic> ResidualSums::statistics() const {
   const auto root = [](const Moments& m) -> Eigen::ArrayXd { return (12 * m.variance()).max(0.0).sqrt(); };
   if (plan_.e->encoder.zero_known) all.push_back({"mean", Tail::both_sides, 1, 0.01, moments_.mean()});
   all.push_back({"sigma_ratio", Tail::both_sides, 1, 0.01, root(moments_)});
-  all.push_back({"uniformity", Tail::both_sides, 1, 0.01, farthest_from_uniform()});
+  all.push_back({"uniformity", Tail::both_sides, 1, 0.01, distance_from_uniform()});
   if (plan_.e->ordered) add_correlations(all);
   add_projections(all);
   all.push_back({"by_count", Tail::chi_squared, 3, 0.01, by_count()});

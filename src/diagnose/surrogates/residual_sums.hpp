@@ -9,24 +9,24 @@
 
 namespace qerr {
 
-/// Mean, variance and correlation of neighbours, of numbers that come in stretches.
+/// Mean, variance and lag-one autocorrelation of values in several ranges of rows, per lane.
 class Moments {
  public:
   Moments(std::size_t width, const ResidualKernels&);
 
-  /// To the beginning of a stretch.
+  /// Starts a new range.
   void start();
 
-  /// The next rows. @param in  [row][lane]
+  /// Adds the next rows. @param in  [row][lane]
   void add(const double* in, std::size_t rows);
 
   double rows() const { return static_cast<double>(rows_); }
   Eigen::ArrayXd mean() const { return of(sum_) / rows(); }
   Eigen::ArrayXd variance() const { return of(square_) / rows() - mean().square(); }
 
-  /// Of neighbours within a stretch.
-  /// @param stretches  how many there were
-  Eigen::ArrayXd correlation(double stretches) const;
+  /// Of neighbours within a range.
+  /// @param ranges  number of ranges
+  Eigen::ArrayXd correlation(double ranges) const;
 
  private:
   static Eigen::ArrayXd of(const AlignedNumbers&);
@@ -35,38 +35,42 @@ class Moments {
   std::size_t width_, rows_ = 0;
   bool begins_ = true;
   AlignedNumbers sum_, square_, lagged_, last_;
-  AlignedNumbers firsts_, lasts_;  // sums of those at the ends of the stretches, without the last end
+  AlignedNumbers firsts_,
+      lasts_;  // sums of the first and last values of the ranges, without the present range's last
 };
 
-/// Sums over the rows of residuals of several lanes, stretch by stretch, and the statistics that they make.
+/// Sums over the rows of the residuals of several lanes, and the statistics that follow from them. The plan
+/// must outlive this object.
 class ResidualSums {
  public:
-  /// Rows at a time: what is known of them stays in the first-level cache. Whole means of neighbours.
+  /// Rows per call: their data fit the first-level cache; a multiple of the length of the means.
   static constexpr std::size_t most_rows = 32;
 
   ResidualSums(const ResidualPlan&, std::size_t width, const ResidualKernels&);
+  ResidualSums(const ResidualSums&) = delete;
+  ResidualSums& operator=(const ResidualSums&) = delete;
 
-  /// To the beginning of a stretch.
+  /// Starts a new range.
   void start();
 
-  /// The next rows: most_rows of them, less only at the end of a stretch.
+  /// Adds the next rows: most_rows of them, fewer only at the end of a range.
   /// @param r      residuals of the lanes [counts], [row][lane]
-  /// @param state  the readings' counts modulo four
+  /// @param state  counts modulo four
   void add(const double* r, const double* state, std::size_t rows);
 
-  /// Of every lane.
+  /// For every lane.
   std::vector<ResidualStatistic> statistics() const;
 
  private:
   void add_velocities(const double* r, std::size_t rows);
-  Eigen::ArrayXd farthest_from_uniform() const;
+  Eigen::ArrayXd distance_from_uniform() const;
   Eigen::ArrayXd by_count() const;
   void add_correlations(std::vector<ResidualStatistic>&) const;
   void add_projections(std::vector<ResidualStatistic>&) const;
 
   const ResidualPlan& plan_;
   const ResidualKernels& kernels_;
-  std::size_t width_, row_ = 0, in_stretch_ = 0;
+  std::size_t width_, row_ = 0, in_range_ = 0;
   Moments moments_, smooth_;
   std::vector<Moments> velocities_;
   std::vector<ResidualFilter> filters_;
@@ -74,7 +78,7 @@ class ResidualSums {
   std::vector<std::uint32_t> bins_;
   AlignedNumbers by_state_, in_state_;     // [state][lane]
   std::vector<AlignedNumbers> projected_;  // [column][lane]
-  AlignedNumbers room_;                    // [row][lane]
+  AlignedNumbers scratch_;                 // [row][lane]
 };
 
 }  // namespace qerr

@@ -10,43 +10,44 @@
 
 namespace qerr {
 
-/// Rows of a record that follow each other.
-struct Stretch {
+/// Consecutive rows of a record.
+struct RowRange {
   Eigen::Index first = 0, rows = 0;
 };
 
-/// At most about `most` rows in 16 stretches that are spread over the record evenly; all rows when there are
-/// fewer.
-std::vector<Stretch> stretches(Eigen::Index rows, Eigen::Index most);
+/// About `most` rows in 16 ranges that are evenly spread over the record, or all rows if there are fewer.
+std::vector<RowRange> sampled_ranges(Eigen::Index rows, Eigen::Index most);
 
-/// What an ideal encoder would have read along the path of a record: what is the same for every surrogate.
+/// Readings of an ideal encoder along the path of a record: the data that all surrogates share.
 ///
-/// residual = Q(x + phase) - phase - reference. The reference is what it is, and the true position x under it
-/// is drawn: the path, plus what smoothing may have left in it of the reference's noise, with the variance
-/// that smoothing keeps and all of the noise's slow part. So reference - x has the noise of the reference,
-/// whatever its course, and what smoothing bent is found in the surrogates as in the record. While a joint
-/// rests, its position is one, known to the noise of the mean. The phase is uniform over a count where the
-/// encoder's zero is free, and nought where it is known: its edges then lie where they lie.
+/// residual = Q(x + phase) - phase - reference, Q the quantizer. The reference is that of the record; the
+/// true position x is drawn at random: the path, plus noise with the variance that smoothing left in it, plus
+/// the slow part of what smoothing removed. Thus reference - x has the noise of the reference, and a
+/// distortion by smoothing is the same in the surrogates and in the record. At standstill the position is
+/// constant, with the standard error of the mean. The phase is uniform over a count if the encoder's zero is
+/// free, and 0 if it is known.
 struct SurrogatePlan {
-  std::vector<SurrogateRow> rows;  ///< of all stretches, one behind the other
+  std::vector<SurrogateRow> rows;  ///< of all ranges
   PathNoise noise;
   bool zero_known;
 };
 
-SurrogatePlan surrogate_plan(const Evidence&, const std::vector<Stretch>&);
+SurrogatePlan surrogate_plan(const Evidence&, const std::vector<RowRange>&);
 
-/// Surrogates side by side, drawn anew: lanes first .. first + width - 1 of a seed. A lane is the same
-/// whatever else is drawn.
+/// Surrogates first .. first + width - 1 of a seed, one per lane. A surrogate does not depend on `first` and
+/// `width`. The plan must outlive this object.
 class Surrogates {
  public:
   /// @param width  a multiple of 8
   Surrogates(const SurrogatePlan&, std::uint64_t seed, std::uint64_t first, std::size_t width,
              InstructionSet);
+  Surrogates(const Surrogates&) = delete;
+  Surrogates& operator=(const Surrogates&) = delete;
 
-  /// To the beginning of a stretch.
+  /// Starts a new range.
   void start();
 
-  /// The next rows, from `row` of the plan on: residuals [counts], and the readings' counts modulo four.
+  /// Computes rows from `row` of the plan on: residuals [counts], and the counts modulo four.
   /// @param residual, state  [row][lane], aligned to 64 bytes
   void read(std::size_t row, std::size_t rows, double* residual, double* state);
 
@@ -57,7 +58,7 @@ class Surrogates {
   const ResidualKernels& kernels_;
   std::size_t width_;
   std::vector<std::uint64_t> generator_;
-  AlignedNumbers phase_, first_, second_, level_;
+  AlignedNumbers phase_, first_, second_, standstill_;
 };
 
 }  // namespace qerr
