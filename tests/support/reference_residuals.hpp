@@ -65,7 +65,7 @@ class ReferenceSums {
     all.push_back({"sigma_ratio", Tail::both_sides, 1, 0.01, sigma(all_)});
     all.push_back({"uniformity", Tail::both_sides, 1, 0.01, farthest_from_uniform()});
     if (plan_.e->ordered) {
-      const auto parts = static_cast<double>(plan_.parts.size());
+      const auto parts = static_cast<double>(plan_.ranges.size());
       all.push_back({"autocorrelation", Tail::both_sides, 1, 0.01, correlation(all_, parts)});
       if (smooth_.rows > 24 + parts)
         all.push_back({"autocorrelation_smooth", Tail::both_sides, 1, 0.1, correlation(smooth_, parts)});
