@@ -37,8 +37,8 @@ ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t filters) {
   return s;
 }
 
-/// Any robot, encoders, coordinates and sources; or one of the two kinds with a way of their own.
-/// @param square  part of the frames at right angles, where the kernel has ways of its own, too
+/// A random robot with random encoders, coordinates and sources; or one of the two specialized cases.
+/// @param square  fraction of frames at right angles, for which the kernel is specialized, too
 OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
   ChainMix mix{1 + dice.below(9)};
   mix.square = square;
@@ -62,7 +62,7 @@ OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
   return m;
 }
 
-/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), and what the sources add behind their ratios.
+/// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), plus the contributions of the sources, scaled by their ratios.
 double sigma_in_motion(const OperationalError& e, Eigen::Index row, const Eigen::VectorXd& noise,
                        const Eigen::VectorXd& ratios) {
   const double added = ratios.size() > 0 ? e.added_sigma.row(row).cwiseProduct(ratios.transpose()).norm() : 0;
@@ -114,7 +114,7 @@ void check(const Case& c, InstructionSet set) {
     const auto figure = [&](std::size_t f) { return figures[f * batch_size + i]; };
     for (std::size_t r = 0; r < m; ++r) {
       const auto row = static_cast<Eigen::Index>(r);
-      // Rotations of roll and yaw are worth 1/cos(pitch) times as much, and so are their rounding errors.
+      // Roll and yaw are scaled by 1/cos(pitch), and so are their rounding errors.
       const double scale = std::max(size, e.worst_case.maxCoeff()) / (e.cosine_of_pitch * e.cosine_of_pitch);
       RC_ASSERT(near(figure(at.worst_case + r), e.worst_case[row], scale));
       RC_ASSERT(near(figure(at.sigma + r), e.sigma[row], scale));
@@ -146,7 +146,8 @@ RC_GTEST_PROP(BatchedError, IsTheScalarOneOfRandomModels, ()) {
   for (const InstructionSet set : available_instruction_sets()) check(c, set);
 }
 
-// Sums over a batch: covariance, each encoder's part of the variance and of the worst case, its largest arm.
+// Sums over a batch: covariance, each encoder's share of the variance and of the worst case, its largest
+// lever arm.
 RC_GTEST_PROP(BatchedError, SumsAreThoseOfTheScalarErrors, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   Case c = random_case(dice, 0);

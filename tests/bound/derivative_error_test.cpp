@@ -16,7 +16,7 @@ namespace {
 using testing::Dice;
 
 // The paper's Sec. IV-D at q3 = 110 deg, q2 = 11.7 deg: 0.08 and 0.02 l/s; theory.md: 0.0802 and 0.0241.
-// Golden to half a unit of the last digit, for x and y alike (11.7 is rounded: 1 %).
+// Tolerance: half a unit of the last digit; 1 % for y, since 11.7 is rounded.
 TEST(DerivativeError, GivesThePapersVelocitySigmasOfThePlanarRobot) {
   const Spec spec = read_spec(QERR_SOURCE_DIR "/configs/planar_prr/spec.yaml");
   const double degree = std::numbers::pi / 180;
@@ -43,7 +43,7 @@ std::vector<Filter> derivative_filters() {
   return filters;
 }
 
-/// Two crossed slides with skew axes: a gantry, whose Jacobian is the same everywhere.
+/// Two prismatic joints with skew axes: a gantry with a constant Jacobian.
 OperationalModel gantry(Rounding rounding) {
   RobotModel robot{"gantry", "gantry.urdf", {"base", "bridge", "tip"}, {}, {}};
   Dice dice(3);
@@ -61,7 +61,7 @@ OperationalModel gantry(Rounding rounding) {
   return {make_chain(robot, "", ""), t, {Coordinate::x, Coordinate::y, Coordinate::z}};
 }
 
-/// Steady outputs: the filter's memory (its impulse response down to 1e-13 of the sum) is full.
+/// Outputs in the steady state, after the length of the impulse response (down to 1e-16 of its start).
 std::vector<double> filtered(const Filter& filter, const std::vector<double>& x) {
   std::vector<double> h = impulse_response(filter, 400);
   while (h.size() > 1 && std::abs(h.back()) < 1e-16 * std::abs(h[0])) h.pop_back();
@@ -74,8 +74,7 @@ std::vector<double> filtered(const Filter& filter, const std::vector<double>& x)
   return y;
 }
 
-// Motions: slow and fast sines, a crawl below one count a sample, and the rectangle that a filter dislikes
-// most.
+// Motions: sines and constant speeds, from below one count per sample to many.
 TEST(DerivativeError, DominatesEverySimulatedError) {
   double most_used = 0;
   for (const Rounding rounding : {Rounding::nearest, Rounding::down}) {
@@ -118,7 +117,7 @@ TEST(DerivativeError, WorstCaseIsAttainedByTheSignsOfTheImpulseResponse) {
   for (const Filter& filter : derivative_filters()) {
     const Norms n = norms(filter);
     const std::vector<double> h = impulse_response(filter, 2000);
-    // e = -mean + half width times the sign of h: the most that a signal within the range can do.
+    // e = -mean + half width times the sign of h: the signal within the range that maximizes the output.
     const double mean = -0.5, half_width = 0.5, toward = n.dc_gain * mean < 0 ? -1 : 1;
     double y = 0;
     for (const double value : h) y += value * (mean + toward * half_width * (value < 0 ? -1 : 1));

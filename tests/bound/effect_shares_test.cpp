@@ -38,11 +38,11 @@ TEST(EffectShares, OfEveryRowBoundWhatASimulationShows) {
       const double found = largest_errors(model, motion, {effect})[0];
       const double beyond = is_gaussian(effect) ? 1.2 : 1;
       EXPECT_LE(found, bound * (1 + rounding) * beyond) << kind.name << " trial " << trial;
-      // Of normal numbers 3000 go beyond four sigma in one run of six; a bound of them is what it is.
+      // Of 3000 normal numbers one exceeds four sigma in one run of six: not a strict bound.
     }
 }
 
-/// A bound that is never nearly reached says little: the best of some runs uses most of it.
+/// The bounds are nearly attained: the largest error of several runs is close to them.
 TEST(EffectShares, AreReached) {
   Dice dice(12);
   const std::set<std::string_view> loose{"compliance", "geometry", "reference_error", "log_rounding",
@@ -63,7 +63,7 @@ TEST(EffectShares, AreReached) {
   }
 }
 
-/// Mean square of estimate - true about the share's mean: that of the quantization, and sigma^2.
+/// Mean square of estimate - true about the share's mean: the sum of that of quantization and sigma^2.
 TEST(EffectShares, HaveTheSigmaOfTheSimulation) {
   Dice dice(19);
   for (const char* type : {"offset", "scale", "transmission_error", "subdivision_error", "state_width",
@@ -127,7 +127,7 @@ TEST(EffectShares, AreEmptyWhereTheUsageLacksWhatTheyNeed) {
   }
 }
 
-/// With all of them at once: each meets what those before it added.
+/// With all effects: each acts on the signal with the previous effects.
 TEST(EffectShares, AddUpForManyEffectsOnCoupledJoints) {
   Dice dice(14);
   for (int trial = 0; trial < 25; ++trial) {

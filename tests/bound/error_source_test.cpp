@@ -21,7 +21,7 @@ using testing::random_motion;
 using testing::rounding;
 using testing::with_sources;
 
-/// At the tip: nothing that is simulated lies beyond the rigorous bound along the path.
+/// At the tip: no simulated error exceeds the rigorous bound along the path.
 TEST(OperationalError, WithEffectsDominatesEverySimulatedTipError) {
   Dice dice(15);
   double used = 0;
@@ -51,7 +51,7 @@ TEST(OperationalError, WithEffectsDominatesEverySimulatedTipError) {
   EXPECT_GT(used, 0.4);
 }
 
-/// The model believes the origin where it is not: the difference of two forward kinematics.
+/// A wrong origin in the model: the difference of two forward kinematics.
 TEST(OperationalError, OfADisplacedOriginIsTheDifferenceOfTheTwoRobots) {
   Dice dice(16);
   for (int trial = 0; trial < 30; ++trial) {
@@ -82,7 +82,7 @@ TEST(OperationalError, OfADisplacedOriginIsTheDifferenceOfTheTwoRobots) {
   }
 }
 
-/// Sources that are nothing leave every figure of the workspace as it was, to the last bit.
+/// Sources of magnitude zero change no figure of the workspace, bitwise.
 TEST(Workspace, WithSourcesThatAreNothingIsThatWithout) {
   Dice dice(18);
   const Chain chain = make_chain(testing::random_robot(dice, {.joints = 3, .mimic = 0}), "", "");

@@ -16,7 +16,7 @@ using testing::Dice;
 using testing::one_joint;
 using testing::random_motion;
 
-/// sigma of a signal behind a filter that has settled, over the rest of the record, about its mean.
+/// Standard deviation of a filtered signal after settling.
 double filtered_sigma(const Filter& filter, const std::vector<double>& signal, std::size_t settled) {
   FilterBank bank(filter, 1);
   Eigen::ArrayXd x(1);
@@ -32,8 +32,7 @@ double filtered_sigma(const Filter& filter, const std::vector<double>& signal, s
   return std::sqrt(squares / n - sum / n * (sum / n));
 }
 
-/// What of an effect's sigma the bounds say a filter lets through, beside the filter run on the effect
-/// itself.
+/// Sigma of a filtered effect: by the bounds, and by filtering the effect's signal.
 struct Passed {
   double said = 0, simulated = 0;
 };
@@ -108,7 +107,7 @@ TEST(FilteredEffect, FollowsLatencyScaleAndBacklashAlongASine) {
   }
 }
 
-/// Two sines of which neither rules: mean frequencies stand for both.
+/// Two sines of similar amplitude: the mean frequency represents both.
 TEST(FilteredEffect, IsNearTheFilterRunOnMotionsOfTwoSines) {
   Dice dice(20);
   for (int trial = 0; trial < 20; ++trial) {

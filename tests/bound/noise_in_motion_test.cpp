@@ -18,8 +18,8 @@ namespace {
 
 constexpr double pi = std::numbers::pi, phi = std::numbers::phi;
 
-/// Quantizes the path x(k) and filters the error sample by sample, as the paper writes the filter; the mean
-/// square of the output from sample `settled` on.
+/// Mean square of the filtered quantization error along the path x(k) from sample `settled` on, by the
+/// paper's recursion.
 template <class Path>
 double simulated_mean_square(int derivative, int order, double cutoff, Path x, int settled, int samples) {
   const double f = 1000, a = std::exp(-2 * pi * cutoff / f);
@@ -151,8 +151,7 @@ TEST(ConstantSpeed, AveragesToIpqnOverAllSpeeds) {
 }
 
 TEST(ConstantSpeed, ReproducesTheTableOfRatiosToIpqn) {
-  // An independent computation's figures, f = 1000 Hz, f0 = 50 Hz, three digits; its speeds were made
-  // irrational.
+  // Independently computed, f = 1000 Hz, f0 = 50 Hz, three digits; at nearby irrational speeds.
   const double speeds[] = {.01, .02, .05, .1, .2, .25, 1. / 3, .5, .75, 1, 1.25, 2.3, 7.7, 10};
   const double one[] = {.458, .624,  .872, .999,  1.036, 1.031, 1.010,
                         .931, 1.031, .037, 1.031, 1.054, 1.054, .037};
@@ -236,8 +235,8 @@ TEST(PathSigma, OfASineIsSineSigmaAndOfARampTheConstantSpeeds) {
 }
 
 TEST(IpqnThreshold, IsTheLastCrossingOfADenseScan) {
-  // numpy: arcs of the sine between whole quanta, h by the plain recursion, steps of 0.005 in the speed. The
-  // narrow excursions just above whole speeds come last.
+  // numpy: arcs of the sine between quanta, h by recursion, steps of 0.005 in the speed. The last cases are
+  // the narrow peaks just above integer speeds.
   EXPECT_NEAR(*ipqn_threshold(autocorrelation(cascade(1, 1)), 0.01), 48.02, 0.01);
   EXPECT_NEAR(*ipqn_threshold(autocorrelation(cascade(1, 3)), 0.1), 14.058, 0.006);
 }
@@ -271,8 +270,8 @@ TEST(IpqnThreshold, HasNoSpeedOutsideAboveIt) {
   }
 }
 
-/// Too long a memory for the autocorrelation. At V = p/q the error of an explicit quantizer repeats every q
-/// samples; its Fourier coefficients and the response give the output without a formula for sigma.
+/// A memory too long for the autocorrelation. At V = p/q the error of an explicit quantizer has a period of q
+/// samples; its Fourier coefficients and the frequency response give the output without a formula for sigma.
 TEST(ConstantSpeed, OfAVerySlowFilterComesFromItsHarmonics) {
   const Filter slow = cascade(1, 2, 1e-4);  // 1e-7 of the sample rate
   ASSERT_FALSE(followed(slow));

@@ -46,7 +46,8 @@ Eigen::Matrix<double, 6, 1> pose_error(const Eigen::Isometry3d& estimate, const 
   return e;
 }
 
-/// Of all corners of the quantization box and `inside` points in it, the largest error of x y z rx ry rz.
+/// The largest error of x y z rx ry rz over all corners of the quantization box and `inside` random points in
+/// it.
 Eigen::VectorXd largest_pose_error(const OperationalModel& m, const Eigen::VectorXd& q, Dice& dice,
                                    int inside) {
   const Eigen::Isometry3d truth = forward_kinematics(m.chain, q);
@@ -106,7 +107,8 @@ TEST(OperationalError, CovarianceIsThatOfUniformNoiseThroughTheJacobian) {
   }
 }
 
-// The linear bound (paper, Eq. 17) fails here; the rigorous one must not. Slack: 1e-12 for rounding.
+// The linear bound (paper, Eq. 17) is exceeded here; the rigorous one must not be. Tolerance: 1e-12 for
+// rounding.
 TEST(OperationalError, RigorousBoundHoldsAtEveryCornerAndInsideWhereTheLinearOneFails) {
   int linear_failures = 0;
   Eigen::VectorXd used = Eigen::VectorXd::Zero(6);

@@ -68,7 +68,7 @@ TEST(QuantizedSine, IsContinuousWhereTheMethodChanges) {
 }
 
 TEST(QuantizedSine, SumsTheBesselSeries) {
-  // Partial sums to K with the terms of the tail averaged: its size is below K^-3/2.
+  // Partial sums to K with averaged terms of the tail, which is below K^-3/2.
   for (const double amplitude : {0.4, 3.3, 12.25, 40.1}) {
     const double offset = 0.17;
     double square = 1.0 / 12;
@@ -99,7 +99,7 @@ TEST(QuantizedSine, StaysInThePapersEnvelopeWhichIsTight) {
 }
 
 TEST(QuantizedSine, NearsTheUniformErrorFromTheSmallestAmplitudes) {
-  // What `ipqn_threshold` takes as proven, at the offset it asks for.
+  // The assumption of `ipqn_threshold`, at the offset that it uses.
   for (double amplitude = 1e-4; amplitude < 1000; amplitude *= 1.002)
     EXPECT_LE(std::abs(quantized_sine_mean_square(0.5, amplitude) - 1.0 / 12),
               std::min(1.0 / 6, 0.0381 / std::sqrt(amplitude)))

@@ -64,7 +64,7 @@ TEST(Statistic, PercentilesAreNumpysLinearOnes) {
   }
 }
 
-// 1e-3 whatever the values are; 5e-5 where 200000 of them lie evenly.
+// Tolerance 1e-3 for any values; 5e-5 for 200000 uniform values.
 TEST(Histogram, PercentilesAreWithinTheirStatedError) {
   Dice dice(1);
   for (const bool evenly : {false, true}) {
@@ -92,7 +92,7 @@ TEST(Histogram, CountsTheSameInPartsAndBeyondItsSpan) {
   EXPECT_NEAR(whole.p50, 3.5, 0.1);
 }
 
-// What is counted is told exactly as if all were; of the rest it is known that it is not.
+// Ranks in counted bins are exact; other ranks are reported as not counted.
 TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
   Dice dice(5);
   for (int round = 0; round < 20; ++round) {
@@ -126,7 +126,7 @@ TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
   }
 }
 
-// Extremes and percentiles do not see how the values were cut into blocks; the mean only by rounding (1e-14).
+// Extremes and percentiles are independent of the blocks; the mean up to rounding (1e-14).
 TEST(Statistic, IsTheSameForAnyBlocks) {
   Dice dice(2);
   std::vector<double> values(999);

@@ -17,7 +17,7 @@ double uniform(std::uint64_t index, std::uint64_t stream) {
   return unit_interval(random_bits(5, index, stream));
 }
 
-/// Largest error of count differences along x(t), t in ticks, over many positions of the encoder's zero.
+/// Largest error of finite differences along x(t), t in ticks, over many positions of the encoder's zero.
 template <class Position>
 double simulated_fdm(Position x, int samples) {
   double largest = 0;
@@ -75,7 +75,7 @@ TEST(InverseTime, ErrorAtConstantSpeedIsBoundedAndReached) {
 }
 
 TEST(InverseTime, ErrorOfMonotoneMotionIsBoundedAndReached) {
-  // The joint speeds up or slows down from edge to edge, its largest speed that of alpha: v(t) = v_max (1 - c
+  // The joint accelerates or decelerates between edges with the largest speed of alpha: v(t) = v_max (1 - c
   // t/tau) covers the quantum in tau = alpha/(1 - c/2) ticks.
   for (const double alpha : {1.0, 1.5, 2.0, 3.7, 7.2, 12.9}) {
     const double bound = inverse_time_error(delta, rate, unit / alpha).varying;

@@ -90,7 +90,7 @@ TEST(Workspace, IsTheSameToTheLastBitForEveryNumberOfThreads) {
     }
 }
 
-// A half is exact in binary, so is everything that is linear in Delta.
+// Halving is exact in binary, and so is every figure that is linear in Delta.
 TEST(Workspace, HalvingEveryResolutionHalvesEverythingLinear) {
   for (const bool nearest_only : {true, false}) {
     OperationalModel m = random_model(5, nearest_only);
@@ -121,7 +121,7 @@ TEST(Workspace, SharesSumToOneAndARowOfZerosHasNone) {
   EXPECT_EQ(slides.coordinates[3].worst_case.max, 0);
 }
 
-// 1e-12 of the scalar reference; whole batches and a part of one.
+// 1e-12 of the scalar reference; complete and partial batches.
 TEST(Workspace, IsTheStatisticOfTheErrorsAtItsConfigurations) {
   const OperationalModel m = random_model(7, false);
   for (const std::uint64_t count : {1u, 63u, 64u, 1500u, 4097u}) {
@@ -178,8 +178,7 @@ TEST(Workspace, TextsComeInOrderWhateverTheThreads) {
   }
 }
 
-// Beyond the limit percentiles come from bins: 1e-3; everything else stays.
-/// Of some figure of every configuration.
+/// One figure at every configuration. Above the limit percentiles are from bins: tolerance 1e-3.
 std::vector<double> values_of(const OperationalModel& m, const Configurations& c, std::size_t figure) {
   BatchedError batched(m, {});
   Sampler sampler(c);
@@ -226,7 +225,7 @@ TEST(Workspace, BinnedPercentilesAreThoseOfTheConfigurationsWithAllInstructions)
   }
 }
 
-/// A link of 1 m, turning about z: x moves by sin q.
+/// A link of 1 m, rotating about z: dx/dq = -sin q.
 OperationalModel one_link() {
   OperationalModel m = random_model(10, true);
   m.chain.joints.resize(1);
@@ -240,8 +239,7 @@ OperationalModel one_link() {
   return m;
 }
 
-// The job takes a sample before it starts (WorkspaceJob::draw_anywhere); here just these are
-// strangers to the rest.
+// The points that the job samples in advance (WorkspaceJob::draw_anywhere) are not representative here.
 TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
   Configurations c;
   c.method = SamplingMethod::list;
@@ -265,7 +263,7 @@ TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
   EXPECT_EQ(s.at_max, c.points[static_cast<std::size_t>(largest - errors.begin())]);
 }
 
-// A pitch of 90 deg ends every row of the grid; all before it is finite.
+// Every row of the grid ends at a pitch of 90 deg; all other points have finite bounds.
 TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
   OperationalModel m = one_link();
   m.chain.joints.push_back(m.chain.joints[0]);
@@ -290,7 +288,7 @@ TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
   }
 }
 
-// A grid starts at its lower limits, where an arm may stand so that a coordinate has no error at all.
+// The first point of a grid has a coordinate without error.
 TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
   const OperationalModel m = one_link();
   Configurations c;

@@ -24,12 +24,12 @@ double normal(std::uint64_t index, std::uint64_t stream) {
   return std::sqrt(-2 * std::log(1 - u)) * std::cos(turn * v);
 }
 
-/// What a joint is given to read: a function of row, time and angle that adds to it [rad].
+/// An error of the reading: a function of row, time and angle [rad].
 using Flaw = double (*)(std::size_t row, double time, double angle);
 
 double none(std::size_t, double, double) { return 0; }
 
-/// A joint that swings; its encoder counts floors of the true angle and of what the flaw adds.
+/// An oscillating joint; its encoder rounds the sum of the true angle and the error.
 Evidence swing(Flaw flaw, double counts_per_period = 4) {
   const Eigen::Index n = 6000;
   Evidence e;
@@ -104,7 +104,7 @@ TEST(IntervalLikelihood, GoesOnAcrossTheBorderFromWhereItIsTakenInLogarithms) {
 }
 
 TEST(Explanation, KeepsTheColumnsThatWereDerivedFromATermsWhenThePathMoves) {
-  // A latency of many counts moves the path, and whatever goes along it is made anew.
+  // A latency of many counts moves the path, and the columns along the path are recomputed.
   const Evidence e = rows(swing([](std::size_t, double time, double angle) {
     return 0.01 * (1.1 * 2.1 * std::cos(2.1 * time) - 0.2 * 7.7 * std::sin(7.7 * time + 1)) +
            3 * step * std::sin(angle);
@@ -134,7 +134,7 @@ TEST(Explanation, KnowsAnOffsetBetterThanTheCountsAverageTellsIt) {
 }
 
 TEST(Explanation, FitsAResolverWithClippedSignals) {
-  // The arctangent of what the clipped amplifiers give, by itself and not by the effect's code.
+  // The arctangent of clipped signals, independent of the effect's code.
   const Evidence e = rows(swing(
       [](std::size_t, double, double q) {
         const double angle = turn * q / (1024 * step);

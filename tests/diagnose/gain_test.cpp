@@ -21,8 +21,8 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   return std::sqrt(-2 * std::log1p(-u)) * std::cos(2 * std::numbers::pi * v);
 }
 
-/// A joint that swings over several turns of its encoder's shaft; the disc sits off its axis by an amount
-/// that makes the amplitude above at the joint, by the exact arctangent and not by a sine. Counts are floors.
+/// A joint that oscillates over several revolutions of its encoder's shaft; the eccentricity of the disc
+/// gives the amplitude above at the joint, by the exact arctangent. The encoder rounds.
 Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step) {
   const Eigen::Index n = 4000;
   Evidence e;
@@ -73,7 +73,7 @@ TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
 }
 
 TEST(FoundParameters, OfNoTermsAreNone) {
-  // Only a build that checks its matrices can fail here: there is nothing whose mean could be taken.
+  // Fails only in a build with checked matrices: a mean of no values.
   const Evidence e = swing(3, 0);
   EXPECT_TRUE(found_parameters(e, Explanation(e)).empty());
 }

@@ -16,7 +16,7 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
-/// One revolute joint with an encoder of `counts` per turn on a shaft that turns `ratio` times as fast.
+/// One revolute joint with an encoder of `counts` per revolution and a gear ratio of `ratio`.
 OperationalModel stage(double counts, double ratio) {
   OperationalModel m;
   ChainJoint joint;
@@ -37,7 +37,7 @@ JointMotion to_and_fro(double amplitude, double frequency) {
   return {0.1, 0, {{amplitude, frequency, 0.3}, {0.3 * amplitude, 2.7 * frequency, 1}}, {}};
 }
 
-/// Without the floor of what is worth a name: statistics alone.
+/// Without the minimum magnitude of an identification: the statistical threshold only.
 PlanOptions statistics() {
   PlanOptions o;
   o.least_amplitude = 0;
@@ -95,23 +95,24 @@ TEST(Plan, SaysThatLessThanATurnOfTheEncoderMakesEccentricityAScaleOrAnOffset) {
 TEST(Plan, SaysThatTwoShaftsWithAWholeRatioShareTheirOrders) {
   const PlannedJoint turn = plan(stage(4000, 3), {}, motion(to_and_fro(2, 0.4), 8), statistics()).joints[0];
   const PlannedEffect& disc = find(turn, "eccentricity", "encoder");
-  const auto third = std::find_if(disc.correlated.begin(), disc.correlated.end(), [](const CorrelatedEffect& r) {
-    return r.effect.number("order") == 3 && r.effect.choices.at("shaft") == "joint";
-  });
+  const auto third =
+      std::find_if(disc.correlated.begin(), disc.correlated.end(), [](const CorrelatedEffect& r) {
+        return r.effect.number("order") == 3 && r.effect.choices.at("shaft") == "joint";
+      });
   ASSERT_NE(third, disc.correlated.end());
   EXPECT_TRUE(third->inseparable());
   EXPECT_NEAR(third->correlation, 1, 1e-9);
 }
 
 TEST(Plan, NeedsSizesThatShrinkWithTheRootOfTheNumberOfReadings) {
-  // Four periods at four times the rate: four times the readings of the same motion.
+  // Four times the readings of the same motion.
   const auto at = [&](double rate) {
     return plan(stage(40000, 50), {}, motion(to_and_fro(1, 0.4), 8, rate), statistics()).joints[0];
   };
   const PlannedJoint few = at(250), many = at(1000);
   EXPECT_NEAR(many.readings / few.readings, 4, 0.02);
   for (const char* type : {"offset", "backlash", "latency", "eccentricity"}) {
-    // The threshold grows with log n alone.
+    // The threshold grows with log n only.
     EXPECT_NEAR(find(few, type).detectable / find(many, type).detectable, 2, 0.15) << type;
   }
 }
@@ -125,12 +126,14 @@ TEST(Plan, CountsTheReadingsOfLongMotionsWithoutLookingAtAll) {
                      other = plan(stage(4000, 50), {}, m, part).joints[0];
   EXPECT_NEAR(other.readings, one.readings, 0.02 * one.readings);
   for (const char* type : {"offset", "scale", "latency", "eccentricity"})
-    EXPECT_NEAR(find(other, type).detectable, find(one, type).detectable, 0.03 * find(one, type).detectable) << type;
+    EXPECT_NEAR(find(other, type).detectable, find(one, type).detectable, 0.03 * find(one, type).detectable)
+        << type;
 }
 
 TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
-  // With little noise of the reference only the edges speak, each one with the information of a probit of its
-  // noise s: I = 1/(pi s) int phi^2/(Phi (1 - Phi)) dz / s = 1.8063/s. Independent: the integral by hand.
+  // With little noise of the reference only the edges are informative, each with the information of a probit
+  // of its noise s: I = 1/(pi s) int phi^2/(Phi (1 - Phi)) dz / s = 1.8063/s. Independent: the integral by
+  // hand.
   const auto offset = [&](double noise) {
     PlanOptions o = statistics();
     o.reference_noise = noise;
@@ -142,7 +145,7 @@ TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
     const double phi = std::exp(-0.5 * z * z) / std::sqrt(2 * pi), below = 0.5 * std::erfc(-z / std::sqrt(2));
     integral += 1e-3 * phi * phi / (below * (1 - below));
   }
-  // Edges a twentieth of a count wide stand apart; twice as wide, half the information.
+  // Edges with a width of 1/20 count do not overlap; twice as wide, half the information.
   EXPECT_NEAR(offset(0.04) / offset(0.02), std::sqrt(2), 0.02);
   // At several counts quantization adds its own variance of 1/12, and nothing else.
   const double wide = 3;

@@ -6,7 +6,7 @@
 #include "support/random_evidence.hpp"
 #include "support/reference_residuals.hpp"
 
-/// The lanes of the surrogates of a record against the same, row after row.
+/// The kernels of the surrogates of a record against plain code, row by row.
 namespace qerr {
 namespace {
 
@@ -61,7 +61,7 @@ TEST(ResidualStatistics, AreThoseOfRowAfterRow) {
       }
 }
 
-// More rows than are looked at: stretches begin and end in the middle of rests and of rows taken together.
+// More rows than are used: blocks begin and end within standstills and averaged rows.
 TEST(ResidualStatistics, OfALongRecordAreThoseOfItsStretches) {
   Dice dice(62);
   EvidenceMix mix;
@@ -71,8 +71,8 @@ TEST(ResidualStatistics, OfALongRecordAreThoseOfItsStretches) {
   for (const InstructionSet set : available_instruction_sets()) expect_reference(e, 8, set);
 }
 
-// A reference without noise on halves and quarters of counts: every reading is on an edge, and where an edge
-// goes must not depend on the lanes.
+// A reference without noise on halves and quarters of counts: every reading is on an edge, and its rounding
+// must not depend on the kernel.
 TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
   for (const bool down : {false, true}) {
     Evidence e;
@@ -91,7 +91,7 @@ TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
   }
 }
 
-// Not 1e-16 of a count, which would look like a number.
+// Exactly zero, not 1e-16 of a count.
 TEST(ResidualStatistics, FindNothingByCountWhereOneCountIsRead) {
   Dice dice(64);
   for (const InstructionSet set : available_instruction_sets())

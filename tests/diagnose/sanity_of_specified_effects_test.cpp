@@ -4,7 +4,7 @@
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
 
-/// Records of a machine whose faults the spec already has.
+/// Records of a machine whose effects are in the spec.
 namespace qerr {
 namespace {
 
@@ -12,12 +12,12 @@ Effect effect_of(const char* type, const char* parameter, double value) {
   return {type, "arm", {{parameter, value}}, {}};
 }
 
-/// As a counter of two's complement wraps.
+/// The rollover of a two's complement counter.
 Column wrapped(const Column& counts, double modulus) {
   return counts - modulus * (counts / modulus + 0.5).floor();
 }
 
-/// The power of two that is next below what the motion needs.
+/// The largest power of two below the range of the motion.
 double narrow(const Column& counts) {
   return std::exp2(std::floor(std::log2(1.6 * counts.abs().maxCoeff())));
 }

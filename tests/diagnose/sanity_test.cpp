@@ -43,7 +43,7 @@ TEST(Sanity, FindsTheModulusOfACounterThatWrapsAndUndoesIt) {
     Machine m(seed);
     const Column counts = m.counted(m.path);
     const double most = counts.abs().maxCoeff();
-    // A power of two, or the counts of a revolution; signed, or from zero on.
+    // A power of two, or the counts of a revolution; signed or unsigned.
     double modulus = std::exp2(std::floor(std::log2(1.6 * most)) - static_cast<double>(m.dice() % 3));
     if (seed % 3 == 0 && modulus > 1000) modulus = std::round(0.9 * modulus);
     const double shift = seed % 2 == 0 ? 0 : modulus / 2;
@@ -100,7 +100,7 @@ TEST(Sanity, FindsTheFactorOfAWrongDecodingAlsoBesideAScaleError) {
     ASSERT_EQ(s.causes.size(), 1u) << "seed " << seed;
     EXPECT_EQ(s.causes[0].effect.type, "decoding");
     EXPECT_EQ(s.causes[0].effect.number("factor"), factor) << "seed " << seed;
-    // The counter's own step: larger where edges are left out, never finer than what was counted.
+    // The counter's step: larger if edges are skipped, never finer than the counts.
     const double step = m.resolution * std::max(1.0, 1 / std::abs(factor));
     EXPECT_NEAR(s.model.transmission.encoders[0].resolution, step, 1e-12);
     if (seed % 2 == 0) {
@@ -173,7 +173,7 @@ TEST(Sanity, LeavesOutTheRowsOfASensorThatWasStuckForAWhile) {
     counts.segment(at, length).setConstant(counts[at]);
     const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
     ASSERT_EQ(s.unexplained.size(), 1u) << "seed " << seed;
-    // Neighbours of the same count go with them.
+    // Neighbouring rows of the same count are excluded as well.
     EXPECT_LE(s.log.values.rows(), m.rows - length + 1) << "seed " << seed;
     EXPECT_GT(s.log.values.rows(), m.rows - length - m.rows / 50) << "seed " << seed;
   }
@@ -209,7 +209,7 @@ TEST(Sanity, TakesAControllersOwnErrorForNoLoad) {
     const Column lag = m.along(m.time - 2 / m.rate), counts = m.counted(lag);
     if ((lag - m.path).abs().maxCoeff() < 5 * m.resolution) continue;
     const double gain = m.between(20, 300);
-    // The set point stands in as reference, and the effort is the gain times what the counts leave of it.
+    // The set point is the reference, and the effort is the gain times the servo error.
     const Sanity s = check_sanity(model_of(m), {},
                                   log_of({{LogSignal::time, m.time},
                                           {LogSignal::counts, counts, 0},

@@ -9,7 +9,7 @@
 #include "lanes/aligned.hpp"
 #include "support/random_chain.hpp"
 
-/// The scans for periods in lanes against their formula.
+/// The kernels of the period scan against their formula.
 namespace qerr {
 namespace {
 

@@ -10,7 +10,7 @@
 namespace qerr {
 namespace {
 
-/// A path that is known, recorded with noise at uneven stamps and written on a grid.
+/// A known path, recorded with noise at uneven time stamps and rounded to a grid.
 struct Record {
   Eigen::ArrayXd time, path, velocity, recorded;
   double noise = 0;
@@ -42,7 +42,7 @@ std::pair<double, double> two_sines(double t) {
           0.6 * slow * std::cos(slow * t) + 0.1 * fast * std::cos(fast * t)};
 }
 
-/// Out and back with a constant acceleration, at rest most of the time.
+/// Forward and backward with a constant acceleration, at rest most of the time.
 std::pair<double, double> ramps(double t) {
   const double s = std::fmod(t, 6.0), into = s < 3 ? s - 1.5 : s - 4.5;
   double q = 0, v = 0;

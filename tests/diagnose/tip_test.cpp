@@ -72,7 +72,7 @@ TEST(DiagnoseTip, FindsNothingWrongWithACleanArm) {
     const Arm arm = random_arm(dice, joints);
     const std::vector<double> resolution(joints, std::pow(10, dice.between(-5, -3)));
     Record r = dice.chance(0.5) ? poses(dice, joints, 200) : motion(dice, joints, 1500);
-    // A table does not tell the noise of its references.
+    // The noise of the references cannot be estimated from a table.
     r.with_references = r.time.size() > 0 && dice.chance(0.4);
     const Diagnosis d =
         judge(arm.model(resolution), log_of(dice, arm, r, resolution, std::pow(10, dice.between(-6, -4))));
@@ -166,9 +166,8 @@ TEST(DiagnoseTip, BlamesATrackerInAFrameOfItsOwnAndNotTheArm) {
   }
 }
 
-/// An arm of 6 joints as it comes from the workshop, seen by a laser tracker in 200 poses: every joint a few
-/// tenths of a millimetre and of a milliradian off, axes askew by `askew`, tracker and target not where they
-/// should be.
+/// An uncalibrated arm of 6 joints, measured by a laser tracker in 200 poses: joint errors of a few tenths of
+/// a millimetre and of a milliradian, axes misaligned by `askew`, errors of tracker and target positions.
 Diagnosis uncalibrated(std::uint64_t seed, double askew) {
   Dice dice(4000 + seed);
   const Arm arm = random_arm(dice, 6);

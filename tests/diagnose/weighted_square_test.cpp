@@ -24,7 +24,7 @@ TEST(WeightedSquare, IsThePlainProductOfColumnsOfAnyKind) {
     for (const Eigen::Index count : {1, 8, 9, 40}) {
       Eigen::MatrixXd columns(rows, count);
       for (Eigen::Index c = 0; c < count; ++c) {
-        // Dense ones, knots of a table, sparse ones, and one of noughts.
+        // Dense columns, knots of a table, sparse columns, and a column of zeros.
         const double centre = dice.between(0, 1), present = dice.between(0, 1);
         for (Eigen::Index k = 0; k < rows; ++k) {
           const double place = std::sin(3.0 * static_cast<double>(k) / static_cast<double>(rows)) - centre;

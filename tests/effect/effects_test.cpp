@@ -12,7 +12,7 @@ namespace {
 
 constexpr double pi = std::numbers::pi;
 
-/// One revolute joint with an encoder of 4000 counts behind a gear of 20: quadrature, four counts a line.
+/// One revolute joint with an encoder of 4000 counts behind a gear of 20: quadrature, four counts per line.
 OperationalModel one_joint() {
   OperationalModel m;
   m.chain.base = "base";
@@ -70,7 +70,7 @@ TEST(Sensing, IdealIsTheNearestCountOfTheTruePath) {
   }
 }
 
-/// Every effect at zero size, as the ideal machine to the last bit.
+/// Every effect of magnitude zero equals the ideal machine, bitwise.
 TEST(Effects, OfNoSizeChangeNothing) {
   const Record ideal = record({});
   const std::vector<Effect> none{
@@ -100,17 +100,16 @@ TEST(Effects, OfNoSizeChangeNothing) {
   }
 }
 
-/// An eccentric disc from geometry: its lines lie at equal angles about its own centre, the head reads at
-/// distance R from the shaft's centre, which is e off. The head sees the disc at the angle atan2 of where it
-/// stands.
+/// An eccentric disc by geometry: its lines are at equal angles about its own centre, which has the distance
+/// e from the shaft's centre; the head is at distance R from the shaft's centre.
 TEST(Effects, EccentricityIsThatOfADiscOffItsCentre) {
   const double ratio = 0.004, phase = 0.7;
   const Record r =
       record({{"eccentricity", "elbow", {{"amplitude", ratio / 20}, {"phase", phase}, {"order", 1}}, {}}});
   for (std::size_t k = 0; k < r.time.size(); k += 7) {
     const double shaft = 20 * r.truth[k];
-    // Head on the x axis at distance 1; the disc's centre at ratio (cos b, sin b), turning with the shaft.
-    // The head stands in direction -atan2(y, x) from that centre, and the disc has turned by the shaft's
+    // Head on the x axis at distance 1; the disc's centre at ratio (cos b, sin b), rotating with the shaft.
+    // The head is in direction -atan2(y, x) from that centre, and the disc has rotated by the shaft's
     // angle.
     const double b = shaft + phase;
     const double x = 1 - ratio * std::cos(b), y = ratio * std::sin(b);
@@ -119,8 +118,8 @@ TEST(Effects, EccentricityIsThatOfADiscOffItsCentre) {
   }
 }
 
-/// Quadrature from two channels as a counter sees them: A changes at whole half lines, B a quarter later and
-/// late by the phase error; every edge counts.
+/// Quadrature of two channels: A has edges at multiples of half a line, B a quarter of a line later plus the
+/// phase error; every edge is counted.
 TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
   const double phase = 0.6, line = 4 * delta, shift = phase / (2 * pi) * line;
   OperationalModel down = one_joint();
@@ -144,7 +143,7 @@ TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
   }
 }
 
-/// Heydemann: the interpolator's atan2 of what the two photo diodes give.
+/// Heydemann: the interpolator's atan2 of the two photodiodes' signals.
 TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
   OperationalModel model = one_joint();
   Encoder& encoder = model.transmission.encoders[0];
@@ -165,7 +164,7 @@ TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
       if (clip < 1) s = std::clamp(s, -clip, clip), c = std::clamp(c, -clip, clip);
       const double turns = std::floor(angle / (2 * pi) + 0.5);
       double inside = std::atan2(s, c);
-      // The line counter decides on which line the reading is; it follows the true one.
+      // The line counter follows the true line.
       const double whole = 2 * pi * turns + inside;
       const double expected = (whole - 2 * pi * std::round((whole - angle) / (2 * pi))) * period / (2 * pi);
       EXPECT_NEAR(r.measured[k], expected, 0.51 * encoder.resolution);
@@ -173,7 +172,7 @@ TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
   }
 }
 
-/// A motor that drives the joint through a gap: it touches one flank or the other, and stays there at rest.
+/// A motor that drives the joint through a gap: it touches one of two flanks, and remains there at rest.
 TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
   const double gap = 20 * delta;
   const Record r = record({{"backlash", "elbow", {{"gap", gap}}, {}}});

@@ -19,7 +19,7 @@ namespace {
 
 using Json = nlohmann::json;
 
-/// tests/golden/filters.json, by make_filters.py: mpmath and scipy, nothing of qerr's.
+/// tests/golden/filters.json, by make_filters.py: mpmath and scipy, independent of qerr.
 Json golden() {
   std::ifstream file(std::string(QERR_SOURCE_DIR) + "/tests/golden/filters.json");
   return Json::parse(file);
@@ -242,7 +242,7 @@ TEST(AlphaBeta, RefusesGainsThatAreNotStable) {
   EXPECT_NO_THROW(damped(0.61));
 }
 
-/// alpha (4 beta + gamma) > 2 gamma, against the poles of the recursion itself.
+/// alpha (4 beta + gamma) > 2 gamma, against the poles of the recursion.
 TEST(AlphaBetaGamma, IsRefusedWhereItsOwnRecursionGrows) {
   int refused = 0, accepted = 0;
   for (double alpha = 0.1; alpha < 2; alpha += 0.3) {

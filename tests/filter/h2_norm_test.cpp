@@ -48,7 +48,7 @@ TEST(H2Norm, OfRandomSectionsIsWithinItsErrorOfTheExactOne) {
     Filter filter = difference_filter(0.5, random.differences);
     for (const auto& s : random.sections) filter.sections.push_back(section_in_w(s.b, s.a));
     const auto [b, a] = multiplied_out(random);
-    // At half a sample a second the differences have the gain 2^-d.
+    // At a sample rate of 0.5 Hz the differences have the gain 2^-d.
     tally.check(h2_estimate(filter), reference::squared_norm(b, a) * ldexp(Exact(1), -2 * random.differences),
                 "seed " + std::to_string(seed));
   }

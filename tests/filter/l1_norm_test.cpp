@@ -14,7 +14,7 @@ namespace {
 using Number =
     boost::multiprecision::number<boost::multiprecision::cpp_bin_float<100>, boost::multiprecision::et_off>;
 
-/// sum |h_k| over `count` terms of the difference equation, in 100 digits: nothing shared with the program.
+/// sum |h_k| over `count` terms of the difference equation, in 100 digits, independent of the program.
 Number direct_sum(const std::vector<Number>& b, const std::vector<Number>& a, std::size_t count) {
   std::vector<Number> h(count);
   Number total = 0;
@@ -51,7 +51,7 @@ TEST(L1Norm, OfRandomCascadesHoldsTheDirectSumWithin1e12) {
       a = product(a, {s.a[0], s.a[1], s.a[2]});
     }
     for (int i = 0; i < random.differences; ++i) b = product(b, {0.5, -0.5});
-    // Twelve poles at 0.98 have fallen to 1e-25 of their peak after 6000 samples.
+    // The response of twelve poles at 0.98 is 1e-25 of its peak after 6000 samples.
     const Number exact = direct_sum(b, a, 6000);
     expect_holds(l1_norm(filter), exact, 1e-12, "seed " + std::to_string(seed));
     std::vector<double> rounded_b, rounded_a;
@@ -93,7 +93,7 @@ TEST(L1Norm, OfResonancesFarBeyondSummationHasItsClosedForm) {
     expect_holds(l1_norm(filter_from_coefficients({1}, {1, 0, c}, 1, 0)), ldexp(Number(1), bits), 1e-12,
                  "quarter turns, 2^-" + std::to_string(bits));
     if (bits > 26) continue;
-    // 1/(1 -+ r q + r^2 q^2): h_k = r^k (1, 1, 0, -1, -1, 0, ...), and every second sign turned.
+    // 1/(1 -+ r q + r^2 q^2): h_k = r^k (1, 1, 0, -1, -1, 0, ...), and with alternating signs.
     const double r = c;
     const Number exact = (1 + Number(r)) / (1 - Number(r) * r * r);
     for (const double sign : {1.0, -1.0})
@@ -103,7 +103,7 @@ TEST(L1Norm, OfResonancesFarBeyondSummationHasItsClosedForm) {
 }
 
 TEST(L1Norm, OfSeveralSlowResonancesOfEqualDampingIsWideAndValid) {
-  // 1/(1 - c q^4) has four poles at one distance from the circle; h_4k = c^k.
+  // 1/(1 - c q^4) has four poles of equal modulus; h_4k = c^k.
   const double c = 1 - 0x1p-30;
   const Interval i = l1_norm(filter_from_coefficients({1}, {1, 0, 0, 0, -c}, 1, 0));
   EXPECT_LE(i.lower, 0x1p30);
@@ -133,7 +133,7 @@ TEST(L1Norm, OfTwoResonancesThatDieWithinAMillionSamplesHoldsTheDirectSum) {
 
 TEST(L1Norm, OfAnEllipticLowpassOfHighOrderIsNarrowAndDoesNotDependOnASlowCutoff) {
   // In units of the cut-off the impulse response tends to the analog one as (f0/f)^2; for odd orders only,
-  // for even ones pass some of the input on at once.
+  // since even ones have a direct feedthrough.
   const auto norm = [](int order, double cutoff) {
     for (const FilterFamily& f : filter_families()) {
       if (f.name == "elliptic")

@@ -37,8 +37,8 @@ struct Row {
   long double l1 = 0;
 };
 
-/// Exact norms, 25 digits; empty where the file is absent.
-/// @param columns  where family, discretization, d, n, sample rate, cut-off, H2 and l1 stand
+/// Exact norms, 25 digits; empty if the file is absent.
+/// @param columns  of family, discretization, d, n, sample rate, cut-off, H2 and l1
 std::vector<Row> read_rows(const std::string& path, const std::array<std::size_t, 8>& columns) {
   std::vector<Row> rows;
   std::ifstream file(std::string(QERR_SOURCE_DIR) + path);
@@ -73,7 +73,7 @@ void expect_exact(const std::vector<Row>& rows) {
     const Norms n = norms(row.filter);
     EXPECT_LT(std::abs(n.h2 / row.h2 - 1), 1e-13) << row.name;
     EXPECT_LE(std::abs(n.h2 - row.h2), n.h2_error + 1e-19L * row.h2) << row.name;  // row.h2 is rounded too
-    // What a family's design rounds, and the rounding to double.
+    // Rounding of the family's design, and rounding to double.
     const double allowed =
         row.filter.designed ? 1e-15 * static_cast<double>(1 + row.filter.sections.size()) : 0;
     EXPECT_LT(n.h2_error, (allowed + 3e-16) * n.h2) << row.name;

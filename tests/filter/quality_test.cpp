@@ -69,7 +69,7 @@ TEST(SettlingTime, OfAFirstOrderLowPassIsFourTimeConstants) {
   EXPECT_NEAR(*settling_time(design_filter("first_order", 2, rate, 1, cutoff)), samples / rate, 1.01 / rate);
 }
 
-/// The response to t^d/d!, convolved term by term here.
+/// The response to t^d/d!, by direct convolution.
 TEST(SettlingTime, IsThatOfTheSampledRamp) {
   for (int d = 0; d <= 4; ++d)
     for (const int order : {d + 1, d + 2}) {
@@ -100,7 +100,7 @@ TEST(SettlingTime, OfASlowFilterComesFromItsModes) {
                   1, 1e-4)
           << cutoff << ' ' << derivative;
   }
-  // Slower by ten, longer by ten; also where it oscillates.
+  // Ten times slower, ten times longer; also for oscillations.
   for (const char* family : {"butterworth", "first_order"})
     for (const int order : {2, 3, 5}) {
       const double fast = *settling_time(design_filter(family, 1, 1e5, order, 50));  // by terms

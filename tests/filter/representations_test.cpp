@@ -28,7 +28,7 @@ Filter built(std::string_view name, const std::map<std::string, Rows>& values) {
   throw std::runtime_error("no representation " + std::string(name));
 }
 
-/// 100 (1 - q)/(1 - 1.6 q + 0.7 q^2), said in every way there is.
+/// 100 (1 - q)/(1 - 1.6 q + 0.7 q^2), in every representation.
 std::map<std::string_view, Filter> one_filter() {
   const double im = std::sqrt(0.06);
   const Rows b = column({100, -100}), a = column({1, -1.6, 0.7});
@@ -80,7 +80,7 @@ TEST(EveryRepresentation, IsWithinItsStatedErrorOfMpmath) {
 }
 
 TEST(StateSpace, OfTwentySlowStatesKeepsItsDigits) {
-  // A chain of twenty equal one-pole filters, f0/f about 1e-7: (g/(z - 1 + g))^20 for a g that is exact.
+  // A chain of twenty equal one-pole filters, f0/f about 1e-7: (g/(z - 1 + g))^20 with an exact g.
   const double g = 0x1p-20;
   Rows a(20, std::vector<double>(20)), b(20, {0}), c(1, std::vector<double>(20));
   for (std::size_t i = 0; i < 20; ++i) {

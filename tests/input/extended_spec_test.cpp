@@ -9,7 +9,7 @@ namespace {
 
 const std::string folder = std::string(QERR_SOURCE_DIR) + "/configs/planar_prr/";
 
-/// A spec with comments, an odd order and blank lines, as people write them.
+/// A spec with comments, an unusual order and blank lines.
 const std::string base =
     "# my arm\n"
     "qerr: 1\n"
@@ -109,7 +109,7 @@ TEST(ExtendedSpec, WritesOverridesIntoTheText) {
 TEST(ExtendedSpec, RefusesAnOverrideThatTheLayoutDoesNotLetItWrite) {
   const std::string blocks =
       "qerr: 1\nrobot: {urdf: planar_prr.urdf}\nencoders:\n  '*':\n    resolution: 1e-4\n";
-  // The same asked for key by key is no trouble.
+  // The same overrides key by key are accepted.
   EXPECT_EQ(spec_of(extended(blocks, {}, {{{"encoders.*.resolution", "2e-4"}}, {}}))
                 .model.transmission.encoders[0]
                 .resolution,

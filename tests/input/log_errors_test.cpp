@@ -79,7 +79,7 @@ const std::vector<Faulty> faulty{
     {"time [s],shoulder.counts,tip.x [rad]\n0,1,2\n", "1:26", "use m"},
     {"Time [s],shoulder.counts\n0,1\n", "1:1", "name it 'time [s]'"},
     {"shoulder.counts,time (s)\n0,1\n", "1:17", "name it 'time [s]'"},
-    // what must be there together
+    // required combinations
     {"time [s],shoulder.reference [rad],sholder.counts\n0,1,2\n", "1:1",
      "shoulder: the joint has a reference but no measurement; add 'shoulder.counts' or "
      "'shoulder.measured [rad]'; is it 'sholder.counts'?"},

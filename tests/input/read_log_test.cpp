@@ -80,7 +80,7 @@ TEST_F(ReadLog, WithoutTimeItIsATable) {
   EXPECT_EQ(log.rows, 2u);
 }
 
-/// One number in one of the ways in which programs write it.
+/// One number in one of the usual formats.
 std::string number_text(std::mt19937_64& dice) {
   const auto below = [&](int n) { return static_cast<int>(dice() % static_cast<unsigned>(n)); };
   double x = 0;
@@ -103,7 +103,7 @@ std::string number_text(std::mt19937_64& dice) {
   return text;
 }
 
-/// strtod of a cell without quotes; nothing of the reader's is in it.
+/// strtod of a cell without quotes, independent of the reader.
 double by_strtod(std::string cell) {
   std::erase(cell, '"');
   return std::strtod(cell.c_str(), nullptr);

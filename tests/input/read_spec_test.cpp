@@ -41,7 +41,7 @@ class ReadSpec : public testing::Test {
     return read_spec((folder_ / "spec.yaml").string(), overrides);
   }
 
-  /// The message of a spec that must be refused, without its folder.
+  /// The message of a spec that must be rejected, without its folder.
   std::string refusal(const std::string& text, const SpecOverrides& overrides = {}) {
     try {
       read(text, overrides);

@@ -168,7 +168,7 @@ TEST(ReadUrdf, KeepsUnusualNames) {
   }
 }
 
-/// `count` links in a row, closed to a loop when asked.
+/// A chain of `count` links, optionally closed to a loop.
 std::string chain(int count, bool loop) {
   std::string text = "<robot name='r'>";
   for (int i = 0; i < count; ++i) text += "<link name='l" + std::to_string(i) + "'/>";

@@ -1,3 +1,5 @@
+#include "kinematics/batched_jacobian.hpp"
+
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
@@ -6,7 +8,6 @@
 #include <limits>
 #include <numbers>
 
-#include "kinematics/batched_jacobian.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "support/random_chain.hpp"
@@ -18,7 +19,7 @@ using testing::ChainMix;
 using testing::Dice;
 namespace fs = std::filesystem;
 
-/// Largest distance along the chain: what rounding errors are measured by.
+/// Largest distance along the chain: the scale of rounding errors.
 double extent(const Chain& chain, const Eigen::MatrixXd& q) {
   double sum = chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) {
@@ -107,8 +108,7 @@ RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneOnRandomChains, ()) {
     RC_ASSERT(deviation(chain, set, dice) < 2e-15 * static_cast<double>(chain.joints.size() + 2));
 }
 
-/// A chain whose fixed turns are multiples of 90 degrees, each off by up to `off`, with axes in any
-/// direction.
+/// A chain whose fixed rotations are multiples of 90 degrees plus up to `off`, with axes in any direction.
 Chain squared_chain(Dice& dice, std::size_t joints, double off) {
   RobotModel robot = random_robot(dice, ChainMix{joints, 0.25, 0.2, 0.3});
   for (Joint& joint : robot.joints) {
@@ -127,7 +127,8 @@ Chain squared_chain(Dice& dice, std::size_t joints, double off) {
   return make_chain(robot, "", "");
 }
 
-// Right and straight angles, on which the folding turns special, and angles that come near them and must not.
+// Multiples of 90 degrees, for which the folding is specialized, and angles near them, for which it must not
+// be.
 RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneAtAndNearRightAngles, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   const double off = *rc::gen::element(0.0, 1e-16, 1e-15, 5e-12, 1e-9, 3.7e-6, 1e-3, 0.02);

@@ -27,7 +27,7 @@ Configurations small_grid() {
   return c;
 }
 
-// The whole contract of draw: configuration i is the same in every block that holds it.
+// The contract of draw: configuration i is equal in every block that contains it.
 RC_GTEST_PROP(Configurations, DoNotDependOnCountOrBlocks, ()) {
   const auto method = *rc::gen::element(SamplingMethod::sobol, SamplingMethod::random);
   Configurations c =
@@ -156,7 +156,8 @@ std::uint64_t hash(const Eigen::MatrixXd& q) {
 }
 
 // Golden: SplitMix64's finalizer and Joe and Kuo's directions (new-joe-kuo-6) in Python's integers, exact.
-// Point 0 of Sobol's sequence, the origin, is point 0 here too: without it the first 2^k points are no net.
+// Point 0 of Sobol's sequence, the origin, is point 0 here too: without it the first 2^k points are not a
+// net.
 TEST(Configurations, FirstPointsAreFrozen) {
   using Rows = std::array<std::array<double, 3>, 5>;
   const Rows sobol{{{0x1.8c42fc136081ep-2, 0x1.1484cab5faac0p-5, 0x1.3952194cd69a8p-2},

@@ -11,7 +11,7 @@
 #include "qerr/simulate/simulate.hpp"
 #include "support/random_chain.hpp"
 
-/// The robot behind the encoders: its loads and how it was built.
+/// The simulated robot: its loads and its geometric errors.
 namespace qerr {
 namespace {
 
@@ -28,7 +28,7 @@ Inertia random_load(Dice& dice) {
   Inertia load;
   load.mass = dice.between(0.1, 5);
   load.center = dice.between(0, 0.3) * dice.direction();
-  // A body is a cloud of points: its inertia then is one that a body can have.
+  // A set of point masses, so that the inertia is physically possible.
   for (int i = 0; i < 4; ++i) {
     const Eigen::Vector3d r = dice.between(0, 0.2) * dice.direction();
     load.about_center +=
@@ -73,7 +73,7 @@ TEST(InverseDynamics, AgreesWithKdlOnRandomRobots) {
   }
 }
 
-/// A mass on a massless arm about a horizontal axis, wound up by a spring: m g l cos q, by hand.
+/// A mass on a massless, compliant arm about a horizontal axis: m g l cos q, by hand.
 OperationalModel pendulum() {
   OperationalModel m;
   ChainJoint joint;

@@ -34,7 +34,7 @@ std::vector<std::string> leaves(const RobotModel& robot) {
   return ends;
 }
 
-/// The same chain in KDL, one segment per joint of the URDF, with mimics resolved here: nothing of
+/// The same chain in KDL, one segment per joint of the URDF, with mimics resolved here, independent of
 /// make_chain.
 class KdlChain {
  public:
@@ -192,7 +192,8 @@ TEST(Kinematics, AgreesWithKdlOnEveryChainOfRealRobots) {
   for (const std::string& file : files) EXPECT_GE(compare_all_chains(file, 50), 1) << file;
 }
 
-// 1e-12 of the largest entry; chains to 12 joints with skew axes, slides, fixed joints and mimics of mimics.
+// 1e-12 of the largest entry; chains of up to 12 joints with skew axes, prismatic and fixed joints, mimics of
+// mimics.
 RC_GTEST_PROP(Kinematics, AgreesWithKdlOnRandomChains, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   ChainMix mix;

@@ -11,7 +11,7 @@ namespace {
 
 using testing::Dice;
 
-// Every batch of every method, on every instruction set, to the last bit.
+// Every batch of every method, on every instruction set, bitwise.
 RC_GTEST_PROP(Sampler, DrawsWhatDrawDraws, ()) {
   Configurations c;
   c.method = *rc::gen::element(SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid,

@@ -13,8 +13,7 @@ namespace {
 
 using testing::Dice;
 
-/// Largest error of sine and cosine over random arguments within +-span, beside those of the angle in long
-/// double.
+/// Largest error of sine and cosine over random arguments within +-span, relative to long double.
 template <class SineCosine, class Angle>
 long double worst_error(SineCosine sincos, Angle angle, double span, std::uint64_t seed) {
   Dice dice(seed);
@@ -29,7 +28,7 @@ long double worst_error(SineCosine sincos, Angle angle, double span, std::uint64
   return worst;
 }
 
-// In angles of the size of joints' and in the largest that are allowed.
+// For angles of usual joints and for the largest allowed ones.
 TEST(Lanes, SineAndCosineAreRightToTwoUnitsOfTheLastPlace) {
   const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos(x); };
   const auto angle = [](double x) { return static_cast<long double>(x); };

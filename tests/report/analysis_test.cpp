@@ -19,7 +19,7 @@ TEST(Analysis, GivesSigmaInMotionWhereTheSpecHasOne) {
   ASSERT_EQ(a.noise_in_motion.size(), spec.filters.size());
   for (std::size_t f = 0; f < spec.filters.size(); ++f) {
     ASSERT_TRUE(a.workspace.derivatives[f][0].sigma_in_motion);
-    // All encoders move alike: the coordinate's sigma is scaled as theirs is.
+    // All encoders have the same motion, so that the coordinate's sigma scales as theirs.
     const double factor = a.noise_in_motion[f][0] * std::sqrt(12.0) / spec.filters[f].norms.h2;
     EXPECT_NEAR(a.workspace.derivatives[f][0].sigma_in_motion->max / a.workspace.derivatives[f][0].sigma.max,
                 factor, 1e-9);

@@ -21,7 +21,7 @@ TEST_F(FilterReports, GivesEveryEncoderItsNoiseAtASpeed) {
   const FilterReport report = filter_report(spec, questions);
   ASSERT_EQ(report.noise.size(), spec.filters.size());
   for (std::size_t f = 0; f < report.noise.size(); ++f) {
-    // One count a sample for all three encoders, 0.5 rad/s for the two revolute ones, 0.2 m at 3 Hz for the
+    // One count per sample for all three encoders, 0.5 rad/s for the two revolute ones, 0.2 m at 3 Hz for the
     // rail.
     ASSERT_EQ(report.noise[f].rows.size(), 6u);
     for (const NoiseRow& row : report.noise[f].rows) {

@@ -21,7 +21,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-/// A spec as an editor's YAML server would see it.
+/// A spec as an editor's YAML server parses it.
 Json to_json(const YAML::Node& node) {
   if (node.IsSequence()) {
     Json list = Json::array();
@@ -91,12 +91,12 @@ TEST_F(SpecSchema, RefusesMostOfWhatTheReaderRefuses) {
       ++refused;
     }
   }
-  // What a schema cannot see (names of joints, stability, limits of the URDF) is left to the reader; keys,
-  // kinds and ranges are most of the corpus.
+  // A schema cannot check names of joints, stability or limits of the URDF; keys, kinds and ranges are most
+  // of the corpus.
   EXPECT_GE(refused, 100u);
 }
 
-/// With one letter added a key is unknown, to the reader and to the schema alike, at every depth.
+/// A key with one letter added is unknown to both reader and schema, at every depth.
 TEST_F(SpecSchema, KnowsTheKeysOfTheReaderAndNoOthers) {
   const fs::path file = fs::temp_directory_path() / ("qerr_schema_" + std::to_string(getpid()) + ".yaml");
   const std::set<std::string> free_keys{"/encoders", "/filters", "/configurations/limits", "/motion/joints"};

@@ -13,8 +13,8 @@ namespace {
 
 using testing::Dice;
 
-/// Fast and slow ones, with and without sections of their own for derivatives, and with more than a pass
-/// takes.
+/// Fast and slow filters, with and without separate sections for derivatives, and with more sections than one
+/// pass processes.
 std::vector<Filter> filters() {
   std::vector<Filter> all;
   for (const double cutoff : {2.0, 20.0, 200.0})
@@ -28,7 +28,7 @@ std::vector<Filter> filters() {
   Filter negative = design_filter("butterworth", 0, 1000, 3, 100);
   negative.gain = -3;
   all.push_back(negative);
-  // Sections that are no low-pass: a notch, and a rise of the high frequencies.
+  // Sections other than low-passes: a notch, and a high-shelf.
   Filter notch = negative;
   for (Section& s : notch.sections)
     if (s.a[2] != 0) s.b = {1, 0, 3};
@@ -38,8 +38,7 @@ std::vector<Filter> filters() {
   return all;
 }
 
-/// Of each channel: mean, variance and peak of what a FilterBank gives in the rows behind the first
-/// `settling`.
+/// Mean, variance and peak of each channel of a FilterBank's output after the first `settling` rows.
 struct Figures {
   Eigen::ArrayXd mean, variance, peak;
 };
@@ -89,8 +88,8 @@ TEST(FusedFilter, HasTheStatisticsOfTheFilterBank) {
         }
         statistics.finish();
         for (Eigen::Index c = 0; c < expected.mean.size(); ++c) {
-          // Values have digits of their size, and a slow filter lets little but the mean pass; second
-          // derivatives below 2 Hz lose one of them in any form of the sections.
+          // Rounding errors are relative to the input, of which a slow filter passes little but the mean;
+          // second derivatives below 2 Hz lose another digit in any form of the sections.
           const double sigma = std::sqrt(expected.variance[c]), size = sigma + std::abs(expected.mean[c]);
           const auto where = [&] {
             return std::string(name_of(set)) + ", filter " + std::to_string(number) + ", width " +

@@ -65,14 +65,14 @@ TEST_P(Moves, KeepTheirLimitsReachTheirEndsAndRest) {
     hardest = std::max(hardest, std::abs(a));
   }
   EXPECT_GE(ends, 299) << "rests at its end for the dwell";
-  // The fastest such motion presses against a limit.
+  // The fastest such motion reaches a limit.
   if (out.jerk == 0) {
     EXPECT_TRUE(fastest > 0.99 * out.velocity || hardest > 0.99 * out.acceleration);
   }
 }
 INSTANTIATE_TEST_SUITE_P(Random, Moves, testing::Range(0, 60));
 
-/// Textbook case: 1 rad within 1 rad/s and 2 rad/s^2 takes 1/1 + 1/2 s.
+/// By hand: 1 rad within 1 rad/s and 2 rad/s^2 takes 1/1 + 1/2 s.
 TEST(MotionPath, ATrapezoidTakesDistanceOverSpeedPlusSpeedOverAcceleration) {
   const MotionPath path(motion_of({0, 0, {}, {{1, 1, 2, 0, 100}}}));
   EXPECT_LT(path.position(0, 1.5 - 1e-3), 1);

@@ -72,7 +72,7 @@ TEST(NoiseAlongMotion, IsZeroAtRestAndAtWholeCountsASample) {
   EXPECT_NEAR(noise[1], 0, 1e-4);
 }
 
-/// A motion much shorter than the filter's memory: the constant speed has always been there.
+/// A motion much shorter than the filter's memory: the speed is assumed constant before it.
 TEST(NoiseAlongMotion, OfAShortMotionIsThatOfItsSpeed) {
   const Autocorrelation memory = autocorrelation(cascade(1, 2));
   for (const double duration : {0.002, 0.005, 0.05, 0.5}) {

@@ -11,7 +11,7 @@
 #include "support/reference_simulation.hpp"
 #include "support/simulate_experiment.hpp"
 
-/// The lanes of a simulation against the scalar functions, one sample after the other.
+/// The kernels of a simulation against the scalar functions, sample by sample.
 namespace qerr {
 namespace {
 
@@ -55,14 +55,14 @@ Motion random_motion(Dice& dice, std::size_t joints, double seconds) {
   return motion;
 }
 
-/// What rounding errors of a pose are measured by: its size, in m or rad.
+/// The scale of rounding errors of a pose, in m or rad.
 double size_of(const Chain& chain) {
   double sum = 1 + chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) sum += 1 + joint.origin.translation().norm();
   return sum;
 }
 
-/// Every channel of every instant of a batch, and the largest bounds, as the scalar functions have them.
+/// Compares every channel of every instant of a batch, and the largest bounds, with the scalar functions.
 void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain& built, const Motion& motion,
                           std::uint64_t batch, InstructionSet set) {
   const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
@@ -75,7 +75,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   const SensedBatch& batch_of_instants = sensing.sense(path);
   if (dice.chance(0.5)) errors.share(path);
   errors(batch_of_instants, {});
-  // A position of a million radians is known to 1e-10 of one.
+  // A position of 1e6 rad has a rounding error of 1e-10 rad.
   const double largest_angle =
       Eigen::Map<const Eigen::ArrayXd>(batch_of_instants.joint, n * 64).abs().maxCoeff();
   const double tolerance = (3e-15 + 1e-14 * largest_angle) * size_of(model.chain);
@@ -117,7 +117,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   };
   expect_variance(variance_in(0, batch_size));
   expect_variance(variance_in(0, 13) + variance_in(13, 50) + variance_in(50, batch_size));
-  // The squares: kept by instants, in pieces; and summed up at once.
+  // The squares: kept per instant and summed in parts; and summed directly.
   Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(m, n + 1), sum = kept;
   errors.take_kept();
   for (const auto& [from, to] : {std::pair{0, 13}, {13, 50}, {50, 64}})
@@ -145,14 +145,14 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   EXPECT_LT((errors.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
   EXPECT_LT((errors.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
   EXPECT_EQ(errors.rigorous()[8], std::numeric_limits<double>::infinity());
-  // Until a record without filters begins, the bounds are all that is wanted.
+  // Before the evaluated part of a record without filters, only the bounds are needed.
   PathErrors bounds(model, built, center_mean, set);
   bounds(batch_of_instants, {false, PathErrors::Squares::dropped});
   EXPECT_LT((bounds.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
   EXPECT_LT((bounds.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
 }
 
-/// A model with everything that the lanes must carry: its first encoder rounds down, so that it has a mean.
+/// A model with all features of the kernels: its first encoder rounds down, so that the error has a mean.
 OperationalModel full_model(Dice& dice, std::size_t joints, bool sources) {
   OperationalModel model = random_model(dice, joints);
   model.transmission.encoders[0].rounding = Rounding::down;
@@ -197,7 +197,7 @@ TEST(PathErrors, MayBeOfAnySize) {
     }
 }
 
-// A joint that has turned on for hours; and sines of as many turns.
+// A joint that has rotated for hours; and sines of as many revolutions.
 TEST(PathErrors, HoldForAnglesBeyondThoseOfTheLanes) {
   Dice dice(44);
   for (const InstructionSet set : available_instruction_sets())
@@ -258,7 +258,7 @@ Simulation run(const Experiment& e, const SimulationOptions& options = {}) {
   return simulate(e.model, e.filters, e.norms, e.motion, e.effects, options);
 }
 
-/// Every figure of a run beside that of the scalar reference.
+/// Compares every figure of a run with that of the scalar reference.
 void expect_scalar_run(const Experiment& e, InstructionSet set) {
   SimulationOptions options;
   options.instructions = set;
@@ -273,7 +273,7 @@ void expect_scalar_run(const Experiment& e, InstructionSet set) {
       const SimulatedSignal& ours = s.results[f][static_cast<std::size_t>(c)];
       const testing::ReferenceOutput& theirs = r.outputs[f];
       const double sigma = theirs.sigma[c], peak = theirs.peak[c];
-      // A filter has its norm for the rounding errors of the pose, too.
+      // A filter multiplies the rounding errors of the pose by its l1 norm.
       const double pose = 1e-15 * size_of(e.model.chain) * (f == 0 ? 1 : e.norms[f - 1].l1.upper);
       const double rounding = 1e-11 * std::max(sigma, std::abs(theirs.mean[c])) + pose;
       EXPECT_NEAR(ours.sigma_simulated, sigma, rounding);

@@ -9,7 +9,7 @@
 #include "support/design_filter.hpp"
 #include "support/simulate_experiment.hpp"
 
-/// Where theory has nothing to say, the simulation goes on.
+/// Simulation at singularities, where the theory is unbounded or not available.
 namespace qerr {
 namespace {
 
@@ -17,8 +17,8 @@ using testing::Experiment;
 
 constexpr double pi = std::numbers::pi;
 
-/// A wrist that turns about z, then about y around a mean pitch, and a third joint that rests. About 90 deg
-/// its first sample and some later ones are at the gimbal lock.
+/// A wrist that rotates about z, then about y around a mean pitch, and a third joint at rest. For a mean
+/// pitch of 90 deg its first sample and some later ones are at the gimbal lock.
 Experiment wrist(double pitch) {
   Experiment e;
   for (const auto& [name, axis] : {std::pair{"yaw", Eigen::Vector3d(0, 0, 1)},

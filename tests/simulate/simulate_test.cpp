@@ -22,8 +22,8 @@ using testing::Experiment;
 
 constexpr double pi = std::numbers::pi;
 
-/// A random robot whose encoders pass 30 to 100 counts a sample at their fastest, at frequencies without a
-/// common measure.
+/// A random robot whose encoders pass 30 to 100 counts a sample at their fastest, at incommensurable
+/// frequencies.
 Experiment random_experiment(Dice& dice, std::size_t joints, double slowest = 30) {
   Experiment e;
   e.model.chain = make_chain(random_robot(dice, ChainMix{joints, 0.2, 0.15}), "", "");
@@ -73,14 +73,14 @@ TEST(Simulate, NeverExceedsTheWorstCaseAlongThePath) {
     Experiment e = random_experiment(dice, 1 + static_cast<std::size_t>(robot) % 7, 0.01);
     e.motion.duration = 0.3;
     e.motion.settling = 0;  // the transient too
-    // Down to coarse encoders, where the second order counts.
+    // Including coarse encoders, for which the second order matters.
     for (Encoder& encoder : e.model.transmission.encoders)
       encoder.resolution *= std::pow(10, dice.between(0, 3));
     SimulationOptions options = runs(4, static_cast<std::uint64_t>(robot));
     options.random_phase = robot % 2 == 0;
     const Simulation simulation = run(e, options);
     for (std::size_t f = 0; f < simulation.results.size(); ++f) {
-      // Kinematics in doubles err by 1e-15 m, and the filter has its norm for that too.
+      // Kinematics in double have errors of 1e-15 m, which the filter multiplies by its l1 norm.
       const double rounding = 2e-15 * (f == 0 ? 1 : e.norms[f - 1].l1.upper);
       for (const SimulatedSignal& r : simulation.results[f])
         EXPECT_LE(r.peak_simulated, r.worst_case_path * (1 + 1e-9) + rounding) << robot;
@@ -112,7 +112,7 @@ TEST(Simulate, DoesNotDependOnTheThreads) {
   }
 }
 
-/// Two slides in a line, both along x: x is their sum, and nothing is varied or curved.
+/// Two prismatic joints along x: x is their sum, with a constant Jacobian.
 Experiment two_slides(double offset_in_quanta) {
   Experiment e;
   ChainJoint slide;
@@ -193,8 +193,8 @@ TEST(Simulate, ReportsTheSamplesOfItsFirstRunInOrder) {
 }
 
 TEST(Simulate, SigmaOfManyRunsHasAnIntervalThatHoldsTheTruth) {
-  // The joint error of a fast motion has sigma = Delta/sqrt(12); 40 intervals of 95 % miss it 6 times at most
-  // (probability of more: 0.2 %), and more runs make them narrower.
+  // The joint error of a fast motion has sigma = Delta/sqrt(12); at most 6 of 40 intervals of 95 %
+  // may miss it (probability of more: 0.2 %), and more runs narrow them.
   Experiment e = two_slides(0);
   e.motion.duration = 0.5;
   e.motion.joints[1].sines[0].frequency = 0.5;
@@ -207,7 +207,7 @@ TEST(Simulate, SigmaOfManyRunsHasAnIntervalThatHoldsTheTruth) {
     width += r.sigma_upper - r.sigma_lower;
   }
   EXPECT_LE(missed, 6);
-  // Few runs know less, and say so: of 120 intervals between three runs 15 may miss at most (0.1 %).
+  // Few runs give wide intervals: at most 15 of 120 intervals between three runs may miss (0.1 %).
   int few_missed = 0;
   for (std::uint64_t seed = 0; seed < 120; ++seed) {
     const SimulatedSignal r = run(e, runs(3, 1000 + seed)).results[0][0];

@@ -23,7 +23,7 @@ TEST(Unwrap, RestoresEveryPathWhoseVelocityChangesByLessThanAQuarterTurnPerSampl
     Unwrap unwrap(turn);
     double x = start(dice) * turn, v = 0, offset = 0;
     for (int i = 0; i < 500; ++i) {
-      // the velocity wanders up to 0.7 turns a sample, where the nearest turn alone would mislead
+      // the velocity varies up to 0.7 revolutions per sample, for which the nearest revolution is wrong
       const double next = v + change(dice) * turn;
       if (i > 0 && std::abs(next) < 0.7 * turn) v = next;
       x += v;
@@ -64,7 +64,7 @@ TEST(Unwrap, SaysWhenLaterSamplesShowThatItWasNoWrap) {
   EXPECT_TRUE(unwrap.contradicted());
 }
 
-/// A wrist that turns three times, its counts and its reference each starting anew where they do.
+/// A wrist with three revolutions; its counts and its reference wrap at different angles.
 std::string turning_wrist(double turn_of_counts, double from) {
   std::string text = "time [s],wrist.counts,wrist.reference [rad],wrist.command [rad]\n";
   for (int i = 0; i < 300; ++i) {

@@ -41,7 +41,8 @@ TEST(Usage, OfAMotionHasTheEffortsThatComplianceYieldsTo) {
   ASSERT_TRUE(usage.joints[0].effort);
   const Effect effect{"compliance", "elbow", {{"compliance", 2e-5}}, {}};
   const Share share = *effect_shares(model, {effect}, usage)[0].share;
-  // A pendulum on a beam: about y gravity pulls at cos q, and 3 kg at 0.4 m with 0.02 kg m^2 must be turned.
+  // A pendulum about y: gravity torque proportional to cos q, plus the inertia of 3 kg at 0.4 m and 0.02 kg
+  // m^2.
   const MotionPath path(motion);
   double largest = 0;
   for (double t = 0; t < motion.duration; t += 1 / motion.sample_rate) {
@@ -54,7 +55,7 @@ TEST(Usage, OfAMotionHasTheEffortsThatComplianceYieldsTo) {
   EXPECT_NEAR((std::abs(share.mean) + share.half_width) / (2e-5 * largest), 1, 0.01);
 }
 
-/// A profile whose acceleration jumps at samples: the joint feels all of it, not the mean about the jump.
+/// A profile whose acceleration jumps at samples: the effort includes the full step, not its mean.
 TEST(Usage, OfAMotionHasTheEffortsThatTheSimulationFeels) {
   OperationalModel model = one_joint();
   model.chain.joints[0].load = {3, {0.4, 0, 0}, Eigen::Vector3d(0.01, 0.02, 0.02).asDiagonal()};
@@ -69,7 +70,7 @@ TEST(Usage, OfAMotionHasTheEffortsThatTheSimulationFeels) {
     squares += r.effort[0] * r.effort[0];
   };
   const Simulation s = simulate(model, {}, {}, motion, {}, options);
-  // About z gravity does nothing, and 3 kg at 0.4 m with 0.02 kg m^2 speed up at 4 rad/s^2.
+  // About z gravity has no torque; 3 kg at 0.4 m and 0.02 kg m^2 accelerate at 4 rad/s^2.
   EXPECT_NEAR(upper, 4 * (3 * 0.16 + 0.02), 1e-9);
   EXPECT_DOUBLE_EQ(effort.upper, upper);
   EXPECT_DOUBLE_EQ(effort.lower, lower);

@@ -10,7 +10,7 @@
 
 namespace qerr {
 
-/// A low-pass family behind back differences, with the family's own defaults for all but order and cut-off.
+/// Back differences and a low-pass of a family, with the family's defaults except for order and cut-off.
 inline Filter design_filter(std::string_view name, int derivative, double rate, double order, double cutoff) {
   for (const FilterFamily& family : filter_families())
     if (family.name == name)
@@ -23,7 +23,7 @@ inline Filter cascade(int derivative, int order, double cutoff = 50) {
   return design_filter("first_order", derivative, 1000, order, cutoff);
 }
 
-/// The first fault of what the action throws; a failure when it throws nothing.
+/// The first fault of the error that the action throws; a test failure if it throws none.
 template <typename Action>
 Fault refusal(Action action) {
   try {
@@ -31,7 +31,7 @@ Fault refusal(Action action) {
   } catch (const Error& error) {
     return error.faults().at(0);
   }
-  ADD_FAILURE() << "nothing was refused";
+  ADD_FAILURE() << "no error";
   return {};
 }
 

@@ -12,7 +12,7 @@
 #include "simulate/usage.hpp"
 #include "support/random_chain.hpp"
 
-/// Robots, motions and effects for tests of what effects add to the bounds.
+/// Robots, motions and effects for tests of the effects' contributions to the bounds.
 namespace qerr::testing {
 
 inline OperationalModel model_of(const Chain& chain, const Transmission& transmission) {
@@ -44,7 +44,7 @@ inline Motion random_motion(Dice& dice, std::size_t joints, double seconds = 6) 
   return motion;
 }
 
-/// Every row's parameters at random, of a size that shows.
+/// An effect with random parameters of noticeable magnitude.
 inline Effect random_effect(Dice& dice, const EffectKind& kind, const std::string& joint,
                             const Encoder& encoder) {
   Effect e{std::string(kind.name), joint, {}, {}};
@@ -98,7 +98,7 @@ inline OperationalModel with_sources(OperationalModel model, const std::vector<E
   return model;
 }
 
-/// Rounding of sums of many figures.
+/// Relative tolerance for the rounding of sums.
 inline constexpr double rounding = 1e-9;
 
 }  // namespace qerr::testing

@@ -12,8 +12,8 @@
 
 namespace qerr::testing {
 
-/// A log of the corpus arm (shoulder, elbow and an endless wrist that turn, a lift that slides) in a folder
-/// of its own.
+/// A log of the corpus arm (revolute shoulder and elbow, a continuous wrist, a prismatic lift) in a temporary
+/// folder.
 class LogFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -40,13 +40,13 @@ class LogFile : public ::testing::Test {
 
   Log read(const std::string& text) { return read_log(write(text), spec); }
 
-  /// The whole log through blocks of a given size.
+  /// The complete log, read in blocks of a given size.
   Log read(const std::string& text, const LogOptions& options) {
     write(text);
     return reread(options);
   }
 
-  /// The same of what was written last.
+  /// The same for the file that was written last.
   Log reread(const LogOptions& options) {
     LogReader reader((folder / "log.csv").string(), spec, options);
     Eigen::ArrayXXd all(0, static_cast<Eigen::Index>(reader.log().columns.size()));
@@ -60,7 +60,7 @@ class LogFile : public ::testing::Test {
     return log;
   }
 
-  /// What is wrong with a log, from its file's name on; "accepted" when nothing is.
+  /// The error message of a log from its file's name on; "accepted" if there is none.
   std::string refusal(const std::string& text, const LogOptions& options = {}) {
     write(text);
     return refused_again(options);

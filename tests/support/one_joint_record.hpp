@@ -13,8 +13,8 @@
 #include "qerr/filter/family.hpp"
 #include "qerr/simulate/log.hpp"
 
-/// One joint recorded by physics of its own: a path, edges, a counter, a file. Nothing here is shared with
-/// what the library finds the faults by.
+/// The record of one joint from physics: a path, edges, a counter, a file. No code is shared with the
+/// library's inference.
 namespace qerr {
 
 using Column = Eigen::ArrayXd;
@@ -49,7 +49,7 @@ struct Machine {
     return q;
   }
 
-  /// The counter of an ideal encoder: how many edges at (k + 1/2) resolution lie between zero and x.
+  /// The counter of an ideal encoder: the number of edges at (k + 1/2) resolution between zero and x.
   Column counted(const Column& x) const {
     return x.unaryExpr([this](double v) { return std::ceil(v / resolution - 0.5); });
   }
@@ -106,7 +106,7 @@ inline Filter first_order(double rate, int order, double cutoff) {
   throw std::logic_error("no such family");
 }
 
-/// A back difference and one-pole low-passes, run from the steady state of the first motion.
+/// A back difference and one-pole low-passes, started in the steady state of the first motion.
 inline Column controller_velocity(const Machine& m, const Column& position, int order, double cutoff) {
   const double pole = std::exp(-2 * std::numbers::pi * cutoff / m.rate);
   Column v(position.size());

@@ -12,7 +12,7 @@
 
 namespace qerr::testing {
 
-/// Numbers that depend on the seed alone, on every machine.
+/// Random numbers that depend on the seed only, and are equal on every machine.
 class Dice {
  public:
   explicit Dice(std::uint64_t seed) : seed_(seed) {}
@@ -36,11 +36,11 @@ class Dice {
     t.rotate(Eigen::AngleAxisd(between(-std::numbers::pi, std::numbers::pi), direction()));
     return t;
   }
-  /// Along an axis of the frames, forwards or backwards.
+  /// A random coordinate axis with a random sign.
   Eigen::Vector3d axis() {
     return (chance(0.5) ? 1 : -1) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(below(3)));
   }
-  /// Turned by right angles, exactly, and moved along an axis or not at all.
+  /// A rotation by right angles, exactly, and a translation along a coordinate axis or none.
   Eigen::Isometry3d square_frame(double reach) {
     Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
     if (chance(0.6)) t.translate(between(0, reach) * axis());
@@ -62,12 +62,13 @@ class Dice {
   std::uint64_t seed_, drawn_ = 0;
 };
 
-/// What a random robot may hold.
+/// Parameters of a random robot.
 struct ChainMix {
   std::size_t joints = 6;  ///< moving joints from base to tip
   double prismatic = 0.25, mimic = 0.2, fixed = 0.3;
   double reach = 0.5;  ///< largest distance between two joints [m]
-  double square = 0;   ///< frames at right angles, as most arms have them, with joints about their axes
+  double square =
+      0;  ///< probability of frames at right angles with joints about coordinate axes, as in most arms
 };
 
 /// A robot with one leaf "tip": skew axes, fixed joints in between, mimics of joints before and after, mimics
@@ -89,13 +90,14 @@ inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
     robot.links.push_back(child);
     return robot.joints.back();
   };
-  const std::size_t free = dice.below(mix.joints);  // this one never is a mimic, so that something is free
+  const std::size_t free =
+      dice.below(mix.joints);  // never a mimic, so that at least one joint is independent
   const auto name = [](std::size_t k) { return "joint_" + std::to_string(k); };
   for (std::size_t k = 0; k < mix.joints; ++k) {
     if (dice.chance(mix.fixed)) extend("fixed_" + std::to_string(k), JointType::fixed);
     const bool slides = dice.chance(mix.prismatic);
     Joint& joint = extend(name(k), slides ? JointType::prismatic : JointType::revolute);
-    // Joints before `free` follow later ones, joints after it earlier ones: no circle.
+    // Joints before `free` mimic later ones, joints after it earlier ones: no cycle.
     if (k == free || !dice.chance(mix.mimic)) continue;
     const std::size_t target = k < free ? k + 1 + dice.below(free - k) : free + dice.below(k - free);
     const double sign = dice.chance(0.5) ? 1 : -1;
@@ -115,7 +117,7 @@ inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
   return robot;
 }
 
-/// Encoders with intervals spread evenly over the logarithm, some rounding down; a diagonally dominant
+/// Encoders with log-uniform intervals, some rounding down; a diagonally dominant
 /// coupling or I.
 inline Transmission random_transmission(Dice& dice, const Chain& chain, double finest, double coarsest,
                                         bool coupled) {

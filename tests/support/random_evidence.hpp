@@ -7,14 +7,14 @@
 
 namespace qerr::testing {
 
-/// What the evidence of a joint may be like.
+/// Parameters of the random evidence of a joint.
 struct EvidenceMix {
   Eigen::Index rows = 1000;
   bool ordered = true, rests = true, zero_known = true, down = false, random_sigma = false, effort = false;
   double noise = 0.05;  ///< of the reference [counts]
 };
 
-/// A joint that swings, and rests where it is told to, at 1 kHz.
+/// A joint that oscillates, with standstills on request, at 1 kHz.
 inline Evidence random_evidence(Dice& dice, const EvidenceMix& mix) {
   Evidence e;
   e.joint = "arm";

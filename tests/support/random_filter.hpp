@@ -23,7 +23,7 @@ struct RandomFilter {
     const std::size_t count = 1 + static_cast<std::size_t>(static_cast<double>(most_sections) * uniform());
     while (sections.size() < count) {
       const Pair s{zeros(), poles(nearest)};
-      // Rounded coefficients of a pole next to the circle can lie on it.
+      // Rounding the coefficients can move a pole near the unit circle onto it.
       if (s.a[2] < 1 && std::abs(s.a[1]) < 1 + s.a[2]) sections.push_back(s);
     }
   }

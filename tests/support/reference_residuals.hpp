@@ -9,7 +9,7 @@
 #include "filter/run/filter_bank.hpp"
 #include "support/reference_surrogate.hpp"
 
-/// The statistics of residuals (residual_statistics.hpp) without lanes of instructions, all lanes at once.
+/// The statistics of residuals (residual_statistics.hpp) in plain code without vector kernels.
 namespace qerr::testing {
 
 class ReferenceSums {
@@ -140,7 +140,7 @@ class ReferenceSums {
   std::vector<FilterBank> banks_;
 };
 
-/// `residual_statistics`, row after row.
+/// `residual_statistics`, row by row.
 inline std::vector<ResidualStatistic> reference_statistics(const Evidence& e,
                                                            const std::vector<Filter>& filters,
                                                            Eigen::Index surrogates, std::uint64_t seed) {

@@ -9,7 +9,7 @@
 #include "filter/run/filter_bank.hpp"
 #include "qerr/simulate/simulate.hpp"
 
-/// `simulate` of one run, sample by sample, from the scalar functions: what the lanes are compared with.
+/// `simulate` of one run, sample by sample, with the scalar functions: the reference for the kernels.
 namespace qerr::testing {
 
 inline Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& r) {
@@ -49,7 +49,7 @@ struct ReferenceRun {
   Eigen::ArrayXd path_sigma;             ///< root of the mean of sum (J C Delta)^2 / 12
 };
 
-/// @param settling  samples that are left out
+/// @param settling  number of samples that are ignored at the start
 inline ReferenceRun reference_run(const OperationalModel& model, const std::vector<Filter>& filters,
                                   const Motion& motion, const std::vector<Effect>& effects,
                                   const Sensing::Options& options, std::uint64_t settling) {

@@ -7,7 +7,7 @@
 #include "core/random.hpp"
 #include "diagnose/surrogates/surrogate.hpp"
 
-/// Surrogates row by row without lanes of instructions, as their docstring has them (surrogate.hpp).
+/// Surrogates row by row without vector kernels, as defined in surrogate.hpp.
 namespace qerr::testing {
 
 class ReferenceSurrogates {
@@ -49,7 +49,7 @@ class ReferenceSurrogates {
     }
     const double whole = std::floor(path_[row]);
     x_ += (path_[row] - whole - below_) + phase_;
-    // Adding and taking off 1.5 * 2^52 rounds to nearest, and of two to the even one.
+    // Adding and subtracting 1.5 * 2^52 rounds to nearest, ties to even.
     residual = (x_ + 6755399441055744.0) - 6755399441055744.0;
     const int whole_state = static_cast<int>(std::fmod(whole, 4.0)) + 4;
     for (Eigen::Index i = 0; i < x_.size(); ++i) state[i] = (whole_state + static_cast<int>(residual[i])) & 3;

@@ -6,7 +6,7 @@
 
 #include "qerr/simulate/simulate.hpp"
 
-/// A robot, what filters its readings, and how it moves: what a simulation is asked of.
+/// The input of a simulation: a robot, filters and a motion.
 namespace qerr::testing {
 
 struct Experiment {
@@ -16,12 +16,12 @@ struct Experiment {
   Motion motion;
 };
 
-/// By default one run with no phases drawn, which would displace the path.
+/// By default one run without random phases, which would displace the path.
 inline Simulation run(const Experiment& e, const SimulationOptions& options = {}) {
   return simulate(e.model, e.filters, e.norms, e.motion, {}, options);
 }
 
-/// To the last bit.
+/// Expects bitwise equality.
 inline void expect_same(const Simulation& a, const Simulation& b) {
   for (std::size_t f = 0; f < a.results.size(); ++f)
     for (std::size_t c = 0; c < a.results[f].size(); ++c) {

@@ -13,14 +13,14 @@
 
 namespace qerr::testing {
 
-/// A rotation by Rodrigues' formula, written out: nothing of the library's kinematics is used here.
+/// A rotation by Rodrigues' formula, independent of the library's kinematics.
 inline Eigen::Matrix3d rotation(const Eigen::Vector3d& z, double angle) {
   Eigen::Matrix3d k;
   k << 0, -z.z(), z.y(), z.z(), 0, -z.x(), -z.y(), z.x(), 0;
   return Eigen::Matrix3d::Identity() + std::sin(angle) * k + (1 - std::cos(angle)) * k * k;
 }
 
-/// An open chain of revolute joints: where each joint sits in the link before, and its axis there.
+/// An open chain of revolute joints: origin and axis of each joint in the previous link.
 struct Arm {
   std::vector<Eigen::Vector3d> place, axis;
   Eigen::Vector3d tool;
@@ -56,7 +56,7 @@ struct Arm {
   }
 };
 
-/// Axes by turns about z, y, y, x, y, x and somewhat askew, links of a few decimetres across and along them.
+/// Axes near z, y, y, x, y, x with small misalignments, links of a few decimetres.
 inline Arm random_arm(Dice& dice, std::size_t joints) {
   const std::array<Eigen::Vector3d, 6> usual{Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(),
                                              Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitX(),
@@ -75,15 +75,15 @@ inline double gaussian(Dice& dice) {
          std::cos(2 * std::numbers::pi * dice.between(0, 1));
 }
 
-/// What is recorded: true joint angles, and what the encoders see of them.
+/// The record: true joint angles, and the encoders' errors.
 struct Record {
   Eigen::ArrayXd time;        ///< empty: a table
   Eigen::MatrixXd joints;     ///< true, joints x rows
-  Eigen::MatrixXd additions;  ///< of the flaws to what the encoders see
+  Eigen::MatrixXd additions;  ///< errors of the encoders' readings
   bool with_references = false;
 };
 
-/// Poses all over the joints' ranges, in no order.
+/// Random poses over the joints' ranges.
 inline Record poses(Dice& dice, std::size_t joints, Eigen::Index rows) {
   Record r;
   r.joints.resize(static_cast<Eigen::Index>(joints), rows);
@@ -118,7 +118,7 @@ inline LogColumn column(LogSignal signal, std::size_t index, int decimals) {
   return c;
 }
 
-/// The log of the arm as it was built; `seen` is what the tracker makes of the tip.
+/// The log of the actual arm; `seen` gives the tracker's measurement of the tip.
 inline Log log_of(
     Dice& dice, const Arm& built, const Record& r, const std::vector<double>& resolution,
     double tracker_noise,
