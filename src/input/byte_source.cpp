@@ -22,13 +22,13 @@ std::string reason(int code) { return std::generic_category().message(code); }
 
 int open_input(const std::string& path) {
   if (path == "-") return STDIN_FILENO;
-  if (path.find('\0') != std::string::npos) unreadable(path, "a file name cannot hold a NUL byte");
+  if (path.find('\0') != std::string::npos) unreadable(path, "a file name cannot contain a NUL byte");
   struct stat status {};
   // Checked before opening: opening a device can act on it or block.
   if (::stat(path.c_str(), &status) != 0) unreadable(path, "cannot be opened: " + reason(errno));
   if (S_ISDIR(status.st_mode)) unreadable(path, "is a directory", "name a file in it");
   if (!S_ISREG(status.st_mode) && !S_ISFIFO(status.st_mode))
-    unreadable(path, "is neither a regular file nor a pipe");
+    unreadable(path, "must be a regular file or a pipe");
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
   if (descriptor < 0) unreadable(path, "cannot be opened: " + reason(errno));
   return descriptor;

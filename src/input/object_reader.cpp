@@ -37,14 +37,14 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
   const auto quantity = parse_quantity(f.node->text, why);
   if (!quantity) throw Error(f.fault(why, unit_remedy(expected)));
   if (f.node->quoted && !quantity->dimension)
-    throw Error(f.fault("must be a number, not text", "leave the quotes out"));
+    throw Error(f.fault("must be a number, not text", "remove the quotation marks"));
   if (quantity->dimension && *quantity->dimension != expected)
     throw Error(f.fault("has the wrong kind of unit", unit_remedy(expected)));
   if (!in_range(p, quantity->value))
     throw Error(f.fault("is out of range",
                         range_text(p) + (unit_name(expected).empty() ? "" : " " + unit_name(expected))));
   if (p.kind == Kind::integer && quantity->value != std::floor(quantity->value))
-    throw Error(f.fault("must be a whole number", range_text(p)));
+    throw Error(f.fault("must be an integer", range_text(p)));
   return quantity->value;
 }
 

@@ -10,10 +10,10 @@
 
 namespace qerr {
 
-/// Faults found so far: reading goes on after a faulty section, so that one run shows them all.
+/// Faults found so far: reading continues after a faulty section, so that one run reports all faults.
 class Faults {
  public:
-  /// Runs `read`; what it throws as bad input is kept. @returns true when nothing was wrong
+  /// Runs `read` and keeps the faults of an input error that it throws. @returns true if it threw none
   template <class Read>
   bool guard(Read read) {
     try {
@@ -28,7 +28,7 @@ class Faults {
 
   bool any() const { return !all_.empty(); }
 
-  /// Throws everything that was kept, if anything was.
+  /// @throws Error (input) with all faults, if there are any
   void raise() const {
     if (any()) throw Error(all_);
   }
@@ -37,7 +37,7 @@ class Faults {
   std::vector<Fault> all_;
 };
 
-/// A value, its place and the dotted path by which messages name it.
+/// A value and the dotted path by which messages name it. Borrows the node, which must outlive it.
 struct Field {
   const Node* node = nullptr;
   std::string path;
@@ -47,8 +47,9 @@ struct Field {
   }
 };
 
-/// A number with a unit, in SI. @param coordinate  the dimension a joint coordinate has here, when the row
-/// says so
+/// A number with an optional unit, in SI units.
+/// @param coordinate  dimension of the joint coordinate, for rows with `Parameter::coordinate`
+/// @throws Error (input) like all functions below, if the value is not of this kind
 double read_number(const Field&, const Parameter&, Dimension coordinate = {});
 std::string read_choice(const Field&, const Parameter&);
 bool read_boolean(const Field&);
@@ -56,7 +57,7 @@ std::string read_text_value(const Field&);
 std::vector<Field> read_list(const Field&);
 std::vector<std::pair<Node::Key, Field>> read_map(const Field&);
 
-/// A mapping that has been held against the rows of its format: known keys, required keys.
+/// A mapping whose keys have been checked against the rows of its format. Borrows the node of the field.
 class Object {
  public:
   /// @throws Error (input) listing every unknown and every missing key
@@ -66,12 +67,12 @@ class Object {
   Field at(std::string_view key) const;
   const Field& self() const { return field_; }
 
-  /// The number at `key`, or the row's default; empty when there is neither.
+  /// The number at `key`, or the default of the row; empty if there is neither.
   std::optional<double> number(std::string_view key, Dimension coordinate = {}) const;
-  std::string choice(std::string_view key) const;  ///< the first choice when the key is absent
+  std::string choice(std::string_view key) const;  ///< the first choice if the key is absent
   std::optional<std::string> text(std::string_view key) const;
 
-  /// All numbers and choices that are given or have defaults, by name: what a family's row function reads.
+  /// All numbers and choices that are given or have defaults, by name: the arguments of a row's functions.
   std::map<std::string, double> numbers(const std::vector<Parameter>&, Dimension coordinate = {}) const;
   std::map<std::string, std::string> choices(const std::vector<Parameter>&) const;
 

@@ -16,7 +16,7 @@ constexpr double most_grid_points = 1e12;
 
 Limits read_limits(const Field& f, const IndependentJoint& joint) {
   const std::vector<Field> ends = read_list(f);
-  if (ends.size() != 2) throw Error(f.fault("limits are two numbers", "write [lower, upper]"));
+  if (ends.size() != 2) throw Error(f.fault("limits must be two numbers", "write [lower, upper]"));
   const Parameter row{.name = "limits", .coordinate = true};
   const Limits limits{read_number(ends[0], row, coordinate_dimension(joint)),
                       read_number(ends[1], row, coordinate_dimension(joint))};
@@ -24,25 +24,26 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
     throw Error({f.node->place, f.path, "the lower limit is above the upper one", text_of(limits, joint),
                  "swap them"});
   if (joint.limits && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
-    throw Error({f.node->place, f.path, "the limits reach outside the URDF's", text_of(limits, joint),
+    throw Error({f.node->place, f.path, "the limits exceed those of the URDF", text_of(limits, joint),
                  "stay within " + text_of(*joint.limits, joint)});
   return limits;
 }
 
-/// A continuous joint's limits are for the spec to give; those of another joint are missing in the URDF.
+/// The limits of a continuous joint must be given by the spec, those of any other joint by the URDF.
 Fault no_limits(const Object& o, const RobotModel& robot, const IndependentJoint& joint) {
   const std::string in_spec = "configurations: {limits: {" + joint.name + ": [lower, upper]}}";
   if (joint.type == JointType::continuous)
     return {o.self().node->place, "configurations.limits." + joint.name,
             "a continuous joint has no limits to sample in", "",
             "add " + in_spec + ", such as [-180 deg, 180 deg]"};
-  const auto at = std::find_if(robot.joints.begin(), robot.joints.end(),
-                               [&](const Joint& j) { return j.name == joint.name; });
-  return {at->place, "joint '" + joint.name + "'", "the joint has no limits in the URDF", "",
+  const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
+                                    [&](const Joint& j) { return j.name == joint.name; });
+  return {in_urdf->place, "joint '" + joint.name + "'", "the joint has no limits in the URDF", "",
           "add lower and upper to its <limit>, or to the spec " + in_spec};
 }
 
-/// The range of every joint: the spec's limits, else the URDF's, else a full turn for a continuous joint.
+/// The range of every joint: the limits of the spec, else of the URDF. A continuous joint without limits is
+/// unbounded where the configurations are given as points, and a fault otherwise.
 std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& spec, Faults& faults) {
   const bool given_points = o.has("points") || o.has("file");
   const Chain& chain = spec.model.chain;
@@ -82,7 +83,7 @@ void check_point(double value, std::size_t joint, const Spec& spec, const Field*
       {field ? field->node->place : place, path,
        "joint '" + j.name + "' is outside its limits " + text_of(spec.configurations.ranges[joint], j),
        field ? described(*field->node) : shortest(value),
-       "a value inside; degrees need their unit: '90 deg'"});
+       "give a value within them; degrees need their unit: '90 deg'"});
 }
 
 void read_points(const Object& o, Spec& spec) {
@@ -94,7 +95,7 @@ void read_points(const Object& o, Spec& spec) {
   for (const Field& point : read_list(points)) {
     const std::vector<Field> values = read_list(point);
     if (values.size() != n)
-      throw Error(point.fault("a point has one value per joint: " + std::to_string(n),
+      throw Error(point.fault("a point must have one value per joint: " + std::to_string(n),
                               "in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7)));
     Eigen::VectorXd q(n);
     for (std::size_t j = 0; j < n; ++j) {
@@ -129,7 +130,7 @@ void refuse_for(const Object& o, const std::string& method, const std::vector<st
   for (const std::string_view key : keys)
     if (o.has(key))
       throw Error(
-          o.at(key).fault("does not go with method: " + method, "leave it out, or change the method"));
+          o.at(key).fault("cannot be combined with method: " + method, "leave it out, or change the method"));
 }
 
 }  // namespace
@@ -142,7 +143,7 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
   c.ranges = read_ranges(o, robot, spec, faults);
   const std::string method = o.choice("method");
   c.seed = static_cast<std::uint64_t>(*o.number("seed"));
-  if (faults.any()) return;  // points are held against the ranges
+  if (faults.any()) return;  // points are checked against the ranges
   if (method == "list" || method == "file") {
     c.method = SamplingMethod::list;
     refuse_for(o, method, {"count", method == "list" ? "file" : "points"});
@@ -160,7 +161,7 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
   if (static_cast<double>(size(c)) > most_grid_points)
     throw Error({o.self().node->place, "configurations.count", "the grid has too many points",
                  std::to_string(c.count) + "^" + std::to_string(c.ranges.size()),
-                 "take fewer per joint, or method: sobol"});
+                 "use fewer per joint, or method: sobol"});
 }
 
 }  // namespace qerr

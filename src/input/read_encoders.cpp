@@ -145,7 +145,7 @@ std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::s
       throw Error({place, path, "the joint is fixed", quoted, did_you_mean("", names)});
     throw Error({place, path, "the joint is not between base and tip", quoted, did_you_mean("", names)});
   }
-  throw Error({place, path, "no such joint", "'" + name + "'", did_you_mean(name, names)});
+  throw Error({place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names)});
 }
 
 bool off_chain(const RobotModel& robot, const Chain& chain, const std::string& name) {

@@ -25,7 +25,7 @@ const FilterFamily& family_of(const Field& f) {
   throw Error(field.fault("no such filter family", did_you_mean(text, known)));
 }
 
-/// One number, or a row of them.
+/// One number or a list of numbers.
 std::vector<double> read_row(const Field& f, const Parameter& p) {
   if (f.node->type != Node::Type::sequence) return {read_number(f, {.name = p.name})};
   std::vector<double> row;
@@ -59,7 +59,7 @@ void read_values(const Object& o, const std::vector<Parameter>& rows, std::map<s
   }
 }
 
-/// True when the filter has the key of the representation, or one that goes with it.
+/// Whether the filter has the key of the representation or one of its companion keys.
 bool uses(const Object& o, const FilterRepresentation& r) {
   return o.has(r.key.name) ||
          std::any_of(r.beside.begin(), r.beside.end(), [&](const Parameter& p) { return o.has(p.name); });
@@ -82,6 +82,12 @@ Filter represented(const Object& o, const FilterRepresentation& r, const FilterD
   return r.build(values, d.sample_rate, d.derivative);
 }
 
+std::string keys_of_representations() {
+  std::string text;
+  for (const FilterRepresentation& r : filter_representations()) text += ", " + std::string(r.key.name);
+  return text;
+}
+
 Filter design(const Object& o) {
   FilterDesign d;
   d.derivative = static_cast<int>(*o.number("derivative"));
@@ -92,8 +98,8 @@ Filter design(const Object& o) {
     const std::string_view other = o.has("lowpass") ? "lowpass" : chosen ? chosen->key.name : "";
     if (!other.empty())
       throw Error(o.at(o.has(other) ? other : r.key.name)
-                      .fault("a filter is given in one way, not by " + std::string(r.key.name) + " and " +
-                                 std::string(other),
+                      .fault("a filter must be given in one way, not by " + std::string(r.key.name) +
+                                 " and " + std::string(other),
                              "keep one"));
     chosen = &r;
   }
@@ -101,7 +107,7 @@ Filter design(const Object& o) {
   if (!o.has("lowpass")) {
     if (!o.has("derivative"))
       throw Error({o.self().node->place, o.self().path, "the filter does nothing", described(*o.self().node),
-                   "give derivative, lowpass, numerator and denominator, sos, zpk or state_space"});
+                   "give derivative, lowpass" + keys_of_representations()});
     return difference_filter(d.sample_rate, d.derivative);
   }
   const Field lowpass = o.at("lowpass");
@@ -116,13 +122,13 @@ Filter design(const Object& o) {
   return family.design(d);
 }
 
-/// Rates hundreds of orders of magnitude apart leave the range of a double: that is the spec's fault, not
-/// qerr's.
+/// The norms of a filter. Cut-off and sample rate hundreds of orders of magnitude apart exceed the range of
+/// double: a fault of the spec.
 Norms norms_of(const Filter& filter) {
   const auto out_of_range = [](const std::string& found) {
     return Error({{},
                   "",
-                  "the filter's figures leave the range of double precision",
+                  "the norms of the filter exceed the range of double precision",
                   found,
                   "bring cut-off and sample rate closer together"});
   };
@@ -135,7 +141,7 @@ Norms norms_of(const Filter& filter) {
   if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
     throw Error({{},
                  "",
-                 "the l1 norm of the filter cannot be bounded: its poles lie too near the unit circle",
+                 "the l1 norm of the filter cannot be bounded: its poles are too close to the unit circle",
                  "largest pole modulus " + shortest(poles_max_modulus(filter)),
                  "damp the filter, or lower its order"});
   if (!std::isfinite(n.h2) || !std::isfinite(n.l1.upper) || !std::isfinite(n.dc_gain))
@@ -143,8 +149,7 @@ Norms norms_of(const Filter& filter) {
   return n;
 }
 
-/// The value that a designer's key names, such as `cutoff` or `sos[2]`, in a mapping; null when it is not
-/// there.
+/// The value in a mapping that a key of a filter design names, such as `cutoff` or `sos[2]`; null if absent.
 const Node* named(const Node& holder, const std::string& key) {
   const std::size_t bracket = key.find('[');
   const Node* value = holder.find(key.substr(0, bracket));
@@ -153,7 +158,7 @@ const Node* named(const Node& holder, const std::string& key) {
   return index < value->items.size() ? &value->items[index] : value;
 }
 
-/// The designers speak of their own parameters; this puts file, line and path before what they say.
+/// Faults of a filter design name its parameters only; this adds file, line and path.
 Error placed(const Error& e, const Field& f) {
   std::vector<std::pair<const Node*, std::string>> holders{{f.node, f.path + '.'}};
   std::vector<std::string_view> inner{"lowpass"};
@@ -188,7 +193,7 @@ void read_filters(const Field& f, Spec& spec, Faults& faults) {
     const Field& field = entry.second;
     faults.guard([&] {
       if (key.name == "position" || key.name.empty())
-        throw Error({key.place, field.path, "the name is taken: 'position' is the unfiltered coordinate",
+        throw Error({key.place, field.path, "the name is reserved: 'position' is the unfiltered coordinate",
                      "'" + key.name + "'", "choose another name"});
       const Object o(field, spec_format::filter());
       try {

@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double most_counts = 9007199254740992;  // 2^53: beyond it a double skips whole numbers
+constexpr double most_counts = 0x1p53;  // beyond it a double cannot represent every integer
 
 /// Interval after which a column of absolute positions starts again; 0 for a column that does not.
 double wrap_interval(const LogColumn& column, const Spec& spec) {
@@ -41,7 +41,7 @@ void note(Wraps& wraps, std::uint64_t row, double time) {
 
 }  // namespace
 
-/// The rows of a log, and what is remembered from one to the next.
+/// The rows of a log and the state from one row to the next.
 class LogReader::Rows {
  public:
   Rows(const std::string& path, const Spec& spec, const LogOptions& options)
@@ -60,9 +60,9 @@ class LogReader::Rows {
       if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
       const double turn = wrap_interval(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
-      const bool follows = column.signal == LogSignal::reference || column.signal == LogSignal::command;
-      if (turn > 0 && follows && is_measured(log, transmission_, column.index))
-        followers_.push_back({index, turn});
+      const bool has_turns = column.signal == LogSignal::reference || column.signal == LogSignal::command;
+      if (turn > 0 && has_turns && is_measured(log, transmission_, column.index))
+        alignments_.push_back({index, turn});
     }
   }
 
@@ -74,7 +74,7 @@ class LogReader::Rows {
       throw Error({{table_.file(), table_.line(), 1}, "", "the log has no rows", "only a header", ""});
     if (count == 0) return false;
     if (count < most_) rows.conservativeResize(count, Eigen::NoChange);
-    take_turns_out(rows);
+    remove_turns(rows);
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = rows(count - 1, *time_);
     for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
@@ -84,38 +84,39 @@ class LogReader::Rows {
   Log log;
 
  private:
-  /// A reference, or a command, beside a measured position.
-  struct Follower {
+  /// A reference or command that may differ from the measured position by whole turns.
+  struct TurnAlignment {
     Eigen::Index column;
     double turn;
-    std::int64_t turns = 0;  // added
-    double last = 0;         // difference to the measured position
+    std::int64_t turns = 0;  // added to the column
+    double last = 0;         // last difference from the measured position
   };
   struct ColumnUnwrap {
     Eigen::Index column;
     Unwrap unwrap;
   };
 
-  /// Units, counts and time of a row that was just read.
+  /// Converts units and checks counts and time of a row.
   void check(Eigen::ArrayXXd& rows, Eigen::Index row) {
     for (const Eigen::Index c : scaled_) {
       double& value = rows(row, c);
       value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
-      if (!std::isfinite(value)) refuse(c, "too large a number", "");
+      if (!std::isfinite(value)) refuse(c, "the number is too large", "");
     }
     for (const Eigen::Index c : counts_) {
       const double value = rows(row, c);
       if (!(std::abs(value) <= most_counts))
-        refuse(c, "counts beyond 2^53 cannot be told apart", "subtract a constant from the column");
+        refuse(c, "counts beyond 2^53 are not distinguishable", "subtract a constant from the column");
       if (static_cast<double>(static_cast<std::int64_t>(value)) != value)
-        refuse(c, "counts are whole numbers", "a position in rad or m belongs into '.measured [rad]'");
+        refuse(c, "counts must be integers",
+               "a position in rad or m belongs in the column '.measured [rad]'");
     }
     if (!time_) return;
     const double time = rows(row, *time_);
     if (row == 0 && log.rows == 0)
       log.first_time = time;
     else if (time < last_time_)
-      refuse(*time_, "time runs backwards, after " + shortest(last_time_) + " s", "sort the rows by time");
+      refuse(*time_, "time must not decrease, after " + shortest(last_time_) + " s", "sort the rows by time");
     last_time_ = time;
   }
 
@@ -124,7 +125,7 @@ class LogReader::Rows {
     throw Error({table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy});
   }
 
-  void take_turns_out(Eigen::ArrayXXd& rows) {
+  void remove_turns(Eigen::ArrayXXd& rows) {
     for (auto& [column, unwrap] : unwraps_) {
       Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
@@ -134,11 +135,12 @@ class LogReader::Rows {
       }
       wraps.contradicted = unwrap.contradicted();
     }
-    for (Follower& f : followers_) follow(f, rows);
+    for (TurnAlignment& a : alignments_) align(a, rows);
   }
 
-  /// Whole turns between a reference and the measured position: those at the start, and in a table all.
-  void follow(Follower& f, Eigen::ArrayXXd& rows) {
+  /// Removes whole turns between a reference and the measured position: the initial ones, and in a table
+  /// without time those of every row.
+  void align(TurnAlignment& f, Eigen::ArrayXXd& rows) {
     LogColumn& column = log.columns[static_cast<std::size_t>(f.column)];
     const bool first = log.rows == 0;
     if (!first && time_) {
@@ -147,10 +149,10 @@ class LogReader::Rows {
     }
     const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
     if (first) {
-      const double apart = (measured[0] - rows(0, f.column)) / f.turn;
-      if (std::abs(apart - std::round(apart)) < 0.25 && std::abs(apart) < 1e9)
-        column.wraps.start = f.turns = std::llround(apart);
-      f.last = -(apart - static_cast<double>(f.turns)) * f.turn;
+      const double turns_apart = (measured[0] - rows(0, f.column)) / f.turn;
+      if (std::abs(turns_apart - std::round(turns_apart)) < 0.25 && std::abs(turns_apart) < 1e9)
+        column.wraps.start = f.turns = std::llround(turns_apart);
+      f.last = -(turns_apart - static_cast<double>(f.turns)) * f.turn;
     }
     for (Eigen::Index i = 0; i < rows.rows(); ++i) {
       double& reference = rows(i, f.column);
@@ -171,7 +173,7 @@ class LogReader::Rows {
   double last_time_ = 0;
   std::vector<Eigen::Index> counts_, scaled_;
   std::vector<ColumnUnwrap> unwraps_;
-  std::vector<Follower> followers_;
+  std::vector<TurnAlignment> alignments_;
 };
 
 LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)
@@ -186,7 +188,8 @@ bool LogReader::next(Eigen::ArrayXXd& rows) { return rows_->next(rows); }
 
 namespace {
 
-/// Stretches of a log's rows, each of the same length; every second one is let go when they become too many.
+/// Stretches of consecutive rows, all of one length; when they exceed the memory limit, every second one is
+/// dropped.
 class Stretches {
  public:
   explicit Stretches(std::uint64_t most_values) : most_values_(most_values) {}
@@ -197,29 +200,29 @@ class Stretches {
     const auto columns = static_cast<std::uint64_t>(kept_.front().rows.cols());
     if (kept_.size() < 4 || kept_.size() * columns * stretch_rows <= most_values_) return;
     every_ *= 2;
-    std::size_t left = 0;
+    std::size_t count = 0;
     for (std::size_t i = 0; i < kept_.size(); i += 2) {
-      if (i != left) std::swap(kept_[left], kept_[i]);
-      ++left;
+      if (i != count) std::swap(kept_[count], kept_[i]);
+      ++count;
     }
-    kept_.resize(left);
+    kept_.resize(count);
   }
 
   void move_to(Log& log) {
-    Eigen::Index rows = 0, at = 0;
+    Eigen::Index rows = 0, next = 0;
     for (const Stretch& s : kept_) rows += s.rows.rows();
     log.values.resize(rows, static_cast<Eigen::Index>(log.columns.size()));
     for (Stretch& s : kept_) {
-      log.values.middleRows(at, s.rows.rows()) = s.rows;
-      at += s.rows.rows();
+      log.values.middleRows(next, s.rows.rows()) = s.rows;
+      next += s.rows.rows();
       s.rows.resize(0, 0);
       if (every_ > 1) log.stretches.push_back(s.first);
     }
     if (every_ == 1) return;
     log.stretch_rows = static_cast<Eigen::Index>(stretch_rows);
     log.warnings.push_back(std::to_string(log.rows) + " rows: " + std::to_string(rows) +
-                           " of them are looked at, in " + std::to_string(kept_.size()) +
-                           " stretches that are spread over the log");
+                           " of them are used, in " + std::to_string(kept_.size()) +
+                           " stretches spread evenly over the log");
   }
 
   static constexpr std::uint64_t stretch_rows = 16384;

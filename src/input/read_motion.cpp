@@ -7,7 +7,7 @@
 #include "input/spec_format.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 
-/// How the robot moves and what it does to the ideal model: motion, effects.
+/// Reads the sections `motion` and `effects` of a spec.
 namespace qerr {
 
 namespace {
@@ -20,7 +20,8 @@ Dimension over_time(Dimension d, int power) {
 std::vector<Move> read_moves(const Object& o, Dimension unit) {
   for (const std::string_view key : {"sines", "velocity"})
     if (o.has(key))
-      throw Error(o.at(key).fault("does not go with moves", "keep the moves, or the sines and velocity"));
+      throw Error(
+          o.at(key).fault("cannot be combined with moves", "keep the moves, or the sines and velocity"));
   std::vector<Move> moves;
   for (const Field& item : read_list(o.at("moves"))) {
     const Object move(item, spec_format::move());
@@ -48,23 +49,23 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   return motion;
 }
 
-/// A cause that only a diagnosis speaks of: nothing that acts on the signal of a joint.
-struct NoEffect {
-  std::string_view name, what, remedy;
+/// A cause that a diagnosis can report although it does not act on the signal of a joint.
+struct DiagnosedCause {
+  std::string_view name, meaning, remedy;
 };
 
-const std::vector<NoEffect>& causes_without_effect() {
-  static const std::vector<NoEffect> causes{
-      {"filter_mismatch", "the controller's own filter is not the spec's",
+const std::vector<DiagnosedCause>& causes_without_effect() {
+  static const std::vector<DiagnosedCause> causes{
+      {"filter_mismatch", "the filter of the controller differs from that of the spec",
        "write the controller's filter under filters:"},
-      {"controller_droop", "a logged load is a multiple of the error, and no load",
+      {"controller_droop", "a logged load is a multiple of the error, not a load",
        "leave it out; a true load is compliance"},
       {"slow_motion", "the error is neither white nor uniform at so few counts a sample",
-       "leave it out; `qerr simulate` and sigma in motion have it in them"},
+       "leave it out; `qerr simulate` and sigma in motion include it"},
       {"varying_jacobian", "the Jacobian changes along the motion",
-       "leave it out; `qerr simulate` has it in it"},
-      {"correlated_joints", "the errors of joints that move alike are not independent",
-       "leave it out; `qerr simulate` has it in it"}};
+       "leave it out; `qerr simulate` includes it"},
+      {"correlated_joints", "the errors of joints with correlated motions are not independent",
+       "leave it out; `qerr simulate` includes it"}};
   return causes;
 }
 
@@ -81,15 +82,16 @@ const EffectKind& kind_of(const Field& f) {
   const std::string name = read_text_value(field);
   for (const EffectKind& kind : effect_kinds())
     if (kind.name == name) return kind;
-  for (const NoEffect& cause : causes_without_effect())
+  for (const DiagnosedCause& cause : causes_without_effect())
     if (cause.name == name)
-      throw Error(field.fault("is no effect on a joint's signal but a cause that `qerr diagnose` may name: " +
-                                  std::string(cause.what),
-                              std::string(cause.remedy)));
+      throw Error(field.fault(
+          "is not an effect on the signal of a joint but a cause that `qerr diagnose` may report: " +
+              std::string(cause.meaning),
+          std::string(cause.remedy)));
   throw Error(field.fault("no such effect", did_you_mean(name, known)));
 }
 
-/// Effects within a line speak of the encoder's signals, which not every encoder has.
+/// Effects within a line need the signals of the encoder, which not every encoder has.
 void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spec& spec) {
   if (joint >= spec.encoder_figures.size() || spec.encoder_figures[joint].kind.empty()) return;  // faulty
   const EncoderKind& kind = encoder_kind(spec.encoder_figures[joint].kind);
@@ -97,7 +99,7 @@ void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spe
   const std::string what = "the encoder of '" + effect.joint + "' counts " + shortest(counts) +
                            (counts == 1 ? " time" : " times") + " a period: ";
   if (effect.type == "state_width" && counts != 4)
-    throw Error(o.at("type").fault(what + "only with four do the edges of both channels count",
+    throw Error(o.at("type").fault(what + "the widths of the states matter only at four",
                                    "decoding: x4; for a sine/cosine encoder subdivision_error"));
   if (effect.type != "subdivision_error") return;
   if (counts < 4)
@@ -132,12 +134,13 @@ Effect read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
   return effect;
 }
 
-/// Whether the motion could leave the limits at all: cheap, and right for most.
-bool may_leave(const JointMotion& m, double duration, const Limits& limits) {
-  double reach = 0;
-  for (const Sine& sine : m.sines) reach += sine.amplitude;
-  double low = std::min(m.center, m.center + m.velocity * duration) - reach;
-  double high = std::max(m.center, m.center + m.velocity * duration) + reach;
+/// Whether the motion can exceed the limits: a bound on its range by the sums of amplitudes, without
+/// sampling.
+bool may_exceed(const JointMotion& m, double duration, const Limits& limits) {
+  double amplitude = 0;
+  for (const Sine& sine : m.sines) amplitude += sine.amplitude;
+  double low = std::min(m.center, m.center + m.velocity * duration) - amplitude;
+  double high = std::max(m.center, m.center + m.velocity * duration) + amplitude;
   for (const Move& move : m.moves) {
     low = std::min(low, move.to);
     high = std::max(high, move.to);
@@ -148,20 +151,20 @@ bool may_leave(const JointMotion& m, double duration, const Limits& limits) {
 /// @param place  of a joint's entry, or of the motion
 void check_limits(const Spec& spec, const Motion& motion, const std::vector<Place>& places) {
   const auto& joints = spec.model.chain.independent;
-  const auto suspect = [&](std::size_t i) {
+  const auto is_candidate = [&](std::size_t i) {
     return joints[i].limits && joints[i].type != JointType::continuous &&
-           (motion.joints.empty() || may_leave(motion.joints[i], motion.duration, *joints[i].limits));
+           (motion.joints.empty() || may_exceed(motion.joints[i], motion.duration, *joints[i].limits));
   };
   Eigen::MatrixX2d range;
   for (std::size_t i = 0; i < joints.size(); ++i) {
-    if (!suspect(i)) continue;
+    if (!is_candidate(i)) continue;
     if (range.rows() == 0) range = extent(motion);
     const auto row = static_cast<Eigen::Index>(i);
     if (inside(range(row, 0), *joints[i].limits) && inside(range(row, 1), *joints[i].limits)) continue;
     throw Error({places[i], "motion.joints." + joints[i].name,
-                 "the motion leaves the joint's limits " + text_of(*joints[i].limits, joints[i]),
+                 "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
                  "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
-                 "move its center, or move less; a joint that is not named rests at 0"});
+                 "shift its center or reduce its amplitude; a joint that is not listed stays at 0"});
   }
 }
 
@@ -170,23 +173,24 @@ void read_table(const Field& f, const std::string& path, Spec& spec, Motion& mot
   motion.file = path;
   motion.table = {table.time, table.positions};
   if (table.time.size() < 2)
-    throw Error({{path, table.lines.front(), 1}, "time", "a motion needs two rows", "one row", ""});
+    throw Error(
+        {{path, table.lines.front(), 1}, "time", "a motion must have at least two rows", "one row", ""});
   const double length = table.time.back() - table.time.front();
   const double step = length / static_cast<double>(table.time.size() - 1);
-  // The last row is a sample too: the motion ends one sample after it.
+  // The last row is a sample as well: the motion ends one sample period after it.
   if (motion.sample_rate == 0) {
     for (std::size_t i = 1; i < table.time.size(); ++i)
       if (std::abs(table.time[i] - table.time[i - 1] - step) > 1e-3 * step)
         throw Error({f.node->place, f.path + ".sample_rate",
-                     "the file's times are uneven, so that they give no sample rate",
+                     "the times of the file are not equidistant: they define no sample rate",
                      "line " + std::to_string(table.lines[i]), "add 'sample_rate: ...' of the controller"});
     motion.sample_rate = 1 / step;
   }
-  const double whole = length + 1 / motion.sample_rate;
-  if (motion.duration > whole * (1 + 1e-9))
+  const double available = length + 1 / motion.sample_rate;
+  if (motion.duration > available * (1 + 1e-9))
     throw Error({f.node->place, f.path + ".duration", "the motion is longer than its file",
                  shortest(motion.duration) + " s of " + shortest(length) + " s", "leave the duration out"});
-  if (motion.duration == 0) motion.duration = whole;
+  if (motion.duration == 0) motion.duration = available;
 }
 
 }  // namespace
@@ -199,8 +203,8 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
   motion.duration = o.number("duration").value_or(0);
   motion.settling = o.number("settling");
   if (o.has("file") == o.has("joints"))
-    throw Error(f.fault(o.has("file") ? "the motion is given by a file or by joints, not by both"
-                                      : "the motion says nothing of the joints",
+    throw Error(f.fault(o.has("file") ? "the motion must be given by a file or by joints, not by both"
+                                      : "the motion has neither joints nor a file",
                         "give one of joints and file"));
   std::vector<Place> places(spec.model.chain.independent.size(), f.node->place);
   if (const auto file = o.text("file")) {
@@ -210,20 +214,20 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
       if (!o.has(key))
         throw Error({f.node->place, f.path + '.' + key, "missing key", "", "add '" + key + ": ...'"});
     motion.joints.resize(places.size());
-    bool sound = true;
+    bool valid = true;
     for (const auto& entry : read_map(o.at("joints"))) {
       if (off_chain(robot, spec.model.chain, entry.first.name)) {
         spec.warnings.push_back(entry.second.path + " is not used: the joint is not between base and tip");
         continue;
       }
-      sound &= faults.guard([&] {
+      valid &= faults.guard([&] {
         const std::size_t i =
             find_joint(robot, spec.model.chain, entry.first.name, entry.first.place, entry.second.path);
         places[i] = entry.first.place;
         motion.joints[i] = read_joint_motion(entry.second, spec.model.chain.independent[i]);
       });
     }
-    if (!sound) return;
+    if (!valid) return;
   }
   constexpr double most_samples = 1e15;
   if (!(motion.duration * motion.sample_rate <= most_samples))
@@ -231,8 +235,8 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
                         "at most " + shortest(most_samples) + ": shorten the duration or lower the rate"));
   if (motion.settling.value_or(0) >= motion.duration)
     throw Error(o.at("settling")
-                    .fault("nothing of the motion is left for statistics",
-                           "less than its duration of " + shortest(motion.duration) + " s"));
+                    .fault("settling must be shorter than the motion",
+                           "give less than the duration of " + shortest(motion.duration) + " s"));
   check_limits(spec, motion, places);
   spec.motion = motion;
 }

@@ -11,10 +11,10 @@ namespace qerr {
 
 namespace {
 
-/// A link longer than any robot is a URDF in millimetres.
-constexpr double longest_link = 20;
+/// A longer link suggests a URDF in millimetres: no robot has a link of 20 m, and few have one below 20 mm.
+constexpr double longest_link = 20;  // [m]
 
-void warn_of_units(const Chain& chain, std::vector<std::string>& warnings) {
+void warn_about_units(const Chain& chain, std::vector<std::string>& warnings) {
   double longest = chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) longest = std::max(longest, joint.origin.translation().norm());
   if (longest > longest_link)
@@ -30,10 +30,10 @@ class SpecReader {
 
   Spec read(const Node& root) {
     if (root.type != Node::Type::mapping)
-      throw Error({root.place, "", "a spec is a mapping", described(root), "begin with 'qerr: 1'"});
+      throw Error({root.place, "", "a spec must be a mapping", described(root), "begin with 'qerr: 1'"});
     const Object top = checked_top(root);
     read_chain(top.at("robot"));
-    faults_.raise();  // everything below speaks of the chain's joints
+    faults_.raise();  // all further sections refer to the joints of the chain
     section(top, "encoders", [&](const Field& f) { read_encoders(f, robot_, spec_, faults_); });
     section(top, "coupling", [&](const Field& f) { read_coupling(f, spec_); });
     spec_.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
@@ -44,14 +44,14 @@ class SpecReader {
     section(top, "motion", [&](const Field& f) { read_motion(f, folder_, robot_, spec_, faults_); });
     section(top, "effects", [&](const Field& f) { read_effects(f, robot_, spec_, faults_); });
     section(top, "sweep", [&](const Field& f) { read_sweep(f, spec_, faults_); });
-    faults_.raise();  // requirements speak of coordinates and filters
+    faults_.raise();  // requirements refer to coordinates and filters
     section(top, "requirements", [&](const Field& f) { read_requirements(f, spec_, faults_); });
     faults_.raise();
     return std::move(spec_);
   }
 
  private:
-  /// Unknown keys do not hide what is wrong inside the known sections, unless a section needed below is
+  /// Unknown keys are reported together with the faults of the known sections, unless a required section is
   /// missing.
   Object checked_top(const Node& root) {
     const Field field{&root, ""};
@@ -93,11 +93,11 @@ class SpecReader {
       } catch (const Error& e) {
         throw placed(e, f);
       }
-      warn_of_units(spec_.model.chain, spec_.warnings);
+      warn_about_units(spec_.model.chain, spec_.warnings);
     });
   }
 
-  /// Faults about `robot.base` and `robot.tip` stand in the spec, not in the URDF.
+  /// Gives faults about `robot.base` and `robot.tip` their place in the spec instead of the URDF.
   static Error placed(const Error& e, const Field& robot) {
     std::vector<Fault> faults = e.faults();
     for (Fault& fault : faults) {
@@ -114,7 +114,7 @@ class SpecReader {
   Faults faults_;
 };
 
-/// Reads the spec with one value of a sweep in place. @returns what is wrong with it, if anything
+/// Reads the spec with one value of a sweep. @returns its first fault, if any
 std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepAxis& axis,
                                       const std::string& value) {
   Node variant = root;
@@ -128,8 +128,9 @@ std::optional<Fault> fault_of_variant(const Node& root, const std::string& file,
   return std::nullopt;
 }
 
-/// A key that no value makes readable is a wrong key; a single value that does not work, such as a cut-off at
-/// the end of a range that touches half the sample rate, is the sweep's own business.
+/// Rejects a sweep whose first and last value both give a faulty spec: its key is wrong. A single faulty
+/// value, such as a cut-off that reaches half the sample rate at the end of a range, is reported by the sweep
+/// itself.
 void check_sweep(const Node& root, const Spec& spec) {
   const Node* section = root.find("sweep");
   for (std::size_t i = 0; i < spec.sweep.size(); ++i) {

@@ -21,13 +21,13 @@ Quantity end_of_range(const Object& o, const std::string& key) {
 std::vector<std::string> range_values(const Object& o) {
   const Quantity from = end_of_range(o, "from"), to = end_of_range(o, "to");
   if (from.dimension != to.dimension)
-    throw Error(o.at("to").fault("has another kind of unit than 'from'", "give both in one unit"));
+    throw Error(o.at("to").fault("must have the same kind of unit as 'from'", "give both in the same unit"));
   const auto count = o.number("count");
   if (!count)
     throw Error({o.self().node->place, o.self().path + ".count", "missing key", "", "add 'count: ...'"});
   const bool log = o.choice("scale") == "log";
   if (log && !(from.value > 0 && to.value > 0))
-    throw Error(o.at("scale").fault("a logarithmic range needs positive ends", "use scale: linear"));
+    throw Error(o.at("scale").fault("a logarithmic range must have positive ends", "use scale: linear"));
   const std::string unit = from.dimension ? " " + unit_name(*from.dimension) : "";
   std::vector<std::string> values;
   for (int i = 0; i < static_cast<int>(*count); ++i) {
@@ -50,7 +50,8 @@ void read_sweep(const Field& f, Spec& spec, Faults& faults) {
       SweepAxis axis{*o.text("key"), {}};
       if (o.has("values")) {
         for (const char* key : {"from", "to", "count", "scale"})
-          if (o.has(key)) throw Error(o.at(key).fault("does not go with 'values'", "keep one of the two"));
+          if (o.has(key))
+            throw Error(o.at(key).fault("cannot be combined with 'values'", "keep one of the two"));
         for (const Field& value : read_list(o.at("values"))) {
           if (value.node->type != Node::Type::scalar)
             throw Error(value.fault("must be a single value", "a number, word or quantity"));

@@ -10,10 +10,10 @@ namespace {
 
 constexpr std::size_t most_bytes = 16'000'000;
 
-/// The place of a byte; every byte before it belongs to well-formed UTF-8.
-Place place_of(const std::string& text, std::size_t at, const std::string& file) {
+/// The place of a byte that follows well-formed UTF-8.
+Place place_of(const std::string& text, std::size_t byte, const std::string& file) {
   Place place{file, 1, 1};
-  for (std::size_t i = 0; i < at; ++i) {
+  for (std::size_t i = 0; i < byte; ++i) {
     if (text[i] == '\n') {
       ++place.line;
       place.column = 1;
@@ -34,7 +34,7 @@ std::string read_text(const std::string& path) {
   while (const std::size_t count = source.read(block, sizeof block)) {
     text.append(block, count);
     if (text.size() > most_bytes)
-      throw Error(Fault{{file, 1, 1}, "", "an input document has at most 16 MB", "more", ""});
+      throw Error(Fault{{file, 1, 1}, "", "an input document must have at most 16 MB", "more", ""});
   }
   check_text(text, file);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
@@ -43,7 +43,7 @@ std::string read_text(const std::string& path) {
 
 void check_text(const std::string& text, const std::string& file) {
   if (text.size() > most_bytes)
-    throw Error(Fault{{file, 1, 1}, "", "an input document has at most 16 MB", "more", ""});
+    throw Error(Fault{{file, 1, 1}, "", "an input document must have at most 16 MB", "more", ""});
   const bool utf16 = text.starts_with("\xFF\xFE") || text.starts_with("\xFE\xFF");
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);
@@ -53,7 +53,7 @@ void check_text(const std::string& text, const std::string& file) {
                         utf16 ? "this looks like UTF-16: save the file as UTF-8" : "save the file as UTF-8"});
     }
     if (text[i] == '\0') {
-      throw Error(Fault{place_of(text, i, file), "", "the text must not hold a NUL byte", "",
+      throw Error(Fault{place_of(text, i, file), "", "the text must not contain a NUL byte", "",
                         "is this a text file?"});
     }
     i += length;

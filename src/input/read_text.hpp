@@ -4,13 +4,13 @@
 
 namespace qerr {
 
-/// The byte gate every input document passes: a regular file (or `-`, or a pipe), at most 16 MB, valid UTF-8,
-/// no NUL. A leading byte-order mark is dropped.
-/// @throws Error (file_system) when it cannot be read, (input) when its bytes are not such text
+/// The text of an input document: a regular file, a pipe, or `-` for standard input, with at most 16 MB of
+/// valid UTF-8 without NUL. A leading byte-order mark is removed.
+/// @throws Error (file_system) if it cannot be read, (input) if its bytes are not such text
 std::string read_text(const std::string& path);
 
-/// The part of the gate that looks at bytes. @throws Error (input), with line and column of the offending
-/// byte
+/// Checks size and encoding of a text.
+/// @throws Error (input), with line and column of the first invalid byte
 void check_text(const std::string& text, const std::string& file);
 
 }  // namespace qerr

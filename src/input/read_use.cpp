@@ -6,7 +6,7 @@
 #include "input/spec_format.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 
-/// What the figures are wanted for: coordinates, requirements, threshold.
+/// Reads the sections `coordinates`, `requirements` and `threshold` of a spec.
 namespace qerr {
 
 namespace {
@@ -34,7 +34,7 @@ void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
   const std::size_t first =
       second == std::string::npos || second == 0 ? std::string::npos : r.quantity.rfind('.', second - 1);
   if (first == std::string::npos)
-    throw Error(f.fault("a quantity has three parts", "write position.x.worst_case or FILTER.x.sigma"));
+    throw Error(f.fault("a quantity must have three parts", "write position.x.worst_case or FILTER.x.sigma"));
   const std::string signal = r.quantity.substr(0, first);
   std::vector<std::pair<std::string, std::ptrdiff_t>> signals{{"position", -1}};
   for (std::size_t i = 0; i < spec.filters.size(); ++i)
@@ -53,7 +53,7 @@ void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
   r.coordinate = pick(f, r.quantity.substr(first + 1, second - first - 1), "coordinate", coordinates);
   r.bound = pick(f, r.quantity.substr(second + 1), "bound", bounds);
   if (r.bound == Bound::sigma_in_motion && !spec.motion)
-    throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or ask for sigma"));
+    throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
 }
 
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
@@ -79,7 +79,7 @@ void read_coordinates(const Field& f, Spec& spec) {
     chosen.push_back(*coordinate);
   }
   if (chosen.empty())
-    throw Error(f.fault("no coordinates are chosen", "write [x, y, z], or leave the key out"));
+    throw Error(f.fault("the list of coordinates is empty", "write [x, y, z], or leave the key out"));
 }
 
 void read_requirements(const Field& f, Spec& spec, Faults& faults) {
@@ -91,7 +91,7 @@ void read_requirements(const Field& f, Spec& spec, Faults& faults) {
       r.quantity = *o.text("quantity");
       read_quantity(o.at("quantity"), spec, r);
       r.statistic = o.choice("statistic");
-      r.value = find_statistic(r.statistic)->value;  // known: one of the choices of its row
+      r.value = find_statistic(r.statistic)->value;
       const Dimension d = dimension_of(r, spec);
       r.unit = unit_name(d);
       r.at_most = read_number(o.at("at_most"), {.name = "at_most", .dimension = d, .least = 0});

@@ -8,8 +8,8 @@ namespace qerr::spec_format {
 
 namespace {
 
-/// The keys of a filter, and those by which one is handed over that exists already; there they are required
-/// or not together, which the reader checks.
+/// The keys of a filter and those of all representations of a designed filter. Which of the latter are
+/// required together depends on the representation and is checked by the reader.
 std::vector<Parameter> with_representations(std::vector<Parameter> rows) {
   for (const FilterRepresentation& r : filter_representations()) {
     rows.push_back(r.key);
@@ -34,17 +34,19 @@ const std::vector<Parameter>& top() {
       {.name = "robot", .kind = Kind::object, .meaning = "the kinematic chain", .required = true},
       {.name = "encoders",
        .kind = Kind::map,
-       .meaning = "one encoder per moving joint; '*' stands for the rest",
+       .meaning = "one encoder per moving joint; '*' means all others",
        .required = true},
       {.name = "coupling",
        .kind = Kind::any,
        .meaning = "joint angles = coupling * (encoder angles / gear ratio), rows of numbers in chain order"},
       {.name = "coordinates", .kind = Kind::any, .meaning = "of the tip: x y z rx ry rz roll pitch yaw"},
       {.name = "filters", .kind = Kind::map, .meaning = "derivative filters by name"},
-      {.name = "configurations", .kind = Kind::object, .meaning = "where the robot is evaluated"},
+      {.name = "configurations",
+       .kind = Kind::object,
+       .meaning = "configurations at which the robot is evaluated"},
       {.name = "requirements",
        .kind = Kind::objects,
-       .meaning = "what `qerr check` holds the figures against"},
+       .meaning = "limits that `qerr check` compares the figures with"},
       {.name = "threshold", .kind = Kind::object, .meaning = "for `qerr threshold`"},
       {.name = "motion", .kind = Kind::object, .meaning = "for `qerr simulate`"},
       {.name = "effects", .kind = Kind::objects, .meaning = "what the real robot adds to the ideal model"},
@@ -60,7 +62,7 @@ const std::vector<Parameter>& robot() {
        .meaning = "path of the URDF, relative to this file",
        .required = true},
       {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
-      {.name = "tip", .kind = Kind::text, .meaning = "tip link; may be left out when the tree has one end"},
+      {.name = "tip", .kind = Kind::text, .meaning = "tip link; optional if the tree has one leaf"},
   };
   return rows;
 }
@@ -79,7 +81,7 @@ const std::vector<Parameter>& filter() {
        .required = true,
        .least = 0,
        .open_below = true},
-      {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass behind the back differences"},
+      {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass after the backward differences"},
   });
   return rows;
 }
@@ -165,9 +167,9 @@ const std::vector<Parameter>& motion() {
        .open_below = true},
       {.name = "settling",
        .dimension = dimension::time,
-       .meaning = "start of the motion that is left out of statistics",
+       .meaning = "start of the motion that statistics exclude",
        .least = 0},
-      {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others rest at 0"},
+      {.name = "joints", .kind = Kind::map, .meaning = "motion of each joint; the others stay at 0"},
       {.name = "file", .kind = Kind::text, .meaning = "CSV with time and one column per joint"},
   };
   return rows;
@@ -183,14 +185,14 @@ const std::vector<Parameter>& joint_motion() {
        .coordinate = true},
       {.name = "moves",
        .kind = Kind::objects,
-       .meaning = "instead: point-to-point moves, from the center on, again and again"},
+       .meaning = "instead: point-to-point moves from the center, repeated"},
   };
   return rows;
 }
 
 const std::vector<Parameter>& move() {
   static const std::vector<Parameter> rows{
-      {.name = "to", .meaning = "where it ends", .required = true, .coordinate = true},
+      {.name = "to", .meaning = "position at its end", .required = true, .coordinate = true},
       {.name = "velocity",
        .meaning = "highest speed [rad/s or m/s]",
        .required = true,
@@ -204,13 +206,13 @@ const std::vector<Parameter>& move() {
        .open_below = true,
        .coordinate = true},
       {.name = "jerk",
-       .meaning = "highest jerk [rad/s^3 or m/s^3]; none: a trapezoid of velocity",
+       .meaning = "highest jerk [rad/s^3 or m/s^3]; if absent, a trapezoidal velocity",
        .least = 0,
        .open_below = true,
        .coordinate = true},
       {.name = "dwell",
        .dimension = dimension::time,
-       .meaning = "rest after the move",
+       .meaning = "pause after the move",
        .fallback = 0.0,
        .least = 0},
   };

@@ -7,8 +7,8 @@
 
 namespace qerr {
 
-/// The rows of every section of the spec that is not a family of its own. The strict reader and the JSON
-/// Schema read the same rows, so that they cannot disagree about keys, kinds, ranges and defaults.
+/// The rows of every section of the spec that is not a family. The strict reader and the JSON Schema use the
+/// same rows, so that keys, kinds, ranges and defaults agree.
 namespace spec_format {
 
 const std::vector<Parameter>& top();

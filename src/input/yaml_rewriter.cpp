@@ -11,7 +11,7 @@ using std::size_t;
 
 constexpr std::string_view blanks = " \t\r";
 
-/// The changes, collected while the old tree is walked beside the new one.
+/// Edits of a text, collected while the present and the wanted tree are compared.
 class Rewriter {
  public:
   Rewriter(const std::string& text, std::string file) : text_(text), file_(std::move(file)) {
@@ -26,11 +26,11 @@ class Rewriter {
     if (have.type != want.type) return replace(have, want, path);
     if (have.type == Node::Type::mapping) return compare_mappings(have, want, path);
     if (have.type == Node::Type::sequence) return compare_lists(have, want, path);
-    if (!says_the_same(have, want)) replace(have, want, path);
+    if (!same_value(have, want)) replace(have, want, path);
   }
 
   std::string result() {
-    // From the back, so that places further on stay what they are; equal places in the order they came in.
+    // From the end, so that earlier offsets stay valid; edits at one offset keep their order.
     std::stable_sort(edits_.begin(), edits_.end(), [](const Edit& a, const Edit& b) { return a.at < b.at; });
     std::string out = text_;
     for (auto e = edits_.rbegin(); e != edits_.rend(); ++e) out.replace(e->at, e->length, e->text);
@@ -44,8 +44,8 @@ class Rewriter {
   };
 
   [[noreturn]] void refuse(const Node& node, const std::string& path) const {
-    throw Error({node.place, path, "the value cannot be changed in the spec's text as it is laid out there",
-                 "", "write the change into the spec itself"});
+    throw Error({node.place, path, "the layout of the spec does not allow changing this value", "",
+                 "write the change into the spec itself"});
   }
 
   size_t offset(const Place& p) const {
@@ -66,14 +66,14 @@ class Rewriter {
     return text_.substr(start, std::min(text_.find_first_not_of(blanks, start), text_.size()) - start);
   }
 
-  /// Just behind the quote that closes the one at `at`.
+  /// The offset after the quotation mark that closes the one at `at`.
   size_t after_quote(size_t at) const {
     const char quote = text_[at++];
     while (at < text_.size() && text_[at] != quote) at += quote == '"' && text_[at] == '\\' ? 2 : 1;
     return std::min(at + 1, text_.size());
   }
 
-  /// Where the bracket that is open at `at` is closed, and the last character of content before it.
+  /// The offset of the bracket that closes the one at `at`, and the last character of content before it.
   std::pair<size_t, char> closing(size_t at, const Node& node, const std::string& path) const {
     int depth = 0;
     char last = 0;
@@ -94,7 +94,7 @@ class Rewriter {
     refuse(node, path);
   }
 
-  /// Just behind a scalar or a value in brackets.
+  /// The offset after a scalar or a value in brackets.
   size_t end_of(const Node& n, const std::string& path) const {
     const size_t at = offset(n.place);
     if (is_flow(n)) return closing(at, n, path).first + 1;
@@ -109,7 +109,7 @@ class Rewriter {
     edits_.push_back({at, end - at, flow(want)});
   }
 
-  /// The end of the last line that a value takes.
+  /// The end of the last line of a value.
   size_t last_line(const Node& n, const std::string& path) const {
     if (n.type == Node::Type::null) return line_end(offset(n.place));
     if (n.type == Node::Type::scalar || is_flow(n)) return line_end(end_of(n, path));
@@ -134,7 +134,7 @@ class Rewriter {
 
   void compare_lists(const Node& have, const Node& want, const std::string& path) {
     if (want.items.size() < have.items.size() || have.items.empty()) {
-      if (!says_the_same(have, want)) replace_list(have, want, path);
+      if (!same_value(have, want)) replace_list(have, want, path);
       return;
     }
     for (size_t i = 0; i < have.items.size(); ++i)
@@ -142,7 +142,7 @@ class Rewriter {
     for (size_t i = have.items.size(); i < want.items.size(); ++i) add_item(have, want.items[i], path);
   }
 
-  /// An empty list is filled within its brackets; a longer one gives way to a shorter one.
+  /// Fills an empty list within its brackets; replaces a longer list.
   void replace_list(const Node& have, const Node& want, const std::string& path) {
     if (!have.items.empty()) return replace(have, want, path);
     for (const Node& item : want.items) add_item(have, item, path);
@@ -163,7 +163,8 @@ class Rewriter {
         {line_start(at), 0, commented(value.comment, lead) + lead + name + ':' + block(value, lead)});
   }
 
-  /// A value behind its key in block style: lists of mappings one line an item, all else in one line.
+  /// A value after its key in block style: a list of mappings with one line per item, any other value in one
+  /// line.
   static std::string block(const Node& value, const std::string& lead) {
     const bool lines = value.type == Node::Type::sequence && !value.items.empty() &&
                        value.items.front().type == Node::Type::mapping;
@@ -174,7 +175,7 @@ class Rewriter {
     return out;
   }
 
-  /// Behind everything, or before the line that ends the document.
+  /// Adds lines at the end of the text, or before the line that ends the document.
   void append_to_document(const Node& root, const std::string& lines) {
     size_t end = text_.size();
     for (const size_t start : lines_)
@@ -225,8 +226,8 @@ std::string rewritten(const std::string& text, const Node& wanted, const std::st
   const Node have = parse_yaml(text, file);
   rewriter.compare(have, wanted, "");
   const std::string result = rewriter.result();
-  if (!says_the_same(parse_yaml(result, file), wanted))
-    throw Error({have.place, "", "the changes cannot be written into the spec's text as it is laid out", "",
+  if (!same_value(parse_yaml(result, file), wanted))
+    throw Error({have.place, "", "the layout of the spec does not allow these changes", "",
                  "write them into the spec itself"});
   return result;
 }

@@ -1,7 +1,6 @@
 #include "input/yaml_text.hpp"
 
 #include <algorithm>
-#include <cstdio>
 #include <string_view>
 
 #include "core/text.hpp"
@@ -42,10 +41,10 @@ std::string flow_scalar(const std::string& text, bool in_quotes) {
 
 std::string commented(const std::string& comment, const std::string& indent) {
   std::string out;
-  for (std::size_t at = 0; at < comment.size();) {
-    const std::size_t end = std::min(comment.find('\n', at), comment.size());
-    out += indent + "# " + comment.substr(at, end - at) + '\n';
-    at = end + 1;
+  for (std::size_t begin = 0; begin < comment.size();) {
+    const std::size_t end = std::min(comment.find('\n', begin), comment.size());
+    out += indent + "# " + comment.substr(begin, end - begin) + '\n';
+    begin = end + 1;
   }
   return out;
 }
@@ -68,16 +67,16 @@ std::string flow(const Node& n) {
   return out;
 }
 
-bool says_the_same(const Node& a, const Node& b) {
+bool same_value(const Node& a, const Node& b) {
   if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
       a.entries.size() != b.entries.size())
     return false;
   if (a.quoted != b.quoted && parse_number(a.text)) return false;
   for (std::size_t i = 0; i < a.items.size(); ++i)
-    if (!says_the_same(a.items[i], b.items[i])) return false;
+    if (!same_value(a.items[i], b.items[i])) return false;
   return std::all_of(a.entries.begin(), a.entries.end(), [&](const auto& entry) {
     const Node* other = b.find(entry.key.name);
-    return other && says_the_same(entry.value, *other);
+    return other && same_value(entry.value, *other);
   });
 }
 

@@ -40,9 +40,9 @@ const std::vector<Faulty> faulty{
     {head + "0,\"1\"2,3\n", "2:6", "text follows the closing quote"},
     {head + "0,1,2\r1,1,2\n", "2:6", "a carriage return without a line feed"},
     {head + "0,1,2\r\r\n", "accepted", ""},
-    {head + "0,1,2\n1,1,2\n0.5,1,2\n", "4:1", "time runs backwards, after 1 s, found '0.5'"},
+    {head + "0,1,2\n1,1,2\n0.5,1,2\n", "4:1", "time must not decrease, after 1 s, found '0.5'"},
     {head + "0,1,2\n0,1,2\n", "accepted", ""},
-    {head + "0,1.5,2\n", "2:3", "counts are whole numbers, found '1.5'"},
+    {head + "0,1.5,2\n", "2:3", "counts must be integers, found '1.5'"},
     {head + "0,1e3,2\n1,4.000,2\n", "accepted", ""},
     {head + "0,9007199254740993,2\n", "accepted", ""},  // the double next to it is 2^53
     {head + "0,9007199254740994,2\n", "2:3", "beyond 2^53"},

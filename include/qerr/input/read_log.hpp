@@ -10,9 +10,9 @@
 namespace qerr {
 
 struct LogOptions {
-  std::size_t block_bytes = 1 << 18;  ///< of the file that are read at once
+  std::size_t block_bytes = 1 << 18;  ///< bytes of the file per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]
-  Eigen::Index block_rows = 4096;     ///< of values that `next` gives at once
+  Eigen::Index block_rows = 4096;     ///< rows per call of `next`
 };
 
 /// Reads a measured log (CSV) in blocks, in memory that does not grow with the file.
@@ -21,35 +21,34 @@ struct LogOptions {
 ///     Eigen::ArrayXXd rows;
 ///     while (reader.next(rows)) use(reader.log(), rows);
 ///
-/// Columns are found by their header, `NAME [unit]`, and come in SI units: `time`; `JOINT.counts`,
+/// Columns are found by their header, `NAME [unit]`, and converted to SI units: `time`; `JOINT.counts`,
 /// `JOINT.measured`, `JOINT.reference`, `JOINT.effort`, `JOINT.velocity`, `JOINT.command`,
 /// `JOINT.temperature` of the spec's independent joints; `tip.x`, `tip.y`, `tip.z`. Others are ignored with
 /// one warning.
 ///
-/// Whole turns are taken out (`Unwrap`) of `reference`, `measured` and `command` of joints that turn, and of
-/// `counts` of an absolute encoder: one given by bits, or with one signal period a revolution. An incremental
-/// counter that jumps is left as it is, as that is a fault to be found. Where a reference or command begins a
-/// whole number of turns (less than a quarter of one more or less) from the measured position, these are
-/// taken out of all its rows. In a table without time, whose rows have no order, the reference follows the
-/// measured position instead: where their difference has a step of about a turn.
+/// `reference`, `measured` and `command` of revolute joints, and `counts` of encoders that are absolute
+/// within a revolution, are unwrapped (`Unwrap`). Jumps of an incremental counter are kept: they are faults
+/// to be diagnosed. If a reference or command starts a whole number of turns (within a quarter turn) away
+/// from the measured position, these turns are removed from all its rows. In a table without time, whose rows
+/// have no order, a turn is removed wherever the difference of reference and measured position steps by about
+/// a turn.
 class LogReader {
  public:
   /// Reads the header. `-` is standard input.
-  /// @throws Error (file_system) when the file cannot be read; (input), with line and column, for a column
-  /// that is there twice, has a wrong unit or is missing: the measured signal of a joint that has a
-  /// reference, of every joint where the tip is tracked, of all joints
+  /// @throws Error (file_system) if the file cannot be read; (input), with line and column, for a column that
+  /// is duplicate, has a wrong unit or is missing: the measured signal of a joint with a reference, of every
+  /// joint if the tip is tracked, of all joints
   LogReader(const std::string& path, const Spec&, const LogOptions& = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
   LogReader& operator=(LogReader&&) noexcept;
 
-  /// What the header says, and, as far as rows have been read, how many there are, their times, how their
-  /// numbers are written and which columns have been unwrapped.
+  /// The columns and, of the rows read so far, their number, times, decimals and unwrapped turns.
   const Log& log() const;
 
-  /// The next rows, rows x log().columns. @returns false when there are no more
-  /// @throws Error (input), with line and column, for a ragged row, a cell that is empty or no finite number,
-  /// counts that are no whole number within 2^53, time that runs backwards, a file without rows
+  /// The next rows, rows x log().columns. @returns false at the end
+  /// @throws Error (input), with line and column, for a row with too few or too many cells, a cell that is
+  /// not a finite number, counts that are not integers within 2^53, decreasing time, a file without rows
   bool next(Eigen::ArrayXXd& rows);
 
  private:
@@ -57,9 +56,9 @@ class LogReader {
   std::unique_ptr<Rows> rows_;
 };
 
-/// A log, its values included: all rows, or of one with more than `most_values` evenly spread stretches of
-/// 16384 rows that together have at least half as many (a warning says so). Memory stays within 8 bytes a
-/// value, whatever the file's length.
+/// A log with its values. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
+/// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
+/// length of the file.
 Log read_log(const std::string& path, const Spec&, std::uint64_t most_values = 32'000'000);
 
 }  // namespace qerr

@@ -24,14 +24,14 @@ struct NamedFilter {
   Norms norms;
 };
 
-/// What a spec says about one encoder, beside what the bounds need of it.
+/// Properties of one encoder that the bounds do not need.
 struct EncoderFigures {
   std::string kind;           ///< key of the encoder kind
   double counts_per_rev = 0;  ///< after decoding; of `resolution` at a revolute joint 2 pi/Delta
   double gear_ratio = 1;      ///< with its sign
 };
 
-/// One axis of `sweep:`: a dotted path and the YAML texts it takes.
+/// One axis of `sweep:`: a dotted path and its values as YAML texts.
 struct SweepAxis {
   std::string key;
   std::vector<std::string> values;
@@ -40,7 +40,7 @@ struct SweepAxis {
 /// A spec, read and checked: everything in SI units, every name resolved.
 struct Spec {
   std::string file;
-  std::string text;                                            ///< of the file, as it was read
+  std::string text;                                            ///< of the file
   std::string sha256;                                          ///< of the file's bytes
   std::vector<std::pair<std::string, std::string>> overrides;  ///< --set KEY=VALUE, in order
   std::string robot_name;
@@ -57,22 +57,22 @@ struct Spec {
   std::vector<std::string> warnings;
 };
 
-/// The filters of a spec without their names, and the norms beside them, as bounds and simulation take them.
+/// The filters of a spec and their norms, in its order.
 std::vector<Filter> designed_filters(const Spec&);
 std::vector<Norms> filter_norms(const Spec&);
 
-/// What the command line changes in a spec before it is checked.
+/// Changes of a spec by the command line, made before it is checked.
 struct SpecOverrides {
   std::vector<std::pair<std::string, std::string>> values;  ///< dotted path, YAML text
   std::optional<std::uint64_t> seed;
 };
 
-/// Reads a spec and the URDF it names. `-` reads the spec from standard input, its paths relative to the
-/// working folder.
-/// @throws Error (input) with every fault found; (file_system) when a file cannot be read
+/// Reads a spec and its URDF. `-` reads the spec from standard input, with paths relative to the working
+/// folder.
+/// @throws Error (input) with all faults; (file_system) if a file cannot be read
 Spec read_spec(const std::string& path, const SpecOverrides& = {});
 
-/// The same of a text that is to stand at `path`, where its own paths begin.
+/// Reads the text of a spec as if it were the file at `path`, to which its own paths are relative.
 /// @throws Error like read_spec
 Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& = {});
 
