@@ -140,7 +140,7 @@ void check(const Case& c, InstructionSet set) {
   }
 }
 
-RC_GTEST_PROP(BatchedError, IsTheScalarOneOfRandomModels, ()) {
+RC_GTEST_PROP(BatchedError, EqualsTheScalarOneForRandomModels, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   const Case c = random_case(dice, *rc::gen::element(0.0, 0.8, 1.0));
   for (const InstructionSet set : available_instruction_sets()) check(c, set);

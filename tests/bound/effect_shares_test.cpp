@@ -23,7 +23,7 @@ using testing::random_motion;
 using testing::rounding;
 using testing::with_sources;
 
-TEST(EffectShares, OfEveryRowBoundWhatASimulationShows) {
+TEST(EffectShares, OfEveryEffectBoundItsSimulatedErrors) {
   Dice dice(11);
   for (const EffectKind& kind : effect_kinds())
     for (int trial = 0; trial < 12; ++trial) {
@@ -43,7 +43,7 @@ TEST(EffectShares, OfEveryRowBoundWhatASimulationShows) {
 }
 
 /// The bounds are nearly attained: the largest error of several runs is close to them.
-TEST(EffectShares, AreReached) {
+TEST(EffectShares, AreNearlyAttainedBySimulatedErrors) {
   Dice dice(12);
   const std::set<std::string_view> loose{"compliance", "geometry", "reference_error", "log_rounding",
                                          "noise"};
@@ -89,7 +89,7 @@ TEST(EffectShares, HaveTheSigmaOfTheSimulation) {
   }
 }
 
-TEST(EffectShares, AreZeroAtZeroSizeWhateverIsKnown) {
+TEST(EffectShares, AreZeroForEffectsOfMagnitudeZero) {
   Encoder encoder;
   encoder.resolution = 1e-4;
   encoder.rounding = Rounding::down;  // so that truncation has nothing to truncate
@@ -112,7 +112,7 @@ TEST(EffectShares, AreZeroAtZeroSizeWhateverIsKnown) {
   }
 }
 
-TEST(EffectShares, AreEmptyWhereTheUsageLacksWhatTheyNeed) {
+TEST(EffectShares, AreEmptyIfTheUsageLacksAQuantity) {
   Dice dice(13);
   const OperationalModel model = one_joint();
   for (const EffectKind& kind : effect_kinds()) {

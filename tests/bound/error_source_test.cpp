@@ -83,7 +83,7 @@ TEST(OperationalError, OfADisplacedOriginIsTheDifferenceOfTheTwoRobots) {
 }
 
 /// Sources of magnitude zero change no figure of the workspace, bitwise.
-TEST(Workspace, WithSourcesThatAreNothingIsThatWithout) {
+TEST(Workspace, IsUnchangedBySourcesOfMagnitudeZero) {
   Dice dice(18);
   const Chain chain = make_chain(testing::random_robot(dice, {.joints = 3, .mimic = 0}), "", "");
   OperationalModel model = model_of(chain, testing::random_transmission(dice, chain, 1e-4, 1e-3, true));

@@ -58,7 +58,7 @@ Passed passed(const Effect& effect, const Motion& motion, const Filter& filter,
 
 Filter velocity_filter() { return cascade(1, 2); }
 
-TEST(FilteredEffect, IsTheFilterRunOnAPeriodicErrorAtConstantSpeed) {
+TEST(FilteredEffect, EqualsTheFilteredPeriodicErrorAtConstantSpeed) {
   const Motion motion{1000, 40, {}, {{0, 0.7, {}, {}}}, {}};
   for (const double order : {1.0, 2.0, 37.3, 300.0}) {
     const Passed p = passed({"transmission_error",
@@ -70,7 +70,7 @@ TEST(FilteredEffect, IsTheFilterRunOnAPeriodicErrorAtConstantSpeed) {
   }
 }
 
-TEST(FilteredEffect, IsNearTheFilterRunOnAPeriodicErrorAlongASine) {
+TEST(FilteredEffect, IsNearTheFilteredPeriodicErrorAlongASine) {
   const Motion motion{1000, 40, {}, {{0, 0, {{1.2, 0.21, 0}}, {}}}, {}};
   for (const double order : {3.0, 20.0, 90.0}) {
     const Passed p =
@@ -80,7 +80,7 @@ TEST(FilteredEffect, IsNearTheFilterRunOnAPeriodicErrorAlongASine) {
   }
 }
 
-TEST(FilteredEffect, KnowsTheHarmonicsOfASubdivisionError) {
+TEST(FilteredEffect, IncludesTheHarmonicsOfASubdivisionError) {
   OperationalModel model = one_joint();
   model.transmission.encoders[0].counts_per_period = 64;
   const Motion motion{1000, 40, {}, {{0, 0.7, {}, {}}}, {}};
@@ -108,7 +108,7 @@ TEST(FilteredEffect, FollowsLatencyScaleAndBacklashAlongASine) {
 }
 
 /// Two sines of similar amplitude: the mean frequency represents both.
-TEST(FilteredEffect, IsNearTheFilterRunOnMotionsOfTwoSines) {
+TEST(FilteredEffect, IsNearTheFilteredErrorAlongTwoSines) {
   Dice dice(20);
   for (int trial = 0; trial < 20; ++trial) {
     Motion motion = random_motion(dice, 1, 40);
@@ -124,7 +124,7 @@ TEST(FilteredEffect, IsNearTheFilterRunOnMotionsOfTwoSines) {
   }
 }
 
-TEST(FilteredEffect, TakesJitterAndNoiseAsWhiteAndNothingOfConstants) {
+TEST(FilteredEffect, TreatsJitterAndNoiseAsWhiteAndConstantsAsZero) {
   const Motion motion{1000, 200, {}, {{0.4, 0, {{0.3, 0.5, 0.1}}, {}}}, {}};
   for (const Effect& effect : {Effect{"noise", "elbow", {{"sigma", 1e-3}}, {}},
                                Effect{"timing_jitter", "elbow", {{"sigma", 1e-3}}, {}}}) {

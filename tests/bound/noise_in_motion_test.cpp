@@ -43,7 +43,7 @@ double ratio(const Filter& filter, double v) {
   return constant_speed_sigma(a, v) / ipqn_sigma(a);
 }
 
-TEST(Autocorrelation, HoldsTheNormAndTheDcGain) {
+TEST(Autocorrelation, ContainsTheNormAndTheDcGain) {
   for (int d = 0; d <= 2; ++d)
     for (int n = 1; n <= 4; ++n)
       for (const double cutoff : {0.5, 50., 400.}) {
@@ -57,7 +57,7 @@ TEST(Autocorrelation, HoldsTheNormAndTheDcGain) {
       }
 }
 
-TEST(Autocorrelation, RefusesAFilterThatNeverForgets) {
+TEST(Autocorrelation, RejectsAFilterWithTooLongAMemory) {
   EXPECT_THROW(autocorrelation(filter_from_coefficients({1}, {1, -1 + 1e-9}, 1000, 0)), Error);
 }
 
@@ -73,7 +73,7 @@ TEST(ConstantSpeed, AgreesWithASimulatedRamp) {
       }
 }
 
-TEST(ConstantSpeed, AgreesWithASimulatedRampAtRationalSpeedsWhateverTheZero) {
+TEST(ConstantSpeed, AgreesWithASimulatedRampAtRationalSpeedsForAnyZero) {
   for (const int d : {1, 2})
     for (const auto& [p, q] : {std::pair{1, 2}, {2, 3}, {5, 4}, {1, 10}, {77, 50}})
       for (const double zero : {0.01, 0.26, 0.777}) {
@@ -241,7 +241,7 @@ TEST(IpqnThreshold, IsTheLastCrossingOfADenseScan) {
   EXPECT_NEAR(*ipqn_threshold(autocorrelation(cascade(1, 3)), 0.1), 14.058, 0.006);
 }
 
-TEST(IpqnThreshold, IsNotBelowWhatACoarseScanSees) {
+TEST(IpqnThreshold, IsNotBelowTheResultOfACoarseScan) {
   // Last peak speed outside 10 % and 1 % on a coarse grid of speeds to 200.
   const struct {
     int d, n;
@@ -257,7 +257,7 @@ TEST(IpqnThreshold, IsNotBelowWhatACoarseScanSees) {
   EXPECT_NEAR(*ipqn_threshold(autocorrelation(cascade(1, 2)), 0.1), 2.1, .06);
 }
 
-TEST(IpqnThreshold, HasNoSpeedOutsideAboveIt) {
+TEST(IpqnThreshold, IsExceededByNoSpeedAboveIt) {
   for (const auto& [d, n, cutoff] : {std::tuple{1, 1, 50.}, {1, 2, 50.}, {2, 3, 200.}, {1, 2, 10.}}) {
     const Autocorrelation a = autocorrelation(cascade(d, n, cutoff));
     const double threshold = *ipqn_threshold(a, 0.1);
@@ -272,7 +272,7 @@ TEST(IpqnThreshold, HasNoSpeedOutsideAboveIt) {
 
 /// A memory too long for the autocorrelation. At V = p/q the error of an explicit quantizer has a period of q
 /// samples; its Fourier coefficients and the frequency response give the output without a formula for sigma.
-TEST(ConstantSpeed, OfAVerySlowFilterComesFromItsHarmonics) {
+TEST(ConstantSpeed, OfAVerySlowFilterIsComputedFromItsHarmonics) {
   const Filter slow = cascade(1, 2, 1e-4);  // 1e-7 of the sample rate
   ASSERT_FALSE(followed(slow));
   EXPECT_NEAR(constant_speed_sigma(slow, 3), 0, 1e-12 * h2_norm(slow));

@@ -63,7 +63,7 @@ Eigen::VectorXd largest_pose_error(const OperationalModel& m, const Eigen::Vecto
 }
 
 // Equality to 1e-12 of the worst case: the vertices are summed in another order.
-TEST(OperationalError, LinearWorstCaseIsAttainedAtAVertexAndNeverPassed) {
+TEST(OperationalError, LinearWorstCaseIsAttainedAtAVertexAndNeverExceeded) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Dice dice(seed);
     const OperationalModel m = random_model(dice, {}, 1e-4, 1e-2);
@@ -146,7 +146,7 @@ TEST(OperationalError, RigorousBoundTendsToTheLinearOneWithTheResolutionSquared)
   }
 }
 
-TEST(OperationalError, SlidesAloneAreExactlyLinear) {
+TEST(OperationalError, IsExactlyLinearForPrismaticJoints) {
   Dice dice(5);
   ChainMix mix;
   mix.prismatic = 1;

@@ -79,7 +79,7 @@ TEST(QuantizedSine, SumsTheBesselSeries) {
   }
 }
 
-TEST(QuantizedSine, StaysInThePapersEnvelopeWhichIsTight) {
+TEST(QuantizedSine, IsWithinThePapersEnvelopeAndAttainsIt) {
   double mean = 0, below = 0, above = 0;
   for (double amplitude = 2; amplitude < 400; amplitude *= 1.003)
     for (double offset = 0; offset <= 0.5; offset += 0.01) {
@@ -98,7 +98,7 @@ TEST(QuantizedSine, StaysInThePapersEnvelopeWhichIsTight) {
   EXPECT_LT(below, 1.01);
 }
 
-TEST(QuantizedSine, NearsTheUniformErrorFromTheSmallestAmplitudes) {
+TEST(QuantizedSine, ApproachesTheUniformErrorFromTheSmallestAmplitudes) {
   // The assumption of `ipqn_threshold`, at the offset that it uses.
   for (double amplitude = 1e-4; amplitude < 1000; amplitude *= 1.002)
     EXPECT_LE(std::abs(quantized_sine_mean_square(0.5, amplitude) - 1.0 / 12),

@@ -81,7 +81,7 @@ TEST(Histogram, PercentilesAreWithinTheirStatedError) {
   }
 }
 
-TEST(Histogram, CountsTheSameInPartsAndBeyondItsSpan) {
+TEST(Histogram, IsIndependentOfItsPartsAndValidBeyondItsSpan) {
   Dice dice(9);
   std::vector<double> values{0, 1e-300, 1e300, infinity};
   for (int i = 0; i < 9999; ++i) values.push_back(dice.between(0, 7));
@@ -93,7 +93,7 @@ TEST(Histogram, CountsTheSameInPartsAndBeyondItsSpan) {
 }
 
 // Ranks in counted bins are exact; other ranks are reported as not counted.
-TEST(Histogram, KnowsTheOrderStatisticsOfItsCountedBinsAndNoOthers) {
+TEST(Histogram, HasTheOrderStatisticsOfItsCountedBinsOnly) {
   Dice dice(5);
   for (int round = 0; round < 20; ++round) {
     std::vector<double> values(5000);
@@ -150,7 +150,7 @@ TEST(Statistic, NamesTheFirstConfigurationWithTheMaximumButForRounding) {
   EXPECT_EQ(tally_of({1, 5, 2, 5 * (1 + 1e-12)}, 2).at_max(), 3u);
 }
 
-TEST(Statistic, InfinitiesStayInfinitiesAndNeverTurnIntoNaN) {
+TEST(Statistic, InfiniteValuesGiveInfinitiesAndNoNaN) {
   const auto both = [](const std::vector<double>& values) {
     return std::vector{statistic_of(values), binned_statistic_of(values, 2)};
   };

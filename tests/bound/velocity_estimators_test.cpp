@@ -42,7 +42,7 @@ double simulated_itm(double tau, int starts) {
   return largest * unit;
 }
 
-TEST(FiniteDifference, ErrorAtConstantSpeedIsBoundedAndReached) {
+TEST(FiniteDifference, ErrorAtConstantSpeedAttainsItsBound) {
   for (int i = 0; i < 60; ++i) {
     const double v = 0.05 * std::pow(1.13, i);
     const double bound = finite_difference_error(delta, rate, v * unit).constant;
@@ -52,19 +52,19 @@ TEST(FiniteDifference, ErrorAtConstantSpeedIsBoundedAndReached) {
   }
 }
 
-TEST(FiniteDifference, ErrorOfAnyMotionIsBoundedByOneCountPerSampleAndComesNear) {
+TEST(FiniteDifference, ErrorOfAnyMotionIsBoundedByOneCountPerSampleAndNearlyAttainsIt) {
   const double found = simulated_fdm([](int k) { return 40 * std::sin(0.013 * k); }, 3000);
   EXPECT_LT(found, finite_difference_error(delta, rate, 0.52 * unit).varying);
   EXPECT_GT(found, 0.97 * unit);
 }
 
-TEST(FiniteDifference, IsExactAtWholeCountsPerSample) {
+TEST(FiniteDifference, IsExactAtIntegerCountsPerSample) {
   for (const double v : {0., 1., 2., 3., 10.})
     EXPECT_EQ(finite_difference_error(delta, rate, v * unit).constant, 0);
   EXPECT_EQ(finite_difference_error(0.1, 1000, 0.3 * 1000).constant, 0);
 }
 
-TEST(InverseTime, ErrorAtConstantSpeedIsBoundedAndReached) {
+TEST(InverseTime, ErrorAtConstantSpeedAttainsItsBound) {
   for (int i = 0; i < 60; ++i) {
     const double alpha = 1.01 * std::pow(1.07, i);
     const double bound = inverse_time_error(delta, rate, unit / alpha).constant;
@@ -74,7 +74,7 @@ TEST(InverseTime, ErrorAtConstantSpeedIsBoundedAndReached) {
   }
 }
 
-TEST(InverseTime, ErrorOfMonotoneMotionIsBoundedAndReached) {
+TEST(InverseTime, ErrorOfMonotoneMotionAttainsItsBound) {
   // The joint accelerates or decelerates between edges with the largest speed of alpha: v(t) = v_max (1 - c
   // t/tau) covers the quantum in tau = alpha/(1 - c/2) ticks.
   for (const double alpha : {1.0, 1.5, 2.0, 3.7, 7.2, 12.9}) {
@@ -87,7 +87,7 @@ TEST(InverseTime, ErrorOfMonotoneMotionIsBoundedAndReached) {
   }
 }
 
-TEST(InverseTime, BoundsAreOrderedAndThePrintedOneIsLooseByAKnownFactor) {
+TEST(InverseTime, BoundsAreOrderedAndThePrintedOneIsTooLargeByAKnownFactor) {
   for (double v = 0.003; v <= 1; v *= 1.07) {
     const EstimatorError e = inverse_time_error(delta, rate, v * unit);
     EXPECT_LE(e.constant, e.varying);
@@ -99,7 +99,7 @@ TEST(InverseTime, BoundsAreOrderedAndThePrintedOneIsLooseByAKnownFactor) {
   EXPECT_EQ(inverse_time_error(delta, rate, unit / 7).constant, 0);
 }
 
-TEST(EstimatorCrossing, IsWhereTheTightBoundsChangePlaces) {
+TEST(EstimatorCrossing, IsWhereTheLeastBoundsCrossOver) {
   EXPECT_DOUBLE_EQ(estimator_crossing(delta, rate, rate), unit);
   for (const double clock : {100., 1000., 2000., 5999., 6000., 6001., 1e6, 1e8}) {
     const double v = estimator_crossing(delta, rate, clock);
@@ -109,7 +109,7 @@ TEST(EstimatorCrossing, IsWhereTheTightBoundsChangePlaces) {
   }
 }
 
-TEST(WorstCaseSnr, OfThePrintedBoundsIsThePapers) {
+TEST(WorstCaseSnr, OfThePrintedBoundsIsThatOfThePaper) {
   // Eqs. 49 and 53: with these bounds ITM does not outperform FDM between half a count and one count per
   // sample.
   for (const double v : {0.55, 0.7, 0.99})

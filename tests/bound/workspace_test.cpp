@@ -79,7 +79,7 @@ void expect_scaled(const Workspace& a, const Workspace& b, double factor, bool r
   EXPECT_EQ(a.smallest_cosine_of_pitch, b.smallest_cosine_of_pitch);
 }
 
-TEST(Workspace, IsTheSameToTheLastBitForEveryNumberOfThreads) {
+TEST(Workspace, IsBitwiseEqualForEveryNumberOfThreads) {
   for (const bool nearest_only : {true, false})
     for (const std::uint64_t count : {std::uint64_t{3333}, exact_percentiles_limit + 9999}) {
       const OperationalModel m = random_model(4, nearest_only);
@@ -155,7 +155,7 @@ TEST(Workspace, IsTheStatisticOfTheErrorsAtItsConfigurations) {
   }
 }
 
-TEST(Workspace, TextsComeInOrderWhateverTheThreads) {
+TEST(Workspace, TextsAreInOrderForEveryNumberOfThreads) {
   const OperationalModel m = random_model(7, false);
   const Configurations c = samples(m, 70000);
   std::string expected;
@@ -240,7 +240,7 @@ OperationalModel one_link() {
 }
 
 // The points that the job samples in advance (WorkspaceJob::draw_anywhere) are not representative here.
-TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
+TEST(Workspace, BinnedPercentilesAreAccurateForAnUnrepresentativeSample) {
   Configurations c;
   c.method = SamplingMethod::list;
   c.count = exact_percentiles_limit + 4096;
@@ -264,7 +264,7 @@ TEST(Workspace, BinnedPercentilesAreRightWhereTheSampleMisleads) {
 }
 
 // Every row of the grid ends at a pitch of 90 deg; all other points have finite bounds.
-TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
+TEST(Workspace, MaximumOfAnUnboundedCoordinateIsAtItsSingularity) {
   OperationalModel m = one_link();
   m.chain.joints.push_back(m.chain.joints[0]);
   m.chain.joints[1].axis = Eigen::Vector3d::UnitY();
@@ -289,7 +289,7 @@ TEST(Workspace, AnUnboundedCoordinateHasItsMaximumWhereItIsUnbounded) {
 }
 
 // The first point of a grid has a coordinate without error.
-TEST(Workspace, BinnedPercentilesDoNotDependOnWhereTheConfigurationsStart) {
+TEST(Workspace, BinnedPercentilesAreIndependentOfTheFirstConfigurations) {
   const OperationalModel m = one_link();
   Configurations c;
   c.method = SamplingMethod::grid;

@@ -29,7 +29,7 @@ class OutputFiles : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(OutputFiles, AppearsWholeAtCloseAndNotBefore) {
+TEST_F(OutputFiles, ReplaceTheOldFileCompletelyAtClose) {
   const auto path = folder_ / "a.json";
   std::ofstream(path) << "old";
   {
@@ -42,7 +42,7 @@ TEST_F(OutputFiles, AppearsWholeAtCloseAndNotBefore) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(OutputFiles, LeavesTheOldFileAndNoTemporaryWhenItIsAbandoned) {
+TEST_F(OutputFiles, KeepTheOldFileAndLeaveNoTemporaryIfNotClosed) {
   const auto path = folder_ / "a.json";
   std::ofstream(path) << "old";
   { OutputFile(path.string()).write("half"); }
@@ -50,7 +50,7 @@ TEST_F(OutputFiles, LeavesTheOldFileAndNoTemporaryWhenItIsAbandoned) {
   EXPECT_EQ(files(), 1u);
 }
 
-TEST_F(OutputFiles, WritesThroughALinkAndIntoAPipeWithoutReplacingThem) {
+TEST_F(OutputFiles, WriteThroughALinkWithoutReplacingIt) {
   std::ofstream(folder_ / "real.txt") << "old";
   std::filesystem::create_symlink("real.txt", folder_ / "link.txt");
   OutputFile out((folder_ / "link.txt").string());
@@ -60,7 +60,7 @@ TEST_F(OutputFiles, WritesThroughALinkAndIntoAPipeWithoutReplacingThem) {
   EXPECT_EQ(read(folder_ / "real.txt"), "new");
 }
 
-TEST_F(OutputFiles, SaysSoBeforeTheWorkWhenItCannotBeWritten) {
+TEST_F(OutputFiles, AreRejectedAtTheStartIfTheyCannotBeWritten) {
   try {
     OutputFile out((folder_ / "missing" / "a.json").string());
     FAIL();
@@ -70,7 +70,7 @@ TEST_F(OutputFiles, SaysSoBeforeTheWorkWhenItCannotBeWritten) {
   }
 }
 
-TEST_F(OutputFiles, ReportsAFullDevice) {
+TEST_F(OutputFiles, ReportAFullDevice) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   OutputFile out("/dev/full");
   out.write("x");

@@ -53,7 +53,7 @@ TEST(Quantity, ReadsTheUnitsOfTheContract) {
   EXPECT_EQ(quantity("0.3 mm/s")->value, 3e-4);
 }
 
-TEST(Quantity, RefusesWhatIsNotAPlainDecimalNumberWithAKnownUnit) {
+TEST(Quantity, RejectsTextOtherThanADecimalNumberWithAKnownUnit) {
   for (const char* text : {"",      " ",      "nan", ".nan",  "inf", "-.inf",           "1e400", "1e-400",
                            "0x1F",  "010",    "1,5", "1.2.3", "--1", "5 parsec",        "5 mm/", "5 (mm",
                            "5 mm)", "5 mm^0", "mm",  "e5",    "5e",  "1e-200 nm/1e-200"})
@@ -67,7 +67,7 @@ TEST(Quantity, NamesUnitsSoThatTheyReadBack) {
     EXPECT_EQ(quantity("1 " + unit_name(d))->dimension, d) << unit_name(d);
 }
 
-TEST(Unit, AloneIsWhatItIsBehindANumber) {
+TEST(Unit, HasTheSameScaleAloneAndAfterANumber) {
   for (const std::string unit : {"mrad", "um/s", "N m", "deg", "degC", "1", "%", "rad/(N m)", "ms"}) {
     std::string why;
     const auto alone = parse_unit(unit, why);

@@ -8,7 +8,7 @@
 namespace qerr {
 namespace {
 
-TEST(Suggest, FindsWhatWasMeantAndNothingFarAway) {
+TEST(Suggest, FindsTheNearestNameAndNoDistantOne) {
   const std::vector<std::string> known{"counts_per_rev", "lines_per_rev", "bits", "resolution"};
   EXPECT_EQ(nearest("count_per_rev", known), "counts_per_rev");
   EXPECT_EQ(nearest("Bits", known), "bits");

@@ -86,7 +86,7 @@ TEST(IntervalLikelihood, HasTheDerivativesOfItsValue) {
               1e-3 * l.scale_curvature);
 }
 
-TEST(IntervalLikelihood, GoesOnAcrossTheBorderFromWhereItIsTakenInLogarithms) {
+TEST(IntervalLikelihood, IsContinuousWhereItsLogarithmicFormBegins) {
   for (const double outliers : {0.0, 1e-80})
     for (const double side : {-1.0, 1.0}) {
       const auto at = [&](double sigmas) {
@@ -103,7 +103,7 @@ TEST(IntervalLikelihood, GoesOnAcrossTheBorderFromWhereItIsTakenInLogarithms) {
     }
 }
 
-TEST(Explanation, KeepsTheColumnsThatWereDerivedFromATermsWhenThePathMoves) {
+TEST(Explanation, KeepsDerivedColumnsOfATermWhenThePathMoves) {
   // A latency of many counts moves the path, and the columns along the path are recomputed.
   const Evidence e = rows(swing([](std::size_t, double time, double angle) {
     return 0.01 * (1.1 * 2.1 * std::cos(2.1 * time) - 0.2 * 7.7 * std::sin(7.7 * time + 1)) +
@@ -123,7 +123,7 @@ TEST(Explanation, KeepsTheColumnsThatWereDerivedFromATermsWhenThePathMoves) {
   EXPECT_FALSE(m.terms()[2].reshaped || m.terms()[2].relinearized);
 }
 
-TEST(Explanation, KnowsAnOffsetBetterThanTheCountsAverageTellsIt) {
+TEST(Explanation, EstimatesAnOffsetBetterThanTheMeanOfTheCounts) {
   const Evidence e = rows(swing([](std::size_t, double, double) { return 0.37 * step; }));
   Explanation m(e);
   for (const Term& t : named_terms(e))
@@ -149,16 +149,16 @@ TEST(Explanation, FitsAResolverWithClippedSignals) {
   EXPECT_LT(s.model.coefficients(0).head(4).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(Select, NamesNothingWhereNothingIsWrong) { EXPECT_EQ(names(select(rows(swing(none)))), Names{}); }
+TEST(Select, FindsNothingInACleanRecord) { EXPECT_EQ(names(select(rows(swing(none)))), Names{}); }
 
-TEST(Select, TakesAStaircaseForCountsThatWereLost) {
+TEST(Select, IdentifiesAStaircaseAsMissedCounts) {
   const Selection s = select(
       rows(swing([](std::size_t, double t, double) { return -step * ((t > 0.9) + (t > 2.2) + (t > 4.4)); })));
   EXPECT_EQ(names(s), (Names{"missed_counts", "missed_counts", "missed_counts"}));
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) EXPECT_NEAR(s.model.coefficients(i)[0], -1, 0.05);
 }
 
-TEST(Select, FindsAWholeOrderOfEitherShaft) {
+TEST(Select, FindsAnIntegerOrderOfEitherShaft) {
   const Selection of_encoder =
       select(rows(swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(30 * q + 1); })));
   ASSERT_EQ(names(of_encoder), Names{"transmission_error"});
@@ -171,14 +171,14 @@ TEST(Select, FindsAWholeOrderOfEitherShaft) {
   EXPECT_EQ(of_joint.model.terms()[0].effect.choices.at("shaft"), "joint");
 }
 
-TEST(Select, GivesNoNameToADamagedTooth) {
+TEST(Select, LeavesADamagedToothUnidentified) {
   const Selection s = select(rows(swing([](std::size_t, double, double q) {
     return 4 * step * std::exp(-0.5 * std::pow((q - 0.3) / 0.05, 2));
   })));
   EXPECT_EQ(names(s), Names{"unnamed: repeats with the position, and has no period"});
 }
 
-TEST(Select, GivesNoNameToAWander) {
+TEST(Select, LeavesASlowVariationUnidentified) {
   const Selection s = select(rows(swing([](std::size_t, double t, double) {
     return 3 * step * (std::sin(2.9 * t) + 0.6 * std::sin(5.1 * t + 1) + 0.4 * std::cos(8.3 * t));
   })));
@@ -186,7 +186,7 @@ TEST(Select, GivesNoNameToAWander) {
   for (const Term& t : s.model.terms()) EXPECT_FALSE(t.named()) << t.effect.type;
 }
 
-TEST(Scatter, TellsSingleReadingsThatAreFarOff) {
+TEST(Scatter, DetectsOutliers) {
   const Evidence e =
       rows(swing([](std::size_t row, double, double) { return row % 900 == 17 ? 60 * step : 0; }));
   const Selection s = select(e);
@@ -196,7 +196,7 @@ TEST(Scatter, TellsSingleReadingsThatAreFarOff) {
   EXPECT_NEAR(scatter.size, 60 * step, step);
 }
 
-TEST(Select, SaysNothingOfOrdersWhereAJointRests) {
+TEST(Select, FindsNoOrdersForAJointAtRest) {
   Evidence e = swing(none);
   e.reference = e.path = Eigen::ArrayXd::Constant(e.rows(), 0.41 * step);
   for (Eigen::Index k = 0; k < e.rows(); ++k)
@@ -207,7 +207,7 @@ TEST(Select, SaysNothingOfOrdersWhereAJointRests) {
   EXPECT_EQ(names(select(rows(e))), Names{});
 }
 
-TEST(Scatter, IsNoiseWhenItIsTheSameEverywhereAndNothingWithANameWhenItComesAndGoes) {
+TEST(Scatter, IsNoiseIfStationaryAndUnidentifiedOtherwise) {
   const Evidence noisy =
       rows(swing([](std::size_t row, double, double) { return 0.8 * step * normal(row, 2); }));
   const Scatter same = scatter_of(noisy, Explanation(noisy));

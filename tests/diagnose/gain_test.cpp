@@ -55,7 +55,7 @@ Explanation explained(const Evidence& e) {
 
 double least_p(const Evidence& e) { return comparison({e}, {}, {}).front().p_value; }
 
-TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
+TEST(Gain, OfAnEccentricDiscIsLimitedByQuantization) {
   const Evidence e = swing(3, eccentric);
   const auto starts = independent_rows(e);
   const Evidence few = group_means(e, starts);
@@ -72,13 +72,13 @@ TEST(Gain, OfAnEccentricDiscComesDownToTheQuantization) {
   EXPECT_GT(g.log_score, 0.5);
 }
 
-TEST(FoundParameters, OfNoTermsAreNone) {
+TEST(FoundParameters, OfNoTermsAreEmpty) {
   // Fails only in a build with checked matrices: a mean of no values.
   const Evidence e = swing(3, 0);
   EXPECT_TRUE(found_parameters(e, Explanation(e)).empty());
 }
 
-TEST(Gain, OfATermThatIsNotThereIsNoGainOnBlocksItHasNotSeen) {
+TEST(Gain, OfASpuriousTermIsNoGainOnHeldOutBlocks) {
   const Evidence e = swing(4, 0);
   const auto starts = independent_rows(e);
   const Evidence few = group_means(e, starts);
@@ -87,7 +87,7 @@ TEST(Gain, OfATermThatIsNotThereIsNoGainOnBlocksItHasNotSeen) {
   EXPECT_LT(g.log_score, 0.01);
 }
 
-TEST(FoundParameters, HoldTheTruthInNineteenOfTwentyRecords) {
+TEST(FoundParameters, ContainTheTruthIn95PercentOfTheRecords) {
   int held = 0;
   const int records = 60;
   for (int i = 0; i < records; ++i) {
@@ -103,20 +103,20 @@ TEST(FoundParameters, HoldTheTruthInNineteenOfTwentyRecords) {
   EXPECT_GE(held, 51) << "85 %";
 }
 
-TEST(Comparison, IsQuietWhereNothingIsWrong) {
+TEST(Comparison, HasFewFalseAlarms) {
   int alarms = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) alarms += least_p(swing(seed, 0)) < 0.01;
   EXPECT_LE(alarms, 1);
 }
 
-TEST(Comparison, PutsTheOrderOfAnEccentricDiscFirst) {
+TEST(Comparison, RanksTheOrderOfAnEccentricDiscFirst) {
   const auto rows = comparison({swing(5, eccentric)}, {}, {});
   EXPECT_EQ(rows.front().statistic, "by_angle");
   EXPECT_LT(rows.front().p_value, 1e-9);
   EXPECT_NEAR(rows.front().observed, eccentric / step, 0.1);
 }
 
-TEST(Comparison, IsTheSameOnAnyNumberOfThreads) {
+TEST(Comparison, IsEqualForAnyNumberOfThreads) {
   DiagnoseOptions one, three;
   one.threads = 1, three.threads = 3;
   const Evidence e = swing(6, 0.2 * eccentric);
@@ -125,7 +125,7 @@ TEST(Comparison, IsTheSameOnAnyNumberOfThreads) {
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].p_value, b[i].p_value) << a[i].statistic;
 }
 
-TEST(WithEffects, AModelThatHasTheEccentricityFindsNothingWrong) {
+TEST(WithEffects, AModelWithTheEccentricityHasNoDeviation) {
   const Evidence e = swing(7, eccentric);
   const Effect disc{"eccentricity",
                     "elbow",

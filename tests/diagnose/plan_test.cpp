@@ -56,7 +56,7 @@ bool twins(const PlannedEffect& p, const std::string& type) {
                      [&](const CorrelatedEffect& r) { return r.effect.type == type && r.inseparable(); });
 }
 
-TEST(Plan, SaysThatOneWayAtOneSpeedOffsetBacklashAndLatencyAreAlike) {
+TEST(Plan, CannotDistinguishOffsetBacklashAndLatencyInOneDirectionAtOneSpeed) {
   const Plan p = plan(stage(4000, 50), {}, motion({-1, 0.5, {}, {}}, 4), statistics());
   const PlannedJoint& turn = p.joints[0];
   for (const char* one : {"offset", "backlash", "latency"})
@@ -66,7 +66,7 @@ TEST(Plan, SaysThatOneWayAtOneSpeedOffsetBacklashAndLatencyAreAlike) {
   EXPECT_TRUE(twins(find(turn, "noise"), "timing_jitter"));
 }
 
-TEST(Plan, SaysThatReversalsAtSeveralSpeedsTellThemApart) {
+TEST(Plan, DistinguishesThemByReversalsAtSeveralSpeeds) {
   const PlannedJoint turn = plan(stage(4000, 50), {}, motion(to_and_fro(1, 0.4), 8), statistics()).joints[0];
   for (const char* one : {"offset", "backlash", "latency", "timing_jitter"}) {
     EXPECT_FALSE(find(turn, one).has_inseparable()) << one;
@@ -74,14 +74,14 @@ TEST(Plan, SaysThatReversalsAtSeveralSpeedsTellThemApart) {
   }
 }
 
-TEST(Plan, SaysThatATriangleAtOneSpeedLeavesLatencyAndBacklashAlike) {
+TEST(Plan, CannotDistinguishLatencyAndBacklashAlongATriangleAtOneSpeed) {
   JointMotion triangle{-1, 0, {}, {{1, 1.0, 1000, 0, 0}, {-1, 1.0, 1000, 0, 0}}};
   const PlannedJoint turn = plan(stage(4000, 50), {}, motion(triangle, 9), statistics()).joints[0];
   EXPECT_TRUE(twins(find(turn, "backlash"), "latency"));
   EXPECT_FALSE(twins(find(turn, "backlash"), "offset"));
 }
 
-TEST(Plan, SaysThatLessThanATurnOfTheEncoderMakesEccentricityAScaleOrAnOffset) {
+TEST(Plan, CannotDistinguishEccentricityFromScaleOrOffsetWithinOneRevolution) {
   const auto eccentricity = [&](double amplitude) {
     const Plan p = plan(stage(40000, 1), {}, motion(to_and_fro(amplitude, 0.4), 8), statistics());
     return find(p.joints[0], "eccentricity", "encoder");
@@ -92,7 +92,7 @@ TEST(Plan, SaysThatLessThanATurnOfTheEncoderMakesEccentricityAScaleOrAnOffset) {
   EXPECT_FALSE(twins(eccentricity(8), "offset"));
 }
 
-TEST(Plan, SaysThatTwoShaftsWithAWholeRatioShareTheirOrders) {
+TEST(Plan, CannotDistinguishOrdersOfShaftsWithAnIntegerRatio) {
   const PlannedJoint turn = plan(stage(4000, 3), {}, motion(to_and_fro(2, 0.4), 8), statistics()).joints[0];
   const PlannedEffect& disc = find(turn, "eccentricity", "encoder");
   const auto third =
@@ -104,7 +104,7 @@ TEST(Plan, SaysThatTwoShaftsWithAWholeRatioShareTheirOrders) {
   EXPECT_NEAR(third->correlation, 1, 1e-9);
 }
 
-TEST(Plan, NeedsSizesThatShrinkWithTheRootOfTheNumberOfReadings) {
+TEST(Plan, HasThresholdsInverseToTheRootOfTheNumberOfReadings) {
   // Four times the readings of the same motion.
   const auto at = [&](double rate) {
     return plan(stage(40000, 50), {}, motion(to_and_fro(1, 0.4), 8, rate), statistics()).joints[0];
@@ -117,7 +117,7 @@ TEST(Plan, NeedsSizesThatShrinkWithTheRootOfTheNumberOfReadings) {
   }
 }
 
-TEST(Plan, CountsTheReadingsOfLongMotionsWithoutLookingAtAll) {
+TEST(Plan, IncludesAllReadingsOfLongMotions) {
   const Motion m = motion(to_and_fro(1, 0.1), 40, 1000);
   PlanOptions all = statistics(), part = statistics();
   all.most_rows = 100000;
@@ -130,7 +130,7 @@ TEST(Plan, CountsTheReadingsOfLongMotionsWithoutLookingAtAll) {
         << type;
 }
 
-TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
+TEST(Plan, HasTheFisherInformationOfAnOffsetFromReadingsAtEdges) {
   // With little noise of the reference only the edges are informative, each with the information of a probit
   // of its noise s: I = 1/(pi s) int phi^2/(Phi (1 - Phi)) dz / s = 1.8063/s. Independent: the integral by
   // hand.
@@ -153,7 +153,7 @@ TEST(Plan, HasTheOffsetOfReadingsWithKnownEdgesFromFishersInformation) {
               0.02 * offset(wide) / offset(0.02));
 }
 
-TEST(Plan, SaysNothingOfAJointThatRests) {
+TEST(Plan, HasNoEffectsForAJointAtRest) {
   const Plan p = plan(stage(4000, 50), {}, motion({0.3, 0, {}, {}}, 4));
   EXPECT_FALSE(p.joints[0].moves);
   EXPECT_TRUE(p.joints[0].effects.empty());
@@ -161,7 +161,7 @@ TEST(Plan, SaysNothingOfAJointThatRests) {
   EXPECT_TRUE(p.joints_better[0].moves);
 }
 
-TEST(Plan, KnowsABetterMotionThatStaysInTheLimitsAndNamesWhatThisOneCannot) {
+TEST(Plan, ProposesABetterMotionWithinTheLimits) {
   const Plan p = plan(stage(4000, 50), {}, motion({-1, 0.5, {}, {}}, 4));
   ASSERT_TRUE(p.better);
   EXPECT_EQ(p.changed, std::vector<std::size_t>{0});
@@ -177,13 +177,13 @@ TEST(Plan, KnowsABetterMotionThatStaysInTheLimitsAndNamesWhatThisOneCannot) {
   for (double t = 0; t < 4; t += 0.01) EXPECT_LE(std::abs(path.at(0, t).velocity), 4) << t;
 }
 
-TEST(Plan, LeavesAMotionAloneThatItMadeItself) {
+TEST(Plan, KeepsAMotionThatItProposedItself) {
   const Plan first = plan(stage(4000, 50), {}, motion({-1, 0.5, {}, {}}, 4));
   ASSERT_TRUE(first.better);
   EXPECT_FALSE(plan(stage(4000, 50), {}, *first.better).better);
 }
 
-TEST(Plan, HearsTheNoiseThatTheSpecHas) {
+TEST(Plan, IncludesTheNoiseOfTheSpec) {
   const OperationalModel model = stage(4000, 50);
   const Effect noise{"noise", "turn", {{"sigma", model.transmission.encoders[0].resolution}}, {}};
   const Motion m = motion(to_and_fro(1, 0.4), 8);
@@ -192,7 +192,7 @@ TEST(Plan, HearsTheNoiseThatTheSpecHas) {
   EXPECT_GT(loud, 3 * quiet);
 }
 
-TEST(PlanReport, WritesAMotionThatReadsBackAsItWas) {
+TEST(PlanReport, WritesAMotionThatReadsBackUnchanged) {
   const std::string path = std::string(QERR_SOURCE_DIR) + "/configs/diagnosis/spec.yaml";
   const Spec spec = read_spec(path);
   std::string text = spec.text;

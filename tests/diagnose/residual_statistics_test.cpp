@@ -50,7 +50,7 @@ EvidenceMix random_mix(Dice& dice, Eigen::Index rows) {
           dice.between(0.001, 0.3)};
 }
 
-TEST(ResidualStatistics, AreThoseOfRowAfterRow) {
+TEST(ResidualStatistics, EqualThoseOfPlainCode) {
   Dice dice(61);
   for (const InstructionSet set : available_instruction_sets())
     for (const Eigen::Index rows : {30, 31, 32, 33, 63, 64, 100, 500, 1023, 2000, 3001, 5000})
@@ -62,7 +62,7 @@ TEST(ResidualStatistics, AreThoseOfRowAfterRow) {
 }
 
 // More rows than are used: blocks begin and end within standstills and averaged rows.
-TEST(ResidualStatistics, OfALongRecordAreThoseOfItsStretches) {
+TEST(ResidualStatistics, OfALongRecordAreThoseOfItsBlocks) {
   Dice dice(62);
   EvidenceMix mix;
   mix.rows = 70'007;
@@ -73,7 +73,7 @@ TEST(ResidualStatistics, OfALongRecordAreThoseOfItsStretches) {
 
 // A reference without noise on halves and quarters of counts: every reading is on an edge, and its rounding
 // must not depend on the kernel.
-TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
+TEST(ResidualStatistics, RoundReadingsOnEdgesAsPlainCodeDoes) {
   for (const bool down : {false, true}) {
     Evidence e;
     e.encoder = {0.25, down ? Rounding::down : Rounding::nearest, true, 1};
@@ -92,7 +92,7 @@ TEST(ResidualStatistics, PutReadingsOnEdgesWhereRowAfterRowPutsThem) {
 }
 
 // Exactly zero, not 1e-16 of a count.
-TEST(ResidualStatistics, FindNothingByCountWhereOneCountIsRead) {
+TEST(ResidualStatistics, AreZeroByCountIfOneCountIsRead) {
   Dice dice(64);
   for (const InstructionSet set : available_instruction_sets())
     for (const Eigen::Index rows : {100, 3000}) {
@@ -116,7 +116,7 @@ void expect_same(const std::vector<ResidualStatistic>& a, const std::vector<Resi
     EXPECT_TRUE((a[i].values.head(values) == b[i].values.head(values)).all()) << a[i].name;
 }
 
-TEST(ResidualStatistics, AreTheSameForAnyNumberOfThreadsAndOfOtherSurrogates) {
+TEST(ResidualStatistics, AreIndependentOfThreadsAndOtherSurrogates) {
   Dice dice(63);
   const Evidence e = random_evidence(dice, random_mix(dice, 3000));
   const std::vector<Filter> filters = velocity_filters();

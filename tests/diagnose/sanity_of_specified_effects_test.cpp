@@ -28,7 +28,7 @@ std::string causes(const Diagnosis& d) {
   return text;
 }
 
-TEST(Sanity, UndoesTheRolloverThatTheSpecHasWithoutAWord) {
+TEST(Sanity, UndoesASpecifiedRolloverSilently) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);
     const Column counts = m.counted(m.path);
@@ -41,7 +41,7 @@ TEST(Sanity, UndoesTheRolloverThatTheSpecHasWithoutAWord) {
   }
 }
 
-TEST(Sanity, NamesTheModulusThatIsNotTheSpecs) {
+TEST(Sanity, ReportsAModulusOtherThanTheSpecs) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);
     const Column counts = m.counted(m.path);
@@ -56,7 +56,7 @@ TEST(Sanity, NamesTheModulusThatIsNotTheSpecs) {
   }
 }
 
-TEST(Sanity, ReadsCountsWithTheDecodingThatTheSpecHas) {
+TEST(Sanity, ReadsCountsWithTheSpecifiedDecoding) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     Machine m(seed);
     const double factor = std::array<double, 7>{0.25, 0.5, 2, 4, -1, -0.5, -0.25}[seed % 7];
@@ -69,7 +69,7 @@ TEST(Sanity, ReadsCountsWithTheDecodingThatTheSpecHas) {
   }
 }
 
-TEST(Sanity, NamesWhatTheDecodingOfTheSpecDoesNotExplain) {
+TEST(Sanity, ReportsADecodingOtherThanTheSpecs) {
   Machine m(3);
   const Log log = log_of(m, m.counted(m.path));  // the driver has been mended since
   const Sanity s = check_sanity(model_of(m), {}, log, {effect_of("decoding", "factor", 0.25)});
@@ -78,7 +78,7 @@ TEST(Sanity, NamesWhatTheDecodingOfTheSpecDoesNotExplain) {
   EXPECT_NEAR(s.model.transmission.encoders[0].resolution, m.resolution, 1e-12);
 }
 
-TEST(Diagnosis, NamesNoOffsetWhateverEdgesACounterAtX1Uses) {
+TEST(Diagnosis, ReportsNoOffsetForAnyEdgeOfACounterAtX1) {
   for (const double edge : {0.0, 1.0, 2.0, 3.0}) {
     Machine m(5);
     const Log log = log_of(m, ((m.counted(m.path) + edge) / 4).floor());
@@ -90,7 +90,7 @@ TEST(Diagnosis, NamesNoOffsetWhateverEdgesACounterAtX1Uses) {
   }
 }
 
-TEST(Diagnosis, FindsNothingBesideTheGridOfTheFileAndNothingOnceTheSpecHasIt) {
+TEST(Diagnosis, FindsOnlyTheLogResolutionAndNothingIfItIsSpecified) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     Machine m(seed);
     const double decade = std::ceil(-std::log10(m.resolution)) - 1, grid = std::pow(10, -decade);
@@ -107,7 +107,7 @@ TEST(Diagnosis, FindsNothingBesideTheGridOfTheFileAndNothingOnceTheSpecHasIt) {
   }
 }
 
-TEST(Diagnosis, TakesTheCounterThatTheSpecTruncatesForWhatItIs) {
+TEST(Diagnosis, AcceptsASpecifiedTruncation) {
   Machine m(7);
   const Log log = log_of(m, (m.path / m.resolution).floor());
   const Effect truncation{"truncation", "arm", {}, {}};
@@ -115,7 +115,7 @@ TEST(Diagnosis, TakesTheCounterThatTheSpecTruncatesForWhatItIs) {
   EXPECT_EQ(diagnose(model_of(m), {}, {truncation}, log).verdict, Verdict::nothing_wrong);
 }
 
-TEST(Sanity, IsContentWithTheVelocityOnceTheFilterItFoundIsAmongTheSpecs) {
+TEST(Sanity, AcceptsTheVelocityIfTheFoundFilterIsSpecified) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Machine m(seed);
     const int order = 1 + static_cast<int>(seed % 3);

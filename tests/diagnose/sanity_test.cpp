@@ -38,7 +38,7 @@ TEST(Sanity, FindsNothingInCleanRecordsOfAnySizeAndRate) {
   }
 }
 
-TEST(Sanity, FindsTheModulusOfACounterThatWrapsAndUndoesIt) {
+TEST(Sanity, FindsTheModulusOfARolloverAndUndoesIt) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     Machine m(seed);
     const Column counts = m.counted(m.path);
@@ -76,7 +76,7 @@ TEST(Sanity, FollowsAWrappingCounterWithoutAReference) {
   }
 }
 
-TEST(Sanity, LeavesLostCountsAlone) {
+TEST(Sanity, DoesNotChangeMissedCounts) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     Machine m(seed);
     Column counts = m.counted(m.path);
@@ -89,7 +89,7 @@ TEST(Sanity, LeavesLostCountsAlone) {
   }
 }
 
-TEST(Sanity, FindsTheFactorOfAWrongDecodingAlsoBesideAScaleError) {
+TEST(Sanity, FindsTheFactorOfAWrongDecodingAlsoWithAScaleError) {
   for (unsigned seed = 1; seed <= 30; ++seed) {
     Machine m(seed);
     const double factor = std::array<double, 7>{0.25, 0.5, 2, 4, -1, -0.5, -0.25}[seed % 7];
@@ -109,7 +109,7 @@ TEST(Sanity, FindsTheFactorOfAWrongDecodingAlsoBesideAScaleError) {
   }
 }
 
-TEST(Sanity, TakesAFewPercentForAScaleAndNoDecoding) {
+TEST(Sanity, TreatsAFewPercentAsScaleAndNotAsDecoding) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);
     const Column counts = m.counted(m.path * (1 + m.between(-0.06, 0.06)));
@@ -117,7 +117,7 @@ TEST(Sanity, TakesAFewPercentForAScaleAndNoDecoding) {
   }
 }
 
-TEST(Sanity, NamesTheGridOfTheFileAndRestoresTheCountsWhereItCan) {
+TEST(Sanity, ReportsTheLogResolutionAndRestoresTheCountsIfPossible) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);
     const double decade = std::ceil(-std::log10(m.resolution));
@@ -139,7 +139,7 @@ TEST(Sanity, NamesTheGridOfTheFileAndRestoresTheCountsWhereItCan) {
   }
 }
 
-TEST(Sanity, SeesACounterThatUsesOnlyEveryFourthCount) {
+TEST(Sanity, DetectsACounterThatUsesOnlyEveryFourthCount) {
   Machine m(4);
   const Column counts = 4 * (m.counted(m.path) / 4 + 0.5).floor();
   const Sanity s = check_sanity(model_of(m), {}, log_of(m, counts));
@@ -148,7 +148,7 @@ TEST(Sanity, SeesACounterThatUsesOnlyEveryFourthCount) {
   EXPECT_NEAR(s.causes[0].effect.number("step"), 4 * m.resolution, 1e-12);
 }
 
-TEST(Sanity, NamesSensorsThatDoNotMove) {
+TEST(Sanity, ReportsConstantSensors) {
   Machine m(7);
   const Column counts = m.counted(m.path);
   const Sanity encoder = check_sanity(model_of(m), {}, log_of(m, Column::Constant(m.rows, 12)));
@@ -163,7 +163,7 @@ TEST(Sanity, NamesSensorsThatDoNotMove) {
   EXPECT_TRUE(reference.causes.empty());
 }
 
-TEST(Sanity, LeavesOutTheRowsOfASensorThatWasStuckForAWhile) {
+TEST(Sanity, ExcludesTheRowsOfAStuckSensor) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Machine m(seed);
     Column counts = m.counted(m.path);
@@ -179,7 +179,7 @@ TEST(Sanity, LeavesOutTheRowsOfASensorThatWasStuckForAWhile) {
   }
 }
 
-TEST(Sanity, RestoresStampsThatWereRoundedAndToldOfGapsAndDoubles) {
+TEST(Sanity, RestoresRoundedStampsAndReportsGapsAndDuplicates) {
   Machine m(5);
   const Column counts = m.counted(m.path);
   const auto found = [&](const Column& time, int decimals) {
@@ -203,7 +203,7 @@ TEST(Sanity, RestoresStampsThatWereRoundedAndToldOfGapsAndDoubles) {
   EXPECT_FALSE(same.log.has_time());
 }
 
-TEST(Sanity, TakesAControllersOwnErrorForNoLoad) {
+TEST(Sanity, DoesNotTreatAControllersErrorAsLoad) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Machine m(seed);
     const Column lag = m.along(m.time - 2 / m.rate), counts = m.counted(lag);
@@ -229,7 +229,7 @@ TEST(Sanity, TakesAControllersOwnErrorForNoLoad) {
   }
 }
 
-TEST(Sanity, NamesTheFilterThatMadeTheVelocity) {
+TEST(Sanity, IdentifiesTheFilterOfTheVelocity) {
   for (unsigned seed = 1; seed <= 6; ++seed) {
     Machine m(seed);
     const int order = 1 + static_cast<int>(seed % 3);
@@ -248,7 +248,7 @@ TEST(Sanity, NamesTheFilterThatMadeTheVelocity) {
   }
 }
 
-TEST(Sanity, NamesUnevenSamplingWhereOnlyAVelocityTells) {
+TEST(Sanity, DetectsUnevenSamplingFromTheVelocityAlone) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Machine m(seed);
     for (int k = 1; k < m.rows; ++k) m.time[k] = m.time[k - 1] + (m.dice() % 3 ? 1.0 : 1.2) / m.rate;
@@ -269,7 +269,7 @@ TEST(Sanity, NamesUnevenSamplingWhereOnlyAVelocityTells) {
   }
 }
 
-TEST(Sanity, PassesTablesWithoutTime) {
+TEST(Sanity, AcceptsTablesWithoutTime) {
   Machine m(9);
   const Log log = log_of({{LogSignal::counts, m.counted(m.path), 0}, {LogSignal::reference, m.path}});
   const Sanity s = check_sanity(model_of(m), {first_order(1000, 2, 50)}, log);

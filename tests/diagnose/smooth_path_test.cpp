@@ -93,7 +93,7 @@ TEST(SmoothPath, IsExactOnACubicAtAnyStamps) {
   EXPECT_LT((s.velocity - r.velocity).segment(1, inside).abs().maxCoeff(), 1e-3);
 }
 
-TEST(SmoothPath, BearsStampsThatCoincide) {
+TEST(SmoothPath, AcceptsCoincidentStamps) {
   std::mt19937 dice(6);
   Record r(dice, 2000, 1000, 0, 1e-6, 1e-9, two_sines);
   for (Eigen::Index k = 1; k < r.time.size(); k += 7) r.time[k] = r.time[k - 1];

@@ -35,7 +35,7 @@ std::string told(const Diagnosis& d) {
   return text;
 }
 
-TEST(DiagnoseTip, NamesTheJointThatSitsElsewhereAndByHowMuch) {
+TEST(DiagnoseTip, IdentifiesADisplacedJointAndItsMagnitude) {
   int inside = 0, intervals = 0;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     Dice dice(seed);
@@ -63,7 +63,7 @@ TEST(DiagnoseTip, NamesTheJointThatSitsElsewhereAndByHowMuch) {
   EXPECT_GE(inside, intervals - 3);
 }
 
-TEST(DiagnoseTip, FindsNothingWrongWithACleanArm) {
+TEST(DiagnoseTip, FindsNothingForACleanArm) {
   int alarms = 0;
   std::string said;
   for (std::uint64_t seed = 1; seed <= 40; ++seed) {
@@ -83,7 +83,7 @@ TEST(DiagnoseTip, FindsNothingWrongWithACleanArm) {
   EXPECT_LE(alarms, 2) << said;
 }
 
-TEST(DiagnoseTip, NamesWhatAnEncoderAddsByWhatItDoesToTheTip) {
+TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     Dice dice(2000 + seed);
     const std::size_t joints = 2 + dice.below(3);
@@ -131,7 +131,7 @@ TEST(DiagnoseTip, NamesWhatAnEncoderAddsByWhatItDoesToTheTip) {
   }
 }
 
-TEST(DiagnoseTip, SaysThatNoPoseTellsShiftsAlongParallelAxesApart) {
+TEST(DiagnoseTip, ReportsShiftsAlongParallelAxesAsIndistinguishable) {
   Dice dice(5);
   const Arm arm{{{0, 0, 0.3}, {0.4, 0, 0}, {0.3, 0, 0.05}},
                 {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitZ()},
@@ -147,7 +147,7 @@ TEST(DiagnoseTip, SaysThatNoPoseTellsShiftsAlongParallelAxesApart) {
   EXPECT_NE(d.alternatives[0].record.find("no pose"), std::string::npos) << d.alternatives[0].record;
 }
 
-TEST(DiagnoseTip, BlamesATrackerInAFrameOfItsOwnAndNotTheArm) {
+TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(3000 + seed);
     const Arm arm = random_arm(dice, 6);
@@ -191,7 +191,7 @@ bool begins_with_a_dimension(const Diagnosis& d) {
   return !d.causes.empty() && (d.causes[0].effect.type == "geometry" || d.causes[0].effect.type == "offset");
 }
 
-TEST(DiagnoseTip, BringsAnUncalibratedArmDownToTheNoiseOfALaserTracker) {
+TEST(DiagnoseTip, ReducesTheErrorOfAnUncalibratedArmToTheTrackersNoise) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Diagnosis d = uncalibrated(seed, 0);
     EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
@@ -201,7 +201,7 @@ TEST(DiagnoseTip, BringsAnUncalibratedArmDownToTheNoiseOfALaserTracker) {
   }
 }
 
-TEST(DiagnoseTip, LeavesUnexplainedThatAxesAreAskewAndStillNamesTheDimensions) {
+TEST(DiagnoseTip, LeavesSkewAxesUnexplainedAndIdentifiesTheDimensions) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Diagnosis d = uncalibrated(seed, 2e-4);
     EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
@@ -213,7 +213,7 @@ TEST(DiagnoseTip, LeavesUnexplainedThatAxesAreAskewAndStillNamesTheDimensions) {
   }
 }
 
-TEST(DiagnoseTip, SeesGeometryThatGoodSensorsOnAllJointsCannotExplain) {
+TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(5000 + seed);
     const Arm arm = random_arm(dice, 4);
@@ -229,7 +229,7 @@ TEST(DiagnoseTip, SeesGeometryThatGoodSensorsOnAllJointsCannotExplain) {
   }
 }
 
-TEST(DiagnoseTip, CannotJudgeWithoutTheTipOrReferences) {
+TEST(DiagnoseTip, HasNoVerdictWithoutTheTipOrReferences) {
   Dice dice(6);
   const Arm arm = random_arm(dice, 3);
   const std::vector<double> resolution(3, 1e-4);

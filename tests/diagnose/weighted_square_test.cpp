@@ -18,7 +18,7 @@ void expect_plain_product(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& 
             1e-13 * (1 + plain.cwiseAbs().maxCoeff()));
 }
 
-TEST(WeightedSquare, IsThePlainProductOfColumnsOfAnyKind) {
+TEST(WeightedSquare, EqualsThePlainProductForColumnsOfAnyKind) {
   Dice dice(51);
   for (const Eigen::Index rows : {1, 30, 63, 64, 65, 1000})
     for (const Eigen::Index count : {1, 8, 9, 40}) {

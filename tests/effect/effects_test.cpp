@@ -71,7 +71,7 @@ TEST(Sensing, IdealIsTheNearestCountOfTheTruePath) {
 }
 
 /// Every effect of magnitude zero equals the ideal machine, bitwise.
-TEST(Effects, OfNoSizeChangeNothing) {
+TEST(Effects, OfMagnitudeZeroChangeNothing) {
   const Record ideal = record({});
   const std::vector<Effect> none{
       {"offset", "elbow", {{"offset", 0}}, {}},
@@ -102,7 +102,7 @@ TEST(Effects, OfNoSizeChangeNothing) {
 
 /// An eccentric disc by geometry: its lines are at equal angles about its own centre, which has the distance
 /// e from the shaft's centre; the head is at distance R from the shaft's centre.
-TEST(Effects, EccentricityIsThatOfADiscOffItsCentre) {
+TEST(Effects, EccentricityIsThatOfADisplacedDisc) {
   const double ratio = 0.004, phase = 0.7;
   const Record r =
       record({{"eccentricity", "elbow", {{"amplitude", ratio / 20}, {"phase", phase}, {"order", 1}}, {}}});
@@ -185,7 +185,7 @@ TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
   }
 }
 
-TEST(Effects, OfTheClockReadThePathAtOtherTimes) {
+TEST(Effects, OfTheClockSampleThePathAtOtherTimes) {
   const Record late = record({{"latency", "elbow", {{"delay", 0.0123}}, {}}});
   const Record fast = record({{"clock_drift", "elbow", {{"rate", 1e-3}}, {}}});
   for (std::size_t k = 20; k < late.time.size(); ++k) {
@@ -201,7 +201,7 @@ double rms(const std::vector<double>& a, const std::vector<double>& b) {
   return std::sqrt(sum / static_cast<double>(a.size()));
 }
 
-TEST(Effects, RandomOnesHaveTheirSizeAndDependOnTheSeed) {
+TEST(Effects, RandomOnesHaveTheirSigmaAndDependOnTheSeed) {
   const Effect noise{"noise", "elbow", {{"sigma", 5 * delta}}, {}};
   const Record r = record({noise}, 40, 1), other = record({noise}, 40, 2);
   EXPECT_NEAR(rms(r.measured, r.truth) / (delta * std::sqrt(25 + 1.0 / 12)), 1, 0.02);
@@ -214,7 +214,7 @@ TEST(Effects, RandomOnesHaveTheirSizeAndDependOnTheSeed) {
   EXPECT_NEAR(rms(jitter.measured, jitter.truth) / (1e-3 * speed), 1, 0.03);
 }
 
-TEST(Effects, OfTheDecoderActOnWholeCounts) {
+TEST(Effects, OfTheDecoderActOnIntegerCounts) {
   const Record ideal = record({});
   const Record missed = record({{"missed_counts", "elbow", {{"counts", -7}, {"time", 1.5}}, {}}});
   const Record half = record({{"decoding", "elbow", {{"factor", 0.5}}, {}}});
@@ -231,7 +231,7 @@ TEST(Effects, OfTheDecoderActOnWholeCounts) {
   }
 }
 
-TEST(Effects, OfTheFileAndTheReferenceLeaveTheCountsAlone) {
+TEST(Effects, OfTheFileAndTheReferenceDoNotChangeTheCounts) {
   const Record ideal = record({});
   const Record rounded = record({{"log_rounding", "elbow", {{"step", 1e-3}}, {}}});
   const Record wrong =

@@ -51,7 +51,7 @@ TEST(EveryFamily, HasASampleDesign) {
   EXPECT_EQ(sampled.size(), filter_families().size());
 }
 
-TEST(EveryFamily, KnowsTheParametersOfItsSample) {
+TEST(EveryFamily, HasTheParametersOfItsSample) {
   for (const SampleFilter& s : sample_filters()) {
     for (const FilterFamily& family : filter_families()) {
       if (family.name != s.family) continue;
@@ -118,7 +118,7 @@ TEST(EveryFamily, IsStableAndHasNorms) {
   }
 }
 
-TEST(EveryFamily, DelaysAsThePhaseOfItsResponseFalls) {
+TEST(EveryFamily, HasTheGroupDelayOfItsPhase) {
   for (const SampleFilter& s : sample_filters()) {
     for (int d = 0; d <= s.most_derivative; ++d) {
       const Filter filter = designed(s, d);
@@ -129,14 +129,14 @@ TEST(EveryFamily, DelaysAsThePhaseOfItsResponseFalls) {
   }
 }
 
-TEST(EveryFamily, RefusesDerivativesBeyondItsOwn) {
+TEST(EveryFamily, RejectsDerivativesBeyondItsOrder) {
   for (const SampleFilter& s : sample_filters()) {
     const Fault fault = refusal([&] { designed(s, s.most_derivative + 1); });
     EXPECT_TRUE(fault.key == "derivative" || fault.key == "polynomial_order") << s.family << ' ' << fault.key;
   }
 }
 
-TEST(EveryFamily, WithACutoffRefusesOneAtOrAboveNyquist) {
+TEST(EveryFamily, RejectsACutoffAtOrAboveNyquist) {
   for (SampleFilter s : sample_filters()) {
     if (!s.numbers.contains("cutoff")) continue;
     s.numbers["cutoff"] = 499.9;
@@ -199,7 +199,7 @@ TEST(Chebyshev, StaysWithinItsRippleAndItsAttenuation) {
   }
 }
 
-TEST(Bessel, HasTheDelayOrTheCutOffItIsNormalisedTo) {
+TEST(Bessel, HasTheDelayOrTheCutoffOfItsNormalization) {
   for (const double order : {1., 2., 6., 15.}) {
     const auto bessel = [&](const char* normalization) {
       return designed({"bessel", {{"order", order}, {"cutoff", 2}}, {{"normalization", normalization}}}, 0);
@@ -218,7 +218,7 @@ TEST(Trackers, FollowTheirModelWithoutLag) {
   }
 }
 
-TEST(Trackers, LagTheirLastDerivativeAsTheirSummarySays) {
+TEST(Trackers, LagTheirLastDerivativeByTheStatedTime) {
   const double a = 0.5, b = 0.2, g = 0.05;
   EXPECT_NEAR(group_delay(designed({"alpha_beta", {{"alpha", a}, {"beta", b}}, {}}, 1)), (a / b - 0.5) / 1000,
               1e-17);
@@ -226,7 +226,7 @@ TEST(Trackers, LagTheirLastDerivativeAsTheirSummarySays) {
   EXPECT_NEAR(group_delay(designed(third, 2)), (2 * b / g - 0.5) / 1000, 1e-17);
 }
 
-TEST(AlphaBeta, RefusesGainsThatAreNotStable) {
+TEST(AlphaBeta, RejectsUnstableGains) {
   const auto tried = [](double alpha, double beta) {
     return refusal([&] { designed({"alpha_beta", {{"alpha", alpha}, {"beta", beta}}, {}}, 1); });
   };
@@ -243,7 +243,7 @@ TEST(AlphaBeta, RefusesGainsThatAreNotStable) {
 }
 
 /// alpha (4 beta + gamma) > 2 gamma, against the poles of the recursion.
-TEST(AlphaBetaGamma, IsRefusedWhereItsOwnRecursionGrows) {
+TEST(AlphaBetaGamma, IsRejectedIfItsRecursionGrows) {
   int refused = 0, accepted = 0;
   for (double alpha = 0.1; alpha < 2; alpha += 0.3) {
     for (double beta = 0.05; beta < 4; beta += 0.31) {
@@ -276,7 +276,7 @@ TEST(AlphaBetaGamma, IsRefusedWhereItsOwnRecursionGrows) {
   EXPECT_GT(accepted, 50);
 }
 
-TEST(Parameters, ThatDoNotMakeAFilterAreRefusedWithTheWaysThatDo) {
+TEST(Parameters, ThatDefineNoFilterAreRejectedWithARemedy) {
   const auto tried = [](const char* family, std::map<std::string, double> numbers) {
     return refusal([&] { designed({family, numbers, {}}, 1); });
   };

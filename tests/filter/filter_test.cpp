@@ -37,7 +37,7 @@ TEST(Filter, OfPureDifferencesDelaysByHalfASampleEach) {
   EXPECT_EQ(impulse_response(difference_filter(1000, 2), 4), (std::vector<double>{1e6, -2e6, 1e6, 0}));
 }
 
-TEST(Filter, OfTapsDelaysAndBlocksConstants) {
+TEST(Filter, OfAnImpulseResponseDelaysAndBlocksConstants) {
   const Filter taps = filter_from_coefficients({0, 1, 0, -1}, {2}, 100, 1);
   EXPECT_DOUBLE_EQ(group_delay(taps), 0.02);
   EXPECT_EQ(dc_gain(taps), 0);
@@ -59,20 +59,20 @@ TEST(Filter, OfCoefficientsHasTheirResponse) {
   EXPECT_NEAR(impulse_response(filter, 2)[1], 0.15, 1e-16);
 }
 
-TEST(Filter, OfCoefficientsThatMeanToBlockZeroFrequencyDoesSo) {
+TEST(Filter, OfCoefficientsThatNearlyBlockZeroFrequencyBlocksIt) {
   const Filter filter = filter_from_coefficients({0.1, 0.2, -0.3}, {1, -0.5}, 1000, 1);
   EXPECT_EQ(dc_gain(filter), 0);
   EXPECT_GT(std::abs(response(filter, 1e-9)), 0);
 }
 
-TEST(FilterRefuses, CoefficientsWithoutMeaning) {
+TEST(FilterErrors, CoefficientsWithoutMeaning) {
   EXPECT_EQ(refusal([] { filter_from_coefficients({}, {1}, 1, 0); }).key, "numerator");
   EXPECT_EQ(refusal([] { filter_from_coefficients({1}, {}, 1, 0); }).key, "denominator");
   EXPECT_EQ(refusal([] { filter_from_coefficients({1}, {0, 1}, 1, 0); }).key, "denominator");
   EXPECT_EQ(refusal([] { filter_from_coefficients({NAN}, {1}, 1, 0); }).key, "numerator");
 }
 
-TEST(FilterRefuses, PolesOnOrOutsideTheUnitCircle) {
+TEST(FilterErrors, PolesOnOrOutsideTheUnitCircle) {
   EXPECT_EQ(refusal([] {
               filter_from_coefficients({1}, {1, -1.25}, 1, 0);
             }).found,

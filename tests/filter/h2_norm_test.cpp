@@ -57,7 +57,7 @@ TEST(H2Norm, OfRandomSectionsIsWithinItsErrorOfTheExactOne) {
   EXPECT_GT(tally.worst_used, 0.9) << "the bound would be far from tight";
 }
 
-TEST(H2Norm, OfAPoleOneTrillionthFromTheCircleIsItsClosedForm) {
+TEST(H2Norm, OfAPoleOneTrillionthFromTheUnitCircleIsItsClosedForm) {
   const double a = 1 - 1e-12;
   const Estimate h2 = h2_estimate(filter_from_coefficients({1}, {1, -a}, 1, 0));
   const Exact exact = 1 / sqrt(1 - Exact(a) * a);

@@ -40,7 +40,7 @@ void expect_holds(const Interval& i, const Number& exact, double relative_width,
   EXPECT_LE(i.upper - i.lower, relative_width * i.upper) << what;
 }
 
-TEST(L1Norm, OfRandomCascadesHoldsTheDirectSumWithin1e12) {
+TEST(L1Norm, OfRandomCascadesContainsTheDirectSumWithin1e12) {
   for (unsigned seed = 0; seed < 150; ++seed) {
     const RandomFilter random(seed, 6, 0.02);
     Filter filter = difference_filter(0.5, random.differences);
@@ -71,7 +71,7 @@ TEST(L1Norm, OfRandomCascadesHoldsTheDirectSumWithin1e12) {
   }
 }
 
-TEST(L1Norm, OfASlowResonanceHoldsTheDirectSumWithin1e12) {
+TEST(L1Norm, OfASlowResonanceContainsTheDirectSumWithin1e12) {
   for (const double gap : {1e-3, 2e-4}) {
     for (const double angle : {1e-3, 0.3, 2.0, 3.1}) {
       const double m = 1 - gap, a1 = -2 * m * std::cos(angle), a2 = m * m;
@@ -112,7 +112,7 @@ TEST(L1Norm, OfSeveralSlowResonancesOfEqualDampingIsWideAndValid) {
   EXPECT_LT(i.upper, 0x1p34);
 }
 
-TEST(L1Norm, OfTwoResonancesThatDieWithinAMillionSamplesHoldsTheDirectSum) {
+TEST(L1Norm, OfTwoResonancesOfAMillionSamplesContainsTheDirectSum) {
   const double a[2][2] = {{1.2927509377453863, 0.9999835304283305}, {-1.999990621743669, 0.9999906602697118}};
   Filter filter{{}, 1, 1, 0};
   for (const auto& s : a) filter.sections.push_back(section_in_w({1, 0, 0}, {1, s[0], s[1]}));
@@ -148,7 +148,7 @@ TEST(L1Norm, OfAnEllipticLowpassOfHighOrderIsNarrowAndDoesNotDependOnASlowCutoff
   }
 }
 
-TEST(L1Norm, OfAPoleOneTrillionthFromTheCircleIsItsReciprocal) {
+TEST(L1Norm, OfAPoleOneTrillionthFromTheUnitCircleIsItsReciprocal) {
   const double a = 1 - 0x1p-40;
   for (const double sign : {1.0, -1.0})
     expect_holds(l1_norm(filter_from_coefficients({1}, {1, -sign * a}, 1, 0)), ldexp(Number(1), 40), 1e-12,

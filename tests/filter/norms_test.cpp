@@ -181,7 +181,7 @@ TEST(Norms, OfTheVelocityRiseAsThePowerThreeHalvesOfTheCutoff) {
   }
 }
 
-TEST(Norms, OfATapFilterAreItsSums) {
+TEST(Norms, OfAFiniteImpulseResponseAreItsSums) {
   const Norms n = norms(filter_from_coefficients({3, -4}, {1}, 100, 0));
   EXPECT_DOUBLE_EQ(n.h2, 5);
   EXPECT_NEAR(n.l1.lower, 7, 1e-13);

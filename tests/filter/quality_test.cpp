@@ -31,7 +31,7 @@ TEST(NoiseBandwidth, OfASlowFirstOrderLowPassIsHalfPiTimesItsCutOff) {
   EXPECT_NEAR(noise_bandwidth(f, h2_norm(f)), 0.5 * pi * 10, 1e-3);
 }
 
-TEST(NoiseBandwidth, OfAnIdealDifferentiatorIsItsOwn) {
+TEST(NoiseBandwidth, OfAnIdealDifferentiatorIsItsBandwidth) {
   // A single difference passes white noise of power 2 f_s^2: (2/f_s)(2 pi)^2 B^3/3 = 2 f_s^2.
   const Filter f = difference_filter(1000, 1);
   const double b = noise_bandwidth(f, h2_norm(f));
@@ -47,13 +47,13 @@ TEST(Fidelity, FollowsTheFirstOrderLagAtLowFrequency) {
   EXPECT_NEAR(at.tracking_error, std::abs(1.0 / std::complex<double>(1, 0.1) - 1.0), 2e-4);
 }
 
-TEST(Fidelity, OfAPureDifferenceIsASincAndHalfASample) {
+TEST(Fidelity, OfADifferenceIsASincAndADelayOfHalfASample) {
   const Fidelity at = fidelity(difference_filter(1000, 1), 100);
   EXPECT_NEAR(at.gain_error, std::sin(0.1 * pi) / (0.1 * pi) - 1, 1e-14);
   EXPECT_NEAR(at.phase_error, -0.1 * pi, 1e-14);
 }
 
-TEST(BandTracking, LiesBetweenTheErrorsAtItsEnds) {
+TEST(BandTracking, IsBetweenTheErrorsAtTheEndsOfTheBand) {
   const Filter f = design_filter("first_order", 1, 1000, 2, 50);
   const BandTracking t = band_tracking(f, 1, 10);
   EXPECT_DOUBLE_EQ(t.largest, fidelity(f, 10).tracking_error);
@@ -92,7 +92,7 @@ TEST(SettlingTime, IsThatOfTheSampledRamp) {
 
 /// a^(k+1) <= 0.02, a = exp(-x), for the first-order low-pass and, as the ramp lags by the same, its
 /// derivative.
-TEST(SettlingTime, OfASlowFilterComesFromItsModes) {
+TEST(SettlingTime, OfASlowFilterIsComputedFromItsModes) {
   for (const double cutoff : {30.0, 1.0, 0.1}) {
     const double rate = 1e6, samples = std::log(50.0) / (2 * std::numbers::pi * cutoff / rate);
     for (const int derivative : {0, 1})

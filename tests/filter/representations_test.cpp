@@ -79,7 +79,7 @@ TEST(EveryRepresentation, IsWithinItsStatedErrorOfMpmath) {
   EXPECT_EQ(count, 64);
 }
 
-TEST(StateSpace, OfTwentySlowStatesKeepsItsDigits) {
+TEST(StateSpace, OfTwentySlowStatesIsAccurate) {
   // A chain of twenty equal one-pole filters, f0/f about 1e-7: (g/(z - 1 + g))^20 with an exact g.
   const double g = 0x1p-20;
   Rows a(20, std::vector<double>(20)), b(20, {0}), c(1, std::vector<double>(20));
@@ -110,7 +110,7 @@ TEST(ZeroPoleGain, DelaysByThePolesWithoutZeros) {
   for (std::size_t k = 0; k < h.size(); ++k) EXPECT_NEAR(h[k], exact[k], 1e-15);
 }
 
-TEST(Sections, MayBeNumbersAndOfFirstOrder) {
+TEST(Sections, MayBeScalarsAndOfFirstOrder) {
   const Filter filter =
       filter_from_sections({{3, 0, 0, 2, 0, 0}, {1, -1, 0, 1, -0.5, 0}, {1, 2, 1, 1, -0.25, 0}}, 1000, 0);
   const std::complex<double> q = std::polar(1.0, -2 * std::numbers::pi * 0.07);
@@ -119,13 +119,13 @@ TEST(Sections, MayBeNumbersAndOfFirstOrder) {
   EXPECT_DOUBLE_EQ(h2_norm(filter_from_sections({{3, 0, 0, 2, 0, 0}}, 1000, 0)), 1.5);
 }
 
-TEST(Sections, ThatMeanToBlockZeroFrequencyDoSo) {
+TEST(Sections, ThatNearlyBlockZeroFrequencyBlockIt) {
   const Filter filter = filter_from_sections({{0.1, 0.2, -0.3, 1, -0.5, 0}}, 1000, 1);
   EXPECT_EQ(dc_gain(filter), 0);
   EXPECT_GT(filter.deviation.h2, 0);
 }
 
-TEST(Sections, RefuseWhatTheirRoundingCannotTellFromTheCircle) {
+TEST(Sections, RejectPolesOnTheUnitCircleWithinRounding) {
   const std::vector<std::vector<double>> marginal{{1, -1, 0}, {1, 1, 0},      {1, 0, 1},    {1, -2, 1},
                                                   {1, 2, 1},  {1, -1.9, 0.9}, {1, -0.6, 1}, {1, 0, -1}};
   for (const auto& a : marginal) {
@@ -138,7 +138,7 @@ TEST(Sections, RefuseWhatTheirRoundingCannotTellFromTheCircle) {
   EXPECT_NO_THROW(filter_from_sections({{1, 0, 0, 1, -1.999999, 0.999999999}}, 1, 0));
 }
 
-TEST(StateSpace, RefusesWhatIsNotStable) {
+TEST(StateSpace, RejectsAnUnstableFilter) {
   const auto tried = [](const Rows& a) {
     return refusal(
         [&] { filter_from_state_space(a, Rows(a.size(), {1}), Rows(a.size(), {1}), {{0}}, 1, 0); });

@@ -50,7 +50,7 @@ TEST(NoiseTransient, IsThePapersCovarianceRecursion) {
   }
 }
 
-TEST(NoiseTransient, NeverFallsAndTendsToTheH2Norm) {
+TEST(NoiseTransient, IncreasesTowardsTheH2Norm) {
   for (const double cutoff : {1., 50., 300.})
     for (const FilterFamily& family : filter_families())
       if (family.name == "butterworth") {

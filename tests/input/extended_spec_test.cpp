@@ -35,7 +35,7 @@ std::string extended(const std::string& text, const std::vector<AddedEffect>& ef
   return extended_spec(spec_of(text, overrides), effects, "found in a log", folder + "y.yaml");
 }
 
-TEST(ExtendedSpec, KeepsEveryByteOfTheUsersTextAndAddsBehindIt) {
+TEST(ExtendedSpec, KeepsTheUsersTextAndAppends) {
   const std::string text = extended(base, {backlash()});
   EXPECT_EQ(text.substr(0, base.size()), base);
   EXPECT_NE(text.find("# found in a log\n"), std::string::npos);
@@ -57,7 +57,7 @@ TEST(ExtendedSpec, ReadsBackAsTheSameDoubles) {
   EXPECT_EQ(read.effects[1].choices.at("shaft"), "joint");
 }
 
-TEST(ExtendedSpec, AddsBehindTheEffectsThatAreThereInWhateverLayout) {
+TEST(ExtendedSpec, AppendsToTheEffectsInAnyLayout) {
   const std::string j = a_joint(), offset = "{type: offset, joint: " + j + ", offset: 1e-3}";
   const std::string blocks = "effects:\n- type: offset\n  joint: " + j + "\n  offset: 1e-3  # known\n";
   const std::vector<std::string> layouts{
@@ -83,7 +83,7 @@ TEST(ExtendedSpec, AddsBehindTheEffectsThatAreThereInWhateverLayout) {
   }
 }
 
-TEST(ExtendedSpec, FillsAnEmptyListAndASpecInBraces) {
+TEST(ExtendedSpec, ExtendsAnEmptyListAndASpecInFlowStyle) {
   EXPECT_EQ(spec_of(extended(base + "effects: []\n", {backlash(), backlash()})).effects.size(), 2u);
   const std::string json =
       R"({"qerr": 1, "robot": {"urdf": "planar_prr.urdf"}, "encoders": {"*": {"resolution": 1e-4}}})";
@@ -106,7 +106,7 @@ TEST(ExtendedSpec, WritesOverridesIntoTheText) {
   EXPECT_EQ(read.model.transmission.encoders[0].rounding, Rounding::down);
 }
 
-TEST(ExtendedSpec, RefusesAnOverrideThatTheLayoutDoesNotLetItWrite) {
+TEST(ExtendedSpec, RejectsAnOverrideThatTheLayoutDoesNotAllow) {
   const std::string blocks =
       "qerr: 1\nrobot: {urdf: planar_prr.urdf}\nencoders:\n  '*':\n    resolution: 1e-4\n";
   // The same overrides key by key are accepted.
@@ -117,7 +117,7 @@ TEST(ExtendedSpec, RefusesAnOverrideThatTheLayoutDoesNotLetItWrite) {
   EXPECT_THROW(extended(blocks, {}, {{{"encoders.*", "{bits: 12}"}}, {}}), Error);
 }
 
-TEST(ExtendedSpec, LeadsToTheSameUrdfFromAnotherFolder) {
+TEST(ExtendedSpec, RefersToTheSameUrdfFromAnotherFolder) {
   const std::string target = std::string(QERR_SOURCE_DIR) + "/configs/scara/y.yaml";
   const std::string text = extended_spec(spec_of(base), {}, "r", target);
   EXPECT_NE(text.find("robot: {urdf: ../planar_prr/planar_prr.urdf}   # beside this file"), std::string::npos)
@@ -125,7 +125,7 @@ TEST(ExtendedSpec, LeadsToTheSameUrdfFromAnotherFolder) {
   EXPECT_EQ(parse_spec(text, target).robot_name, spec_of(base).robot_name);
 }
 
-TEST(ExtendedSpec, SaysInACommentWhatCannotBeSimulatedAndWhy) {
+TEST(ExtendedSpec, ListsEffectsThatCannotBeSimulatedInAComment) {
   const AddedEffect filter{{"filter_mismatch", a_joint(), {{"cutoff", 12.0}}, {}}, "cutoff 12 Hz"};
   const std::string text = extended(base, {filter, backlash(-1), backlash(NAN), backlash()});
   EXPECT_EQ(spec_of(text).effects.size(), 1u);
@@ -134,12 +134,12 @@ TEST(ExtendedSpec, SaysInACommentWhatCannotBeSimulatedAndWhy) {
   EXPECT_NE(text.find("gap is not known"), std::string::npos) << text;
 }
 
-TEST(ExtendedSpec, WritesLostCountsAsWholeOnes) {
+TEST(ExtendedSpec, WritesMissedCountsAsIntegers) {
   const AddedEffect lost{{"missed_counts", a_joint(), {{"counts", -3.98}, {"time", 1.5}}, {}}, ""};
   EXPECT_EQ(spec_of(extended(base, {lost})).effects.at(0).number("counts"), -4);
 }
 
-TEST(ExtendedSpec, PutsAFoundFilterBesideTheSpecsOrInItsPlace) {
+TEST(ExtendedSpec, AddsOrReplacesAFoundFilter) {
   const auto with = [](const std::vector<AddedFilter>& filters) {
     return extended_spec(spec_of(base), {}, "found in a log", folder + "y.yaml", filters);
   };
@@ -160,7 +160,7 @@ TEST(ExtendedSpec, PutsAFoundFilterBesideTheSpecsOrInItsPlace) {
   EXPECT_NE(refused.find("# found, but not part of this model: filter v ("), std::string::npos) << refused;
 }
 
-TEST(ExtendedSpec, StandsUnchangedButForARemarkWhenNothingWasFound) {
+TEST(ExtendedSpec, IsUnchangedExceptForACommentIfNothingIsFound) {
   EXPECT_EQ(extended(base, {}), base + "# found in a log\n");
 }
 

@@ -88,7 +88,7 @@ const std::vector<Faulty> faulty{
     {"time [s],shoulder.effort [1]\n0,1\n", "1:1", "the log has no measured joint"},
 };
 
-TEST_F(LogErrors, HavePlaceRuleFoundAndRemedyWhereverABlockEnds) {
+TEST_F(LogErrors, HavePlaceRuleFoundAndRemedyForAnyBlockSize) {
   for (const Faulty& f : faulty) {
     const std::string message = refusal(f.text);
     if (f.place == "accepted") {
@@ -102,7 +102,7 @@ TEST_F(LogErrors, HavePlaceRuleFoundAndRemedyWhereverABlockEnds) {
   }
 }
 
-TEST_F(LogErrors, ALineThatIsTooLongIsRefusedBeforeItFillsTheMemory) {
+TEST_F(LogErrors, ALineThatIsTooLongIsRejectedBeforeItIsRead) {
   const LogOptions options{.block_bytes = 64, .longest_row = 200};
   const std::string rows = head + "0,1," + std::string(150, '0') + "2\n";
   EXPECT_EQ(refusal(rows, options), "accepted");
@@ -114,7 +114,7 @@ TEST_F(LogErrors, ALineThatIsTooLongIsRefusedBeforeItFillsTheMemory) {
             "log.csv:2:5: a quotation mark is not closed;");
 }
 
-TEST_F(LogErrors, AFileThatCannotBeReadIsTroubleOfTheFileSystem) {
+TEST_F(LogErrors, AFileThatCannotBeReadIsAFileSystemError) {
   for (const std::string& path : {folder.string(), (folder / "missing.csv").string()}) try {
       LogReader(path, spec);
       FAIL() << path;

@@ -25,7 +25,7 @@ const std::string joints = "shoulder.counts,shoulder.reference [rad]";
 /// Shorthand for a header of time and a shoulder, and rows.
 std::string shoulder(const std::string& rows) { return "time [s]," + joints + "\n" + rows; }
 
-TEST_F(ReadLog, FindsColumnsByNameInAnyOrderAndBringsThemToSi) {
+TEST_F(ReadLog, FindsColumnsByNameInAnyOrderAndConvertsThemToSi) {
   const Log log = read(
       "tip.y [mm],wrist.reference [deg],lift.measured [mm],time [ms],elbow.effort [mA],shoulder.counts "
       "[count],"
@@ -57,7 +57,7 @@ TEST_F(ReadLog, FindsColumnsByNameInAnyOrderAndBringsThemToSi) {
   EXPECT_EQ(unit(LogSignal::reference, 3), "rad");
 }
 
-TEST_F(ReadLog, IgnoresOtherColumnsWithOneWarningThatNamesThem) {
+TEST_F(ReadLog, IgnoresOtherColumnsWithAWarning) {
   const Log log =
       read("time [s],state,shoulder.counts,elbw.counts,\"a, b\"\n0,moving,1,x,\"1,2\"\n1,,2,,\"\"\"\n\"\n");
   EXPECT_EQ(log.rows, 2u);
@@ -68,7 +68,7 @@ TEST_F(ReadLog, IgnoresOtherColumnsWithOneWarningThatNamesThem) {
       << log.warnings[0];
 }
 
-TEST_F(ReadLog, SaysWhereItTakesSiForGranted) {
+TEST_F(ReadLog, WarnsWhereItAssumesSi) {
   const Log log = read("time,shoulder.counts,shoulder.reference,shoulder.effort\n0,1,2,3\n");
   ASSERT_EQ(log.warnings.size(), 1u);
   EXPECT_NE(log.warnings[0].find("SI units: 'time', 'shoulder.reference'"), std::string::npos);
@@ -111,7 +111,7 @@ double by_strtod(std::string cell) {
 
 class Tables : public ReadLog, public ::testing::WithParamInterface<int> {};
 
-TEST_P(Tables, AreReadAsStrtodReadsTheirCellsToTheLastBit) {
+TEST_P(Tables, AreReadBitwiseAsByStrtod) {
   std::mt19937_64 dice(static_cast<unsigned>(GetParam()));
   std::string text = "note,shoulder.effort [1],shoulder.counts,elbow.effort [1],wrist.effort [1]\n";
   std::vector<std::array<double, 3>> expected;
@@ -141,7 +141,7 @@ TEST_P(Tables, AreReadAsStrtodReadsTheirCellsToTheLastBit) {
 
 INSTANTIATE_TEST_SUITE_P(Random, Tables, ::testing::Range(0, 100));
 
-TEST_F(ReadLog, ReadsTheSameWhereverABlockEnds) {
+TEST_F(ReadLog, IsIndependentOfTheBlockSize) {
   const std::string text =
       "\xEF\xBB\xBF# a comment, \"with an odd quote\r\n\r\n#\n\"time "
       "[s]\",note,shoulder.counts,shoulder.reference "
@@ -164,7 +164,7 @@ TEST_F(ReadLog, ReadsTheSameWhereverABlockEnds) {
   }
 }
 
-TEST_F(ReadLog, KnowsHowItsNumbersWereWritten) {
+TEST_F(ReadLog, DetectsTheFormatOfItsNumbers) {
   const Log log = read(
       "time [ms],shoulder.counts,shoulder.reference [mrad],shoulder.effort [1],shoulder.velocity [rad/s]\n"
       "0,-120,0.5000,21.06,1.2345e-05\n0.5,7,-12.2500,21,0\n1.25,0,0.0001,0.0003728,0.1234567890123456789\n");
@@ -183,7 +183,7 @@ TEST_F(ReadLog, KnowsHowItsNumbersWereWritten) {
   EXPECT_EQ(text(4).most_digits, 19);
 }
 
-TEST_F(ReadLog, GivesBackWhatSimulateWroteToTheLastBit) {
+TEST_F(ReadLog, ReadsTheLogOfSimulateBitwise) {
   for (const std::string effects : {"", "effects: [{type: log_rounding, joint: elbow, step: 0.1 mrad}]\n"}) {
     spec =
         spec_with("'*': {counts_per_rev: 4096}, lift: {resolution: 10 um}",
@@ -258,7 +258,7 @@ TEST_F(ReadLog, ReadsAPipe) {
   EXPECT_EQ(values(log, LogSignal::counts).sum(), -30000.0 * 29999 / 2);
 }
 
-TEST_F(ReadLog, HoldsALongLogInStretchesThatAreSpreadOverIt) {
+TEST_F(ReadLog, KeepsALongLogAsBlocksSpreadOverIt) {
   std::string text = shoulder("");
   constexpr int rows = 300000;
   for (int i = 0; i < rows; ++i) text += std::to_string(i) + ',' + std::to_string(2 * i) + ",0.5\n";
@@ -275,7 +275,7 @@ TEST_F(ReadLog, HoldsALongLogInStretchesThatAreSpreadOverIt) {
   EXPECT_GT(time.maxCoeff(), 0.7 * rows);
 }
 
-TEST_F(ReadLog, RandomBytesAreReadOrRefused) {
+TEST_F(ReadLog, AcceptsOrRejectsRandomBytes) {
   std::mt19937_64 dice(5);
   const std::string sound = shoulder("0.000,1,0.5\n\"0.001\",-2,1e-3\r\n0.002,3,.25\n");
   const std::string spice = "\",\n\r#+-.eE0\xEF\xBB\xBF \t[";

@@ -58,7 +58,7 @@ class ReadSpec : public testing::Test {
   std::filesystem::path folder_;
 };
 
-TEST_F(ReadSpec, ReadsEveryEncoderKindToTheJointSide) {
+TEST_F(ReadSpec, ConvertsEveryEncoderKindToTheJointSide) {
   const Spec spec =
       read(head +
            "encoders:\n  shoulder: {lines_per_rev: 1024, decoding: x2, gear_ratio: -80}\n"
@@ -92,7 +92,7 @@ TEST_F(ReadSpec, PointsAtTheKeyAndSuggestsTheRightName) {
             std::string::npos);
 }
 
-TEST_F(ReadSpec, ShowsSeveralFaultsAtOnce) {
+TEST_F(ReadSpec, ReportsSeveralFaultsTogether) {
   const std::string text =
       refusal(head + "encoders:\n  shoulder: {bits: 99}\n  lift: {resolution: 1 deg}\n  elbow: {cpr: 5}\n");
   EXPECT_NE(text.find("spec.yaml:4:20: encoders.shoulder.bits: is out of range, found '99'"),
@@ -102,7 +102,7 @@ TEST_F(ReadSpec, ShowsSeveralFaultsAtOnce) {
   EXPECT_NE(text.find("'cpr' is ambiguous"), std::string::npos) << text;
 }
 
-TEST_F(ReadSpec, RefusesWhatEachSectionMustNotSay) {
+TEST_F(ReadSpec, RejectsInvalidSections) {
   const struct {
     const char* text;
     const char* message;
@@ -148,7 +148,7 @@ TEST_F(ReadSpec, RefusesWhatEachSectionMustNotSay) {
   }
 }
 
-TEST_F(ReadSpec, TakesOverridesByDottedPath) {
+TEST_F(ReadSpec, AppliesOverridesByDottedPath) {
   SpecOverrides overrides;
   overrides.values = {{"encoders.elbow.bits", "19"}, {"coordinates", "[y]"}};
   overrides.seed = 7;
@@ -161,7 +161,7 @@ TEST_F(ReadSpec, TakesOverridesByDottedPath) {
   EXPECT_EQ(refusal(head + encoders, overrides).substr(0, 26), "--set encoders.elbow.bts: ");
 }
 
-TEST_F(ReadSpec, KeepsAnUnusedEncoderAsAWarning) {
+TEST_F(ReadSpec, WarnsOfAnUnusedEncoder) {
   const Spec spec = read(head + encoders + "  aside: {bits: 12}\n");
   ASSERT_EQ(spec.warnings.size(), 1u);
   EXPECT_NE(spec.warnings[0].find("encoders.aside is not used"), std::string::npos);

@@ -11,7 +11,7 @@
 namespace qerr {
 namespace {
 
-TEST(ReadText, RefusesWhatIsNotAReadableFile) {
+TEST(ReadText, RejectsUnreadableFiles) {
   for (const std::string path : {"/", "/nonexistent/r.urdf", "/dev/null", ""}) {
     try {
       read_text(path);
@@ -22,7 +22,7 @@ TEST(ReadText, RefusesWhatIsNotAReadableFile) {
   }
 }
 
-TEST(ReadText, DropsAByteOrderMarkAndRefusesBadBytesAndHugeFiles) {
+TEST(ReadText, DropsAByteOrderMarkAndRejectsBadBytesAndHugeFiles) {
   const auto path =
       std::filesystem::temp_directory_path() / ("qerr_read_text_" + std::to_string(std::rand()));
   const auto write = [&](const std::string& bytes) { std::ofstream(path, std::ios::binary) << bytes; };

@@ -39,7 +39,7 @@ TEST(ReadUrdf, ReadsATreeWithEveryJointType) {
   EXPECT_TRUE(m.warnings.empty());
 }
 
-TEST(ReadUrdf, GivesThePlaceOfEachJoint) {
+TEST(ReadUrdf, StoresThePlaceOfEachJoint) {
   const RobotModel m =
       read(robot(links + joint("x", "fixed", "a", "b", "") + "\n\n  " + joint("y", "fixed", "b", "c")));
   EXPECT_EQ(m.joints[0].place.line, 2);
@@ -76,7 +76,7 @@ TEST(ReadUrdf, ReadsMimicWithItsDefaults) {
   EXPECT_EQ(plain.joints[0].mimic->offset, 0);
 }
 
-TEST(ReadUrdf, NormalisesAnAxisAndSaysSo) {
+TEST(ReadUrdf, NormalizesAnAxisWithAWarning) {
   const RobotModel m = read(inside_joint("<axis xyz='0 1 1'/>", "continuous"));
   EXPECT_NEAR(m.joints[0].axis.y(), std::sqrt(0.5), 3e-16);
   EXPECT_NEAR(m.joints[0].axis.norm(), 1, 1e-15);
@@ -86,7 +86,7 @@ TEST(ReadUrdf, NormalisesAnAxisAndSaysSo) {
   EXPECT_NEAR(huge.joints[0].axis.y(), std::sqrt(0.5), 1e-15);
 }
 
-TEST(ReadUrdf, TakesPrintedDecimalsAsUnitLength) {
+TEST(ReadUrdf, AcceptsRoundedUnitVectors) {
   const RobotModel m = read(inside_joint("<axis xyz='0 0.7071067 0.7071068'/>", "continuous"));
   EXPECT_TRUE(m.warnings.empty());
   EXPECT_NEAR(m.joints[0].axis.norm(), 1, 1e-15);
@@ -107,7 +107,7 @@ TEST(ReadUrdf, LeavesLimitsEmptyWhereNoneAreGiven) {
   EXPECT_EQ(half.joints[0].limits->upper, 2);
 }
 
-TEST(ReadUrdf, WarnsOfAMimicThatMeansNothing) {
+TEST(ReadUrdf, WarnsOfAMimicWithoutEffect) {
   const RobotModel fixed = read(inside_joint("<mimic joint='nobody'/>", "fixed"));
   EXPECT_FALSE(fixed.joints[0].mimic);
   EXPECT_EQ(fixed.warnings.size(), 1u);
@@ -124,7 +124,7 @@ TEST(ReadUrdf, ReadsARobotWhoseNameIsEmptyWithAWarning) {
   EXPECT_EQ(m.warnings.size(), 1u);
 }
 
-TEST(ReadUrdf, LeavesOutWhatIsNotKinematics) {
+TEST(ReadUrdf, IgnoresElementsOtherThanKinematics) {
   const RobotModel m = read(
       "\xEF\xBB\xBF<?xml version='1.0' encoding='ISO-8859-1'?><!-- \xC3\xA9 ${prefix} --><robot name='r' "
       "version='1.0'>"
@@ -228,7 +228,7 @@ TEST(ReadUrdf, ReadsRealRobots) {
   EXPECT_GT(count, 10);
 }
 
-TEST(ReadUrdf, TreatsTheNastyRobotsAsTheirNotesSay) {
+TEST(ReadUrdf, ReadsDefectiveRobotsAsDocumented) {
   const auto nasty = [](const char* name) { return (robots / "nasty" / name).string(); };
   if (!std::filesystem::exists(nasty("drake_iiwa_no_limits.urdf")))
     GTEST_SKIP() << "no nasty robots at " << robots;

@@ -141,7 +141,7 @@ std::vector<Bad> bad_documents() {
   };
 }
 
-TEST(UrdfErrors, RefusesBadDocumentsAtTheirLine) {
+TEST(UrdfErrors, AreReportedAtTheirLine) {
   for (const Bad& bad : bad_documents()) {
     const std::string said = refusal(bad.text);
     EXPECT_NE(said.find(bad.message), std::string::npos) << bad.what << ": " << said;
@@ -150,14 +150,14 @@ TEST(UrdfErrors, RefusesBadDocumentsAtTheirLine) {
   }
 }
 
-TEST(UrdfErrors, NamesTheColumnOfTheAttribute) {
+TEST(UrdfErrors, AreReportedAtTheColumnOfTheAttribute) {
   const std::string said =
       refusal(robot("<link name='a'/><link name='b'/>\n <joint name='j' \t type='fixed'>\n"
                     "  <parent link='a'/>\n  <child  link='\xC3\xA9'/>\n</joint>"));
   EXPECT_EQ(said.find("r.urdf:5:11: joint 'j': "), 0u) << said;
 }
 
-TEST(UrdfErrors, ReportsIndependentFaultsTogether) {
+TEST(UrdfErrors, AreReportedTogetherIfIndependent) {
   try {
     read(inside_joint("<axis xyz='0 0 0'/>\n<limit lower='1' upper='0' effort='-1' velocity='1'/>"));
     FAIL() << "accepted";
@@ -169,7 +169,7 @@ TEST(UrdfErrors, ReportsIndependentFaultsTogether) {
   }
 }
 
-TEST(UrdfErrors, SurvivesEveryCutAndMostBytes) {
+TEST(UrdfErrors, AreReportedForEveryTruncationAndReplacedByte) {
   const std::string whole = inside_joint("<origin xyz='1 2 3' rpy='0 0 0'/>" + limit + "<axis xyz='0 0 1'/>");
   for (std::size_t i = 0; i + 2 < whole.size(); ++i) EXPECT_THROW(read(whole.substr(0, i)), Error) << i;
   for (std::size_t i = 0; i < whole.size(); ++i) {

@@ -90,17 +90,17 @@ std::size_t expect_agreement_below(const fs::path& folder) {
   return chains;
 }
 
-TEST(BatchedJacobian, IsTheScalarOneOnEveryShippedRobot) {
+TEST(BatchedJacobian, EqualsTheScalarOneOnEveryShippedRobot) {
   EXPECT_GE(expect_agreement_below(fs::path(QERR_SOURCE_DIR) / "configs"), 8u);
 }
 
-TEST(BatchedJacobian, IsTheScalarOneOnEveryChainOfRealRobots) {
+TEST(BatchedJacobian, EqualsTheScalarOneOnEveryChainOfRealRobots) {
   const fs::path robots = fs::path(QERR_SOURCE_DIR) / "../shared/robots";
   if (!fs::exists(robots)) GTEST_SKIP() << "no ../shared/robots here";
   EXPECT_GE(expect_agreement_below(robots), 20u);
 }
 
-RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneOnRandomChains, ()) {
+RC_GTEST_PROP(BatchedJacobian, EqualsTheScalarOneOnRandomChains, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   const ChainMix mix{*rc::gen::inRange<std::size_t>(1, 40)};
   const Chain chain = make_chain(random_robot(dice, mix), "", "");
@@ -129,7 +129,7 @@ Chain squared_chain(Dice& dice, std::size_t joints, double off) {
 
 // Multiples of 90 degrees, for which the folding is specialized, and angles near them, for which it must not
 // be.
-RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneAtAndNearRightAngles, ()) {
+RC_GTEST_PROP(BatchedJacobian, EqualsTheScalarOneAtAndNearRightAngles, ()) {
   Dice dice(*rc::gen::arbitrary<std::uint64_t>());
   const double off = *rc::gen::element(0.0, 1e-16, 1e-15, 5e-12, 1e-9, 3.7e-6, 1e-3, 0.02);
   const Chain chain = squared_chain(dice, *rc::gen::inRange<std::size_t>(1, 12), off);
@@ -137,7 +137,7 @@ RC_GTEST_PROP(BatchedJacobian, IsTheScalarOneAtAndNearRightAngles, ()) {
     RC_ASSERT(deviation(chain, set, dice) < 4e-14);
 }
 
-TEST(FoldedChain, TakesRightAnglesAsSuchAndNotThoseThatComeNear) {
+TEST(FoldedChain, FoldsRightAnglesOnly) {
   RobotModel robot{"two", "two.urdf", {"base", "a", "tip"}, {}, {}};
   enum class Tilt { none, right, general };
   const auto tilt_of = [&](double angle) {

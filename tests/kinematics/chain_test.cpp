@@ -67,7 +67,7 @@ TEST(Chain, MimicFoldsIntoItsMaster) {
   EXPECT_NEAR(j(5, 1), 1, 1e-15);
 }
 
-TEST(Chain, MasterBesideTheChainIsIndependentAllTheSame) {
+TEST(Chain, MasterOffTheChainIsIndependent) {
   RobotModel robot = fork();
   robot.joints[2].mimic = Mimic{"d", 2, 0};  // c follows the slide on the other branch
   const Chain chain = make_chain(robot, "one", "left");
@@ -91,7 +91,7 @@ TEST(Chain, FindsItsJointsByName) {
   EXPECT_FALSE(find_joint(chain, "d")) << "a master beside the chain";
 }
 
-TEST(Chain, MasterBehindItsMimicTakesItsOwnPlace) {
+TEST(Chain, MasterAfterItsMimicKeepsItsPlace) {
   RobotModel robot = fork();
   robot.joints[0].mimic = Mimic{"c", 1, 0};
   const Chain chain = make_chain(robot, "base", "left");
@@ -99,7 +99,7 @@ TEST(Chain, MasterBehindItsMimicTakesItsOwnPlace) {
   EXPECT_TRUE(chain.independent[1].on_chain);
 }
 
-TEST(Chain, RunsInsideATree) {
+TEST(Chain, IsPartOfATree) {
   const Chain chain = make_chain(fork(), "one", "right");
   EXPECT_EQ(chain.base, "one");
   EXPECT_EQ(chain.tip, "right");
@@ -116,7 +116,7 @@ TEST(Chain, SeveralLeavesNeedATip) {
   EXPECT_NE(message.find("'left', 'right'"), std::string::npos) << message;
 }
 
-TEST(Chain, FloatingAndPlanarJointsOnTheWayAreRefusedByName) {
+TEST(Chain, FloatingAndPlanarJointsOnTheChainAreRejectedByName) {
   for (const auto& [type, word] :
        {std::pair{JointType::floating, "floating"}, {JointType::planar, "planar"}}) {
     RobotModel robot = fork();
@@ -128,7 +128,7 @@ TEST(Chain, FloatingAndPlanarJointsOnTheWayAreRefusedByName) {
   }
 }
 
-TEST(Chain, UnknownLinksAndChainsWithoutMotionAreRefused) {
+TEST(Chain, UnknownLinksAndChainsWithoutMotionAreRejected) {
   EXPECT_NE(message_of(fork(), "bse", "left").find("'base'"), std::string::npos) << "suggests a name";
   EXPECT_NE(message_of(fork(), "", "middle").find("robot.tip"), std::string::npos);
   EXPECT_NE(message_of(fork(), "two", "two").find("robot.tip"), std::string::npos);

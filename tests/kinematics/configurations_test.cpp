@@ -41,7 +41,7 @@ RC_GTEST_PROP(Configurations, DoNotDependOnCountOrBlocks, ()) {
   RC_ASSERT(draw(c, first + i, 1).col(0) == block.col(static_cast<Eigen::Index>(i)));
 }
 
-TEST(Configurations, BlocksOfEveryMethodAreCutFromOneSequence) {
+TEST(Configurations, BlocksOfEveryMethodArePartsOfOneSequence) {
   Configurations list = unit_cube(SamplingMethod::list, 2);
   for (int i = 0; i < 12; ++i) list.points.push_back(Eigen::Vector2d(i, -i));
   for (const Configurations& c :
@@ -79,7 +79,7 @@ TEST(Configurations, StayInsideTheirRanges) {
   }
 }
 
-TEST(Configurations, SobolPutsOnePointOfEveryBlockIntoEveryDyadicInterval) {
+TEST(Configurations, SobolHasOnePointOfEveryBlockInEveryDyadicInterval) {
   for (const std::uint64_t seed : {1u, 2u, 99u}) {
     const Eigen::MatrixXd q = draw(unit_cube(SamplingMethod::sobol, 10, seed), 0, 1024);
     for (Eigen::Index size = 1; size <= 1024; size *= 2)
@@ -94,7 +94,7 @@ TEST(Configurations, SobolPutsOnePointOfEveryBlockIntoEveryDyadicInterval) {
   }
 }
 
-TEST(Configurations, SobolMeansAreNearerThanRandomOnes) {
+TEST(Configurations, SobolMeansAreMoreAccurateThanRandomOnes) {
   // Mean of x_i x_j over the unit cube: 1/4. 4096 random points miss it by about 2e-3, Sobol points by far
   // less.
   const auto worst = [](SamplingMethod method) {
@@ -112,7 +112,7 @@ TEST(Configurations, SobolMeansAreNearerThanRandomOnes) {
   EXPECT_GT(worst(SamplingMethod::random), 2e-3);
 }
 
-TEST(Configurations, GridHoldsBothEndsAndTheLastJointRunsFastest) {
+TEST(Configurations, GridIncludesBothEndsAndTheLastJointVariesFastest) {
   Configurations c = small_grid();
   ASSERT_EQ(size(c), 27u);
   Eigen::MatrixXd expected(3, 27);
@@ -128,7 +128,7 @@ TEST(Configurations, GridHoldsBothEndsAndTheLastJointRunsFastest) {
   EXPECT_EQ(draw(c, 0, 1).col(0), Eigen::Vector3d(0.4, 2, 6)) << "a single value stands in the middle";
 }
 
-TEST(Configurations, SizeCountsAndSaturates) {
+TEST(Configurations, SizeIsTheCountAndSaturates) {
   Configurations c = unit_cube(SamplingMethod::sobol, 2);
   c.count = 123;
   EXPECT_EQ(size(c), 123u);
@@ -158,7 +158,7 @@ std::uint64_t hash(const Eigen::MatrixXd& q) {
 // Golden: SplitMix64's finalizer and Joe and Kuo's directions (new-joe-kuo-6) in Python's integers, exact.
 // Point 0 of Sobol's sequence, the origin, is point 0 here too: without it the first 2^k points are not a
 // net.
-TEST(Configurations, FirstPointsAreFrozen) {
+TEST(Configurations, FirstPointsAreReproducible) {
   using Rows = std::array<std::array<double, 3>, 5>;
   const Rows sobol{{{0x1.8c42fc136081ep-2, 0x1.1484cab5faac0p-5, 0x1.3952194cd69a8p-2},
                     {0x1.c6217e09b040fp-1, 0x1.11484cab5faacp-1, 0x1.9ca90ca66b4d4p-1},
@@ -180,7 +180,7 @@ TEST(Configurations, FirstPointsAreFrozen) {
   }
 }
 
-TEST(Configurations, FirstThousandPointsAreFrozen) {
+TEST(Configurations, FirstThousandPointsAreReproducible) {
   EXPECT_EQ(hash(draw(unit_cube(SamplingMethod::sobol, 3, 42), 0, 1000)), 0x4192ea39ec1406bdu);
   EXPECT_EQ(hash(draw(unit_cube(SamplingMethod::random, 3, 42), 0, 1000)), 0x2e8eaf1c734e5784u);
 }

@@ -119,7 +119,7 @@ std::string arm(const std::string& elbow_origin) {
          "</robot>";
 }
 
-TEST(Sensing, GeometryMovesTheOriginThatTheUrdfWrites) {
+TEST(Sensing, GeometryMovesTheOriginOfTheUrdf) {
   const Chain nominal = make_chain(parse_urdf(arm("0.4 0.05 0"), "arm.urdf"), "", "");
   const Chain longer = make_chain(parse_urdf(arm("0.4 0.053 0"), "arm.urdf"), "", "");
   const Chain built = as_built(nominal, {{"geometry", "elbow", {{"length", 0.003}}, {{"axis", "y"}}}});

@@ -12,7 +12,7 @@ namespace {
 using testing::Dice;
 
 // Every batch of every method, on every instruction set, bitwise.
-RC_GTEST_PROP(Sampler, DrawsWhatDrawDraws, ()) {
+RC_GTEST_PROP(Sampler, EqualsDraw, ()) {
   Configurations c;
   c.method = *rc::gen::element(SamplingMethod::sobol, SamplingMethod::random, SamplingMethod::grid,
                                SamplingMethod::list);

@@ -29,14 +29,14 @@ long double worst_error(SineCosine sincos, Angle angle, double span, std::uint64
 }
 
 // For angles of usual joints and for the largest allowed ones.
-TEST(Lanes, SineAndCosineAreRightToTwoUnitsOfTheLastPlace) {
+TEST(Lanes, SineAndCosineAreAccurateToTwoUnitsInTheLastPlace) {
   const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos(x); };
   const auto angle = [](double x) { return static_cast<long double>(x); };
   for (const double span : {1e-300, 1e-8, 0.7, 0.8, 3.2, 100.0, lanes::largest_angle})
     EXPECT_LT(worst_error(sincos, angle, span, 3), 2.7e-16L) << "angles up to " << span;
 }
 
-TEST(Lanes, SineAndCosineOfQuarterTurnsAreRightToTwoUnitsOfTheLastPlace) {
+TEST(Lanes, SineAndCosineOfQuarterTurnsAreAccurateToTwoUnitsInTheLastPlace) {
   const auto sincos = [](const lanes::Lanes<2>& x) { return lanes::sincos_of_quarters(x); };
   const auto angle = [](double x) { return std::remainder(x, 4.0) * (std::numbers::pi_v<long double> / 2); };
   for (const double span : {1e-300, 1e-8, 0.45, 0.55, 2.0, 64.0, lanes::largest_angle})

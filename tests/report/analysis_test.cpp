@@ -28,7 +28,7 @@ TEST(Analysis, GivesSigmaInMotionWhereTheSpecHasOne) {
   for (const std::string& warning : a.warnings) EXPECT_EQ(warning.find("IPQN"), std::string::npos);
 }
 
-TEST(Analysis, WarnsOfIpqnInOneSentenceWhereItHasNone) {
+TEST(Analysis, WarnsOfIpqnInOneSentenceWithoutAMotion) {
   Spec spec = read_spec(QERR_SOURCE_DIR "/configs/planar_prr/spec.yaml");
   spec.motion.reset();
   int sentences = 0;
@@ -64,7 +64,7 @@ TEST(Analysis, WarnsOfADerivativeThatIsNotScaled) {
   }
 }
 
-TEST(Analysis, AnswersAFilterWhoseMemoryIsTooLongWithIpqnAlone) {
+TEST(Analysis, UsesIpqnOnlyForAFilterWithTooLongAMemory) {
   Spec spec = read_spec(QERR_SOURCE_DIR "/configs/phantom_premium/experiment.yaml");
   spec.filters.resize(1);
   spec.filters[0].filter.sections[0].a[1] = 1e9;

@@ -55,7 +55,7 @@ TEST(DiagnosisReport, GivesParametersTheUnitOfTheirJoint) {
   EXPECT_EQ(j["causes"][3]["parameters"][0]["unit"], "s");
 }
 
-TEST(DiagnosisReport, WritesParametersInTheOrderOfTheEffectsRowWithThoseThatWereNotFitted) {
+TEST(DiagnosisReport, WritesAllParametersInTheOrderOfTheEffectsRow) {
   Cause c =
       cause("transmission_error", joint_of(spec(), false), {{"phase", 1, 0.9, 1.1}, {"amplitude", 2, 1, 3}});
   c.effect.numbers["order"] = 2;
@@ -67,7 +67,7 @@ TEST(DiagnosisReport, WritesParametersInTheOrderOfTheEffectsRowWithThoseThatWere
   EXPECT_EQ(p[2]["lower"], 2.0);
 }
 
-TEST(DiagnosisReport, WritesWhatIsNotFiniteAsNull) {
+TEST(DiagnosisReport, WritesNonFiniteNumbersAsNull) {
   DiagnosisReport r = report(Verdict::explained,
                              {cause("backlash", joint_of(spec(), false), {{"gap", 1e-3, NAN, INFINITY}})});
   r.diagnosis.simulation.push_back({"elbow", "mean", NAN, 0, 0.5});
@@ -78,7 +78,7 @@ TEST(DiagnosisReport, WritesWhatIsNotFiniteAsNull) {
   EXPECT_TRUE(j["extended_model"].is_null());
 }
 
-TEST(DiagnosisReport, TellsWhichColumnsWereUnwrapped) {
+TEST(DiagnosisReport, ListsUnwrappedColumns) {
   DiagnosisReport r = report(Verdict::nothing_wrong, {});
   LogColumn column;
   column.header = "elbow.reference [rad]";
@@ -88,7 +88,7 @@ TEST(DiagnosisReport, TellsWhichColumnsWereUnwrapped) {
   EXPECT_NE(table(r).find("unwrapped: elbow.reference [rad], 3 full turns"), std::string::npos);
 }
 
-TEST(DiagnosisReport, SaysTheVerdictFirstAndInWords) {
+TEST(DiagnosisReport, StartsWithTheVerdictInWords) {
   const std::string joint = joint_of(spec(), false);
   const Cause found = cause("backlash", joint, {{"gap", 1e-3, 0.9e-3, 1.1e-3}});
   EXPECT_NE(table(report(Verdict::explained, {found})).find("\nEXPLAINED: backlash of " + joint),
@@ -107,7 +107,7 @@ TEST(DiagnosisReport, SaysTheVerdictFirstAndInWords) {
   EXPECT_NE(table(mute).find("CANNOT JUDGE: the reference's noise"), std::string::npos);
 }
 
-TEST(DiagnosisReport, GivesAGainAtTheTipInMetresAndNoCounts) {
+TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {
   const std::string turn = joint_of(spec(), false);
   DiagnosisReport r =
       report(Verdict::explained, {cause("eccentricity", turn, {{"amplitude", 1e-3, 0.9e-3, 1.1e-3}})});
@@ -146,7 +146,7 @@ TEST(DiagnosisReport, RoundsAFigureToItsInterval) {
   EXPECT_NE(text.find("gap  566.1 +- 3.0 urad"), std::string::npos) << text;
 }
 
-TEST(DiagnosisReport, HasARemedyForEveryEffectThatASpecCanName) {
+TEST(DiagnosisReport, HasARemedyForEveryEffect) {
   for (const EffectKind& kind : effect_kinds()) {
     const std::string text =
         table(report(Verdict::explained, {cause(std::string(kind.name), joint_of(spec(), false), {})}));

@@ -73,7 +73,7 @@ TEST(EstimatorReport, HasTheSameFiguresInJsonAndCsv) {
   EXPECT_EQ(static_cast<std::size_t>(std::count(csv.begin(), csv.end(), '\n')), rows + 1);
 }
 
-TEST(EstimatorReport, StandsInTheReportOnlyWhenAskedFor) {
+TEST(EstimatorReport, IsInTheReportOnRequestOnly) {
   const FilterReport without = filter_report(spec(), {});
   EXPECT_FALSE(nlohmann::json::parse(write(without, "json", {})).contains("estimators"));
   EXPECT_EQ(write(without, "csv", {}).rfind("filter,", 0), 0u);

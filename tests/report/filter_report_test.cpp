@@ -42,7 +42,7 @@ TEST_F(FilterReports, GivesEveryEncoderItsNoiseAtASpeed) {
   }
 }
 
-TEST_F(FilterReports, TheNoiseAfterSwitchingOnGrowsToTheNorm) {
+TEST_F(FilterReports, TheNoiseTransientTendsToTheNorm) {
   const std::string csv = transient_csv(spec);
   double last = 0, largest = 0;
   std::string filter;

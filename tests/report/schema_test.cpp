@@ -78,7 +78,7 @@ TEST_F(SpecSchema, AcceptsEverySpecThatTheReaderAccepts) {
   EXPECT_GE(count, 20u);
 }
 
-TEST_F(SpecSchema, RefusesMostOfWhatTheReaderRefuses) {
+TEST_F(SpecSchema, RejectsMostSpecsThatTheReaderRejects) {
   std::size_t refused = 0;
   for (const fs::path& path : specs("tests/corpus/bad_specs")) {
     EXPECT_THROW(read_spec(path.string()), Error) << path;
@@ -97,7 +97,7 @@ TEST_F(SpecSchema, RefusesMostOfWhatTheReaderRefuses) {
 }
 
 /// A key with one letter added is unknown to both reader and schema, at every depth.
-TEST_F(SpecSchema, KnowsTheKeysOfTheReaderAndNoOthers) {
+TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
   const fs::path file = fs::temp_directory_path() / ("qerr_schema_" + std::to_string(getpid()) + ".yaml");
   const std::set<std::string> free_keys{"/encoders", "/filters", "/configurations/limits", "/motion/joints"};
   const auto read = [&](const Json& spec) {

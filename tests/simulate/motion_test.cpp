@@ -37,7 +37,7 @@ TEST(MotionPath, SumsCenterVelocityAndSines) {
 
 class Moves : public testing::TestWithParam<int> {};
 
-TEST_P(Moves, KeepTheirLimitsReachTheirEndsAndRest) {
+TEST_P(Moves, KeepTheirLimitsAndStopAtTheirEnds) {
   std::mt19937 engine(static_cast<unsigned>(GetParam()));
   const auto draw = [&](double low, double high) {
     return std::exp(std::uniform_real_distribution(std::log(low), std::log(high))(engine));
@@ -87,7 +87,7 @@ TEST(MotionPath, AJerkLimitedMoveTakesTheAccelerationOverJerkLonger) {
   EXPECT_NEAR(path.position(0, 1.6), 1, 1e-12);
 }
 
-TEST(MotionPath, ATableIsExactInItsRowsAndRestsOutside) {
+TEST(MotionPath, ATableIsExactInItsRowsAndConstantOutside) {
   Motion motion{100, 0.9, {}, {}, {{2, 2.1, 2.3, 2.9}, Eigen::MatrixXd(2, 4)}};
   motion.table.positions << 1, 2, 4, 3, 0, 0, 0.5, 0.25;
   const MotionPath path(motion);
@@ -136,7 +136,7 @@ TEST_F(MotionSpec, OutsideTheJointLimitsIsAnErrorThatNamesTheJoint) {
   EXPECT_NE(text.find("leaves the joint's limits"), std::string::npos) << text;
 }
 
-TEST_F(MotionSpec, TwoSinesThatNeverMeetMayEachReachFar) {
+TEST_F(MotionSpec, SinesThatDoNotCoincideMayEachUseTheFullRange) {
   const Limits limits = [&] {
     EXPECT_EQ(message("{sample_rate: 100 Hz, duration: 1 s, joints: {elbow: {center: 0}}}"), "accepted");
     for (const IndependentJoint& joint : spec.model.chain.independent)

@@ -64,7 +64,7 @@ TEST(NoiseAlongMotion, AgreesWithAQuantizerBehindADifferential) {
   }
 }
 
-TEST(NoiseAlongMotion, IsZeroAtRestAndAtWholeCountsASample) {
+TEST(NoiseAlongMotion, IsZeroAtRestAndAtIntegerCountsPerSample) {
   const Motion motion{1000, 1, {}, {{0, 0, {}, {}}, {0, 4.0, {}, {}}}, {}};  // 4 rad/s: 2 counts a sample
   const Eigen::VectorXd noise =
       noise_along_motion(differential(), motion, autocorrelation(cascade(1, 2)), 1000);
@@ -84,7 +84,7 @@ TEST(NoiseAlongMotion, OfAShortMotionIsThatOfItsSpeed) {
   }
 }
 
-TEST(NoiseAlongMotion, ALongMotionIsLookedAtInStretches) {
+TEST(NoiseAlongMotion, OfALongMotionIsEstimatedFromBlocks) {
   Motion motion{1000, 100, {}, {{0, 0, {{0.5, 0.37, 0}}, {}}, {0, 0, {{0.3, 0.53, 0}}, {}}}, {}};
   const Autocorrelation memory = autocorrelation(cascade(1, 2));
   const Eigen::VectorXd whole = noise_along_motion(differential(), motion, memory, 1000);

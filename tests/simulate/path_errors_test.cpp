@@ -171,7 +171,7 @@ TEST(PathErrors, AreThoseOfTheScalarFunctionsOnRandomChains) {
     }
 }
 
-TEST(PathErrors, OfARobotThatIsBuiltOtherwiseAreFromWhereItIs) {
+TEST(PathErrors, OfARobotWithGeometricErrorsReferToItsTrueTip) {
   Dice dice(42);
   for (const InstructionSet set : available_instruction_sets())
     for (std::size_t trial = 0; trial < 10; ++trial) {
@@ -185,7 +185,7 @@ TEST(PathErrors, OfARobotThatIsBuiltOtherwiseAreFromWhereItIs) {
 }
 
 // Errors of radians: beyond the series of small angles.
-TEST(PathErrors, MayBeOfAnySize) {
+TEST(PathErrors, MayBeLarge) {
   Dice dice(43);
   for (const InstructionSet set : available_instruction_sets())
     for (std::size_t trial = 0; trial < 10; ++trial) {
@@ -198,7 +198,7 @@ TEST(PathErrors, MayBeOfAnySize) {
 }
 
 // A joint that has rotated for hours; and sines of as many revolutions.
-TEST(PathErrors, HoldForAnglesBeyondThoseOfTheLanes) {
+TEST(PathErrors, HoldForLargeAngles) {
   Dice dice(44);
   for (const InstructionSet set : available_instruction_sets())
     for (std::size_t trial = 0; trial < 6; ++trial) {
@@ -211,7 +211,7 @@ TEST(PathErrors, HoldForAnglesBeyondThoseOfTheLanes) {
     }
 }
 
-TEST(ChannelFilter, IsTheFilterBankInAnyPieces) {
+TEST(ChannelFilter, EqualsTheFilterBankForAnyPartition) {
   Dice dice(45);
   std::vector<Filter> filters{cascade(0, 1),       cascade(1, 1),       cascade(1, 2), cascade(2, 2),
                               cascade(2, 3, 0.01), cascade(1, 1, 1e-3), Filter{}};
@@ -305,7 +305,7 @@ Experiment random_experiment(Dice& dice, std::size_t joints, double seconds) {
 
 // Records that end in the middle of a batch, settle there, and filters that take every second and every
 // seventh sample.
-TEST(Simulate, IsTheScalarSimulationAtAllBordersOfBatches) {
+TEST(Simulate, EqualsTheScalarSimulationAtAllBoundariesOfBatches) {
   Dice dice(46);
   for (const InstructionSet set : available_instruction_sets())
     for (const std::uint64_t samples : {1, 2, 63, 64, 65, 128, 200, 1000, 3001})
@@ -319,7 +319,7 @@ TEST(Simulate, IsTheScalarSimulationAtAllBordersOfBatches) {
       }
 }
 
-TEST(Simulate, IsTheScalarSimulationUnderEffectsOfEveryStage) {
+TEST(Simulate, EqualsTheScalarSimulationWithEffectsOfEveryStage) {
   Dice dice(47);
   for (const InstructionSet set : available_instruction_sets())
     for (std::size_t trial = 0; trial < 6; ++trial) {
@@ -354,7 +354,7 @@ TEST(Simulate, OfManyRunsIsTheSameForAnyNumberOfThreadsOnEverySet) {
   }
 }
 
-TEST(Simulate, KeepsItsDigitsBesideALargeMean) {
+TEST(Simulate, IsAccurateWithALargeMean) {
   Dice dice(49);
   Experiment e = random_experiment(dice, 4, 2.0);
   const std::string joint = e.model.chain.independent[0].name;

@@ -60,7 +60,7 @@ TEST(Simulate, AtTheGimbalLockTheoryOfRollAndYawIsUnboundedAndTheSimulationIsNot
     }
 }
 
-TEST(Simulate, TheGimbalLockLeavesTheOtherCoordinatesAlone) {
+TEST(Simulate, TheGimbalLockDoesNotChangeTheOtherCoordinates) {
   const Experiment lock = wrist(0.5 * pi);
   Experiment without = lock;
   without.model.coordinates = {Coordinate::x, Coordinate::pitch};
@@ -77,7 +77,7 @@ TEST(Simulate, TheGimbalLockLeavesTheOtherCoordinatesAlone) {
     }
 }
 
-TEST(Simulate, GivesAllButTheExactSigmaBehindAFilterThatRemembersTooMuch) {
+TEST(Simulate, OmitsTheExactSigmaForAFilterWithTooLongAMemory) {
   Experiment e = wrist(0);
   e.filters.push_back(cascade(1, 1, 1e-4));  // remembers hours
   e.norms.push_back(norms(e.filters[1]));

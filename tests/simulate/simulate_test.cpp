@@ -133,7 +133,7 @@ Experiment two_slides(double offset_in_quanta) {
   return e;
 }
 
-TEST(Simulate, JointsInStepAreAsCorrelatedAsTheirOffsetSays) {
+TEST(Simulate, JointsInPhaseHaveTheCorrelationOfTheirOffset) {
   // Identical motions, delta quanta apart: correlation 1 - 6 delta + 6 delta^2 (theory.md, section VI).
   for (const double delta : {0.0, 0.1, 0.25, 0.5, 0.8}) {
     const SimulatedSignal r = run(two_slides(delta), {}).results[0][0];
@@ -145,7 +145,7 @@ TEST(Simulate, JointsInStepAreAsCorrelatedAsTheirOffsetSays) {
   }
 }
 
-TEST(Simulate, AConstantErrorIsNoStepAndTakesNoDigits) {
+TEST(Simulate, AConstantErrorHasNoTransientAndDoesNotReduceAccuracy) {
   Experiment e = two_slides(0.3);
   e.filters = {cascade(1, 2), cascade(2, 3)};
   for (const Filter& f : e.filters) e.norms.push_back(norms(f));
@@ -159,7 +159,7 @@ TEST(Simulate, AConstantErrorIsNoStepAndTakesNoDigits) {
   EXPECT_NEAR(off.results[0][0].mean_simulated - ideal.results[0][0].mean_simulated, offset, 1e-9);
 }
 
-TEST(Simulate, TakesEveryNthSampleForASlowerFilter) {
+TEST(Simulate, UsesEveryNthSampleForASlowerFilter) {
   Experiment e = two_slides(0.3);
   Experiment slow = e;
   e.motion.sample_rate = 4000;
@@ -192,7 +192,7 @@ TEST(Simulate, ReportsTheSamplesOfItsFirstRunInOrder) {
   EXPECT_GT(worst, 0.4);
 }
 
-TEST(Simulate, SigmaOfManyRunsHasAnIntervalThatHoldsTheTruth) {
+TEST(Simulate, SigmaOfManyRunsHasAnIntervalThatContainsTheTruth) {
   // The joint error of a fast motion has sigma = Delta/sqrt(12); at most 6 of 40 intervals of 95 %
   // may miss it (probability of more: 0.2 %), and more runs narrow them.
   Experiment e = two_slides(0);

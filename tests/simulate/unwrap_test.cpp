@@ -35,7 +35,7 @@ TEST(Unwrap, RestoresEveryPathWhoseVelocityChangesByLessThanAQuarterTurnPerSampl
   }
 }
 
-TEST(Unwrap, LeavesAJumpThatIsNoTurn) {
+TEST(Unwrap, KeepsAJumpOtherThanARevolution) {
   for (const double jump : {0.3, -0.5, 0.7, -0.74, 2.0, -3.0}) {
     Unwrap unwrap(1);
     for (int i = 0; i < 20; ++i) {
@@ -46,7 +46,7 @@ TEST(Unwrap, LeavesAJumpThatIsNoTurn) {
   }
 }
 
-TEST(Unwrap, LeavesATurnsJumpOfWhatHasRunOnBeyondATurn) {
+TEST(Unwrap, KeepsAJumpOfARevolutionOfAMultiturnSignal) {
   Unwrap unwrap(1);
   for (int i = 0; i < 40; ++i) {
     const double x = 0.1 * i - (i > 20 ? 1 : 0);
@@ -54,7 +54,7 @@ TEST(Unwrap, LeavesATurnsJumpOfWhatHasRunOnBeyondATurn) {
   }
 }
 
-TEST(Unwrap, SaysWhenLaterSamplesShowThatItWasNoWrap) {
+TEST(Unwrap, ReportsIfLaterSamplesContradictAWrap) {
   Unwrap unwrap(1);
   for (int i = 0; i < 9; ++i) unwrap(0.1 * i);
   unwrap(-0.1);
@@ -76,7 +76,7 @@ std::string turning_wrist(double turn_of_counts, double from) {
   return text;
 }
 
-TEST_F(ReadLog, UnwrapsReferencesAndAbsoluteEncodersAndSaysSo) {
+TEST_F(ReadLog, UnwrapsReferencesAndAbsoluteEncodersWithAWarning) {
   spec = spec_with("'*': {bits: 14}, lift: {resolution: 10 um}");
   for (const LogOptions& options : {LogOptions{}, LogOptions{.block_rows = 7}}) {
     const Log log = read(turning_wrist(16384, -pi), options);
@@ -97,7 +97,7 @@ TEST_F(ReadLog, UnwrapsReferencesAndAbsoluteEncodersAndSaysSo) {
   }
 }
 
-TEST_F(ReadLog, BringsAReferenceToTheTurnOfTheMeasuredPosition) {
+TEST_F(ReadLog, MovesAReferenceToTheRevolutionOfTheMeasuredPosition) {
   spec = spec_with("'*': {bits: 14}, lift: {resolution: 10 um}");
   for (const Eigen::Index rows : {8192, 7}) {
     const Log log = read(turning_wrist(16384, 4 * pi), {.block_rows = rows});
@@ -107,7 +107,7 @@ TEST_F(ReadLog, BringsAReferenceToTheTurnOfTheMeasuredPosition) {
   }
 }
 
-TEST_F(ReadLog, LeavesTheJumpOfAnIncrementalCounter) {
+TEST_F(ReadLog, KeepsTheJumpOfAnIncrementalCounter) {
   for (const std::string encoder :
        {"{counts_per_rev: 16384}", "{periods_per_rev: 2, interpolation_bits: 13}"}) {
     spec = spec_with("'*': " + encoder + ", lift: {resolution: 10 um}");
@@ -120,7 +120,7 @@ TEST_F(ReadLog, LeavesTheJumpOfAnIncrementalCounter) {
   EXPECT_EQ(read(turning_wrist(16384, -pi)).columns[1].wraps.count, 3u);
 }
 
-TEST_F(ReadLog, ASlideHasNoTurns) {
+TEST_F(ReadLog, DoesNotUnwrapPrismaticJoints) {
   std::string text = "time [s],lift.counts,lift.reference [m]\n";
   for (int i = 0; i < 10; ++i)
     text += std::to_string(i) + ",0," + std::to_string(i < 5 ? 0.0 : 2 * pi) + '\n';

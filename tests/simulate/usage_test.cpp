@@ -16,7 +16,7 @@ using testing::Dice;
 using testing::one_joint;
 using testing::random_motion;
 
-TEST(Usage, FromLimitsIsSpreadEvenlyOverThem) {
+TEST(Usage, FromLimitsIsUniform) {
   OperationalModel model = one_joint();
   model.chain.independent[0].velocity_limit = 2;
   const RobotUsage usage = usage_from_limits(model, {{-1, 3}});
@@ -31,7 +31,7 @@ TEST(Usage, FromLimitsIsSpreadEvenlyOverThem) {
   EXPECT_DOUBLE_EQ(*u.velocity->rate, 1);
 }
 
-TEST(Usage, OfAMotionHasTheEffortsThatComplianceYieldsTo) {
+TEST(Usage, OfAMotionHasTheEffortsThatActOnCompliance) {
   Dice dice(17);
   OperationalModel model = one_joint();
   model.chain.joints[0].load = {3, {0.4, 0, 0}, Eigen::Vector3d(0.01, 0.02, 0.02).asDiagonal()};
@@ -56,7 +56,7 @@ TEST(Usage, OfAMotionHasTheEffortsThatComplianceYieldsTo) {
 }
 
 /// A profile whose acceleration jumps at samples: the effort includes the full step, not its mean.
-TEST(Usage, OfAMotionHasTheEffortsThatTheSimulationFeels) {
+TEST(Usage, OfAMotionHasTheEffortsOfTheSimulation) {
   OperationalModel model = one_joint();
   model.chain.joints[0].load = {3, {0.4, 0, 0}, Eigen::Vector3d(0.01, 0.02, 0.02).asDiagonal()};
   Motion motion{1000, 3, 0.0, {}, {}};
