@@ -6,8 +6,8 @@
 
 namespace qerr {
 
-/// What is filtered of every coordinate: the exact error, its linear part, the part of every encoder in that,
-/// and, where errors have a mean, what the Jacobian makes of it along the path.
+/// Layout of the filtered signals of every coordinate: the exact error, its linear part J e, the contribution
+/// of every encoder to that, and, if errors have a mean, the mean error along the path.
 struct Channels {
   Eigen::Index coordinates, encoders;
   bool biased;

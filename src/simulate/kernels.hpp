@@ -5,11 +5,11 @@
 #include "kinematics/folded_path.hpp"
 #include "lanes/dispatch.hpp"
 
-// What the kernels of the simulation take; files that are compiled per instruction set include this (see
-// folded_path.hpp for what they must not).
+// Interface of the simulation kernels, included by files that are compiled per instruction set (see
+// folded_path.hpp for the headers that these must not include).
 //
-// Lanes are instants where nothing is remembered from sample to sample (motion, quantizers, kinematics), and
-// channels where something is (filters). Runs would do for both, but most simulations are a single run.
+// Lanes are instants where no state is carried from sample to sample (motion, quantizers, kinematics), and
+// channels where it is (filters). Runs are not used as lanes, since most simulations are a single run.
 
 namespace qerr {
 
@@ -25,33 +25,34 @@ struct SinusoidPath {
   std::size_t count;
 };
 
-/// An encoder's counts: floor(position/resolution + 1/2), or floor(position/resolution).
+/// Counts of an encoder: floor(position/resolution + 1/2), or floor(position/resolution) if `down`.
 struct Quantizer {
   double resolution;
   bool down;
 };
 
-/// One joint's part in a column: a factor of the joint's column as `PathErrorPlan::scale` leaves it.
+/// Contribution of one joint to a column: a factor of the column of the joint, scaled by
+/// `PathErrorPlan::scale`.
 struct ColumnPart {
   std::size_t joint;
   double factor;
 };
 
-/// How the tip moves with an error: first of all encoders, then of what else errs.
+/// Derivative of the tip with respect to an error: columns of the encoders, then of the error sources.
 struct ErrorColumn {
-  std::size_t first, parts;  ///< of its ColumnParts; a single one of factor 1 is the joint's own column
-  bool direct;
-  bool origin;       ///< a displaced origin of a joint: `direction` in the axes behind joint `link - 1`, or
-  std::size_t link;  ///< of link 0 in those of the base
+  std::size_t first, parts;  ///< its ColumnParts
+  bool direct;               ///< a single part of factor 1: the column is that of the joint
+  bool origin;               ///< displacement of a joint origin along `direction`, in the axes after joint
+  std::size_t link;          ///< `link - 1`, for link 0 in those of the base
   double direction[3];
-  double mean, half_width;  ///< of an encoder in resolutions
+  double mean, half_width;  ///< of an encoder in units of its resolution
 };
 
-/// What of the error along the path does not change from instant to instant.
+/// Constants of the errors along a path. Borrows the memory of `PathErrors`.
 struct PathErrorPlan {
-  FoldedPath chain, built;  ///< as modelled, and as the robot is
-  bool as_modelled;         ///< they are the same
-  const double* scale;      ///< of each joint's column, with its axis' sign
+  FoldedPath chain, built;  ///< as modelled and as built
+  bool as_modelled;         ///< both are the same
+  const double* scale;      ///< of the column of each joint, with the sign of its axis
   std::size_t encoders, sources;
   const ErrorColumn* columns;
   const ColumnPart* parts;
@@ -59,24 +60,23 @@ struct PathErrorPlan {
   std::size_t coordinates;
   const int* rows;  ///< 0..2 position, 3..5 rotation vector, 6..8 roll pitch yaw
   bool rotations, angles, biased;
-  bool mixed;                ///< some columns are sums
-  double remainder;          ///< of the position (remainder.hpp)
-  double largest_remainder;  ///< a bound of it wherever the joints are; infinite where that is not known
-  const double* per_column;  ///< of |scaled column|
+  bool mixed;                ///< a column is a sum of several joints
+  double remainder;          ///< linearization remainder of the position (linearization_remainder.hpp)
+  double largest_remainder;  ///< its upper bound in any configuration, or infinity
+  const double* per_column;  ///< factor of |scaled column|
   double rotation, rotation_angle;
   const double* center_mean;  ///< of each coordinate
-  std::size_t width;          ///< of a row of channels: their count, filled up to whole lanes
-  std::size_t squares_width;  ///< the same of the squares
+  std::size_t width;          ///< of a row: the number of channels, padded to whole lanes
+  std::size_t squares_width;  ///< the same for the squares
 };
 
-/// Sums of channels about their first values: no digits are lost to a large mean. A number for each channel;
-/// where lanes are instants, sum, squares and peak are a vector of each channel, a part of the instants in
-/// each lane.
+/// Sums of channels about their first values, which avoids cancellation. One number for each channel; if
+/// lanes are instants, sum, squares and peak have one vector for each channel.
 struct ChannelTally {
   double *shift, *sum, *squares, *peak;
 };
 
-/// Sine and cosine less 1 of a small angle, in numbers or lanes: the next terms are below 5e-18.
+/// Sine and cosine - 1 of a small angle, of numbers or lanes; the next terms of the series are below 5e-18.
 template <class Number>
 struct SmallTurn {
   static constexpr double largest = 0x1p-8;  ///< [rad]
@@ -89,28 +89,26 @@ struct SmallTurn {
   }
 };
 
-/// How far a run is displaced along a joint: the turn, or the slide in place of its sine.
+/// Displacement of a run along a joint: a rotation, or a translation stored in place of the sine.
 using Displacement = SmallTurn<double>;
 
-/// Of a batch of instants: inputs channel-major, as is what is summed up later; channels of the filters in
-/// rows.
+/// Inputs and outputs of a batch of instants, channel-major; only `rows` are instant by instant.
 struct PathErrorBatch {
   const double *joint, *built_joint, *estimate;  ///< independent joints
-  const double *encoder, *measured;              ///< true and as read
-  const double* path_sines;                      ///< of all runs' path, as `sines` gives them; or null
-  const Displacement* turns;                     ///< [moving joint]: of this run from there
-  double* rows;               ///< [instant][width]: error, its linear part, parts of the encoders, and mean;
-                              ///< or null
-  const ChannelTally* tally;  ///< of those channels in lanes of instants, the peak of the error; or null
-  bool fresh;                 ///< nothing has been added to the tally yet: it needs its shifts
-  bool bounds_only;           ///< of all that follows `rigorous` and `deviation` alone are wanted
-  bool each;                  ///< the variance is wanted of each instant, not only its sum over the batch
+  const double *encoder, *measured;              ///< true and measured
+  const double* path_sines;                      ///< of the path shared by all runs, from `sines`; or null
+  const Displacement* turns;                     ///< [moving joint]: of this run from that path
+  double* rows;  ///< [instant][width]: error, linear part, contributions of the encoders, mean; or null
+  const ChannelTally* tally;  ///< of those channels (instants as lanes), with the peak of the error; or null
+  bool fresh;                 ///< the tally is empty: its shifts are to be set
+  bool bounds_only;           ///< compute only `rigorous` and `deviation` of the outputs
+  bool each;                  ///< compute the variance of each instant instead of its sum over the batch
   double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders; or a vector of sums
-  double* squares;            ///< [encoder][coordinate], added to: (J C Delta)^2; or null
-  double* summed;             ///< the same, a vector of sums of each; or null
+  double* squares;            ///< [encoder][coordinate]: (J C Delta)^2 is added; or null
+  double* summed;             ///< the same, one vector of sums for each; or null
   double* rigorous;           ///< [coordinate]: largest bound so far
-  double* deviation;          ///< [coordinate]: and of the difference from the mean at the centre
-  double* room;
+  double* deviation;          ///< [coordinate]: the same of the difference from the mean at the centre
+  double* scratch;
 };
 
 /// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative. The last
@@ -159,49 +157,50 @@ inline constexpr std::size_t lags_at_once = 32;
 
 struct SimulationKernels {
   std::size_t lanes;
-  std::size_t (*errors_room)(const PathErrorPlan&);  ///< numbers
-  /// (first + i)/rate at 64 instants i, but those from `count` on are that of the last one before.
-  void (*times)(double first, std::size_t count, double rate, double* to);
-  void (*positions)(const SinusoidPath&, const double* time, double* to);
-  /// A row of 64 instants and a shift.
-  void (*displace)(const double* row, double shift, double* to);
-  /// to = matrix from: rows of 64 instants, the matrix row by row.
-  void (*mix)(std::size_t n, const double* matrix, const double* from, double* to);
-  /// Counts and counts * resolution of one encoder. @returns whether all of them are whole within 2^53
+  std::size_t (*errors_scratch_size)(const PathErrorPlan&);  ///< numbers in PathErrorBatch::scratch
+  /// (first + i)/rate at 64 instants i; from `count` on, the time of instant count - 1.
+  void (*times)(double first, std::size_t count, double rate, double* out);
+  void (*positions)(const SinusoidPath&, const double* time, double* out);
+  /// A row of 64 instants plus a shift.
+  void (*displace)(const double* row, double shift, double* out);
+  /// out = matrix in: rows of 64 instants, row-major matrix.
+  void (*mix)(std::size_t n, const double* matrix, const double* in, double* out);
+  /// Counts and counts * resolution of one encoder. @returns whether all of them are integers within 2^53
   bool (*quantize)(const Quantizer&, const double* position, double* counts, double* measured);
   /// Whether |factor x| <= limit for all numbers of a row of 64.
   bool (*within)(const double* row, double factor, double limit);
-  /// Sines and cosines of the moving joints, or their slides, along a path: of as many instants as there are
-  /// lanes, then of the next ones; 2 numbers for each joint and instant.
-  void (*sines)(const FoldedPath&, const double* joint, double* to);
+  /// Sines and cosines of the revolute and positions of the prismatic joints along a path, 2 numbers for each
+  /// joint and instant: [vector of instants][joint].
+  void (*sines)(const FoldedPath&, const double* joint, double* out);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
-  /// `width` channels of 64 instants into rows of them; the channels are 0 afterwards.
-  void (*turn)(double* channels, std::size_t width, double* rows);
-  /// Adds the rows first .. last - 1.
-  void (*add_rows)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to);
+  /// Transposes `width` channels of 64 instants into rows, and clears the channels.
+  void (*transpose)(double* channels, std::size_t width, double* rows);
+  /// Adds the rows first .. last - 1 to `sum`.
+  void (*add_rows)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* sum);
   /// The sum of the numbers first .. last - 1 of a row.
   double (*sum_between)(const double* row, std::size_t first, std::size_t last);
-  /// Rows `stride` apart through a section, into rows side by side.
+  /// Filters rows `stride` apart by a section into contiguous rows.
   void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
                   std::size_t width, double* state, double* out);
-  /// @param in  the row of the first output; those before it stand before it
+  /// @param in  row of the first output, preceded in memory by earlier rows
   void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
                double* out);
-  /// @param peaks  of how many channels the peak is asked for
-  /// @param fresh  nothing has been added to the tally yet
+  /// @param peaks  number of channels whose peak is computed
+  /// @param fresh  the tally is empty
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 bool fresh, const ChannelTally&);
-  /// Rows through a filter and into the tally at once.
+  /// Filters rows and adds the outputs to the tally.
   /// @pre `is_tight` of its differences and sections
   /// @param state  [section][s, r][width], then [difference][width]
   void (*filter_and_tally)(const TightFilter&, const double* in, std::size_t stride, std::size_t rows,
                            std::size_t width, std::size_t peaks, bool fresh, double* state,
                            const ChannelTally&);
-  /// A row of 64 numbers less the whole numbers nearest to them.
-  void (*drop_whole)(double* row);
+  /// Subtracts from each of the 64 numbers of a row the nearest integer.
+  void (*subtract_nearest_integer)(double* row);
   /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags, k = 0 .. count - 1.
   /// @param weights  r[lags], ..., r[1]
-  /// @param x        within half a count of 0, as `drop_whole` leaves them
+  /// @param x        in [-1/2, 1/2], by `subtract_nearest_integer`; preceded in memory by `lags` earlier
+  /// values
   /// @pre lags is a multiple of `lags_at_once`
   double (*losses)(const double* weights, std::size_t lags, const double* x, std::size_t count);
 };

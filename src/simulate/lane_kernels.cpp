@@ -140,7 +140,7 @@ template <class L>
 }
 
 template <class L>
-void drop_whole(double* row) {
+void subtract_nearest_integer(double* row) {
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
     const L x = load<L>(row + i);
     store(row + i, x - nearest(x));
@@ -199,11 +199,25 @@ template <>
 const SimulationKernels& compiled_kernels<SimulationKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr SimulationKernels kernels{
-      lane_count<L>, errors_room<L>,      times<L>,       positions<L>, displace<L>,
-      mix<L>,        quantize<L>,         within<L>,      sines<L>,     errors<L>,
-      turn<L>,       add_rows<L>,         sum_between<L>, section<L>,   taps<L>,
-      tally<L>,      filter_and_tally<L>, drop_whole<L>,  losses<L>};
+  static constexpr SimulationKernels kernels{lane_count<L>,
+                                             errors_scratch_size<L>,
+                                             times<L>,
+                                             positions<L>,
+                                             displace<L>,
+                                             mix<L>,
+                                             quantize<L>,
+                                             within<L>,
+                                             sines<L>,
+                                             errors<L>,
+                                             transpose<L>,
+                                             add_rows<L>,
+                                             sum_between<L>,
+                                             section<L>,
+                                             taps<L>,
+                                             tally<L>,
+                                             filter_and_tally<L>,
+                                             subtract_nearest_integer<L>,
+                                             losses<L>};
   return kernels;
 }
 

@@ -2,49 +2,49 @@
 
 #include "simulate/lane_columns.hpp"
 
-// What the Jacobian makes of the errors of encoders: their parts in a coordinate, the sums of these, and of
-// their squares.
+// Linear errors J e: contributions of the encoders to a coordinate, their sums, and the sums of their
+// squares.
 
 namespace qerr::lanes {
 namespace {
 
-/// What is wanted of a batch, known to the compiler: it decides which operations are left.
+/// Requested outputs of a batch as compile-time constants, which remove unused operations.
 template <bool rows_, bool each_>
 struct Wanted {
-  static constexpr bool rows = rows_;  ///< PathErrorBatch::rows may be wanted; a tally alone if not
+  static constexpr bool rows = rows_;  ///< PathErrorBatch::rows may be requested; otherwise only a tally
   static constexpr bool each = each_;  ///< PathErrorBatch::each
 };
 
-/// Differences of a channel at these instants from its shift into the tally.
+/// Adds differences of a channel from its shift at these instants to the tally.
 template <class L>
 [[gnu::always_inline]] inline void add_differences(const ChannelTally& t, std::size_t channel,
-                                                   const L (&off)[depth]) {
+                                                   const L (&difference)[depth]) {
   constexpr auto lanes = lane_count<L>;
   L sum = load<L>(t.sum + channel * lanes), squares = load<L>(t.squares + channel * lanes);
 #pragma GCC unroll 4
   for (std::size_t i = 0; i < depth; ++i) {
-    sum += off[i];
-    squares = fma(off[i], off[i], squares);
+    sum += difference[i];
+    squares = fma(difference[i], difference[i], squares);
   }
   store(t.sum + channel * lanes, sum);
   store(t.squares + channel * lanes, squares);
 }
 
-/// Takes a channel at these instants into the tally, and keeps it for the rows.
+/// Adds a channel at these instants to the tally and stores it for the rows.
 template <class L>
-[[gnu::always_inline]] inline void add_channel(const PathErrorBatch& b, const ErrorRoom<L>& room,
+[[gnu::always_inline]] inline void add_channel(const PathErrorBatch& b, const ErrorScratch<L>& scratch,
                                                std::size_t channel, bool fresh, const L (&value)[depth]) {
   if (b.rows) {
 #pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) room.channels[depth * channel + i] = value[i];
+    for (std::size_t i = 0; i < depth; ++i) scratch.channels[depth * channel + i] = value[i];
   }
   if (!b.tally) return;
   if (fresh) b.tally->shift[channel] = value[0][0];
   const L shift = broadcast<L>(b.tally->shift[channel]);
-  L off[depth];
+  L difference[depth];
 #pragma GCC unroll 4
-  for (std::size_t i = 0; i < depth; ++i) off[i] = value[i] - shift;
-  add_differences(*b.tally, channel, off);
+  for (std::size_t i = 0; i < depth; ++i) difference[i] = value[i] - shift;
+  add_differences(*b.tally, channel, difference);
 }
 
 template <class L>
@@ -56,12 +56,12 @@ template <class L>
   store(t.peak + channel * lane_count<L>, peak);
 }
 
-/// What the encoders do to one coordinate at these instants: sums over the encoders.
+/// Linear error of one coordinate at these instants: sums over the encoders.
 template <class L>
 struct Linear {
-  L error[depth];  ///< where no rows are wanted, less the shifts of its parts
+  L error[depth];  ///< without rows: minus the shifts of its contributions
   L sizes[depth];
-  L squares[depth];  ///< where only their sum over the instants is wanted, it stands in the first
+  L squares[depth];  ///< if only their sum over the instants is requested: in the first vector
 };
 
 /// (J C Delta)^2 of coordinate and encoder k.
@@ -87,64 +87,65 @@ template <class Wanted, class L>
   }
 }
 
-/// One encoder's part in a coordinate.
+/// Adds the contribution of one encoder to a coordinate.
 template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_part(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t c,
-                                            std::size_t e, bool fresh, const ErrorRoom<L>& room,
-                                            const L (&weighted)[depth], Linear<L>& all) {
-  const L* const missed = room.missed + depth * e;
+[[gnu::always_inline]] inline void add_contribution(const PathErrorPlan& p, const PathErrorBatch& b,
+                                                    std::size_t c, std::size_t e, bool fresh,
+                                                    const ErrorScratch<L>& scratch,
+                                                    const L (&weighted)[depth], Linear<L>& all) {
+  const L* const residual_counts = scratch.residual_counts + depth * e;
   const std::size_t channel = p.coordinates * (2 + e) + c;
   if constexpr (Wanted::rows) {
     L part[depth];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < depth; ++i) {
-      part[i] = weighted[i] * missed[i];
+      part[i] = weighted[i] * residual_counts[i];
       all.error[i] += part[i];
     }
-    add_channel(b, room, channel, fresh, part);
+    add_channel(b, scratch, channel, fresh, part);
   } else {
-    // The tally's difference at once: of the units that multiply and those that add none waits for the other.
+    // The difference from the shift by one fused operation, which balances multiplication and addition units.
     double& first = b.tally->shift[channel];
-    if (fresh) first = weighted[0][0] * missed[0][0];
+    if (fresh) first = weighted[0][0] * residual_counts[0][0];
     const L shift = broadcast<L>(first);
-    L off[depth];
+    L difference[depth];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < depth; ++i) {
-      off[i] = fma(weighted[i], missed[i], -shift);
-      all.error[i] += off[i];
+      difference[i] = fma(weighted[i], residual_counts[i], -shift);
+      all.error[i] += difference[i];
     }
-    add_differences(*b.tally, channel, off);
+    add_differences(*b.tally, channel, difference);
   }
 }
 
 template <bool bounded, class Wanted, class L>
 [[gnu::always_inline]] inline Linear<L> linear_errors(const PathErrorPlan& p, const PathErrorBatch& b,
                                                       std::size_t c, std::size_t at,
-                                                      const ErrorRoom<L>& room) {
+                                                      const ErrorScratch<L>& scratch) {
   Linear<L> all{};
   for (std::size_t e = 0; e < p.encoders; ++e) {
-    const L* const column = column_of(room, e) + p.rows[c];
+    const L* const column = column_of(scratch, e) + p.rows[c];
     L weighted[depth];
 #pragma GCC unroll 4
     for (std::size_t i = 0; i < depth; ++i) {
-      weighted[i] = column[i * next_vector(room)];
-      if (!bounded) weighted[i] = room.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted[i];
+      weighted[i] = column[i * next_vector(scratch)];
+      if (!bounded) weighted[i] = scratch.unbounded[i] ? broadcast<L>(__builtin_inf()) : weighted[i];
       all.sizes[i] += abs(weighted[i]);
     }
-    add_part<Wanted>(p, b, c, e, b.fresh && at == 0, room, weighted, all);
+    add_contribution<Wanted>(p, b, c, e, b.fresh && at == 0, scratch, weighted, all);
     add_squares<Wanted>(b, e * p.coordinates + c, at, weighted, all);
   }
   return all;
 }
 
-/// The sum of all parts of a coordinate, and that of their squares.
+/// Adds the sum of all contributions to a coordinate, and that of their squares.
 template <class Wanted, class L>
 [[gnu::always_inline]] inline void add_linear(const PathErrorPlan& p, const PathErrorBatch& b, std::size_t c,
-                                              std::size_t at, const ErrorRoom<L>& room,
+                                              std::size_t at, const ErrorScratch<L>& scratch,
                                               const Linear<L>& linear) {
   const std::size_t channel = p.coordinates + c;
   if constexpr (Wanted::rows) {
-    add_channel(b, room, channel, b.fresh && at == 0, linear.error);
+    add_channel(b, scratch, channel, b.fresh && at == 0, linear.error);
   } else {
     if (b.fresh && at == 0) {
       double& shift = b.tally->shift[channel] = 0;

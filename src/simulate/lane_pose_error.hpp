@@ -20,10 +20,10 @@ template <class L>
   }
 }
 
-/// Largest sine and tangent that the series below take: then 7 terms give all digits.
+/// Range of the series below in sine and tangent, in which 7 terms are accurate to double precision.
 constexpr double small_angle = 0x1p-4;
 
-/// asin(s)/s of s^2, |s| <= small_angle.
+/// asin(s)/s as a function of s^2, |s| <= small_angle.
 template <class L>
 [[gnu::always_inline]] inline L arc_of_sine(const L& s2) {
   L sum = broadcast<L>(231.0 / 13312);
@@ -33,10 +33,10 @@ template <class L>
   return sum;
 }
 
-/// Largest sine of which four terms give all digits of the arc.
+/// Range of the series in the sine in which four terms are accurate to double precision.
 constexpr double tiny_sine = 0x1p-9;
 
-/// The arc over its sine, of the sine's square and the cosine.
+/// x/sin(x) from sin(x)^2 and cos(x).
 template <class L>
 [[gnu::noinline]] L arc_over_sine(const L& sine2, const L& cosine) {
   L factor = arc_of_sine(sine2);
@@ -50,7 +50,7 @@ template <class L>
   return factor;
 }
 
-/// atan(t)/t of t^2, |t| <= small_angle.
+/// atan(t)/t as a function of t^2, |t| <= small_angle.
 template <class L>
 [[gnu::always_inline]] inline L arc_of_tangent(const L& t2) {
   L sum = broadcast<L>(1.0 / 13);
@@ -67,11 +67,11 @@ struct Axes {
 };
 
 template <class L>
-[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f, const double* turned) {
+[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f, const double* rotation) {
   Axes<L> a;
   each_of_three([&](int i) __attribute__((always_inline)) {
     const auto along = [&](int c) __attribute__((always_inline)) {
-      return fma(turned[3 * c + 2], f.z[i], fma(turned[3 * c + 1], f.y[i], turned[3 * c] * f.x[i]));
+      return fma(rotation[3 * c + 2], f.z[i], fma(rotation[3 * c + 1], f.y[i], rotation[3 * c] * f.x[i]));
     };
     a.x[i] = along(0);
     a.y[i] = along(1);
@@ -99,7 +99,7 @@ template <class L>
 /// The rotation vector of R_hat R^T (tip_error): its axis from the antisymmetric part, which is the sum of
 /// the cross products of true and estimated axes.
 ///
-/// @param near  it is known to be shorter than 3
+/// @param near  its length is known to be below 3
 template <class L>
 [[gnu::always_inline]] inline void rotation_vector(const Axes<L>& estimate, const Axes<L>& truth, bool near,
                                                    L (&vector)[3]) {
@@ -108,8 +108,8 @@ template <class L>
   cross(truth.y, estimate.y, y);
   cross(truth.z, estimate.z, z);
   each_of_three([&](int i) __attribute__((always_inline)) { vector[i] = x[i] + y[i] + z[i]; });
-  const L square = dot(vector, vector);  // of twice the sine
-  // Errors of encoders are tiny angles: half of what `arc_of_sine` begins with.
+  const L square = dot(vector, vector);  // (2 sin)^2
+  // Errors of encoders are small angles: half of the first terms of `arc_of_sine`.
   L factor = broadcast<L>(5.0 / 14336);
 #pragma GCC unroll 3
   for (const double c : {3.0 / 1280, 1.0 / 48, 1.0 / 2}) factor = fma(factor, square, broadcast<L>(c));

@@ -5,12 +5,13 @@
 #include "lanes/batch.hpp"
 #include "lanes/lanes.hpp"
 
-// Numbers of many instants, channel by channel, turned into rows of channels and summed up.
+// Transposes numbers of many instants from channels into rows, and sums them.
 
 namespace qerr::lanes {
 namespace {
 
-/// One step of turning a square of lanes: of `a` and `b`, rows `distance` apart, the halves that must cross.
+/// One step of transposing a square of lanes: exchanges blocks of rows `a` and `b`, which are `distance`
+/// apart.
 template <std::size_t distance, class L, std::size_t... i>
 [[gnu::always_inline]] inline void cross_over(L& a, L& b, std::index_sequence<i...>) {
   constexpr auto n = sizeof...(i);
@@ -29,25 +30,24 @@ template <std::size_t distance, class L>
   if constexpr (distance > 1) cross_rows<distance / 2>(rows);
 }
 
-/// Channels of some instants, a vector of each `apart` numbers behind that of the one before, into rows of
-/// `width` channels.
+/// Transposes channels of one vector of instants, `stride` numbers apart, into rows of `width` channels.
 template <class L>
-[[gnu::always_inline]] inline void into_rows(const double* channels, std::size_t apart, std::size_t width,
+[[gnu::always_inline]] inline void into_rows(const double* channels, std::size_t stride, std::size_t width,
                                              double* rows) {
   constexpr auto n = lane_count<L>;
   for (std::size_t c = 0; c < width; c += n) {
     L square[n];
 #pragma GCC unroll 8
-    for (std::size_t i = 0; i < n; ++i) square[i] = load<L>(channels + (c + i) * apart);
+    for (std::size_t i = 0; i < n; ++i) square[i] = load<L>(channels + (c + i) * stride);
     cross_rows<n / 2>(square);
 #pragma GCC unroll 8
     for (std::size_t i = 0; i < n; ++i) store(rows + i * width + c, square[i]);
   }
 }
 
-/// Of `width` channels of 64 instants, which are 0 afterwards.
+/// Transposes `width` channels of 64 instants and clears them.
 template <class L>
-void turn(double* channels, std::size_t width, double* rows) {
+void transpose(double* channels, std::size_t width, double* rows) {
   for (std::size_t i = 0; i < batch_size; i += lane_count<L>)
     into_rows<L>(channels + i, batch_size, width, rows + i * width);
   for (std::size_t i = 0; i < width * batch_size; i += lane_count<L>) store(channels + i, L{});

@@ -6,7 +6,7 @@ namespace qerr {
 
 namespace {
 
-/// Whether the log has the counts of every encoder that takes part in the joint.
+/// Whether the log has the counts of every encoder that the joint depends on.
 bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
   for (std::size_t i = 0; i < t.encoders.size(); ++i)
     if (t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i)) != 0 &&
@@ -40,9 +40,9 @@ std::optional<Eigen::ArrayXd> measured_joint(const Log& log, const Eigen::ArrayX
   if (has_counts(log, t, joint)) {
     Eigen::ArrayXd position = Eigen::ArrayXd::Zero(rows.rows());
     for (std::size_t i = 0; i < t.encoders.size(); ++i) {
-      const double share = t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i));
-      if (share != 0)
-        position += share * (t.encoders[i].resolution * rows.col(*log.find(LogSignal::counts, i)));
+      const double factor = t.coupling(static_cast<Eigen::Index>(joint), static_cast<Eigen::Index>(i));
+      if (factor != 0)
+        position += factor * (t.encoders[i].resolution * rows.col(*log.find(LogSignal::counts, i)));
     }
     return position;
   }

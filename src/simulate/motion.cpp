@@ -13,16 +13,16 @@ namespace qerr {
 
 namespace {
 
-constexpr double most_points = 1e6;  // of a motion, for its extent
+constexpr double most_points = 1e6;  // at which the extent of a motion is evaluated
 
-/// A point-to-point motion in its three times: jerk phase, constant acceleration, cruise; the rest is
-/// symmetry.
+/// Durations of the phases of a point-to-point motion: jerk, constant acceleration, cruise. The deceleration
+/// is symmetric to the acceleration.
 struct Profile {
   double jerk_time = 0, acceleration_time = 0, cruise_time = 0;
   double acceleration = 0, jerk = 0;
 };
 
-/// The fastest rest-to-rest motion over `distance` > 0 within the limits of the move.
+/// The fastest motion from standstill to standstill over `distance` > 0 within the limits of the move.
 Profile profile(const Move& move, double distance) {
   const double a = move.acceleration, j = move.jerk;
   double v = move.velocity;
@@ -30,23 +30,23 @@ Profile profile(const Move& move, double distance) {
     v = std::min(v, std::sqrt(a * distance));
     return {0, v / a, std::max(0.0, distance / v - v / a), a, 0};
   }
-  // Speeding up to v takes t = v/a + a/j where a is reached, else 2 sqrt(v/j), and half of v t of the way.
+  // Acceleration to v takes t = v/a + a/j if a is reached, else 2 sqrt(v/j), over the distance v t/2.
   const auto reaches_limit = [&](double speed) { return speed * j >= a * a; };
-  const auto speeding_up = [&](double speed) {
+  const auto acceleration_to = [&](double speed) {
     return reaches_limit(speed) ? speed / a + a / j : 2 * std::sqrt(speed / j);
   };
-  if (v * speeding_up(v) > distance) {
+  if (v * acceleration_to(v) > distance) {
     v = 0.5 * a * (std::sqrt(a * a / (j * j) + 4 * distance / a) - a / j);
     if (!reaches_limit(v)) v = j * std::pow(distance / (2 * j), 2.0 / 3.0);
   }
   const double jerk_time = reaches_limit(v) ? a / j : std::sqrt(v / j);
-  return {jerk_time, speeding_up(v) - 2 * jerk_time, std::max(0.0, distance / v - speeding_up(v)),
+  return {jerk_time, acceleration_to(v) - 2 * jerk_time, std::max(0.0, distance / v - acceleration_to(v)),
           j * jerk_time, j};
 }
 
 }  // namespace
 
-/// Appends the phases of a move that starts at rest; the last one is the dwell. @returns its end
+/// Appends the phases of a move from standstill; the last one is the dwell. @returns its end [s]
 double MotionPath::append(const Move& move, double from, double start, std::vector<Phase>& phases) {
   const double distance = std::abs(move.to - from), sign = move.to < from ? -1 : 1;
   double position = from, velocity = 0;
@@ -115,17 +115,17 @@ JointState MotionPath::of_table(std::size_t joint, double time) const {
   const std::vector<double>& t = motion_.table.time;
   const auto row = motion_.table.positions.row(static_cast<Eigen::Index>(joint));
   const auto last = static_cast<Eigen::Index>(t.size()) - 1;
-  const double when = t.front() + time;
-  if (last == 0 || when < t.front()) return {row[0], 0, 0};
-  if (when > t.back()) return {row[last], 0, 0};
-  const auto next = std::upper_bound(t.begin(), t.end(), when);
+  const double row_time = t.front() + time;
+  if (last == 0 || row_time < t.front()) return {row[0], 0, 0};
+  if (row_time > t.back()) return {row[last], 0, 0};
+  const auto next = std::upper_bound(t.begin(), t.end(), row_time);
   const auto i = std::clamp<Eigen::Index>(next - t.begin() - 1, 0, last - 1);
   const auto at = [&](Eigen::Index k) { return t[static_cast<std::size_t>(k)]; };
   const auto slope = [&](Eigen::Index k) {
     const Eigen::Index a = std::max<Eigen::Index>(k - 1, 0), b = std::min(k + 1, last);
     return (row[b] - row[a]) / (at(b) - at(a));
   };
-  const double h = at(i + 1) - at(i), s = (when - at(i)) / h;
+  const double h = at(i + 1) - at(i), s = (row_time - at(i)) / h;
   const double m0 = h * slope(i), m1 = h * slope(i + 1), rise = row[i + 1] - row[i];
   const double square = 3 * rise - 2 * m0 - m1, cube = m0 + m1 - 2 * rise;
   return {s == 1 ? row[i + 1] : row[i] + s * (m0 + s * (square + s * cube)),
@@ -154,16 +154,16 @@ bool MotionPath::within_lanes(const std::vector<Oscillation>& oscillations, cons
   });
 }
 
-void MotionPath::positions(std::size_t joint, const double* time, double* to, InstructionSet set) const {
+void MotionPath::positions(std::size_t joint, const double* time, double* out, InstructionSet set) const {
   if (motion_.joints.empty() || !motion_.joints[joint].moves.empty() ||
       !within_lanes(oscillations_[joint], time)) {
-    for (std::size_t i = 0; i < batch_size; ++i) to[i] = position(joint, time[i]);
+    for (std::size_t i = 0; i < batch_size; ++i) out[i] = position(joint, time[i]);
     return;
   }
   const JointMotion& m = motion_.joints[joint];
   const std::vector<Oscillation>& oscillations = oscillations_[joint];
   select_kernels<SimulationKernels>(set).positions(
-      {m.center, m.velocity, oscillations.data(), oscillations.size()}, time, to);
+      {m.center, m.velocity, oscillations.data(), oscillations.size()}, time, out);
 }
 
 Eigen::VectorXd MotionPath::position(double time) const {

@@ -11,18 +11,18 @@ namespace qerr {
 
 struct Oscillation;
 
-/// How one joint moves at an instant.
+/// Motion of one joint at an instant.
 struct JointState {
   double position = 0;      ///< [rad or m]
   double velocity = 0;      ///< [rad/s or m/s]
   double acceleration = 0;  ///< [rad/s^2 or m/s^2]
 };
 
-/// A motion made ready to be evaluated at any time.
+/// A motion prepared for evaluation at any time.
 ///
-/// A table is interpolated by cubic Hermite polynomials with central slopes: exact in its rows, continuous in
-/// velocity. Before time 0 moves and tables rest, and so do tables after their end; sines and constant
-/// velocities have no end.
+/// A table is interpolated by cubic Hermite polynomials with central difference slopes: exact at its rows,
+/// with continuous velocity. Moves stand still before time 0, tables before their first and after their last
+/// row; sines and constant velocities are unlimited in time.
 class MotionPath {
  public:
   explicit MotionPath(const Motion&);
@@ -37,15 +37,17 @@ class MotionPath {
   /// Their derivative [rad/s or m/s].
   Eigen::VectorXd velocity(double time) const;
 
-  /// The derivative of that; where it jumps, the value after it [rad/s^2 or m/s^2].
+  /// Their second derivative, continuous from the right [rad/s^2 or m/s^2].
   Eigen::VectorXd acceleration(double time) const;
 
-  /// One joint alone.
+  /// Position of one joint [rad or m].
   double position(std::size_t joint, double time) const { return at(joint, time).position; }
 
-  /// One joint at `batch_size` instants, many of them at once; in the last bits `position` may differ.
-  /// @param time  increasing, as is best for speed, and as `to` aligned to 64 bytes [s]
-  void positions(std::size_t joint, const double* time, double* to, InstructionSet = instruction_set()) const;
+  /// Positions of one joint at `batch_size` instants, vectorized; they may differ from `position` by
+  /// rounding.
+  /// @param time  [s]; fastest if increasing. Both arrays are aligned to 64 bytes.
+  void positions(std::size_t joint, const double* time, double* out,
+                 InstructionSet = instruction_set()) const;
 
   std::size_t joints() const { return count_; }
 
@@ -54,7 +56,7 @@ class MotionPath {
   struct Phase {
     double start = 0, position = 0, velocity = 0, acceleration = 0, jerk = 0;
   };
-  /// Moves as polynomials: once from the center, then a cycle from where the last move ends.
+  /// Moves as polynomials: one sequence from the center, then a cycle from the end of the last move.
   struct Moves {
     std::vector<Phase> first, cycle;
     double first_end = 0, cycle_length = 0;
@@ -68,7 +70,7 @@ class MotionPath {
   bool within_lanes(const std::vector<Oscillation>&, const double* time) const;
 
   Motion motion_;
-  std::vector<std::vector<Oscillation>> oscillations_;  // of each joint, as the lanes take them
+  std::vector<std::vector<Oscillation>> oscillations_;  // of each joint, in the format of the kernels
   std::vector<Moves> moves_;
   std::size_t count_ = 0;
 };

@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::size_t most_samples = std::size_t{1} << 17;
 
-/// The largest power of two up to `most` that leaves every stretch a sample, and no more path to be looked at
-/// before the stretches than in them.
+/// The largest power of two up to `most` for which every stretch has a sample and the memory before the
+/// stretches is not longer in total than the stretches themselves.
 std::size_t stretches_of(std::size_t samples, std::size_t before, std::size_t most) {
   const std::size_t useful = std::min({most, samples, most_samples / std::max<std::size_t>(before, 1)});
   std::size_t stretches = 1;
@@ -24,7 +24,7 @@ std::size_t stretches_of(std::size_t samples, std::size_t before, std::size_t mo
   return stretches;
 }
 
-/// r[n] from the longest lag down to 1, filled up with zeros before the longest one.
+/// r[n] from the longest lag down to 1, with leading zeros to a multiple of lags_at_once.
 std::vector<double> weights_of(const Autocorrelation& a) {
   const std::size_t lags = (std::max<std::size_t>(a.r.size(), 2) - 1 + lags_at_once - 1) / lags_at_once;
   std::vector<double> weights(lags * lags_at_once, 0);
@@ -32,11 +32,11 @@ std::vector<double> weights_of(const Autocorrelation& a) {
   return weights;
 }
 
-/// path_sigma^2, in lanes, over `count` positions from x; before it stand those that the weights reach.
+/// path_sigma^2 over `count` positions from x, vectorized; the positions at all lags precede x in memory.
 double power_along(const Autocorrelation& a, const std::vector<double>& weights, const double* x,
                    std::size_t count, const SimulationKernels& kernels) {
   const std::size_t before = a.r.size();
-  // Longer work is thinned out there.
+  // Beyond this work path_sigma evaluates a subset of the positions.
   constexpr double most_pairs = 2e8;
   if (static_cast<double>(before) * static_cast<double>(count) > most_pairs)
     return std::pow(path_sigma(a, std::span(x - before, before + count), before), 2);
@@ -44,41 +44,41 @@ double power_along(const Autocorrelation& a, const std::vector<double>& weights,
   return std::max(0.0, a.dc_gain * a.dc_gain / 12 - sum / static_cast<double>(count));
 }
 
-/// The encoders along a motion, in counts less whole ones, where it is looked at: from window to window, and
-/// what the next one shares with the last is kept.
-class Counts {
+/// Fractional counts of the encoders along a motion, evaluated window by window; samples that a window shares
+/// with the previous one are kept.
+class FractionalCounts {
  public:
   /// @param longest  window [samples]
-  /// @param before   how many numbers, whatever they are, must stand before it
-  Counts(const Transmission& transmission, const Motion& motion, double sample_rate, double start,
-         std::size_t longest, std::size_t before)
+  /// @param before   numbers that must precede it in memory, of any value
+  FractionalCounts(const Transmission& transmission, const Motion& motion, double sample_rate, double start,
+                   std::size_t longest, std::size_t before)
       : path_(motion),
-        // Row by row, as the kernel wants it.
+        // Row-major, as the kernel expects.
         to_counts_((resolutions(transmission).cwiseInverse().asDiagonal() * inverse(transmission.coupling))
                        .transpose()),
         sample_rate_(sample_rate),
         start_(start),
         before_(before),
-        room_(before + 2 * longest + batch_size),
+        capacity_(before + 2 * longest + batch_size),
         time_(batch_size),
         joints_(path_.joints() * batch_size),
-        turned_(path_.joints() * batch_size),
-        rows_(path_.joints(), std::vector<double>(room_, 0)) {}
+        mixed_(path_.joints() * batch_size),
+        rows_(path_.joints(), std::vector<double>(capacity_, 0)) {}
 
-  /// Makes the samples first .. last - 1 known; they come in order.
-  void look_at(std::ptrdiff_t first, std::ptrdiff_t last) {
+  /// Evaluates the samples first .. last - 1; windows are in increasing order.
+  void evaluate(std::ptrdiff_t first, std::ptrdiff_t last) {
     if (first > end_ || end_ == begin_) begin_ = end_ = first;
-    if (before_ + static_cast<std::size_t>(last - begin_) + batch_size > room_) forget(first);
+    if (before_ + static_cast<std::size_t>(last - begin_) + batch_size > capacity_) discard_before(first);
     while (end_ < last) append();
   }
 
-  /// Of an encoder, from a sample that has been looked at.
+  /// Values of an encoder from an evaluated sample on.
   const double* from(std::size_t encoder, std::ptrdiff_t sample) const {
     return rows_[encoder].data() + before_ + (sample - begin_);
   }
 
  private:
-  void forget(std::ptrdiff_t first) {
+  void discard_before(std::ptrdiff_t first) {
     for (std::size_t i = 0; i < rows_.size(); ++i)
       std::copy(from(i, first), from(i, end_), rows_[i].data() + before_);
     begin_ = first;
@@ -89,10 +89,10 @@ class Counts {
       time_[i] = start_ + static_cast<double>(end_ + static_cast<std::ptrdiff_t>(i)) / sample_rate_;
     for (std::size_t j = 0; j < path_.joints(); ++j)
       path_.positions(j, time_.data(), joints_.data() + j * batch_size);
-    kernels_.mix(path_.joints(), to_counts_.data(), joints_.data(), turned_.data());
+    kernels_.mix(path_.joints(), to_counts_.data(), joints_.data(), mixed_.data());
     for (std::size_t i = 0; i < path_.joints(); ++i) {
-      double* const row = turned_.data() + i * batch_size;
-      kernels_.drop_whole(row);
+      double* const row = mixed_.data() + i * batch_size;
+      kernels_.subtract_nearest_integer(row);
       std::copy_n(row, batch_size, rows_[i].data() + before_ + (end_ - begin_));
     }
     end_ += batch_size;
@@ -101,10 +101,10 @@ class Counts {
   MotionPath path_;
   Eigen::MatrixXd to_counts_;
   double sample_rate_, start_;
-  std::size_t before_, room_;
-  AlignedNumbers time_, joints_, turned_;
+  std::size_t before_, capacity_;
+  AlignedNumbers time_, joints_, mixed_;
   std::vector<std::vector<double>> rows_;  // of each encoder
-  std::ptrdiff_t begin_ = 0, end_ = 0;     // the samples that they hold
+  std::ptrdiff_t begin_ = 0, end_ = 0;     // the samples in the rows
   const SimulationKernels& kernels_ = select_kernels<SimulationKernels>(instruction_set());
 };
 
@@ -118,19 +118,19 @@ Eigen::MatrixXd noise_power_along_motion(const Transmission& transmission, const
   const std::vector<double> weights = weights_of(memory);
   const std::size_t before = memory.r.size(), stretches = stretches_of(whole, before, most);
   const std::size_t longest = std::min(whole / stretches + 1, most_samples / stretches);
-  Counts counts(transmission, motion, sample_rate, start, before + longest, weights.size());
+  FractionalCounts counts(transmission, motion, sample_rate, start, before + longest, weights.size());
   const auto n = static_cast<Eigen::Index>(transmission.encoders.size());
   Eigen::MatrixXd power(static_cast<Eigen::Index>(stretches), n);
   for (std::size_t s = 0; s < stretches; ++s) {
     const std::size_t begin = s * whole / stretches, end = (s + 1) * whole / stretches;
-    const std::size_t looked_at = std::min(end - begin, most_samples / stretches);
-    // In the middle of what is too long to be looked at in full.
-    const auto first = static_cast<std::ptrdiff_t>(begin + (end - begin - looked_at) / 2);
-    counts.look_at(first - static_cast<std::ptrdiff_t>(before),
-                   first + static_cast<std::ptrdiff_t>(looked_at));
+    const std::size_t evaluated = std::min(end - begin, most_samples / stretches);
+    // The middle of a stretch that is too long to be evaluated completely.
+    const auto first = static_cast<std::ptrdiff_t>(begin + (end - begin - evaluated) / 2);
+    counts.evaluate(first - static_cast<std::ptrdiff_t>(before),
+                    first + static_cast<std::ptrdiff_t>(evaluated));
     for (Eigen::Index i = 0; i < n; ++i)
       power(static_cast<Eigen::Index>(s), i) =
-          power_along(memory, weights, counts.from(static_cast<std::size_t>(i), first), looked_at,
+          power_along(memory, weights, counts.from(static_cast<std::size_t>(i), first), evaluated,
                       select_kernels<SimulationKernels>(instruction_set()));
   }
   return power;

@@ -8,20 +8,21 @@
 
 namespace qerr {
 
-/// Power of each encoder's quantization error behind a filter, in stretches of equal length along the motion
-/// (theory behind `path_sigma`), in squared quantization intervals: what IPQN puts as ||H||_2^2/12.
+/// Power of the filtered quantization error of each encoder in stretches of equal length along the motion
+/// (theory: `path_sigma`), in squared quantization intervals. IPQN approximates it by ||H||_2^2/12.
 ///
-/// What the filter remembers of the time before the motion counts too: sines and constant velocities are
-/// taken as having always run, moves and tables as having rested. Of motions of more than 2^17 samples a part
-/// of every stretch is looked at.
-/// @param start  beginning of the motion that is left out [s]
-/// @param most   stretches at most; there are fewer where the motion has fewer samples or the filter a long
-///   memory, by powers of two
+/// The memory of the filter extends to times before the motion, where sines and constant velocities continue
+/// and moves and tables stand still. Of motions with more than 2^17 samples, a part of every stretch is
+/// evaluated.
+/// @param start  initial part of the motion that is excluded [s]
+/// @param most   largest number of stretches, a power of two; fewer if the motion has fewer samples or the
+/// filter
+///   a long memory
 /// @returns stretches x encoders
 Eigen::MatrixXd noise_power_along_motion(const Transmission&, const Motion&, const Autocorrelation&,
                                          double sample_rate, double start, std::size_t most);
 
-/// sigma of the same over the whole motion, in quantization intervals.
+/// Sigma of the filtered quantization error over the whole motion, in quantization intervals.
 /// @returns one per encoder
 Eigen::VectorXd noise_along_motion(const Transmission&, const Motion&, const Autocorrelation&,
                                    double sample_rate, double start = 0);

@@ -7,7 +7,7 @@ PathBatch::PathBatch(const Motion& motion, InstructionSet set)
     : path_(motion), sample_rate_(motion.sample_rate), set_(set) {}
 
 void PathBatch::at(std::uint64_t first, std::size_t count) {
-  if (time_.size() == 0) {  // not before: runs that share another's batch never ask
+  if (time_.size() == 0) {  // allocated on first use: runs that share a batch do not need their own
     time_ = AlignedNumbers(batch_size);
     joints_ = AlignedNumbers(path_.joints() * batch_size);
   }

@@ -1,4 +1,4 @@
-// What of the errors along a path does not change from instant to instant: columns, scales and bounds.
+// The constants of the errors along a path: columns, scales and bounds.
 
 #include <algorithm>
 #include <cmath>
@@ -11,7 +11,8 @@ namespace qerr {
 
 namespace {
 
-/// No column of a revolute joint is longer, wherever the joints are; infinite where a joint slides.
+/// Upper bound on the Jacobian columns of revolute joints in any configuration; infinite if a joint is
+/// prismatic.
 double longest_arm(const Chain& chain) {
   double sum = chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) {
@@ -23,7 +24,7 @@ double longest_arm(const Chain& chain) {
 
 }  // namespace
 
-/// @param of_independent  how the independent joints move with the error
+/// @param of_independent  derivative of the independent joints with respect to the error
 void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_independent, double mean,
                             double half_width) {
   ErrorColumn column{parts_.size(), 0, false, false, 0, {}, mean, half_width};
@@ -63,7 +64,7 @@ void PathErrors::add_columns(const OperationalModel& model) {
   }
 }
 
-/// Columns of joints are scaled so that those of encoders that move one joint alone need no further factor.
+/// Scales the columns of joints so that an encoder that moves a single joint has that column with factor 1.
 void PathErrors::fix_scale(const OperationalModel& model) {
   std::vector<double> first(model.chain.joints.size(), 0);
   for (const ColumnPart& part : parts_)
@@ -90,7 +91,7 @@ void PathErrors::bound(const OperationalModel& model) {
 }
 
 void PathErrors::set_plan(const OperationalModel& model) {
-  const auto asked = [&](auto property) {
+  const auto any_coordinate = [&](auto property) {
     return std::any_of(model.coordinates.begin(), model.coordinates.end(), property);
   };
   plan_.chain = path_of(chain_);
@@ -104,18 +105,18 @@ void PathErrors::set_plan(const OperationalModel& model) {
   plan_.per_resolution = per_resolution_.data();
   plan_.coordinates = coordinates_.size();
   plan_.rows = coordinates_.data();
-  plan_.rotations = asked(is_rotation_vector);
-  plan_.angles = asked(is_euler_angle);
+  plan_.rotations = any_coordinate(is_rotation_vector);
+  plan_.angles = any_coordinate(is_euler_angle);
   plan_.biased = channels_.biased;
   plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
                             [](const ErrorColumn& c) { return !c.direct && !c.origin; });
   plan_.per_column = per_column_.data();
   plan_.center_mean = center_mean_.data();
-  const auto whole_lanes = [&](std::size_t count) {
+  const auto padded_to_lanes = [&](std::size_t count) {
     return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
   };
-  plan_.width = whole_lanes(static_cast<std::size_t>(channels_.count()));
-  plan_.squares_width = whole_lanes(plan_.coordinates * plan_.encoders);
+  plan_.width = padded_to_lanes(static_cast<std::size_t>(channels_.count()));
+  plan_.squares_width = padded_to_lanes(plan_.coordinates * plan_.encoders);
 }
 
 }  // namespace qerr

@@ -10,18 +10,18 @@ namespace qerr {
 
 namespace {
 
-bool turned(const OperationalModel& model) {
+bool has_rotations(const OperationalModel& model) {
   return std::any_of(model.coordinates.begin(), model.coordinates.end(),
                      [](Coordinate c) { return !is_position(c); });
 }
 
-bool same_place(const Chain& a, const Chain& b) {
+bool same_origins(const Chain& a, const Chain& b) {
   for (std::size_t k = 0; k < a.joints.size(); ++k)
     if (a.joints[k].origin.matrix() != b.joints[k].origin.matrix()) return false;
   return true;
 }
 
-/// Joints that move by a coordinate each, as it is.
+/// Joints that each move by one coordinate with factor 1.
 std::vector<FoldedJoint> moved_directly(const FoldedChain& chain) {
   std::vector<FoldedJoint> joints = chain.joints;
   for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -42,9 +42,9 @@ FoldedPath along(const FoldedChain& chain, const std::vector<FoldedJoint>& joint
 PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const Eigen::VectorXd& center_mean,
                        InstructionSet set)
     : channels_(model),
-      chain_(fold(model.chain, turned(model))),
-      built_(fold(built, turned(model))),
-      as_modelled_(same_place(model.chain, built)),
+      chain_(fold(model.chain, has_rotations(model))),
+      built_(fold(built, has_rotations(model))),
+      as_modelled_(same_origins(model.chain, built)),
       kernels_(select_kernels<SimulationKernels>(set)),
       center_mean_(center_mean.begin(), center_mean.end()) {
   for (const FoldedJoint& joint : chain_.joints) scale_.push_back(joint.sign);
@@ -62,7 +62,7 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   summed_ = AlignedNumbers(plan_.squares_width * kernels_.lanes);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
-  room_ = AlignedNumbers(kernels_.errors_room(plan_));
+  scratch_ = AlignedNumbers(kernels_.errors_scratch_size(plan_));
   for (AlignedNumbers* a : {&direct_joint_, &direct_built_joint_, &direct_estimate_}) *a = of_lanes(joints);
   direct_chain_ = moved_directly(chain_);
   direct_built_ = moved_directly(built_);
@@ -94,7 +94,7 @@ void PathErrors::share(const PathBatch& path) {
   if (shared_) kernels_.sines(plan_.chain, path.joints(), path_sines_.data());
 }
 
-/// @returns whether the run is near enough to the shared path
+/// @returns whether the displacement is small enough for the series of `SmallTurn`
 bool PathErrors::displace(const double* shift) {
   turns_.clear();
   for (const FoldedJoint& joint : chain_.joints) {
@@ -128,7 +128,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        wanted.squares == Squares::summed ? summed_.data() : nullptr,
                        rigorous_.data(),
                        deviation_.data(),
-                       room_.data()};
+                       scratch_.data()};
   if ((near_path || within_lanes(chain_, b.joint)) && within_lanes(chain_, b.estimate) &&
       (as_modelled_ || within_lanes(built_, b.joint)))
     return kernels_.errors(plan_, batch);

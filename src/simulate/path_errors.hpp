@@ -11,8 +11,8 @@
 
 namespace qerr {
 
-/// Errors of the tip along a run, a batch of instants at a time: what `tip_error` and `operational_error`
-/// give at each, from which they differ by rounding.
+/// Errors of the tip along a run, a batch of instants at a time: at each instant equal to `tip_error` and
+/// `operational_error` up to rounding.
 class PathErrors {
  public:
   /// @param built        the chain as it was built
@@ -20,7 +20,7 @@ class PathErrors {
   PathErrors(const OperationalModel&, const Chain& built, const Eigen::VectorXd& center_mean,
              InstructionSet = instruction_set());
 
-  /// What is done with the squares (J C Delta)^2 of a batch.
+  /// Use of the squares (J C Delta)^2 of a batch.
   enum class Squares {
     dropped,
     summed,  ///< added to one sum over instants and batches
@@ -29,38 +29,39 @@ class PathErrors {
   struct Wanted {
     bool rows = true;
     Squares squares = Squares::kept;
-    RunStatistics* statistics = nullptr;  ///< to which all instants are added, in
+    RunStatistics* statistics = nullptr;  ///< if set, all instants are added to it, in `block`
     std::uint64_t block = 0;
-    bool each = true;  ///< the variances of single instants too, not only those of the batch
+    bool each = true;  ///< compute the variance of every instant, not only that of the batch
   };
 
-  /// Several runs follow along this path: what they share is worked out once. Until the next call.
+  /// Computes the quantities that several runs along this path share, valid until the next call.
   void share(const PathBatch&);
 
-  /// @pre the batch is full; behind the end of a motion its last instant stands again and again
+  /// @pre the batch is full; after the end of a motion its last instant is repeated
   void operator()(const SensedBatch&, const Wanted&);
 
-  /// Of a row of channels: their count, filled up to whole lanes.
+  /// Width of a row: the number of channels, padded to whole lanes.
   std::size_t width() const { return plan_.width; }
   /// Channels of the last batch, [instant][width].
   const double* rows() const { return rows_.data(); }
 
   /// The sum over the instants first .. last - 1 of the last batch, and over all encoders, of (J C Delta)^2.
-  /// @pre they are all of the batch, or those of each were wanted
+  /// @pre they are the whole batch, or `Wanted::each` was set
   double variance(Eigen::Index coordinate, std::size_t first, std::size_t last) const {
-    const double* const of = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
-    return each_ ? kernels_.sum_between(of, first, last) : kernels_.sum_between(of, 0, kernels_.lanes);
+    const double* const values = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
+    return each_ ? kernels_.sum_between(values, first, last)
+                 : kernels_.sum_between(values, 0, kernels_.lanes);
   }
 
-  /// Adds the squares that were summed up since the last call to those of a stretch.
+  /// Adds the squares summed since the last call to those of a stretch.
   void take_summed(double* squares);
-  /// The squares that were kept since the last call, in rows that `add_kept` takes.
-  void take_kept() { kernels_.turn(kept_.data(), plan_.squares_width, kept_rows_.data()); }
+  /// Transposes the squares kept since the last call into rows for `add_kept`.
+  void take_kept() { kernels_.transpose(kept_.data(), plan_.squares_width, kept_rows_.data()); }
   void add_kept(std::size_t first, std::size_t last, double* squares) const {
     kernels_.add_rows(kept_rows_.data(), plan_.squares_width, first, last, squares);
   }
 
-  /// The largest bounds over all batches so far: of the error, and of its difference from the mean.
+  /// Largest bounds over all batches so far: of the error, and of its difference from the mean at the centre.
   Eigen::VectorXd rigorous() const { return largest(rigorous_); }
   Eigen::VectorXd deviation() const { return largest(deviation_); }
 
@@ -88,9 +89,9 @@ class PathErrors {
   bool shared_ = false, each_ = true;
   AlignedNumbers path_sines_;
   std::vector<Displacement> turns_;
-  AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, room_;
+  AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, scratch_;
 
-  // For angles beyond those of the lanes' sine: the same chains, moved by angles within a turn.
+  // For angles beyond the range of the vectorized sine: the same chains with angles reduced to one turn.
   std::vector<FoldedJoint> direct_chain_, direct_built_;
   AlignedNumbers direct_joint_, direct_built_joint_, direct_estimate_;
 };

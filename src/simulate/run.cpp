@@ -15,8 +15,8 @@ namespace {
 
 constexpr std::uint64_t displacement_stream = 0x7068617365;
 
-/// Part of a count by which each encoder's path is displaced: uniform for every run, and spread evenly over
-/// the runs, so that their mean converges faster than that of independent ones.
+/// Displacement of each encoder by a fraction of a count: uniformly distributed for every run, and
+/// equidistributed over the runs, so that means converge faster than with independent displacements.
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
@@ -32,12 +32,12 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   return d;
 }
 
-/// Samples from .. to - 1 of a batch, of one of the equal parts of a record.
+/// Samples from .. to - 1 of a batch that belong to part `number` of a record.
 struct Part {
   std::size_t from, to, number;
 };
 
-/// The parts that samples first .. first + count - 1 lie in, of `parts` equal ones behind the settling.
+/// Assigns samples first .. first + count - 1 to `parts` equal parts of the record after the settling.
 void find_parts(const Job& job, std::uint64_t first, std::size_t count, std::uint64_t parts,
                 std::vector<Part>& all) {
   const auto number = [&](std::size_t i) {
@@ -48,16 +48,16 @@ void find_parts(const Job& job, std::uint64_t first, std::size_t count, std::uin
   all.clear();
   std::size_t from = job.settling > first ? std::min<std::size_t>(job.settling - first, count) : 0;
   while (from < count) {
-    const std::size_t here = number(from);
+    const std::size_t current = number(from);
     std::size_t to = count;
-    if (number(count - 1) != here)
-      for (to = from + 1; number(to) == here;) ++to;
-    all.push_back({from, to, here});
+    if (number(count - 1) != current)
+      for (to = from + 1; number(to) == current;) ++to;
+    all.push_back({from, to, current});
     from = to;
   }
 }
 
-bool whole(const std::vector<Part>& parts) {
+bool is_whole_batch(const std::vector<Part>& parts) {
   return parts.size() == 1 && parts[0].from == 0 && parts[0].to == batch_size;
 }
 
@@ -73,17 +73,17 @@ class Runs {
     const SimulationKernels& kernels = select_kernels<SimulationKernels>(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
       const bool visited = index == 0 && job.options.visit;
-      One& one = runs_.emplace_back(
-          One{Sensing(job.model, job.motion, job.effects,
+      Run& run = runs_.emplace_back(
+          Run{Sensing(job.model, job.motion, job.effects,
                       {displacement(job, index), random_bits(job.options.seed, index, 0), visited},
                       job.options.instructions),
               visited,
               {},
               {}});
       for (const Filter& filter : job.filters)
-        one.filters.emplace_back(filter, errors_.width(), job.options.instructions);
+        run.filters.emplace_back(filter, errors_.width(), job.options.instructions);
       for (std::size_t f = 0; f <= job.filters.size(); ++f)
-        one.outputs.emplace_back(channels_.count(), channels_.coordinates, errors_.width(), job.blocks,
+        run.outputs.emplace_back(channels_.count(), channels_.coordinates, errors_.width(), job.blocks,
                                  kernels);
     }
   }
@@ -95,8 +95,8 @@ class Runs {
       find_parts(job_, first, path_.count(), job_.blocks, blocks_);
       find_parts(job_, first, path_.count(), job_.stretches, stretches_);
       const PathErrors::Squares squares = squares_of(stretches_);
-      for (One& one : runs_) {
-        step(one, squares);
+      for (Run& run : runs_) {
+        step(run, squares);
         if (first % tick_samples == 0) tick();
       }
       add_squares(squares, stretches_);
@@ -104,25 +104,25 @@ class Runs {
     errors_.take_summed(along_.squares(stretch_));
     along_.bound_by(errors_.rigorous(), errors_.deviation());
     RunsResult result{{}, std::move(along_)};
-    for (One& one : runs_) {
-      for (RunStatistics& output : one.outputs) output.finish();
-      result.outputs.push_back(std::move(one.outputs));
+    for (Run& run : runs_) {
+      for (RunStatistics& output : run.outputs) output.finish();
+      result.outputs.push_back(std::move(run.outputs));
     }
     return result;
   }
 
  private:
-  struct One {
+  struct Run {
     Sensing sensing;
     bool visited;
     std::vector<TalliedFilter> filters;
     std::vector<RunStatistics> outputs;
   };
 
-  /// How the squares of the batch are summed up; a stretch that is over is put to the path.
+  /// How the squares of the batch are summed; the sum of a completed stretch is stored.
   PathErrors::Squares squares_of(const std::vector<Part>& stretches) {
     if (stretches.empty()) return PathErrors::Squares::dropped;
-    if (!whole(stretches)) return PathErrors::Squares::kept;
+    if (!is_whole_batch(stretches)) return PathErrors::Squares::kept;
     if (stretches[0].number != stretch_) errors_.take_summed(along_.squares(stretch_));
     stretch_ = stretches[0].number;
     return PathErrors::Squares::summed;
@@ -137,62 +137,62 @@ class Runs {
     }
   }
 
-  /// One run through the batch.
-  void step(One& one, PathErrors::Squares squares) {
+  /// Simulates one run over the batch.
+  void step(Run& run, PathErrors::Squares squares) {
     const std::uint64_t first = path_.first();
-    const SensedBatch& sensed = one.sensing.sense(path_);
-    for (std::size_t i = 0; one.visited && i < path_.count(); ++i) job_.options.visit(one.sensing.reading(i));
-    const bool in_lanes = whole(blocks_), in_rows = !in_lanes && !blocks_.empty();
-    errors_(sensed, {in_rows || !one.filters.empty(), squares, in_lanes ? &one.outputs[0] : nullptr,
+    const SensedBatch& sensed = run.sensing.sense(path_);
+    for (std::size_t i = 0; run.visited && i < path_.count(); ++i) job_.options.visit(run.sensing.reading(i));
+    const bool in_lanes = is_whole_batch(blocks_), in_rows = !in_lanes && !blocks_.empty();
+    errors_(sensed, {in_rows || !run.filters.empty(), squares, in_lanes ? &run.outputs[0] : nullptr,
                      in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
-    // The first error stands for all before it: a constant one is no step.
+    // The first error is assumed before the start, so that a constant error causes no transient.
     if (first == 0)
-      for (TalliedFilter& filter : one.filters) filter.settle(errors_.rows());
+      for (TalliedFilter& filter : run.filters) filter.settle(errors_.rows());
     const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
-    filter(one, 0, settling, {});
+    filter(run, 0, settling, {});
     for (const Part& block : blocks_) {
       if (!in_lanes)
-        one.outputs[0].add(errors_.rows() + block.from * errors_.width(), errors_.width(),
+        run.outputs[0].add(errors_.rows() + block.from * errors_.width(), errors_.width(),
                            block.to - block.from, block.number);
-      expect(one, block);
-      filter(one, block.from, block.to, block.number);
+      expect(run, block);
+      filter(run, block.from, block.to, block.number);
     }
   }
 
-  /// Samples from .. to - 1 of the batch through all filters, and what comes out into a block; of nothing,
-  /// while they settle.
-  void filter(One& one, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
+  /// Filters samples from .. to - 1 of the batch and adds the outputs to a block; during the settling there
+  /// is no block.
+  void filter(Run& run, std::size_t from, std::size_t to, std::optional<std::size_t> block) {
     const std::size_t width = errors_.width();
-    for (std::size_t f = 0; f < one.filters.size(); ++f) {
+    for (std::size_t f = 0; f < run.filters.size(); ++f) {
       const std::uint64_t every = job_.every[f], start = from + until_next(from, every);
       if (start >= to) continue;
       const auto rows = static_cast<std::size_t>((to - start - 1) / every + 1);
       const double* const in = errors_.rows() + start * width;
       if (block)
-        one.filters[f].tally(in, every * width, rows, *block, one.outputs[f + 1]);
+        run.filters[f].tally(in, every * width, rows, *block, run.outputs[f + 1]);
       else
-        one.filters[f].pass(in, every * width, rows);
+        run.filters[f].pass(in, every * width, rows);
     }
   }
 
-  /// From sample i of the batch to the next one that a filter takes.
+  /// Samples from sample i of the batch to the next one that a filter uses.
   std::uint64_t until_next(std::size_t i, std::uint64_t every) const {
     const std::uint64_t passed = (path_.first() + i) % every;
     return passed == 0 ? 0 : every - passed;
   }
 
-  /// What the Jacobian says of the samples of a block, to the statistics of what comes out at them.
-  void expect(One& one, const Part& block) const {
+  /// Adds the variance expected from the Jacobian at the samples of a block to the statistics of all outputs.
+  void expect(Run& run, const Part& block) const {
     for (Eigen::Index c = 0; c < channels_.coordinates; ++c) {
       const double all = errors_.variance(c, block.from, block.to);
-      one.outputs[0].expect(c, all, block.number);
-      for (std::size_t f = 0; f < one.filters.size(); ++f) {
+      run.outputs[0].expect(c, all, block.number);
+      for (std::size_t f = 0; f < run.filters.size(); ++f) {
         const std::uint64_t every = job_.every[f];
-        double some = every == 1 ? all : 0;
+        double selected = every == 1 ? all : 0;
         for (std::uint64_t i = block.from + until_next(block.from, every); every > 1 && i < block.to;
              i += every)
-          some += errors_.variance(c, i, i + 1);
-        one.outputs[f + 1].expect(c, some, block.number);
+          selected += errors_.variance(c, i, i + 1);
+        run.outputs[f + 1].expect(c, selected, block.number);
       }
     }
   }
@@ -202,10 +202,10 @@ class Runs {
   PathBatch path_;
   PathErrors errors_;
   AlongPath along_;
-  std::size_t stretch_ = 0;               // that squares are summed up of
-  bool thinned_;                          // some filter takes one of several samples
+  std::size_t stretch_ = 0;               // of which squares are being summed
+  bool thinned_;                          // a filter uses only every n-th sample
   std::vector<Part> blocks_, stretches_;  // of the batch
-  std::vector<One> runs_;
+  std::vector<Run> runs_;
 };
 
 }  // namespace

@@ -10,31 +10,32 @@
 
 namespace qerr {
 
-/// What all runs of a simulation share.
+/// Input of all runs of a simulation. Borrows its references, which must outlive it.
 struct Job {
   const OperationalModel& model;
   const std::vector<Filter>& filters;
   const Motion& motion;
   const std::vector<Effect>& effects;
   const SimulationOptions& options;
-  std::vector<std::uint64_t> every;  ///< [filter]: of how many samples of the motion it takes one
+  std::vector<std::uint64_t> every;  ///< [filter]: it uses every n-th sample of the motion
   std::uint64_t samples, settling, blocks;
   std::size_t stretches;  ///< of the path (AlongPath)
   Eigen::VectorXd mean;   ///< of the error at the centre of the motion
-  double spread;          ///< of the runs' displacements (even_spread)
+  double spread;          ///< of the displacements of the runs (even_spread)
 };
 
-/// x^(n+1) = x + 1: the powers of 1/x make the most even additive sequence in n dimensions (Roberts 2018).
+/// The root of x^(n+1) = x + 1: the powers of 1/x generate an additive low-discrepancy sequence in n
+/// dimensions (Roberts 2018).
 double even_spread(Eigen::Index dimensions);
 
-/// What runs give that go side by side: statistics of each, and theory at the samples of all.
+/// Result of runs that are simulated together: statistics of each, and theory at the samples of all.
 struct RunsResult {
   std::vector<std::vector<RunStatistics>> outputs;  ///< [run][0: position, then the filters]
   AlongPath path;
 };
 
-/// Runs first .. first + count - 1, a batch of samples of each after the other: the joints' path is the same
-/// for all of them.
+/// Simulates runs first .. first + count - 1 together, batch by batch, since all of them share the path of
+/// the joints.
 /// @param tick  called after every `tick_samples` of every run
 RunsResult run_together(const Job&, std::uint64_t first, std::size_t count,
                         const std::function<void()>& tick);

@@ -29,7 +29,7 @@ RunStatistics::Piece RunStatistics::piece(std::size_t width, std::size_t lanes) 
   return p;
 }
 
-/// Makes the piece ready for more samples. @returns whether they are its first ones
+/// Prepares the piece for more samples. @returns whether they are its first ones
 bool RunStatistics::extend(Piece& p, std::size_t count, std::uint64_t block) {
   if (p.count > 0 && (block != p.block || p.count + count > most_of_piece))
     close(p, &p == &rows_ ? gain_ : 1);
@@ -59,11 +59,11 @@ RunStatistics::Place RunStatistics::place_of_rows(std::size_t rows, std::uint64_
 void RunStatistics::finish() {
   close(rows_, gain_);
   close(instants_, 1);
-  rows_ = {};  // many runs wait to be joined
+  rows_ = {};  // frees the memory: many runs are kept until they are joined
   instants_ = {};
 }
 
-/// The piece into its block; it is empty afterwards.
+/// Adds the piece to its block and clears it.
 void RunStatistics::close(Piece& p, double gain) {
   if (p.count == 0) return;
   Sums& s = blocks_[p.block];
@@ -84,11 +84,12 @@ void RunStatistics::close(Piece& p, double gain) {
   p.count = 0;
 }
 
-/// Two parts of a record as one: their squares, and what their means differ by.
+/// Joins two parts of a record (Chan, Golub, LeVeque 1983): squares add up, plus a term for the difference of
+/// the means.
 void RunStatistics::Sums::join(double other_count, Eigen::Index c, double other_mean, double other_squares) {
-  const double both = count + other_count, off = other_mean - mean[c];
-  squares[c] += other_squares + off * off * (count * other_count / both);
-  mean[c] += off * (other_count / both);
+  const double both = count + other_count, difference = other_mean - mean[c];
+  squares[c] += other_squares + difference * difference * (count * other_count / both);
+  mean[c] += difference * (other_count / both);
 }
 
 void RunStatistics::Sums::join(const Sums& other) {
@@ -99,14 +100,14 @@ void RunStatistics::Sums::join(const Sums& other) {
 }
 
 void RunStatistics::append(const RunStatistics& later) {
-  // The empty one that a sum starts with has blocks without samples.
+  // The accumulator starts with blocks without samples.
   std::erase_if(blocks_, [](const Sums& s) { return s.count == 0; });
   blocks_.insert(blocks_.end(), later.blocks_.begin(), later.blocks_.end());
   peak_ = peak_.max(later.peak_);
   while (blocks_.size() > most_blocks) join_neighbours();
 }
 
-/// Memory stays the same however many runs there are; blocks of several runs serve the interval as well.
+/// Joins pairs of blocks, so that memory does not grow with the number of runs.
 void RunStatistics::join_neighbours() {
   for (std::size_t i = 0; 2 * i < blocks_.size(); ++i) {
     Sums joined = blocks_[2 * i];
@@ -142,16 +143,16 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
     expected += s.expected[channel];
     count += s.count;
   }
-  // An expectation without bound, as of roll and yaw at the gimbal lock, says nothing of the blocks.
-  const bool shaped = expected > 0 && std::isfinite(expected);
-  const double ratio = shaped ? pooled * count / expected : 0;
+  // An infinite expectation, as of roll and yaw at the gimbal lock, gives no weights of the blocks.
+  const bool weighted = expected > 0 && std::isfinite(expected);
+  const double ratio = weighted ? pooled * count / expected : 0;
   double sum = 0, squares = 0, n = 0;
   for (const Sums& s : blocks_) {
     if (s.count == 0) continue;
     const double v = s.squares[channel] / s.count + std::pow(s.mean[channel] - m, 2);
-    const double off = shaped ? v - ratio * s.expected[channel] / s.count : v;
-    sum += off;
-    squares += off * off;
+    const double residual = weighted ? v - ratio * s.expected[channel] / s.count : v;
+    sum += residual;
+    squares += residual * residual;
     n += 1;
   }
   if (n < 2) return {0, std::numeric_limits<double>::infinity()};

@@ -9,71 +9,72 @@
 
 namespace qerr {
 
-/// Mean, variance and peak of many channels, and how far the variance of the first ones scatters between
-/// blocks of the record: that gives the interval of sigma without a word about the error's spectrum.
+/// Mean, variance and peak of many channels. The scatter of the variance between blocks of the record gives
+/// the confidence interval of sigma of the first channels without assumptions on the spectrum of the error.
 ///
-/// Samples come in the order of time. Squares are summed up about the first value of a piece of them, which
-/// is no farther from the mean than the root of their number times the deviation: whatever the mean, 4 digits
-/// are lost at most, and none where the first value is like the others.
+/// Samples are added in the order of time. Squares are summed about the first value of a piece of n <= 4096
+/// samples. Its distance from the mean is at most sqrt(n) standard deviations, so that cancellation loses at
+/// most 4 digits for any mean.
 class RunStatistics {
  public:
   struct Interval {
     double lower = 0, upper = 0;
   };
 
-  /// @param expected  of the channels, the first ones: how many have a variance that is known in shape, and a
-  /// peak that is asked for
-  /// @param width     of a row: the channels, filled up to whole lanes
+  /// @param expected  number of first channels whose relative variance between blocks is known from theory
+  /// (`expect`) and whose peak is computed
+  /// @param width     of a row: the number of channels, padded to whole lanes
   RunStatistics(Eigen::Index channels, Eigen::Index expected, std::size_t width, std::uint64_t blocks,
                 const SimulationKernels&);
 
-  /// Rows of channels, `stride` numbers apart; all of one block.
+  /// Adds rows of channels, `stride` numbers apart, all of one block.
   void add(const double* values, std::size_t stride, std::size_t rows, std::uint64_t block);
 
-  /// Where a kernel is to add `instants` instants of one block in lanes.
+  /// Tally to which a kernel adds `instants` instants of one block, with instants as lanes.
   struct Place {
     const ChannelTally* tally;
     bool fresh;
   };
   Place place(std::size_t instants, std::uint64_t block);
-  /// Where a kernel is to add `rows` rows of one block.
-  /// @param gain  what all rows are to be multiplied with, the same at every call
+  /// Tally to which a kernel adds `rows` rows of one block.
+  /// @param gain  factor of all rows, the same in every call
   Place place_of_rows(std::size_t rows, std::uint64_t block, double gain);
 
-  /// @param variance  sum of what theory expects of one of the first channels in some rows of a block, up to
-  /// a factor
+  /// Adds to the variance that theory expects of one of the first channels.
+  /// @param variance  sum over rows of a block, up to a common factor
   void expect(Eigen::Index channel, double variance, std::uint64_t block) {
     blocks_[block].expected[channel] += variance;
   }
 
-  /// No sample follows: what has been added enters the figures.
+  /// Completes the statistics after the last sample.
   void finish();
 
-  /// Adds the blocks of a later run; both are finished.
+  /// Appends the blocks of a later run.
+  /// @pre both are finished
   void append(const RunStatistics& later);
 
   double mean(Eigen::Index channel) const;
-  double variance(Eigen::Index channel) const;  ///< about the mean of all
+  double variance(Eigen::Index channel) const;  ///< about the mean over all blocks
   /// Of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
-  /// How many channels have one.
+  /// Number of channels with a peak.
   std::size_t peaks() const { return static_cast<std::size_t>(peak_.size()); }
 
-  /// 95 % interval of sigma: Student's t over the blocks' mean squares, of which what theory expects to vary
-  /// from block to block is no uncertainty (a ratio estimator).
+  /// 95 % interval of sigma by Student's t of the mean squares of the blocks. Their variation between blocks
+  /// that theory predicts is not counted as uncertainty (a ratio estimator).
   Interval sigma_interval(Eigen::Index channel) const;
 
  private:
   struct Sums {
     double count = 0;
-    Eigen::ArrayXd mean, squares, expected;  ///< squares about the mean: no digits are lost to a large one
+    Eigen::ArrayXd mean, squares, expected;  ///< squares about the mean, to avoid cancellation
 
     void join(double other_count, Eigen::Index channel, double other_mean, double other_squares);
     void join(const Sums& other);
   };
-  /// Samples of one block that are summed up about the same values.
+  /// Samples of one block that are summed about the same values.
   struct Piece {
-    std::size_t lanes = 1;  // sums of each channel
+    std::size_t lanes = 1;  // number of sums per channel
     std::size_t count = 0;
     std::uint64_t block = 0;
     AlignedNumbers numbers;
@@ -85,7 +86,7 @@ class RunStatistics {
   void join_neighbours();
 
   std::vector<Sums> blocks_;
-  Eigen::ArrayXd peak_;  // of the channels whose variance is known in shape
+  Eigen::ArrayXd peak_;  // of the first channels
   std::size_t width_;
   const SimulationKernels* kernels_;
   double gain_ = 1;  // of the rows

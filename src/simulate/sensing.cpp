@@ -25,7 +25,7 @@ Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
   for (const Effect& effect : effects) {
     if (effect_kind(effect.type).stage != Stage::kinematics) continue;
     const auto moved = find_joint(built, effect.joint);
-    if (!moved) continue;  // a master beside the chain does not carry the tip
+    if (!moved) continue;  // a mimicked joint outside the chain does not move the tip
     ChainJoint& joint = built.joints[*moved];
     joint.origin.pretranslate(effect.number("length") * (joint.parent_axes * displacement_direction(effect)));
   }
@@ -68,13 +68,13 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       list.push_back(kind.action(effects[i], transmission_.encoders[joint], options.seed * 64 + i));
     }
   }
-  turned_ = std::any_of(actions_.begin(), actions_.end(),
-                        [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
+  shaft_differs_ = std::any_of(actions_.begin(), actions_.end(),
+                               [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
   const std::size_t n = actions_.size();
   for (AlignedNumbers* rows : {&joint_, &counts_, &measured_}) *rows = AlignedNumbers(n * batch_size);
   if (!uncoupled_)
     for (AlignedNumbers* rows : {&encoder_, &shaft_, &estimate_}) *rows = AlignedNumbers(n * batch_size);
-  if (turned_) turn_ = AlignedNumbers(n * batch_size);
+  if (shaft_differs_) shaft_joint_ = AlignedNumbers(n * batch_size);
   if (effort_) efforts_ = AlignedNumbers(n * batch_size);
   const double* const no_effort = nullptr;
   batch_ = {0,
@@ -109,42 +109,42 @@ Eigen::VectorXd Sensing::effort(double time) const {
 }
 
 Moment Sensing::moment(std::size_t joint, std::size_t i) const {
-  const std::size_t at = joint * batch_size + i;
-  return {batch_.first + i, batch_.time[i], joint_[at], effort_ ? efforts_[at] : 0, 0};
+  const std::size_t k = joint * batch_size + i;
+  return {batch_.first + i, batch_.time[i], joint_[k], effort_ ? efforts_[k] : 0, 0};
 }
 
-/// The joint as the shaft of the encoder feels it: at its clock's instant, behind link and gear.
-double Sensing::turned(std::size_t joint, std::size_t i) {
+/// The joint position that reaches the encoder shaft: at the instant of its clock, after link and gear.
+double Sensing::shaft_position(std::size_t joint, std::size_t i) {
   Actions& a = actions_[joint];
-  Moment now = moment(joint, i);
+  Moment m = moment(joint, i);
   if (!a.clock.empty()) {
-    const double instant = through(a.clock, now.time, now);
-    now.joint = position(joint, instant);
-    if (effort_ && !a.motion.empty()) now.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
+    const double instant = through(a.clock, m.time, m);
+    m.joint = position(joint, instant);
+    if (effort_ && !a.motion.empty()) m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
   }
-  return through(a.motion, now.joint, now);
+  return through(a.motion, m.joint, m);
 }
 
 void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
   throw Error({{},
                "effects",
-               "a count must be a whole number within 2^53",
+               "a count must be an integer within 2^53",
                "encoder " + std::to_string(encoder + 1) + " at " + shortest(batch_.time[i]) + " s",
-               "make the effects smaller"});
+               "reduce the effects"});
 }
 
 double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   const Encoder& e = transmission_.encoders[encoder];
   Actions& a = actions_[encoder];
-  Moment now = moment(encoder, i);
-  now.effort = 0;
-  const double seen = through(a.encoder, shaft, now);
-  const double count = through(a.decoder, std::round(quantize(e, seen) / e.resolution), now);
+  Moment m = moment(encoder, i);
+  m.effort = 0;
+  const double distorted = through(a.encoder, shaft, m);
+  const double count = through(a.decoder, std::round(quantize(e, distorted) / e.resolution), m);
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }
 
-/// The rows times a matrix; the rows themselves where encoders and joints are the same.
+/// The rows multiplied by a matrix; the rows themselves if the transmission is not coupled.
 const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& from,
                              const AlignedNumbers& to) const {
   if (uncoupled_) return from.data();
@@ -153,14 +153,15 @@ const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& fro
   return to.data();
 }
 
-const double* Sensing::turn_shafts(std::size_t count) {
+const double* Sensing::shaft_positions(std::size_t count) {
   for (std::size_t joint = 0; joint < actions_.size(); ++joint) {
     const Actions& a = actions_[joint];
-    const bool as_it_is = a.clock.empty() && a.motion.empty();
+    const bool unchanged = a.clock.empty() && a.motion.empty();
     for (std::size_t i = 0; i < count; ++i)
-      turn_[joint * batch_size + i] = as_it_is ? joint_[joint * batch_size + i] : turned(joint, i);
+      shaft_joint_[joint * batch_size + i] =
+          unchanged ? joint_[joint * batch_size + i] : shaft_position(joint, i);
   }
-  return mixed(to_encoders_, turn_, shaft_);
+  return mixed(to_encoders_, shaft_joint_, shaft_);
 }
 
 void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t count) {
@@ -178,10 +179,10 @@ void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t 
   }
 }
 
-/// Behind the end of the motion nothing is sensed: effects and efforts are not asked about it.
+/// Fills a batch after the end of the motion, where effects and efforts are not evaluated.
 void Sensing::repeat_last(const AlignedNumbers& rows, std::size_t count) {
-  for (std::size_t at = 0; at < rows.size(); at += batch_size)
-    std::fill_n(rows.data() + at + count, batch_size - count, rows[at + count - 1]);
+  for (std::size_t row = 0; row < rows.size(); row += batch_size)
+    std::fill_n(rows.data() + row + count, batch_size - count, rows[row + count - 1]);
 }
 
 const SensedBatch& Sensing::sense(std::uint64_t first, std::size_t count) {
@@ -198,12 +199,12 @@ const SensedBatch& Sensing::sense(const PathBatch& path) {
     kernels.displace(path.joints() + joint * batch_size, shift_[static_cast<Eigen::Index>(joint)],
                      joint_.data() + joint * batch_size);
   for (std::size_t i = 0; effort_ && i < count; ++i) {
-    const Eigen::VectorXd now = effort(path.time()[i]);
+    const Eigen::VectorXd efforts = effort(path.time()[i]);
     for (std::size_t joint = 0; joint < n; ++joint)
-      efforts_[joint * batch_size + i] = now[static_cast<Eigen::Index>(joint)];
+      efforts_[joint * batch_size + i] = efforts[static_cast<Eigen::Index>(joint)];
   }
   batch_.encoder = mixed(to_encoders_, joint_, encoder_);
-  const double* const shafts = turned_ ? turn_shafts(count) : batch_.encoder;
+  const double* const shafts = shaft_differs_ ? shaft_positions(count) : batch_.encoder;
   for (std::size_t e = 0; e < n; ++e) count_shaft(e, shafts + e * batch_size, count);
   if (count < batch_size)
     for (const AlignedNumbers* rows : {&counts_, &measured_, &efforts_}) repeat_last(*rows, count);
@@ -217,17 +218,17 @@ Reading& Sensing::reading(std::size_t i) {
   r.time = batch_.time[i];
   for (std::size_t j = 0; j < actions_.size(); ++j) {
     const auto row = static_cast<Eigen::Index>(j);
-    const std::size_t at = j * batch_size + i;
-    r.joint[row] = joint_[at];
-    r.encoder[row] = batch_.encoder[at];
-    r.counts[row] = counts_[at];
-    r.measured[row] = measured_[at];
-    r.estimate[row] = batch_.estimate[at];
-    if (effort_) r.effort[row] = efforts_[at];
-    Moment now = moment(j, i);
-    now.effort = 0;
-    r.logged[row] = through(actions_[j].log, r.estimate[row], now);
-    r.reference[row] = through(actions_[j].log, through(actions_[j].reference, r.joint[row], now), now);
+    const std::size_t k = j * batch_size + i;
+    r.joint[row] = joint_[k];
+    r.encoder[row] = batch_.encoder[k];
+    r.counts[row] = counts_[k];
+    r.measured[row] = measured_[k];
+    r.estimate[row] = batch_.estimate[k];
+    if (effort_) r.effort[row] = efforts_[k];
+    Moment m = moment(j, i);
+    m.effort = 0;
+    r.logged[row] = through(actions_[j].log, r.estimate[row], m);
+    r.reference[row] = through(actions_[j].log, through(actions_[j].reference, r.joint[row], m), m);
   }
   r.tip = forward_kinematics(built_, r.joint);
   return r;

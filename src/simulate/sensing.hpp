@@ -14,28 +14,28 @@
 
 namespace qerr {
 
-/// What a controller records at `batch_size` samples: each a row of them for every joint or encoder, aligned
-/// to 64 bytes. Meanings and units as in `Reading`.
+/// Signals at `batch_size` samples: of each signal one row of samples for every joint or encoder, aligned to
+/// 64 bytes. Meanings and units as in `Reading`. Borrows memory of `Sensing`, valid until its next batch.
 struct SensedBatch {
   std::uint64_t first = 0;  ///< number of the first sample
   const double *time, *joint, *encoder, *counts, *measured, *estimate;
-  const double* effort;  ///< null unless asked for
-  const double* shift;   ///< of each joint from the path: the same in all of a run
+  const double* effort;  ///< null unless requested
+  const double* shift;   ///< displacement of each joint from the path, constant during a run
 };
 
-/// Where the joints of a motion are at `batch_size` samples: what all runs along it share.
+/// Joint positions of a motion at `batch_size` samples, which all runs along it share.
 class PathBatch {
  public:
   explicit PathBatch(const Motion&, InstructionSet = instruction_set());
 
-  /// Samples first .. first + count - 1, at time index / sample_rate; behind them the last one again and
-  /// again.
+  /// Evaluates samples first .. first + count - 1 at time index / sample_rate; the batch is filled with
+  /// copies of the last one.
   void at(std::uint64_t first, std::size_t count);
 
   std::uint64_t first() const { return first_; }
   std::size_t count() const { return count_; }
   const double* time() const { return time_.data(); }
-  const double* joints() const { return joints_.data(); }  ///< a row of each [rad or m]
+  const double* joints() const { return joints_.data(); }  ///< a row for each joint [rad or m]
   const MotionPath& path() const { return path_; }
 
  private:
@@ -47,44 +47,47 @@ class PathBatch {
   AlignedNumbers time_, joints_;
 };
 
-/// The chain as it was built: with the joints displaced that `geometry` effects displace.
+/// The chain as built: with the joint origins displaced by effects of stage `kinematics`.
 Chain as_built(const Chain&, const std::vector<Effect>&);
 
-/// Whether an effect needs to know the joints' efforts.
+/// Whether an effect depends on the efforts of the joints.
 bool needs_effort(const std::vector<Effect>&);
 
-/// One run of the robot's encoders along a motion, in the order of time: sample by sample, or in batches.
+/// Simulates the encoders during one run along a motion, in the order of time: sample by sample or in
+/// batches.
 ///
-/// The joint moves, is read at its clock's instant, winds up and plays, and turns the encoder's shaft; disc,
-/// line and comparator distort what the quantizer sees; the decoder counts. The order of the stages is that
-/// of `Stage`. What has no effect on its way is done for many samples at once, to the same counts.
+/// Effects act in the order of `Stage`: the clock sets the instant at which the joint is read, compliance and
+/// backlash act between joint and encoder shaft, disc, line and comparator distort the input of the
+/// quantizer, and the decoder counts. Encoders without effects are evaluated for many samples at once, with
+/// the same counts.
 class Sensing {
  public:
   struct Options {
-    Eigen::VectorXd displacement;  ///< of the encoder coordinates during the whole motion [rad or m]: less
-                                   ///< than a count shifts the phase of the quantizer and nothing else
-    std::uint64_t seed = 0;        ///< of this run's random effects
-    bool effort = false;  ///< read it, where the robot has masses; effects that need it have it anyway
+    Eigen::VectorXd displacement;  ///< constant displacement of the encoder coordinates [rad or m]; less than
+                                   ///< a count, it only shifts the phase of the quantizer
+    std::uint64_t seed = 0;        ///< of the random effects of this run
+    bool effort = false;  ///< compute efforts in any case, if the robot has masses; otherwise only if an
+                          ///< effect needs them
   };
   Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&,
           InstructionSet = instruction_set());
 
-  /// Samples first .. first + count - 1, at time index / sample_rate; behind them the last one again and
-  /// again.
-  /// @param count  at most batch_size; less only at the end
+  /// Simulates samples first .. first + count - 1 at time index / sample_rate; the batch is filled with
+  /// copies of the last one.
+  /// @param count  at most batch_size; less only at the end of the motion
   /// @pre called with 0, batch_size, 2 batch_size, ...
-  /// @throws Error (input; key `effects`) where a count is beyond 2^53
+  /// @throws Error (input; key `effects`) if a count exceeds 2^53
   const SensedBatch& sense(std::uint64_t first, std::size_t count = batch_size);
 
-  /// The same of samples whose path is known.
+  /// The same for the samples of a given path.
   const SensedBatch& sense(const PathBatch&);
 
-  /// A sample of the batch sensed last.
+  /// A sample of the last batch.
   /// @pre called for every sample, in order
   Reading& reading(std::size_t in_batch);
 
-  /// The sample `index`, of a batch that is sensed when its first sample is read.
-  /// @pre called with 0, 1, 2, ...; `sense` is not
+  /// The sample `index`; a batch is simulated when its first sample is read.
+  /// @pre called with 0, 1, 2, ...; `sense` is not called
   Reading& read(std::uint64_t index);
 
   const Chain& built() const { return built_; }
@@ -95,11 +98,11 @@ class Sensing {
   };
   double position(std::size_t joint, double time) const;
   Eigen::VectorXd effort(double time) const;
-  double turned(std::size_t joint, std::size_t in_batch);
+  double shaft_position(std::size_t joint, std::size_t in_batch);
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
   Moment moment(std::size_t joint, std::size_t in_batch) const;
   const double* mixed(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
-  const double* turn_shafts(std::size_t count);
+  const double* shaft_positions(std::size_t count);
   void count_shaft(std::size_t encoder, const double* shaft, std::size_t count);
   static void repeat_last(const AlignedNumbers& rows, std::size_t count);
   [[noreturn]] void fail_to_count(std::size_t encoder, std::size_t in_batch) const;
@@ -111,9 +114,9 @@ class Sensing {
   bool uncoupled_;
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
-  bool effort_, turned_;  // efforts are known; shafts are elsewhere than the true joints
+  bool effort_, shaft_differs_;  // efforts are computed; shaft angles differ from the true joint angles
   InstructionSet set_;
-  AlignedNumbers joint_, encoder_, turn_, shaft_, counts_, measured_, estimate_, efforts_;
+  AlignedNumbers joint_, encoder_, shaft_joint_, shaft_, counts_, measured_, estimate_, efforts_;
   SensedBatch batch_;
   Reading reading_;
 };

@@ -16,7 +16,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t most_stretches = 512;
-// Longer runs are enough work for a thread each.
+// Longer runs are distributed to threads one by one.
 constexpr std::uint64_t most_samples_together = std::uint64_t{1} << 15;
 
 std::uint64_t divisor(const Filter& filter, const Motion& motion) {
@@ -30,7 +30,8 @@ std::uint64_t divisor(const Filter& filter, const Motion& motion) {
   return static_cast<std::uint64_t>(whole);
 }
 
-/// Samples until transients have died to 1e-3, at the rate of the motion.
+/// Samples until transients have decayed to 1e-3, at the rate of the motion. The factor 1.5 allows for the
+/// polynomial factors of repeated poles.
 double settled_after(const Filter& filter, std::uint64_t every) {
   const double modulus = poles_max_modulus(filter);
   const double decay = modulus > 0 ? std::log(1e-3) / std::log(modulus) : 0;
@@ -38,7 +39,7 @@ double settled_after(const Filter& filter, std::uint64_t every) {
   return (1.5 * decay + order) * static_cast<double>(every);
 }
 
-/// NaN where one of them has no bound or is not known.
+/// over/under; NaN if one of them is infinite or NaN, 1 if `under` is zero.
 double ratio(double over, double under) {
   if (!std::isfinite(over) || !std::isfinite(under)) return std::numeric_limits<double>::quiet_NaN();
   return under > 0 ? over / under : 1;
@@ -50,9 +51,9 @@ SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Ei
   const double exact = s.variance(coordinate), linear = s.variance(channels.linear() + coordinate);
   double parts = 0;
   for (Eigen::Index i = 0; i < channels.encoders; ++i) parts += s.variance(channels.part(i) + coordinate);
-  // A mean that the Jacobian carries along the path is part of what theory knows.
-  const double carried = channels.biased ? std::sqrt(s.variance(channels.mean() + coordinate)) : 0;
-  const double ipqn_path = std::hypot(theory.ipqn_path, carried);
+  // The variation of the mean error along the path is part of the theory.
+  const double mean_variation = channels.biased ? std::sqrt(s.variance(channels.mean() + coordinate)) : 0;
+  const double ipqn_path = std::hypot(theory.ipqn_path, mean_variation);
   const RunStatistics::Interval interval = s.sigma_interval(coordinate);
   r.sigma_simulated = std::sqrt(exact);
   r.sigma_lower = interval.lower;
@@ -61,7 +62,7 @@ SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, Ei
   r.peak_simulated = s.peak(coordinate);
   r.sigma_ipqn = theory.ipqn;
   r.sigma_ipqn_path = ipqn_path;
-  r.sigma_exact = std::hypot(theory.exact, carried);
+  r.sigma_exact = std::hypot(theory.exact, mean_variation);
   r.worst_case = theory.worst_case;
   r.worst_case_path = theory.worst_case_path;
   r.ladder = {ratio(ipqn_path, theory.ipqn), ratio(std::sqrt(parts), ipqn_path),
@@ -86,15 +87,15 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   const OperationalError middle = operational_error(model, center(motion));
   Job job{model, filters, motion, effects, options, every, std::max<std::uint64_t>(samples, 1),
           std::min(static_cast<std::uint64_t>(std::ceil(settling)), samples == 0 ? 0 : samples - 1),
-          // Runs differ in their phases, parts of one run do not.
+          // The interval of sigma is estimated between runs or, for a single run, between its parts.
           options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20},
-          // Only behind filters it matters how fast the joints move where.
+          // The speeds along the path matter only with filters.
           filters.empty() ? std::size_t{1} : most_stretches, middle.mean,
           even_spread(static_cast<Eigen::Index>(model.transmission.encoders.size()))};
   const Channels channels(model);
 
-  // Runs are joined in their order, a wave at a time, so that memory does not grow with their number. Which
-  // of them go together must not depend on the threads.
+  // Runs are joined in their order, 64 at a time, so that memory does not grow with their number. Grouping
+  // does not depend on the number of threads, hence neither do the results.
   constexpr std::uint64_t wave = 64;
   const std::uint64_t together = job.samples <= most_samples_together ? 8 : 1;
   std::mutex guard;

@@ -40,8 +40,8 @@ Eigen::MatrixXd AlongPath::mean_squares(const Eigen::MatrixXd& weights) const {
 
 namespace {
 
-/// Variance of every coordinate behind a filter, by encoder, with their speeds along the path; NaN where the
-/// filter remembers too much.
+/// Contribution of every encoder to the variance of every coordinate after a filter, from the speeds along
+/// the path; NaN if the memory of the filter is too long.
 Eigen::MatrixXd exact_variance(const AlongPath& path, const Transmission& transmission, const Motion& motion,
                                const Filter& filter, double start) {
   const auto memory = followed(filter);
@@ -70,7 +70,7 @@ std::vector<std::vector<SignalTheory>> theory_along_path(
     auto& row = all.emplace_back();
     for (Eigen::Index c = 0; c < middle.sigma.size(); ++c) {
       const Bounds b = derivative_error(middle.half_width[c], middle.mean[c], middle.sigma[c], n);
-      // Without bound where the path meets the gimbal lock, though a resting encoder's power is 0 there.
+      // Infinite if the path meets the gimbal lock, even where the power of an encoder at rest is 0.
       const double ipqn_path = n.h2 * std::sqrt(squares.row(c).sum() / 12);
       row.push_back({n.h2 * middle.weighted.row(c).norm() / std::sqrt(12.0), ipqn_path,
                      std::isfinite(ipqn_path) ? std::sqrt(exact.row(c).sum()) : ipqn_path, b.worst_case,

@@ -19,9 +19,9 @@ double Unwrap::operator()(double value) {
   lowest_ = std::min(lowest_, value);
   highest_ = std::max(highest_, value);
   beyond_ = highest_ - lowest_ > 1.01 * turn_;
-  const double so_far = value + static_cast<double>(turns_) * turn_;
+  const double unwrapped = value + static_cast<double>(turns_) * turn_;
   if (!beyond_) {
-    const int turns = turns_after(so_far - (2 * last_ - before_last_), turn_);
+    const int turns = turns_after(unwrapped - (2 * last_ - before_last_), turn_);
     turns_ += turns;
     wrapped_ = wrapped_ || turns != 0;
   }

@@ -4,36 +4,35 @@
 
 namespace qerr {
 
-/// The whole turns to add after a step of a periodic quantity: -1 for a step of about +turn, +1 for one of
-/// about -turn, else 0. "About" is nearer to it than a quarter of a turn.
+/// Turns to add after a step of a periodic quantity: -1 if the step is within a quarter turn of +turn, +1 if
+/// it is within a quarter turn of -turn, else 0.
 int turns_after(double step, double turn);
 
-/// Follows a position that is read within one turn and starts anew at its end: a tracker's angle, an absolute
-/// encoder's count.
+/// Unwraps a position that is measured modulo one turn: the angle of a tracker, the count of an absolute
+/// encoder.
 ///
-/// A sample is taken for a wrap when, seen from where the two before it lead (2 u[i-1] - u[i-2]), it is off
-/// by a turn, less than a quarter of one more or less, and when all samples as read span one turn (and 1 % of
-/// it for an uneven reading): a position that runs on beyond a turn does not wrap at one, and what jumps in
-/// it is data (missed counts, a rollover at another power of two). Steps between a quarter and three quarters
-/// of a turn away from the expected are data too. The rule holds while the velocity changes by less than a
-/// quarter of a turn per sample.
+/// A sample is a wrap if it differs from the linear prediction 2 u[i-1] - u[i-2] by one turn within a quarter
+/// turn, and if all samples so far span at most one turn (plus 1 % for measurement errors): a position that
+/// exceeds the span of a turn does not wrap at a turn, and its jumps are data (missed counts, a rollover at
+/// another power of two). So are deviations between a quarter and three quarters of a turn. The rule is valid
+/// while the velocity changes by less than a quarter turn per sample.
 class Unwrap {
  public:
-  /// @param turn  what is added or taken away [unit of the values], > 0
+  /// @param turn  interval of the wraps [unit of the values], > 0
   explicit Unwrap(double turn) : turn_(turn) {}
 
-  /// The next sample, without its wraps: value + turns() * turn.
+  /// The next sample, unwrapped: value + turns() * turn.
   double operator()(double value);
 
   /// Turns added so far.
   std::int64_t turns() const { return turns_; }
 
-  /// Whether a wrap was taken out, and later samples as read span more than a turn: then it was no wrap.
+  /// Whether a wrap was removed and later samples span more than a turn, so that it was not a wrap.
   bool contradicted() const { return wrapped_ && beyond_; }
 
  private:
   double turn_;
-  double lowest_ = 0, highest_ = 0;    // as read
+  double lowest_ = 0, highest_ = 0;    // of the samples
   double last_ = 0, before_last_ = 0;  // unwrapped
   std::int64_t turns_ = 0;
   bool started_ = false, wrapped_ = false, beyond_ = false;

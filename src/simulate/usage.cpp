@@ -15,7 +15,7 @@ namespace {
 
 constexpr double most_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
 
-/// Instants spread evenly over the motion, samples of it where it has no more than `most`.
+/// Evenly spaced instants of the motion: its samples if there are at most `most` of them.
 std::vector<double> instants(const Motion& motion, double most) {
   const double samples = std::max(1.0, std::floor(motion.duration * motion.sample_rate + 0.5));
   const double count = std::min(samples, most);
@@ -30,13 +30,14 @@ void append(Rows& rows, const Eigen::VectorXd& values) {
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(values[static_cast<Eigen::Index>(i)]);
 }
 
-/// Velocities at middles of equal parts of the motion.
+/// At most `most_speeds` of the velocities, evenly spaced.
 std::vector<double> thinned(const std::vector<double>& values) {
   const double count = std::min(most_speeds, static_cast<double>(values.size()));
-  std::vector<double> few;
+  std::vector<double> selected;
   for (double k = 0; k < count; ++k)
-    few.push_back(values[static_cast<std::size_t>((k + 0.5) * static_cast<double>(values.size()) / count)]);
-  return few;
+    selected.push_back(
+        values[static_cast<std::size_t>((k + 0.5) * static_cast<double>(values.size()) / count)]);
+  return selected;
 }
 
 void widen(Spread& s, double by) {
@@ -44,20 +45,20 @@ void widen(Spread& s, double by) {
   s.upper += by;
 }
 
-/// Peaks lie between the instants: of a position with bounded acceleration by at most a quarter of a step's
-/// change of velocity times the step, of a velocity that bends by half of the largest second difference.
-void reach_between(Usage& u, const std::vector<double>& velocity, double step) {
-  double change = 0, bend = 0;
+/// Widens the ranges by a bound on peaks between the instants: for the position, step/4 times the largest
+/// change of velocity per step; for the velocity, half of its largest second difference.
+void widen_between_samples(Usage& u, const std::vector<double>& velocity, double step) {
+  double change = 0, curvature = 0;
   for (std::size_t k = 1; k < velocity.size(); ++k) {
     change = std::max(change, std::abs(velocity[k] - velocity[k - 1]));
-    if (k > 1) bend = std::max(bend, std::abs(velocity[k] - 2 * velocity[k - 1] + velocity[k - 2]));
+    if (k > 1) curvature = std::max(curvature, std::abs(velocity[k] - 2 * velocity[k - 1] + velocity[k - 2]));
   }
   widen(*u.position, 0.25 * change * step);
-  widen(*u.velocity, 0.5 * bend);
+  widen(*u.velocity, 0.5 * curvature);
 }
 
-/// pi times the changes of direction per second.
-double turning(const std::vector<double>& velocity, double seconds) {
+/// pi times the number of reversals per second [rad/s].
+double reversal_rate(const std::vector<double>& velocity, double seconds) {
   double changes = 0, last = 0;
   for (const double v : velocity) {
     if (v * last < 0) ++changes;
@@ -85,22 +86,23 @@ std::vector<Usage> usages(const Path& path, const Motion& motion) {
     u.velocity = spread_of(path.velocity[i]);
     u.position->rate = rate_of(path.velocity[i], *u.position);
     u.velocity->rate = rate_of(path.acceleration[i], *u.velocity);
-    reach_between(u, path.velocity[i], motion.duration / static_cast<double>(path.position[i].size()));
+    widen_between_samples(u, path.velocity[i],
+                          motion.duration / static_cast<double>(path.position[i].size()));
     u.duration = motion.duration;
-    u.reversals = turning(path.velocity[i], motion.duration);
+    u.reversals = reversal_rate(path.velocity[i], motion.duration);
     u.speeds = thinned(path.velocity[i]);
   }
   return all;
 }
 
-void reach_to(Spread& s, double value) {
+void include(Spread& s, double value) {
   s.lower = std::min(s.lower, value);
   s.upper = std::max(s.upper, value);
 }
 
-/// What lies before and after the motion widens its ranges, and leaves its means as they are.
-void reach_into(const MotionPath& path, const Motion& motion, double margin,
-                const Eigen::MatrixXd& to_encoders, RobotUsage& usage) {
+/// Extends the ranges to `margin` before and after the motion; means stay those of the motion.
+void include_margin(const MotionPath& path, const Motion& motion, double margin,
+                    const Eigen::MatrixXd& to_encoders, RobotUsage& usage) {
   constexpr int steps = 512;
   for (int k = 1; k <= steps; ++k) {
     const double beyond = margin * k / steps;
@@ -109,10 +111,10 @@ void reach_into(const MotionPath& path, const Motion& motion, double margin,
       const Eigen::VectorXd x = to_encoders * q, u = to_encoders * v;
       for (Eigen::Index i = 0; i < q.size(); ++i) {
         const auto row = static_cast<std::size_t>(i);
-        reach_to(*usage.joints[row].position, q[i]);
-        reach_to(*usage.joints[row].velocity, v[i]);
-        reach_to(*usage.encoders[row].position, x[i]);
-        reach_to(*usage.encoders[row].velocity, u[i]);
+        include(*usage.joints[row].position, q[i]);
+        include(*usage.joints[row].velocity, v[i]);
+        include(*usage.encoders[row].position, x[i]);
+        include(*usage.encoders[row].velocity, u[i]);
       }
     }
   }
@@ -126,9 +128,9 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
     return inverse_dynamics(chain, path.position(t), path.velocity(t), path.acceleration(t));
   };
   for (const double t : instants(motion, most_efforts)) {
-    const Eigen::VectorXd now = effort(t);
-    append(efforts, now);
-    append(changes, (effort(t + step) - now) / step);
+    const Eigen::VectorXd value = effort(t);
+    append(efforts, value);
+    append(changes, (effort(t + step) - value) / step);
   }
   for (std::size_t i = 0; i < joints.size(); ++i) {
     joints[i].effort = spread_of(efforts[i]);
@@ -153,7 +155,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
     append(encoders.acceleration, to_encoders * a);
   }
   RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
-  if (margin > 0) reach_into(path, motion, margin, to_encoders, usage);
+  if (margin > 0) include_margin(path, motion, margin, to_encoders, usage);
   if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
   return usage;
 }

@@ -12,86 +12,86 @@
 
 namespace qerr {
 
-/// What a column of a log holds.
+/// The quantity of a column of a log.
 enum class LogSignal {
-  time,         ///< the stamp [s]
-  counts,       ///< of the joint's encoder, whole numbers, zero at the joint's zero
-  measured,     ///< the joint's position as the robot has it [rad or m]
-  reference,    ///< the same by a better sensor [rad or m]
-  effort,       ///< [N m or N], or [A], or arbitrary
-  velocity,     ///< the controller's own estimate [rad/s or m/s]
-  command,      ///< what was asked for, never the truth [rad or m]
-  temperature,  ///< [K] from an arbitrary zero: only differences count
-  tip           ///< position of the tip by a tracker [m]
+  time,         ///< time stamp [s]
+  counts,       ///< of the encoder, integers, zero at the zero of the joint
+  measured,     ///< joint position as the controller reads it [rad or m]
+  reference,    ///< joint position by the reference sensor [rad or m]
+  effort,       ///< [N m or N], [A] or an arbitrary unit
+  velocity,     ///< estimate of the controller [rad/s or m/s]
+  command,      ///< commanded position, which is not the true one [rad or m]
+  temperature,  ///< from an arbitrary zero: only differences are used [K]
+  tip           ///< position of the tip, measured by a tracker [m]
 };
 
-/// How the numbers of a column are written: what the file itself may have rounded.
+/// Decimals and digits of the numbers in a column, which determine the rounding by the file.
 ///
-/// Every value is a multiple of 10^-most_decimals. Numbers printed with `%.4f` have four decimals and many
-/// digits, with `%.4g` four digits and many decimals; 15 digits or more are a computer's own number, which
-/// the file has not rounded.
+/// Every value is a multiple of 10^-most_decimals. Numbers printed with `%.4f` have four decimals and any
+/// number of digits, with `%.4g` four digits and any number of decimals; 15 digits or more are an unrounded
+/// double.
 struct DecimalText {
-  int most_decimals = 0;   ///< digits behind the point, less the exponent
-  int least_decimals = 0;  ///< the same, of the row that has the fewest
-  int most_digits = 0;     ///< significant ones
+  int most_decimals = 0;   ///< digits after the decimal point, minus the exponent
+  int least_decimals = 0;  ///< the same of the row with the fewest
+  int most_digits = 0;     ///< significant digits
 };
 
-/// Whole turns that were taken out of a column.
+/// Whole turns that were removed from a column by unwrapping.
 struct Wraps {
-  std::int64_t start = 0;       ///< turns added to every row: it began that far from the measured position
+  std::int64_t start = 0;       ///< turns added to every row: initial difference from the measured position
   std::uint64_t count = 0;      ///< wraps within the log
   std::uint64_t first_row = 0;  ///< from 0
   double first_time = 0;        ///< [s]
-  bool contradicted = false;    ///< later rows span more than a turn: what was taken out were no wraps
+  bool contradicted = false;    ///< later rows span more than a turn: the removed steps were not wraps
 };
 
 struct LogColumn {
   LogSignal signal = LogSignal::time;
-  std::size_t index = 0;  ///< the independent joint; of the tip 0 x, 1 y, 2 z
-  std::string header;     ///< as the file has it
-  std::string unit;       ///< of the values: `s`, `rad`, `N m`, `A`, `count`, "1" when arbitrary
-  Unit scale;             ///< from the file's unit to that
+  std::size_t index = 0;  ///< independent joint, or coordinate of the tip: 0 x, 1 y, 2 z
+  std::string header;     ///< text in the file
+  std::string unit;       ///< of the values: `s`, `rad`, `N m`, `A`, `count`, "1" if arbitrary
+  Unit scale;             ///< from the unit of the file to `unit`
   DecimalText text;
   Wraps wraps;
 
-  /// The file's own grid: every value (before unwrapping) is a multiple of this [unit].
+  /// Log resolution: every value (before unwrapping) is a multiple of this [unit].
   double step() const;
 };
 
-/// A record of a robot in motion: encoders, better sensors, and what else was written beside them.
+/// A record of a robot in motion: encoders, reference sensors and other measured quantities.
 ///
-/// Without a time column it is a static calibration table: its rows have no order.
+/// Without a time column it is a static calibration table, whose rows have no order.
 struct Log {
   std::string file;
   std::vector<LogColumn> columns;
   std::uint64_t rows = 0;
   double first_time = 0, last_time = 0;  ///< [s]
   std::vector<std::string> warnings;
-  Eigen::ArrayXXd values;  ///< rows x columns, one column in one piece; empty when rows are streamed
-  /// Of a log that is too long to be held: the first rows of the stretches that `values` has, all of
-  /// `stretch_rows` but the last. Empty: it has all rows.
+  Eigen::ArrayXXd values;  ///< rows x columns, column-major; empty if rows are streamed
+  /// First rows of the stretches in `values` if the log is too long to be kept; all stretches but the last
+  /// have `stretch_rows` rows. Empty: `values` has all rows.
   std::vector<std::uint64_t> stretches;
   Eigen::Index stretch_rows = 0;
 
-  /// The column with this signal of this joint (or coordinate of the tip), if there is one.
+  /// Index of the column with this signal of this joint (or coordinate of the tip); empty if absent.
   std::optional<Eigen::Index> find(LogSignal, std::size_t index = 0) const;
 
-  /// The number in the file of a row of `values`, from 0.
+  /// Index in the file of a row of `values`, from 0.
   std::uint64_t row_number(Eigen::Index row) const;
 
   bool has_time() const { return find(LogSignal::time).has_value(); }
 };
 
-/// A joint's position as its robot knows it, over the given rows [rad or m].
+/// The measured position of a joint over the given rows [rad or m].
 ///
-/// Counts come first, as nothing has rounded them: sum_i C_ji Delta_i counts_i, with the coupling C. Where
-/// counts that this needs are missing, the measured column.
+/// sum_i C_ji Delta_i counts_i with the coupling C if the log has the counts of all these encoders, since
+/// counts are not rounded by the file; else the column `measured`.
 /// @param rows  rows x columns of the log
-/// @returns empty when the log has neither
+/// @returns empty if the log has neither
 std::optional<Eigen::ArrayXd> measured_joint(const Log&, const Eigen::ArrayXXd& rows, const Transmission&,
                                              std::size_t joint);
 
-/// Whether measured_joint has an answer.
+/// Whether the log has the columns that `measured_joint` needs.
 bool is_measured(const Log&, const Transmission&, std::size_t joint);
 
 }  // namespace qerr

@@ -18,17 +18,17 @@ struct Sine {
 
 struct Oscillation;
 
-/// One leg of a point-to-point motion: from rest to rest, then a dwell.
+/// One move of a point-to-point motion: from standstill to standstill, then a dwell.
 struct Move {
-  double to = 0;            ///< [rad or m]
-  double velocity = 0;      ///< at most [rad/s or m/s]
-  double acceleration = 0;  ///< at most [rad/s^2 or m/s^2]
-  double jerk = 0;          ///< at most [rad/s^3 or m/s^3]; 0: a trapezoid of velocity
-  double dwell = 0;         ///< rest after it [s]
+  double to = 0;            ///< final position [rad or m]
+  double velocity = 0;      ///< limit [rad/s or m/s]
+  double acceleration = 0;  ///< limit [rad/s^2 or m/s^2]
+  double jerk = 0;          ///< limit [rad/s^3 or m/s^3]; 0: trapezoidal velocity
+  double dwell = 0;         ///< pause after the move [s]
 };
 
-/// Motion of one joint: center + velocity t + sum of sines, or moves that start at the center and are gone
-/// through again and again.
+/// Motion of one joint: center + velocity t + sum of sines, or a sequence of moves that starts at the center
+/// and is repeated.
 struct JointMotion {
   double center = 0;    ///< [rad or m]
   double velocity = 0;  ///< [rad/s or m/s]
@@ -36,20 +36,20 @@ struct JointMotion {
   std::vector<Move> moves;
 };
 
-/// A motion that was recorded or planned elsewhere.
+/// A recorded or planned motion.
 struct MotionTable {
   std::vector<double> time;   ///< strictly increasing [s]
   Eigen::MatrixXd positions;  ///< independent joints x times [rad or m]
 };
 
-/// `motion:` of the spec: what every independent joint does from time 0 to `duration`.
+/// `motion:` of the spec: the motion of every independent joint from time 0 to `duration`.
 struct Motion {
   double sample_rate = 0;           ///< of the controller that reads the encoders [Hz]
   double duration = 0;              ///< [s]
-  std::optional<double> settling;   ///< start of the motion that is left out of statistics [s]
-  std::vector<JointMotion> joints;  ///< one per independent joint; empty when a table gives the motion
-  MotionTable table;                ///< its time 0 is its first row
-  std::string file = {};            ///< the table's, "" without
+  std::optional<double> settling;   ///< initial part that statistics exclude [s]
+  std::vector<JointMotion> joints;  ///< one per independent joint; empty if a table gives the motion
+  MotionTable table;                ///< time 0 of the motion is its first row
+  std::string file = {};            ///< of the table; "" if there is none
 };
 
 /// Lowest and highest position of every independent joint at the samples 0, 1/sample_rate, ... of the motion.

@@ -13,59 +13,59 @@
 
 namespace qerr {
 
-/// The gap between IPQN at the centre of the motion and the simulation, in factors:
+/// Ratio of the simulated sigma to IPQN at the centre of the motion, factorized:
 /// sigma_ipqn * varying_jacobian * joint_error * correlated_joints * nonlinear = sigma_simulated. NaN for
-/// roll and yaw of a motion that meets the gimbal lock, where their Jacobian has no bound.
+/// roll and yaw of a motion through the gimbal lock, where their Jacobian is unbounded.
 struct Ladder {
-  double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path, over IPQN at the centre
-  double joint_error = 1;  ///< each encoder's simulated error through J(t) and filter, summed in variance
-  double correlated_joints = 1;  ///< their sum, as it is
-  double nonlinear = 1;          ///< exact kinematics instead of J, and the robot as it was built
+  double varying_jacobian = 1;  ///< IPQN with the Jacobian along the path / IPQN at the centre
+  double joint_error = 1;  ///< simulated errors of the encoders through J(t) and the filter, variances summed
+  double correlated_joints = 1;  ///< variance of their sum / sum of their variances, as sigmas
+  double nonlinear = 1;          ///< exact kinematics of the robot as built instead of J
 };
 
-/// One coordinate behind one filter: theory beside simulation [m or rad, per s^derivative]. Theory is
-/// infinite for roll and yaw at the gimbal lock.
+/// One coordinate after one filter: simulation and theory [m or rad, per s^derivative]. Theory is infinite
+/// for roll and yaw at the gimbal lock.
 struct SimulatedSignal {
   double sigma_simulated = 0;               ///< about the mean, over samples and runs
-  double sigma_lower = 0, sigma_upper = 0;  ///< 95 % interval of it: between runs, or within a single one
+  double sigma_lower = 0, sigma_upper = 0;  ///< its 95 % interval, between runs or within a single run
   double mean_simulated = 0;
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
-  double sigma_ipqn_path = 0;  ///< the same, root mean square along the path, with what a mean varies there
-  /// With the encoders' speeds along the path (noise_along_motion.hpp); NaN behind a filter that remembers
-  /// more than `longest_autocorrelation` samples.
+  double sigma_ipqn_path = 0;  ///< root mean square along the path, with the variation of the mean
+  /// From the speeds of the encoders along the path (noise_along_motion.hpp); NaN for a filter with a memory
+  /// of more than `longest_autocorrelation` samples.
   double sigma_exact = 0;
   double worst_case = 0;  ///< bound (26) at the centre
   double worst_case_path =
-      0;  ///< largest along the path, with the second-order remainder: never exceeded but by Gaussians
+      0;  ///< largest along the path, with the linearization remainder; only Gaussian effects can exceed it
   Ladder ladder;
 };
 
 struct Simulation {
   std::uint64_t runs = 0;
   std::uint64_t samples = 0;                          ///< of one run
-  std::uint64_t settling = 0;                         ///< samples of each run left out of the statistics
+  std::uint64_t settling = 0;                         ///< samples of each run that statistics exclude
   std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
 };
 
-/// What a controller and a better sensor record at one sample.
+/// Signals of controller and reference sensor at one sample.
 struct Reading {
   std::uint64_t index = 0;
-  double time = 0;            ///< the stamp [s]
-  Eigen::VectorXd joint;      ///< true positions of the independent joints at the stamp [rad or m]
-  Eigen::VectorXd counts;     ///< of the encoders, whole numbers
-  Eigen::VectorXd encoder;    ///< true encoder coordinates C^-1 q at the stamp [rad or m]
-  Eigen::VectorXd measured;   ///< encoder coordinates as read, counts * Delta [rad or m]
-  Eigen::VectorXd estimate;   ///< joint positions as read, C * measured [rad or m]
-  Eigen::VectorXd logged;     ///< the estimate as a file with a grid of its own has it [rad or m]
-  Eigen::VectorXd reference;  ///< joint positions by the better sensor [rad or m]
-  Eigen::VectorXd effort;     ///< of the joints; empty unless asked for [N m or N]
+  double time = 0;            ///< time stamp [s]
+  Eigen::VectorXd joint;      ///< true positions of the independent joints at that time [rad or m]
+  Eigen::VectorXd counts;     ///< of the encoders, integers
+  Eigen::VectorXd encoder;    ///< true encoder coordinates C^-1 q [rad or m]
+  Eigen::VectorXd measured;   ///< measured encoder coordinates counts * Delta [rad or m]
+  Eigen::VectorXd estimate;   ///< measured joint positions C * measured [rad or m]
+  Eigen::VectorXd logged;     ///< the estimate with the effects of the log [rad or m]
+  Eigen::VectorXd reference;  ///< joint positions by the reference sensor [rad or m]
+  Eigen::VectorXd effort;     ///< of the joints; empty unless requested [N m or N]
   Eigen::Isometry3d tip;      ///< true pose of the tip
 };
 
 struct SimulationOptions {
   std::uint64_t runs = 1;
-  bool random_phase = false;  ///< every run is displaced by a random part of each encoder's count
+  bool random_phase = false;  ///< every run is displaced by a random fraction of a count of each encoder
   std::uint64_t seed = 1;
   unsigned threads = 0;
   InstructionSet instructions = instruction_set();
@@ -73,18 +73,18 @@ struct SimulationOptions {
   std::function<void(const Reading&)> visit = {};  ///< every sample of the first run, in order
 };
 
-/// Explicit quantizers along a motion, exact kinematics, and the filters on what comes out.
+/// Simulates explicit quantizers along a motion with exact kinematics, and filters the resulting errors.
 ///
-/// What the model says of effects (`sources`) enters the bounds and the means that the Jacobian carries along
-/// the path; sigma_ipqn and its kin stay those of quantization alone, so that the ladder shows what the
-/// effects add.
+/// Error sources of the model (`sources`) contribute to the bounds and to the mean error along the path.
+/// sigma_ipqn, sigma_ipqn_path and sigma_exact are those of quantization alone, so that the ladder shows the
+/// contribution of the effects.
 ///
-/// A filter of a lower rate takes every n-th sample; its rate must divide the motion's.
-/// @throws Error (input; key `motion.sample_rate`) when a filter's rate does not
+/// A filter of a lower rate uses every n-th sample; its rate must divide that of the motion.
+/// @throws Error (input; key `motion.sample_rate`) if it does not
 Simulation simulate(const OperationalModel&, const std::vector<Filter>&, const std::vector<Norms>&,
                     const Motion&, const std::vector<Effect>&, const SimulationOptions& = {});
 
-/// Where the motion is centred: centers of sines, the middle of anything else [rad or m].
+/// The centre of the motion: for sines their center, else the middle of the range [rad or m].
 Eigen::VectorXd center(const Motion&);
 
 }  // namespace qerr
