@@ -1,7 +1,7 @@
 """Draws cases that hide one or two effects of the catalogue, or one from outside it.
 
 Kinds: a clean, b one effect, c two effects, d outside the catalogue, e inseparable. Clean cases are in clean.py, inseparable
-pairs in pairs.py. A drawn case is kept only when its effect has a shape of its own in this motion (`told_apart`).
+pairs in pairs.py. A drawn case is kept only when its effect is `distinguishable` in this motion.
 """
 import math
 
@@ -17,7 +17,7 @@ from machine import Effect, Machine
 INDISTINGUISHABLE = 0.95  # |correlation| of two effects above which a record cannot distinguish them
 
 
-def told_apart(scene, drawn, machine):
+def distinguishable(scene, drawn, machine):
     """Whether the effect is distinguishable in this motion: neither constant nor like another effect."""
     name = drawn.effect.name
     if name in catalogue.SHAPELESS:
@@ -30,8 +30,8 @@ def told_apart(scene, drawn, machine):
     others = catalogue.shapes(scene, drawn.effect.p.get("gap"))
     others.pop(name, None)
     if name.startswith("outside:"):
-        return max(catalogue.alike(shift, x) for x in others.values()) < 0.8
-    return all(catalogue.alike(shift, x) < INDISTINGUISHABLE for x in others.values())
+        return max(catalogue.correlation(shift, x) for x in others.values()) < 0.8
+    return all(catalogue.correlation(shift, x) < INDISTINGUISHABLE for x in others.values())
 
 
 def chosen_encoder(rng, name, size):
@@ -99,7 +99,7 @@ def drawn_into(rng, case, names, joints, sizes):
             return False
         drawn.tip_per_count = per_count
         case.encoders[j].flaws.update(drawn.flaws)
-        if not told_apart(scene, drawn, Machine(case.robot, case.encoders, [drawn.effect], case.coupling, None, case.payload)):
+        if not distinguishable(scene, drawn, Machine(case.robot, case.encoders, [drawn.effect], case.coupling, None, case.payload)):
             return False
         case.drawn.append(drawn)
         if name == "drift":
@@ -112,7 +112,7 @@ def drawn_into(rng, case, names, joints, sizes):
         r = alone.record(case.paths, case.time, np.random.default_rng(0))
         shifts.append((r.model - r.link)[j])
     if len(shifts) == 2 and joints[0] == joints[1] and names[0] != names[1]:
-        return catalogue.alike(*shifts) < 0.7
+        return catalogue.correlation(*shifts) < 0.7
     return True
 
 
@@ -144,7 +144,7 @@ def outside(rng, name, tries=300):
             continue
         shape, facts, accept = FOREIGN[name](rng, size * case.encoders[j].resolution, context)
         drawn = catalogue.Drawn(Effect("outside:" + name, j, {"shape": shape, **facts}), also_accept=accept)
-        if name != "bump" and name != "creep" and not told_apart(scene, drawn, Machine(
+        if name != "bump" and name != "creep" and not distinguishable(scene, drawn, Machine(
                 case.robot, case.encoders, [drawn.effect])):
             continue
         case.drawn = [drawn]

@@ -270,7 +270,7 @@ def shapes(s, gap=None):
     return out
 
 
-def alike(x, y):
+def correlation(x, y):
     """|correlation| of two shapes; 1 where one of them is constant."""
     x, y = x - x.mean(), y - y.mean()
     norm = np.linalg.norm(x) * np.linalg.norm(y)

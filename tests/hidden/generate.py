@@ -55,7 +55,7 @@ def make(seed, index, kinds, name=None):
         if case is not None:
             case.truth["id"] = f"c{index:04d}"
             return case
-    raise RuntimeError(f"seed {seed}, case {index}: no motion tells this effect apart")
+    raise RuntimeError(f"seed {seed}, case {index}: this effect is not distinguishable in any drawn motion")
 
 
 def write_one(job):

@@ -78,11 +78,11 @@ def covered(effect, cause):
 
 def pair_reported(truth, answer):
     """(both effects of a pair are named, or one of them with an ambiguous verdict; both are named)"""
-    told = {c.get("effect") for c in causes_of(answer)}
+    reported = {c.get("effect") for c in causes_of(answer)}
     for a in rows(answer, "alternatives"):
-        told |= {a.get("effect"), a.get("instead_of")}
-    both = any(set(pair) <= told for pair in truth.get("pair") or [])
-    one = any(set(pair) & told for pair in truth.get("pair") or [])
+        reported |= {a.get("effect"), a.get("instead_of")}
+    both = any(set(pair) <= reported for pair in truth.get("pair") or [])
+    one = any(set(pair) & reported for pair in truth.get("pair") or [])
     return both or (answer.get("verdict") == "ambiguous" and one), both
 
 
@@ -118,14 +118,15 @@ def score(truth, answer):
     causes, verdict, effects = causes_of(answer), answer.get("verdict"), truth["effects"]
     named = [any(is_cause(e, c) for c in causes) for e in effects]
     alternatives = rows(answer, "alternatives")
-    twin = [not n and verdict == "ambiguous" and any(is_cause(e, a) for a in alternatives) for e, n in zip(effects, named)]
-    stand_ins = {a.get("instead_of") for a in alternatives if any(is_cause(e, a) for e, t in zip(effects, twin) if t)}
+    as_alternative = [not n and verdict == "ambiguous" and any(is_cause(e, a) for a in alternatives)
+                      for e, n in zip(effects, named)]
+    stand_ins = {a.get("instead_of") for a in alternatives if any(is_cause(e, a) for e, t in zip(effects, as_alternative) if t)}
     extras = [c for c in causes if not any(is_cause(e, c) for e in effects) and not is_tolerated(truth, c)
               and c.get("effect") not in stand_ins]
     leading = [c for c in causes if not is_tolerated(truth, c)] or causes
     out = {"verdict": verdict if verdict in VERDICTS else f"unknown: {verdict}", "causes": [label(c) for c in causes],
            "unexplained": [str(u.get("what")) for u in rows(answer, "unexplained")],
-           "found": [n or t for n, t in zip(named, twin)], "extras": [label(c) for c in extras],
+           "found": [n or t for n, t in zip(named, as_alternative)], "extras": [label(c) for c in extras],
            "first": next((c.get("effect") for c in leading), None),
            "first_right": bool(leading) and any(is_cause(e, leading[0]) for e in effects),
            "intervals": [], "gain": None, "joint_gain": None, "declined": verdict == "cannot_judge"}
@@ -147,7 +148,7 @@ def score(truth, answer):
         out["misnamed"], out["missed"] = bool(wrong), verdict == "nothing_wrong"
         out["right"] = not wrong and not out["missed"]
     else:
-        out["right"], out["both_told"] = pair_reported(truth, answer)
+        out["right"], out["both_reported"] = pair_reported(truth, answer)
     return out
 
 

@@ -100,8 +100,8 @@ def asides(results):
              lambda r: r["score"].get("right")),
             ("clean: declined to judge", [r for r in results if r["truth"]["kind"] == "a"], lambda r: r["score"].get("declined")),
             ("outside: not noticed at all", [r for r in results if r["truth"]["kind"] == "d"], lambda r: r["score"].get("missed")),
-            ("inseparable: both names told", [r for r in results if r["truth"]["kind"] == "e"],
-             lambda r: r["score"].get("both_told")),
+            ("inseparable: both reported", [r for r in results if r["truth"]["kind"] == "e"],
+             lambda r: r["score"].get("both_reported")),
             ("no answer (crash, refusal, time)", results, lambda r: r["fault"])]:
         if chosen:
             n = sum(map(bool, map(good, chosen)))

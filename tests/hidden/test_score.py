@@ -55,10 +55,10 @@ def answers_are_scored_as_written():
     for other in ({**cause, "joint": "k"}, {**cause, "effect": "latency"}):
         assert not score(truth, {"verdict": "explained", "causes": [other]})["right"]
     assert not score(truth, {"verdict": "explained", "causes": [cause, {"effect": "drift", "joint": "j"}]})["right"]
-    twin = {"verdict": "ambiguous", "causes": [{"effect": "latency", "joint": "j"}],
+    ambiguous = {"verdict": "ambiguous", "causes": [{"effect": "latency", "joint": "j"}],
             "alternatives": [{"instead_of": "latency", "effect": "backlash", "joint": "j"}]}
-    assert score(truth, twin)["right"]
-    assert not score(truth, {**twin, "verdict": "explained"})["right"]
+    assert score(truth, ambiguous)["right"]
+    assert not score(truth, {**ambiguous, "verdict": "explained"})["right"]
     assert not score(truth, {"verdict": "nothing_wrong"})["right"]
     narrow = {**cause, "parameters": [{"name": "width", "lower": 1.01e-3, "upper": 1.1e-3}]}
     assert not score(truth, {"verdict": "explained", "causes": [narrow]})["intervals"][0][3]
@@ -66,7 +66,7 @@ def answers_are_scored_as_written():
     assert not score(clean, {"verdict": "nothing_wrong", "causes": [{"effect": "slow_motion"}]})["false_alarm"]
     assert score(clean, {"verdict": "unexplained"})["false_alarm"]
     pair = {"kind": "e", "sub": "p", "effects": truth["effects"], "tolerated": [], "pair": [["backlash", "latency"]]}
-    assert score(pair, twin)["right"] and score(pair, {"verdict": "ambiguous", "causes": [cause]})["right"]
+    assert score(pair, ambiguous)["right"] and score(pair, {"verdict": "ambiguous", "causes": [cause]})["right"]
     assert not score(pair, {"verdict": "explained", "causes": [cause]})["right"]
     foreign = {"kind": "d", "sub": "f", "tolerated": [], "effects": [
         {"effect": "outside:f", "joint": "j", "also_accept": [{"effect": "transmission_error", "orders": [7.3], "tolerance": 0.01}]}]}
