@@ -10,36 +10,33 @@
 
 namespace qerr {
 
-const std::vector<EffectKind>& effect_kinds() {
+const std::vector<EffectKind>& cause_kinds() {
   static const std::vector<EffectKind> kinds{
-      offset_effect(),
-      scale_effect(),
-      eccentricity_effect(),
-      transmission_error_effect(),
-      subdivision_error_effect(),
-      state_width_effect(),
-      missed_counts_effect(),
-      decoding_effect(),
-      truncation_effect(),
-      backlash_effect(),
-      compliance_effect(),
-      latency_effect(),
-      timing_jitter_effect(),
-      clock_drift_effect(),
-      noise_effect(),
-      drift_effect(),
-      rollover_effect(),
-      geometry_effect(),
-      reference_error_effect(),
-      log_rounding_effect(),
+#define QERR_EFFECT(name) name##_effect(),
+#include "effect/effects/list.inc"
+#undef QERR_EFFECT
   };
   return kinds;
 }
 
-const EffectKind& effect_kind(std::string_view name) {
-  const auto& kinds = effect_kinds();
+const std::vector<EffectKind>& effect_kinds() {
+  static const std::vector<EffectKind> kinds = [] {
+    std::vector<EffectKind> effects = cause_kinds();
+    std::erase_if(effects, [](const EffectKind& k) { return !k.spec_remedy.empty(); });
+    return effects;
+  }();
+  return kinds;
+}
+
+const EffectKind* find_effect_kind(std::string_view name) {
+  const auto& kinds = cause_kinds();
   const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
-  if (found == kinds.end()) throw std::out_of_range("no effect '" + std::string(name) + "'");
+  return found == kinds.end() ? nullptr : &*found;
+}
+
+const EffectKind& effect_kind(std::string_view name) {
+  const EffectKind* found = find_effect_kind(name);
+  if (!found) throw std::out_of_range("no effect '" + std::string(name) + "'");
   return *found;
 }
 
@@ -49,6 +46,24 @@ double Effect::number(const std::string& name) const {
   const auto row = std::find_if(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == name; });
   if (row == rows.end()) throw std::out_of_range("effect '" + type + "' has no parameter '" + name + "'");
   return row->fallback.value_or(0);
+}
+
+bool has_size(const Effect& effect) {
+  return std::any_of(effect.numbers.begin(), effect.numbers.end(),
+                     [](const auto& n) { return n.second != 0; });
+}
+
+std::string_view record_advice(std::string_view one, std::string_view other) {
+  const auto& kinds = cause_kinds();
+  for (const EffectKind& kind : kinds)
+    for (const Twin& twin : kind.twins)
+      if (!twin.record.empty() &&
+          ((kind.name == one && twin.other == other) || (kind.name == other && twin.other == one)))
+        return twin.record;
+  // Of two general advices that of the later row, whose record is the more special one.
+  for (auto kind = kinds.rbegin(); kind != kinds.rend(); ++kind)
+    if (!kind->record.empty() && (kind->name == one || kind->name == other)) return kind->record;
+  return "a richer motion: the whole range, several speeds, both directions, rests between";
 }
 
 Eigen::Vector3d displacement_direction(const Effect& effect) {

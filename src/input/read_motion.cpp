@@ -49,26 +49,6 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   return motion;
 }
 
-/// A cause that a diagnosis can report although it does not act on the signal of a joint.
-struct DiagnosedCause {
-  std::string_view name, meaning, remedy;
-};
-
-const std::vector<DiagnosedCause>& causes_without_effect() {
-  static const std::vector<DiagnosedCause> causes{
-      {"filter_mismatch", "the filter of the controller differs from that of the spec",
-       "write the controller's filter under filters:"},
-      {"controller_droop", "a logged load is a multiple of the error, not a load",
-       "leave it out; a true load is compliance"},
-      {"slow_motion", "the error is neither white nor uniform at so few counts a sample",
-       "leave it out; `qerr simulate` and sigma in motion include it"},
-      {"varying_jacobian", "the Jacobian changes along the motion",
-       "leave it out; `qerr simulate` includes it"},
-      {"correlated_joints", "the errors of joints with correlated motions are not independent",
-       "leave it out; `qerr simulate` includes it"}};
-  return causes;
-}
-
 const EffectKind& kind_of(const Field& f) {
   std::vector<std::string> known;
   for (const EffectKind& kind : effect_kinds()) known.emplace_back(kind.name);
@@ -82,30 +62,26 @@ const EffectKind& kind_of(const Field& f) {
   const std::string name = read_text_value(field);
   for (const EffectKind& kind : effect_kinds())
     if (kind.name == name) return kind;
-  for (const DiagnosedCause& cause : causes_without_effect())
-    if (cause.name == name)
-      throw Error(field.fault(
-          "is not an effect on the signal of a joint but a cause that `qerr diagnose` may report: " +
-              std::string(cause.meaning),
-          std::string(cause.remedy)));
+  if (const EffectKind* statement = find_effect_kind(name))
+    throw Error(field.fault(
+        "is not an effect on the signal of a joint but a cause that `qerr diagnose` may report: " +
+            std::string(statement->summary),
+        std::string(statement->spec_remedy)));
   throw Error(field.fault("no such effect", did_you_mean(name, known)));
 }
 
 /// Effects within a line need the signals of the encoder, which not every encoder has.
 void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spec& spec) {
+  const auto& need = effect_kind(effect.type).encoder_need;
+  if (!need) return;
   if (joint >= spec.encoder_figures.size() || spec.encoder_figures[joint].kind.empty()) return;  // faulty
   const EncoderKind& kind = encoder_kind(spec.encoder_figures[joint].kind);
   const double counts = spec.model.transmission.encoders[joint].counts_per_period;
   const std::string what = "the encoder of '" + effect.joint + "' counts " + shortest(counts) +
                            (counts == 1 ? " time" : " times") + " a period: ";
-  if (effect.type == "state_width" && counts != 4)
-    throw Error(o.at("type").fault(what + "the widths of the states matter only at four",
-                                   "decoding: x4; for a sine/cosine encoder subdivision_error"));
-  if (effect.type != "subdivision_error") return;
-  if (counts < 4)
-    throw Error(o.at("type").fault(what + "nothing is interpolated within it",
-                                   "an interpolated encoder (see `qerr list encoders`), or decoding: x4"));
-  if (!kind.period_remedy.empty())
+  if (counts < need->least || counts > need->most)
+    throw Error(o.at("type").fault(what + std::string(need->why), std::string(need->remedy)));
+  if (need->period_must_be_given && !kind.period_remedy.empty())
     spec.warnings.push_back(o.self().path + ": the signal period of the encoder of '" + effect.joint +
                             "' is not stated; four counts are assumed. To state it, " +
                             std::string(kind.period_remedy));

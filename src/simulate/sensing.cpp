@@ -33,9 +33,8 @@ Chain as_built(const Chain& chain, const std::vector<Effect>& effects) {
 }
 
 bool needs_effort(const std::vector<Effect>& effects) {
-  return std::any_of(effects.begin(), effects.end(), [](const Effect& e) {
-    return effect_kind(e.type).stage == Stage::link && e.number("compliance") != 0;
-  });
+  return std::any_of(effects.begin(), effects.end(),
+                     [](const Effect& e) { return effect_kind(e.type).need == Need::effort && has_size(e); });
 }
 
 Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std::vector<Effect>& effects,

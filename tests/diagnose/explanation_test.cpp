@@ -10,7 +10,6 @@
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/select.hpp"
 #include "diagnose/record/smooth_path.hpp"
-#include "diagnose/terms/subdivision.hpp"
 
 namespace qerr {
 
@@ -109,7 +108,7 @@ TEST(Explanation, KeepsDerivedColumnsOfATermWhenThePathMoves) {
     return 0.01 * (1.1 * 2.1 * std::cos(2.1 * time) - 0.2 * 7.7 * std::sin(7.7 * time + 1)) +
            3 * step * std::sin(angle);
   }));
-  const Term order = periodic_term(e, "transmission_error", 2, false);
+  const Term order = periodic_term(e, 2, false);
   const Eigen::ArrayXXd first = order.columns.leftCols(1);
   Explanation m(e);
   for (const Term& t : named_terms(e))

@@ -48,7 +48,7 @@ Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step)
 
 Explanation explained(const Evidence& e) {
   Explanation m(e);
-  m.add(periodic_term(e, "eccentricity", 1, true));
+  m.add(periodic_term(e, 1, true));
   m.fit();
   return m;
 }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <map>
 #include <optional>
 #include <string>
@@ -117,23 +118,104 @@ struct Share {
   std::optional<double> rate = {};  ///< of `motion` [rad/s]; empty: not known
 };
 
-/// A row of the list of effects: what a real robot adds to the ideal model.
+struct RecordSignals;
+struct Term;
+
+/// What can be done about an effect that a diagnosis has found.
+struct Remedy {
+  bool in_controller = false;  ///< a correction of the readings compensates it
+  std::string_view text = {};  ///< without its subject
+};
+
+/// Another effect that may make the same error in a record.
+struct Twin {
+  std::string_view other;        ///< its name
+  std::string_view record = {};  ///< what to record to distinguish the two; may stand in the row of either
+  /// Whether the fitted effect cannot be distinguished from the other in any record of these signals; null:
+  /// the likelihood of the record decides.
+  bool (*inseparable)(const Effect&, const RecordSignals&) = nullptr;
+};
+
+/// How a look-up table over the position holds an effect whose error depends on the position alone and is
+/// smooth in it.
+struct TableShape {
+  /// Length of a period in the encoder's coordinate [rad or m]; null for what is constant or linear.
+  double (*period)(const Effect&, const Encoder&) = nullptr;
+  /// Linear interpolation between 64 points misses a sine by 0.12 % of its amplitude; effects with harmonics
+  /// need more.
+  int points_per_period = 64;
+  bool linear = false;  ///< grows with the position, and is another one in every revolution
+};
+
+/// How an effect scatters readings without moving their mean path, by its one number.
+struct Scattering {
+  std::string_view parameter;
+  bool (*possible)(const RecordSignals&) = nullptr;  ///< in such a record; null: in every one
+  /// Standard deviation of every row per unit of the parameter [rad or m]; null: it displaces edges instead.
+  Eigen::ArrayXd (*deviation)(const RecordSignals&) = nullptr;
+  bool uniform = false;  ///< the deviation is the same at every row
+  /// Parameter that displaces every second edge of the counts by a distance [rad or m].
+  double (*of_displacement)(double distance, const Encoder&) = nullptr;
+};
+
+/// Encoders that an effect is possible with, by their counts per signal period.
+struct EncoderNeed {
+  double least = 0, most = std::numeric_limits<double>::infinity();
+  std::string_view why = {}, remedy = {};  ///< of an encoder with another number
+  bool period_must_be_given = false;       ///< warn where the spec does not state the period
+};
+
+/// What a record lacks for a diagnosis to find an effect.
+struct Lack {
+  std::string effect, needs;
+};
+
+/// A row of the list of effects: what a real robot adds to the ideal model, and all that the program knows of
+/// it. Other code refers to effects by these properties, never by a name.
 ///
 /// `action` makes it for one run of a simulation from its parameters, the encoder it acts on and a seed;
-/// `share` says what it adds to the bounds. Those of stage `log` and `reference` do so on the file and on the
-/// better sensor: nothing of the robot's own figures. Of `kinematics` `share` is about the tip's position.
+/// `share` is what it adds to the bounds. Effects of stage `log` and `reference` act on the file and on the
+/// reference sensor and add nothing to the robot's own figures. For `kinematics`, `share` refers to the tip's
+/// position.
+///
+/// A row with `spec_remedy` is a statement that only a diagnosis makes: it has no action, and specs refuse
+/// it.
 struct EffectKind {
   std::string_view name;
   std::string_view summary;
-  std::string_view typical;  ///< usual size, and where that is known from
-  Stage stage;
-  std::vector<Parameter> parameters;
-  Action (*action)(const Effect&, const Encoder&, std::uint64_t seed);
-  /// Empty where the usage lacks what the row needs. Of size zero it is zero, whatever is known.
-  std::optional<Share> (*share)(const Effect&, const Encoder&, const Usage&);
+  std::string_view typical = {};  ///< usual size, and its source
+  Stage stage = Stage::disc;
+  std::vector<Parameter> parameters = {};
+  Action (*action)(const Effect&, const Encoder&, std::uint64_t seed) = nullptr;
+  /// Empty where the usage lacks what the row needs. With all parameters zero it is zero in any case.
+  std::optional<Share> (*share)(const Effect&, const Encoder&, const Usage&) = nullptr;
   Need need = Need::nothing;
-  /// What it makes of the encoder itself, before any action; usually nothing.
+  /// What it changes in the encoder itself, before any action; null for most.
   void (*rebuilt)(Encoder&) = nullptr;
+  std::optional<EncoderNeed> encoder_need = {};
+
+  // Diagnosis.
+
+  /// Terms whose coefficients a record of these signals can show; null: not found by regression.
+  std::vector<Term> (*terms)(const RecordSignals&) = nullptr;
+  /// The term of an effect that begins at one moment, which a scan finds [s].
+  Term (*step_at)(const RecordSignals&, double time) = nullptr;
+  /// Displacements of a joint's origin, of stage `kinematics`: terms without columns.
+  std::vector<Term> (*displacements)(const std::string& joint) = nullptr;
+  std::optional<Scattering> scattering = {};
+  /// What it adds over a record, where the record's signals replace the action [rad or m].
+  Eigen::ArrayXd (*replay)(const Effect&, const RecordSignals&) = nullptr;
+  bool before_teeth = false;  ///< acts before other effects of its stage
+  std::vector<Twin> twins = {};
+  std::string_view record = {};  ///< what to record to distinguish it from any other effect
+  std::optional<Lack> (*lack)(const RecordSignals&) = nullptr;
+  std::optional<TableShape> table = {};
+  Remedy remedy = {};
+  bool is_filter = false;             ///< the extended spec states it under `filters:`
+  std::string_view spec_remedy = {};  ///< of a statement: what to do with it in a spec
+
+  /// Whether it is independent from sample to sample, without a mean.
+  bool random() const { return scattering && scattering->deviation; }
 };
 
 /// The name of a stage as people say it: "clock", ...
@@ -166,7 +248,20 @@ Eigen::Vector3d displacement_direction(const Effect&);
 /// All effects that a spec can name, in the order of `qerr list effects`.
 const std::vector<EffectKind>& effect_kinds();
 
+/// These, and after them the statements that only a diagnosis makes.
+const std::vector<EffectKind>& cause_kinds();
+
+/// Row of `cause_kinds`. @returns null for a name that no row has
+const EffectKind* find_effect_kind(std::string_view name);
+
+/// Row of `cause_kinds`.
 /// @throws std::out_of_range for a name that no row has; specs are checked when they are read
 const EffectKind& effect_kind(std::string_view name);
+
+/// Whether any number of an effect is not zero.
+bool has_size(const Effect&);
+
+/// What to record to distinguish two effects.
+std::string_view record_advice(std::string_view one, std::string_view other);
 
 }  // namespace qerr

@@ -53,7 +53,7 @@ Eigen::VectorXd Explanation::coefficients(std::size_t term) const {
 
 double Explanation::mean_offset() const {
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    if (terms_[i].effect.type == "offset") return coefficients(i)[0];
+    if (terms_[i].constant) return coefficients(i)[0];
   return 0;
 }
 

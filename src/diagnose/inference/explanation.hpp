@@ -5,7 +5,8 @@
 
 #include "core/solve.hpp"
 #include "diagnose/inference/interval_likelihood.hpp"
-#include "diagnose/terms/term.hpp"
+#include "diagnose/record/evidence.hpp"
+#include "effect/term.hpp"
 
 namespace qerr {
 

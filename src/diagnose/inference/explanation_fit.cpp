@@ -13,10 +13,11 @@ namespace {
 constexpr double settled = 1e-3;  ///< gain in log-likelihood that is not worth another step
 constexpr int most_steps = 60;
 
-/// Of what happens in the gear itself, the play comes first: teeth err where their wheel has come to.
+/// Whether a term displaces the position at which gear teeth, disc and lines err.
 bool acts_before_teeth(const Term& t) {
   if (!t.named()) return false;
-  return effect_kind(t.effect.type).stage < Stage::gear || t.effect.type == "backlash";
+  const EffectKind& kind = effect_kind(t.effect.type);
+  return kind.stage < Stage::gear || kind.before_teeth;
 }
 
 }  // namespace

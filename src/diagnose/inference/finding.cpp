@@ -6,6 +6,7 @@
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/record/integrated_autocorrelation.hpp"
 #include "diagnose/terms/with_effects.hpp"
+#include "qerr/kinematics/jacobian.hpp"
 
 namespace qerr {
 
@@ -86,6 +87,19 @@ std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
   return groups;
 }
 
+/// Whether a joint's own weight can load it: its axis is not vertical.
+bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint) {
+  const std::size_t n = model.chain.independent.size();
+  Eigen::VectorXd q(static_cast<Eigen::Index>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto column = log.find(LogSignal::reference, i);
+    if (!column) return true;
+    q[static_cast<Eigen::Index>(i)] = log.values(0, *column);
+  }
+  const Eigen::Vector3d axis = jacobian(model.chain, q).bottomRows<3>().col(joint);
+  return axis.head<2>().norm() > 0.1 * axis.norm();
+}
+
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
   auto f = std::make_unique<Finding>();
   std::vector<RowGroup> groups = independent_rows(record);
@@ -102,6 +116,7 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) 
 
 std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, const Sanity& sane,
                                                   const DiagnoseOptions& options) {
+  for (Evidence& e : all) e.loaded = is_loaded(sane.model, sane.log, e.number);
   std::vector<std::unique_ptr<Finding>> findings(all.size());
   const auto find = [&](bool coupled) {
     parallel_for(all.size(), options.threads, [&](std::size_t i) {

@@ -12,12 +12,16 @@
 
 namespace qerr {
 
-/// What the rows of one encoder say.
+/// The result of the inference for one encoder. Not copyable: the model of `selection` points to `evidence`.
 struct Finding {
   Evidence evidence;  ///< its independent rows
   std::optional<Selection> selection;
   Scatter scatter;
   HeldOut held;
+
+  Finding() = default;
+  Finding(const Finding&) = delete;
+  Finding& operator=(const Finding&) = delete;
 };
 
 /// Every encoder by itself, side by side; then those that feel other joints too (coupling), with what was

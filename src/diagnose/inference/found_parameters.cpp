@@ -25,7 +25,7 @@ std::string shape_name(const Term& t) {
 
 /// What a small change of the shape adds, per unit of it.
 Eigen::ArrayXd shape_column(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
-  const double change = 1e-3 * (t.reach > 0 ? t.reach : std::abs(t.shape));
+  const double change = 1e-3 * (t.half_width > 0 ? t.half_width : std::abs(t.shape));
   const Term more = t.reshaped(e, t, t.shape + change), less = t.reshaped(e, t, t.shape - change);
   return ((more.columns - less.columns).matrix() * coefficients).array() / (2 * change);
 }
@@ -143,7 +143,7 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, con
     t.fill(effect, m.coefficients(i));
     auto& mine = found.emplace_back();
     for (const auto& [name, value] : effect.numbers) {
-      if (t.effect.type == "missed_counts" && name == "time") {
+      if (t.step && name == "time") {
         mine.push_back(moment(e, m, i));
         continue;
       }

@@ -13,7 +13,7 @@ namespace {
 
 /// What a small change of a term's shape adds, per unit of it.
 Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
-  const double change = 1e-3 * t.reach;
+  const double change = 1e-3 * t.half_width;
   const Eigen::ArrayXXd by =
       t.reshaped(e, t, t.shape + change).columns - t.reshaped(e, t, t.shape - change).columns;
   return with_columns(t, (by.matrix() * coefficients).array() / (2 * change));
@@ -23,7 +23,7 @@ Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coeff
 Term most_promising(const Explanation& without, const Evidence& e, const Term& start) {
   const auto at = [&](double shape) { return without.gain(start.reshaped(e, start, shape)); };
   constexpr double golden = 0.6180339887498949;
-  double low = start.shape - start.reach, high = start.shape + start.reach;
+  double low = start.shape - start.half_width, high = start.shape + start.half_width;
   double left = high - golden * (high - low), right = low + golden * (high - low);
   double at_left = at(left), at_right = at(right);
   for (int i = 0; i < 14; ++i) {
@@ -42,8 +42,7 @@ Term most_promising(const Explanation& without, const Evidence& e, const Term& s
 
 double bayes(const Explanation& m, const Evidence& e) {
   Eigen::Index count = 0;
-  for (const Term& t : m.terms())
-    count += t.size() + (t.reshaped || t.effect.type == "missed_counts" ? 1 : 0);
+  for (const Term& t : m.terms()) count += t.size() + (t.reshaped || t.step ? 1 : 0);
   return m.log_likelihood() / e.rows_per_reading -
          0.5 * static_cast<double>(count) * std::log(e.independent_readings());
 }
@@ -56,7 +55,7 @@ double p_value(const Explanation& without, const Explanation& with, std::size_t 
 
 double size_of(const Explanation& m, std::size_t term) {
   const Eigen::ArrayXd added = addition(m.terms()[term], m.coefficients(term));
-  return m.terms()[term].effect.type == "offset" ? std::abs(added.mean()) : standard_deviation(added);
+  return m.terms()[term].constant ? std::abs(added.mean()) : standard_deviation(added);
 }
 
 double left_by(const Explanation& m, const Evidence& e) {
@@ -106,7 +105,8 @@ Explanation refined(Explanation m, const Evidence& e) {
   for (int i = 0; i < 3; ++i) {
     const Term now = best.terms()[last];
     const Explanation linear = with_term(best, shape_change(e, now, best.coefficients(last)));
-    const double change = std::clamp(linear.coefficients(last + 1)[0], -0.5 * now.reach, 0.5 * now.reach);
+    const double change =
+        std::clamp(linear.coefficients(last + 1)[0], -0.5 * now.half_width, 0.5 * now.half_width);
     Explanation next = with_term(without, now.reshaped(e, now, now.shape + change));
     const double better = next.log_likelihood() - best.log_likelihood();
     if (better <= 0) break;
@@ -118,14 +118,14 @@ Explanation refined(Explanation m, const Evidence& e) {
 
 Explanation settled(Explanation m, const Evidence& e) {
   const Term last = m.terms().back();
-  if (last.named() || last.effect.type != "transmission_error") return m;
+  if (last.named() || !last.harmonic) return m;
   std::optional<Explanation> best;
   for (const Term& whole : at_whole_orders(e, last)) {
     if (has(m, whole.effect)) continue;
     Explanation named = with_term_at(m, m.terms().size() - 1, whole);
     // The last part of a reach is not the record's: the path is smooth only so far.
     const double order = std::abs(wave_number(whole.effect, e.encoder));
-    const bool at = std::abs(order - last.shape) < 0.02 * last.reach;
+    const bool at = std::abs(order - last.shape) < 0.02 * last.half_width;
     const double lost = m.log_likelihood() - named.log_likelihood();
     if (lost > (at ? hard_to_tell : worth_a_term) * e.rows_per_reading) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);

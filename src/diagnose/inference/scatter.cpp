@@ -134,41 +134,38 @@ class Trials {
 
   /// The most likely first.
   std::vector<Candidate> candidates() const {
-    std::vector<Candidate> found{noise()};
-    if (e_.ordered && e_.velocity.abs().maxCoeff() > 0) found.push_back(jitter());
-    if (e_.counted && !e_.is_stationary() && e_.encoder.counts_per_period == 4)
-      for (const double sign : {-1.0, 1.0}) found.push_back(states(sign));
+    std::vector<Candidate> found;
+    for (const EffectKind& kind : effect_kinds()) {
+      if (!kind.scattering || (kind.scattering->possible && !kind.scattering->possible(e_))) continue;
+      if (kind.random())
+        found.push_back(random(kind));
+      else
+        for (const double sign : {-1.0, 1.0}) found.push_back(displaced_edges(kind, sign));
+    }
     std::sort(found.begin(), found.end(),
               [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
     return found;
   }
 
  private:
-  Candidate noise() const {
-    const auto with = [&](double x) {
-      return value(m_.intervals(), m_.addition(), (known_ + x * x).sqrt(), range_);
-    };
-    const auto [sigma, best] = largest(with, 0.3 * size_, 3 * size_);
-    return {{"noise", e_.joint, {{"sigma", sigma}}, {}},
-            best,
-            relative_error(with, sigma, best),
-            Eigen::ArrayXd::Constant(e_.rows(), sigma * sigma)};
+  Effect effect(const EffectKind& kind, double size) const {
+    return {std::string(kind.name), e_.joint, {{std::string(kind.scattering->parameter), size}}, {}};
   }
 
-  Candidate jitter() const {
-    const double typical = rms(e_.velocity);
+  Candidate random(const EffectKind& kind) const {
+    const Eigen::ArrayXd deviation = kind.scattering->deviation(e_);
     const auto with = [&](double x) {
-      return value(m_.intervals(), m_.addition(), (known_ + (x * e_.velocity).square()).sqrt(), range_);
+      return value(m_.intervals(), m_.addition(), (known_ + (x * deviation).square()).sqrt(), range_);
     };
-    const auto [sigma, best] = largest(with, 0.1 * size_ / typical, 10 * size_ / typical);
-    return {{"timing_jitter", e_.joint, {{"sigma", sigma}}, {}},
-            best,
-            relative_error(with, sigma, best),
-            (sigma * e_.velocity).square()};
+    // A uniform scatter has the size of the residual's; another one may come from few rows.
+    const double typical = rms(deviation), factor = kind.scattering->uniform ? 3 : 10;
+    const double low = kind.scattering->uniform ? 0.3 : 0.1;
+    const auto [size, best] = largest(with, low * size_ / typical, factor * size_ / typical);
+    return {effect(kind, size), best, relative_error(with, size, best), (size * deviation).square()};
   }
 
-  /// @param sign  to which side every second edge is displaced
-  Candidate states(double sign) const {
+  /// @param sign  direction in which every second edge is displaced
+  Candidate displaced_edges(const EffectKind& kind, double sign) const {
     const auto with = [&](double x) {
       // Their mean is -shift/2, which a term for the offset may have taken.
       const Eigen::ArrayXd at = m_.addition() - m_.mean_offset();
@@ -176,8 +173,8 @@ class Trials {
                    range_);
     };
     const auto [shift, best] = largest(with, 0.02 * e_.step(), 0.95 * e_.step());
-    const double phase = sign * shift / (4 * e_.step()) * 2 * std::numbers::pi;
-    return {{"state_width", e_.joint, {{"phase", phase}}, {}}, best, relative_error(with, shift, best)};
+    return {effect(kind, kind.scattering->of_displacement(sign * shift, e_.encoder)), best,
+            relative_error(with, shift, best)};
   }
 
   const Evidence& e_;
@@ -221,7 +218,7 @@ void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials,
   s.p_value = chi_squared_tail(ratio, 1);
   if (s.p_value * static_cast<double>(found.size()) > significant) return;
   // What is correlated is neither noise nor jitter; unequal states are locked to the count.
-  if (!s.structure.empty() && best.effect.type != "state_width") return;
+  if (!s.structure.empty() && best.added.size() > 0) return;
   s.structure.clear();
   if (best.added.size() > 0 && s.size > uneven_from * e.step() &&
       comes_and_goes(e, m, trials.known(), best)) {

@@ -15,14 +15,13 @@ constexpr std::size_t tried_in_full = 8;
 constexpr double worth_refining = 200;  ///< behind the leading term at most
 constexpr int most_steps = 5;
 
-/// A gap has a width; a negative one is no gap.
 bool possible(const Explanation& m, std::size_t term) {
-  return m.terms()[term].effect.type != "backlash" || m.coefficients(term)[0] > 0;
+  return !m.terms()[term].positive || m.coefficients(term)[0] > 0;
 }
 
-/// An offset that no reading near an edge speaks for only moves all of them well inside: it could be any.
+/// Without readings near an edge an offset is not identifiable.
 bool is_known(const Explanation& m, std::size_t term) {
-  if (m.terms()[term].effect.type != "offset") return true;
+  if (!m.terms()[term].constant) return true;
   return std::abs(m.coefficients(term)[0]) * std::sqrt(m.likelihood().curvature.sum()) > 2;
 }
 
@@ -59,7 +58,7 @@ class Search {
   /// Steps of lost counts stand for any slow error as well as a free order does.
   static bool is_certain(const Explanation& m) {
     const Term& last = m.terms().back();
-    return last.named() && last.effect.type != "missed_counts";
+    return last.named() && !last.step;
   }
 
   /// The model with one more term, or the steps that improve it most.
@@ -143,7 +142,7 @@ class Search {
   bool passes(const Explanation& model, const Explanation& next) const {
     const std::size_t last = next.terms().size() - 1;
     const Term& t = next.terms()[last];
-    const bool scanned = !t.named() || t.effect.type == "missed_counts" || !is_listed(t);
+    const bool scanned = !t.named() || t.step || !is_listed(t);
     if (!possible(next, last) || !is_known(next, last)) return false;
     if (size_of(next, last) < (scanned ? options_.least_scanned(e_) : options_.least(e_))) return false;
     const double tests = static_cast<double>(named_.size()) * (scanned ? scanned_hypotheses : 1);

@@ -8,6 +8,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
 
 namespace qerr {
 
@@ -69,9 +70,7 @@ bool is_whole(const Explanation& m, std::size_t term) {
   return std::round(counts) != 0 && std::abs(counts - std::round(counts)) < 0.15;
 }
 
-bool is_periodic(const Term& t) {
-  return t.effect.type == "eccentricity" || (t.named() && t.effect.type == "transmission_error");
-}
+bool is_periodic(const Term& t) { return t.named() && t.harmonic; }
 
 /// Periods of a term that the record has seen.
 double periods_seen(const Term& t, const Evidence& e) {
@@ -107,8 +106,7 @@ void drop_impossible(Explanation& m, const Evidence& e) {
     found = false;
     for (std::size_t i = 0; i < m.terms().size(); ++i) {
       const Term& t = m.terms()[i];
-      const bool step = t.effect.type == "missed_counts";
-      if (step ? is_whole(m, i) : t.effect.type == "offset" || size_of(m, i) < most) continue;
+      if (t.whole ? is_whole(m, i) : t.constant || size_of(m, i) < most) continue;
       if (size_of(m, i) < size) continue;
       size = size_of(m, i), worst = i, found = true;
     }
@@ -148,7 +146,7 @@ void drop_shadows(Explanation& m, const Evidence& e) {
   if (left_by_names(m, e) - left < small_remainder * explained) return;
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     const Term& t = m.terms()[i];
-    if (!t.named() || t.effect.type == "offset") continue;
+    if (!t.named() || t.constant) continue;
     Explanation without = without_term(m, i);
     if (left_by(without, e) - left_by(m, e) < shadow * explained) m = std::move(without);
   }

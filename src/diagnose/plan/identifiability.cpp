@@ -8,7 +8,6 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
-#include "diagnose/verdict/record_advice.hpp"
 
 namespace qerr {
 
@@ -39,7 +38,7 @@ std::string parameter_of(const Term& t, Eigen::Index column) {
   return "";
 }
 
-bool scanned(const Term& t) { return t.effect.type == "missed_counts"; }
+bool scanned(const Term& t) { return t.step; }
 
 double square(double x) { return x * x; }
 
@@ -112,7 +111,7 @@ double Identifiability::reportable_size(const Coefficients& parameter, bool abou
   const Eigen::MatrixXd square =
       normal_.block(parameter.first, parameter.first, parameter.size, parameter.size) / readings_;
   const Eigen::VectorXd mean = normal_.block(parameter.first, 0, parameter.size, 1) / readings_;
-  const bool centred = (about_mean && t.effect.type != "offset") || !record_.evidence.encoder.zero_known;
+  const bool centred = (about_mean && !t.constant) || !record_.evidence.encoder.zero_known;
   const double variance = smallest_eigenvalue(centred ? square - mean * mean.transpose() : square);
   return variance > 1e-9 * square.trace() ? least / std::sqrt(variance) : infinite;
 }

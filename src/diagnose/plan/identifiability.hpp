@@ -4,7 +4,7 @@
 
 #include "diagnose/plan/planned_record.hpp"
 #include "diagnose/plan/reading_information.hpp"
-#include "diagnose/terms/term.hpp"
+#include "effect/term.hpp"
 #include "qerr/diagnose/plan.hpp"
 
 namespace qerr {

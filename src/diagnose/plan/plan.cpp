@@ -18,10 +18,9 @@ constexpr double undetectable_size = 50;  ///< logarithm of the size at which an
 constexpr double least_improvement = 0.1;  ///< mean over all effects of the logarithm of their sizes
 
 void add_undetectable(const Evidence& e, PlannedJoint& joint) {
-  if (e.effort.size() == 0)
-    joint.undetectable.push_back(
-        {"compliance", "the column " + e.joint + ".effort; the URDF has no masses to plan it with"});
-  joint.undetectable.push_back({"drift with the temperature", "the column " + e.joint + ".temperature"});
+  for (const EffectKind& kind : effect_kinds())
+    if (kind.lack)
+      if (const auto lack = kind.lack(e)) joint.undetectable.push_back({lack->effect, lack->needs});
 }
 
 PlannedJoint planned_joint(const PlannedRecord& record, const PlanOptions& options) {

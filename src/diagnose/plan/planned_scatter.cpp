@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <numbers>
+#include <limits>
 
 #include "core/probability.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/inference/scatter.hpp"
-#include "diagnose/verdict/record_advice.hpp"
 
 namespace qerr {
 
@@ -33,89 +33,109 @@ double variance(const Eigen::ArrayXd& x, const Eigen::ArrayXd& w) {
   return (w * (x - mean).square()).sum() / w.sum();
 }
 
-/// Sizes from which random effects are detectable and identifiable at one encoder [counts].
-class ScatterIdentifiability {
+/// Which scatter a record of the planned motion shows beyond the noise of its reference.
+class ScatterPower {
  public:
-  ScatterIdentifiability(const PlannedRecord& r, const Identifiability& s, const PlanOptions& o)
-      : reference_noise_(r.evidence.noise / r.evidence.step()),
-        sigma_information_(s.information().log_sigma * s.readings()),
-        position_information_(s.information().position * s.readings()),
-        power_(o.power) {
-    const Eigen::ArrayXd v = r.evidence.velocity.abs() / r.evidence.step();
-    speed_ = std::sqrt((r.weight * v.square()).sum() / r.weight.sum());
-    // Histogram of the readings by speed.
-    constexpr Eigen::Index bins = 200;
-    speeds_ = v.maxCoeff() * Eigen::ArrayXd::LinSpaced(bins, 0, 1);
-    weight_ = Eigen::ArrayXd::Zero(bins);
-    for (Eigen::Index k = 0; k < v.size(); ++k)
-      weight_[speed_ > 0 ? std::lround(v[k] / v.maxCoeff() * (bins - 1)) : 0] += r.weight[k];
-  }
+  ScatterPower(const PlannedRecord& r, const Identifiability& s, const PlanOptions& o)
+      : own_(r.evidence.noise / r.evidence.step()),
+        total_(s.information().log_sigma * s.readings()),
+        position_(s.information().position * s.readings()),
+        need_(noncentrality_for_power(2 * cannot_be_told, 1, o.power)) {}
 
-  /// Smallest detectable rms: the estimate must exceed the thresholds of scatter_of with a one-sided
+  /// Smallest detectable rms [counts]: the estimate must exceed the thresholds of scatter_of with a one-sided
   /// probability of 95 %, the relative error of a standard deviation being 1/sqrt(information).
   double detectable() const {
-    const double spread = 1 + 1.645 / std::sqrt(sigma_information_);
-    const double ratio = std::max(scatter_beyond_reference * spread,
-                                  std::exp(std::sqrt(noncentrality() / sigma_information_)));
-    return std::max(reference_noise_ * std::sqrt(ratio * ratio - 1), scatter_worth_naming * spread);
+    const double spread = 1 + 1.645 / std::sqrt(total_);
+    const double ratio = std::max(scatter_beyond_reference * spread, std::exp(std::sqrt(need_ / total_)));
+    return std::max(own_ * std::sqrt(ratio * ratio - 1), scatter_worth_naming * spread);
   }
 
-  /// Rms from which jitter is distinguished from noise, and noise from jitter.
-  double jitter_from() const {
-    if (speed_ == 0) return infinite;
-    return argument_of([&](double x) { return sigma_information_ * variance(log_sigma(x), weight_); },
-                       noncentrality());
-  }
-  double noise_from() const {
-    if (speed_ == 0) return infinite;
-    const auto distance = [&](double x) {
-      const double log_noise = std::log(std::hypot(reference_noise_, x));
-      double least = infinite;
-      for (double c = 0.25 * x; c < 4 * x; c *= 1.05)
-        least = std::min(least, (weight_ * (log_sigma(c) - log_noise).square()).sum());
-      return sigma_information_ * least / weight_.sum();
-    };
-    return argument_of(distance, noncentrality());
+  /// Smallest detectable displacement of every second edge [counts]: half of it is its rms, its mean an
+  /// offset.
+  double detectable_displacement() const {
+    return std::max(2 * detectable(), 2 * std::sqrt(need_ / position_));
   }
 
-  /// Smallest detectable displacement of every second edge. Its rms about the mean is half of it; the mean
-  /// may be due to an offset.
-  double state_width() const {
-    return std::max(2 * detectable(), 2 * std::sqrt(noncentrality() / position_information_));
-  }
-
-  double speed() const { return speed_; }  ///< rms [counts/s]
+  double own() const { return own_; }      ///< noise of the reference [counts]
+  double total() const { return total_; }  ///< information of all readings about the log of a scatter
+  double need() const { return need_; }    ///< noncentrality for the power asked for
 
  private:
-  double noncentrality() const { return noncentrality_for_power(2 * cannot_be_told, 1, power_); }
-
-  /// Logarithm of sigma at every speed with a jitter that adds an rms of `x` counts.
-  Eigen::ArrayXd log_sigma(double x) const {
-    return 0.5 * (reference_noise_ * reference_noise_ + (x / speed_ * speeds_).square()).log();
-  }
-
-  double reference_noise_, sigma_information_, position_information_, power_, speed_ = 0;
-  Eigen::ArrayXd speeds_, weight_;  ///< [counts/s], readings
+  double own_, total_, position_, need_;
 };
 
-PlannedEffect planned(const char* type, const Evidence& e, const char* parameter, double counts_per_size,
-                      double detectable_counts, double identifiable_counts) {
+/// Scatter in proportion to a deviation that varies from row to row, such as the velocity, against a uniform
+/// one.
+class VaryingScatter {
+ public:
+  /// @param deviation  of every row, per unit of the effect's parameter [rad or m]
+  VaryingScatter(const PlannedRecord& r, const Eigen::ArrayXd& deviation, const ScatterPower& power)
+      : power_(power) {
+    const Eigen::ArrayXd d = deviation.abs() / r.evidence.step(), d2 = deviation.square();
+    const auto mean = [&](const Eigen::ArrayXd& x) { return (r.weight * x).sum() / r.weight.sum(); };
+    rms_ = std::sqrt(mean(d.square()));
+    correlation_ = mean(d2) / std::sqrt(std::max(mean(d2.square()), 1e-300));
+    // A histogram of the readings by their deviation: fine enough for a smooth function of it.
+    constexpr Eigen::Index bins = 200;
+    deviations_ = d.maxCoeff() * Eigen::ArrayXd::LinSpaced(bins, 0, 1);
+    weight_ = Eigen::ArrayXd::Zero(bins);
+    for (Eigen::Index k = 0; k < d.size(); ++k)
+      weight_[rms_ > 0 ? std::lround(d[k] / d.maxCoeff() * (bins - 1)) : 0] += r.weight[k];
+  }
+
+  double rms() const { return rms_; }                  ///< per unit of the parameter [counts]
+  double correlation() const { return correlation_; }  ///< of its variance with a uniform one
+
+  /// Rms from which it is distinguished from a uniform scatter [counts].
+  double varying_from() const {
+    if (rms_ == 0) return infinite;
+    return argument_of([&](double x) { return power_.total() * variance(log_sigma(x), weight_); },
+                       power_.need());
+  }
+
+  /// Rms from which a uniform scatter is distinguished from this one [counts].
+  double uniform_from() const {
+    if (rms_ == 0) return infinite;
+    const auto distance = [&](double x) {
+      const double log_uniform = std::log(std::hypot(power_.own(), x));
+      double least = infinite;
+      for (double c = 0.25 * x; c < 4 * x; c *= 1.05)
+        least = std::min(least, (weight_ * (log_sigma(c) - log_uniform).square()).sum());
+      return power_.total() * least / weight_.sum();
+    };
+    return argument_of(distance, power_.need());
+  }
+
+ private:
+  /// Logarithm of the scatter in every bin, when the effect adds an rms of x counts.
+  Eigen::ArrayXd log_sigma(double x) const {
+    return 0.5 * (power_.own() * power_.own() + (x / rms_ * deviations_).square()).log();
+  }
+
+  ScatterPower power_;
+  double rms_ = 0, correlation_ = 0;
+  Eigen::ArrayXd deviations_, weight_;  ///< [counts per unit], readings
+};
+
+PlannedEffect planned(const EffectKind& kind, const Evidence& e, double counts_per_size,
+                      double detectable_counts) {
   PlannedEffect p;
-  p.effect = {type, e.joint, {}, {}};
-  p.parameter = parameter;
+  p.effect = {std::string(kind.name), e.joint, {}, {}};
+  p.parameter = kind.scattering->parameter;
   p.counts_per_size = counts_per_size;
-  p.detectable = detectable_counts / counts_per_size;
-  p.identifiable = std::max(p.detectable, identifiable_counts / counts_per_size);
+  p.detectable = p.identifiable = detectable_counts / counts_per_size;
   return p;
 }
 
-void add_correlated(PlannedEffect& p, const char* type, double separable_from, double correlation) {
-  CorrelatedEffect c;
-  c.effect = {type, p.effect.joint, {}, {}};
-  c.correlation = correlation;
-  c.separable_from = separable_from;
-  c.record = record_advice(p.effect.type, type);
-  p.correlated.push_back(std::move(c));
+/// @param counts  rms from which the effect is distinguished from the other
+void add_correlated(PlannedEffect& p, const EffectKind& other, double counts, double correlation) {
+  CorrelatedEffect r;
+  r.effect = {std::string(other.name), p.effect.joint, {}, {}};
+  r.correlation = correlation;
+  r.separable_from = counts / p.counts_per_size;
+  r.record = record_advice(p.effect.type, other.name);
+  p.identifiable = std::max(p.identifiable, r.separable_from);
+  p.correlated.push_back(std::move(r));
 }
 
 }  // namespace
@@ -124,20 +144,30 @@ std::vector<PlannedEffect> planned_scatter(const PlannedRecord& record,
                                            const Identifiability& identifiability,
                                            const PlanOptions& options) {
   const Evidence& e = record.evidence;
-  const ScatterIdentifiability s(record, identifiability, options);
-  const double detectable = s.detectable(), noise_from = s.noise_from(), jitter_from = s.jitter_from();
-  const Eigen::ArrayXd v2 = e.velocity.square();
-  const auto mean = [&](const Eigen::ArrayXd& x) { return (record.weight * x).sum() / record.weight.sum(); };
-  const double correlation = mean(v2) / std::sqrt(std::max(mean(v2.square()), 1e-300));
+  const ScatterPower power(record, identifiability, options);
+  std::vector<const EffectKind*> uniform, varying, edges;
+  for (const EffectKind& kind : effect_kinds())
+    if (kind.scattering)
+      (!kind.random() ? edges : kind.scattering->uniform ? uniform : varying).push_back(&kind);
   std::vector<PlannedEffect> list;
-  list.push_back(planned("noise", e, "sigma", 1 / e.step(), detectable, noise_from));
-  add_correlated(list.back(), "timing_jitter", noise_from * e.step(), correlation);
-  if (s.speed() > 0) {
-    list.push_back(planned("timing_jitter", e, "sigma", s.speed(), detectable, jitter_from));
-    add_correlated(list.back(), "noise", jitter_from / s.speed(), correlation);
+  for (const EffectKind* u : uniform) {
+    list.push_back(planned(*u, e, rms(u->scattering->deviation(e)) / e.step(), power.detectable()));
+    for (const EffectKind* v : varying) {
+      const VaryingScatter scatter(record, v->scattering->deviation(e), power);
+      add_correlated(list.back(), *v, scatter.uniform_from(), scatter.correlation());
+    }
   }
-  if (e.encoder.counts_per_period == 4)
-    list.push_back(planned("state_width", e, "phase", 2 / std::numbers::pi, s.state_width(), 0));
+  for (const EffectKind* v : varying) {
+    if (v->scattering->possible && !v->scattering->possible(e)) continue;
+    const VaryingScatter scatter(record, v->scattering->deviation(e), power);
+    list.push_back(planned(*v, e, scatter.rms(), power.detectable()));
+    for (const EffectKind* u : uniform)
+      add_correlated(list.back(), *u, scatter.varying_from(), scatter.correlation());
+  }
+  for (const EffectKind* kind : edges)
+    if (!kind->scattering->possible || kind->scattering->possible(e))
+      list.push_back(planned(*kind, e, 1 / kind->scattering->of_displacement(e.step(), e.encoder),
+                             power.detectable_displacement()));
   return list;
 }
 

@@ -97,7 +97,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
     }
     e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
   } else {
-    const Eigen::Index rows = e.rows();
+    const Eigen::Index rows = e.reference.size();
     e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
     e.path = e.reference;
     e.velocity = e.direction = Eigen::ArrayXd::Zero(rows);

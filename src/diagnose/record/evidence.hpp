@@ -4,46 +4,25 @@
 #include <string>
 #include <vector>
 
+#include "effect/record_signals.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/simulate/log.hpp"
 
 namespace qerr {
 
 /// One encoder's measurements and reference, in the encoder's coordinate (at the joint's side of its gear).
-struct Evidence {
-  std::string joint;        ///< of the encoder
-  Eigen::Index number = 0;  ///< of the encoder
-  bool prismatic = false;
-  Encoder encoder;
-  bool ordered = true;       ///< the rows are ordered in time
-  Eigen::ArrayXd time;       ///< since the first row [s]; the row's number in a log without time
-  Eigen::ArrayXd reference;  ///< of the reference sensor [rad or m]
-  Eigen::ArrayXd measured;   ///< as recorded [rad or m]
-  Eigen::ArrayXd path;       ///< smoothed reference [rad or m]
-  Eigen::ArrayXd velocity;   ///< of the path [rad/s or m/s]
-  Eigen::ArrayXd direction;  ///< of the joint's last motion: -1, +1, or 0 before the first
-  /// The joint's own position and velocity if its encoder depends on other joints too (coupling); else empty.
-  Eigen::ArrayXd joint_path, joint_velocity;
-  Eigen::ArrayXd effort;        ///< [N m or N]; empty: unknown
-  Eigen::ArrayXd temperature;   ///< rise since the start [K]; empty: unknown
+struct Evidence : RecordSignals {
+  Eigen::Index number = 0;      ///< of the encoder
+  Eigen::ArrayXd reference;     ///< of the reference sensor [rad or m]
+  Eigen::ArrayXd measured;      ///< as recorded [rad or m]
   Eigen::ArrayXd random_sigma;  ///< standard deviation of the spec's random effects [rad or m]; empty: none
   double noise = 0;             ///< standard deviation of the reference's noise [rad or m]
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
-  bool counted = true;          ///< measured are whole counts
   /// Integrated autocorrelation of the residual of the best model [rows], >= 1: so many rows are worth one
   /// independent reading, as in a table that was interpolated between fewer points.
   double rows_per_reading = 1;
 
-  Eigen::Index rows() const { return reference.size(); }
-  /// Position and velocity on which clock, link and gear act.
-  const Eigen::ArrayXd& joint_angle() const { return joint_path.size() > 0 ? joint_path : path; }
-  const Eigen::ArrayXd& joint_rate() const { return joint_velocity.size() > 0 ? joint_velocity : velocity; }
-  /// Whether the encoder moves by less than 8 counts (convention): effects of position and speed are then not
-  /// identifiable.
-  bool is_stationary() const { return path.maxCoeff() - path.minCoeff() < 8 * step(); }
-  bool coupled() const { return joint_path.size() > 0; }
-  double step() const { return encoder.resolution; }
   double independent_readings() const { return static_cast<double>(rows()) / rows_per_reading; }
 };
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "core/solve.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
 
 namespace qerr {
 

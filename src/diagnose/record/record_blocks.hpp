@@ -2,7 +2,8 @@
 
 #include <vector>
 
-#include "diagnose/terms/term.hpp"
+#include "diagnose/record/evidence.hpp"
+#include "effect/term.hpp"
 
 namespace qerr {
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnose/terms/scan_kernels.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
 #include "lanes/aligned.hpp"
 
 namespace qerr {
@@ -99,9 +100,8 @@ std::vector<Term> at_whole_orders(const Evidence& e, const Term& t) {
   for (const bool of_encoder : {true, false}) {
     if (e.prismatic && !of_encoder) continue;
     const double order = t.shape / (of_encoder ? ratio : 1), nearest = std::round(order);
-    if (nearest < 1 || std::abs(order - nearest) * (of_encoder ? ratio : 1) > t.reach) continue;
-    whole.push_back(
-        periodic_term(e, nearest == 1 ? "eccentricity" : "transmission_error", nearest, of_encoder));
+    if (nearest < 1 || std::abs(order - nearest) * (of_encoder ? ratio : 1) > t.half_width) continue;
+    whole.push_back(periodic_term(e, nearest, of_encoder));
   }
   return whole;
 }

@@ -9,7 +9,7 @@ namespace qerr {
 
 namespace {
 
-bool by_chance(const Effect& effect) { return effect.type == "noise" || effect.type == "timing_jitter"; }
+bool is_random(const Effect& effect) { return effect_kind(effect.type).random(); }
 
 /// A position on its way from joint to count, row by row.
 struct Way {
@@ -28,12 +28,13 @@ struct Way {
   }
 
   void act(const Effect& effect) {
-    const Stage stage = effect_kind(effect.type).stage;
-    if (effect.type == "backlash") {
-      signal += 0.5 * effect.number("gap") * e.direction;
+    const EffectKind& kind = effect_kind(effect.type);
+    if (kind.replay) {
+      signal += kind.replay(effect, e);
       return;
     }
-    const Action action = effect_kind(effect.type).action(effect, e.encoder, 0);
+    const Stage stage = kind.stage;
+    const Action action = kind.action(effect, e.encoder, 0);
     for (Eigen::Index k = 0; k < e.rows(); ++k) {
       const Moment moment{static_cast<std::uint64_t>(k), e.time[k], path[k],
                           e.effort.size() > 0 ? e.effort[k] : 0,
@@ -54,7 +55,7 @@ struct Way {
     for (int stage = static_cast<int>(first); stage <= static_cast<int>(last); ++stage)
       for (const Effect& effect : effects) {
         const Stage here = effect_kind(effect.type).stage;
-        if (effect.joint != e.joint || static_cast<int>(here) != stage || by_chance(effect)) continue;
+        if (effect.joint != e.joint || static_cast<int>(here) != stage || is_random(effect)) continue;
         if (e.ordered || here != Stage::clock) act(effect);
       }
   }
@@ -83,12 +84,11 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
   if (e.random_sigma.size() > 0) variance = e.random_sigma.square();
   for (const Effect& effect : effects)
-    if (effect.joint == e.joint && by_chance(effect)) {
-      const double sigma = effect.number("sigma");
-      if (effect_kind(effect.type).stage != Stage::clock)
-        variance += sigma * sigma;
-      else if (e.ordered)
-        variance += (sigma * e.velocity).square();
+    if (effect.joint == e.joint && is_random(effect)) {
+      const Scattering& scattering = *effect_kind(effect.type).scattering;
+      const double size = effect.number(std::string(scattering.parameter));
+      if (!scattering.possible || scattering.possible(e))
+        variance += (size * scattering.deviation(e)).square();
     }
   move(e, added);
   if ((variance > 0).any()) e.random_sigma = variance.sqrt();

@@ -1,14 +1,11 @@
 #include "diagnose/verdict/cause_report.hpp"
 
 #include <cmath>
-#include <numbers>
 #include <set>
 
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/inference/model_choice.hpp"
-#include "diagnose/verdict/record_advice.hpp"
-#include "qerr/kinematics/jacobian.hpp"
 
 namespace qerr {
 
@@ -22,35 +19,21 @@ std::optional<double> frequency_of(const Effect& e) {
   return e.numbers.count("frequency") ? std::optional(e.number("frequency")) : std::nullopt;
 }
 
-/// What is the same by its nature, whatever was recorded.
-std::vector<std::string> twins(const Effect& effect, const Evidence& e, bool loaded) {
-  const bool half = std::abs(effect.number_or("offset", 0) + 0.5 * e.step()) < 0.1 * e.step();
-  if (effect.type == "offset" && half && e.encoder.rounding == Rounding::nearest) return {"truncation"};
-  if (effect.type == "reference_error") return {"transmission_error"};
-  // Within the one period of a resolver its sine and cosine make what an eccentric disc makes.
-  const double period = e.encoder.counts_per_period * e.step() * std::abs(e.encoder.shaft_ratio);
-  const bool one_period =
-      e.encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
-  if (effect.type == "subdivision_error" && one_period && effect.number("clipping") == 1)
-    return {"eccentricity"};
-  if (effect.type != "eccentricity" && effect.type != "transmission_error") return {};
-  std::vector<std::string> same;
-  const double order = std::abs(wave_number(effect, e.encoder));
-  // Steppers, the usual references, err at 50 and 100 periods a turn.
-  if (std::abs(std::remainder(order, 50)) < 1e-3 && order > 1) same.push_back("reference_error");
-  // A weight that nobody has measured goes with the cosine of the angle.
-  if (std::abs(order - 1) < 1e-6 && e.effort.size() == 0 && loaded) same.push_back("compliance");
-  if (one_period) same.push_back("subdivision_error");
-  return same;
+/// Effects that no record of these signals can distinguish from the one found.
+std::vector<std::string> inseparable_twins(const Effect& effect, const Evidence& e) {
+  std::vector<std::string> names;
+  for (const Twin& twin : effect_kind(effect.type).twins)
+    if (twin.inseparable && twin.inseparable(effect, e)) names.emplace_back(twin.other);
+  return names;
 }
 
-/// One encoder's causes, alternatives and remainders.
-class Account {
+/// Adds one encoder's causes, alternatives and unexplained rest to a diagnosis. Borrows its arguments for one
+/// call of `add`.
+class CauseReport {
  public:
-  Account(Diagnosis& d, const Evidence& e, const Gain& gain, bool loaded)
-      : d_(d), e_(e), gain_(gain), loaded_(loaded) {}
+  CauseReport(Diagnosis& d, const Evidence& e, const Gain& gain) : d_(d), e_(e), gain_(gain) {}
 
-  void of_terms(const Selection& s, const Scatter& scatter) {
+  void add_terms(const Selection& s, const Scatter& scatter) {
     const auto parameters = found_parameters(e_, s.model);
     for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
       const Term& t = s.model.terms()[i];
@@ -61,9 +44,9 @@ class Account {
                                   std::sqrt(2.0) * size_of(s.model, i)});
         continue;
       }
-      // Unequal states have a mean of their own.
-      if (effect.type == "offset" && scatter.effect && scatter.effect->type == "state_width") continue;
-      std::vector<std::string> others = twins(effect, e_, loaded_);
+      // Displaced edges have a mean of their own.
+      if (t.constant && scatter.effect && !effect_kind(scatter.effect->type).random()) continue;
+      std::vector<std::string> others = inseparable_twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
       Cause cause{effect, parameters[i], s.p_values[i], gain_};
@@ -72,8 +55,8 @@ class Account {
     }
   }
 
-  void of_scatter(const Scatter& scatter) {
-    // Beside something that has no name, what scatters is its remainder.
+  void add_scatter(const Scatter& scatter) {
+    // Scatter below an unnamed error is taken for the part of it that its term does not fit.
     double unnamed = 0;
     for (const Unidentified& u : d_.unexplained)
       if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
@@ -94,39 +77,25 @@ class Account {
 
  private:
   void add(Cause cause, const std::vector<std::string>& others) {
-    std::set<std::string> told{cause.effect.type};
+    std::set<std::string> reported{cause.effect.type};
     for (const std::string& other : others)
-      if (told.insert(other).second)
+      if (reported.insert(other).second)
         d_.alternatives.push_back(
-            {cause.effect.type, other, e_.joint, record_advice(cause.effect.type, other)});
+            {cause.effect.type, other, e_.joint, std::string(record_advice(cause.effect.type, other))});
     d_.causes.push_back(std::move(cause));
   }
 
   Diagnosis& d_;
   const Evidence& e_;
   const Gain& gain_;
-  bool loaded_;  ///< the joint feels its weight
 };
 
 }  // namespace
 
-void add(Diagnosis& d, const Finding& f, const Gain& gain, bool loaded) {
-  Account account(d, f.evidence, gain, loaded);
-  account.of_terms(*f.selection, f.scatter);
-  account.of_scatter(f.scatter);
-}
-
-/// Whether a joint's own weight can turn it: where its axis is not upright.
-bool feels_gravity(const OperationalModel& model, const Log& log, Eigen::Index joint) {
-  const std::size_t n = model.chain.independent.size();
-  Eigen::VectorXd q(static_cast<Eigen::Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto column = log.find(LogSignal::reference, i);
-    if (!column) return true;
-    q[static_cast<Eigen::Index>(i)] = log.values(0, *column);
-  }
-  const Eigen::Vector3d axis = jacobian(model.chain, q).bottomRows<3>().col(joint);
-  return axis.head<2>().norm() > 0.1 * axis.norm();
+void add(Diagnosis& d, const Finding& f, const Gain& gain) {
+  CauseReport report(d, f.evidence, gain);
+  report.add_terms(*f.selection, f.scatter);
+  report.add_scatter(f.scatter);
 }
 
 }  // namespace qerr

@@ -5,12 +5,8 @@
 
 namespace qerr {
 
-/// Puts one encoder's causes, alternatives and remainders into the diagnosis.
-/// @param gain    of its joint
-/// @param loaded  the joint's own weight can turn it
-void add(Diagnosis&, const Finding&, const Gain& gain, bool loaded);
-
-/// Whether a joint's own weight can turn it: where its axis is not upright.
-bool feels_gravity(const OperationalModel&, const Log&, Eigen::Index joint);
+/// Adds one encoder's causes, their alternatives and its unexplained errors to the diagnosis.
+/// @param gain  of its joint
+void add(Diagnosis&, const Finding&, const Gain& gain);
 
 }  // namespace qerr

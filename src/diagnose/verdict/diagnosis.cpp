@@ -123,7 +123,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
       if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
-    add(d, f, of_joint, feels_gravity(sane.model, sane.log, f.evidence.number));
+    add(d, f, of_joint);
   }
   d.gain = gain(held, options.seed);
   for (const AlternativeCause& a : sane.alternatives)

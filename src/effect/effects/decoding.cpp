@@ -6,7 +6,7 @@ namespace qerr {
 
 namespace {
 
-/// (factor - 1) times what was counted, and the rounding of what factor times a count leaves.
+/// (factor - 1) times the counted position, and the rounding of factor times a count.
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
   const double factor = e.number("factor"), more = factor - 1, step = encoder.resolution;
   if (more == 0) return Share{};
@@ -27,22 +27,23 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 }  // namespace
 
 EffectKind decoding_effect() {
-  return {"decoding",
-          "counts read with the wrong decoding or counts per revolution",
-          "factors 1/4, 1/2, 2, 4, -1",
-          Stage::decoder,
-          {{.name = "factor",
-            .meaning = "reading over right reading, such as 0.25, 2, -1",
-            .required = true,
-            .least = -1024,
-            .most = 1024}},
-          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+  return {.name = "decoding",
+          .summary = "counts read with the wrong decoding or counts per revolution",
+          .typical = "factors 1/4, 1/2, 2, 4, -1",
+          .stage = Stage::decoder,
+          .parameters = {{.name = "factor",
+                          .meaning = "reading over right reading, such as 0.25, 2, -1",
+                          .required = true,
+                          .least = -1024,
+                          .most = 1024}},
+          .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [factor = e.number("factor")](double x, const Moment&) {
               return std::floor(factor * x + 0.5);
             };
           },
-          share,
-          Need::position};
+          .share = share,
+          .need = Need::position,
+          .remedy = {false, "set the decoding, or the counts per revolution, in the counter or in the spec"}};
 }
 
 }  // namespace qerr

@@ -15,40 +15,73 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
   };
 }
 
-/// Spread evenly between nothing and all of it, as nobody knows when; with no time constant it is an offset.
+/// Uniform between zero and the amplitude, as the time since its start is unknown; an offset without a time
+/// constant.
 std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   const double amplitude = e.number("amplitude");
   Share s{amplitude, 0, 0};
   if (e.number("time_constant") > 0)
     s = {0.5 * amplitude, 0.5 * std::abs(amplitude), std::abs(amplitude) / std::sqrt(12.0)};
-  const auto by_temperature = proportional(e.number("coefficient"), u.temperature);
-  if (!by_temperature) return std::nullopt;
-  s.mean += by_temperature->mean;
-  s.half_width += by_temperature->half_width;
-  s.sigma += by_temperature->sigma;  // both rise with time: not independent
+  const auto of_temperature = proportional(e.number("coefficient"), u.temperature);
+  if (!of_temperature) return std::nullopt;
+  s.mean += of_temperature->mean;
+  s.half_width += of_temperature->half_width;
+  s.sigma += of_temperature->sigma;  // both rise with time: not independent
   return s;
+}
+
+Term exponential_term(const RecordSignals& s, double time_constant) {
+  Term t = linear_term(s, "drift", 1 - (-s.time / time_constant).exp(),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["amplitude"] = c[0]; });
+  t.effect.numbers["time_constant"] = t.shape = time_constant;
+  t.half_width = 0.7 * time_constant;
+  t.reshaped = [](const RecordSignals& record, const Term&, double shape) {
+    return exponential_term(record, shape);
+  };
+  return t;
+}
+
+std::vector<Term> terms(const RecordSignals& s) {
+  if (!s.ordered) return {};
+  const double duration = s.time[s.rows() - 1];
+  std::vector<Term> all;
+  for (const double part : {0.1, 0.3, 1.0}) all.push_back(exponential_term(s, part * duration));
+  if (s.temperature.size() > 0)
+    all.push_back(linear_term(s, "drift", s.temperature,
+                              [](Effect& e, const Eigen::VectorXd& c) { e.numbers["coefficient"] = c[0]; }));
+  return all;
+}
+
+/// A plan has no temperatures.
+std::optional<Lack> lack(const RecordSignals& s) {
+  if (s.temperature.size() > 0) return std::nullopt;
+  return Lack{"drift with the temperature", "the column " + s.joint + ".temperature"};
 }
 
 }  // namespace
 
 EffectKind drift_effect() {
-  return {"drift",
-          "slow change in time or with temperature",
-          "0.1 mm on half a metre of aluminium and 10 K, over minutes to hours",
-          Stage::disc,
-          {{.name = "amplitude", .meaning = "final size", .fallback = 0.0, .coordinate = true},
-           {.name = "time_constant",
-            .dimension = dimension::time,
-            .meaning = "of its exponential approach; none: at once",
-            .least = 0,
-            .open_below = true},
-           {.name = "coefficient",
-            .dimension = dimension::angle_per_temperature,
-            .meaning = "change per kelvin, with a temperature column",
-            .fallback = 0.0}},
-          action,
-          share,
-          Need::temperature};
+  return {.name = "drift",
+          .summary = "slow change in time or with temperature",
+          .typical = "0.1 mm on half a metre of aluminium and 10 K, over minutes to hours",
+          .stage = Stage::disc,
+          .parameters = {{.name = "amplitude", .meaning = "final size", .fallback = 0.0, .coordinate = true},
+                         {.name = "time_constant",
+                          .dimension = dimension::time,
+                          .meaning = "of its exponential approach; none: at once",
+                          .least = 0,
+                          .open_below = true},
+                         {.name = "coefficient",
+                          .dimension = dimension::angle_per_temperature,
+                          .meaning = "change per kelvin, with a temperature column",
+                          .fallback = 0.0}},
+          .action = action,
+          .share = share,
+          .need = Need::temperature,
+          .terms = terms,
+          .record = "a return to the start, and the temperature",
+          .lack = lack,
+          .remedy = {true, "let it warm up, or compensate by a temperature sensor"}};
 }
 
 }  // namespace qerr

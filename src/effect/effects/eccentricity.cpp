@@ -4,21 +4,27 @@
 namespace qerr {
 
 EffectKind eccentricity_effect() {
-  return {
-      "eccentricity",
-      "disc or magnet off centre: one period a revolution of its shaft",
-      "412 e/D arcsec for e um off centre on D mm (Numerik Jena RIK-4); magnets on the axis 0.1 to 2.4 deg",
-      Stage::disc,
-      {periodic_amplitude(),
-       periodic_phase(),
-       {.name = "order",
-        .meaning = "periods per revolution of the shaft",
-        .fallback = 1.0,
-        .least = 1,
-        .most = 1},
-       periodic_shaft()},
-      periodic_action,
-      periodic_share};
+  return {.name = "eccentricity",
+          .summary = "disc or magnet off centre: one period a revolution of its shaft",
+          .typical =
+              "412 e/D arcsec for e um off centre on D mm (Numerik Jena RIK-4); magnets on the axis 0.1 to "
+              "2.4 deg",
+          .stage = Stage::disc,
+          .parameters = {periodic_amplitude(),
+                         periodic_phase(),
+                         {.name = "order",
+                          .meaning = "periods per revolution of the shaft",
+                          .fallback = 1.0,
+                          .least = 1,
+                          .most = 1},
+                         periodic_shaft()},
+          .action = periodic_action,
+          .share = periodic_share,
+          .terms = [](const RecordSignals& s) { return periodic_terms(s, {1}, {1}); },
+          .twins = periodic_twins(),
+          .record = "several revolutions of the shaft, in both directions",
+          .table = periodic_table(),
+          .remedy = {true, "a look-up table over the encoder's angle compensates it (--write-table)"}};
 }
 
 }  // namespace qerr

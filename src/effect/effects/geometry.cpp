@@ -2,24 +2,40 @@
 
 namespace qerr {
 
+namespace {
+
+std::vector<Term> displacements(const std::string& joint) {
+  std::vector<Term> terms;
+  for (const char* axis : {"x", "y", "z"}) {
+    Term t;
+    t.effect = {"geometry", joint, {}, {{"axis", axis}}};
+    t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["length"] = c[0]; };
+    terms.push_back(std::move(t));
+  }
+  return terms;
+}
+
+}  // namespace
+
 EffectKind geometry_effect() {
-  return {"geometry",
-          "link dimension differs from the URDF",
-          "0.1 to 1 mm before calibration",
-          Stage::kinematics,
-          {{.name = "axis",
-            .kind = Kind::choice,
-            .meaning = "direction in the frame before the joint",
-            .choices = "x|y|z"},
-           {.name = "length",
-            .dimension = dimension::length,
-            .meaning = "added to the joint's origin",
-            .required = true}},
-          nullptr,
-          [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
-            // The model believes the joint where it is not: estimate - true is against the displacement.
+  return {.name = "geometry",
+          .summary = "link dimension differs from the URDF",
+          .typical = "0.1 to 1 mm before calibration",
+          .stage = Stage::kinematics,
+          .parameters = {{.name = "axis",
+                          .kind = Kind::choice,
+                          .meaning = "direction in the frame before the joint",
+                          .choices = "x|y|z"},
+                         {.name = "length",
+                          .dimension = dimension::length,
+                          .meaning = "added to the joint's origin",
+                          .required = true}},
+          // The model places the joint where it is not: estimate - true is minus the displacement.
+          .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             return Share{0.0 - e.number("length"), 0, 0};
-          }};
+          },
+          .displacements = displacements,
+          .remedy = {false, "correct the link in the URDF"}};
 }
 
 }  // namespace qerr

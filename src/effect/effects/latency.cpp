@@ -2,20 +2,35 @@
 
 namespace qerr {
 
+namespace {
+
+std::vector<Term> terms(const RecordSignals& s) {
+  if (!s.ordered || s.is_stationary()) return {};
+  return {linear_term(s, "latency", -s.joint_rate(),
+                      [](Effect& e, const Eigen::VectorXd& c) { e.numbers["delay"] = c[0]; })};
+}
+
+}  // namespace
+
 EffectKind latency_effect() {
-  return {
-      "latency",
-      "the reading is old",
-      "fractions of a sample to 34 ms over a field bus",
-      Stage::clock,
-      {{.name = "delay", .dimension = dimension::time, .meaning = "age of the reading", .required = true}},
-      [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
-        return [delay = e.number("delay")](double t, const Moment&) { return t - delay; };
-      },
-      [](const Effect& e, const Encoder&, const Usage& u) {
-        return proportional(-e.number("delay"), u.velocity);
-      },
-      Need::velocity};
+  return {.name = "latency",
+          .summary = "the reading is old",
+          .typical = "fractions of a sample to 34 ms over a field bus",
+          .stage = Stage::clock,
+          .parameters = {{.name = "delay",
+                          .dimension = dimension::time,
+                          .meaning = "age of the reading",
+                          .required = true}},
+          .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+            return [delay = e.number("delay")](double t, const Moment&) { return t - delay; };
+          },
+          .share = [](const Effect& e, const Encoder&,
+                      const Usage& u) { return proportional(-e.number("delay"), u.velocity); },
+          .need = Need::velocity,
+          .terms = terms,
+          .twins = {{"backlash", "reversals at two speeds or more, with a standstill after each"},
+                    {"clock_drift", "a longer record, with the same speeds at its start and at its end"}},
+          .remedy = {true, "add delay times velocity to the reading, or stamp it when it is taken"}};
 }
 
 }  // namespace qerr

@@ -4,11 +4,25 @@
 
 namespace qerr {
 
+namespace {
+
+Term step_at(const RecordSignals& s, double time) {
+  Term t = linear_term(s, "missed_counts", (s.time >= time).cast<double>() * s.step(),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["counts"] = c[0]; });
+  t.effect.numbers["time"] = time;
+  t.step = t.whole = true;
+  return t;
+}
+
+}  // namespace
+
 EffectKind missed_counts_effect() {
-  return {"missed_counts",
-          "counts lost or gained at one moment, never to return",
-          "one line (4 counts) per burst of interference",
-          Stage::decoder,
+  return {
+      .name = "missed_counts",
+      .summary = "counts lost or gained at one moment, never to return",
+      .typical = "one line (4 counts) per burst of interference",
+      .stage = Stage::decoder,
+      .parameters =
           {{.name = "counts",
             .kind = Kind::integer,
             .meaning = "counts added to the reading",
@@ -16,16 +30,18 @@ EffectKind missed_counts_effect() {
             .least = -1e9,
             .most = 1e9},
            {.name = "time", .dimension = dimension::time, .meaning = "when", .required = true, .least = 0}},
-          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
-            return [counts = e.number("counts"), time = e.number("time")](double x, const Moment& m) {
-              return m.time >= time ? x + counts : x;
-            };
-          },
-          [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
-            // Nothing before, all after: half of it about half of it, whenever that is.
-            const double middle = 0.5 * e.number("counts") * encoder.resolution;
-            return Share{middle, std::abs(middle), std::abs(middle)};
-          }};
+      .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+        return [counts = e.number("counts"), time = e.number("time")](double x, const Moment& m) {
+          return m.time >= time ? x + counts : x;
+        };
+      },
+      // Zero before the moment, all of it after: at an unknown moment, mean and deviation are half of it.
+      .share = [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
+        const double middle = 0.5 * e.number("counts") * encoder.resolution;
+        return Share{middle, std::abs(middle), std::abs(middle)};
+      },
+      .step_at = step_at,
+      .remedy = {false, "lost counts stay lost: check against an index pulse; inspect cable and shield"}};
 }
 
 }  // namespace qerr

@@ -1,5 +1,6 @@
 #include "effect/effects/periodic.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -51,6 +52,101 @@ Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
 std::optional<Share> periodic_share(const Effect& e, const Encoder& encoder, const Usage&) {
   const double amplitude = e.number("amplitude");
   return Share{0, amplitude, amplitude / std::numbers::sqrt2, Course::travel, {{wave_number(e, encoder), 1}}};
+}
+
+void fill_periodic(Effect& e, const Eigen::VectorXd& c) {
+  // amplitude sin(angle + phase) = c0 sin(angle) + c1 cos(angle).
+  e.numbers["amplitude"] = std::hypot(c[0], c[1]);
+  e.numbers["phase"] = std::atan2(c[1], c[0]);
+}
+
+namespace {
+
+Term along(const RecordSignals& s, const Term& t, const Eigen::ArrayXd& moved) {
+  // A disc turns with its encoder's coordinate, a gear with its joint.
+  const bool of_disc = effect_kind(t.effect.type).stage == Stage::disc;
+  Eigen::ArrayXd angle = of_disc ? s.path : s.joint_angle();
+  if (moved.size() > 0) angle += moved;
+  angle *= wave_number(t.effect, s.encoder);
+  Term next = t;
+  next.moved = moved;
+  next.columns.resize(s.rows(), 2);
+  next.columns << angle.sin(), angle.cos();
+  return next;
+}
+
+Term harmonic(const RecordSignals& s, const char* effect, double order, bool of_encoder) {
+  Term t;
+  t.effect = {effect, s.joint, {{"order", order}}, {{"shaft", of_encoder ? "encoder" : "joint"}}};
+  t.fill = fill_periodic;
+  t.harmonic = true;
+  t.along = along;
+  return along(s, t, {});
+}
+
+}  // namespace
+
+Term periodic_term(const RecordSignals& s, double order, bool of_encoder) {
+  return harmonic(s, order == 1 ? "eccentricity" : "transmission_error", order, of_encoder);
+}
+
+Term free_order_term(const RecordSignals& s, double order) {
+  Term t = harmonic(s, "transmission_error", order, false);
+  t.unnamed = "periodic in the position";
+  t.shape = order;
+  t.half_width =
+      std::numbers::pi / std::max(1e-12, s.joint_angle().maxCoeff() - s.joint_angle().minCoeff()) / 2;
+  t.reshaped = [](const RecordSignals& record, const Term&, double shape) {
+    return free_order_term(record, shape);
+  };
+  return t;
+}
+
+std::vector<Term> periodic_terms(const RecordSignals& s, std::initializer_list<double> encoder_orders,
+                                 std::initializer_list<double> joint_orders) {
+  std::vector<Term> terms;
+  if (s.is_stationary()) return terms;
+  const auto add = [&](std::initializer_list<double> orders, double ratio, bool of_encoder) {
+    constexpr double least = 0.1;  // of a period
+    for (const double order : orders)
+      if (order * ratio * s.range() > least * 2 * std::numbers::pi)
+        terms.push_back(periodic_term(s, order, of_encoder));
+  };
+  const double ratio = std::abs(s.encoder.shaft_ratio);
+  add(encoder_orders, ratio, true);
+  if (std::abs(ratio - 1) > 1e-9 && !s.prismatic) add(joint_orders, 1, false);
+  return terms;
+}
+
+bool has_one_period(const Encoder& encoder) {
+  const double period = encoder.counts_per_period * encoder.resolution * std::abs(encoder.shaft_ratio);
+  return encoder.counts_per_period > 4 && std::abs(period / (2 * std::numbers::pi) - 1) < 1e-6;
+}
+
+std::vector<Twin> periodic_twins(std::string_view of_reference) {
+  return {{"reference_error", of_reference,
+           // Steppers, the usual references, have errors of 50 and 100 periods per revolution.
+           [](const Effect& e, const RecordSignals& s) {
+             const double order = std::abs(wave_number(e, s.encoder));
+             return std::abs(std::remainder(order, 50)) < 1e-3 && order > 1;
+           }},
+          {"compliance",
+           {},
+           // The torque of an unmeasured weight is a cosine of the angle.
+           [](const Effect& e, const RecordSignals& s) {
+             return std::abs(std::abs(wave_number(e, s.encoder)) - 1) < 1e-6 && s.effort.size() == 0 &&
+                    s.loaded;
+           }},
+          {"subdivision_error", {}, [](const Effect&, const RecordSignals& s) {
+             return has_one_period(s.encoder);
+           }}};
+}
+
+TableShape periodic_table() {
+  return {.period = [](const Effect& e, const Encoder& encoder) {
+    const double number = std::abs(wave_number(e, encoder));
+    return number > 0 ? 2 * std::numbers::pi / number : 0;
+  }};
 }
 
 }  // namespace qerr

@@ -17,7 +17,8 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double high = std::floor((u.position->upper + step) / span + 0.5);
   if (low == 0 && high == 0) return Share{};
   const double half = 0.5 * (high - low) * span;
-  // A position that is spread evenly loses any number of spans alike; few spans may be lost half of the time.
+  // A uniform position loses every number of spans equally often; of few spans one may be lost half of the
+  // time.
   return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
                Course::reversals};
 }
@@ -25,21 +26,22 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 }  // namespace
 
 EffectKind rollover_effect() {
-  return {"rollover",
-          "the counter wraps",
-          "2^16 or 2^32 counts at once",
-          Stage::decoder,
-          {{.name = "modulus",
-            .kind = Kind::integer,
-            .meaning = "counts at which it wraps",
-            .required = true,
-            .least = 2,
-            .most = 0x1p53}},
-          [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+  return {.name = "rollover",
+          .summary = "the counter wraps",
+          .typical = "2^16 or 2^32 counts at once",
+          .stage = Stage::decoder,
+          .parameters = {{.name = "modulus",
+                          .kind = Kind::integer,
+                          .meaning = "counts at which it wraps",
+                          .required = true,
+                          .least = 2,
+                          .most = 0x1p53}},
+          .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [modulus = e.number("modulus")](double x, const Moment&) { return wrapped(x, modulus); };
           },
-          share,
-          Need::position};
+          .share = share,
+          .need = Need::position,
+          .remedy = {false, "unwrap the counter in its driver, or use a wider one"}};
 }
 
 }  // namespace qerr

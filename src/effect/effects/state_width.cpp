@@ -41,18 +41,33 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 }  // namespace
 
 EffectKind state_width_effect() {
-  return {"state_width",
-          "unequal quadrature states",
-          "tens of electrical degrees on cheap discs",
-          Stage::line,
-          {{.name = "phase",
-            .dimension = dimension::angle,
-            .meaning = "quadrature error, electrical",
-            .required = true,
-            .least = -1.5,
-            .most = 1.5}},
-          action,
-          share};
+  return {.name = "state_width",
+          .summary = "unequal quadrature states",
+          .typical = "tens of electrical degrees on cheap discs",
+          .stage = Stage::line,
+          .parameters = {{.name = "phase",
+                          .dimension = dimension::angle,
+                          .meaning = "quadrature error, electrical",
+                          .required = true,
+                          .least = -1.5,
+                          .most = 1.5}},
+          .action = action,
+          .share = share,
+          .encoder_need = EncoderNeed{.least = 4,
+                                      .most = 4,
+                                      .why = "the widths of the states matter only at four",
+                                      .remedy = "decoding: x4; for a sine/cosine encoder subdivision_error"},
+          .scattering =
+              Scattering{.parameter = "phase",
+                         .possible =
+                             [](const RecordSignals& s) {
+                               return s.counted && !s.is_stationary() && s.encoder.counts_per_period == 4;
+                             },
+                         .of_displacement =
+                             [](double distance, const Encoder& e) {
+                               return distance / (e.counts_per_period * e.resolution) * 2 * std::numbers::pi;
+                             }},
+          .remedy = {true, "count whole lines where that is fine enough, or adjust the channels' phase"}};
 }
 
 }  // namespace qerr

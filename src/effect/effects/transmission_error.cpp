@@ -4,22 +4,31 @@
 namespace qerr {
 
 EffectKind transmission_error_effect() {
-  return {"transmission_error",
-          "periodic error of gear or encoder, `order` periods a revolution of its shaft",
-          "harmonic drives 0.5 to 2 arcmin at order 2 of the input (CSF/CSG catalogue); spur gears at tooth "
-          "order",
-          Stage::gear,
-          {periodic_amplitude(),
-           periodic_phase(),
-           {.name = "order",
-            .meaning = "periods per revolution of the shaft",
-            .required = true,
-            .least = 0,
-            .most = 1e6,
-            .open_below = true},
-           periodic_shaft()},
-          periodic_action,
-          periodic_share};
+  return {.name = "transmission_error",
+          .summary = "periodic error of gear or encoder, `order` periods a revolution of its shaft",
+          .typical =
+              "harmonic drives 0.5 to 2 arcmin at order 2 of the input (CSF/CSG catalogue); spur gears at "
+              "tooth order",
+          .stage = Stage::gear,
+          .parameters = {periodic_amplitude(),
+                         periodic_phase(),
+                         {.name = "order",
+                          .meaning = "periods per revolution of the shaft",
+                          .required = true,
+                          .least = 0,
+                          .most = 1e6,
+                          .open_below = true},
+                         periodic_shaft()},
+          .action = periodic_action,
+          .share = periodic_share,
+          .terms =
+              [](const RecordSignals& s) {
+                return periodic_terms(s, {2, 3, 4, 6, 8}, {2, 3, 4});
+              },
+          .twins = periodic_twins(
+              "the same motion with a second reference, or with the reference rotated on its shaft"),
+          .table = periodic_table(),
+          .remedy = {true, "a look-up table over its shaft's angle compensates it (--write-table)"}};
 }
 
 }  // namespace qerr

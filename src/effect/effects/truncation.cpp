@@ -3,20 +3,20 @@
 namespace qerr {
 
 EffectKind truncation_effect() {
-  return {"truncation",
-          "the counter rounds down where the model rounds to nearest",
-          "half a count, always the same way; not to be told from an offset without a datum",
-          Stage::comparator,
-          {},
-          // Effects within a line must see the edges where they are, so the encoder itself is another.
-          [](const Effect&, const Encoder&, std::uint64_t) -> Action {
-            return [](double x, const Moment&) { return x; };
-          },
-          [](const Effect&, const Encoder& encoder, const Usage&) -> std::optional<Share> {
-            return Share{encoder.rounding == Rounding::nearest ? -0.5 * encoder.resolution : 0.0, 0, 0};
-          },
-          Need::nothing,
-          [](Encoder& encoder) { encoder.rounding = Rounding::down; }};
+  return {
+      .name = "truncation",
+      .summary = "the counter rounds down where the model rounds to nearest",
+      .typical = "half a count, always the same way; not to be told from an offset without a datum",
+      .stage = Stage::comparator,
+      // Effects within a line must meet the displaced edges, so that the encoder itself is changed instead.
+      .action = [](const Effect&, const Encoder&, std::uint64_t) -> Action {
+        return [](double x, const Moment&) { return x; };
+      },
+      .share = [](const Effect&, const Encoder& encoder, const Usage&) -> std::optional<Share> {
+        return Share{encoder.rounding == Rounding::nearest ? -0.5 * encoder.resolution : 0.0, 0, 0};
+      },
+      .rebuilt = [](Encoder& encoder) { encoder.rounding = Rounding::down; },
+      .remedy = {true, "add half a count to every reading, or write `rounding: down` into the spec"}};
 }
 
 }  // namespace qerr

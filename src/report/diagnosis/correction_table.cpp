@@ -21,25 +21,19 @@ struct Grid {
 
 bool is_whole(double x) { return std::abs(x - std::round(x)) < 1e-9 * std::max(1.0, std::abs(x)); }
 
-/// Length of one period in the encoder's coordinate, 0 for what is constant or linear [rad or m].
-double period(const Effect& effect, const Encoder& encoder) {
-  if (effect.type == "subdivision_error") return encoder.resolution * encoder.counts_per_period;
-  const double number = std::abs(wave_number(effect, encoder));
-  return number > 0 ? turn / number : 0;
-}
-
-/// Straight lines between 64 points of a sine miss it by 0.12 % of its amplitude; distortions of a line have
-/// harmonics.
+/// Positions fine enough for the shortest period.
+/// @param effects  each with a table
 Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
   const double revolution = turn / std::abs(e.encoder.shaft_ratio);
   Grid grid{0, revolution, 64, true};
   double shortest_period = revolution;
   int points = 64;
   for (const Effect& effect : effects) {
-    const double length = period(effect, e.encoder);
-    grid.repeats = grid.repeats && effect.type != "scale" && (length == 0 || is_whole(revolution / length));
+    const TableShape& shape = *effect_kind(effect.type).table;
+    const double length = shape.period ? shape.period(effect, e.encoder) : 0;
+    grid.repeats = grid.repeats && !shape.linear && (length == 0 || is_whole(revolution / length));
     if (length > 0) shortest_period = std::min(shortest_period, length);
-    if (effect.type == "subdivision_error") points = 256;
+    points = std::max(points, shape.points_per_period);
   }
   if (!grid.repeats) grid.from = e.measured.minCoeff(), grid.to = e.measured.maxCoeff();
   const double intervals = std::ceil(points * (grid.to - grid.from) / shortest_period);

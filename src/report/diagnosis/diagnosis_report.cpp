@@ -6,23 +6,6 @@
 
 namespace qerr {
 
-namespace {
-
-const EffectKind* find_kind(const std::string& name) {
-  const auto& kinds = effect_kinds();
-  const auto found = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == name; });
-  return found == kinds.end() ? nullptr : &*found;
-}
-
-/// Unit of a parameter of an effect that no row of the list describes, such as those of `filter_mismatch`.
-std::string unit_without_row(const std::string& parameter) {
-  if (parameter == "cutoff" || parameter == "frequency") return "Hz";
-  if (parameter == "delay" || parameter == "time" || parameter == "time_constant") return "s";
-  return "";
-}
-
-}  // namespace
-
 std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name) {
   const auto& joints = spec.model.chain.independent;
   const auto found =
@@ -54,7 +37,6 @@ std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause
   std::vector<ReportedParameter> list;
   const auto joint = joint_place(spec, cause.effect.joint);
   const bool prismatic = joint && spec.model.chain.independent[*joint].prismatic();
-  const EffectKind* kind = find_kind(cause.effect.type);
   const auto add = [&](const std::string& name, const std::string& unit) {
     for (const FoundParameter& p : cause.parameters)
       if (p.name == name) return list.push_back({p, unit, p.lower == p.upper});
@@ -65,13 +47,12 @@ std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause
   const auto is_listed = [&](const std::string& name) {
     return std::any_of(list.begin(), list.end(), [&](const auto& p) { return p.figure.name == name; });
   };
-  if (kind)
-    for (const Parameter& row : kind->parameters)
-      add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
+  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
+    add(std::string(row.name), unit_name(dimension_at(row, prismatic)));
   for (const FoundParameter& p : cause.parameters)
-    if (!is_listed(p.name)) add(p.name, unit_without_row(p.name));
+    if (!is_listed(p.name)) add(p.name, "");
   for (const auto& [name, value] : cause.effect.numbers)
-    if (!is_listed(name)) add(name, unit_without_row(name));
+    if (!is_listed(name)) add(name, "");
   return list;
 }
 

@@ -62,11 +62,8 @@ const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
 std::string parameter_line(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
   std::string text = with_interval(p);
   const Encoder* encoder = encoder_of(spec, cause.effect.joint);
-  const auto& kinds = effect_kinds();
-  const auto kind =
-      std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == cause.effect.type; });
-  if (!encoder || kind == kinds.end()) return text;
-  for (const Parameter& row : kind->parameters)
+  if (!encoder) return text;
+  for (const Parameter& row : effect_kind(cause.effect.type).parameters)
     if (row.name == p.figure.name && row.coordinate)
       text += " = " + counts(p.figure.value / encoder->resolution);
   return text;
@@ -88,7 +85,7 @@ std::string causes_table(const DiagnosisReport& r, const Style& style) {
       rows.push_back({p.figure.name + "  " + parameter_line(r.spec, c, p)});
     for (const auto& [choice, word] : c.effect.choices) rows.push_back({choice + "  " + word});
     out += aligned(rows, "    ");
-    if (const Remedy* row = remedy(c.effect.type)) out += "    remedy: " + std::string(row->text) + '\n';
+    out += "    remedy: " + std::string(effect_kind(c.effect.type).remedy.text) + '\n';
   }
   return out;
 }
@@ -161,8 +158,7 @@ std::string compensation(const DiagnosisReport& r) {
   std::vector<std::string> seen;
   for (const Cause& c : r.diagnosis.causes) {
     const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
-    const Remedy* row = remedy(c.effect.type);
-    if (!encoder || !row || !row->in_controller) continue;
+    if (!encoder || !effect_kind(c.effect.type).remedy.in_controller) continue;
     const std::string place = (c.gain.of_tip ? "the " : "") + place_of(c);
     if (std::find(seen.begin(), seen.end(), place) != seen.end()) continue;
     seen.push_back(place);

@@ -22,14 +22,4 @@ std::optional<std::size_t> joint_place(const Spec&, const std::string& name);
 /// where it was not fitted.
 std::string with_interval(const ReportedParameter&);
 
-/// What can be done about an effect.
-struct Remedy {
-  std::string_view effect;
-  bool in_controller;     ///< by a correction of the readings
-  std::string_view text;  ///< without its subject
-};
-
-/// The row of an effect, or of a statement about the paper's formula. @returns null for a name without a row
-const Remedy* remedy(std::string_view effect);
-
 }  // namespace qerr

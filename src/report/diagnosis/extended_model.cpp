@@ -18,7 +18,7 @@ std::string note(const Spec& spec, const Cause& cause) {
 
 /// A filter that the spec can state: it has no place for a delay beside the low-pass.
 bool is_filter(const Effect& e) {
-  return e.type == "filter_mismatch" && e.choices.count("family") && e.number_or("order", 0) > 0 &&
+  return effect_kind(e.type).is_filter && e.choices.count("family") && e.number_or("order", 0) > 0 &&
          e.number_or("delay", 0) == 0;
 }
 

@@ -1,20 +1,14 @@
 #include "report/diagnosis/extended_reading.hpp"
 
 #include <algorithm>
-#include <array>
-#include <string_view>
 
 namespace qerr {
 
 namespace {
 
-bool is_one_of(std::string_view type, std::initializer_list<std::string_view> list) {
-  return std::find(list.begin(), list.end(), type) != list.end();
-}
-
-bool is_replayed(const EffectKind& kind) {
-  return kind.action && kind.stage != Stage::log &&
-         !is_one_of(kind.name, {"noise", "timing_jitter", "backlash"});
+/// Whether the effect's own action stands for it.
+bool acts(const EffectKind& kind) {
+  return kind.action && kind.stage != Stage::log && !kind.random() && !kind.replay;
 }
 
 /// The path at any time, linear between its rows and constant beyond them.
@@ -34,7 +28,7 @@ ExtendedReading::ExtendedReading(const std::vector<Effect>& effects, const Encod
     : resolution_(encoder.resolution) {
   for (const EffectKind& kind : effect_kinds())
     for (const Effect& effect : effects)
-      if (effect.type == kind.name && is_replayed(kind))
+      if (effect.type == kind.name && acts(kind))
         steps_.push_back({kind.stage, kind.action(effect, encoder, 0)});
   std::stable_sort(steps_.begin(), steps_.end(),
                    [](const Step& a, const Step& b) { return a.stage < b.stage; });
@@ -63,25 +57,20 @@ double ExtendedReading::reference(double position, const Moment& moment) const {
 
 Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) {
   const ExtendedReading reading(effects, e.encoder);
-  Eigen::ArrayXd sum(e.rows());
-  // On which side the gear lies the evidence knows better: at rest the path still shakes a little.
-  double gap = 0;
+  Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(e.rows());
   for (const Effect& effect : effects)
-    if (effect.type == "backlash") gap += effect.number("gap");
+    if (const auto replay = effect_kind(effect.type).replay) sum += replay(effect, e);
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
     const double position = e.ordered ? at(e, reading.taken(e.time[k])) : e.path[k];
     // The path's own interpolation must not look like an effect where none touches the clock.
     const double truth = reading.taken(e.time[k]) == e.time[k] ? e.path[k] : position;
     const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
                         e.temperature.size() ? e.temperature[k] : 0};
-    sum[k] = 0.5 * gap * e.direction[k] + reading(truth, moment) - reading.reference(e.path[k], moment);
+    sum[k] += reading(truth, moment) - reading.reference(e.path[k], moment);
   }
   return sum;
 }
 
-bool fits_table(const Effect& effect) {
-  return is_one_of(effect.type,
-                   {"offset", "scale", "eccentricity", "transmission_error", "subdivision_error"});
-}
+bool fits_table(const Effect& effect) { return effect_kind(effect.type).table.has_value(); }
 
 }  // namespace qerr

@@ -64,7 +64,7 @@ std::string sigma_table(const SimulationReport& r) {
     if (has_means) rows.back().insert(rows.back().begin() + 1, readable(s.mean_simulated, unit));
   }
   const bool gaussian = std::any_of(r.spec.effects.begin(), r.spec.effects.end(), [](const Effect& e) {
-    return (e.type == "noise" || e.type == "timing_jitter") && e.number("sigma") > 0;
+    return effect_kind(e.type).random() && has_size(e);
   });
   return aligned(rows) +
          (gaussian ? "  (the worst case of noise and jitter is four sigma, which now and then they exceed)\n"

@@ -186,7 +186,8 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     d.unexplained.push_back(
         {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
-    return c.effect.type == "geometry" && c.effect.joint == model.chain.joints.front().name;
+    return effect_kind(c.effect.type).stage == Stage::kinematics &&
+           c.effect.joint == model.chain.joints.front().name;
   });
   if (at_base && !s.model.frames())
     d.warnings.push_back("a displacement of " + model.chain.joints.front().name +

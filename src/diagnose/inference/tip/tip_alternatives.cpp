@@ -54,8 +54,8 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   for (std::size_t i = 0; i < fitted.terms().size(); ++i)
     if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
   if (fitted.frames()) {
-    append({TipTerm::Way::base, {}, 0, 0});
-    append({TipTerm::Way::tool, {}, 0, 0});
+    append({TipTerm::Way::base, {}, 0});
+    append({TipTerm::Way::tool, {}, 0});
   }
   const Eigen::VectorXd fit = least_norm_solution(rest, target);
   return (target - rest * fit).norm() < 1e-6 * target.norm();

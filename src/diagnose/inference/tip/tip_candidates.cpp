@@ -17,7 +17,7 @@ Eigen::MatrixXd encoder_scores(const TipModel& model) {
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(e.encoders.size()), e.rows());
   for (std::size_t i = 0; i < e.encoders.size(); ++i) {
     if (!e.judged(i)) continue;
-    TipTerm unit{TipTerm::Way::encoder, {}, i, 0};
+    TipTerm unit{TipTerm::Way::encoder, {}, i};
     unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
     const Eigen::MatrixXd column = model.columns(unit);
     for (Eigen::Index k = 0; k < e.rows(); ++k)
@@ -69,7 +69,7 @@ std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd
 
 bool same(const TipTerm& a, const TipTerm& b) {
   const Effect &x = a.term.effect, &y = b.term.effect;
-  return a.way == b.way && a.where == b.where && a.along == b.along && x.type == y.type &&
+  return a.way == b.way && a.where == b.where && a.direction == b.direction && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
          x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
          x.number_or("time", 0) == y.number_or("time", 0);
@@ -92,9 +92,9 @@ std::vector<TipTerm> tip_candidates(const TipModel& model) {
       const Evidence own = believed(e, model.belief(), i);
       const Eigen::VectorXd score = scores.row(static_cast<Eigen::Index>(i));
       if (auto step = strongest_tip_step(own, score))
-        all.push_back({TipTerm::Way::encoder, std::move(*step), i, 0});
+        all.push_back({TipTerm::Way::encoder, std::move(*step), i});
       if (auto order = strongest_tip_order(own, score))
-        all.push_back({TipTerm::Way::encoder, std::move(*order), i, 0});
+        all.push_back({TipTerm::Way::encoder, std::move(*order), i});
     }
   }
   std::erase_if(all, [&](const TipTerm& t) { return chosen(model, t); });

@@ -48,10 +48,10 @@ void TipModel::believe() {
 /// The columns of what is nobody's fault: the tracker's frames, and zeros that are free.
 void TipModel::arrange_nuisance() {
   std::vector<TipTerm> free;
-  if (frames_) free = {{TipTerm::Way::base, {}, 0, 0}, {TipTerm::Way::tool, {}, 0, 0}};
+  if (frames_) free = {{TipTerm::Way::base, {}, 0}, {TipTerm::Way::tool, {}, 0}};
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
     if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
-      free.push_back({TipTerm::Way::encoder, {}, i, 0});
+      free.push_back({TipTerm::Way::encoder, {}, i});
       free.back().term.columns = Eigen::ArrayXXd::Ones(evidence_->rows(), 1);
     }
   Eigen::Index count = 0;
@@ -133,7 +133,7 @@ void TipModel::draw_surrogates() {
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
     if (!evidence_->judged(i)) continue;
     const Evidence& e = evidence_->encoders[i];
-    TipTerm unit{TipTerm::Way::encoder, {}, i, 0};
+    TipTerm unit{TipTerm::Way::encoder, {}, i};
     unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
     const Eigen::VectorXd column = columns(unit);
     for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {

@@ -39,12 +39,12 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
     if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude * times_as_loud(all[i]))
       continue;
     // Counts are lost whole.
-    if (all[i].term.effect.type == "missed_counts" && std::abs(theta[0]) < 0.7) continue;
+    if (all[i].term.whole && std::abs(theta[0]) < 0.7) continue;
     const double correlated = inflation(model, s, columns[i]);
     const double gained = (s.log_likelihood - model.solution().log_likelihood) / correlated;
     const double cost = price(model, size) + penalty(model, all[i]);
     if (gained < cost + better_by) continue;
-    const bool scanned = !all[i].term.named() || all[i].term.effect.type == "missed_counts";
+    const bool scanned = !all[i].term.named() || all[i].term.step;
     const double tests = static_cast<double>(all.size()) * (scanned ? scanned_at_tip : 1);
     if (p_value(gained, size) * tests > options.alpha) continue;
     // Also between two candidates correlated rows say less than they are.
@@ -63,7 +63,7 @@ void reshape(TipModel& model, std::size_t term) {
   const Evidence own = believed(model.evidence(), model.belief(), best.where);
   TipSolution solution = model.solution();
   bool moved = false;
-  for (double step = 0.5 * best.term.reach; step > 0.02 * best.term.reach; step /= 2)
+  for (double step = 0.5 * best.term.half_width; step > 0.02 * best.term.half_width; step /= 2)
     for (const double by : {-step, step})
       for (int i = 0; i < 4; ++i) {
         TipTerm next = best;
@@ -179,7 +179,7 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
 
 /// Whether the tracker's frame and target, taken as unknown, explain more than 9 numbers do by chance.
 bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
-  TipTerm base{TipTerm::Way::base, {}, 0, 0}, tool{TipTerm::Way::tool, {}, 0, 0};
+  TipTerm base{TipTerm::Way::base, {}, 0}, tool{TipTerm::Way::tool, {}, 0};
   Eigen::MatrixXd columns(model.entries().size(), 9);
   columns << model.columns(base), model.columns(tool);
   const TipSolution with = model.trial({}, columns);

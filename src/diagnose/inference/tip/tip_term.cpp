@@ -12,17 +12,6 @@ namespace {
 /// Any unit vector across a direction.
 Eigen::Vector3d across(const Eigen::Vector3d& z) { return z.unitOrthogonal(); }
 
-/// What a gap adds to the side that is measured, per unit of its width: the link rests until it is pushed.
-Eigen::ArrayXd play(const Eigen::ArrayXd& motor, double gap) {
-  Eigen::ArrayXd added(motor.size());
-  double link = motor[0];
-  for (Eigen::Index k = 0; k < motor.size(); ++k) {
-    link = std::clamp(link, motor[k] - 0.5 * gap, motor[k] + 0.5 * gap);
-    added[k] = (motor[k] - link) / gap;
-  }
-  return added;
-}
-
 }  // namespace
 
 TipPose TipBelief::pose(const TipEvidence& e, Eigen::Index row) const {
@@ -80,7 +69,7 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       break;
     case Way::geometry:
       // The model believes the joint where it is not: estimate - true is against the displacement.
-      columns = -p.parent[where].col(along);
+      columns = -p.parent[where] * direction;
       break;
     case Way::tilt: {
       // Across the axis in the frame before the joint, so that the tilt does not turn with the joint.
@@ -115,24 +104,24 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipBelief& belief) {
     if (std::none_of(chain.independent.begin(), chain.independent.end(),
                      [&](const IndependentJoint& i) { return i.name == name; }))
       continue;  // a mimic joint has no effects of its own
-    for (Eigen::Index axis = 0; axis < 3; ++axis) {
-      TipTerm t{TipTerm::Way::geometry, {}, j, axis};
-      t.term.effect = {"geometry", name, {}, {{"axis", std::string(1, "xyz"[axis])}}};
-      t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["length"] = c[0]; };
-      terms.push_back(std::move(t));
-    }
+    for (const EffectKind& kind : effect_kinds())
+      if (kind.displacements)
+        for (Term& t : kind.displacements(name)) {
+          const Eigen::Vector3d direction = displacement_direction(t.effect);
+          terms.push_back({TipTerm::Way::geometry, std::move(t), j, direction});
+        }
   }
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
     if (e.judged(i))
       for (Term& t : named_terms(believed(e, belief, i)))
-        terms.push_back({TipTerm::Way::encoder, std::move(t), i, 0});
+        terms.push_back({TipTerm::Way::encoder, std::move(t), i});
   return terms;
 }
 
 std::vector<TipTerm> tilt_terms(const Chain& chain) {
   std::vector<TipTerm> terms;
   for (std::size_t j = 0; j < chain.joints.size(); ++j) {
-    TipTerm t{TipTerm::Way::tilt, {}, j, 0};
+    TipTerm t{TipTerm::Way::tilt, {}, j};
     t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
     t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
     t.term.unnamed = "the axis of the joint is askew";
@@ -145,10 +134,10 @@ void renew(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const Tip
   if (t.way != TipTerm::Way::encoder) return;
   const Evidence own = believed(e, belief, t.where);
   const Effect& effect = t.term.effect;
-  if (effect.type == "backlash") {
-    if (c[0] > own.step()) t.term.columns = play(own.measured, c[0]);
-  } else if (effect.type == "missed_counts") {
-    return;  // a matter of time alone
+  if (t.term.hysteresis) {
+    if (c[0] > own.step()) t.term.columns = t.term.hysteresis(own.measured, c[0]);
+  } else if (t.term.step) {
+    return;  // independent of the path
   } else if (t.term.reshaped) {
     t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "diagnose/inference/tip/tip_evidence.hpp"
-#include "diagnose/terms/term.hpp"
+#include "effect/term.hpp"
 
 namespace qerr {
 
@@ -38,11 +38,11 @@ struct TipTerm {
     tool       ///< moves the target in the tip's frame
   };
   Way way = Way::encoder;
-  Term term;                ///< its effect and fill; of an encoder's the columns too
-  std::size_t where = 0;    ///< encoder or moving joint
-  Eigen::Index along = 0;   ///< of geometry: 0 x, 1 y, 2 z
+  Term term;              ///< its effect and fill; of an encoder's the columns too
+  std::size_t where = 0;  ///< encoder or moving joint
+  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of geometry, in its parent link's axes
   bool kinematic() const {  ///< whether it is a matter of dimensions, not of motion
-    return way != Way::encoder || term.effect.type == "offset";
+    return way != Way::encoder || term.constant;
   }
   Eigen::Index size() const;
 

@@ -4,6 +4,7 @@
 
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/record/smooth_path.hpp"
+#include "effect/effects/effects.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 
 /// Efforts that are proportional to the control error: the controller's output, not a measured load. They are
@@ -90,15 +91,16 @@ void check_controller_output(Sanity& s, std::size_t joint) {
   const double from_masses = exact ? 0 : explained_by_masses(s, joint, effort);
   if (from_masses > 0.5) return;
   if (from_masses < 0) {
-    s.alternatives.push_back(
-        {"compliance", "controller_droop", name, "a measured load, or the same motion with another payload"});
+    s.alternatives.push_back({std::string(compliance_effect().name),
+                              std::string(controller_droop_effect().name), name,
+                              "a measured load, or the same motion with another payload"});
     return;
   }
   const double tail = explained / std::max(line.residual_rms, 1e-12 * explained);
   const double p_value = std::exp(-0.5 * static_cast<double>(effort.size()) * std::log1p(tail * tail));
   const Eigen::ArrayXd droop = line.slope * effort;
-  Cause found = exact_cause(s, joint, "controller_droop", {{"gain", 1 / line.slope}}, p_value, rms(error),
-                            rms(error - droop));
+  Cause found = exact_cause(s, joint, controller_droop_effect().name, {{"gain", 1 / line.slope}}, p_value,
+                            rms(error), rms(error - droop));
   const double rows = static_cast<double>(effort.size()), gain = 1 / line.slope;
   const double half_width = 1.96 * std::abs(gain) * line.residual_rms / (explained * std::sqrt(rows));
   found.parameters = {{"gain", gain, gain - half_width, gain + half_width}};

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "effect/effects/effects.hpp"
 
 /// Faults of the counter behind the encoder: it overflows, or it counts other edges than the spec says.
 namespace qerr::sanity {
@@ -148,7 +149,7 @@ void align_with_reference(Eigen::ArrayXd& counts, const Eigen::ArrayXd& referenc
 
 /// Silently undoes a specified rollover, unless the counter overflows at another modulus.
 void undo_specified_rollover(Sanity& s, std::size_t encoder) {
-  const Effect* effect = specified_effect(s, encoder, "rollover");
+  const Effect* effect = specified_effect(s, encoder, rollover_effect().name);
   auto read = recorded_counts(s, encoder);
   if (!effect || !read) return;
   const double modulus = effect->number("modulus");
@@ -215,14 +216,14 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   }
   // Probability that a jump at a uniformly random count lies as near to the common overflow point.
   const double probability = std::min(1.0, 2 * (point.high - point.low) / modulus);
-  s.causes.push_back(exact_cause(s, encoder, "rollover", {{"modulus", modulus}},
+  s.causes.push_back(exact_cause(s, encoder, rollover_effect().name, {{"modulus", modulus}},
                                  std::min(1e-6, std::pow(probability, point.overflows)), before, after));
   read->counts = std::move(unwrapped.counts);
   write_back(s, *read, encoder);
 }
 
 void check_decoding(Sanity& s, std::size_t encoder) {
-  while (const Effect* effect = specified_effect(s, encoder, "decoding")) {
+  while (const Effect* effect = specified_effect(s, encoder, decoding_effect().name)) {
     const double factor = effect->number("factor");
     remove_effect(s, effect);
     if (const auto read = recorded_counts(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);
@@ -239,8 +240,8 @@ void check_decoding(Sanity& s, std::size_t encoder) {
   const double before = rms(read->counts - reference) * resolution;
   const double after = decode(s, *read, encoder, factor);
   const double tail = explained / std::max(line.residual_rms, 1e-12);
-  s.causes.push_back(
-      exact_cause(s, encoder, "decoding", {{"factor", factor}}, std::exp(-0.5 * tail * tail), before, after));
+  s.causes.push_back(exact_cause(s, encoder, decoding_effect().name, {{"factor", factor}},
+                                 std::exp(-0.5 * tail * tail), before, after));
 }
 
 }  // namespace qerr::sanity

@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "effect/effects/effects.hpp"
 
 /// Positions that are recorded more coarsely than the encoder resolves them.
 namespace qerr::sanity {
@@ -23,7 +24,7 @@ constexpr double negligible_share = 0.1;
 
 /// Whether the spec has a rounding with this step.
 bool is_specified(const Sanity& s, std::size_t joint, double step) {
-  const Effect* effect = specified_effect(s, joint, "log_rounding");
+  const Effect* effect = specified_effect(s, joint, log_rounding_effect().name);
   return effect && std::abs(effect->number("step") - step) < 1e-6 * step;
 }
 
@@ -38,8 +39,8 @@ void report_rounding(Sanity& s, std::size_t joint, double step) {
     if (step / std::sqrt(12.0) < negligible_share * standard_deviation(residual)) return;
     residual_rms = rms(residual);
   }
-  s.causes.push_back(
-      exact_cause(s, joint, "log_rounding", {{"step", step}}, 1e-300, residual_rms, residual_rms));
+  s.causes.push_back(exact_cause(s, joint, log_rounding_effect().name, {{"step", step}}, 1e-300, residual_rms,
+                                 residual_rms));
 }
 
 /// Counts that are all multiples of a number > 1 (beside a constant): a counter with fewer edges than the
@@ -85,8 +86,8 @@ void check_measured(Sanity& s, RecordedCounts& read, std::size_t encoder) {
     coarsen_model(s, read, encoder, step);
   } else if (identifies_counts && step < 0.95 && rms(off) > off_counts) {
     if (!is_specified(s, encoder, step * resolution))
-      s.causes.push_back(exact_cause(s, encoder, "log_rounding", {{"step", step * resolution}}, 1e-300,
-                                     rms(off) * resolution, 0));
+      s.causes.push_back(exact_cause(s, encoder, log_rounding_effect().name, {{"step", step * resolution}},
+                                     1e-300, rms(off) * resolution, 0));
     read.counts = counts;
     write_back(s, read, encoder);
   } else if (step >= 0.5 && rms(off) > off_counts && peak_to_peak(read.counts) > fewest_steps) {
@@ -144,7 +145,7 @@ void check_log_resolution(Sanity& s, std::size_t encoder) {
   // check_decoding has already converted the readings of a wrongly decoded counter.
   const std::string& joint = s.model.chain.independent[encoder].name;
   const bool decoded = std::any_of(s.causes.begin(), s.causes.end(), [&](const Cause& c) {
-    return c.effect.type == "decoding" && c.effect.joint == joint;
+    return c.effect.type == decoding_effect().name && c.effect.joint == joint;
   });
   if (!decoded && read->direct) check_counts(s, *read, encoder);
   if (!decoded && !read->direct) check_measured(s, *read, encoder);

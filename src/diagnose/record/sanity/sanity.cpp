@@ -36,11 +36,11 @@ double ideal_sigma(const Sanity& s, std::size_t joint) {
   return steps.norm() / std::sqrt(12.0);
 }
 
-Cause exact_cause(const Sanity& s, std::size_t encoder, const char* effect,
+Cause exact_cause(const Sanity& s, std::size_t encoder, std::string_view effect,
                   std::map<std::string, double> numbers, double p_value, double rms_before,
                   double rms_after) {
   Cause c;
-  c.effect = {effect, s.model.chain.independent[encoder].name, std::move(numbers), {}};
+  c.effect = {std::string(effect), s.model.chain.independent[encoder].name, std::move(numbers), {}};
   c.p_value = std::max(p_value, 1e-300);
   c.gain.rms_before = rms_before;
   c.gain.rms_after = rms_after;

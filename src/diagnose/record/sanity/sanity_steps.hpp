@@ -29,7 +29,7 @@ Eigen::ArrayXd encoder_reference(const Sanity&, std::size_t encoder);
 double ideal_sigma(const Sanity&, std::size_t joint);
 
 /// A cause at the encoder's joint whose numbers are exact, with its gain over all rows.
-Cause exact_cause(const Sanity&, std::size_t encoder, const char* effect,
+Cause exact_cause(const Sanity&, std::size_t encoder, std::string_view effect,
                   std::map<std::string, double> numbers, double p_value, double rms_before, double rms_after);
 
 /// The remaining effect of this type that the spec has at the encoder's joint; null if there is none.

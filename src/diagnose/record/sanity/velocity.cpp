@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "effect/effects/effects.hpp"
 #include "filter/run/filter_bank.hpp"
 #include "qerr/filter/family.hpp"
 
@@ -132,10 +133,10 @@ bool follows_stamps(Sanity& s, const RecordedVelocity& r, const Eigen::ArrayXd& 
   const double before = rms(constant), after = rms(stamped);
   if (standard_deviation(steps) < 0.02 * r.interval || after > 0.5 * before || std::abs(line.slope - 1) > 0.2)
     return false;
-  if (specified_effect(s, joint, "timing_jitter")) return true;
+  if (specified_effect(s, joint, timing_jitter_effect().name)) return true;
   const double sigma = standard_deviation(steps), samples = static_cast<double>(n);
   const double half_width = 1.96 * sigma / std::sqrt(2 * samples);  // normal intervals
-  Cause c = exact_cause(s, joint, "timing_jitter", {{"sigma", sigma}},
+  Cause c = exact_cause(s, joint, timing_jitter_effect().name, {{"sigma", sigma}},
                         std::exp(-samples * std::log(before / after)), before, after);
   c.parameters = {{"sigma", sigma, sigma - half_width, sigma + half_width}};
   s.causes.push_back(std::move(c));
@@ -179,7 +180,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   if (best.misfit > 0.3 * specified || best.misfit > 0.3 * rms(r.velocity)) return;
   std::map<std::string, double> numbers{{"order", best.order}, {"cutoff", best.cutoff}};
   if (best.delay > 0) numbers["delay"] = static_cast<double>(best.delay) * r.interval;
-  Cause c = exact_cause(s, joint, "filter_mismatch", std::move(numbers),
+  Cause c = exact_cause(s, joint, filter_mismatch_effect().name, std::move(numbers),
                         std::exp(-0.1 * static_cast<double>(n) * std::log(specified / best.misfit)),
                         specified * r.interval, best.misfit * r.interval);
   c.effect.choices["family"] = best.family;

@@ -1,0 +1,75 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <string>
+#include <vector>
+
+#include "effect/record_signals.hpp"
+#include "qerr/effect/effect.hpp"
+
+namespace qerr {
+
+/// A candidate cause of an encoder's error in a regression: its regressors, and how their coefficients become
+/// the parameters of an effect.
+struct Term {
+  Effect effect;            ///< choices and fixed numbers; `fill` adds the free ones
+  Eigen::ArrayXXd columns;  ///< rows x coefficients; columns * coefficients is its addition [rad or m]
+  /// Of an effect that is not linear in its parameters, linearized in `columns`: the addition beyond
+  /// columns * coefficients. Empty: zero.
+  Eigen::ArrayXd fixed = {};
+  void (*fill)(Effect&, const Eigen::VectorXd& coefficients) = nullptr;
+  /// Description of an uncatalogued term; empty if catalogued.
+  std::string unnamed = {};
+
+  bool constant = false;  ///< the same at every row
+  bool step = false;      ///< zero before the moment `effect.number("time")`
+  bool whole = false;     ///< its coefficients are whole counts
+  bool positive = false;  ///< a negative coefficient has no physical meaning
+  bool harmonic = false;  ///< a sine of a shaft's angle
+
+  /// A parameter on which the columns depend non-linearly (an order, a time constant), the half-width of its
+  /// search interval, and the same term at another value. Null: there is none.
+  double shape = 0, half_width = 0;
+  Term (*reshaped)(const RecordSignals&, const Term&, double shape) = nullptr;
+
+  /// The same term linearized at other coefficients; null: it is linear.
+  Term (*relinearized)(const RecordSignals&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;
+
+  /// What clock, link and gear before it add to its path, row by row (empty: nothing), and the same term
+  /// along a path displaced by another amount; null: it does not depend on the path, or negligibly.
+  Eigen::ArrayXd moved = {};
+  Term (*along)(const RecordSignals&, const Term&, const Eigen::ArrayXd& moved) = nullptr;
+
+  /// Column of a hysteresis of this size, by the reading on the driving side; null: it has none.
+  Eigen::ArrayXd (*hysteresis)(const Eigen::ArrayXd& reading, double size) = nullptr;
+
+  bool named() const { return unnamed.empty(); }
+
+  Eigen::Index size() const { return columns.cols(); }
+};
+
+/// What a term adds to the rows of its columns [rad or m].
+Eigen::ArrayXd addition(const Term&, const Eigen::VectorXd& coefficients);
+
+/// A term that consists of its columns alone. Functions that recompute columns (for another shape, path or
+/// linearization) are removed: they would restore the original ones, even in another number.
+Term with_columns(Term, Eigen::ArrayXXd columns);
+
+/// A term that is linear in its one column.
+Term linear_term(const RecordSignals&, std::string_view effect, Eigen::ArrayXd column,
+                 void (*fill)(Effect&, const Eigen::VectorXd&));
+
+/// All catalogued terms that are linear in their coefficients, or linearized, and that the signals can show.
+std::vector<Term> named_terms(const RecordSignals&);
+
+/// The catalogued effect that begins at one moment [s].
+Term step_term(const RecordSignals&, double time);
+
+/// amplitude * sin(order * angle + phase) of the encoder's or the joint's shaft, by the effect of this order.
+Term periodic_term(const RecordSignals&, double order, bool of_encoder);
+
+/// The same at an order of the joint that a scan found [periods per rad or m of the joint * 2 pi];
+/// uncatalogued.
+Term free_order_term(const RecordSignals&, double order);
+
+}  // namespace qerr
