@@ -17,9 +17,9 @@ std::string line_of(const Fault& fault) {
     if (fault.place.column > 0) line += ':' + std::to_string(fault.place.column);
   }
   line += ": ";
-  // An override's place is its own key already.
-  const bool said = !fault.key.empty() && fault.place.file.ends_with(' ' + fault.key);
-  if (!fault.key.empty() && !said) line += escaped(fault.key) + ": ";
+  // The place of an override already names its key.
+  const bool named = !fault.key.empty() && fault.place.file.ends_with(' ' + fault.key);
+  if (!fault.key.empty() && !named) line += escaped(fault.key) + ": ";
   line += escaped(fault.rule, 600);
   if (!fault.found.empty()) line += ", found " + escaped(fault.found);
   if (!fault.remedy.empty()) line += "; " + escaped(fault.remedy, 600);

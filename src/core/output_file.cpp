@@ -18,8 +18,7 @@ namespace {
 
 constexpr std::size_t buffer_size = std::size_t{1} << 16;
 
-/// Names of temporary files, where a signal handler can read them: fixed storage, a flag set last and cleared
-/// first.
+/// Names of temporary files in static storage for the signal handler; the flag is set last and cleared first.
 struct Unfinished {
   volatile std::sig_atomic_t used = 0;
   char path[4096] = {};
@@ -60,7 +59,7 @@ OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
   if (is_special(path_)) {
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
-    // A link is followed, so that the file it names is replaced and not the link.
+    // Symbolic links are resolved, so that their target is replaced and not the link.
     std::error_code ignored;
     const auto real = std::filesystem::canonical(path_, ignored);
     const std::string target = ignored ? path_ : real.string();

@@ -5,19 +5,19 @@
 
 namespace qerr {
 
-/// Thrown when the reader of a pipe has gone (`| head`): an ordinary end, with nothing to report.
+/// Thrown when the reading end of a pipe is closed (`| head`), which is not an error.
 struct ClosedPipe {};
 
-/// Removes the temporary files of all open outputs; safe to call in a signal handler.
+/// Removes the temporary files of all open outputs. Async-signal-safe.
 void remove_unfinished_outputs();
 
-/// Where results go: a file that appears whole or not at all, or a pipe, device or standard output, written
-/// directly.
+/// An output: a regular file that is created completely or not at all, or a pipe, device or standard output
+/// that is written directly.
 ///
-/// A regular file is written to a temporary one beside it, synced and renamed by close(); without close() the
-/// temporary is removed. It is opened by the constructor, so that a path that cannot be written fails before
-/// the work.
-/// @throws Error (file_system) with the path and the system's reason; ClosedPipe
+/// A regular file is written to a temporary file in the same folder, which close() synchronizes and renames;
+/// without close() it is removed. The constructor opens it, so that a path that is not writable fails before
+/// the computation.
+/// @throws Error (file_system) with the path and the reason given by the system; ClosedPipe
 class OutputFile {
  public:
   explicit OutputFile(std::string path);  ///< "-": standard output
@@ -34,7 +34,7 @@ class OutputFile {
 
   std::string path_, temporary_, buffer_;
   int descriptor_ = -1;
-  int slot_ = -1;  ///< place among the unfinished outputs
+  int slot_ = -1;  ///< index in the list of unfinished outputs
 };
 
 }  // namespace qerr

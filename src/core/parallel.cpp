@@ -9,8 +9,8 @@
 
 namespace qerr {
 
-unsigned thread_count(unsigned asked) {
-  return asked > 0 ? asked : std::max(1u, std::thread::hardware_concurrency());
+unsigned thread_count(unsigned requested) {
+  return requested > 0 ? requested : std::max(1u, std::thread::hardware_concurrency());
 }
 
 void parallel_for(std::size_t count, unsigned threads, const std::function<void(std::size_t)>& task) {

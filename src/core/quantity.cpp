@@ -26,7 +26,7 @@ struct Symbol {
   std::string_view name;
   double factor;
   Dimension dimension;
-  bool takes_prefix = false;
+  bool prefixable = false;
 };
 
 constexpr double pi = std::numbers::pi;
@@ -73,7 +73,7 @@ std::optional<Unit> find_symbol(std::string_view word) {
     if (word == s.name) return Unit{s.factor, 1, s.dimension};
   for (const Prefix& p : prefixes)
     for (const Symbol& s : symbols)
-      if (s.takes_prefix && word.size() == p.name.size() + s.name.size() && word.starts_with(p.name) &&
+      if (s.prefixable && word.size() == p.name.size() + s.name.size() && word.starts_with(p.name) &&
           word.ends_with(s.name))
         return Unit{p.factor * s.factor, p.divisor, s.dimension};
   return std::nullopt;
@@ -87,7 +87,7 @@ class UnitReader {
   std::optional<Unit> whole() {
     auto unit = sequence(0);
     if (unit && at_ != text_.size())
-      return fail("unit is not understood at '" + std::string(text_.substr(at_)) + "'");
+      return fail("the unit has unexpected text '" + std::string(text_.substr(at_)) + "'");
     return unit;
   }
 
@@ -121,23 +121,23 @@ class UnitReader {
   std::optional<Unit> factor(int depth) {
     std::optional<Unit> unit;
     if (at_ < text_.size() && text_[at_] == '(') {
-      if (depth > 3) return fail("unit has too many brackets");
+      if (depth > 3) return fail("the unit has too many nested brackets");
       ++at_;
       unit = sequence(depth + 1);
       if (unit && (at_ == text_.size() || text_[at_] != ')'))
-        return fail("bracket in the unit is not closed");
+        return fail("a bracket in the unit is not closed");
       ++at_;
     } else {
       const std::size_t end = std::min(text_.find_first_of(" */()^", at_), text_.size());
       const std::string_view word = text_.substr(at_, end - at_);
       unit = find_symbol(word);
-      if (!unit) return fail("unit '" + std::string(word) + "' is not known");
+      if (!unit) return fail("unknown unit '" + std::string(word) + "'");
       at_ = end;
     }
     if (unit && at_ < text_.size() && text_[at_] == '^') {
       ++at_;
       if (at_ == text_.size() || text_[at_] < '1' || text_[at_] > '9')
-        return fail("exponent of a unit must be 1 to 9");
+        return fail("the exponent of a unit must be 1 to 9");
       const int n = text_[at_++] - '0';
       unit = Unit{std::pow(unit->factor, n), std::pow(unit->divisor, n), power(unit->dimension, n)};
     }
@@ -178,7 +178,7 @@ std::string unit_name(const Dimension& d) {
 std::optional<double> parse_number(std::string_view text) {
   if (text.starts_with('+')) text.remove_prefix(1);
   const std::size_t digits = text.starts_with('-') ? 1 : 0;
-  // from_chars alone would also take inf, nan and "-+1"; leading zeros are octal to other readers of YAML.
+  // from_chars also accepts inf, nan and "-+1"; other YAML parsers read leading zeros as octal.
   if (text.size() <= digits || !((text[digits] >= '0' && text[digits] <= '9') || text[digits] == '.'))
     return std::nullopt;
   if (text[digits] == '0' && text.size() > digits + 1 && text[digits + 1] >= '0' && text[digits + 1] <= '9')
@@ -192,7 +192,8 @@ std::optional<double> parse_number(std::string_view text) {
 
 std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) {
   why.clear();
-  // The number ends where its own characters end; an 'e' belongs to it only before a digit or a sign.
+  // The number extends over digits, points, signs and exponents; an 'e' belongs to it only before a digit or
+  // sign.
   std::size_t end = 0;
   while (end < text.size()) {
     const char c = text[end];

@@ -20,7 +20,7 @@ const Words& round_constants() {
       bool prime = true;
       for (std::uint32_t d = 2; d * d <= n; ++d) prime = prime && n % d != 0;
       if (!prime) continue;
-      // A long double has the 35 bits this needs; the roots are far enough from a multiple of 2^-32.
+      // 35 bits suffice, since no root is close to a multiple of 2^-32.
       const long double root = std::cbrt(static_cast<long double>(n));
       k[found++] = static_cast<std::uint32_t>((root - std::floor(root)) * 0x1p32L);
     }
@@ -62,8 +62,8 @@ std::string sha256(std::string_view bytes) {
 
   std::array<std::uint32_t, 8> state{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
                                      0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  for (std::size_t at = 0; at < padded.size(); at += 64)
-    absorb(state, reinterpret_cast<const unsigned char*>(padded.data()) + at);
+  for (std::size_t block = 0; block < padded.size(); block += 64)
+    absorb(state, reinterpret_cast<const unsigned char*>(padded.data()) + block);
   std::string hex;
   for (const std::uint32_t word : state)
     for (int shift = 28; shift >= 0; shift -= 4) hex += "0123456789abcdef"[word >> shift & 0xF];

@@ -8,7 +8,7 @@ namespace qerr {
 
 namespace {
 
-/// Edit distance with swaps of neighbours (optimal string alignment), letters compared without case.
+/// Edit distance with transpositions (optimal string alignment distance), not case-sensitive.
 std::size_t distance(std::string_view a, std::string_view b) {
   const auto same = [](char x, char y) {
     return std::tolower(static_cast<unsigned char>(x)) == std::tolower(static_cast<unsigned char>(y));
@@ -54,7 +54,7 @@ std::string did_you_mean(std::string_view word, const std::vector<std::string>& 
     if (i == 12) return text + ", ...";
     text += (i ? ", " : "") + known[i];
   }
-  return known.empty() ? "none is known here" : text;
+  return known.empty() ? "no name is allowed here" : text;
 }
 
 }  // namespace qerr

@@ -6,10 +6,11 @@
 
 namespace qerr {
 
-/// The known name nearest to `word` in edit distance, or "" when none is near enough to be what was meant.
+/// The known name with the smallest edit distance to `word`; "" if that exceeds a third of the length of
+/// `word`.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
-/// "did you mean 'X'?" when a known name is near, otherwise "known: A, B, C" (shortened when long).
+/// "did you mean 'X'?" if a known name is near, otherwise "known: A, B, C" (at most 12 names).
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace qerr

@@ -25,7 +25,7 @@ const EncoderKind& encoder_kind(std::string_view name) {
 const std::vector<Parameter>& common_encoder_parameters() {
   static const std::vector<Parameter> common{
       {.name = "gear_ratio",
-       .meaning = "encoder revolutions per joint revolution; a negative one is a direction",
+       .meaning = "encoder revolutions per joint revolution; negative if the directions are opposite",
        .fallback = 1.0},
       {.name = "travel_per_rev",
        .dimension = dimension::length,
@@ -34,11 +34,11 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .open_below = true},
       {.name = "rounding",
        .kind = Kind::choice,
-       .meaning = "how a position becomes a count",
+       .meaning = "rounding of a position to a count",
        .choices = "nearest|down"},
       {.name = "zero",
        .kind = Kind::choice,
-       .meaning = "free: incremental without index, a constant error says nothing",
+       .meaning = "free: incremental without index, a constant error is not identifiable",
        .choices = "known|free"},
   };
   return common;

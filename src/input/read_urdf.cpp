@@ -11,6 +11,10 @@
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
 
+// A URDF is read in three steps: expat gives the outline with lines and columns (urdf_outline), UrdfReader checks
+// names, numbers and tree with messages at these places (urdf_reader, urdf_tree), and urdfdom reads the kinematic
+// part of the checked document; the model is made from what urdfdom returns. The first two steps are necessary
+// since urdfdom reports no places and silently skips misspelt elements and attributes.
 namespace qerr {
 
 namespace {
@@ -28,8 +32,8 @@ std::string triple(const Eigen::Vector3d& v) {
   return shortest(v.x()) + ' ' + shortest(v.y()) + ' ' + shortest(v.z());
 }
 
-/// The checked robot as a URDF without anything urdfdom stumbles over: no shapes, no foreign tags, every
-/// limit present.
+/// The checked robot as a URDF for urdfdom: without shapes and foreign tags, which can make it fail, and with
+/// all limits, which it requires.
 std::string sanitized(const RobotModel& model, const std::vector<WrittenJoint>& written) {
   std::string xml =
       "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot" + attribute("name", model.name) + ">\n";
@@ -54,7 +58,7 @@ std::string sanitized(const RobotModel& model, const std::vector<WrittenJoint>& 
   return xml + "</robot>\n";
 }
 
-/// Keeps what urdfdom would print; its handler is global, hence the lock.
+/// Captures messages that urdfdom would print. Its output handler is global, hence the lock.
 class Captured : public console_bridge::OutputHandler {
  public:
   Captured() : lock_(mutex()) { console_bridge::useOutputHandler(this); }
@@ -74,8 +78,8 @@ class Captured : public console_bridge::OutputHandler {
   std::lock_guard<std::mutex> lock_;
 };
 
-/// urdfdom's links own their children: without this a long chain is destroyed by recursion, and overflows the
-/// stack.
+/// Destroys a tree of urdfdom without recursion: its links own their children, so that the destructor of a
+/// long chain would overflow the stack.
 struct Dismantled {
   ::urdf::ModelInterfaceSharedPtr tree;
   ~Dismantled() {
@@ -87,7 +91,7 @@ struct Dismantled {
   }
 };
 
-/// R = Rz(yaw) Ry(pitch) Rx(roll) from the angles: one rounding less than through urdfdom's quaternion.
+/// R = Rz(yaw) Ry(pitch) Rx(roll) from the angles, which is more accurate than the quaternion of urdfdom.
 Eigen::Matrix3d rotation(const Eigen::Vector3d& rpy) {
   const double cr = std::cos(rpy.x()), sr = std::sin(rpy.x());
   const double cp = std::cos(rpy.y()), sp = std::sin(rpy.y());
@@ -101,7 +105,7 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& rpy) {
 
 Eigen::Vector3d vector(const ::urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
-/// The joint as urdfdom read it; places, and whether limits were given at all, only the outline knows.
+/// The joint as read by urdfdom, with its place and the presence of limits from the outline.
 Joint joint_from(const ::urdf::Joint& read, const WrittenJoint& w) {
   Joint joint = w.joint;
   joint.parent = read.parent_link_name;
@@ -125,7 +129,7 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
   if (!parsed.tree || !output.first_error.empty())
     throw Error(Fault{{model.file},
                       "robot '" + model.name + "'",
-                      "urdfdom refuses this robot: " + output.first_error,
+                      "urdfdom rejects this robot: " + output.first_error,
                       "",
                       ""});
   for (const WrittenJoint& w : written) {

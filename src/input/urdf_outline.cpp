@@ -15,18 +15,20 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t most_faults = 20;      // as many as format() shows
+constexpr std::size_t most_faults = 20;      // the number that format() shows
 constexpr std::size_t most_depth = 256;      // real robots stay below 10
 constexpr int most_attributes = 1000;        // of one element
 constexpr std::size_t most_nodes = 1000000;  // elements and attributes kept: about 27000 links
 
-constexpr std::size_t longest_word = 24;     // a longer one is no misspelling of a URDF word
-constexpr std::size_t most_foreign = 10000;  // words compared with the known ones
+constexpr std::size_t longest_word =
+    24;  // longer words are not compared: the longest URDF word has 17 letters
+constexpr std::size_t most_foreign =
+    10000;  // unknown words that are compared with known ones, which bounds the time
 
 using Names = std::vector<std::string>;
 
-/// What may stand in an element. `many` and `once` are read, `ignored` is known and left out; anything else
-/// is foreign (a simulator's tag) unless it looks like a misspelt known name.
+/// Allowed contents of an element: `many` and `once` are read, `ignored` is skipped. Any other name is
+/// foreign (a tag of a simulator) unless it resembles a known one.
 struct Vocabulary {
   std::string_view element;
   Names many, once, ignored, attributes;
@@ -60,7 +62,7 @@ bool contains(const Names& names, std::string_view name) {
   return std::find(names.begin(), names.end(), name) != names.end();
 }
 
-/// A place in the text that only moves forward, so that a whole document costs one pass.
+/// A place in the text that moves forward, so that a document needs one pass.
 struct Cursor {
   std::size_t byte = 0;
   int line = 1, column = 1;
@@ -78,8 +80,8 @@ struct Cursor {
   }
 };
 
-/// Collects the outline while expat reads. Exceptions must not cross expat's C frames: they are kept until it
-/// returns.
+/// Builds the outline from events of expat. Exceptions must not pass through C code: they are stored until
+/// expat returns.
 class Outliner {
  public:
   Outliner(const std::string& text, const std::string& file) : text_(text), file_(file) {}
@@ -126,13 +128,13 @@ class Outliner {
 
   const std::string& text_;
   const std::string& file_;
-  // "UTF-8" overrides what the declaration claims: the byte gate has seen that it is UTF-8.
+  // "UTF-8" overrides the XML declaration: check_text has verified the encoding.
   std::unique_ptr<XML_ParserStruct, decltype(&XML_ParserFree)> parser_{XML_ParserCreate("UTF-8"),
                                                                        &XML_ParserFree};
   Cursor cursor_;
   std::exception_ptr thrown_;
   std::vector<std::pair<std::string, int>> open_;  ///< every open element and its line
-  std::vector<UrdfElement> kept_;                  ///< the open ones that are read, outermost first
+  std::vector<UrdfElement> kept_;                  ///< open elements that are read, outermost first
   std::optional<UrdfElement> root_;
   std::size_t nodes_ = 0;
 };
@@ -174,21 +176,20 @@ void Outliner::start(const XML_Char* name, const XML_Char** attributes) {
     read_attributes(element, attributes);
     kept_.push_back(std::move(element));
   } else if (!contains(parent->ignored, tag)) {
-    kept_.back().children.push_back(std::move(element));  // by name only, for the search for misspellings
+    kept_.back().children.push_back(std::move(element));  // only the name, for the search for misspellings
   }
 }
 
-/// Expat tells where an element begins; where its attributes stand is found by scanning the tag, known to be
-/// well formed.
+/// Expat gives the place of an element; those of its attributes are found by scanning the well-formed tag.
 void Outliner::read_attributes(UrdfElement& element, const XML_Char** attributes) {
   const std::string_view blank = " \t\r\n";
-  Cursor here = cursor_;
-  std::size_t at = text_.find_first_of(" \t\r\n/>", here.byte);
+  Cursor cursor = cursor_;
+  std::size_t at = text_.find_first_of(" \t\r\n/>", cursor.byte);
   for (; attributes[0] != nullptr; attributes += 2) {
     if (++nodes_ > most_nodes) fail("the document is too large for a robot", "over a million attributes", "");
     at = text_.find_first_not_of(blank, at);
-    here.advance(text_, at);
-    element.attributes.push_back({attributes[0], attributes[1], here.line, here.column});
+    cursor.advance(text_, at);
+    element.attributes.push_back({attributes[0], attributes[1], cursor.line, cursor.column});
     const std::size_t quote = text_.find_first_of("\"'", at);
     at = text_.find(text_[quote], quote + 1) + 1;
   }
@@ -213,20 +214,20 @@ void Outliner::malformed() {
                                                std::to_string(open_.back().second) + " is still open";
   switch (code) {
     case XML_ERROR_NO_ELEMENTS:
-      if (open_.empty()) fail("the document is empty: a URDF has a <robot>", "", "");
-      fail("the document ends too early", "", open);
+      if (open_.empty()) fail("the document is empty: a URDF must have a <robot>", "", "");
+      fail("unexpected end of the document", "", open);
     case XML_ERROR_TAG_MISMATCH:
-      fail("this closing tag does not fit", "", open);
+      fail("the closing tag does not match", "", open);
     case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
       fail("nothing may follow </robot>", "", "a URDF has one <robot>, and it is the root");
     case XML_ERROR_MISPLACED_XML_PI:
-      fail("<?xml ...?> must be the very first thing in the file", "", "remove what stands before it");
+      fail("<?xml ...?> must be at the start of the file", "", "remove the text before it");
     default:
       fail(std::string("the XML is malformed: ") + XML_ErrorString(code), "", "");
   }
 }
 
-/// Misspelt and doubled elements and attributes: what a lenient reader would drop without a word.
+/// Reports misspelt and duplicate elements and attributes, which a lenient reader would skip silently.
 class VocabularyCheck {
  public:
   explicit VocabularyCheck(FaultList& faults) : faults_(faults) {}
@@ -238,7 +239,7 @@ class VocabularyCheck {
     for (const UrdfElement& inner : element.children) {
       const bool single = contains(row.once, inner.name);
       if (single && !seen.insert(inner.name).second)
-        faults_.add(inner.line, inner.column, owner, "<" + inner.name + "> is given twice", "",
+        faults_.add(inner.line, inner.column, owner, "duplicate <" + inner.name + ">", "",
                     "keep one of them");
       if (!single && !contains(row.many, inner.name))
         unknown(inner, row, owner);
@@ -248,8 +249,8 @@ class VocabularyCheck {
   }
 
  private:
-  /// The known word that `word` misspells, or "". Foreign words are remembered: a long file of them must cost
-  /// little.
+  /// The known word that `word` misspells, or "". Foreign words are stored, so that each is compared only
+  /// once.
   std::string misspelt(const std::string& word, std::string_view element, const Names& known) {
     if (word.size() > longest_word || word.find(':') != std::string::npos) return {};
     std::string entry = std::string(element) + ' ' + word;
@@ -276,7 +277,7 @@ class VocabularyCheck {
       faults_.add(line, column, owner, "this is a xacro template, not a URDF", "'" + value + "'",
                   "expand it with xacro first: xacro FILE.xacro > FILE.urdf");
     if (name == "quat_xyzw")
-      faults_.add(line, column, owner, "an <origin> turned by a quaternion is not read", "'quat_xyzw'",
+      faults_.add(line, column, owner, "a quaternion in <origin> is not supported", "'quat_xyzw'",
                   "write rpy=\"ROLL PITCH YAW\" in radians");
     if (contains(row.attributes, name)) return;
     const std::string near = misspelt(name, element.name, row.attributes);

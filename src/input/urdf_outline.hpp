@@ -13,7 +13,7 @@ struct UrdfAttribute {
   int line = 0, column = 0;
 };
 
-/// An element of the part of a URDF that carries kinematics; at most four deep, so a recursive walk is safe.
+/// An element of the kinematic part of a URDF; at most four levels deep, so that recursion is safe.
 struct UrdfElement {
   std::string name;
   int line = 0, column = 0;
@@ -22,28 +22,28 @@ struct UrdfElement {
 
   const UrdfAttribute* attribute(std::string_view wanted) const;
   const UrdfElement* child(std::string_view wanted) const;
-  /// How messages call it: `joint 'elbow'`, or `joint` when it has no name.
+  /// The name used in messages: `joint 'elbow'`, or `joint` if it has no name.
   std::string title() const;
 };
 
-/// Faults of one document; gives up, with all it has, once a person would stop reading.
+/// Faults of one document; throws when there are more than a message shows.
 class FaultList {
  public:
   explicit FaultList(std::string file) : file_(std::move(file)) {}
   void add(int line, int column, std::string key, std::string rule, std::string found, std::string remedy);
-  void raise() const;  ///< @throws Error when there is any fault
+  void raise() const;  ///< @throws Error if there is any fault
 
  private:
   std::string file_;
   std::vector<Fault> faults_;
 };
 
-/// The `<robot>` with its links, inertials, joints and the children of joints; all else is left out unread.
+/// The `<robot>` with its links, inertials, joints and the children of joints; other elements are skipped.
 ///
+/// Read by expat, because urdfdom reports neither lines nor columns, and silently skips misspelt elements and
+/// attributes.
 /// @throws Error (input) with line and column for malformed XML, a DTD, extreme depth or size, another kind
-/// of document
-///         (SDF, unexpanded xacro), and for unknown elements or attributes that look like a misspelt known
-///         one
+/// of document (SDF, unexpanded xacro), and for unknown elements or attributes that resemble a known one
 UrdfElement urdf_outline(const std::string& text, const std::string& file);
 
 }  // namespace qerr

@@ -13,8 +13,8 @@ namespace qerr {
 
 namespace {
 
-constexpr double least_axis = 1e-6;      // shorter than this is a zero vector with rounding noise
-constexpr double axis_tolerance = 1e-6;  // a norm as near to 1 as printed decimals get
+constexpr double least_axis = 1e-6;      // a shorter axis is taken as zero with rounding errors
+constexpr double axis_tolerance = 1e-6;  // of the norm, for axes printed with 6 decimals
 
 using Names = std::vector<std::string>;
 using Index = std::unordered_map<std::string, std::size_t>;
@@ -48,7 +48,7 @@ std::string_view joint_type_name(JointType type) {
   return "";
 }
 
-/// Exactly N numbers of an attribute; empty when it is absent or, after a fault, when it is wrong.
+/// Exactly N numbers of an attribute; empty if it is absent or, after reporting a fault, invalid.
 template <std::size_t N>
 std::optional<std::array<double, N>> UrdfReader::numbers(const UrdfElement& element, const char* name,
                                                          const std::string& key) {
@@ -67,7 +67,7 @@ std::optional<std::array<double, N>> UrdfReader::numbers(const UrdfElement& elem
   fault(*attribute, key,
         "'" + std::string(name) + "' of <" + element.name + "> must be " +
             (N == 1 ? "a finite number" : counted(N, "finite number")),
-        quoted(attribute->value), comma ? "write decimals with a point, and blanks between numbers" : "");
+        quoted(attribute->value), comma ? "use a decimal point, and blanks between numbers" : "");
   return {};
 }
 
@@ -86,11 +86,11 @@ std::string UrdfReader::name_of(const UrdfElement& element, Index& taken, std::s
   if (name->value.empty())
     fault(*name, element.name, "the name of a " + element.name + " must not be empty", "", "");
   if (!taken.emplace(name->value, index).second)
-    fault(*name, element.title(), "two " + element.name + "s have this name", "", "rename one of them");
+    fault(*name, element.title(), "duplicate name of a " + element.name, "", "rename one of them");
   return name->value;
 }
 
-/// A required attribute of a required child, "" after a fault.
+/// A required attribute of a required child; "" after reporting a fault.
 std::string UrdfReader::text_of(const UrdfElement* element, const char* tag, const char* attribute,
                                 const UrdfElement& owner) {
   const std::string wanted = "<" + std::string(tag) + " " + attribute + "=\"...\"/>";
@@ -110,7 +110,7 @@ void UrdfReader::read_robot(const UrdfElement& root) {
   Index none;
   model.file = file_;
   const UrdfAttribute* name = root.attribute("name");
-  // Real robots have been published with an empty name, and nothing refers to it.
+  // URDFs of real robots have been published with an empty name, which nothing refers to.
   if (name && name->value.empty())
     warn(root, "robot", "the name is empty");
   else
@@ -118,8 +118,7 @@ void UrdfReader::read_robot(const UrdfElement& root) {
   const UrdfAttribute* version = root.attribute("version");
   static const Names versions = {"1", "1.0", "1.1", "1.2"};
   if (version && std::find(versions.begin(), versions.end(), version->value) == versions.end())
-    fault(*version, root.title(), "this version of URDF is not known", quoted(version->value),
-          "known: 1.0, 1.1, 1.2");
+    fault(*version, root.title(), "unknown version of URDF", quoted(version->value), "known: 1.0, 1.1, 1.2");
 }
 
 void UrdfReader::read_link(const UrdfElement& element) {
@@ -145,11 +144,11 @@ void UrdfReader::read_link(const UrdfElement& element) {
   m(1, 1) = moment("iyy");
   m(1, 2) = m(2, 1) = moment("iyz");
   m(2, 2) = moment("izz");
-  const Eigen::Matrix3d turned = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
-                                  Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
-                                  Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
-                                     .toRotationMatrix();
-  inertia.about_center = turned * m * turned.transpose();
+  const Eigen::Matrix3d rotation = (Eigen::AngleAxisd(rpy.z(), Eigen::Vector3d::UnitZ()) *
+                                    Eigen::AngleAxisd(rpy.y(), Eigen::Vector3d::UnitY()) *
+                                    Eigen::AngleAxisd(rpy.x(), Eigen::Vector3d::UnitX()))
+                                       .toRotationMatrix();
+  inertia.about_center = rotation * m * rotation.transpose();
 }
 
 void UrdfReader::read_joint(const UrdfElement& element) {
@@ -187,7 +186,7 @@ void UrdfReader::read_origin(const UrdfElement& owner, const std::string& key, E
   if (const auto values = numbers<3>(*origin, "xyz", key)) xyz = Eigen::Vector3d(values->data());
   if (const auto values = numbers<3>(*origin, "rpy", key)) rpy = Eigen::Vector3d(values->data());
   if (rpy.cwiseAbs().maxCoeff() > 2 * std::numbers::pi + 1e-3)
-    warn(*origin, key, "an angle of rpy is more than a turn; rpy is in radians: are these degrees?");
+    warn(*origin, key, "an angle of rpy exceeds a full turn; rpy is in radians: are these degrees?");
 }
 
 void UrdfReader::read_axis(const UrdfElement& element, Joint& joint) {
@@ -195,7 +194,7 @@ void UrdfReader::read_axis(const UrdfElement& element, Joint& joint) {
   if (!axis) return;
   const std::string key = element.title();
   const auto values = numbers<3>(*axis, "xyz", key);
-  // Exporters write 0 0 0 for joints that have no axis; there it means nothing.
+  // Exporters write 0 0 0 for joints without an axis.
   if (!has_axis(joint.type)) return;
   if (!axis->attribute("xyz")) fault(*axis, key, "<axis> must have 'xyz'", "", "write <axis xyz=\"X Y Z\"/>");
   if (!values) return;
@@ -226,17 +225,18 @@ void UrdfReader::read_limit(const UrdfElement& element, Joint& joint) {
     if (value && *value < 0)
       fault(*limit->attribute(name), key, "'" + std::string(name) + "' of <limit> must not be negative",
             quoted(shortest(*value)), "");
-    // Exporters write 0 where they know nothing; no joint is built to stand still.
+    // Exporters write 0 for an unknown limit.
     if (value && *value > 0)
       (std::string_view(name) == "effort" ? joint.effort_limit : joint.velocity_limit) = *value;
   }
   if (!ranged || (!lower && !upper)) return;
-  joint.limits = Limits{lower.value_or(0), upper.value_or(0)};  // URDF: one that is absent is 0
+  joint.limits =
+      Limits{lower.value_or(0), upper.value_or(0)};  // an absent limit is 0 by the URDF specification
   if (joint.limits->lower > joint.limits->upper)
     fault(*limit, key, "the lower limit must not exceed the upper one",
           "lower " + shortest(joint.limits->lower) + (lower ? "" : " (the default)") + " and upper " +
               shortest(joint.limits->upper) + (upper ? "" : " (the default)"),
-          lower && upper ? "they look swapped" : "give both");
+          lower && upper ? "exchange them" : "give both");
 }
 
 void UrdfReader::read_mimic(const UrdfElement& element, Joint& joint) {

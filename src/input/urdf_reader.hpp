@@ -19,14 +19,14 @@ inline bool has_axis(JointType type) { return type != JointType::fixed && type !
 inline bool has_range(JointType type) { return type == JointType::revolute || type == JointType::prismatic; }
 inline bool has_one_coordinate(JointType type) { return has_range(type) || type == JointType::continuous; }
 
-/// A joint as written, with what `Joint` does not keep.
+/// A joint of the URDF with its angles and its element, which must outlive it.
 struct WrittenJoint {
   Joint joint;
   Eigen::Vector3d rpy = Eigen::Vector3d::Zero();
   const UrdfElement* element = nullptr;
 };
 
-/// Turns the outline into a checked model: every rule of a tree, and every number, is checked here.
+/// Converts the outline into a model and checks every number and every rule of the kinematic tree.
 class UrdfReader {
  public:
   explicit UrdfReader(const std::string& file) : file_(file), faults_(file) {}
@@ -39,9 +39,9 @@ class UrdfReader {
       if (child.name == "link") read_link(child);
       if (child.name == "joint") read_joint(child);
     }
-    if (model.links.empty()) fault(root, root.title(), "a robot has at least one link", "", "");
+    if (model.links.empty()) fault(root, root.title(), "a robot must have at least one link", "", "");
     for (const WrittenJoint& w : written) check_ends(w);
-    faults_.raise();  // what follows would only echo these
+    faults_.raise();  // further faults would be consequences of these
     check_tree(root);
     check_mimics();
     faults_.raise();
@@ -80,7 +80,7 @@ class UrdfReader {
   std::string file_;
   FaultList faults_;
   std::unordered_map<std::string, std::size_t> link_index_, joint_index_,
-      parent_joint_;  ///< the last: child link -> its joint
+      parent_joint_;  ///< parent_joint_: child link -> its joint
 };
 
 }  // namespace qerr

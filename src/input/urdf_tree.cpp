@@ -12,7 +12,7 @@ using Names = std::vector<std::string>;
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
-/// The first few names, for a message.
+/// At most six names, for a message.
 std::string listed(const Names& names, const char* between = ", ") {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
@@ -22,7 +22,7 @@ std::string listed(const Names& names, const char* between = ", ") {
   return text;
 }
 
-/// A suggestion costs an edit distance per name: not worth it, nor readable, for a huge robot.
+/// A suggestion for a misspelt name; none for robots with thousands of names, since it compares all of them.
 std::string suggestion(const std::string& word, const Names& known) {
   return known.size() > 5000 ? "" : did_you_mean(word, known);
 }
@@ -41,20 +41,19 @@ void UrdfReader::check_ends(const WrittenJoint& w) {
   if (joint.child.empty()) return;
   const UrdfAttribute& child = *w.element->child("child")->attribute("link");
   if (joint.child == joint.parent)
-    fault(child, key, "parent and child must be two links", quoted(joint.child) + " for both", "");
+    fault(child, key, "parent and child must be different links", quoted(joint.child) + " for both", "");
   const auto [first, fresh] =
       parent_joint_.emplace(joint.child, static_cast<std::size_t>(&w - written.data()));
   if (!fresh)
     fault(child, key,
-          "a link has one parent, and " + quoted(joint.child) + " is already the child of joint " +
+          "a link must have one parent; " + quoted(joint.child) + " is already the child of joint " +
               quoted(written[first->second].joint.name),
           "", "");
 }
 
-/// With at most one parent a link, the graph is a tree if and only if there is one root and no walk upwards
-/// returns.
+/// If every link has at most one parent, the graph is a tree if and only if there is one root and no cycle.
 void UrdfReader::check_tree(const UrdfElement& root) {
-  std::unordered_map<std::string, std::size_t> seen;  // link -> the walk that met it first
+  std::unordered_map<std::string, std::size_t> seen;  // link -> the first walk that visited it
   for (std::size_t walk = 0; walk < model.links.size(); ++walk) {
     std::string link = model.links[walk];
     Names path;
@@ -68,7 +67,7 @@ void UrdfReader::check_tree(const UrdfElement& root) {
     const WrittenJoint& joint = written[parent_joint_.at(link)];
     Names loop(repeat, path.end());
     loop.push_back(link);
-    fault(*joint.element, joint.element->title(), "the links form a loop; a URDF is a tree",
+    fault(*joint.element, joint.element->title(), "the links form a loop; a URDF must be a tree",
           listed(loop, " under "), "");
   }
   faults_.raise();
@@ -78,7 +77,7 @@ void UrdfReader::check_tree(const UrdfElement& root) {
   if (roots.size() < 2) return;
   for (const UrdfElement& child : root.children) {
     if (child.name != "link" || child.attribute("name")->value != roots[1]) continue;
-    fault(child, child.title(), "a robot has one root link",
+    fault(child, child.title(), "a robot must have one root link",
           counted(roots.size(), "root") + ": " + listed(roots), "join them by a joint");
   }
 }
@@ -92,15 +91,14 @@ void UrdfReader::check_mimics() {
     const UrdfAttribute& at = *w.element->child("mimic")->attribute("joint");
     const auto found = joint_index_.find(target);
     if (found == joint_index_.end())
-      fault(at, w.element->title(), "the joint to mimic is not one of this robot", quoted(target),
-            suggestion(target, names));
+      fault(at, w.element->title(), "unknown joint to mimic", quoted(target), suggestion(target, names));
     else if (!has_one_coordinate(written[found->second].joint.type))
       fault(at, w.element->title(), "the joint to mimic must be revolute, continuous or prismatic",
             quoted(target) + ", which is " + std::string(joint_type_name(written[found->second].joint.type)),
             "");
   }
   faults_.raise();
-  std::vector<std::size_t> seen(written.size(), written.size());  // the walk that met a joint first
+  std::vector<std::size_t> seen(written.size(), written.size());  // the first walk that visited a joint
   for (std::size_t walk = 0; walk < written.size(); ++walk) {
     std::size_t at = walk;
     for (; written[at].joint.mimic && seen[at] == written.size();

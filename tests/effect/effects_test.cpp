@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <stdexcept>
 #include <vector>
 
 #include "simulate/sensing.hpp"
@@ -71,6 +72,16 @@ TEST(Sensing, IdealIsTheNearestCountOfTheTruePath) {
 }
 
 /// Every effect of magnitude zero equals the ideal machine, bitwise.
+TEST(Effects, RejectANameThatIsNotAParameter) {
+  for (const EffectKind& kind : effect_kinds()) {
+    const Effect effect{std::string(kind.name), "elbow", {}, {}};
+    EXPECT_THROW(effect.number("amplitud"), std::out_of_range) << kind.name;
+    EXPECT_EQ(effect.number_or("amplitud", 7), 7) << kind.name;
+    for (const Parameter& p : kind.parameters)
+      EXPECT_EQ(effect.number(std::string(p.name)), p.fallback.value_or(0)) << kind.name << ' ' << p.name;
+  }
+}
+
 TEST(Effects, OfMagnitudeZeroChangeNothing) {
   const Record ideal = record({});
   const std::vector<Effect> none{

@@ -251,7 +251,7 @@ TEST(ReadUrdf, ReadsDefectiveRobotsAsDocumented) {
         try {
           read_urdf(nasty("dup_link_r2_gripper.urdf"));
         } catch (const Error& e) {
-          EXPECT_NE(std::string(e.what()).find("'r2/left_leg/ati': two links have this name"),
+          EXPECT_NE(std::string(e.what()).find("'r2/left_leg/ati': duplicate name of a link"),
                     std::string::npos);
           throw;
         }

@@ -6,28 +6,28 @@
 
 namespace qerr {
 
-/// Where in the user's input something stands. Line and column count from 1; 0 means unknown.
+/// A place in an input document. Line and column count from 1; 0 means unknown.
 struct Place {
   std::string file;
   int line = 0;
   int column = 0;
 };
 
-/// One thing that is wrong, in the four parts a person needs to mend it.
+/// One fault of the input: its place, the broken rule, the value found and the remedy.
 ///
-/// Printed as `FILE:LINE:COLUMN: KEY: RULE, found FOUND; REMEDY`; empty parts are left out.
+/// Printed as `FILE:LINE:COLUMN: KEY: RULE, found FOUND; REMEDY`; empty parts are omitted.
 struct Fault {
   Place place;
   std::string key;     ///< dotted path, e.g. `encoders.elbow.bits`, or `joint 'elbow'` in a URDF
-  std::string rule;    ///< what is wrong: the rule that was broken
-  std::string found;   ///< what was found, quoted where it is the user's text
-  std::string remedy;  ///< what would be right
+  std::string rule;    ///< the rule that was broken
+  std::string found;   ///< the value found, in quotation marks if it is text of the user
+  std::string remedy;  ///< how to correct it
 };
 
-/// What kind of trouble an error is; its value is the exit code of the command line.
+/// The kind of an error; its value is the exit code of the program.
 enum class Trouble { usage = 2, input = 3, file_system = 4, internal = 5 };
 
-/// The one exception type of qerr: it carries every fault found in one piece of input.
+/// The exception type of qerr, with all faults of one input.
 class Error : public std::runtime_error {
  public:
   explicit Error(Fault fault, Trouble trouble = Trouble::input);
@@ -43,8 +43,8 @@ class Error : public std::runtime_error {
 /// One line per fault, control characters escaped, at most 20 lines in all.
 std::string format(const std::vector<Fault>& faults);
 
-/// The text with control characters, DEL and invalid UTF-8 written as \xNN, cut to `limit` bytes: safe for a
-/// terminal.
+/// The text with control characters, DEL and invalid UTF-8 written as \xNN, cut to `limit` bytes, so that it
+/// is safe to print to a terminal.
 std::string escaped(const std::string& text, std::size_t limit = 200);
 
 }  // namespace qerr

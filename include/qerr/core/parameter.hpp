@@ -11,17 +11,17 @@
 
 namespace qerr {
 
-/// What a value of the spec looks like in YAML.
+/// Kind of a value in the spec.
 ///
-/// `numbers` is a list of numbers; `matrix` a number, a list of numbers or a list of rows of numbers.
+/// `numbers` is a list of numbers; `matrix` is a number, a list of numbers or a list of rows of numbers.
 enum class Kind { number, integer, boolean, text, choice, numbers, matrix, object, objects, map, any };
 
-/// One key that the spec, a filter family, an encoder kind or an effect knows: the row that the strict
-/// reader, the JSON Schema and `qerr list` all read.
+/// One key of the spec, a filter family, an encoder kind or an effect: the row that the strict reader, the
+/// JSON Schema and `qerr list` use.
 struct Parameter {
   std::string_view name;
   Kind kind = Kind::number;
-  Dimension dimension = {};       ///< of a number; a joint coordinate (rad or m) is marked by `coordinate`
+  Dimension dimension = {};       ///< of a number; see `coordinate` for joint coordinates
   std::string_view meaning = {};  ///< one line for `qerr list` and the schema
   bool required = false;
   std::optional<double> fallback = {};  ///< default of a number, in SI units

@@ -6,8 +6,8 @@
 
 namespace qerr {
 
-/// Exponents of the base units m, rad, s, N, K. The radian is kept apart: a length is never an angle by
-/// mistake.
+/// Exponents of the base units m, rad, s, N, K. The radian is a base unit, so that lengths and angles are not
+/// confused.
 struct Dimension {
   int metre = 0, radian = 0, second = 0, newton = 0, kelvin = 0;
   bool operator==(const Dimension&) const = default;
@@ -22,24 +22,25 @@ inline constexpr Dimension none{}, length{1}, angle{0, 1}, time{0, 0, 1}, freque
 /// The SI name of a dimension, such as `rad`, `m/s^2`, `rad/(N m)`, or "" for a pure number.
 std::string unit_name(const Dimension&);
 
-/// A number as the user wrote it, in SI units; `dimension` is empty when no unit was written.
+/// A number in SI units; `dimension` is empty if it was written without a unit.
 struct Quantity {
   double value = 0;
   std::optional<Dimension> dimension;
 };
 
-/// Strict, locale-free decimal number: the whole text, finite, no hexadecimal, no underflow to zero.
-/// @returns empty when `text` is not such a number
+/// Parses a decimal number, independently of the locale: the whole text, finite, not hexadecimal, without
+/// underflow to zero.
+/// @returns empty if `text` is not such a number
 std::optional<double> parse_number(std::string_view text);
 
 /// A number with an optional unit: `50 Hz`, `0.125 mrad`, `5 mm/s`, `2 rad/s^2`, `3 rad/(N m)`, `12 %`.
 ///
-/// Prefixes n u (or µ) m c k M on m, rad, s, Hz, N; also in, deg, arcmin, arcsec, rev, rpm, min, h, degC, K,
-/// g-free.
-/// @returns empty, with `why` set, when the text is not a number or the unit is not known
+/// Prefixes n u (or µ) m c k M of m, rad, s, Hz, N; further units are in, deg, arcmin, arcsec, rev, rpm, min,
+/// h, K, degC.
+/// @returns empty, with `why` set, if the text is not a number or the unit is unknown
 std::optional<Quantity> parse_quantity(std::string_view text, std::string& why);
 
-/// Shortest text that reads back as the same double, the same in every locale.
+/// Shortest text that reads back as the same double, independent of the locale.
 std::string shortest(double value);
 
 }  // namespace qerr

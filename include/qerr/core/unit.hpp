@@ -8,8 +8,8 @@
 
 namespace qerr {
 
-/// A unit: value in SI = value * factor / divisor. Both are whole for decimal prefixes, so that 30 um is the
-/// double nearest to 3e-5, as it is when written as 30e-6.
+/// A unit: value in SI units = value * factor / divisor. Both are integers for decimal prefixes, so that 30
+/// um is rounded once, to the double nearest to 3e-5.
 struct Unit {
   double factor = 1;
   double divisor = 1;
@@ -18,9 +18,9 @@ struct Unit {
   double in_si(double value) const { return value * factor / divisor; }
 };
 
-/// A unit alone, as the head of a table's column has it: `rad`, `mm/s`, `N m`, `1`. What is known is what
-/// parse_quantity knows.
-/// @returns empty, with `why` set, when the unit is not known
+/// Parses a unit, as in the header of a column: `rad`, `mm/s`, `N m`, `1`. The units are those of
+/// parse_quantity.
+/// @returns empty, with `why` set, if the unit is unknown
 std::optional<Unit> parse_unit(std::string_view text, std::string& why);
 
 }  // namespace qerr

@@ -4,7 +4,7 @@
 
 namespace qerr {
 
-/// How an encoder turns a position into a count.
+/// Rounding of a position to a count.
 enum class Rounding {
   nearest,  ///< error in [-Delta/2, Delta/2]
   down      ///< error in (-Delta, 0]: counters that truncate
@@ -14,8 +14,8 @@ enum class Rounding {
 struct Encoder {
   double resolution = 0;  ///< quantization interval Delta [rad, or m for a prismatic joint], > 0
   Rounding rounding = Rounding::nearest;
-  bool zero_known = true;  ///< false: incremental without index, a constant error says nothing
-  double shaft_ratio = 1;  ///< angle of the encoder's shaft per joint coordinate, signed [rad/rad or rad/m]
+  bool zero_known = true;  ///< false: incremental without index, a constant error is not identifiable
+  double shaft_ratio = 1;  ///< angle of the encoder shaft per joint coordinate, signed [rad/rad or rad/m]
   double counts_per_period = 4;  ///< counts in one line or signal period
 };
 

@@ -10,13 +10,13 @@ namespace qerr {
 
 /// From encoder space to joint space: joint coordinates = coupling * (encoder angles / gear ratio).
 ///
-/// With `coupling` = I every joint has its own encoder (the paper's case). A differential, or a joint that is
-/// measured against the ground, has off-diagonal entries; the joint error is then neither uniform nor
-/// independent, and propagation from encoder space stays exact where the paper's Eq. (9) is not.
+/// With `coupling` = I every joint has its own encoder (the case of the paper). A differential or a joint
+/// measured relative to the ground has off-diagonal entries. Joint errors are then neither uniform nor
+/// independent: propagation from encoder space is exact, Eq. (9) of the paper is not.
 struct Transmission {
   std::vector<Encoder>
       encoders;              ///< one per independent joint, in chain order, on the joint side of its gear
-  Eigen::MatrixXd coupling;  ///< n x n, row: joint, column: encoder; regular
+  Eigen::MatrixXd coupling;  ///< n x n, row: joint, column: encoder; not singular
 };
 
 /// Quantization interval of every encoder, in chain order [rad or m].

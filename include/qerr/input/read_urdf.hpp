@@ -6,12 +6,12 @@
 
 namespace qerr {
 
-/// Reads a URDF file through urdfdom, after and before checks of our own for what urdfdom 3.0.1 lets pass.
-/// @throws Error (input) with file, line and column for anything that is not a valid tree; (file_system) if
-/// unreadable
+/// Reads a URDF file with urdfdom, after strict checks of its text, numbers and tree.
+/// @throws Error (input) with file, line and column if it is not a valid kinematic tree; (file_system) if it
+/// cannot be read
 RobotModel read_urdf(const std::string& path);
 
-/// The same from text; `file` is only the name used in messages.
+/// Reads the text of a URDF; `file` is the name used in messages.
 RobotModel parse_urdf(const std::string& text, const std::string& file);
 
 }  // namespace qerr
