@@ -64,12 +64,8 @@
 
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/diagnosis_report.hpp"
-#include "qerr/report/effect_report.hpp"
-#include "qerr/report/estimator_report.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "qerr/report/noise_report.hpp"
 #include "qerr/report/plan_report.hpp"
 #include "qerr/report/simulation_report.hpp"
-#include "qerr/report/threshold_row.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

@@ -1,28 +1,31 @@
-#include <memory>
-
 #include "cli/command.hpp"
+#include "cli/shared.hpp"
 #include "core/output_file.hpp"
-#include "qerr/report/threshold_row.hpp"
+#include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
 
-std::function<int()> declare_threshold(CLI::App& app, Options& o) {
-  auto specs = std::make_shared<std::vector<std::string>>();
-  app.add_option("SPEC", *specs, "one spec per robot")->required();
-  add_spec_options(app, o);
-  add_output_options(app, o);
-  return [=, &o] {
-    std::vector<ThresholdRow> rows;
-    for (const std::string& path : *specs) {
-      const Spec spec = load(path, o);
-      warn(spec.warnings, o);
-      rows.push_back(threshold_row(spec, o.threads));
-    }
-    OutputFile out(o.output);
-    out.write(write(rows, chosen_format(o), style(o)));
-    out.close();
-    return 0;
-  };
+namespace {
+
+int run(const Values& v) {
+  ThresholdReport report;
+  for (const std::string& path : v.texts("SPEC")) {
+    const Spec spec = load(path, v);
+    warn(spec.warnings, v);
+    report.rows.push_back(threshold_row(spec, threads(v)));
+  }
+  OutputFile out(v.text("output"));
+  finish(out, report, v);
+  return 0;
+}
+
+}  // namespace
+
+Command threshold_command() {
+  std::vector<Option> options = joined({spec_options("one spec per robot"), output_options()});
+  options.front().kind = OptionKind::repeat;
+  return {"threshold", "Resolution and threshold velocity, one row per robot (Table IV)", std::move(options),
+          run};
 }
 
 }  // namespace qerr::cli

@@ -1,24 +1,36 @@
 #include <cmath>
-#include <nlohmann/json.hpp>
 
 #include "input/spec_format.hpp"
+#include "qerr/effect/effect.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
-#include "report/writers.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "qerr/report/write.hpp"
+#include "report/json_value.hpp"
+#include "report/list/parameter_unit.hpp"
 
-/// The schema is written from the rows that the reader reads; what no schema can say (names of joints,
-/// stability, limits) is left to the reader.
+/// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits
+/// are checked by the reader alone.
 namespace qerr {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+/// Text with a number and a unit.
+Json quantity() {
+  return {{"type", "string"}, {"pattern", "^[+-]?(0|[1-9][0-9]*)?\\.?[0-9]*([eE][+-]?[0-9]+)? *[^ ].*$"}};
+}
 
-const Json number_or_quantity = {
-    {"anyOf",
-     {{{"type", "number"}},
-      {{"type", "string"}, {"pattern", "^[+-]?(0|[1-9][0-9]*)?\\.?[0-9]*([eE][+-]?[0-9]+)? *[^ ].*$"}}}}};
+Json any_of(std::initializer_list<Json> schemas) { return {{"anyOf", Json::array(schemas)}}; }
+
+Json number_or_quantity() { return any_of({Json({{"type", "number"}}), quantity()}); }
+
+Json map_of(Json value) { return {{"type", "object"}, {"additionalProperties", std::move(value)}}; }
+Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
+Json non_empty_list_of(Json items) {
+  return {{"type", "array"}, {"minItems", 1}, {"items", std::move(items)}};
+}
+Json required(std::initializer_list<Json> names) { return {{"required", Json::array(names)}}; }
 
 /// A bare number within the row's range, or text with a number and a unit (whose range only the reader can
 /// judge).
@@ -27,7 +39,7 @@ Json of_number(const Parameter& p) {
   if (std::isfinite(p.least)) bare[p.open_below ? "exclusiveMinimum" : "minimum"] = p.least;
   if (std::isfinite(p.most)) bare[p.open_above ? "exclusiveMaximum" : "maximum"] = p.most;
   if (p.kind == Kind::integer) return bare;
-  return {{"anyOf", {bare, number_or_quantity["anyOf"][1]}}};
+  return any_of({bare, quantity()});
 }
 
 Json of_row(const Parameter& p) {
@@ -47,21 +59,18 @@ Json of_row(const Parameter& p) {
       s = {{"enum", choices_of(p)}};
       break;
     case Kind::numbers:
-      s = {{"type", "array"}, {"items", number_or_quantity}, {"minItems", 1}};
+      s = {{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 1}};
       break;
     case Kind::matrix:
-      s = {{"anyOf",
-            {number_or_quantity,
-             {{"type", "array"},
-              {"items",
-               {{"anyOf", {number_or_quantity, {{"type", "array"}, {"items", number_or_quantity}}}}}}}}}};
+      s = any_of(
+          {number_or_quantity(), list_of(any_of({number_or_quantity(), list_of(number_or_quantity())}))});
       break;
     case Kind::object:
     case Kind::map:
       s = {{"type", "object"}};
       break;
     case Kind::objects:
-      s = {{"type", "array"}, {"items", {{"type", "object"}}}};
+      s = list_of({{"type", "object"}});
       break;
     case Kind::any:
       s = Json::object();
@@ -77,7 +86,7 @@ Json of_row(const Parameter& p) {
 Json object_of(const std::vector<Parameter>& rows) {
   Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
   for (const Parameter& p : rows) {
-    s["properties"][std::string(p.name)] = of_row(p);
+    s["properties"][p.name] = of_row(p);
     if (p.required) s["required"].push_back(p.name);
   }
   return s;
@@ -87,9 +96,6 @@ std::vector<Parameter> joined(std::vector<Parameter> rows, const std::vector<Par
   rows.insert(rows.end(), more.begin(), more.end());
   return rows;
 }
-
-Json map_of(Json value) { return {{"type", "object"}, {"additionalProperties", std::move(value)}}; }
-Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 
 Json encoder() {
   Json kinds = Json::array();
@@ -106,20 +112,21 @@ Json filter() {
   }
   Json s = object_of(spec_format::filter());
   s["properties"]["lowpass"] = {{"oneOf", families}};
-  s["anyOf"] = {{{"required", {"derivative"}}}, {{"required", {"lowpass"}}}};
-  Json ways = {{{"required", {"lowpass"}}}};
+  s["anyOf"] = Json::array({required({"derivative"}), required({"lowpass"})});
+  std::vector<Json> representations{required({"lowpass"})};
   for (const FilterRepresentation& r : filter_representations()) {
     const std::string key(r.key.name);
     if (!r.inside.empty()) s["properties"][key] = object_of(r.inside);
-    Json way = {{"required", {key}}};
-    s["anyOf"].push_back(way);
+    const Json stated = required({key});
+    s["anyOf"].push_back(stated);
     for (const Parameter& p : r.beside) {
-      s["dependencies"][std::string(p.name)] = {key};
+      s["dependencies"][p.name] = Json::array({key});
       if (p.required) s["dependencies"][key].push_back(p.name);
     }
-    // Two ways at once are none.
-    for (const Json& other : ways) s["not"]["anyOf"].push_back({{"allOf", {way, other}}});
-    ways.push_back(way);
+    // A filter has one representation.
+    for (const Json& other : representations)
+      s["not"]["anyOf"].push_back({{"allOf", Json::array({stated, other})}});
+    representations.push_back(stated);
   }
   return s;
 }
@@ -138,30 +145,27 @@ Json effect() {
 Json configurations() {
   Json s = object_of(spec_format::configurations());
   s["properties"]["limits"] =
-      map_of({{"type", "array"}, {"items", number_or_quantity}, {"minItems", 2}, {"maxItems", 2}});
-  s["properties"]["points"] = {{"type", "array"}, {"minItems", 1}, {"items", list_of(number_or_quantity)}};
+      map_of({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}});
+  s["properties"]["points"] = non_empty_list_of(list_of(number_or_quantity()));
   return s;
 }
 
 Json motion() {
   Json joint = object_of(spec_format::joint_motion());
   joint["properties"]["sines"] = list_of(object_of(spec_format::sine()));
-  joint["properties"]["moves"] = {
-      {"type", "array"}, {"minItems", 1}, {"items", object_of(spec_format::move())}};
-  for (const char* key : {"sines", "velocity"})
-    joint["dependencies"][key] = {{"not", {{"required", {"moves"}}}}};
+  joint["properties"]["moves"] = non_empty_list_of(object_of(spec_format::move()));
+  for (const char* key : {"sines", "velocity"}) joint["dependencies"][key] = {{"not", required({"moves"})}};
   Json s = object_of(spec_format::motion());
   s["properties"]["joints"] = map_of(joint);
-  s["oneOf"] = {{{"required", {"joints", "sample_rate", "duration"}}}, {{"required", {"file"}}}};
+  s["oneOf"] = Json::array({required({"joints", "sample_rate", "duration"}), required({"file"})});
   return s;
 }
 
 Json sweep() {
   Json s = object_of(spec_format::sweep());
-  for (const char* key : {"from", "to"}) s["properties"][key] = number_or_quantity;
-  s["properties"]["values"] = {
-      {"type", "array"}, {"minItems", 1}, {"items", {{"type", {"number", "string", "boolean"}}}}};
-  s["oneOf"] = {{{"required", {"values"}}}, {{"required", {"from", "to", "count"}}}};
+  for (const char* key : {"from", "to"}) s["properties"][key] = number_or_quantity();
+  s["properties"]["values"] = non_empty_list_of({{"type", Json::array({"number", "string", "boolean"})}});
+  s["oneOf"] = Json::array({required({"values"}), required({"from", "to", "count"})});
   return s;
 }
 
@@ -175,20 +179,20 @@ std::string json_schema() {
   Json& p = s["properties"];
   p["robot"] = object_of(spec_format::robot());
   p["encoders"] = map_of(encoder());
-  p["coupling"] = {{"type", "array"}, {"minItems", 1}, {"items", list_of(number_or_quantity)}};
+  p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
   p["coordinates"] = {
       {"type", "array"}, {"minItems", 1}, {"uniqueItems", true}, {"items", {{"enum", names}}}};
   p["filters"] = map_of(filter());
   p["configurations"] = configurations();
   Json requirement = object_of(spec_format::requirement());
-  requirement["properties"]["at_most"] = number_or_quantity;
+  requirement["properties"]["at_most"] = number_or_quantity();
   p["requirements"] = list_of(requirement);
   p["threshold"] = object_of(spec_format::threshold());
   p["motion"] = motion();
   p["effects"] = list_of(effect());
   p["sweep"] = list_of(sweep());
-  root.update(s);
-  return root.dump(2) + "\n";
+  root.append(s);
+  return root.document();
 }
 
 }  // namespace qerr

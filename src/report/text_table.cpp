@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "core/text.hpp"
+#include "qerr/core/error.hpp"
 
 namespace qerr {
 
@@ -28,12 +28,41 @@ std::string aligned(const std::vector<std::vector<std::string>>& rows, const std
   return out;
 }
 
+std::string percent(double fraction) {
+  if (std::isnan(fraction)) return "";
+  const double value = 100 * std::abs(fraction);
+  const std::string sign = fraction < 0 ? "-" : "";
+  if (value > 10000) return sign.empty() ? ">10000 %" : "<-10000 %";
+  if (value > 0 && value < 0.001) return "<0.001 %";
+  // From 1000 on significant() would write an exponent.
+  return sign + (value >= 999.5 ? fixed_point(value, 0) : significant(value, 3)) + " %";
+}
+
 std::string bar(double fraction, int width) {
   static constexpr std::array<const char*, 8> eighths{"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   const int cells = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * width * 8));
   std::string text;
   for (int i = 0; i < cells / 8; ++i) text += "█";
   return text + eighths[static_cast<std::size_t>(cells % 8)];
+}
+
+std::string painted(const std::string& text, Paint paint, const Style& style) {
+  static constexpr std::array<const char*, 4> codes{"1", "1;31", "1;32", "1;33"};
+  if (!style.color) return text;
+  return "\x1b[" + std::string(codes[static_cast<std::size_t>(paint)]) + 'm' + text + "\x1b[0m";
+}
+
+std::string heading(const std::string& text, const Style& style) {
+  return '\n' + painted(text, Paint::bold, style) + '\n';
+}
+
+std::string shown(const std::string& name) { return escaped(name, 60); }
+
+std::string listed(const std::vector<std::string>& items) {
+  std::string text;
+  for (std::size_t i = 0; i < items.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
+  return text;
 }
 
 }  // namespace qerr

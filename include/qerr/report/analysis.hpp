@@ -1,41 +1,73 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <vector>
 
+#include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/workspace.hpp"
+#include "qerr/design/requirement.hpp"
+#include "qerr/design/threshold.hpp"
 #include "qerr/input/spec.hpp"
-#include "qerr/report/effect_report.hpp"
 
 namespace qerr {
 
-/// The answer of `qerr analyze`, ready to be written in any format.
+/// The result of `qerr analyze`: the bounds of a spec over its configurations.
 struct Analysis {
-  Spec spec;
+  Spec spec;  ///< its model contains the error sources of the effects
   JointError joints;
   Workspace workspace;
   std::vector<Eigen::VectorXd> noise_in_motion;  ///< [filter][encoder], in quantization intervals
   std::vector<std::string> warnings;
-  std::vector<EffectShare> effects = {};  ///< of the spec, in its order
+  std::vector<EffectShare> effects = {};  ///< in the order of the spec
 };
 
-/// The main job: every bound of the spec over its configurations, with its effects.
+/// Every bound of the spec over its configurations, with the effects of the spec.
+/// @throws Error (input; key `requirements`) for a requirement on sigma_in_motion whose filter has too long a
+/// memory
 Analysis analyze(const Spec&, const WorkspaceOptions& = {});
 
-/// The same where the effects have been looked at already.
-/// @param effects  of `effect_report` for this spec
-Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions& = {});
+/// The same, and one CSV row per configuration: its joint coordinates and its bounds.
+/// @param csv  is called with the header, and then with the rows in the order of the configurations
+Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv);
 
-/// For every filter the noise of each encoder along the spec's motion (noise_along_motion.hpp), for
-/// WorkspaceOptions; empty without a motion, and for a filter whose memory is too long to be followed.
+/// The result of `qerr check`: the requirements of a spec, evaluated with its bounds.
+struct CheckReport {
+  Analysis analysis;
+  std::vector<RequirementResult> results;  ///< one for each requirement of the spec
+
+  bool all_met() const;
+};
+
+/// @throws Error (input; key `requirements`) for an effect of unknown size, as a requirement cannot be
+/// decided then
+CheckReport check_report(const Spec&, const WorkspaceOptions& = {});
+
+/// JUnit XML: one test case per requirement, with value and limit in the failure message.
+std::string junit(const CheckReport&);
+
+/// The result of `qerr threshold`: Table IV of the paper.
+struct ThresholdReport {
+  std::vector<ThresholdRow> rows;
+};
+
+/// The spec's row of Table IV: the joint with the largest l Delta.
+///
+/// l is `threshold: {length}`, or else that joint's largest entry of the position Jacobian over the
+/// configurations.
+/// @throws Error (input; key `filters`) if the spec has no derivative filter that states the sample rate
+ThresholdRow threshold_row(const Spec&, unsigned threads);
+
+/// For every filter the noise of each encoder along the spec's motion, in quantization intervals; empty
+/// without a motion, and for a filter whose memory is too long to compute it.
 std::vector<Eigen::VectorXd> noise_in_motion(const Spec&);
 
-/// Unit of a coordinate behind a filter of the given derivative: "m", "rad/s", "m/s^2", ...
+/// Unit of the n-th derivative of a coordinate: `m`, `rad/s`, `m/s^2`, ...
 std::string derivative_unit(Coordinate, int derivative);
 
-/// Each encoder's part of the tip's mean position variance (of all coordinates where no position is asked
-/// for); sums to 1, or is 0 when nothing moves.
+/// Each encoder's share of the mean variance of the tip's position (of all coordinates if no position is
+/// analysed); sums to 1, or is 0 if no encoder moves the tip.
 std::vector<double> encoder_budget(const Analysis&);
 
 }  // namespace qerr

@@ -56,7 +56,4 @@ struct ResidualCurves {
 };
 ResidualCurves residual_curves(const DiagnosisReport&);
 
-struct Style;
-std::string write(const DiagnosisReport&, std::string_view format, const Style&);
-
 }  // namespace qerr

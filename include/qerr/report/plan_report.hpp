@@ -23,7 +23,4 @@ PlanReport plan_report(const Spec&, const PlanOptions& = {});
 /// `motion:` as it stands in a spec, of a motion whose joints are written out.
 std::string motion_text(const Motion&, const Chain&);
 
-struct Style;
-std::string write(const PlanReport&, std::string_view format, const Style&);
-
 }  // namespace qerr

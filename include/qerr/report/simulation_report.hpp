@@ -21,9 +21,6 @@ struct SimulationReport {
 /// @throws Error (input; key `motion`) when the spec has none
 SimulationReport simulation_report(const Spec&, const SimulationOptions&);
 
-struct Style;
-std::string write(const SimulationReport&, std::string_view format, const Style&);
-
 /// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts (or what
 /// a file with a grid of its own has instead, `measured`), the reference, and the effort where the URDF has
 /// masses; the tip.

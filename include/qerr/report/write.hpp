@@ -2,58 +2,73 @@
 
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
-#include "qerr/design/threshold.hpp"
-#include "qerr/report/analysis.hpp"
+#include "qerr/core/parameter.hpp"
 
 namespace qerr {
+
+struct Analysis;
+struct CheckReport;
+struct ThresholdReport;
+struct FilterReport;
+struct SimulationReport;
+struct DiagnosisReport;
+struct PlanReport;
+struct ListReport;
 
 /// A row of the list of output formats.
 struct Format {
   std::string_view name;
-  std::string_view ending;  ///< of a file that is in this format, with its dot
+  std::string_view ending;  ///< of a file in this format, with its dot
   std::string_view summary;
 };
 
 const std::vector<Format>& formats();
 
-/// How a table may look.
+/// Name of the format of a file with this path, by its ending; the first format if no ending is known.
+std::string_view format_of(std::string_view path);
+
+/// Appearance of a table.
 struct Style {
   bool color = false;  ///< ANSI colours
 };
 
-/// The version of qerr that stands in every report.
-std::string_view version();
-
-/// @param format  a name of formats()
+/// The report as text.
+/// @param format  name of a row of formats()
+/// @throws Error (usage) for an unknown format
 std::string write(const Analysis&, std::string_view format, const Style& = {});
+std::string write(const CheckReport&, std::string_view format, const Style& = {});
+std::string write(const ThresholdReport&, std::string_view format, const Style& = {});
+std::string write(const FilterReport&, std::string_view format, const Style& = {});
+std::string write(const SimulationReport&, std::string_view format, const Style& = {});
+std::string write(const DiagnosisReport&, std::string_view format, const Style& = {});
+std::string write(const PlanReport&, std::string_view format, const Style& = {});
+std::string write(const ListReport&, std::string_view format, const Style& = {});
 
-/// `check`: the requirements of an analysis held against its figures.
-std::string write_check(const Analysis&, std::string_view format, const Style& = {});
-bool all_met(const Analysis&);
+/// The result of `qerr list KIND`: the members of one family.
+struct ListReport {
+  struct Row {
+    std::string name;
+    std::string summary;
+    std::vector<Parameter> parameters = {};
+    /// Name and text of further columns; every row has the same names.
+    std::vector<std::pair<std::string, std::string>> notes = {};
+  };
+  std::vector<Row> rows;
+};
 
-/// JUnit XML: one test case per requirement, value and limit in the failure message.
-std::string junit(const Analysis&);
-
-/// Table IV.
-std::string write(const std::vector<ThresholdRow>&, std::string_view format, const Style& = {});
-
-/// `qerr list KIND`: rows of a family. @returns "" for an unknown kind; `kinds` lists the known ones
-std::string write_list(std::string_view kind, std::string_view format);
+/// The families that can be listed: effects, filters, encoders, formats, coordinates, statistics.
 const std::vector<std::string>& list_kinds();
+
+/// @throws Error (usage) for an unknown kind
+ListReport list_report(std::string_view kind);
 
 /// The JSON Schema (draft 7) of the spec.
 std::string json_schema();
 
-/// One CSV cell, quoted where RFC 4180 asks for it.
-std::string csv_cell(const std::string&);
-
-/// Header of the per-configuration CSV, and the row of one configuration.
-/// @param spec  its model as the errors were computed with, effects included (`effect_report`)
-/// @param noise  of `noise_in_motion`
-std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise);
-std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
-                                   const ConfigurationBatch&);
+/// The version of qerr, which is part of every report.
+std::string_view version();
 
 }  // namespace qerr

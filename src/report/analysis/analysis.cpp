@@ -6,6 +6,8 @@
 
 #include "core/text.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/analysis/per_configuration.hpp"
 #include "report/text_table.hpp"
 #include "simulate/noise_along_motion.hpp"
 
@@ -96,6 +98,21 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
   return analyze(spec, effect_report(spec), options);
+}
+
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
+                 const std::function<void(const std::string&)>& csv) {
+  EffectReport effects = effect_report(spec);
+  Spec with_effects = spec;
+  with_effects.model.sources = effects.sources;
+  WorkspaceOptions with_rows = options;
+  with_rows.noise_in_motion = noise_in_motion(spec);
+  csv(per_configuration_header(spec, with_rows.noise_in_motion));
+  with_rows.text = [&](const ConfigurationBatch& batch) {
+    return per_configuration_rows(with_effects, with_rows.noise_in_motion, batch);
+  };
+  with_rows.write = csv;
+  return analyze(spec, std::move(effects), with_rows);
 }
 
 Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {

@@ -2,8 +2,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "report/diagnosis/diagnosis_writers.hpp"
+#include "report/csv_text.hpp"
 #include "report/diagnosis/extended_reading.hpp"
+#include "report/diagnosis/parts.hpp"
 
 namespace qerr {
 

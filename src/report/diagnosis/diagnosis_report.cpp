@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "report/diagnosis/diagnosis_writers.hpp"
+#include "report/diagnosis/parts.hpp"
 
 namespace qerr {
 
@@ -54,10 +54,6 @@ std::vector<ReportedParameter> reported_parameters(const Spec& spec, const Cause
   for (const auto& [name, value] : cause.effect.numbers)
     if (!is_listed(name)) add(name, "");
   return list;
-}
-
-std::string write(const DiagnosisReport& r, std::string_view format, const Style& style) {
-  return format == "json" ? to_json(r) : format == "csv" ? to_csv(r) : to_table(r, style);
 }
 
 }  // namespace qerr

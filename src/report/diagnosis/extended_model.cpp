@@ -2,7 +2,7 @@
 
 #include "core/text.hpp"
 #include "qerr/input/extended_spec.hpp"
-#include "report/diagnosis/diagnosis_writers.hpp"
+#include "report/diagnosis/parts.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

@@ -2,8 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/text.hpp"
-#include "report/diagnosis/diagnosis_writers.hpp"
+#include "report/diagnosis/parts.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -11,7 +10,7 @@ namespace qerr {
 namespace {
 
 /// As many decimals as give the interval two digits.
-std::string with_half_width(double value, double half, double scale, const std::string& unit) {
+std::string fitted(double value, double half, double scale, const std::string& unit) {
   const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half / scale))), 0, 6);
   return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
 }
@@ -39,12 +38,12 @@ std::string with_interval(const ReportedParameter& parameter) {
     return significant(value, 4) + " (" + significant(lower, 4) + " .. " + significant(upper, 4) + ')';
   if (!(std::abs(0.5 * (upper + lower) - value) < 0.2 * half) || std::abs(value) < half)
     return figure(value, p.unit) + " (" + figure(lower, p.unit) + " .. " + figure(upper, p.unit) + ')';
-  if (p.unit == "deg") return with_half_width(value, half, 1, "deg");
+  if (p.unit == "deg") return fitted(value, half, 1, "deg");
   // One prefix for both, and as many decimals as give the interval two digits.
   const int thousand =
       std::clamp(static_cast<int>(std::floor(std::log10(std::max(std::abs(value), half)) / 3)), -4, 3);
   static constexpr const char* prefixes[] = {"p", "n", "u", "m", "", "k", "M", "G"};
-  return with_half_width(value, half, std::pow(1000.0, thousand), prefixes[thousand + 4] + p.unit);
+  return fitted(value, half, std::pow(1000.0, thousand), prefixes[thousand + 4] + p.unit);
 }
 
 }  // namespace qerr

@@ -4,7 +4,7 @@
 
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/report/simulation_report.hpp"
-#include "qerr/report/write.hpp"
+#include "report/csv_text.hpp"
 
 namespace qerr {
 

@@ -5,18 +5,12 @@
 #include <utility>
 
 #include "kinematics/inverse_dynamics.hpp"
-#include "qerr/report/effect_report.hpp"
-#include "qerr/report/write.hpp"
-#include "report/report_json.hpp"
-#include "report/simulation/simulation_writers.hpp"
+#include "qerr/report/analysis.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/simulation/signals.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {
-
-namespace {
-
-using Json = nlohmann::ordered_json;
-using Figures = std::vector<std::pair<const char*, double>>;
 
 Figures figures_of(const SimulatedSignal& s) {
   return {{"sigma_simulated", s.sigma_simulated}, {"sigma_lower", s.sigma_lower},
@@ -32,54 +26,6 @@ Figures factors_of(const Ladder& l) {
           {"correlated_joints", l.correlated_joints},
           {"nonlinear", l.nonlinear}};
 }
-
-Json json_of(const NamedSignal& s) {
-  Json row = {{"filter", s.filter}, {"coordinate", s.coordinate}, {"unit", s.unit}};
-  for (const auto& [name, value] : figures_of(s.signal)) row[name] = number_or_null(value);
-  for (const auto& [name, value] : factors_of(s.signal.ladder)) row["ladder"][name] = number_or_null(value);
-  return row;
-}
-
-std::string json(const SimulationReport& r) {
-  Json effects = Json::array();
-  for (const Effect& effect : r.spec.effects) {
-    Json row = {{"effect", effect.type}, {"joint", effect.joint}};
-    for (const EffectParameter& p : effect_parameters(r.spec, effect)) row[p.name] = p.value;
-    for (const auto& [name, choice] : effect.choices) row[name] = choice;
-    effects.push_back(row);
-  }
-  Json j = report_header(r.spec, "simulate", r.seed);
-  j["effects"] = effects;
-  j["runs"] = r.simulation.runs;
-  j["samples"] = r.simulation.samples;
-  j["settling_samples"] = r.simulation.settling;
-  j["results"] = Json::array();
-  for (const NamedSignal& s : signals_of(r)) j["results"].push_back(json_of(s));
-  j["warnings"] = r.warnings;
-  return j.dump(2) + "\n";
-}
-
-/// The ladder stands beside the figures.
-Figures cells_of(const SimulatedSignal& s) {
-  Figures all = figures_of(s);
-  for (const auto& factor : factors_of(s.ladder)) all.push_back(factor);
-  return all;
-}
-
-std::string csv(const SimulationReport& r) {
-  std::string out = "filter,coordinate,unit";
-  for (const auto& cell : cells_of({})) out += ',' + std::string(cell.first);
-  out += "\r\n";
-  for (const NamedSignal& s : signals_of(r)) {
-    out += csv_cell(s.filter) + ',' + s.coordinate + ',' + s.unit;
-    for (const auto& [name, value] : cells_of(s.signal))
-      out += ',' + (std::isfinite(value) ? shortest(value) : std::string());
-    out += "\r\n";
-  }
-  return out;
-}
-
-}  // namespace
 
 std::vector<NamedSignal> signals_of(const SimulationReport& r) {
   std::vector<NamedSignal> all;
@@ -143,10 +89,6 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
   for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
   for (std::string& text : warnings_of(report)) report.warnings.push_back(std::move(text));
   return report;
-}
-
-std::string write(const SimulationReport& r, std::string_view format, const Style&) {
-  return format == "json" ? json(r) : format == "csv" ? csv(r) : simulation_table(r);
 }
 
 }  // namespace qerr

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "cli/option.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/input/spec.hpp"
+#include "qerr/report/write.hpp"
+
+/// What several commands share: options, the spec, the form of results and messages.
+namespace qerr::cli {
+
+/// The argument SPEC, and the options that change a spec and its evaluation.
+std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
+std::vector<Option> output_options();
+std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
+
+/// An error in the use of the command line.
+Error usage(const std::string& option, const std::string& rule, const std::string& found,
+            const std::string& remedy);
+
+/// The spec with the changes of --set and --seed.
+Spec load(const std::string& path, const Values&);
+
+unsigned threads(const Values&);
+
+/// The format of --format, else the one of the output's ending.
+std::string chosen_format(const Values&);
+Style style(const Values&);
+
+/// Writes a report in the chosen format and style to a file that is already open, and closes it.
+template <class Output, class Report>
+void finish(Output& file, const Report& report, const Values& v) {
+  file.write(write(report, chosen_format(v), style(v)));
+  file.close();
+}
+
+/// Warnings to standard error, one line each, unless --quiet.
+void warn(const std::vector<std::string>& warnings, const Values&);
+
+/// Shows the part that is done on a terminal's standard error, at most ten times a second; nothing elsewhere.
+std::function<void(std::uint64_t done, std::uint64_t total)> progress(const Values&);
+
+}  // namespace qerr::cli

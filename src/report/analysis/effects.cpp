@@ -1,0 +1,165 @@
+#include "report/analysis/effects.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "kinematics/inverse_dynamics.hpp"
+#include "qerr/core/error.hpp"
+#include "report/text_table.hpp"
+#include "simulate/usage.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::vector<Limits> sampled_ranges(const Spec& spec) {
+  std::vector<Limits> ranges = spec.configurations.ranges;
+  const auto& points = spec.configurations.points;
+  if (points.empty()) return ranges;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    ranges[i] = {points.front()[row], points.front()[row]};
+    for (const Eigen::VectorXd& q : points)
+      ranges[i] = {std::min(ranges[i].lower, q[row]), std::max(ranges[i].upper, q[row])};
+  }
+  return ranges;
+}
+
+/// What is not known, and what to add to the spec or the URDF.
+std::pair<const char*, const char*> lack(Need need, bool has_motion) {
+  switch (need) {
+    case Need::position:
+      return {"the range of the joint", "add `motion:`"};
+    case Need::velocity:
+      return {"the speed of the joint", "add `motion:`, or velocity to the joint's <limit> in the URDF"};
+    case Need::effort:
+      return {"the load of the joint",
+              has_motion ? "add <inertial> to the URDF's links, or effort to the joint's <limit>"
+                         : "add `motion:` to a URDF with masses, or effort to the joint's <limit>"};
+    case Need::temperature:
+      return {"the temperature of the joint", "only a log can give it; leave the coefficient out"};
+    case Need::duration:
+      return {"the length of the motion", "add `motion:`"};
+    case Need::nothing:
+      break;
+  }
+  return {"", ""};
+}
+
+std::string parameters_text(const Spec& spec, const Effect& effect) {
+  std::string text;
+  for (const EffectParameter& p : effect_parameters(spec, effect)) {
+    if (p.usual) continue;
+    text += (text.empty() ? "" : ", ") + p.name + ' ' +
+            (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit));
+  }
+  for (const Parameter& row : effect_kind(effect.type).parameters) {
+    const auto choice = effect.choices.find(std::string(row.name));
+    if (choice != effect.choices.end())
+      text += (text.empty() ? "" : ", ") + choice->first + ' ' + choice->second;
+  }
+  return text;
+}
+
+/// A text of any length behind each line.
+std::string with_texts(const std::string& lines, const std::vector<std::string>& texts) {
+  std::string out;
+  std::size_t at = 0;
+  for (const std::string& text : texts) {
+    const std::size_t end = lines.find('\n', at);
+    out += lines.substr(at, end - at) + (text.empty() ? "" : "  " + text) + '\n';
+    at = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+RobotUsage usage_of(const Spec& spec) {
+  const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
+  if (!spec.motion) return limits;
+  double margin = 0;  // a late reading is one of before the motion
+  for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
+  RobotUsage usage = usage_in_motion(spec.model, *spec.motion, std::min(margin, spec.motion->duration));
+  for (std::size_t i = 0; i < usage.joints.size(); ++i)
+    if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;
+  return usage;
+}
+
+EffectReport effect_report(const Spec& spec) {
+  if (spec.effects.empty()) return {};
+  const RobotUsage usage = usage_of(spec);
+  EffectReport report{effect_shares(spec.model, spec.effects, usage), {}};
+  report.sources =
+      error_sources(spec.model, report.shares, usage, designed_filters(spec), filter_norms(spec));
+  return report;
+}
+
+std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {
+  std::vector<std::string> warnings;
+  for (const EffectShare& s : shares) {
+    if (s.share) continue;
+    const auto [what, remedy] = lack(effect_kind(s.effect.type).need, spec.motion.has_value());
+    warnings.push_back("effect '" + s.effect.type + "' of joint '" + s.effect.joint +
+                       "' is not in these figures: " + what + " is not known; " + remedy);
+  }
+  return warnings;
+}
+
+void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {
+  const std::vector<std::string> unknown = effect_warnings(spec, shares);
+  if (spec.requirements.empty() || unknown.empty()) return;
+  throw Error(
+      {spec.requirements.front().place, "requirements", "cannot be decided: " + unknown.front(), "", ""});
+}
+
+std::string effect_unit(const Spec& spec, const EffectShare& s) {
+  const bool displaced = effect_kind(s.effect.type).stage == Stage::kinematics;
+  return displaced || spec.model.chain.independent[s.joint].prismatic() ? "m" : "rad";
+}
+
+std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& effect) {
+  const Chain& chain = spec.model.chain;
+  const bool prismatic = chain.independent[independent_index(chain, effect.joint)].prismatic();
+  std::vector<EffectParameter> list;
+  for (const Parameter& row : effect_kind(effect.type).parameters) {
+    const auto number = effect.numbers.find(std::string(row.name));
+    if (number == effect.numbers.end()) continue;
+    list.push_back({number->first, number->second, unit_name(dimension_at(row, prismatic)),
+                    row.fallback && *row.fallback == number->second});
+  }
+  return list;
+}
+
+std::string effect_table(const Spec& spec, const std::vector<EffectShare>& shares) {
+  std::vector<std::vector<std::string>> rows{{"effect", "joint", "mean", "worst case", "sigma"}};
+  std::vector<std::string> parameters{"parameters"};
+  bool unknown = false, elsewhere = false;
+  for (const EffectShare& s : shares) {
+    const std::string unit = effect_unit(spec, s);
+    std::vector<std::string> row{s.effect.type, escaped(s.effect.joint, 40)};
+    if (!s.share) {
+      row.insert(row.end(), {"?", "?", "?"});
+      unknown = true;
+    } else if (!s.counts) {
+      row.insert(row.end(), {"-", "-", "-"});
+      elsewhere = true;
+    } else {
+      row.insert(row.end(), {readable(s.share->mean, unit),
+                             readable(std::abs(s.share->mean) + s.share->half_width, unit),
+                             readable(s.share->sigma, unit)});
+    }
+    parameters.push_back(parameters_text(spec, s.effect));
+    rows.push_back(std::move(row));
+  }
+  return with_texts(aligned(rows), parameters) +
+         (unknown ? "  ?: not known, and not in the figures below\n" : "") +
+         (elsewhere ? "  -: in the log or the reference alone, no error of the robot\n" : "") +
+         (!spec.motion ? "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n"
+          : has_masses(spec.model.chain)
+              ? "  positions, speeds and loads as in `motion:`\n"
+              : "  positions and speeds as in `motion:`, loads up to the URDF's limits: it has no masses\n");
+}
+
+}  // namespace qerr

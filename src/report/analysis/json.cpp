@@ -1,0 +1,158 @@
+#include <cmath>
+
+#include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/analysis/json_header.hpp"
+#include "report/formats.hpp"
+
+namespace qerr {
+
+namespace {
+
+Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
+  Json object = Json::object();
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = values[i];
+  return object;
+}
+
+Json statistic(const Spec& spec, const Statistic& s) {
+  Json object;
+  for (const StatisticKind& kind : statistic_kinds()) object[kind.name] = s.*kind.value;
+  object["at_max"] = by_joint(spec, s.at_max);
+  return object;
+}
+
+/// Null where there is no bound at all.
+Json statistic_or_null(const Spec& spec, const Statistic& s) {
+  return std::isfinite(s.min) ? statistic(spec, s) : Json(nullptr);
+}
+
+Json matrix(const Eigen::MatrixXd& m) {
+  Json rows = Json::array();
+  for (Eigen::Index i = 0; i < m.rows(); ++i) {
+    Json row = Json::array();
+    for (Eigen::Index j = 0; j < m.cols(); ++j) row.push_back(m(i, j));
+    rows.push_back(row);
+  }
+  return rows;
+}
+
+Json covariance(const Eigen::MatrixXd& mean, const Eigen::MatrixXd& at_largest) {
+  return {{"mean", matrix(mean)}, {"at_largest", matrix(at_largest)}};
+}
+
+Json covariance_behind(const Analysis& a, std::size_t filter) {
+  const Workspace& w = a.workspace;
+  if (filter < w.filtered.size())
+    return covariance(w.filtered[filter].mean_covariance, w.filtered[filter].covariance_at_largest);
+  const double h2 = a.spec.filters[filter].norms.h2, factor = h2 * h2;
+  return covariance(factor * w.mean_covariance, factor * w.covariance_at_largest);
+}
+
+/// Figures are null where they are not known, and of the file or the reference where `counted` is false.
+Json effects(const Analysis& a) {
+  Json list = Json::array();
+  for (const EffectShare& s : a.effects) {
+    Json entry = {{"effect", s.effect.type},
+                  {"joint", s.effect.joint},
+                  {"stage", stage_name(effect_kind(s.effect.type).stage)},
+                  {"unit", effect_unit(a.spec, s)},
+                  {"mean", nullptr},
+                  {"worst_case", nullptr},
+                  {"sigma", nullptr},
+                  {"counted", s.counts},
+                  {"parameters", Json::array()}};
+    if (s.share) {
+      entry["mean"] = s.share->mean;
+      entry["worst_case"] = std::abs(s.share->mean) + s.share->half_width;
+      entry["sigma"] = s.share->sigma;
+    }
+    for (const EffectParameter& p : effect_parameters(a.spec, s.effect))
+      entry["parameters"].push_back({{"name", p.name}, {"value", p.value}, {"unit", p.unit}});
+    for (const auto& [name, word] : s.effect.choices)
+      entry["parameters"].push_back({{"name", name}, {"value", word}, {"unit", ""}});
+    list.push_back(entry);
+  }
+  return list;
+}
+
+Json joints(const Analysis& a) {
+  Json list = Json::array();
+  const Spec& spec = a.spec;
+  for (std::size_t i = 0; i < spec.model.chain.independent.size(); ++i) {
+    const IndependentJoint& joint = spec.model.chain.independent[i];
+    const auto row = static_cast<Eigen::Index>(i);
+    list.push_back({{"name", joint.name},
+                    {"unit", joint.prismatic() ? "m" : "rad"},
+                    {"resolution", spec.model.transmission.encoders[i].resolution},
+                    {"worst_case", a.joints.worst_case[row]},
+                    {"sigma", a.joints.sigma[row]},
+                    {"mean", a.joints.mean[row]}});
+  }
+  return list;
+}
+
+Json position(const Analysis& a) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const CoordinateInfo& row = info(a.spec.model.coordinates[i]);
+    list.push_back({{"coordinate", row.name},
+                    {"unit", row.unit},
+                    {"worst_case", statistic(a.spec, c.worst_case)},
+                    {"worst_case_rigorous", statistic_or_null(a.spec, c.worst_case_rigorous)},
+                    {"sigma", statistic(a.spec, c.sigma)},
+                    {"share", by_joint(a.spec, c.share)},
+                    {"share_worst_case", by_joint(a.spec, c.share_worst_case)}});
+  }
+  return list;
+}
+
+Json derivatives(const Analysis& a) {
+  Json list = Json::array();
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f) {
+    const NamedFilter& filter = a.spec.filters[f];
+    Json coordinates = Json::array();
+    for (std::size_t i = 0; i < a.spec.model.coordinates.size(); ++i) {
+      const DerivativeStatistics& d = a.workspace.derivatives[f][i];
+      coordinates.push_back({{"coordinate", info(a.spec.model.coordinates[i]).name},
+                             {"unit", derivative_unit(a.spec.model.coordinates[i], filter.filter.derivative)},
+                             {"worst_case", statistic(a.spec, d.worst_case)},
+                             {"sigma", statistic(a.spec, d.sigma)}});
+      if (d.sigma_in_motion) coordinates.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
+    }
+    list.push_back({{"filter", filter.name},
+                    {"derivative", filter.filter.derivative},
+                    {"h2_norm", filter.norms.h2},
+                    {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
+                    {"coordinates", coordinates},
+                    {"covariance", covariance_behind(a, f)}});
+    if (is_known(a.noise_in_motion, f))
+      list.back()["noise_in_motion_over_ipqn"] =
+          by_joint(a.spec, a.noise_in_motion[f] * (std::sqrt(12.0) / filter.norms.h2));
+  }
+  return list;
+}
+
+}  // namespace
+
+std::string to_json(const Analysis& a, const Style&) {
+  Json j = analysis_header(a, "analyze");
+  j["joints"] = joints(a);
+  j["position"] = position(a);
+  j["derivatives"] = derivatives(a);
+  j["covariance"] = covariance(a.workspace.mean_covariance, a.workspace.covariance_at_largest);
+  Json names = Json::array();
+  for (const Coordinate c : a.spec.model.coordinates) names.push_back(info(c).name);
+  j["covariance"]["coordinates"] = names;
+  j["covariance"]["largest_at"] = by_joint(a.spec, a.workspace.largest_at);
+  const std::vector<double> budget = encoder_budget(a);
+  j["budget"] = by_joint(
+      a.spec, Eigen::Map<const Eigen::VectorXd>(budget.data(), static_cast<Eigen::Index>(budget.size())));
+  j["effects"] = effects(a);
+  j["warnings"] = a.warnings;
+  return j.document();
+}
+
+}  // namespace qerr

@@ -1,0 +1,59 @@
+#include "report/analysis/per_configuration.hpp"
+
+#include "bound/configuration_batch.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "qerr/report/analysis.hpp"
+#include "report/csv_text.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prismatic() ? " [m]" : " [rad]"; }
+
+}  // namespace
+
+std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  std::string out;
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    out += (out.empty() ? "" : ",") + csv_cell(joint.name + unit_in_brackets(joint));
+  for (const Coordinate c : spec.model.coordinates)
+    for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
+      out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
+  for (std::size_t f = 0; f < spec.filters.size(); ++f)
+    for (const Coordinate c : spec.model.coordinates)
+      for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
+        if (bound != std::string("sigma_in_motion") || is_known(noise, f))
+          out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +
+                                derivative_unit(c, spec.filters[f].filter.derivative) + ']');
+  return out + "\r\n";
+}
+
+std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
+                                   const ConfigurationBatch& batch) {
+  const FigureLayout& at = batch.layout;
+  const bool own_worst = at.filtered_sigma > at.filtered_worst, own_sigma = at.in_motion > at.filtered_sigma;
+  std::string out;
+  for (std::size_t i = 0; i < batch.count; ++i) {
+    const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
+    for (std::size_t j = 0; j < spec.model.chain.independent.size(); ++j)
+      out += (j ? "," : "") + csv_number(batch.q[j * batch_size + i]);
+    for (std::size_t c = 0; c < at.coordinates; ++c)
+      for (const std::size_t of : {at.worst_case, at.rigorous, at.sigma})
+        out += ',' + csv_number(figure(of + c));
+    for (std::size_t f = 0; f < spec.filters.size(); ++f)
+      for (std::size_t c = 0; c < at.coordinates; ++c) {
+        const Norms& norms = spec.filters[f].norms;
+        const std::size_t filtered = f * at.coordinates + c;
+        out += ',' + csv_number(own_worst ? figure(at.filtered_worst + filtered)
+                                          : norms.l1.upper * figure(at.worst_case + c));
+        out += ',' +
+               csv_number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
+        if (is_known(noise, f)) out += ',' + csv_number(figure(at.in_motion + filtered));
+      }
+    out += "\r\n";
+  }
+  return out;
+}
+
+}  // namespace qerr

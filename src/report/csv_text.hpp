@@ -1,0 +1,17 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+/// Cells of CSV as RFC 4180 has them; a row ends with "\r\n".
+namespace qerr {
+
+/// The text, quoted if it holds a comma, a quote or a line break.
+std::string csv_cell(const std::string& text);
+
+/// The shortest digits that read back as the same double; empty if it is not finite or not known, which
+/// plotting tools read as missing.
+std::string csv_number(double value);
+std::string csv_number(const std::optional<double>& value);
+
+}  // namespace qerr

@@ -1,0 +1,67 @@
+#include "report/diagnosis/sentences.hpp"
+
+#include <algorithm>
+
+#include "core/text.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+std::string label(const Cause& c) {
+  const double order = c.effect.number_or("order", 0);
+  return c.effect.type + (order > 0 && order != 1 ? " (order " + significant(order, 4) + ")" : "") + " of " +
+         shown(c.effect.joint);
+}
+
+namespace {
+
+/// At most four, to keep the sentence readable.
+std::string listed_causes(const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const Cause& c : d.causes) names.push_back(label(c));
+  constexpr std::size_t most = 4;
+  if (names.size() > most) {
+    const std::string more = std::to_string(names.size() - most + 1) + " more";
+    names.resize(most - 1);
+    names.push_back(more);
+  }
+  return listed(names);
+}
+
+std::string cause_or_alternative(const Diagnosis& d) {
+  if (d.causes.size() != 1 || d.alternatives.size() != 1)
+    return listed_causes(d) + ", or other causes (below)";
+  return d.causes.front().effect.type + " or " + d.alternatives.front().effect + " of " +
+         shown(d.causes.front().effect.joint);
+}
+
+std::string unidentified_places(const Diagnosis& d) {
+  std::vector<std::string> places;
+  for (const Unidentified& u : d.unexplained)
+    if (std::find(places.begin(), places.end(), shown(u.joint)) == places.end())
+      places.push_back(shown(u.joint));
+  return listed(places);
+}
+
+}  // namespace
+
+std::string verdict_words(const Diagnosis& d) {
+  switch (d.verdict) {
+    case Verdict::nothing_wrong:
+      return "the log agrees with the model, its quantization and the noise of the reference";
+    case Verdict::explained:
+      return listed_causes(d);
+    case Verdict::partly_explained:
+      return listed_causes(d) + "; significant, unidentified errors at " + unidentified_places(d);
+    case Verdict::ambiguous:
+      return cause_or_alternative(d) + ": not distinguishable in this log";
+    case Verdict::unexplained:
+      return "significant errors at " + unidentified_places(d) + " that no effect of the catalogue explains";
+    case Verdict::cannot_judge:
+      return d.reason.empty() ? "the log has no reference sensor to compare the encoders with"
+                              : escaped(d.reason);
+  }
+  return "";
+}
+
+}  // namespace qerr

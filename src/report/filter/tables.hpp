@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+
+#include "qerr/report/filter_report.hpp"
+
+/// Parts of the table of `qerr filter`.
+namespace qerr {
+
+/// The accuracy of IPQN behind every filter, and the noise in motion; "" if the report has neither.
+std::string noise_table(const FilterReport&);
+
+std::string estimator_table(const EstimatorReport&);
+
+}  // namespace qerr

@@ -1,0 +1,68 @@
+#include "report/formats.hpp"
+
+#include "core/suggest.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const Format& format : formats()) names.emplace_back(format.name);
+  return names;
+}
+
+template <class Report>
+std::string written(const Report& report, std::string_view format, const Style& style) {
+  for (const Exporter<Report>& exporter : exporters<Report>)
+    if (exporter.format.name == format) return exporter.write(report, style);
+  throw Error(
+      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
+      Trouble::usage);
+}
+
+}  // namespace
+
+std::string_view version() { return QERR_VERSION; }
+
+const std::vector<Format>& formats() {
+  static const std::vector<Format> list = [] {
+    std::vector<Format> rows;
+    for (const auto& exporter : exporters<Analysis>) rows.push_back(exporter.format);
+    return rows;
+  }();
+  return list;
+}
+
+std::string_view format_of(std::string_view path) {
+  for (const Format& format : formats())
+    if (path.ends_with(format.ending)) return format.name;
+  return formats().front().name;
+}
+
+std::string write(const Analysis& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const CheckReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const ThresholdReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const FilterReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const SimulationReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const DiagnosisReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const PlanReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+std::string write(const ListReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
+
+}  // namespace qerr

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <concepts>
+#include <cstdint>
+#include <initializer_list>
+#include <map>
+#include <optional>
+#include <ranges>
+#include <string>
+#include <string_view>
+#include <type_traits>
+#include <variant>
+#include <vector>
+
+namespace qerr {
+
+struct JsonMember;
+
+/// A JSON value; an object keeps the order in which its members were added.
+///
+///     Json j = {{"name", "elbow"}, {"range", {{"lower", -1.5}, {"upper", 1.5}}}};
+///     j["counts"] = Json::array();
+///     j["counts"].push_back(4096);
+///
+/// Braces always denote an object. A number that is not finite, and an empty optional, is null, as JSON has
+/// no infinity.
+class Json {
+ public:
+  Json();  ///< null
+  Json(std::nullptr_t) : Json() {}
+  Json(double value);
+  Json(const char* text);
+  Json(std::string_view text);
+  Json(std::string text);
+  Json(std::initializer_list<JsonMember> members);
+  Json(const std::map<std::string, std::string>& members);
+
+  template <std::integral T>
+  Json(T value) : Json() {
+    if constexpr (std::same_as<T, bool>)
+      value_ = value;
+    else if constexpr (std::is_signed_v<T>)
+      value_ = static_cast<std::int64_t>(value);
+    else
+      value_ = static_cast<std::uint64_t>(value);
+  }
+
+  template <class T>
+  Json(const std::optional<T>& value) : Json() {
+    if (value) *this = Json(*value);
+  }
+
+  /// An array.
+  template <std::ranges::input_range R>
+  requires(!std::same_as<R, Json> && !std::convertible_to<const R&, std::string_view> &&
+           std::convertible_to<std::ranges::range_reference_t<const R>, Json>) Json(const R& values)
+      : Json(array()) {
+    for (const auto& value : values) push_back(value);
+  }
+
+  Json(const Json&);
+  Json(Json&&) noexcept;
+  Json& operator=(const Json&);
+  Json& operator=(Json&&) noexcept;
+  ~Json();
+
+  static Json array();
+  static Json array(std::initializer_list<Json> items);
+  static Json object();
+
+  /// The member of this name, null if it is new. @pre an object, or null, which becomes one
+  Json& operator[](std::string_view name);
+
+  /// Appends an item. @pre an array, or null, which becomes one
+  void push_back(Json item);
+  /// The last item. @pre an array that is not empty
+  Json& back();
+  /// Appends the members of another object, whose names must be new. @pre both are objects
+  void append(Json members);
+
+  /// The document: indented by two blanks a level, with a line break at its end. Doubles are written with as
+  /// many digits as read back as the same double; bytes that are not UTF-8 are replaced by U+FFFD.
+  std::string document() const;
+  /// The same on one line, without the break.
+  std::string line() const;
+
+ private:
+  friend struct JsonText;
+  using Items = std::vector<Json>;
+  using Members = std::vector<JsonMember>;
+  std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Items, Members> value_;
+};
+
+struct JsonMember {
+  std::string name;
+  Json value;
+};
+
+}  // namespace qerr
