@@ -97,10 +97,10 @@ TEST(DiagnosisReport, StartsWithTheVerdictInWords) {
   DiagnosisReport torn = report(Verdict::ambiguous, {found});
   torn.diagnosis.alternatives.push_back({"backlash", "latency", joint, "reversals at two speeds"});
   EXPECT_NE(table(torn).find("AMBIGUOUS: backlash or latency of " + joint), std::string::npos);
-  EXPECT_NE(table(torn).find("to tell them apart, record reversals at two speeds"), std::string::npos);
+  EXPECT_NE(table(torn).find("to distinguish them, record reversals at two speeds"), std::string::npos);
   DiagnosisReport open = report(Verdict::unexplained, {});
   open.diagnosis.unexplained.push_back({joint, "periodic in the joint angle", 7.3, {}, 1e-4});
-  EXPECT_NE(table(open).find("UNEXPLAINED: something real at " + joint), std::string::npos);
+  EXPECT_NE(table(open).find("UNEXPLAINED: significant errors at " + joint), std::string::npos);
   EXPECT_NE(table(open).find("order 7.3 per revolution of the joint, amplitude 100 urad"), std::string::npos);
   DiagnosisReport mute = report(Verdict::cannot_judge, {});
   mute.diagnosis.reason = "the reference's noise is 2 counts; at most 0.3 would do";
@@ -122,7 +122,7 @@ TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {
   EXPECT_EQ(json(r)["causes"][0]["parameters"][0]["unit"], "rad");
   const std::string text = table(r);
   EXPECT_NE(text.find("  tip            2.00 mm  400 um              -      -"), std::string::npos) << text;
-  EXPECT_NE(text.find("the tip would err by 400 um rms instead of 2.00 mm.\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("the error at the tip would be 400 um rms instead of 2.00 mm.\n"), std::string::npos) << text;
   const std::string csv = write(r, "csv", Style{});
   EXPECT_NE(csv.find("rms_after,4e-04,,,,m,"), std::string::npos) << csv;
   EXPECT_EQ(csv.find("counts_before"), std::string::npos) << csv;
