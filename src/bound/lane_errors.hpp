@@ -3,6 +3,10 @@
 #include "bound/kernels.hpp"
 #include "bound/lane_shares.hpp"
 
+// The templates for plain models with x y z (rx ry rz) save 60 % of the CPU time of `analyze`: 25 instead of
+// 64 ns per configuration (Panda, 2e7 Sobol points, one AVX-512 thread of a shared machine) against
+// `errors_of<L, 0, false>`. Of that, `direct` saves 46 % against `direct` false (25 instead of 46 ns).
+
 namespace qerr::lanes {
 namespace {
 

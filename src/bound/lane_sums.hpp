@@ -45,15 +45,6 @@ struct ThreeSums {
     s[5] = fma(z, z, s[5]);
   }
 
-  /// The first part, with third coordinate 0.
-  [[gnu::always_inline]] void begin(const L& x, const L& y) {
-    a[0] = abs(x);
-    a[1] = abs(y);
-    s[0] = x * x;
-    s[1] = x * y;
-    s[2] = y * y;
-  }
-
   template <std::size_t from, class To>
   [[gnu::always_inline]] void put(Errors<L>& e, const To& covariance) const {
 #pragma GCC unroll 3
@@ -74,13 +65,6 @@ template <class L, bool orthogonal>
 struct MixedSums {
   L s[9] = {};
 
-  /// The first part, with the column (x, y, 0, 0, 0, w) of a joint about z.
-  template <class W>
-  [[gnu::always_inline]] void begin(const L& x, const L& y, const W& w) {
-    s[6] = w * x;
-    s[7] = w * y;
-  }
-
   [[gnu::always_inline]] void add(const L* u, const L* w) {
 #pragma GCC unroll 9
     for (int e = 0; e < (orthogonal ? 8 : 9); ++e) s[e] = fma(w[e / 3], u[e % 3], s[e]);
@@ -94,13 +78,11 @@ struct MixedSums {
   }
 };
 
-/// @param first_about_z  whether the column of the first part is (x, y, 0, 0, 0, w)
 template <std::size_t from, class L, class To>
-[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, bool first_about_z,
-                                             Errors<L>& e, const To& covariance) {
+[[gnu::always_inline]] inline void sum_three(const Spreads<L>& spreads, std::size_t parts, Errors<L>& e,
+                                             const To& covariance) {
   ThreeSums<L> sums;
-  if (from == 0 && first_about_z) sums.begin(spreads.of(0)[0], spreads.of(0)[1]);
-  for (std::size_t p = from == 0 && first_about_z; p < parts; ++p) {
+  for (std::size_t p = 0; p < parts; ++p) {
     const L* const u = spreads.of(p) + from;
     sums.add(u[0], u[1], u[2]);
   }
@@ -108,11 +90,10 @@ template <std::size_t from, class L, class To>
 }
 
 template <bool orthogonal, class L, class To>
-[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts, bool first_about_z,
+[[gnu::always_inline]] inline void sum_mixed(const Spreads<L>& spreads, std::size_t parts,
                                              const To& covariance) {
   MixedSums<L, orthogonal> sums;
-  if (first_about_z) sums.begin(spreads.of(0)[0], spreads.of(0)[1], spreads.of(0)[5]);
-  for (std::size_t p = first_about_z; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
+  for (std::size_t p = 0; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
   sums.put(covariance);
 }
 
@@ -141,7 +122,8 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& un
 }
 
 /// Whether position and mixed sums are accumulated while the columns are computed: for a direct model, if the
-/// 32 registers of AVX-512 hold both.
+/// 32 registers of AVX-512 hold both. Together with MotionsAhead this saves 12 % of the CPU time with
+/// WorkspaceOptions::brief, 4 % of `analyze` (measured as in lane_errors.hpp).
 template <class L, std::size_t fixed, bool direct>
 constexpr bool sums_with_columns = direct&& fixed == 6 && lane_count<L> == 8;
 
@@ -154,11 +136,6 @@ struct SumColumns {
   ThreeSums<L> positions = {};
   MixedSums<L, true> mixed = {};
 
-  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double w) {
-    if (keep_columns) keep.column_about_z(x, y, w);
-    positions.begin(x, y);
-    mixed.begin(x, y, w);
-  }
   [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) {
     if (keep_columns) keep.column(k, linear, angular);
     if (k >= moving_parts) return;
@@ -207,7 +184,7 @@ template <class L, class To>
   columns_of_motions<L>(plan.chain, plan.column_scale, motions, scratch.joints, Ignore{}, sums, ahead);
   sums.positions.template put<0>(e, covariance);
   sums.mixed.put(covariance);
-  sum_three<3>(spreads, plan.parts, true, e, covariance);
+  sum_three<3>(spreads, plan.parts, e, covariance);
 }
 
 /// Spreads of the parts and all sums over them.
@@ -226,11 +203,10 @@ template <class L, std::size_t fixed, bool direct, class To>
     if constexpr (fixed == 0) {
       sum_any(plan, spreads, unbounded, e, covariance);
     } else {
-      const bool first_about_z = direct && first_joint_about_z(plan.chain);
-      sum_three<0>(spreads, plan.moving_parts, first_about_z, e, covariance);
+      sum_three<0>(spreads, plan.moving_parts, e, covariance);
       if constexpr (fixed > 3) {
-        sum_three<3>(spreads, plan.parts, first_about_z, e, covariance);
-        sum_mixed<direct>(spreads, plan.moving_parts, first_about_z, covariance);
+        sum_three<3>(spreads, plan.parts, e, covariance);
+        sum_mixed<direct>(spreads, plan.moving_parts, covariance);
       }
     }
     return unbounded;

@@ -8,6 +8,10 @@
 namespace qerr {
 
 /// Sorted bins (leading bits) of a sample of values, to plan the histogram of many more.
+///
+/// Counting only the bins near the percentiles saves 38 % of the CPU time of `analyze`: 25 instead of 40 ns
+/// per configuration (Panda, x y z rx ry rz, 2e7 Sobol points, one AVX-512 thread of a shared machine;
+/// measured by leaving CountedBins at its default).
 class SampledBins {
  public:
   /// @pre begin < end

@@ -116,8 +116,7 @@ class Folder {
   void begin(const Matrix& r, const Vector& t) {
     folded_.joints.emplace_back();
     folded_.first_point = t.cast<double>();
-    folded_.aligned = std::hypot(r(0, 2), r(1, 2)) <= negligible;
-    if (!folded_.aligned) {
+    if (std::hypot(r(0, 2), r(1, 2)) > negligible) {
       folded_.first_axes = r.cast<double>();
       return;
     }
@@ -227,14 +226,8 @@ class Folder {
 }  // namespace
 
 FoldedPath path_of(const FoldedChain& c) {
-  const auto revolute = [&](std::size_t k) {
-    return k < c.joints.size() && c.joints[k].rotates && !c.joints[k].prismatic;
-  };
-  const bool horizontal =
-      c.aligned && revolute(0) && revolute(1) && c.joints[1].right_angle && !c.joints[1].tilts;
-  return {c.joints.data(), c.joints.size(),  c.first_axes.data(), c.first_point.data(),
-          c.axes_length,   c.aligned,        horizontal,          c.tip_x,
-          c.tip_y,         c.tip_axes.data()};
+  return {c.joints.data(), c.joints.size(), c.first_axes.data(), c.first_point.data(), c.axes_length,
+          c.tip_x,         c.tip_y,         c.tip_axes.data()};
 }
 
 void set_motion(FoldedJoint& joint, double multiplier, double offset) {

@@ -15,7 +15,6 @@ struct FoldedChain {
   Eigen::Matrix3d first_axes = Eigen::Matrix3d::Identity();
   Eigen::Vector3d first_point = Eigen::Vector3d::Zero();
   double axes_length = 1;       ///< of X, Y, Z (scale_axes)
-  bool aligned = false;         ///< first_axes is a multiple of the identity
   double tip_x = 0, tip_y = 0;  ///< tip = o + tip_x X + tip_y Y behind the last joint [m]
   /// Rotation of the tip: R = [X Y Z] tip_axes with the axes behind the last joint.
   Eigen::Matrix3d tip_axes = Eigen::Matrix3d::Identity();

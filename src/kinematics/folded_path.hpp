@@ -41,8 +41,6 @@ struct FoldedPath {
   std::size_t count;
   const double *first_axes, *first_point;
   double axes_length;  ///< length of X, Y, Z: coordinates along them are in units of it
-  bool aligned;        ///< first_axes is a multiple of the identity
-  bool horizontal;     ///< aligned, and joints 0 and 1 are revolute with perpendicular axes
   double tip_x, tip_y;
   const double* tip_axes;
 };

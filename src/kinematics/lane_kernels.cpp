@@ -11,9 +11,6 @@ namespace {
 template <class L>
 struct WriteColumns {
   double* to;
-  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double w) const {
-    column(0, {x, y, L{}}, {L{}, L{}, broadcast<L>(w)});
-  }
   [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&angular)[3]) const {
 #pragma GCC unroll 3
     for (std::size_t row = 0; row < 3; ++row) {

@@ -104,19 +104,6 @@ template <class L, class Before, class After>
     if (joint.prismatic) {
       advance(f.o, motions[k].sine, f.z);
       if (joint.rotates) rotate(joint.rotation_cosine, joint.rotation_sine, f);
-    } else if (k == 0 && chain.aligned && joint.rotates) {
-      f.x[0] = f.y[1] = chain.axes_length * motions[k].cosine;
-      f.x[1] = chain.axes_length * motions[k].sine;
-      f.y[0] = -f.x[1];
-    } else if (k == 1 && chain.horizontal) {  // here y = (0, 0, 1) and x[2] = 0
-      const auto [sine, cosine] = motions[k];
-#pragma GCC unroll 2
-      for (int i = 0; i < 2; ++i) {
-        f.y[i] = -(sine * f.x[i]);
-        f.x[i] = cosine * f.x[i];
-      }
-      f.x[2] = chain.axes_length * sine;
-      f.y[2] = chain.axes_length * cosine;
     } else if (joint.rotates) {
       rotate(motions[k].cosine, motions[k].sine, f);
     }
@@ -160,11 +147,6 @@ struct JointScratch {
   L point[3];   ///< on the joint's axis
 };
 
-/// Whether the first joint is revolute about the base's z.
-[[gnu::always_inline]] inline bool first_joint_about_z(const FoldedPath& chain) {
-  return chain.aligned && chain.joints[0].rotates && !chain.joints[0].prismatic;
-}
-
 /// Axis and point of a revolute first joint, which do not depend on the configuration.
 template <class L>
 [[gnu::always_inline]] inline void prepare_first_joint(const FoldedPath& chain, const double* scale,
@@ -180,8 +162,7 @@ template <class L>
 ///
 /// @param scale        [joint]: the factors; null: all 1
 /// @param after        as of `walk_motions`
-/// @param consumer     receives `column(k, linear, angular)` of every moving joint, or `column_about_z(x, y,
-/// w)` of a first joint about the base's z: linear (x, y, 0), angular (0, 0, w). Angular is also stored in
+/// @param consumer     receives `column(k, linear, angular)` of every moving joint; angular is also stored in
 /// joints[k].column
 /// @param interleaved  called with k before every joint: independent work that hides the latency of the
 /// recursion
@@ -193,7 +174,6 @@ template <class L, class After, class Consumer, class Interleaved = Ignore>
                                                           JointScratch<L>* joints, After after,
                                                           Consumer&& consumer,
                                                           const Interleaved& interleaved = {}) {
-  const bool about_z = first_joint_about_z(chain);
   const Frame<L> tip = walk_motions<L>(
       chain, motions,
       [&](std::size_t k, const Frame<L>& f) {
@@ -207,13 +187,7 @@ template <class L, class After, class Consumer, class Interleaved = Ignore>
       },
       after);
   L arm[3] = {};
-  if (about_z) {
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) arm[i] = tip.o[i] - chain.first_point[i];
-    const double w = scale ? scale[0] * chain.axes_length : chain.axes_length;
-    consumer.column_about_z(-(w * arm[1]), w * arm[0], w);
-  }
-  for (std::size_t k = about_z ? 1 : 0; k < chain.count; ++k) {
+  for (std::size_t k = 0; k < chain.count; ++k) {
     const FoldedJoint& joint = chain.joints[k];
     L(&column)[6] = joints[k].column;
     const L axis[3] = {column[3], column[4], column[5]};
@@ -249,11 +223,6 @@ template <class L, class After, class Consumer>
 template <class L>
 struct StoreColumns {
   JointScratch<L>* joints;
-  [[gnu::always_inline]] void column_about_z(const L& x, const L& y, double) const {
-    joints[0].column[0] = x;
-    joints[0].column[1] = y;
-    joints[0].column[2] = L{};
-  }
   [[gnu::always_inline]] void column(std::size_t k, const L (&linear)[3], const L (&)[3]) const {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) joints[k].column[i] = linear[i];

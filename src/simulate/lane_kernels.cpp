@@ -6,10 +6,8 @@
 namespace qerr::lanes {
 namespace {
 
-/// Numbers over one and the same divisor.
-///
-/// Rounded as a division is, so that a tie of an encoder is a tie here too: the rest of a first quotient is
-/// exact, and corrects it.
+/// x / divisor, correctly rounded, so that ties of a quantizer are preserved: the residual of the first
+/// quotient is exact and corrects it.
 template <class L>
 [[gnu::always_inline]] inline L over(const L& x, double divisor, double inverse) {
 #if defined(__FMA__) || defined(__aarch64__)
@@ -32,9 +30,9 @@ void times(double first, std::size_t count, double rate, double* to) {
   }
 }
 
-/// The sine alone, to 3e-16: of the angle less the nearest multiple n of pi, its sign changed where n is odd.
-/// One polynomial on +-pi/2 (degree 19, off by 4e-17) takes fewer operations than the two on +-pi/4 of
-/// `sincos`, whose remarks on large angles hold here, too.
+/// Sine only, absolute error 3e-16: (-1)^n sin(angle - n pi) with the nearest multiple n of pi. One
+/// polynomial on
+/// +-pi/2 (degree 19, error 4e-17) takes fewer operations than the two of `sincos`; large angles as there.
 template <class L>
 [[gnu::always_inline]] inline L sine(const L& angle) {
   constexpr double one_over_pi = 0x1.45f306dc9c883p-2, shift = 0x1.8p52;
@@ -54,7 +52,7 @@ template <class L>
                             __builtin_bit_cast(Bits<L>, of_r) ^ (__builtin_bit_cast(Bits<L>, shifted) << 63));
 }
 
-/// Some vectors of instants at a time: a sine is a long chain of operations, and others fill its waits.
+/// Groups of independent vectors of instants hide the latency of the sines.
 template <class L>
 void positions(const SinusoidPath& path, const double* time, double* to) {
   constexpr std::size_t lanes = lane_count<L>, group = 4;
@@ -69,7 +67,7 @@ void positions(const SinusoidPath& path, const double* time, double* to) {
       const Oscillation o = path.oscillations[k];
 #pragma GCC unroll 4
       for (std::size_t g = 0; g < group; ++g) {
-        // Rounded as MotionPath::at does: late in a motion this is the larger part of its rounding errors.
+        // Rounded as in MotionPath::at: late in a motion this is the larger part of its rounding errors.
         const L argument = rounded<L>(o.rate * t[g]) + o.phase;
         position[g] = fma(o.amplitude, sine(argument), position[g]);
       }
@@ -126,10 +124,10 @@ bool within(const double* row, double factor, double limit) {
   return !any<L>(~inside);
 }
 
-/// The nearest whole number.
+/// The nearest integer.
 template <class L>
 [[gnu::always_inline]] inline L nearest(const L& x) {
-  if constexpr (lane_count<L> == 2) {  // without an instruction for it; |x| < 2^51
+  if constexpr (lane_count<L> == 2) {  // without a rounding instruction; |x| < 2^51
     constexpr double shift = 0x1.8p52;
     return (x + shift) - shift;
   }
@@ -147,30 +145,30 @@ void subtract_nearest_integer(double* row) {
   }
 }
 
-/// Adds {s}(1 - {s}) between `tile` positions a vector apart and the lags of four vectors. What stands a
-/// vector later has the same distance from a position a vector later: few numbers are read for many pairs.
+/// Adds {s}(1 - {s}) of the pairs of `tile` positions, a vector apart, and the lags of four vectors. Both
+/// positions of a pair advance by a vector at equal lag, so that few loads serve many pairs.
 ///
 /// @param x     the first position
-/// @param past  what the first lag of the first lane leads to
+/// @param past  the position at the first lag of the first lane
 template <class L, int tile>
 [[gnu::always_inline]] inline void add_losses(const double* x, const double* past, L (&sums)[4]) {
   constexpr auto lanes = lane_count<L>;
-  L then[tile + 3];
+  L earlier[tile + 3];
 #pragma GCC unroll 8
-  for (int u = 0; u < tile + 3; ++u) then[u] = load<L>(past + u * lanes);
+  for (int u = 0; u < tile + 3; ++u) earlier[u] = load<L>(past + u * lanes);
 #pragma GCC unroll 4
   for (int k = 0; k < tile; ++k) {
-    const L now = broadcast<L>(x[k * lanes]);
+    const L position = broadcast<L>(x[k * lanes]);
 #pragma GCC unroll 4
     for (int v = 0; v < 4; ++v) {
-      // Of two numbers within half a count the difference is within one: {s} is its size, or 1 less that.
-      const L part = abs(now - then[k + v]);
+      // |x| <= 1/2, so that |s| <= 1 and {s} is |s| or 1 - |s|.
+      const L part = abs(position - earlier[k + v]);
       sums[v] = fma(part, 1 - part, sums[v]);
     }
   }
 }
 
-/// Lags are lanes, the longest first.
+/// Lanes are lags, the longest first.
 template <class L>
 double losses(const double* weights, std::size_t lags, const double* x, std::size_t count) {
   constexpr std::size_t lanes = lane_count<L>, tile = 4;

@@ -1,7 +1,7 @@
 #include "diagnose/surrogates/lane_surrogates.hpp"
 #include "lanes/compiled_set.hpp"
 
-// What residuals of surrogates in lanes are summed up to.
+// Statistics and filters of the residuals of surrogates, one surrogate per lane.
 
 namespace qerr::lanes {
 namespace {
@@ -124,8 +124,8 @@ struct HalvesOf {
 template <class L>
 using Halves = typename HalvesOf<L>::type;
 
-/// First the bins of all rows, then the counts: lanes that were taken out of a register one by one would wait
-/// for each other.
+/// Stores the bins of all rows before counting: extracting the lanes from a register one by one would be
+/// slower.
 template <class L>
 void distribute(const double* in, double middle, std::size_t rows, std::size_t width, std::int32_t* places,
                 std::uint32_t* bins) {
@@ -145,11 +145,11 @@ void distribute(const double* in, double middle, std::size_t rows, std::size_t w
 }
 
 template <class L, int group, bool second>
-[[gnu::always_inline]] inline void section_on(const ResidualSection& section, const double* in,
-                                              std::size_t rows, std::size_t width, double* state,
-                                              double* out) {
+[[gnu::always_inline]] inline void filter_section(const ResidualSection& section, const double* in,
+                                                  std::size_t rows, std::size_t width, double* state,
+                                                  double* out) {
   constexpr auto n = lane_count<L>;
-  const ResidualSection s = section;  // as what is written might change it
+  const ResidualSection s = section;  // hoisted: stores may alias it
   L s1[group], s2[group];
 #pragma GCC unroll 4
   for (int g = 0; g < group; ++g) s1[g] = load<L>(state + g * n), s2[g] = load<L>(state + width + g * n);
@@ -179,8 +179,8 @@ template <class L>
 void section(const ResidualSection& s, const double* in, std::size_t rows, std::size_t width, double* state,
              double* out) {
   in_groups<4, L>(0, width, [&]<int group>(std::size_t lane) {
-    s.second ? section_on<L, group, true>(s, in + lane, rows, width, state + lane, out + lane)
-             : section_on<L, group, false>(s, in + lane, rows, width, state + lane, out + lane);
+    s.second ? filter_section<L, group, true>(s, in + lane, rows, width, state + lane, out + lane)
+             : filter_section<L, group, false>(s, in + lane, rows, width, state + lane, out + lane);
   });
 }
 

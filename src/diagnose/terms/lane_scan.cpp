@@ -2,7 +2,7 @@
 #include "lanes/compiled_set.hpp"
 #include "lanes/lanes.hpp"
 
-// The power of a score at many rates.
+// Power of a score at many rates.
 
 namespace qerr::lanes {
 namespace {
@@ -31,23 +31,23 @@ template <class L>
   return real * real + imaginary * imaginary;
 }
 
-/// Rows step through `count` rates, and are added to the sums of each: some vectors of them at a time, which
-/// fill each other's waits.
+/// Adds the rows to the sums of `count` rates. Rows are processed in groups of independent vectors, whose
+/// recursions overlap in the pipeline.
 template <class L>
-void step_rates(std::size_t rows, std::size_t count, const Phasor<L>* turns, Phasor<L>* phasors,
+void step_rates(std::size_t rows, std::size_t count, const Phasor<L>* steps, Phasor<L>* phasors,
                 Phasor<L>* sums) {
   constexpr std::size_t group = lane_count<L> == 8 ? 4 : 2;
   static_assert(scanned_together % (group * lane_count<L>) == 0);
   for (std::size_t v = 0; v < rows / lane_count<L>; v += group) {
-    Phasor<L> turn[group], phasor[group];
+    Phasor<L> step[group], phasor[group];
 #pragma GCC unroll 4
-    for (std::size_t g = 0; g < group; ++g) turn[g] = turns[v + g], phasor[g] = phasors[v + g];
+    for (std::size_t g = 0; g < group; ++g) step[g] = steps[v + g], phasor[g] = phasors[v + g];
     for (std::size_t i = 0; i < count; ++i) {
       Phasor<L> sum = phasor[0] + phasor[1];
       if constexpr (group == 4) sum = sum + (phasor[2] + phasor[3]);
       sums[i] = sums[i] + sum;
 #pragma GCC unroll 4
-      for (std::size_t g = 0; g < group; ++g) phasor[g] = phasor[g] * turn[g];
+      for (std::size_t g = 0; g < group; ++g) phasor[g] = phasor[g] * step[g];
     }
 #pragma GCC unroll 4
     for (std::size_t g = 0; g < group; ++g) phasors[v + g] = phasor[g];
@@ -56,20 +56,20 @@ void step_rates(std::size_t rows, std::size_t count, const Phasor<L>* turns, Pha
 
 template <class L>
 void powers(const double* score, const double* angle, std::size_t rows, double first, std::size_t count,
-            double* room, double* powers) {
+            double* scratch, double* powers) {
   constexpr auto lanes = lane_count<L>;
-  auto* const turns = reinterpret_cast<Phasor<L>*>(room);
-  Phasor<L>*const phasors = turns + rows / lanes, *const sums = phasors + rows / lanes;
+  auto* const steps = reinterpret_cast<Phasor<L>*>(scratch);
+  Phasor<L>*const phasors = steps + rows / lanes, *const sums = phasors + rows / lanes;
   for (std::size_t v = 0; v < rows / lanes; ++v) {
     const L each = load<L>(angle + v * lanes), weight = load<L>(score + v * lanes);
-    const SineCosine<L> turn = sincos(each), start = sincos<L>(first * each);
-    turns[v] = {turn.cosine, turn.sine};
+    const SineCosine<L> step = sincos(each), start = sincos<L>(first * each);
+    steps[v] = {step.cosine, step.sine};
     phasors[v] = {weight * start.cosine, weight * start.sine};
   }
   for (std::size_t begin = 0; begin < count; begin += scanned_at_once) {
     const std::size_t some = count - begin < scanned_at_once ? count - begin : scanned_at_once;
     for (std::size_t i = 0; i < some; ++i) sums[i] = Phasor<L>{};
-    step_rates<L>(rows, some, turns, phasors, sums);
+    step_rates<L>(rows, some, steps, phasors, sums);
     for (std::size_t i = 0; i < some; ++i) powers[begin + i] = power_of(sums[i]);
   }
 }
