@@ -239,7 +239,7 @@ OperationalModel one_link() {
   return m;
 }
 
-// The points that the job samples in advance (WorkspaceJob::draw_anywhere) are not representative here.
+// The points that the job samples in advance (WorkspaceJob::draw_sample) are not representative here.
 TEST(Workspace, BinnedPercentilesAreAccurateForAnUnrepresentativeSample) {
   Configurations c;
   c.method = SamplingMethod::list;

@@ -82,7 +82,7 @@ std::size_t expect_agreement_below(const fs::path& folder) {
       try {
         chain = make_chain(robot, "", tip);
       } catch (const std::exception&) {
-        continue;  // nothing moves on the way, or a floating joint does
+        continue;  // no moving joint between the links, or a floating one
       }
       expect_agreement(chain, ++chains, 5e-15, file.path().filename().string() + " " + tip);
     }

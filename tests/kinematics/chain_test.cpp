@@ -124,7 +124,7 @@ TEST(Chain, FloatingAndPlanarJointsOnTheChainAreRejectedByName) {
     const std::string message = message_of(robot, "", "left");
     EXPECT_NE(message.find("joint 'b'"), std::string::npos) << message;
     EXPECT_NE(message.find(word), std::string::npos) << message;
-    EXPECT_EQ(make_chain(robot, "two", "left").joints.size(), 1u) << "beside the way it does no harm";
+    EXPECT_EQ(make_chain(robot, "two", "left").joints.size(), 1u) << "not on the chain";
   }
 }
 

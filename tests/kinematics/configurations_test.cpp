@@ -125,7 +125,7 @@ TEST(Configurations, GridIncludesBothEndsAndTheLastJointVariesFastest) {
   EXPECT_EQ(draw(c, 26, 1)(0, 0), 0.7);
   c.count = 1;
   ASSERT_EQ(size(c), 1u);
-  EXPECT_EQ(draw(c, 0, 1).col(0), Eigen::Vector3d(0.4, 2, 6)) << "a single value stands in the middle";
+  EXPECT_EQ(draw(c, 0, 1).col(0), Eigen::Vector3d(0.4, 2, 6)) << "a single value is the middle";
 }
 
 TEST(Configurations, SizeIsTheCountAndSaturates) {
