@@ -33,7 +33,7 @@ double variance(const Eigen::ArrayXd& x, const Eigen::ArrayXd& w) {
   return (w * (x - mean).square()).sum() / w.sum();
 }
 
-/// Which scatter a record of the planned motion shows beyond the noise of its reference.
+/// Sizes of random errors that a record of the planned motion shows beyond the noise of its reference.
 class ScatterPower {
  public:
   ScatterPower(const PlannedRecord& r, const Identifiability& s, const PlanOptions& o)
@@ -50,22 +50,22 @@ class ScatterPower {
     return std::max(own_ * std::sqrt(ratio * ratio - 1), scatter_worth_naming * spread);
   }
 
-  /// Smallest detectable displacement of every second edge [counts]: half of it is its rms, its mean an
-  /// offset.
+  /// Smallest detectable displacement of every second edge [counts]. Its rms about the mean is half of it;
+  /// the mean may be due to an offset.
   double detectable_displacement() const {
     return std::max(2 * detectable(), 2 * std::sqrt(need_ / position_));
   }
 
   double own() const { return own_; }      ///< noise of the reference [counts]
-  double total() const { return total_; }  ///< information of all readings about the log of a scatter
-  double need() const { return need_; }    ///< noncentrality for the power asked for
+  double total() const { return total_; }  ///< information of all readings on log sigma
+  double need() const { return need_; }    ///< noncentrality for the given power
 
  private:
   double own_, total_, position_, need_;
 };
 
-/// Scatter in proportion to a deviation that varies from row to row, such as the velocity, against a uniform
-/// one.
+/// Random errors proportional to a quantity that varies from row to row, such as the velocity, compared with
+/// uniform ones.
 class VaryingScatter {
  public:
   /// @param deviation  of every row, per unit of the effect's parameter [rad or m]
@@ -75,7 +75,7 @@ class VaryingScatter {
     const auto mean = [&](const Eigen::ArrayXd& x) { return (r.weight * x).sum() / r.weight.sum(); };
     rms_ = std::sqrt(mean(d.square()));
     correlation_ = mean(d2) / std::sqrt(std::max(mean(d2.square()), 1e-300));
-    // A histogram of the readings by their deviation: fine enough for a smooth function of it.
+    // Histogram of the readings by deviation.
     constexpr Eigen::Index bins = 200;
     deviations_ = d.maxCoeff() * Eigen::ArrayXd::LinSpaced(bins, 0, 1);
     weight_ = Eigen::ArrayXd::Zero(bins);

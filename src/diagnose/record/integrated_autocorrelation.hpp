@@ -15,9 +15,8 @@ namespace qerr {
 /// The larger value of two orders of the rows is returned: by time and by position, in which repeated passes
 /// over one position are neighbours. It is 1 if it is not noticeably larger, or if the residual is the noise
 /// of the reference.
-/// @param model  with all identifiable terms, as missing ones would count as correlation; what coarse tables
-/// of
-///   position and time explain is removed first
+/// @param model  with all identifiable terms, as missing ones would count as correlation; the part that
+///   coarse tables of position and time explain is removed first
 double integrated_autocorrelation(const Evidence&, const Explanation& model);
 
 }  // namespace qerr
