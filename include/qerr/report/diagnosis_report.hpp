@@ -10,46 +10,47 @@
 
 namespace qerr {
 
-/// The answer of `qerr diagnose`.
+/// The result of `qerr diagnose`.
 struct DiagnosisReport {
   Spec spec;
   Log log;  ///< with its values
   Diagnosis diagnosis;
-  std::string extended_model;  ///< the file that --write-model wrote, "" for none
+  std::string extended_model;  ///< path of the file that --write-model wrote; "" without one
   std::vector<std::string> warnings;
 };
 
-/// Holds a log against its spec.
-/// @throws Error (input) for what the log lacks
+/// Compares a log with its spec.
+/// @throws Error (input) if the log lacks data that the diagnosis needs
 DiagnosisReport diagnosis_report(const Spec&, Log, const DiagnoseOptions&);
 
-/// The parameters of a cause in the order of the effect's row: what was fitted, with its interval, and what
-/// was not (an order, a shaft's side), with an interval of no width.
+/// A parameter of a cause. One that was not fitted, such as an order, has an interval of zero width.
 struct ReportedParameter {
   FoundParameter figure;
   std::string unit;    ///< SI, "" for a pure number
   bool fixed = false;  ///< not fitted
 };
+
+/// In the order of the effect's row.
 std::vector<ReportedParameter> reported_parameters(const Spec&, const Cause&);
 
 /// `m` for a prismatic joint and for a coordinate of the tip, `rad` otherwise.
 std::string coordinate_unit(const Spec&, const std::string& joint_or_coordinate);
 
-/// The spec with the found effects in it, ready to stand at `target` (see extended_spec); notes above each
-/// effect tell what was found, and how surely.
+/// The spec with the effects found, as the text of a file at `target` (see extended_spec); a comment above
+/// each effect states its parameters with their intervals.
 std::string extended_model(const DiagnosisReport&, const std::string& target);
 
-/// Look-up table for a controller (CSV): per encoder, what to add to the measured position so that the found
-/// effects that depend on the position alone are gone. Columns joint, encoder_angle [rad], measured,
-/// correction, unit; over one revolution of the encoder where the error repeats with it, else over the
-/// positions of the log. `#` lines say how it is used and what it does not hold.
-/// @throws Error (usage) where the errors' periods are too short for a table
+/// Look-up table for a controller (CSV): per encoder, the correction that is added to the measured position
+/// to compensate those effects found that depend on the position alone. Columns joint, encoder_angle [rad],
+/// measured, correction, unit; over one revolution of the encoder if the error is periodic in it, else over
+/// the positions of the log. Lines with `#` state how to use it and which effects it does not contain.
+/// @throws Error (usage) if the periods of the errors are too short for a table
 std::string correction_table(const DiagnosisReport&);
 
 /// For plots (CSV): measured - reference of every encoder against time, position and direction, and the
-/// amplitudes of its sines by order per revolution of the joint (or per metre); before, and after what the
-/// found effects explain. Empty where there is nothing to plot: no joint has a reference (as in a log of a
-/// tracked tip alone), and for the spectrum, none has moved.
+/// amplitude spectrum by order per revolution of the joint (or per metre); before and after subtraction of
+/// the effects found. Empty if no joint has a reference (as in a log of a tracked tip alone); the spectrum
+/// also if no joint moves.
 struct ResidualCurves {
   std::string residual;  ///< joint, time [s], reference, direction, before, after, unit
   std::string spectrum;  ///< joint, order, encoder_order, before, after, unit

@@ -9,18 +9,18 @@
 
 namespace qerr {
 
-/// The answer of `qerr diagnose --plan`.
+/// The result of `qerr diagnose --plan`.
 struct PlanReport {
   Spec spec;
   Plan plan;
   std::vector<std::string> warnings;
 };
 
-/// What a record of the spec's motion could show.
-/// @throws Error (input; key `motion`) when the spec has none
+/// The effects that a log of the spec's motion would detect and identify.
+/// @throws Error (input; key `motion`) if the spec has none
 PlanReport plan_report(const Spec&, const PlanOptions& = {});
 
-/// `motion:` as it stands in a spec, of a motion whose joints are written out.
+/// The `motion:` section of a spec, with a motion of each joint.
 std::string motion_text(const Motion&, const Chain&);
 
 }  // namespace qerr

@@ -9,7 +9,7 @@
 
 namespace qerr {
 
-/// The answer of `qerr simulate`.
+/// The result of `qerr simulate`.
 struct SimulationReport {
   Spec spec;
   Simulation simulation;
@@ -17,16 +17,17 @@ struct SimulationReport {
   std::vector<std::string> warnings;
 };
 
-/// Runs the spec's motion.
-/// @throws Error (input; key `motion`) when the spec has none
+/// Simulates the spec's motion.
+/// @throws Error (input; key `motion`) if the spec has none
 SimulationReport simulation_report(const Spec&, const SimulationOptions&);
 
-/// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts (or what
-/// a file with a grid of its own has instead, `measured`), the reference, and the effort where the URDF has
-/// masses; the tip.
+/// Header and rows of the log that `qerr diagnose` reads: time; of every joint its encoder's counts
+/// (`measured` if the log has a resolution of its own), the reference, and the effort if the URDF has masses;
+/// the tip. Holds a reference to the spec, which must outlive it.
 class LogWriter {
  public:
   explicit LogWriter(const Spec&);
+  explicit LogWriter(Spec&&) = delete;
   std::string header() const;
 
   /// The row of one reading; the text is valid until the next call.
@@ -35,7 +36,7 @@ class LogWriter {
  private:
   const Spec& spec_;
   bool efforts_;
-  std::vector<bool> rounded_;  // joints whose file has a grid of its own: measured instead of counts
+  std::vector<bool> rounded_;  // joints with a log resolution: `measured` instead of `counts`
   std::string text_;
 };
 

@@ -15,14 +15,14 @@ namespace qerr {
 
 namespace {
 
-/// Parts of a variance below this are squares of rounding errors.
+/// Relative variance below this is the square of a rounding error (1e-12 of sigma).
 constexpr double rounding = 1e-24;
 
 /// Within 5 degrees of the gimbal lock a roll or yaw error is more than ten times the rotation that causes
 /// it.
 constexpr double near_gimbal_lock = 0.0872;
 
-/// What IPQN is worth without a motion, in one sentence.
+/// The accuracy of IPQN without a motion, in one sentence.
 std::string warning_of_ipqn(const Spec& spec) {
   std::string thresholds;
   for (const NamedFilter& f : spec.filters) {
@@ -39,7 +39,7 @@ std::string warning_of_ipqn(const Spec& spec) {
          "; add `motion:` to get sigma at your speeds";
 }
 
-/// @param known  what was found of it
+/// @param known  of noise_in_motion
 std::vector<std::string> warnings_of_derivatives(const Spec& spec,
                                                  const std::vector<Eigen::VectorXd>& known) {
   std::vector<std::string> warnings;
@@ -53,7 +53,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec,
   return warnings;
 }
 
-/// A requirement that cannot be decided is no verdict.
+/// A requirement without a figure cannot be decided.
 void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   for (const Requirement& r : spec.requirements) {
     if (r.bound != Requirement::Bound::sigma_in_motion) continue;
@@ -63,7 +63,7 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
   }
 }
 
-/// What the figures do not contain.
+/// The error sources that the figures do not contain.
 std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
   const bool any = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.counts; });
   std::vector<std::string> warnings = effect_warnings(spec, effects);

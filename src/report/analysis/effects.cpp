@@ -26,7 +26,7 @@ std::vector<Limits> sampled_ranges(const Spec& spec) {
   return ranges;
 }
 
-/// What is not known, and what to add to the spec or the URDF.
+/// The quantity that is missing, and where to add it.
 std::pair<const char*, const char*> lack(Need need, bool has_motion) {
   switch (need) {
     case Need::position:
@@ -62,7 +62,7 @@ std::string parameters_text(const Spec& spec, const Effect& effect) {
   return text;
 }
 
-/// A text of any length behind each line.
+/// The lines, each with its text at the end.
 std::string with_texts(const std::string& lines, const std::vector<std::string>& texts) {
   std::string out;
   std::size_t at = 0;
@@ -79,7 +79,7 @@ std::string with_texts(const std::string& lines, const std::vector<std::string>&
 RobotUsage usage_of(const Spec& spec) {
   const RobotUsage limits = usage_from_limits(spec.model, sampled_ranges(spec));
   if (!spec.motion) return limits;
-  double margin = 0;  // a late reading is one of before the motion
+  double margin = 0;  // late readings at the start show the time before the motion
   for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
   RobotUsage usage = usage_in_motion(spec.model, *spec.motion, std::min(margin, spec.motion->duration));
   for (std::size_t i = 0; i < usage.joints.size(); ++i)
@@ -155,7 +155,7 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
   }
   return with_texts(aligned(rows), parameters) +
          (unknown ? "  ?: not known, and not in the figures below\n" : "") +
-         (elsewhere ? "  -: in the log or the reference alone, no error of the robot\n" : "") +
+         (elsewhere ? "  -: affects the log or the reference only, not the robot\n" : "") +
          (!spec.motion ? "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n"
           : has_masses(spec.model.chain)
               ? "  positions, speeds and loads as in `motion:`\n"

@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-constexpr int bar_width = 24;
+constexpr int bar_width = 12;
 
 std::string name_of(SamplingMethod m) {
   switch (m) {
@@ -27,13 +27,12 @@ std::string name_of(SamplingMethod m) {
   return {};
 }
 
-/// Every encoder with its bar; the largest share is marked, as that is the encoder to upgrade first.
+/// Every encoder with its share as a bar; the largest is marked.
 std::string encoder_table(const Analysis& a, const Style& style) {
   const std::vector<double> budget = encoder_budget(a);
   const auto largest =
       static_cast<std::size_t>(std::max_element(budget.begin(), budget.end()) - budget.begin());
-  std::vector<std::vector<std::string>> rows{
-      {"encoder", "resolution", "joint worst case", "joint sigma", "share"}};
+  std::vector<std::vector<std::string>> rows{{"encoder", "resolution", "worst case", "sigma", "share"}};
   for (std::size_t i = 0; i < budget.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
@@ -49,17 +48,15 @@ std::string encoder_table(const Analysis& a, const Style& style) {
     const std::size_t end = text.find('\n', at);
     std::string line = text.substr(at, end - at);
     at = end + 1;
-    if (i == 0) line += "  of the tip's variance";
     if (i > 0) line += "  " + bar(budget[i - 1], bar_width);
     if (i == largest + 1 && budget[largest] > 0 && budget.size() > 1)
-      line = painted(line + (a.spec.model.sources.empty() ? "  <- upgrade first" : "  <- improve first"),
-                     Paint::yellow, style);
+      line = painted(line + "  <- first", Paint::yellow, style);
     out += line + '\n';
   }
   return out;
 }
 
-/// Below this a length, an angle or their derivative is what trigonometry leaves of a zero.
+/// 0 for rounding errors of sines and cosines: no length, angle or derivative of one is this small.
 double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
 
 /// The statistics that tables show: percentiles, then the maximum.
@@ -130,15 +127,18 @@ std::string to_table(const Analysis& a, const Style& style) {
   const Chain& chain = a.spec.model.chain;
   std::string out = painted("qerr analyze", Paint::bold, style) + "  robot '" +
                     escaped(a.spec.robot_name, 60) + "', " + escaped(chain.base, 60) + " -> " +
-                    escaped(chain.tip, 60) + ", " + counted(chain.independent.size(), "encoder") + ", " +
+                    escaped(chain.tip, 60) + "\n" + counted(chain.independent.size(), "encoder") + ", " +
                     std::to_string(a.workspace.count) + " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
-  out += heading(a.spec.model.sources.empty() ? "Encoders: which one to upgrade first"
-                                              : "Encoders, with the effects at their joints",
-                 style) +
-         encoder_table(a, style);
+  out +=
+      heading(
+          a.spec.model.sources.empty()
+              ? "Encoders: errors at the joint, and share of the tip's variance (upgrade the largest first)"
+              : "Encoders and effects: errors at the joint, and share of the tip's variance",
+          style) +
+      encoder_table(a, style);
   if (!a.effects.empty())
-    out += heading("Effects: what they add at the joint", style) + effect_table(a.spec, a.effects);
+    out += heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=
       heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
@@ -146,9 +146,7 @@ std::string to_table(const Analysis& a, const Style& style) {
                    style) +
            derivative_table(a, f);
   if (a.spec.motion && !a.spec.filters.empty())
-    out +=
-        "\n  sigma in motion: the encoders move as in `motion:`, the Jacobians are those of the "
-        "configurations\n";
+    out += "\n  sigma in motion: encoders move as in `motion:`, Jacobians are those of the configurations\n";
   return out;
 }
 

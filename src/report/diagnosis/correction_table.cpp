@@ -13,7 +13,7 @@ namespace {
 constexpr double turn = 2 * std::numbers::pi;
 constexpr double most_rows = 1e6;
 
-/// Positions at which the correction of an encoder is told: from, to, and how many intervals between.
+/// Equidistant positions of the correction table of an encoder.
 struct Grid {
   double from = 0, to = 0;
   std::size_t intervals = 64;
@@ -49,8 +49,7 @@ Grid grid_of(const Evidence& e, const std::vector<Effect>& effects) {
   return grid;
 }
 
-/// The position whose reading is `measured`, less that: by a fixed point, as errors change
-/// slowly with the position.
+/// True position minus `measured`, by fixed-point iteration: the errors change slowly with the position.
 double correction(const ExtendedReading& reading, double measured) {
   double position = measured;
   for (int i = 0; i < 50; ++i) {

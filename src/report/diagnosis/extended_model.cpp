@@ -16,7 +16,7 @@ std::string note(const Spec& spec, const Cause& cause) {
   return text;
 }
 
-/// A filter that the spec can state: it has no place for a delay beside the low-pass.
+/// Whether a spec can state the filter: a low-pass without an additional delay.
 bool is_filter(const Effect& e) {
   return effect_kind(e.type).is_filter && e.choices.count("family") && e.number_or("order", 0) > 0 &&
          e.number_or("delay", 0) == 0;
@@ -33,8 +33,8 @@ std::string free_name(const Spec& spec, const std::vector<AddedFilter>& added, c
   return name;
 }
 
-/// The filters that made the velocities of the log. Where the spec's only one made none of them, the first
-/// takes its place; else each is one beside the spec's.
+/// The filters that computed the velocities of the log. If none of the velocities is of the spec's only
+/// filter, the first one replaces it; the others are added.
 std::vector<AddedFilter> found_filters(const DiagnosisReport& r) {
   std::vector<AddedFilter> filters;
   std::vector<std::string> stated;

@@ -10,12 +10,12 @@
 /// What the formats and files of a diagnosis share.
 namespace qerr {
 
-/// Number of the independent joint of this name, and of its encoder; empty where there is none.
+/// Index of the independent joint of this name, and of its encoder; empty if there is none.
 std::optional<std::size_t> joint_place(const Spec&, const std::string& name);
 
-/// A figure with its 95 % interval, to the digits that it is known to: `566.1 +- 2.9 urad`; where the
-/// interval is not about the figure, `566 urad (540 urad .. 570 urad)`; phases in degrees; the figure alone
-/// where it was not fitted.
+/// A figure with its 95 % interval, rounded to two digits of the interval: `566.1 +- 2.9 urad`; with an
+/// asymmetric interval `566 urad (540 urad .. 570 urad)`; phases in degrees; without an interval if the
+/// parameter was not fitted.
 std::string with_interval(const ReportedParameter&);
 
 }  // namespace qerr

@@ -19,7 +19,7 @@ std::vector<Effect> effects_of(const DiagnosisReport& r, const std::string& join
   return list;
 }
 
-/// Means over equal parts of the range, about their own mean; NaN where the joint never was.
+/// Means over equal intervals of the range, minus the overall mean; NaN in an interval without samples.
 Eigen::ArrayXd binned(const Eigen::ArrayXd& position, const Eigen::ArrayXd& residual) {
   const double from = position.minCoeff(), span = position.maxCoeff() - from;
   Eigen::ArrayXd sum = Eigen::ArrayXd::Zero(bins), count = Eigen::ArrayXd::Zero(bins);

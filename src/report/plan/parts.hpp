@@ -7,10 +7,10 @@
 /// What the formats of a plan share.
 namespace qerr {
 
-/// SI unit of the parameter that a planned effect's size is of, "" for a pure number.
+/// SI unit of the parameter that states a planned effect's size; "" for a pure number.
 std::string size_unit(const PlannedEffect&, bool prismatic);
 
-/// An effect as people tell it from its kin: `eccentricity (joint)`, without its order.
+/// An effect with its shaft, without its order: `eccentricity (joint)`.
 std::string family_of(const Effect&);
 
 }  // namespace qerr

@@ -8,14 +8,14 @@
 
 namespace qerr {
 
-/// A signal of the report and what it is called.
+/// A signal of the report and its names. Borrows the signal from the report.
 struct NamedSignal {
   const SimulatedSignal& signal;
-  std::string filter;  ///< "position" before any
+  std::string filter;  ///< "position" for the unfiltered signal
   std::string coordinate, unit;
 };
 
-/// All of them, in the order in which every format writes them. They live as long as the report.
+/// All signals, in the order of every format. Valid as long as the report.
 std::vector<NamedSignal> signals_of(const SimulationReport&);
 
 /// Names and values.

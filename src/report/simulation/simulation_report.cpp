@@ -43,7 +43,7 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
 
 namespace {
 
-/// Figures that the report lacks, and why.
+/// The figures that are missing from the report, with the reason.
 std::vector<std::string> warnings_of(const SimulationReport& r) {
   std::vector<std::string> warnings;
   for (std::size_t f = 0; f < r.spec.filters.size(); ++f) {
@@ -59,7 +59,8 @@ std::vector<std::string> warnings_of(const SimulationReport& r) {
         return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);
       }))
     warnings.push_back(
-        "roll and yaw: the motion meets the gimbal lock (pitch = +-90 deg), where there is no theory of "
+        "roll and yaw: the motion passes the gimbal lock (pitch = +-90 deg), where the theory is unbounded "
+        "for "
         "them; "
         "use rx ry rz");
   return warnings;
@@ -77,7 +78,7 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
   if (needs_effort(spec.effects) && !has_masses(spec.model.chain))
     throw Error(Fault{{spec.file, 1, 1},
                       "effects",
-                      "compliance winds up under a load that the URDF does not tell",
+                      "compliance needs a load, which the URDF does not determine",
                       "no <inertial> between base and tip",
                       "give the links their masses"});
   const EffectReport effects = effect_report(spec);
