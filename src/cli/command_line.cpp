@@ -72,7 +72,7 @@ void add_value_option(CLI::App& app, const Option& row, std::vector<std::string>
       option->check([&row](const std::string& text) { return fault_of_number(row, text); });
       [[fallthrough]];
     default:
-      option->expected(1);
+      option->expected(1)->allow_extra_args(false);
   }
   if (row.choices) option->check([&row](const std::string& text) { return fault_of_choice(row, text); });
 }

@@ -133,8 +133,8 @@ std::string to_table(const Analysis& a, const Style& style) {
   out +=
       heading(
           a.spec.model.sources.empty()
-              ? "Encoders: errors at the joint, and share of the tip's variance (upgrade the largest first)"
-              : "Encoders and effects: errors at the joint, and share of the tip's variance",
+              ? "Encoders: error at the joint, share of the tip's variance, first to upgrade"
+              : "Encoders and effects: error at the joint, share of the tip's variance",
           style) +
       encoder_table(a, style);
   if (!a.effects.empty())

@@ -159,12 +159,10 @@ std::string compensation(const DiagnosisReport& r) {
       out += "  A compensation in the controller would not reduce the error at " + place + ".\n";
       continue;
     }
-    out += "  With a compensation in the controller, the error at " + place + " would be " +
-           readable(c.gain.rms_after, c.gain.unit) + " rms instead of " +
-           readable(c.gain.rms_before, c.gain.unit);
+    out += "  A compensation in the controller would reduce the rms error at " + place + " from " +
+           readable(c.gain.rms_before, c.gain.unit) + "\n  to " + readable(c.gain.rms_after, c.gain.unit);
     // At the tip the quantization of all encoders adds up: see `qerr analyze`.
-    if (!c.gain.of_tip)
-      out += ";\n  quantization alone causes " + readable(sigma(*encoder), c.gain.unit) + " rms";
+    if (!c.gain.of_tip) out += "; quantization alone causes " + readable(sigma(*encoder), c.gain.unit);
     out += ".\n";
   }
   return out;

@@ -73,7 +73,7 @@ std::string dynamics_table(const FilterReport& report) {
     return value ? readable(*value, unit) : "none";
   };
   std::vector<std::vector<std::string>> rows{
-      {"filter", "delay", "settling time (2 %)", "-3 dB", "noise-equivalent bandwidth"}};
+      {"filter", "delay", "settling (2 %)", "-3 dB", "noise-equivalent bandwidth"}};
   for (const FilterFigures& f : report.filters)
     rows.push_back({escaped(f.name, 40), readable(f.group_delay, "s"), figure(f.settling_time, "s"),
                     figure(f.bandwidth, "Hz"), figure(f.noise_bandwidth, "Hz")});

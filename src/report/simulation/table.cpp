@@ -75,7 +75,7 @@ std::string peak_table(const SimulationReport& r) {
 
 std::string ladder_table(const SimulationReport& r) {
   std::vector<std::vector<std::string>> rows{
-      {"", "sim/IPQN", "=", "varying Jacobian", "joint error", "correlated joints", "non-linear"}};
+      {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     rows.push_back({label_of(named), ratio(s.sigma_simulated, s.sigma_ipqn), "=",
@@ -121,10 +121,10 @@ std::string causes(const SimulationReport& r) {
   std::string text;
   const auto line = [&](const std::string& why, const std::vector<std::string>& labels) {
     if (labels.empty()) return;
-    text += "  " + why + ": ";
-    for (std::size_t k = 0; k < std::min<std::size_t>(labels.size(), 4); ++k)
-      text += (k ? ", " : "") + labels[k];
-    if (labels.size() > 4) text += " and " + std::to_string(labels.size() - 4) + " more";
+    constexpr std::size_t most = 3;
+    text += "  " + why + ":\n    ";
+    for (std::size_t k = 0; k < std::min(labels.size(), most); ++k) text += (k ? ", " : "") + labels[k];
+    if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
     text += '\n';
   };
   for (std::size_t i = 0; i < found.size(); ++i) line(names[i], found[i]);
