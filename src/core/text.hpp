@@ -10,7 +10,7 @@ namespace qerr {
 /// surrogates); 0 if the bytes are not well formed.
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
-/// Columns the text takes on a terminal, counting a code point as one.
+/// Width of the text on a terminal, counted as one column per code point.
 std::size_t display_width(std::string_view text);
 
 /// Count and noun: "1 joint", "3 joints".

@@ -9,7 +9,8 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
   if (r.filter >= 0) {
     const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
     if (r.bound == Bound::sigma_in_motion && !d.sigma_in_motion)
-      throw Error(Fault{r.place, "requirements", "sigma in motion is not known", "'" + r.quantity + "'", ""});
+      throw Error(
+          Fault{r.place, "requirements", "sigma in motion is not computed", "'" + r.quantity + "'", ""});
     statistic = r.bound == Bound::sigma             ? &d.sigma
                 : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
                                                     : &d.worst_case;

@@ -71,8 +71,7 @@ void refuse_key(const Object& o, std::string_view key, const std::string& why, c
 /// Joint travel per encoder-shaft revolution before the gear: 2 pi, or the travel of screw or pulley.
 double travel_of(const Object& o, const IndependentJoint& joint) {
   if (!joint.prismatic()) {
-    refuse_key(o, "travel_per_rev", "joint '" + joint.name + "' is not prismatic",
-               "leave travel_per_rev out");
+    refuse_key(o, "travel_per_rev", "joint '" + joint.name + "' is not prismatic", "remove travel_per_rev");
     return 2 * std::numbers::pi;
   }
   if (const auto travel = o.number("travel_per_rev")) return *travel;
@@ -105,9 +104,9 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     if (kind.counts_per_period)
       encoder.counts_per_period = kind.counts_per_period(numbers, o.choices(kind.parameters));
   } else {
-    refuse_key(o, "gear_ratio", "a resolution is at the joint, behind the gear", "leave gear_ratio out");
-    refuse_key(o, "travel_per_rev", "a resolution is at the joint, behind the screw",
-               "leave travel_per_rev out");
+    refuse_key(o, "gear_ratio", "a resolution at the joint has no gear ratio", "remove gear_ratio");
+    refuse_key(o, "travel_per_rev", "a resolution at the joint has no travel per revolution",
+               "remove travel_per_rev");
     encoder.resolution = kind.resolution_at_joint(numbers, o.choices(kind.parameters));
     figures.counts_per_rev = 2 * std::numbers::pi / encoder.resolution;
   }

@@ -106,7 +106,7 @@ Filter design(const Object& o) {
   if (chosen) return represented(o, *chosen, d);
   if (!o.has("lowpass")) {
     if (!o.has("derivative"))
-      throw Error({o.self().node->place, o.self().path, "the filter does nothing", described(*o.self().node),
+      throw Error({o.self().node->place, o.self().path, "the filter has no effect", described(*o.self().node),
                    "give derivative, lowpass" + keys_of_representations()});
     return difference_filter(d.sample_rate, d.derivative);
   }

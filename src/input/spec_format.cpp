@@ -247,7 +247,7 @@ const std::vector<Parameter>& sweep() {
        .kind = Kind::text,
        .meaning = "dotted path of the value that varies",
        .required = true},
-      {.name = "values", .kind = Kind::any, .meaning = "the values it takes"},
+      {.name = "values", .kind = Kind::any, .meaning = "its values"},
       {.name = "from", .kind = Kind::any, .meaning = "first value of a range"},
       {.name = "to", .kind = Kind::any, .meaning = "last value of a range"},
       {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e6},

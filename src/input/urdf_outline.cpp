@@ -219,7 +219,7 @@ void Outliner::malformed() {
     case XML_ERROR_TAG_MISMATCH:
       fail("the closing tag does not match", "", open);
     case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:
-      fail("nothing may follow </robot>", "", "a URDF has one <robot>, and it is the root");
+      fail("nothing may follow </robot>", "", "a URDF must have <robot> as its only root element");
     case XML_ERROR_MISPLACED_XML_PI:
       fail("<?xml ...?> must be at the start of the file", "", "remove the text before it");
     default:

@@ -53,11 +53,11 @@ void UrdfReader::check_ends(const WrittenJoint& w) {
 
 /// If every link has at most one parent, the graph is a tree if and only if there is one root and no cycle.
 void UrdfReader::check_tree(const UrdfElement& root) {
-  std::unordered_map<std::string, std::size_t> seen;  // link -> the first walk that visited it
+  std::unordered_map<std::string, std::size_t> visited;  // link -> the first walk that visited it
   for (std::size_t walk = 0; walk < model.links.size(); ++walk) {
     std::string link = model.links[walk];
     Names path;
-    for (auto up = parent_joint_.find(link); seen.emplace(link, walk).second && up != parent_joint_.end();
+    for (auto up = parent_joint_.find(link); visited.emplace(link, walk).second && up != parent_joint_.end();
          up = parent_joint_.find(link)) {
       path.push_back(link);
       link = written[up->second].joint.parent;
@@ -98,13 +98,13 @@ void UrdfReader::check_mimics() {
             "");
   }
   faults_.raise();
-  std::vector<std::size_t> seen(written.size(), written.size());  // the first walk that visited a joint
+  std::vector<std::size_t> visited(written.size(), written.size());  // the first walk that visited a joint
   for (std::size_t walk = 0; walk < written.size(); ++walk) {
     std::size_t at = walk;
-    for (; written[at].joint.mimic && seen[at] == written.size();
+    for (; written[at].joint.mimic && visited[at] == written.size();
          at = joint_index_.at(written[at].joint.mimic->joint))
-      seen[at] = walk;
-    if (!written[at].joint.mimic || seen[at] != walk) continue;
+      visited[at] = walk;
+    if (!written[at].joint.mimic || visited[at] != walk) continue;
     Names loop{names[at]};
     for (std::size_t next = at; loop.size() < 2 || next != at;) {
       next = joint_index_.at(written[next].joint.mimic->joint);

@@ -4,11 +4,11 @@
 
 namespace qerr {
 
-/// A row of the paper's Table IV, in both readings. Lengths in metres.
+/// A row of Table IV of the paper, in both interpretations. Lengths in metres.
 ///
-/// Physical: resolution 2 pi l/(n G), as a revolute joint of n G counts a turn moves a point at distance l.
-/// As printed (paper, Eqs. 43 and 44): l/(n G), which lacks the 2 pi. A prismatic joint has no such factor.
-/// Threshold velocity: resolution times sample rate, one count per sample.
+/// Physical: resolution 2 pi l/(n G) of a point at distance l from a revolute joint with n G counts per turn.
+/// As printed (paper, Eqs. 43 and 44): l/(n G), without the factor 2 pi. A prismatic joint has no such
+/// factor. Threshold velocity: resolution times sample rate, which is one count per sample.
 struct ThresholdRow {
   std::string robot;
   std::string joint;  ///< the joint with the largest l Delta

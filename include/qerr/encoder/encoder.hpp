@@ -10,7 +10,7 @@ enum class Rounding {
   down      ///< error in (-Delta, 0]: counters that truncate
 };
 
-/// An ideal encoder, seen from the joint side of its gear.
+/// An ideal encoder, in joint coordinates (after its gear).
 struct Encoder {
   double resolution = 0;  ///< quantization interval Delta [rad, or m for a prismatic joint], > 0
   Rounding rounding = Rounding::nearest;

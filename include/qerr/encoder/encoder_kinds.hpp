@@ -15,8 +15,8 @@ using EncoderChoices = std::map<std::string, std::string>;  ///< checked choices
 /// Range within which an encoder's count is absolute: beyond it a recorded count starts again.
 enum class AbsoluteRange { none, signal_period, revolution };
 
-/// A row of the list of encoder kinds: one way to state an encoder's resolution. Exactly one kind's key
-/// stands in an encoder of the spec.
+/// A row of the list of encoder kinds: one way to state the resolution of an encoder. An encoder of the spec
+/// has the key of exactly one kind.
 struct EncoderKind {
   std::string_view name;  ///< key that selects the kind
   std::string_view summary;
