@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "qerr/bound/statistic.hpp"
+
 namespace qerr {
 
 SampledBins::SampledBins(const std::int32_t* begin, const std::int32_t* end)
@@ -36,7 +38,12 @@ CountedBins SampledBins::near_percentiles() const {
   };
   // The first bin includes all smaller values.
   const auto from = [&](std::int32_t bin) { return bin == first_ ? CountedBins::first : bin; };
-  return {from(edge(0.5, -1)), edge(0.5, 1) + 1, from(edge(0.95, -1))};
+  std::vector<double> fractions;
+  for (const StatisticKind& kind : statistic_kinds())
+    if (kind.percentile >= 0) fractions.push_back(kind.percentile);
+  std::sort(fractions.begin(), fractions.end());
+  const double lowest = fractions.front(), next = fractions[fractions.size() > 1];
+  return {from(edge(lowest, -1)), edge(lowest, 1) + 1, from(edge(next, -1))};
 }
 
 Histogram::Usual SampledBins::usual() const {

@@ -22,8 +22,8 @@ class SampledBins {
   std::int32_t operator[](std::uint64_t rank) const;
 
   /// Bins that the percentiles of all values need: 4.5 standard deviations (of the sample's percentile) on
-  /// either side of the median, and everything from as far below the 95th percentile on. For independent
-  /// values three edges in a million are on the wrong side.
+  /// either side of the lowest one, and everything from as far below the next one on. For independent values
+  /// three edges in a million are on the wrong side.
   CountedBins near_percentiles() const;
 
   /// Bins from the smallest value to an octave above the largest.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <limits>
 
 #include "bound/histogram.hpp"
@@ -43,6 +44,21 @@ Statistic binned_statistic_of(const std::vector<double>& values, double typical,
   return statistic(tally, [&](std::uint64_t rank) {
     return histograms[0].order_statistic(rank, tally.min(), tally.max());
   });
+}
+
+// A member without a row would be missing in specs and reports.
+TEST(Statistic, EveryMemberHasARow) {
+  Statistic s;
+  double value = 1;
+  for (const StatisticKind& kind : statistic_kinds()) {
+    EXPECT_EQ(s.*kind.value, 0) << kind.name << " has the member of another row";
+    EXPECT_EQ(find_statistic(kind.name), &kind);
+    s.*kind.value = value++;
+  }
+  EXPECT_EQ(statistic_kinds().size(), offsetof(Statistic, at_max) / sizeof(double));
+  EXPECT_EQ(find_statistic("p98"), nullptr);
+  for (const StatisticKind& kind : statistic_kinds())
+    EXPECT_EQ(scaled(s, 2).*kind.value, 2 * (s.*kind.value));
 }
 
 // Golden: numpy's definition in exact fractions; 1e-15 relative.
