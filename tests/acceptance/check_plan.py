@@ -144,7 +144,7 @@ def check_interface(t, qerr, folder):
         t.check(f"{' '.join(str(a) for a in arguments[1:]) or 'no log'}: exit {code} and a remedy",
                 answer.code == code and not answer.out and all(w in answer.err.decode() for w in words), answer.err)
     table = run(qerr, "diagnose", spec, "--plan").out.decode()
-    t.check("the table is less than 140 columns wide", max(map(len, table.split("\n"))) < 140 and "Smallest size" in table, table)
+    t.check("the table is less than 140 columns wide", max(map(len, table.split("\n"))) < 140 and "Smallest identifiable size" in table, table)
     rows = list(csv.reader(io.StringIO(run(qerr, "diagnose", spec, "--plan", "--format", "csv").out.decode())))
     t.check("the CSV is rectangular", len(rows) > 20 and {len(r) for r in rows} == {13}, rows[:2])
     louder = plan(qerr, spec, "--reference-noise", "0.5")
