@@ -219,7 +219,7 @@ def check_rest(t, qerr, folder):
                 worst.add(f"{d['filter']}.{c['coordinate']}.{bound}", c[bound]["max"], max(float(r[column]) for r in rows), 1e-15)
     t.check("--per-configuration includes the effects", worst.holds(), worst.detail())
     table = run(qerr, "analyze", path, "--no-color").out.decode()
-    t.check("the table shows the effects", all(w in table for w in ("Effects: what they add", "gap 10.0 mrad", "sigma 1.00 mrad")), table[:800])
+    t.check("the table shows the effects", all(w in table for w in ("Effects: errors that they add", "gap 10.0 mrad", "sigma 1.00 mrad")), table[:800])
     bytes_of = [run(qerr, "analyze", path, "--format", "json", "--threads", n).out for n in (1, 3)]
     t.check("the same bytes for --threads 1 and 3", bytes_of[0] == bytes_of[1] and bytes_of[0])
     rows = json.loads(run(qerr, "list", "effects", "--format", "json").out)
