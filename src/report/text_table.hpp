@@ -22,7 +22,7 @@ std::string bar(double fraction, int width);
 /// ANSI codes (SGR).
 enum class Paint { bold, red, green, yellow };
 
-/// The text in bold, and in the colour if one is given, where the style has colours.
+/// The text in bold, and in the colour if one is given, if the style has colours.
 std::string painted(const std::string& text, Paint, const Style&);
 
 /// The title of a section: an empty line, and the text in bold.

@@ -23,7 +23,7 @@ Json statistic(const Spec& spec, const Statistic& s) {
   return object;
 }
 
-/// Null where there is no bound at all.
+/// Null for a quantity without a bound.
 Json statistic_or_null(const Spec& spec, const Statistic& s) {
   return std::isfinite(s.min) ? statistic(spec, s) : Json(nullptr);
 }
@@ -50,7 +50,7 @@ Json covariance_behind(const Analysis& a, std::size_t filter) {
   return covariance(factor * w.mean_covariance, factor * w.covariance_at_largest);
 }
 
-/// Figures are null where they are not known, and of the file or the reference where `counted` is false.
+/// Figures of unknown size are null; `counted` is false for an effect on the log or the reference only.
 Json effects(const Analysis& a) {
   Json list = Json::array();
   for (const EffectShare& s : a.effects) {

@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-/// Rows of section,joint,name,figure,value,lower,upper,p_value,unit; a cell that has no answer is empty.
+/// Rows of section,joint,name,figure,value,lower,upper,p_value,unit; a cell without a value is empty.
 class Tidy {
  public:
   struct Row {
@@ -30,7 +30,7 @@ class Tidy {
     };
     figure("rms_before", g.rms_before, g.unit);
     figure("rms_after", g.rms_after, g.unit);
-    // Intervals of the ratio are known where blocks were held out.
+    // The ratio has an interval only if it was computed on held-out blocks.
     add({.section = section,
          .joint = joint,
          .name = name,

@@ -6,7 +6,7 @@ namespace qerr {
 
 namespace {
 
-/// Whether the effect's own action stands for it.
+/// Whether the reading contains the effect's action.
 bool acts(const EffectKind& kind) {
   return kind.action && kind.stage != Stage::log && !kind.random() && !kind.replay;
 }
@@ -34,7 +34,7 @@ ExtendedReading::ExtendedReading(const std::vector<Effect>& effects, const Encod
                    [](const Step& a, const Step& b) { return a.stage < b.stage; });
 }
 
-double ExtendedReading::taken(double time) const {
+double ExtendedReading::sampled_at(double time) const {
   for (const Step& s : steps_)
     if (s.stage == Stage::clock) time = s.action(time, {});
   return time;
@@ -61,9 +61,9 @@ Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) 
   for (const Effect& effect : effects)
     if (const auto replay = effect_kind(effect.type).replay) sum += replay(effect, e);
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const double position = e.ordered ? at(e, reading.taken(e.time[k])) : e.path[k];
-    // The path's own interpolation must not look like an effect where none touches the clock.
-    const double truth = reading.taken(e.time[k]) == e.time[k] ? e.path[k] : position;
+    const double position = e.ordered ? at(e, reading.sampled_at(e.time[k])) : e.path[k];
+    // Without a clock effect the interpolation error of the path must not appear as an effect.
+    const double truth = reading.sampled_at(e.time[k]) == e.time[k] ? e.path[k] : position;
     const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
                         e.temperature.size() ? e.temperature[k] : 0};
     sum[k] += reading(truth, moment) - reading.reference(e.path[k], moment);

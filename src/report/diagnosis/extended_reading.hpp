@@ -7,20 +7,20 @@
 
 namespace qerr {
 
-/// What an encoder with effects reads, its quantization, backlash and everything random left out: the
-/// effects' actions one after the other, in the order in which the signal passes them.
+/// The reading of an encoder with effects, without quantization, backlash and random effects: the actions of
+/// the effects in the order of the signal's stages.
 class ExtendedReading {
  public:
-  /// @param effects  those that no row knows, backlash, random ones and those of the file are passed over
+  /// @param effects  backlash, random effects, effects on the log and those without a row are ignored
   ExtendedReading(const std::vector<Effect>& effects, const Encoder&);
 
-  /// When a reading of this time was taken [s].
-  double taken(double time) const;
+  /// Time at which the reading with this time stamp was sampled [s].
+  double sampled_at(double time) const;
 
-  /// @param position  true one, when the reading was taken [rad or m]
+  /// The reading. @param position  the true one at the time of sampling [rad or m]
   double operator()(double position, const Moment&) const;
 
-  /// What the better sensor says of it [rad or m].
+  /// Position that the reference sensor reports [rad or m].
   double reference(double position, const Moment&) const;
 
  private:
@@ -32,11 +32,10 @@ class ExtendedReading {
   double resolution_;
 };
 
-/// What the effects add to measured - reference, row by row, backlash included [rad or m].
+/// The contribution of the effects to measured - reference in each row, backlash included [rad or m].
 Eigen::ArrayXd explained(const Evidence&, const std::vector<Effect>&);
 
-/// Whether the error of an effect depends on the position alone and changes smoothly with it: a look-up table
-/// can hold it.
+/// Whether a look-up table can compensate an effect: its error is a smooth function of the position alone.
 bool fits_table(const Effect&);
 
 }  // namespace qerr

@@ -15,7 +15,7 @@ std::string fitted(double value, double half, double scale, const std::string& u
   return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
 }
 
-/// Degrees take no prefix.
+/// Degrees have no SI prefix.
 std::string figure(double value, const std::string& unit) {
   return unit == "deg" ? significant(value, 3) + " deg" : readable(value, unit);
 }

@@ -60,7 +60,7 @@ std::string filter_csv(const FilterReport& report) {
   return out;
 }
 
-/// One row for each motion; sigma is empty where it is not known.
+/// One row for each motion; sigma is empty if it is not known.
 std::string noise_csv(const std::vector<FilterNoise>& noise) {
   std::string out =
       "filter,encoder,motion,size,size_unit,frequency [Hz],counts_per_sample,unit,sigma,sigma_ipqn\r\n";
@@ -74,7 +74,7 @@ std::string noise_csv(const std::vector<FilterNoise>& noise) {
   return out;
 }
 
-/// One row for each bound; empty where it is infinite.
+/// One row for each bound; empty if it is infinite.
 std::string estimator_csv(const EstimatorReport& report) {
   std::string out = "encoder,speed,unit,quanta_per_sample,estimator,bound,error,snr_db\r\n";
   for (const EncoderEstimators& e : report.encoders)

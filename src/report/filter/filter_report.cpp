@@ -35,7 +35,8 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
   for (const NamedFilter& f : spec.filters) {
     const int d = f.filter.derivative;
     if (d == 0) continue;
-    const std::string stated = "filter '" + f.name + "' is said to estimate derivative " + std::to_string(d);
+    const std::string stated =
+        "filter '" + f.name + "' is specified to estimate derivative " + std::to_string(d);
     if (std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
       warnings.push_back(stated + " and passes constants: H(1) = " + significant(f.norms.dc_gain, 4));
     else if (!estimates_its_derivative(f.filter))
