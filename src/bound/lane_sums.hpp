@@ -23,7 +23,7 @@ struct CovarianceTo {
   CovarianceTo(const ErrorPlan& plan, double* figures, double* sums)
       : to(keep ? figures + plan.figures.covariance * batch_size : sums + plan.sums.covariance * stride) {}
 
-  [[gnu::always_inline]] void put(std::size_t e, const L& value) const {
+  [[gnu::always_inline]] void store_entry(std::size_t e, const L& value) const {
     store(to + e * stride, keep ? value : load<L>(to + e * stride) + value);
   }
 };
@@ -46,13 +46,13 @@ struct ThreeSums {
   }
 
   template <std::size_t from, class To>
-  [[gnu::always_inline]] void put(Errors<L>& e, const To& covariance) const {
+  [[gnu::always_inline]] void write(Errors<L>& e, const To& covariance) const {
 #pragma GCC unroll 3
     for (std::size_t r = 0; r < 3; ++r) {
       e.half[from + r] = half_width_of_sigma * a[r];
       e.variance[from + r] = s[entry(r, r)];
 #pragma GCC unroll 3
-      for (std::size_t c = 0; c <= r; ++c) covariance.put(entry(from + r, from + c), s[entry(r, c)]);
+      for (std::size_t c = 0; c <= r; ++c) covariance.store_entry(entry(from + r, from + c), s[entry(r, c)]);
     }
   }
 };
@@ -71,10 +71,10 @@ struct MixedSums {
   }
 
   template <class To>
-  [[gnu::always_inline]] void put(const To& covariance) const {
+  [[gnu::always_inline]] void write(const To& covariance) const {
 #pragma GCC unroll 8
-    for (std::size_t e = 0; e < 8; ++e) covariance.put(entry(3 + e / 3, e % 3), s[e]);
-    covariance.put(entry(5, 2), orthogonal ? -(s[0] + s[4]) : s[8]);
+    for (std::size_t e = 0; e < 8; ++e) covariance.store_entry(entry(3 + e / 3, e % 3), s[e]);
+    covariance.store_entry(entry(5, 2), orthogonal ? -(s[0] + s[4]) : s[8]);
   }
 };
 
@@ -86,7 +86,7 @@ template <std::size_t from, class L, class To>
     const L* const u = spreads.of(p) + from;
     sums.add(u[0], u[1], u[2]);
   }
-  sums.template put<from>(e, covariance);
+  sums.template write<from>(e, covariance);
 }
 
 template <bool orthogonal, class L, class To>
@@ -94,7 +94,7 @@ template <bool orthogonal, class L, class To>
                                              const To& covariance) {
   MixedSums<L, orthogonal> sums;
   for (std::size_t p = 0; p < parts; ++p) sums.add(spreads.of(p), spreads.of(p) + 3);
-  sums.put(covariance);
+  sums.write(covariance);
 }
 
 /// Sums for any coordinates and parts.
@@ -115,7 +115,7 @@ void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& un
         sum = fma((plan.part[p].sigma * plan.part[p].sigma) * u[r], u[c], sum);
       }
       sum = bounded(plan.coordinate[r], unbounded, bounded(plan.coordinate[c], unbounded, sum));
-      covariance.put(entry(r, c), sum);
+      covariance.store_entry(entry(r, c), sum);
       if (c == r) e.variance[r] = sum;
     }
   }
@@ -182,8 +182,8 @@ template <class L, class To>
   SumColumns<L> sums{{scratch.joints}, plan.keep_columns, plan.moving_parts};
   const SineCosine<L>* const motions = ahead.advance();
   columns_of_motions<L>(plan.chain, plan.column_scale, motions, scratch.joints, Ignore{}, sums, ahead);
-  sums.positions.template put<0>(e, covariance);
-  sums.mixed.put(covariance);
+  sums.positions.template write<0>(e, covariance);
+  sums.mixed.write(covariance);
   sum_three<3>(spreads, plan.parts, e, covariance);
 }
 

@@ -115,10 +115,10 @@ double quantized_sine_mean_square(double offset, double amplitude) {
   }
   const double v = offset + 0.5;
   const HankelSum& sum = second_power();
-  const double ahead = sum(0, amplitude + v, amplitude);
+  const double above = sum(0, amplitude + v, amplitude);
   // Equal at offset 1/2, the argument of autocorrelations.
-  const double behind = v == 1 ? ahead : sum(0, amplitude - v, amplitude);
-  return 1.0 / 12 + (ahead + behind) / (2 * pi * pi * pi * std::sqrt(amplitude));
+  const double below = v == 1 ? above : sum(0, amplitude - v, amplitude);
+  return 1.0 / 12 + (above + below) / (2 * pi * pi * pi * std::sqrt(amplitude));
 }
 
 double quantized_sine_correlation(double offset, double amplitude) {

@@ -14,10 +14,13 @@
 namespace qerr {
 
 /// Implementation of `workspace`: threads process blocks of configurations, which are joined in their order.
+/// Borrows the configurations and the options.
 class WorkspaceJob {
  public:
   WorkspaceJob(const OperationalModel&, const std::vector<Norms>& filters, const Configurations&,
                const WorkspaceOptions&);
+  WorkspaceJob(const WorkspaceJob&) = delete;
+  WorkspaceJob& operator=(const WorkspaceJob&) = delete;
 
   void run();
 

@@ -40,13 +40,13 @@ template <class L>
 
 /// Integers below 2^53 as doubles.
 template <class L>
-[[gnu::always_inline]] inline L number(const Words<L>& whole) {
+[[gnu::always_inline]] inline L number(const Words<L>& integers) {
 #if defined(__AVX512DQ__)
-  return __builtin_convertvector(__builtin_bit_cast(Bits<L>, whole), L);
+  return __builtin_convertvector(__builtin_bit_cast(Bits<L>, integers), L);
 #else
   // Exponents put before both halves give 2^84 + high 2^32 and 2^52 + low.
-  const L high = __builtin_bit_cast(L, (whole >> 32) | 0x4530000000000000u);
-  const L low = __builtin_bit_cast(L, (whole & 0xFFFFFFFFu) | 0x4330000000000000u);
+  const L high = __builtin_bit_cast(L, (integers >> 32) | 0x4530000000000000u);
+  const L low = __builtin_bit_cast(L, (integers & 0xFFFFFFFFu) | 0x4330000000000000u);
   return (high - 0x1.00000001p84) + low;
 #endif
 }

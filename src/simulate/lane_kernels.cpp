@@ -97,10 +97,10 @@ void mix(std::size_t n, const double* matrix, const double* from, double* to) {
 
 template <class L>
 [[gnu::always_inline]] inline L floor(const L& x) {
-  L whole;
+  L rounded_x;
 #pragma GCC unroll 8
-  for (std::size_t i = 0; i < lane_count<L>; ++i) whole[i] = __builtin_floor(x[i]);
-  return whole;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) rounded_x[i] = __builtin_floor(x[i]);
+  return rounded_x;
 }
 
 template <class L>
@@ -131,10 +131,10 @@ template <class L>
     constexpr double shift = 0x1.8p52;
     return (x + shift) - shift;
   }
-  L whole;
+  L rounded_x;
 #pragma GCC unroll 8
-  for (std::size_t i = 0; i < lane_count<L>; ++i) whole[i] = __builtin_nearbyint(x[i]);
-  return whole;
+  for (std::size_t i = 0; i < lane_count<L>; ++i) rounded_x[i] = __builtin_nearbyint(x[i]);
+  return rounded_x;
 }
 
 template <class L>

@@ -57,7 +57,7 @@ OperationalError operational_error(const OperationalModel&, const Eigen::VectorX
 /// Covariance Sigma_x of all coordinates, sources included [m^2, m rad, rad^2].
 Eigen::MatrixXd covariance(const OperationalError&);
 
-/// Covariance behind a filter: h2^2 times the encoders' part plus gain^2 times the part of each source.
+/// Covariance behind a filter: h2^2 times the encoders' part plus ratio^2 times the part of each source.
 Eigen::MatrixXd covariance(const OperationalError&, double h2, const Eigen::VectorXd& ratios);
 
 }  // namespace qerr
