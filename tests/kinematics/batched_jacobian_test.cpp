@@ -156,7 +156,7 @@ TEST(FoldedChain, FoldsRightAnglesOnly) {
                               {}});
     }
     const FoldedJoint joint = fold(make_chain(robot, "", ""), false).joints[1];
-    return joint.tilts ? Tilt::general : joint.right ? Tilt::right : Tilt::none;
+    return joint.tilts ? Tilt::general : joint.right_angle ? Tilt::right : Tilt::none;
   };
   EXPECT_EQ(tilt_of(std::numbers::pi / 2), Tilt::right);
   EXPECT_EQ(tilt_of(-std::numbers::pi / 2), Tilt::right);

@@ -36,7 +36,7 @@ Counted abs(const Counted& a) { return {a.value < 0 ? -a.value : a.value}; }
 Counted sqrt(const Counted& a) { return {__builtin_sqrt(a.value)}; }
 
 /// Logical operations, without multiplications.
-SineCosine<Counted> turned(const SineCosine<Counted>& a, const Counted& n) {
+SineCosine<Counted> add_quarter_turns(const SineCosine<Counted>& a, const Counted& n) {
   const auto quarter = __builtin_bit_cast(std::uint64_t, n.value) & 3;
   const Counted sine = quarter & 1 ? a.cosine : a.sine, cosine = quarter & 1 ? a.sine : a.cosine;
   return {quarter & 2 ? -sine : sine, (quarter + 1) & 2 ? -cosine : cosine};
