@@ -66,11 +66,11 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
 /// The error sources that the figures do not contain.
 std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
   const bool any = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.counts; });
-  std::vector<std::string> warnings = effect_warnings(spec, effects);
-  warnings.insert(warnings.begin(),
-                  any ? "quantization and the effects of the spec: nothing else is in these figures"
-                      : "quantization only: backlash, calibration, compliance and noise are not in these "
-                        "figures");
+  std::vector<std::string> warnings;
+  warnings.emplace_back(any ? "quantization and the effects of the spec: nothing else is in these figures"
+                            : "quantization only: backlash, calibration, compliance and noise are not in "
+                              "these figures");
+  for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
   return warnings;
 }
 
@@ -90,7 +90,7 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
-  if (!w.exact_percentiles) warnings.push_back("percentiles are counted in bins: right to 1e-3 relative");
+  if (!w.exact_percentiles) warnings.emplace_back("percentiles are counted in bins: right to 1e-3 relative");
   return warnings;
 }
 

@@ -16,7 +16,7 @@ CheckReport check_report(const Spec& spec, const WorkspaceOptions& options) {
   for (const Requirement& r : spec.requirements)
     report.results.push_back(evaluate(r, report.analysis.workspace));
   if (spec.requirements.empty())
-    report.analysis.warnings.push_back("the spec has no requirements: nothing was checked");
+    report.analysis.warnings.emplace_back("the spec has no requirements: nothing was checked");
   return report;
 }
 
