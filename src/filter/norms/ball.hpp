@@ -1,20 +1,16 @@
 #pragma once
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
+#include <limits>
+#include <type_traits>
+#include <utility>
 
+#include "filter/norms/multiprecision.hpp"
 #include "qerr/core/double_double.hpp"
 
 namespace qerr {
 
-/// A binary number of so many bits, every operation correctly rounded; its exponent does not overflow here.
-template <unsigned bits>
-using Binary = boost::multiprecision::number<
-    boost::multiprecision::cpp_bin_float<bits, boost::multiprecision::digit_base_2>,
-    boost::multiprecision::et_off>;
-using Binary1024 = Binary<1024>;
-
-/// What a number type rounds: each operation is off by `unit` of its result and `tiny` at most.
+/// Rounding errors of a number type: an operation is off by at most `unit` times its result, plus `tiny`.
 template <class T>
 struct Rounding;
 
@@ -26,8 +22,8 @@ struct Rounding<DoubleDouble> {
   static constexpr Radius unit = 0x1p-102;
   static constexpr Radius tiny = 1e-285;
   static Radius magnitude(const DoubleDouble& x) { return std::abs(x.hi) * (1 + 0x1p-50); }
-  static DoubleDouble scaled(const DoubleDouble& x, int by) {
-    return {std::ldexp(x.hi, by), std::ldexp(x.lo, by)};
+  static DoubleDouble scaled(const DoubleDouble& x, int exponent) {
+    return {std::ldexp(x.hi, exponent), std::ldexp(x.lo, exponent)};
   }
 };
 
@@ -37,9 +33,9 @@ struct Rounding<Binary<bits>> {
   static inline const Radius unit = std::ldexp(1.0L, -static_cast<int>(bits) + 1);
   static constexpr Radius tiny = 0;
   static Radius magnitude(const Binary<bits>& x) {
-    return static_cast<Radius>(abs(x)) * (1 + 0x1p-50L) + std::numeric_limits<Radius>::min();
+    return std::abs(static_cast<Radius>(x)) * (1 + 0x1p-50L) + std::numeric_limits<Radius>::min();
   }
-  static Binary<bits> scaled(const Binary<bits>& x, int by) { return ldexp(x, by); }
+  static Binary<bits> scaled(const Binary<bits>& x, int exponent) { return ldexp(x, exponent); }
 };
 
 inline Binary1024 to_binary1024(DoubleDouble x) { return Binary1024(x.hi) + Binary1024(x.lo); }
@@ -49,21 +45,20 @@ DoubleDouble to_double_double(const Binary<bits>& x) {
   const double hi = static_cast<double>(x);
   return {hi, static_cast<double>(x - Binary<bits>(hi))};
 }
-inline DoubleDouble to_double_double(DoubleDouble x) { return x; }
 
-/// A number known to a radius: |x - mid| <= rad whatever the roundings (midpoint-radius arithmetic).
+/// Midpoint-radius interval arithmetic: a real number x with |x - mid| <= rad.
 ///
-/// The operations bound their own rounding, so whatever is computed in balls is proven. Radii are rounded up
-/// by the factor `up`, far more than the few roundings of one radius. A NaN anywhere makes every `above_zero`
-/// false.
+/// Every operation adds a bound of its own rounding error to the radius, so that a result in balls is a
+/// proof. Radii are rounded up by the factor `up`, far more than the few roundings of one radius. With a NaN
+/// `above_zero` and `below_zero` are false.
 template <class T>
 class Ball {
  public:
   using Radius = typename Rounding<T>::Radius;
 
   Ball() = default;
-  Ball(double exact) : mid_(exact) {}  // NOLINT: a double is a ball, exactly
-  explicit Ball(T mid, Radius rad = 0) : mid_(mid), rad_(rad) {}
+  Ball(double exact) : mid_(exact) {}  // NOLINT: exact
+  explicit Ball(T mid, Radius rad = 0) : mid_(std::move(mid)), rad_(rad) {}
   static Ball exactly(DoubleDouble x) {
     if constexpr (std::is_same_v<T, DoubleDouble>) {
       return Ball(x);
@@ -78,8 +73,8 @@ class Ball {
   Radius smallest() const { return magnitude() * (1 - 0x1p-48) - rad_ * up; }  ///< of |x|; may be below 0
   bool above_zero() const { return T(0) < mid_ && smallest() > 0; }
   bool below_zero() const { return mid_ < T(0) && smallest() > 0; }
-  Ball scaled(int by) const {
-    return Ball(Rounding<T>::scaled(mid_, by), std::ldexp(rad_, by) + Rounding<T>::tiny);
+  Ball scaled(int exponent) const {
+    return Ball(Rounding<T>::scaled(mid_, exponent), std::ldexp(rad_, exponent) + Rounding<T>::tiny);
   }
 
   friend Ball operator-(const Ball& x) { return Ball(-x.mid_, x.rad_); }
@@ -92,15 +87,15 @@ class Ball {
   }
   friend Ball operator/(const Ball& x, const Ball& y) {
     Ball q(x.mid_ / y.mid_);
-    const Radius room = y.smallest();
-    const Radius spread = (x.rad_ + q.magnitude() * y.rad_) / room;
-    return rounded(q.mid_, room > 0 ? spread : std::numeric_limits<Radius>::infinity());
+    const Radius divisor = y.smallest();
+    const Radius spread = (x.rad_ + q.magnitude() * y.rad_) / divisor;
+    return rounded(q.mid_, divisor > 0 ? spread : std::numeric_limits<Radius>::infinity());
   }
   Ball& operator+=(const Ball& y) { return *this = *this + y; }
   Ball& operator-=(const Ball& y) { return *this = *this - y; }
   Ball& operator*=(const Ball& y) { return *this = *this * y; }
 
-  /// @pre x >= 0, though its ball may reach below
+  /// @pre x >= 0, though mid - rad may be below 0
   friend Ball sqrt(const Ball& x) {
     using std::sqrt;
     if (!x.above_zero()) return Ball(T(0), sqrt(x.largest()) * up);

@@ -7,16 +7,16 @@
 namespace qerr {
 namespace {
 
-/// The same number with more bits. Boost's own conversion reads as out of bounds to GCC 12.
+/// The same number with at least as many bits, exactly: the sum of its leading doubles.
 template <class T>
 T widened(const Binary1024& x) {
   int exponent = 0;
-  Binary1024 rest = frexp(x, &exponent);
+  Binary1024 remaining = frexp(x, &exponent);
   T sum = 0;
-  while (rest != 0) {
-    const double part = static_cast<double>(rest);
+  while (remaining != 0) {
+    const double part = static_cast<double>(remaining);
     sum += part;
-    rest -= part;
+    remaining -= part;
   }
   return ldexp(sum, exponent);
 }

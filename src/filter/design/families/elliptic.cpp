@@ -1,33 +1,21 @@
-#include <boost/math/special_functions/ellint_rf.hpp>
-#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <algorithm>
 #include <cmath>
 
 #include "filter/design/families/prototype.hpp"
+#include "filter/norms/ball.hpp"
 
 namespace qerr {
 namespace {
 
-using Real = boost::multiprecision::cpp_bin_float_50;
+using Real = Binary256;
+using Complex = ComplexOf<Real>;
 
-struct Complex {
-  Real re, im;
-};
-
-DoubleDouble to_double_double(const Real& x) {
-  const double high = static_cast<double>(x);
-  return {high, static_cast<double>(Real(x - high))};
-}
-
-ComplexDoubleDouble quotient(const Complex& x, const Complex& y, const Real& scale) {
-  const Real n = (y.re * y.re + y.im * y.im) / scale;
-  return {to_double_double((x.re * y.re + x.im * y.im) / n),
-          to_double_double((x.im * y.re - x.re * y.im) / n)};
-}
+ComplexDoubleDouble rounded(const Complex& x) { return {to_double_double(x.re), to_double_double(x.im)}; }
 
 /// theta_2 (odd) or theta_3 at x + jy: sum over the odd or even m >= 0 of 2 q^(m^2/4) cos(m (x + jy)), the
 /// term of m = 0 once.
 Complex theta(bool odd, const Real& q, const Real& x, const Real& y) {
-  Complex sum{0, 0};
+  Complex sum{0.0, 0.0};
   for (int m = odd ? 1 : 0; m < 400; m += 2) {
     const Real weight = (m == 0 ? 1 : 2) * pow(q, Real(m) * m / 4);
     sum.re += weight * cos(m * x) * cosh(m * y);
@@ -42,41 +30,53 @@ Real quarter_period(const Real& complementary) {
   Real a = 1, b = complementary;
   for (int i = 0; i < 12; ++i) {
     const Real mean = (a + b) / 2;
-    b = sqrt(Real(a * b));
+    b = sqrt(a * b);
     a = mean;
   }
   return 1 / a;
 }
 
+/// Carlson's R_F(x, y, z) = (1/2) int_0^inf dt/sqrt((t + x)(t + y)(t + z)), by duplication (Carlson 1995,
+/// Numerical computation of real or complex elliptic integrals, Eqs. 2.2 to 2.7).
+Real carlson_rf(Real x, Real y, Real z) {
+  Real mean = (x + y + z) / 3;
+  // Each step divides the deviations by four; the series below is good to their seventh power.
+  for (int i = 0; i < 24; ++i) {
+    const Real lambda = sqrt(x) * sqrt(y) + sqrt(y) * sqrt(z) + sqrt(z) * sqrt(x);
+    for (Real* number : {&x, &y, &z, &mean}) *number = (*number + lambda) / 4;
+  }
+  const Real u = 1 - x / mean, v = 1 - y / mean, w = -(u + v);
+  const Real e2 = u * v - w * w, e3 = u * v * w;
+  return (1 - e2 / 10 + e3 / 14 + e2 * e2 / 24 - 3 * e2 * e3 / 44) / sqrt(mean);
+}
+
 /// The elliptic prototype from the nome: the degree equation n K'/K = K1'/K1 reads q = q1^(1/n), and with
 /// cd((u - jv) K) = theta_2/(sqrt(k) theta_3) at pi (u - jv)/2 the modulus is never needed.
-/// (Orfanidis, Lecture notes on elliptic filter design, 2006, Eqs. 47-56, with theta functions of 50 digits.)
+/// (Orfanidis, Lecture notes on elliptic filter design, 2006, Eqs. 47-56, with theta functions of 77 digits.)
 Prototype prototype_of(int order, double ripple, double attenuation) {
-  using boost::math::constants::pi;
-  const Real ln10 = log(Real(10));
-  const Real epsilon2 = expm1(Real(ripple) * ln10 / 10);
-  const Real k1_squared = epsilon2 / expm1(Real(attenuation) * ln10 / 10);
-  const Real period = quarter_period(sqrt(Real(1 - k1_squared)));
-  const Real q = exp(Real(-pi<Real>() * quarter_period(sqrt(k1_squared)) / period / order));
-  const Real t2 = theta(true, q, 0, 0).re, t3 = theta(false, q, 0, 0).re;
-  const Real root_k = t2 / t3;
+  const Real pi = pi256(), ln10 = log(Real(10));
+  const Real epsilon2 = expm1(ripple * ln10 / 10);
+  const Real k1_squared = epsilon2 / expm1(attenuation * ln10 / 10);
+  const Real period = quarter_period(sqrt(1 - k1_squared));
+  const Real q = exp(-pi * quarter_period(sqrt(k1_squared)) / period / order);
+  const Real root_k = theta(true, q, 0, 0).re / theta(false, q, 0, 0).re;
   // v: sn(j n v K1, k1) = j/epsilon, that is n v K1 = F(atan(1/epsilon), k1').
   const Real cosine2 = epsilon2 / (1 + epsilon2), sine2 = 1 / (1 + epsilon2);
-  const Real angle =
-      sqrt(sine2) * boost::math::ellint_rf(cosine2, Real(cosine2 + k1_squared * sine2), Real(1));
+  const Real angle = sqrt(sine2) * carlson_rf(cosine2, cosine2 + k1_squared * sine2, 1);
   const Real y = angle / period / order;  // pi v/2
+  // j cd((u - jv) K) up to j: theta at x - jy.
+  const auto cd = [&](const Real& x) {
+    return rounded(theta(true, q, x, -y) / theta(false, q, x, -y) * Complex(1 / root_k));
+  };
   Prototype prototype;
   for (int i = 1; i <= order / 2; ++i) {
-    const Real x = pi<Real>() * (2 * i - 1) / (2 * order);
-    // p = j cd((u - jv) K); theta at x - jy.
-    const ComplexDoubleDouble cd = quotient(theta(true, q, x, -y), theta(false, q, x, -y), 1 / root_k);
-    prototype.poles.push_back({-abs(cd.im), abs(cd.re)});
+    const Real x = pi * (2 * i - 1) / (2 * order);
+    const ComplexDoubleDouble p = cd(x);
+    prototype.poles.push_back({-abs(p.im), abs(p.re)});
     prototype.zeros.push_back(to_double_double(theta(false, q, x, 0).re / theta(true, q, x, 0).re / root_k));
   }
   if (order % 2 == 1) {
-    const Real half = pi<Real>() / 2;
-    const ComplexDoubleDouble cd = quotient(theta(true, q, half, -y), theta(false, q, half, -y), 1 / root_k);
-    prototype.poles.push_back(ComplexDoubleDouble(-abs(cd.im)));
+    prototype.poles.push_back(ComplexDoubleDouble(-abs(cd(pi / 2).im)));
   } else {
     prototype.gain = std::pow(10, -ripple / 20);
   }

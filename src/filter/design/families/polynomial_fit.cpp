@@ -1,6 +1,6 @@
 #include "filter/design/families/polynomial_fit.hpp"
 
-#include <boost/multiprecision/cpp_bin_float.hpp>
+#include "filter/norms/multiprecision.hpp"
 
 namespace qerr {
 
@@ -14,7 +14,7 @@ Parameter window_row() {
 }
 namespace {
 
-using Real = boost::multiprecision::cpp_bin_float_50;
+using Real = Binary256;
 
 /// The d-th derivatives at x of t_0 .. t_order, orthogonal on 0 .. n-1 (Abramowitz and Stegun 22.17):
 /// (k+1) t_(k+1) = (2k+1)(2x - n + 1) t_k - k (n^2 - k^2) t_(k-1).

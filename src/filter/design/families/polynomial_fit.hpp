@@ -12,8 +12,8 @@ Parameter window_row();
 /// The filter whose output is the derivative of the polynomial that fits the newest `window` samples best
 /// (least squares; Savitzky and Golay 1964), `back` samples before the newest one.
 ///
-/// The fit is by orthogonal polynomials (discrete Chebyshev, also called Gram) in 50 digits: each tap is
-/// rounded once.
+/// The fit is by orthogonal polynomials (discrete Chebyshev, also called Gram) with 256 bits, so that
+/// each tap is rounded once.
 /// @throws Error (input; key `sample_rate`, `derivative` or `polynomial_order`) unless derivative <=
 /// polynomial_order < window
 Filter polynomial_fit(const FilterDesign&, int window, int polynomial_order, double back);

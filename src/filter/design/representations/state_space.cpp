@@ -13,7 +13,7 @@ using Matrix = std::vector<Vector>;
 
 constexpr int most_dc_zeros = 4;  // that rounding may have hidden
 constexpr std::size_t max_states = 20;
-const Binary1024 negligible("1e-290");  // rounding of 1024 bits
+constexpr double negligible = 1e-290;  // above the rounding of 1024 bits (1e-308), below any meant ratio
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
 
 /// Numerator and denominator in ascending powers of z, by Faddeev and Le Verrier: M_n = I,
@@ -98,7 +98,7 @@ Factored factored(Vector p) {
     for (std::size_t j = 0; j < i; ++j) {
       if (magnitude(r - f.roots[j]) < 1e-28L * magnitude(r)) r = f.roots[j];
     }
-    if (abs(r.im) < abs(r.re) * Binary1024("1e-30")) r.im = 0;
+    if (abs(r.im) < abs(r.re) * 1e-30) r.im = 0;
     if (r.im >= 0) f.factors.push_back({1.0, Complex1024(-1.0) / r});
   }
   return f;
