@@ -122,9 +122,9 @@ std::vector<double> impulse_response(const Filter& filter, std::size_t count, st
     }
   };
   if (every == 1)
-    run(Cascade(filter));
+    run(Cascade<DoubleDouble>(filter));
   else
-    run(BasicCascade<double>(filter));
+    run(Cascade<double>(filter));
   return h;
 }
 

@@ -41,7 +41,7 @@ std::vector<double> ramp_weights(int derivative) {
 
 /// The first sample from which on the estimate is right to `fraction`, sample by sample.
 std::optional<double> settled_by_terms(const Filter& filter, double fraction, double samples) {
-  BasicCascade<double> cascade(filter);
+  Cascade<double> cascade(filter);
   const std::vector<double> weights = ramp_weights(filter.derivative);
   // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
   std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1), last(weights.size());

@@ -84,7 +84,7 @@ TalliedFilter::TalliedFilter(const Filter& filter, std::size_t width, Instructio
     double* const n = numbers_.data();
     nowhere_ = {n, n + width, n + 2 * width, n + 3 * width};
   } else {
-    slow_.emplace(filter, width, set);
+    slow_.emplace(filter, width, rows_at_once, set);
     numbers_ = AlignedNumbers(rows_at_once * width);
   }
 }

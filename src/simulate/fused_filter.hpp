@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "simulate/channel_filter.hpp"
+#include "filter/run/row_filter.hpp"
 #include "simulate/run_statistics.hpp"
 
 namespace qerr {
@@ -40,7 +40,7 @@ class TalliedFilter {
 
   std::size_t width_;
   const SimulationKernels& kernels_;
-  std::optional<ChannelFilter> slow_;  // of any filter; then nothing else is
+  std::optional<RowFilter> slow_;  // of any filter; then nothing else is
   TightFilter plan_{};
   double gain_ = 1;
   AlignedNumbers state_;    // [section][s, r][width], [difference][width]

@@ -111,17 +111,6 @@ struct PathErrorBatch {
   double* scratch;
 };
 
-/// A section of a filter as trapezoidal integrators (FilterBank), solved for its highest derivative. The last
-/// one of a filter multiplies by what all of them are to be multiplied with.
-struct SectionPlan {
-  /// Which of b0, b1, b2 are not 0; of a single one that stands for 1, or is multiplied with.
-  enum class Output { low, band, high, scaled_low, scaled_band, scaled_high, all };
-  bool second;
-  Output output;
-  double k0, k1;  ///< high = x - k1 s1 - k0 s2; of first order x - k0 s1
-  double b0, b1, b2;
-};
-
 /// A section in the fewest operations, its output a sum of its states (TalliedFilter):
 ///
 ///     first    s' = x + e s          y = s' + a s
@@ -179,12 +168,6 @@ struct SimulationKernels {
   void (*add_rows)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* sum);
   /// The sum of the numbers first .. last - 1 of a row.
   double (*sum_between)(const double* row, std::size_t first, std::size_t last);
-  /// Filters rows `stride` apart by a section into contiguous rows.
-  void (*section)(const SectionPlan&, const double* in, std::size_t stride, std::size_t rows,
-                  std::size_t width, double* state, double* out);
-  /// @param in  row of the first output, preceded in memory by earlier rows
-  void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
-               double* out);
   /// @param peaks  number of channels whose peak is computed
   /// @param fresh  the tally is empty
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,

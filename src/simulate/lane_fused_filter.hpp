@@ -1,6 +1,6 @@
 #pragma once
 
-#include "simulate/lane_filters.hpp"
+#include "simulate/lane_channel_tally.hpp"
 
 // Rows of channels through one or two sections and into their tally: nothing is stored between.
 

@@ -1,6 +1,5 @@
 #include "lanes/compiled_set.hpp"
 #include "simulate/lane_errors.hpp"
-#include "simulate/lane_filters.hpp"
 #include "simulate/lane_fused_filter.hpp"
 
 namespace qerr::lanes {
@@ -210,8 +209,6 @@ const SimulationKernels& compiled_kernels<SimulationKernels, lanes::compiled_set
                                              transpose<L>,
                                              add_rows<L>,
                                              sum_between<L>,
-                                             section<L>,
-                                             taps<L>,
                                              tally<L>,
                                              filter_and_tally<L>,
                                              subtract_nearest_integer<L>,

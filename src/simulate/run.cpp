@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "core/random.hpp"
-#include "simulate/channel_filter.hpp"
 #include "simulate/fused_filter.hpp"
 #include "simulate/path_errors.hpp"
 

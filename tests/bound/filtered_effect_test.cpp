@@ -3,7 +3,7 @@
 #include <cmath>
 #include <vector>
 
-#include "filter/run/filter_bank.hpp"
+#include "filter/run/cascade.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "simulate/motion_path.hpp"
 #include "support/design_filter.hpp"
@@ -18,15 +18,13 @@ using testing::random_motion;
 
 /// Standard deviation of a filtered signal after settling.
 double filtered_sigma(const Filter& filter, const std::vector<double>& signal, std::size_t settled) {
-  FilterBank bank(filter, 1);
-  Eigen::ArrayXd x(1);
+  Cascade<double> cascade(filter);
   double sum = 0, squares = 0;
   for (std::size_t k = 0; k < signal.size(); ++k) {
-    x[0] = signal[k];
-    bank.step(x);
+    const double x = cascade.step(signal[k]);
     if (k < settled) continue;
-    sum += x[0];
-    squares += x[0] * x[0];
+    sum += x;
+    squares += x * x;
   }
   const auto n = static_cast<double>(signal.size() - settled);
   return std::sqrt(squares / n - sum / n * (sum / n));

@@ -4,9 +4,9 @@
 
 #include <cmath>
 
-#include "filter/run/filter_bank.hpp"
 #include "support/design_filter.hpp"
 #include "support/random_chain.hpp"
+#include "support/reference_filter.hpp"
 
 namespace qerr {
 namespace {
@@ -38,13 +38,13 @@ std::vector<Filter> filters() {
   return all;
 }
 
-/// Mean, variance and peak of each channel of a FilterBank's output after the first `settling` rows.
+/// Mean, variance and peak of each channel of the reference's output after the first `settling` rows.
 struct Figures {
   Eigen::ArrayXd mean, variance, peak;
 };
 Figures by_bank(const Filter& filter, const AlignedNumbers& rows, std::size_t width, std::size_t settling) {
   const auto channels = static_cast<Eigen::Index>(width);
-  FilterBank bank(filter, channels);
+  testing::ReferenceFilter bank(filter, channels);
   bank.settle(Eigen::Map<const Eigen::ArrayXd>(rows.data(), channels));
   std::vector<Eigen::ArrayXd> out;
   for (std::size_t row = 0; row < rows.size() / width; ++row) {
@@ -62,7 +62,7 @@ Figures by_bank(const Filter& filter, const AlignedNumbers& rows, std::size_t wi
   return f;
 }
 
-TEST(FusedFilter, HasTheStatisticsOfTheFilterBank) {
+TEST(FusedFilter, HasTheStatisticsOfTheReference) {
   Dice dice(61);
   const std::size_t settling = 70, peaks = 3;
   const std::vector<std::size_t> pieces{64, 6, 64, 1, 63, 17, 64, 64};

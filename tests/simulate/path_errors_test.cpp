@@ -5,7 +5,6 @@
 #include <cmath>
 #include <limits>
 
-#include "simulate/channel_filter.hpp"
 #include "support/design_filter.hpp"
 #include "support/random_chain.hpp"
 #include "support/reference_simulation.hpp"
@@ -209,41 +208,6 @@ TEST(PathErrors, HoldForLargeAngles) {
         if (trial % 2 == 0) joint.velocity = 3e6;
       expect_scalar_errors(dice, model, model.chain, motion, trial % 2 == 0 ? 40 : 40'000'000, set);
     }
-}
-
-TEST(ChannelFilter, EqualsTheFilterBankForAnyPartition) {
-  Dice dice(45);
-  std::vector<Filter> filters{cascade(0, 1),       cascade(1, 1),       cascade(1, 2), cascade(2, 2),
-                              cascade(2, 3, 0.01), cascade(1, 1, 1e-3), Filter{}};
-  filters.push_back(design_filter("butterworth", 2, 1000, 4, 20));
-  filters.push_back(design_filter("butterworth", 0, 1000, 3, 100));
-  filters.back().gain = 3;
-  filters.push_back({{}, 0.5, 1000, 0, {0.1, -0.4, 0.2, 1}});
-  filters.push_back({{}, 2, 1000, 0, std::vector<double>(200, 0.01)});
-  for (const InstructionSet set : available_instruction_sets())
-    for (std::size_t f = 0; f < filters.size(); ++f)
-      for (const std::size_t width : {8, 24, 40, 56}) {
-        const auto channels = static_cast<Eigen::Index>(width);
-        FilterBank bank(filters[f], channels);
-        ChannelFilter filter(filters[f], width, set);
-        AlignedNumbers rows(2 * batch_size * width), out(batch_size * width);
-        for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = 1e-4 * dice.between(0.5, 1);
-        bank.settle(Eigen::Map<const Eigen::ArrayXd>(rows.data(), channels));
-        filter.settle(rows.data());
-        double scale = 0, worst = 0;
-        for (const std::size_t piece : {64, 1, 63, 17, 2, 64, 64}) {
-          const std::size_t stride = piece % 2 == 1 ? 2 * width : width;
-          filter(rows.data(), stride, piece, out.data());
-          for (std::size_t row = 0; row < piece; ++row) {
-            Eigen::ArrayXd x = Eigen::Map<const Eigen::ArrayXd>(rows.data() + row * stride, channels);
-            bank.step(x);
-            const Eigen::Map<const Eigen::ArrayXd> y(out.data() + row * width, channels);
-            scale = std::max(scale, x.abs().maxCoeff());
-            worst = std::max(worst, (x - y).abs().maxCoeff());
-          }
-        }
-        EXPECT_LT(worst, 1e-12 * scale) << name_of(set) << ", filter " << f << ", width " << width;
-      }
 }
 
 struct Experiment {

@@ -6,7 +6,7 @@
 
 #include "diagnose/surrogates/residual_plan.hpp"
 #include "diagnose/surrogates/residual_statistics.hpp"
-#include "filter/run/filter_bank.hpp"
+#include "support/reference_filter.hpp"
 #include "support/reference_surrogate.hpp"
 
 /// The statistics of residuals (residual_statistics.hpp) in plain code without vector kernels.
@@ -137,7 +137,7 @@ class ReferenceSums {
   Sums all_, smooth_;
   std::vector<Sums> velocity_;
   std::vector<Eigen::ArrayXXd> projected_;
-  std::vector<FilterBank> banks_;
+  std::vector<ReferenceFilter> banks_;
 };
 
 /// `residual_statistics`, row by row.

@@ -6,8 +6,8 @@
 #include <numbers>
 #include <vector>
 
-#include "filter/run/filter_bank.hpp"
 #include "qerr/simulate/simulate.hpp"
+#include "support/reference_filter.hpp"
 
 /// `simulate` of one run, sample by sample, with the scalar functions: the reference for the kernels.
 namespace qerr::testing {
@@ -59,7 +59,7 @@ inline ReferenceRun reference_run(const OperationalModel& model, const std::vect
   const auto samples = static_cast<std::uint64_t>(std::floor(motion.duration * motion.sample_rate + 0.5));
   const Eigen::ArrayXd center_mean = operational_error(model, center(motion)).mean.array();
   Sensing sensing(model, motion, effects, options);
-  std::vector<FilterBank> banks;
+  std::vector<ReferenceFilter> banks;
   for (const Filter& filter : filters) banks.emplace_back(filter, channels);
   std::vector<std::vector<Eigen::ArrayXd>> record(filters.size() + 1);
   ReferenceRun r;

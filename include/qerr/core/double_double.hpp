@@ -51,6 +51,9 @@ inline DoubleDouble operator/(DoubleDouble x, DoubleDouble y) {
   return quick_two_sum(q1, q2) + DoubleDouble(q3);
 }
 
+/// 2 x, exactly.
+inline DoubleDouble twice(DoubleDouble x) { return {2 * x.hi, 2 * x.lo}; }
+
 inline DoubleDouble& operator-=(DoubleDouble& x, DoubleDouble y) { return x = x - y; }
 inline DoubleDouble& operator+=(DoubleDouble& x, DoubleDouble y) { return x = x + y; }
 inline DoubleDouble& operator*=(DoubleDouble& x, DoubleDouble y) { return x = x * y; }

@@ -144,58 +144,6 @@ void distribute(const double* in, double middle, std::size_t rows, std::size_t w
     }
 }
 
-template <class L, int group, bool second>
-[[gnu::always_inline]] inline void filter_section(const ResidualSection& section, const double* in,
-                                                  std::size_t rows, std::size_t width, double* state,
-                                                  double* out) {
-  constexpr auto n = lane_count<L>;
-  const ResidualSection s = section;  // hoisted: stores may alias it
-  L s1[group], s2[group];
-#pragma GCC unroll 4
-  for (int g = 0; g < group; ++g) s1[g] = load<L>(state + g * n), s2[g] = load<L>(state + width + g * n);
-  for (std::size_t k = 0; k < rows; ++k, in += width, out += width) {
-#pragma GCC unroll 4
-    for (int g = 0; g < group; ++g) {
-      const L x = s.in * load<L>(in + g * n);
-      L y;
-      if constexpr (second) {
-        const L high = fma(-s.k1, s1[g], fma(-s.k0, s2[g], x)), band = high + s1[g], lowest = s2[g] + band;
-        y = fma(s.b0, lowest, fma(s.b1, band, s.b2 * high));
-        s1[g] = band + high;
-        s2[g] = lowest + band;
-      } else {
-        const L high = fma(-s.k0, s1[g], x), lowest = s1[g] + high;
-        y = fma(s.b0, lowest, s.b1 * high);
-        s1[g] = lowest + high;
-      }
-      store(out + g * n, y);
-    }
-  }
-#pragma GCC unroll 4
-  for (int g = 0; g < group; ++g) store(state + g * n, s1[g]), store(state + width + g * n, s2[g]);
-}
-
-template <class L>
-void section(const ResidualSection& s, const double* in, std::size_t rows, std::size_t width, double* state,
-             double* out) {
-  in_groups<4, L>(0, width, [&]<int group>(std::size_t lane) {
-    s.second ? filter_section<L, group, true>(s, in + lane, rows, width, state + lane, out + lane)
-             : filter_section<L, group, false>(s, in + lane, rows, width, state + lane, out + lane);
-  });
-}
-
-template <class L>
-void taps(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
-          double* out) {
-  for (std::size_t k = 0; k < rows; ++k)
-    for (std::size_t lane = 0; lane < width; lane += lane_count<L>) {
-      L sum{};
-      for (std::size_t i = 0; i < count; ++i)
-        sum = fma(taps[i], load<L>(in + k * width + lane - i * width), sum);
-      store(out + k * width + lane, sum);
-    }
-}
-
 }  // namespace
 }  // namespace qerr::lanes
 
@@ -207,7 +155,7 @@ const ResidualKernels& compiled_kernels<ResidualKernels, lanes::compiled_set>() 
   using L = CompiledLanes;
   static constexpr ResidualKernels kernels{lane_count<L>, sines<L>,   draw<L>,    read<L>,
                                            moments<L>,    means<L>,   project<L>, by_state<L>,
-                                           distribute<L>, section<L>, taps<L>};
+                                           distribute<L>};
   return kernels;
 }
 

@@ -45,13 +45,6 @@ struct MomentLanes {
   double *lagged, *last;  ///< sum of the products of neighbours; the previous row, 0 if there is none
 };
 
-/// A filter's section as trapezoidal integrators, solved for its highest derivative (FilterBank):
-/// high = in x - k1 s1 - k0 s2, of first order in x - k0 s1.
-struct ResidualSection {
-  bool second;
-  double in, k0, k1, b0, b1, b2;
-};
-
 /// Bins of a histogram over two counts about its centre; the outermost bins include the values beyond.
 inline constexpr int residual_bins = 64;
 
@@ -75,12 +68,6 @@ struct ResidualKernels {
   /// @param places  scratch memory, one number per value
   void (*distribute)(const double* in, double middle, std::size_t rows, std::size_t width,
                      std::int32_t* places, std::uint32_t* bins);
-  /// Filters rows by one section. @param out  may be `in`  @param state  [2][width]
-  void (*section)(const ResidualSection&, const double* in, std::size_t rows, std::size_t width,
-                  double* state, double* out);
-  /// @param in  row of the first output, preceded by count - 1 previous rows
-  void (*taps)(const double* taps, std::size_t count, const double* in, std::size_t rows, std::size_t width,
-               double* out);
 };
 
 }  // namespace qerr

@@ -18,7 +18,7 @@ std::vector<ResidualStatistic> run(const ResidualPlan& plan, std::uint64_t seed,
                                    std::size_t width, InstructionSet set) {
   constexpr std::size_t most_rows = ResidualSums::most_rows;
   Surrogates surrogates(plan.surrogates, seed, first, width, set);
-  ResidualSums sums(plan, width, select_kernels<ResidualKernels>(set));
+  ResidualSums sums(plan, width, set);
   const AlignedNumbers residual(most_rows * width), state(most_rows * width);
   std::size_t row = 0;
   for (const RowRange& range : plan.ranges) {

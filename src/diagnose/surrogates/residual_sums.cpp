@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lanes/dispatch.hpp"
+
 namespace qerr {
 
 namespace {
@@ -51,20 +53,20 @@ Eigen::ArrayXd Moments::correlation(double ranges) const {
   return (of(lagged_) / pairs - left * right) / variance().max(1e-6);
 }
 
-ResidualSums::ResidualSums(const ResidualPlan& plan, std::size_t width, const ResidualKernels& kernels)
+ResidualSums::ResidualSums(const ResidualPlan& plan, std::size_t width, InstructionSet set)
     : plan_(plan),
-      kernels_(kernels),
+      kernels_(select_kernels<ResidualKernels>(set)),
       width_(width),
-      moments_(width, kernels),
-      smooth_(width, kernels),
+      moments_(width, kernels_),
+      smooth_(width, kernels_),
       places_(most_rows * width),
       bins_(width * residual_bins),
       by_state_(4 * width),
       in_state_(4 * width),
       scratch_(most_rows * width) {
   for (const FilteredResidual& v : plan.velocities) {
-    velocities_.emplace_back(width, kernels);
-    filters_.emplace_back(*v.filter, width, most_rows, kernels);
+    velocities_.emplace_back(width, kernels_);
+    filters_.emplace_back(*v.filter, width, most_rows, set);
   }
   for (const Projection& p : plan.projections)
     projected_.emplace_back(width * static_cast<std::size_t>(p.columns.cols()));
@@ -73,7 +75,7 @@ ResidualSums::ResidualSums(const ResidualPlan& plan, std::size_t width, const Re
 void ResidualSums::start() {
   moments_.start();
   smooth_.start();
-  for (ResidualFilter& f : filters_) f.start();
+  for (RowFilter& f : filters_) f.reset();
   in_range_ = 0;
 }
 
@@ -95,7 +97,7 @@ void ResidualSums::add(const double* r, const double* state, std::size_t rows) {
 
 void ResidualSums::add_velocities(const double* r, std::size_t rows) {
   for (std::size_t f = 0; f < filters_.size(); ++f) {
-    filters_[f](r, rows, scratch_.data());
+    filters_[f](r, width_, rows, scratch_.data());
     const auto settling = static_cast<std::size_t>(plan_.velocities[f].settling);
     const std::size_t left = std::min(rows, settling - std::min(settling, in_range_));
     velocities_[f].add(scratch_.data() + left * width_, rows - left);

@@ -3,9 +3,10 @@
 #include <cstdint>
 #include <vector>
 
-#include "diagnose/surrogates/residual_filter.hpp"
+#include "diagnose/surrogates/residual_kernels.hpp"
 #include "diagnose/surrogates/residual_plan.hpp"
 #include "diagnose/surrogates/residual_statistics.hpp"
+#include "filter/run/row_filter.hpp"
 
 namespace qerr {
 
@@ -46,7 +47,7 @@ class ResidualSums {
   /// Rows per call: their data fit the first-level cache; a multiple of the length of the means.
   static constexpr std::size_t most_rows = 32;
 
-  ResidualSums(const ResidualPlan&, std::size_t width, const ResidualKernels&);
+  ResidualSums(const ResidualPlan&, std::size_t width, InstructionSet);
   ResidualSums(const ResidualSums&) = delete;
   ResidualSums& operator=(const ResidualSums&) = delete;
 
@@ -73,7 +74,7 @@ class ResidualSums {
   std::size_t width_, row_ = 0, in_range_ = 0;
   Moments moments_, smooth_;
   std::vector<Moments> velocities_;
-  std::vector<ResidualFilter> filters_;
+  std::vector<RowFilter> filters_;
   std::vector<std::int32_t> places_;
   std::vector<std::uint32_t> bins_;
   AlignedNumbers by_state_, in_state_;     // [state][lane]

@@ -14,7 +14,7 @@ namespace {
 /// r_n of a response that ends where h does: what the filter makes of that response, played backwards.
 std::vector<double> correlated(const Filter& filter, const std::vector<double>& h) {
   std::vector<double> r(h.size());
-  BasicCascade<double> cascade(filter);
+  Cascade<double> cascade(filter);
   // From the small end, so that the small lags are not added to large ones.
   for (std::size_t n = h.size(); n-- > 0;) r[n] = cascade.step(h[n]);
   return r;

@@ -19,15 +19,15 @@ std::vector<double> noise_transient(const Filter& filter, std::size_t count, std
     }
   };
   if (every == 1)
-    run(Cascade(filter));
+    run(Cascade<DoubleDouble>(filter));
   else
-    run(BasicCascade<double>(filter));
+    run(Cascade<double>(filter));
   return sigma;
 }
 
 std::optional<double> noise_rise_time(const Filter& filter, double fraction) {
   const double level = std::pow(fraction * h2_norm(filter), 2);
-  BasicCascade<double> cascade(filter);
+  Cascade<double> cascade(filter);
   double sum = 0;
   for (std::size_t k = 0; k < std::size_t{1} << 22; ++k) {
     const double h = cascade.step(k == 0 ? 1.0 : 0.0);

@@ -6,7 +6,7 @@
 #include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "effect/effects/effects.hpp"
-#include "filter/run/filter_bank.hpp"
+#include "filter/run/cascade.hpp"
 #include "qerr/filter/family.hpp"
 
 /// Comparison of JOINT.velocity with filtered positions.
@@ -26,15 +26,13 @@ struct RecordedVelocity {
 /// @param delay  of the output [samples]
 Eigen::ArrayXd filtered(const RecordedVelocity& r, const Filter& filter, Eigen::Index delay) {
   const Eigen::Index n = r.position.size(), lead = std::min<Eigen::Index>(n, 2000);
-  FilterBank bank(filter, 1);
-  Eigen::ArrayXd out(1);
+  Cascade<double> cascade(filter);
   const Eigen::Index first = n / 10 + delay;
   Eigen::ArrayXd velocity(n - first);
   for (Eigen::Index k = -lead; k < n - delay; ++k) {
     const double extrapolated = static_cast<double>(k) * r.interval * r.velocity[0];
-    out[0] = k < 0 ? extrapolated : r.position[k] - r.position[0];
-    bank.step(out);
-    if (k + delay >= first) velocity[k + delay - first] = out[0];
+    const double output = cascade.step(k < 0 ? extrapolated : r.position[k] - r.position[0]);
+    if (k + delay >= first) velocity[k + delay - first] = output;
   }
   return velocity;
 }
