@@ -30,9 +30,9 @@ Complex section_response(const Section& section, Complex w) {
 Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
   const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
   Complex sum = 0;
-  for (std::size_t k = 0; k < d.rest.size(); ++k) {
+  for (std::size_t k = 0; k < d.quotient.size(); ++k) {
     const double part = std::remainder(turns * static_cast<double>(k), 1.0);
-    sum += static_cast<double>(d.rest[k]) * std::polar(1.0, -2 * std::numbers::pi * part);
+    sum += static_cast<double>(d.quotient[k]) * std::polar(1.0, -2 * std::numbers::pi * part);
   }
   const Complex difference = std::abs(w) <= 1 ? 2.0 * w / (1.0 + w) : 2.0 / (1.0 + 1.0 / w);
   for (int i = 0; i < d.zeros; ++i) sum *= difference;
@@ -43,16 +43,16 @@ double taps_delay(const std::vector<double>& taps) {
   const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
   DoubleDouble weighted;
   double size = 0;
-  for (std::size_t k = 0; k < d.rest.size(); ++k) {
-    const DoubleDouble part = DoubleDouble(static_cast<double>(k)) * d.rest[k];
+  for (std::size_t k = 0; k < d.quotient.size(); ++k) {
+    const DoubleDouble part = DoubleDouble(static_cast<double>(k)) * d.quotient[k];
     weighted += part;
     size += std::abs(part.hi);
   }
-  const DoubleDouble total = sum(d.rest);
+  const DoubleDouble total = sum(d.quotient);
   if (total.hi == 0) return 0.5 * d.zeros;
   const double delay = 0.5 * d.zeros + static_cast<double>(weighted / total);
   // What the rounding of the taps leaves of an estimate without delay is none.
-  const double doubt = std::numeric_limits<double>::epsilon() * static_cast<double>(d.rest.size());
+  const double doubt = std::numeric_limits<double>::epsilon() * static_cast<double>(d.quotient.size());
   return std::abs(delay) <= doubt * (0.5 * d.zeros + size / std::abs(total.hi)) ? 0 : delay;
 }
 
@@ -87,7 +87,7 @@ double dc_gain(const Filter& filter) {
   for (const Section& s : filter.sections) h *= s.b[0] / s.a[0];
   if (!filter.taps.empty()) {
     const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(filter.taps);
-    h *= d.zeros > 0 ? DoubleDouble(0) : sum(d.rest);
+    h *= d.zeros > 0 ? DoubleDouble(0) : sum(d.quotient);
   }
   return static_cast<double>(h);
 }

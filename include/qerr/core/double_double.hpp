@@ -11,16 +11,18 @@ struct DoubleDouble {
   double hi = 0;
   double lo = 0;
   constexpr DoubleDouble() = default;
-  constexpr DoubleDouble(double value) : hi(value) {}  // NOLINT: a double is a DoubleDouble, exactly
+  constexpr DoubleDouble(double value) : hi(value) {}  // NOLINT: exact
   constexpr DoubleDouble(double high, double low) : hi(high), lo(low) {}
   explicit operator double() const { return hi + lo; }
 };
 
+/// a + b without error, for |a| >= |b| or a = 0 (Dekker).
 inline DoubleDouble quick_two_sum(double a, double b) {
   const double s = a + b;
   return {s, b - (s - a)};
 }
 
+/// a + b without error (Knuth).
 inline DoubleDouble two_sum(double a, double b) {
   const double s = a + b;
   const double t = s - a;

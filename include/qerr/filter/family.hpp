@@ -10,7 +10,7 @@
 
 namespace qerr {
 
-/// The checked values of one filter of the spec, by parameter name.
+/// Checked parameter values of one filter of the spec, by name, in SI units.
 struct FilterDesign {
   int derivative = 0;
   double sample_rate = 0;                            ///< [Hz]
@@ -19,15 +19,18 @@ struct FilterDesign {
   std::map<std::string, std::vector<double>> lists;  ///< numerator, denominator
 };
 
-/// A row of the family list: a name, what it is, its parameters, and the function that designs it.
+/// A row of the family list; one file of src/filter/design/families each.
 struct FilterFamily {
   std::string_view name;
   std::string_view summary;
   std::vector<Parameter> parameters;
   Filter (*design)(const FilterDesign&);
+  /// Orders with which robot controllers estimate velocities, by the parameters `order` and `cutoff` and the
+  /// defaults of the others: `diagnose` compares recorded velocities with these. Empty: none.
+  std::vector<int> velocity_orders = {};
 };
 
-/// All families that `lowpass: {family: NAME}` knows, in the order of `qerr list filters`.
+/// All families, `lowpass: {family: NAME}` in the spec, in the order of `qerr list filters`.
 const std::vector<FilterFamily>& filter_families();
 
 /// The pure back differences (1 - z^-1)^d f^d, d = derivative: a filter of the spec without `lowpass`.
@@ -42,14 +45,11 @@ inline constexpr int max_derivative = 8;
 /// A filter from coefficients in ascending powers of z^-1, normalised by a0 (contract: `numerator`,
 /// `denominator`).
 ///
-/// The coefficients are taken as exact, factored in double-double and kept as sections in w; a filter without
-/// poles keeps its taps. Zeros at z = 1 that differ from it by the rounding of the coefficients only are put
-/// there.
-/// @param derivative  what the output estimates; adds no difference
+/// The coefficients are taken as exact and factored with 1024 bits into sections in w; a filter without poles
+/// keeps its taps. Zeros within the rounding of the coefficients of z = 1 are moved to z = 1.
+/// @param derivative  that the output estimates; adds no difference
 /// @throws Error (input; key `numerator` or `denominator`) when empty, not finite, longer than 256 (with
-/// poles), a0 = 0, or a
-///         pole is on or outside the unit circle, or nearer to it than the rounding of the coefficients can
-///         tell
+/// poles), a0 = 0, or a pole is on or outside the unit circle, or within the rounding of the coefficients of it
 Filter filter_from_coefficients(const std::vector<double>& numerator, const std::vector<double>& denominator,
                                 double sample_rate, int derivative);
 

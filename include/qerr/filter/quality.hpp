@@ -8,11 +8,11 @@
 
 namespace qerr {
 
-/// |H|/(2 pi f)^derivative near 0 Hz: 1 for a filter that estimates its derivative; huge when it passes a
-/// lower one, tiny when it only passes higher ones.
+/// |H|/(2 pi f)^derivative near 0 Hz: 1 for a filter that estimates its derivative; huge when it passes a lower
+/// derivative, tiny when it passes only higher ones.
 double low_frequency_gain(const Filter&);
 
-/// Whether that gain is 1 within a factor of two: ripple is allowed, a forgotten 1/T is not.
+/// Whether low_frequency_gain is within a factor of two of 1: tolerates ripple, but not a missing 1/T.
 bool estimates_its_derivative(const Filter&);
 
 /// How a filter estimates its derivative at one frequency, against the ideal (j 2 pi f)^derivative.
@@ -20,36 +20,34 @@ struct Fidelity {
   double frequency = 0;    ///< [Hz]
   double gain_error = 0;   ///< |H| / (2 pi f)^d - 1
   double phase_error = 0;  ///< arg H - d pi/2 [rad], in (-pi, pi]; negative: the estimate lags
-  double tracking_error =
-      0;  ///< |H / (j 2 pi f)^d - 1|: error of the estimate over the true derivative's amplitude
+  double tracking_error = 0;  ///< |H / (j 2 pi f)^d - 1|: error amplitude over that of the true derivative
 };
 
-/// @param frequency_hz  above 0 and at most half the sample rate
+/// @pre 0 < frequency_hz <= sample_rate/2
 Fidelity fidelity(const Filter&, double frequency_hz);
 
-/// Error of the estimate for motion in a band: the price of the lag, to be set beside the noise.
+/// Error of the estimate for motion in a frequency band: the counterpart of the noise, due to lag.
 struct BandTracking {
   double largest = 0;  ///< largest tracking error in the band
-  double rms = 0;      ///< root mean square over the band, motion spread evenly over its frequencies
+  double rms = 0;      ///< root mean square over the band, for a flat spectrum of the motion
 };
 
 /// @pre 0 < from < to <= sample_rate/2 [Hz]
 BandTracking band_tracking(const Filter&, double from, double to);
 
-/// Lowest frequency at which |H|/(2 pi f)^d has fallen to 1/sqrt(2) of its value at 0 Hz [Hz]; empty when it
-/// never does below half the sample rate, or has no value at 0 Hz (a filter that does not estimate its
-/// derivative).
+/// Lowest frequency at which |H|/(2 pi f)^d is 1/sqrt(2) of its value at 0 Hz [Hz]; empty if there is none below
+/// half the sample rate, or if the filter does not estimate its derivative.
 std::optional<double> bandwidth(const Filter&);
 
-/// Width of the ideal band-limited derivative (j 2 pi f)^d, |f| < B, that passes as much white noise [Hz].
+/// Noise-equivalent bandwidth B [Hz]: the ideal band-limited derivative (j 2 pi f)^d, |f| < B, passes as much
+/// white noise.
 ///
-/// ||H||_2^2 = (2/f_s) (2 pi)^(2d) B^(2d+1)/(2d+1); for d = 0 and H(1) = 1 the usual equivalent noise
-/// bandwidth.
+/// ||H||_2^2 = (2/f_s) (2 pi)^(2d) B^(2d+1)/(2d+1); the usual definition for d = 0 and H(1) = 1.
 double noise_bandwidth(const Filter&, double h2_norm);
 
-/// Time after which the estimate of a derivative that is switched on stays within `fraction` of it [s]: the
-/// response to t^d/d!, t >= 0, d the derivative. Empty when it does not settle there, or cannot be followed
-/// (2e6 samples, or 2e5 steps of a slow filter).
+/// Settling time [s]: the response to t^d/d!, t >= 0, whose d-th derivative is 1, stays within `fraction` of 1
+/// from then on; d is the filter's derivative. Empty when it does not settle there, or takes more than 2e6 samples (2e5 steps for a
+/// slow filter).
 std::optional<double> settling_time(const Filter&, double fraction = 0.02);
 
 /// The filter as second-order sections {b0, b1, b2, 1, a1, a2} in ascending powers of z^-1, the gain in the

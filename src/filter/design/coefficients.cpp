@@ -15,7 +15,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t max_coefficients = 256;
-constexpr double negligible = 1e-13;  // of the H2 norm
+constexpr double negligible = 1e-13;  // deviation relative to the H2 norm
 
 /// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
 struct Factor {
@@ -42,8 +42,8 @@ void trim(std::vector<double>& list) {
   while (list.size() > 1 && list.back() == 0) list.pop_back();
 }
 
-/// How far the rounding of the coefficients may move a root, to first order.
-double doubt(const List& a, std::complex<double> root) {
+/// Bound of the shift of a root due to the rounding of the coefficients, to first order.
+double root_uncertainty(const List& a, std::complex<double> root) {
   const double m = std::abs(root);
   double scale = 0;
   std::complex<double> value, slope;
@@ -53,7 +53,7 @@ double doubt(const List& a, std::complex<double> root) {
     scale = scale * m + std::abs(c);
   }
   const double moved = std::numeric_limits<double>::epsilon() * scale / std::max(std::abs(slope), 1e-300);
-  // A multiple root has no first order; beyond this the coefficients are taken at their word.
+  // Multiple roots have no first-order bound; above this limit the coefficients are taken as exact.
   return std::min(moved, 1e-10);
 }
 
@@ -75,15 +75,15 @@ Poles stable_poles(const List& a) {
   bool stable = true;
   for (const Complex1024& r : poles.z) {
     const double modulus = static_cast<double>(magnitude(r));
-    if (modulus >= 1 - doubt(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
+    if (modulus >= 1 - root_uncertainty(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
     poles.largest = std::max(poles.largest, modulus);
   }
   if (!stable) throw unstable(poles.largest);
   return poles;
 }
 
-/// Pairs the factors into polynomials in w, slow ones first: conjugates together, real ones two by two, one
-/// may be left.
+/// The product of the factors as polynomials in w of order two, slow ones first: conjugate pairs, then real ones
+/// in pairs; a last one of order one if their number is odd.
 std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   std::vector<std::array<Factor, 2>> pairs;
   std::vector<Factor> real;
@@ -108,7 +108,7 @@ std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   return result;
 }
 
-/// Divides by the lowest coefficient that is not 0, so that the gain is left to one number.
+/// Divides by the lowest coefficient that is not 0: the gain is in Filter::gain alone.
 std::array<DoubleDouble, 3> scaled(const Polynomial& p) {
   const auto lowest = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
   std::array<DoubleDouble, 3> result;
@@ -116,19 +116,19 @@ std::array<DoubleDouble, 3> scaled(const Polynomial& p) {
   return result;
 }
 
-/// The sections of b/a: zeros at z = 1, as `zeros` tells, and the roots of the rest.
+/// The sections of b/a, from the zeros at z = 1 and the roots of the deflated numerator.
 Filter factored(Filter filter, Deflated<Binary1024> zeros, const List& a, const Poles& poles) {
   std::vector<Factor> below, above;
   for (const Complex1024& r : poles.z) below.push_back(factor_of_root(r));
-  const Binary1024 slope = sum(zeros.rest);
+  const Binary1024 slope = sum(zeros.quotient);
   filter.gain =
       to_double_double(ldexp(slope / sum(std::vector<Binary1024>(a.begin(), a.end())), zeros.zeros));
   for (int i = 0; i < zeros.zeros; ++i) above.push_back({0.0, 2.0});
-  while (zeros.rest.front() == 0) {
-    zeros.rest.erase(zeros.rest.begin());
+  while (zeros.quotient.front() == 0) {
+    zeros.quotient.erase(zeros.quotient.begin());
     above.push_back(delay);
   }
-  for (const Complex1024& r : roots(zeros.rest)) above.push_back(factor_of_root(r));
+  for (const Complex1024& r : roots(zeros.quotient)) above.push_back(factor_of_root(r));
   while (above.size() < below.size()) above.push_back(unit);
   while (below.size() < above.size()) below.push_back(unit);
   const std::vector<Polynomial> upper = polynomials(above), lower = polynomials(below);
@@ -150,7 +150,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   List b = numerator, a = denominator;
   trim(a);
   trim(b);
-  Filter filter = difference_filter(sample_rate, 0);  // checks the rate
+  Filter filter = difference_filter(sample_rate, 0);  // throws for a wrong rate
   filter.derivative = derivative;
   if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
     if (a.size() > 1) stable_poles(a);
@@ -170,10 +170,10 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   const Poles poles = stable_poles(a);
   Filter result;
   std::optional<Deviation> deviation;
-  // A filter that blocks 0 Hz but for the rounding of its coefficients is meant to block it; but not where a
-  // slow pole makes that rounding matter.
-  for (const double doubt_of_one : {0.5 * std::numeric_limits<double>::epsilon(), 0.0}) {
-    result = factored(filter, divide_out_dc_zeros<Binary1024>(b, doubt_of_one), a, poles);
+  // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless a slow pole
+  // amplifies that rounding.
+  for (const double rounding : {0.5 * std::numeric_limits<double>::epsilon(), 0.0}) {
+    result = factored(filter, divide_out_dc_zeros<Binary1024>(b, rounding), a, poles);
     deviation = deviation_of(result, b, a, poles.largest);
     if (!deviation) throw unstable(poles.largest);
     if (deviation->h2 <= negligible * h2_norm(result)) break;

@@ -8,11 +8,11 @@
 
 namespace qerr {
 
-/// A polynomial in q = z^-1 with its zeros at q = 1 divided out: c(q) = (1 - q)^zeros * rest(q).
+/// A polynomial in q = z^-1 with its zeros at q = 1 divided out: c(q) = (1 - q)^zeros * quotient(q).
 template <class T>
 struct Deflated {
   int zeros = 0;
-  std::vector<T> rest;
+  std::vector<T> quotient;
 };
 
 /// Sum of the coefficients: the value at q = 1.
@@ -23,28 +23,27 @@ T sum(const std::vector<T>& coefficients) {
   return total;
 }
 
-/// Divides out the zeros at q = 1 that the rounded coefficients cannot tell from exact ones; or, with doubt
-/// 0, those that are exact.
+/// Divides out the zeros at q = 1 within the rounding of the coefficients; with `rounding` 0, the exact ones.
 ///
-/// 0.1 + 0.2 q - 0.3 q^2 sums to 2.8e-17 and not to 0; a filter so written is meant to block 0 Hz.
-/// @param doubt  what half a unit in the last place is to a coefficient
+/// For example, 0.1 + 0.2 q - 0.3 q^2 sums to 2.8e-17 in double precision, but is meant to block 0 Hz.
+/// @param rounding  of a coefficient, relative
 template <class T>
 Deflated<T> divide_out_dc_zeros(const std::vector<double>& ascending,
-                                double doubt = 0.5 * std::numeric_limits<double>::epsilon()) {
+                                double rounding = 0.5 * std::numeric_limits<double>::epsilon()) {
   Deflated<T> result;
-  result.rest.assign(ascending.begin(), ascending.end());
-  // What the doubt of every coefficient can do to the sum; each division by (1 - q) sums it up.
-  std::vector<double> doubts;
-  for (const double c : ascending) doubts.push_back(doubt * std::abs(c));
-  while (result.rest.size() > 1) {
-    const T remainder = sum(result.rest);
-    if (T(sum(doubts)) < (remainder < T(0) ? T(-remainder) : remainder)) break;
-    for (std::size_t k = 1; k < result.rest.size(); ++k) {
-      result.rest[k] += result.rest[k - 1];
-      doubts[k] += doubts[k - 1];
+  result.quotient.assign(ascending.begin(), ascending.end());
+  // Bound of the rounding of every coefficient; each division by (1 - q) accumulates it.
+  std::vector<double> bounds;
+  for (const double c : ascending) bounds.push_back(rounding * std::abs(c));
+  while (result.quotient.size() > 1) {
+    const T remainder = sum(result.quotient);
+    if (T(sum(bounds)) < (remainder < T(0) ? T(-remainder) : remainder)) break;
+    for (std::size_t k = 1; k < result.quotient.size(); ++k) {
+      result.quotient[k] += result.quotient[k - 1];
+      bounds[k] += bounds[k - 1];
     }
-    result.rest.pop_back();
-    doubts.pop_back();
+    result.quotient.pop_back();
+    bounds.pop_back();
     ++result.zeros;
   }
   return result;

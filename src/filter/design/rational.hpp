@@ -10,7 +10,7 @@
 
 namespace qerr {
 
-/// b(w)/a(w), coefficients ascending, in balls.
+/// b(w)/a(w), ascending coefficients in ball arithmetic.
 template <class T>
 struct Rational {
   std::vector<Ball<T>> b;
@@ -28,11 +28,11 @@ std::vector<Ball<T>> product(const std::vector<Ball<T>>& p, const std::vector<Ba
 
 inline std::size_t order_of(const Section& s) { return !(s.a[2] == 0) ? 2 : !(s.a[1] == 0) ? 1 : 0; }
 
-/// The polynomial of a section where z is replaced by z/(1 + lift), up to a power of 1 + w that numerator and
-/// denominator share: its impulse response is h_k (1 + lift)^k.
+/// The polynomial of a section with z replaced by z/(1 + lift), up to a power of 1 + w that numerator and
+/// denominator have in common. The impulse response becomes h_k (1 + lift)^k.
 ///
-/// With q = z^-1, c(w) (1 + q)^2 is a polynomial in q; putting q (1 + lift) and going back to w leaves 4 c
-/// and terms in lift, so that slow poles keep their digits.
+/// With q = z^-1, c(w) (1 + q)^2 is a polynomial in q. Substituting q (1 + lift) and returning to w gives 4 c plus
+/// terms in lift, so that slow poles keep their digits.
 template <class T>
 std::vector<Ball<T>> lifted(const std::array<DoubleDouble, 3>& c, std::size_t order, double lift) {
   const Ball<T> c0 = Ball<T>::exactly(c[0]), c1 = Ball<T>::exactly(c[1]), c2 = Ball<T>::exactly(c[2]);
@@ -65,17 +65,18 @@ Rational<T> rational(const Filter& filter, double lift = 0) {
   return r;
 }
 
-/// w = 2^shift v: the powers of a slow pole neither overflow nor vanish. Exact.
+/// w = 2^shift v, exactly: the powers of a slow pole neither overflow nor underflow.
 template <class T>
-void stretch(std::vector<Ball<T>>& p, int shift) {
+void scale_variable(std::vector<Ball<T>>& p, int shift) {
   for (std::size_t i = 0; i < p.size(); ++i) p[i] = p[i].scaled(shift * static_cast<int>(i));
 }
 
-/// (1/2 pi) int |b(j Omega)/a(j Omega)|^2 dOmega, degree of b below that of a, by Astrom's recursion; empty
-/// unless it proves a to be stable (every alpha > 0).
+/// (1/2 pi) int |b(j Omega)/a(j Omega)|^2 dOmega by Astrom's recursion; empty unless a is proven stable (every
+/// alpha > 0).
 ///
-/// Positive terms only: neither the alphas nor the sum can cancel for a stable a, but in the rows small
-/// damping does.
+/// For a stable a the alphas and the terms are positive, so that their sum does not cancel; the rows of the table
+/// do for small damping.
+/// @pre degree of b < degree of a
 template <class T>
 std::optional<Ball<T>> integral(std::vector<Ball<T>> a, std::vector<Ball<T>> b) {
   std::reverse(a.begin(), a.end());
@@ -100,7 +101,7 @@ std::optional<Ball<T>> integral(std::vector<Ball<T>> a, std::vector<Ball<T>> b) 
   return total;
 }
 
-/// ||b/a||_2^2 on the unit circle; empty unless a is proven stable.
+/// ||b/a||_2^2 on the unit circle |z| = 1; empty unless a is proven stable.
 template <class T>
 std::optional<Ball<T>> squared_norm(Rational<T> r) {
   // d theta = 2 dOmega/(1 + Omega^2): the measure of the unit circle adds 1 + w to the denominator.
@@ -109,8 +110,8 @@ std::optional<Ball<T>> squared_norm(Rational<T> r) {
       static_cast<double>(std::log2(r.a.front().largest()) - std::log2(r.a.back().largest()));
   if (!std::isfinite(ratio)) return std::nullopt;
   const int shift = static_cast<int>(std::lround(ratio / static_cast<double>(r.a.size() - 1)));
-  stretch(r.a, shift);
-  stretch(r.b, shift);
+  scale_variable(r.a, shift);
+  scale_variable(r.b, shift);
   const auto value = integral(std::move(r.a), std::move(r.b));
   if (!value) return std::nullopt;
   return value->scaled(shift + 1);

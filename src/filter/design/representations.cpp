@@ -44,8 +44,8 @@ Error unstable(const std::string& key, double largest_modulus) {
   return Error(
       Fault{{},
             key,
-            "the filter is not stable: a pole lies on or outside the unit circle, or nearer to it than "
-            "the rounding of its numbers can tell",
+            "the filter is not stable: a pole lies on or outside the unit circle, or within "
+            "the rounding of its numbers of it",
             "largest pole modulus " + figure(largest_modulus),
             "all poles must lie inside"});
 }

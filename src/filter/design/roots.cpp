@@ -26,7 +26,7 @@ Evaluation<Number> evaluate(const std::vector<Coefficient>& descending, const Nu
   return e;
 }
 
-/// sum |c_k| |z|^(n-k): what the rounding of a value is measured against.
+/// sum |c_k| |z|^(n-k): the rounding error of a value is relative to it.
 template <class Coefficient>
 long double scale(const std::vector<Coefficient>& descending, long double modulus) {
   long double s = 0;
@@ -38,8 +38,8 @@ long double magnitude(const Quick& z) { return std::abs(z); }
 Quick quick(const Quick& z) { return z; }
 Quick quick(const Complex1024& z) { return {static_cast<double>(z.re), static_cast<double>(z.im)}; }
 
-/// One Gauss-Seidel sweep; returns the largest relative step. The pull of the other roots is only a
-/// correction to Newton's step, for which doubles do.
+/// One Gauss-Seidel sweep. Aberth's correction for the other roots is needed in double precision only.
+/// @returns the largest relative step
 template <class Number, class Coefficient>
 long double sweep(const std::vector<Coefficient>& descending, std::vector<Number>& z, long double rounding) {
   long double largest = 0;
@@ -51,11 +51,11 @@ long double sweep(const std::vector<Coefficient>& descending, std::vector<Number
     Quick others = 0;
     for (std::size_t j = 0; j < z.size(); ++j) {
       const Number gap = z[i] - z[j];
-      // Relative to Newton's step: of roots next to each other both can be far below the range of double.
+      // Relative to Newton's step: for close roots both can be below the range of double.
       if (j != i && magnitude(gap) > 0) others += quick(newton / gap);
     }
-    const Quick brake = 1.0 - others;
-    const Number step = std::abs(brake) > 0 ? newton / Number(brake.real(), brake.imag()) : newton;
+    const Quick damping = 1.0 - others;
+    const Number step = std::abs(damping) > 0 ? newton / Number(damping.real(), damping.imag()) : newton;
     z[i] = z[i] - step;
     largest = std::max(largest, magnitude(step) / std::max(modulus, std::numeric_limits<long double>::min()));
   }
@@ -69,7 +69,7 @@ std::vector<Quick> first_guess(const std::vector<Binary1024>& descending) {
       static_cast<double>(std::exp((size(descending[n]) - size(descending[0])) / static_cast<double>(n)));
   std::vector<Quick> z(n);
   for (std::size_t k = 0; k < n; ++k) {
-    // The odd angle keeps the guesses off every symmetry of the polynomial.
+    // The offset 0.4 rad keeps the guesses off the symmetry axes of the polynomial.
     z[k] = std::polar(radius, 2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n) + 0.4);
   }
   std::vector<double> c;
@@ -83,7 +83,7 @@ std::vector<Quick> first_guess(const std::vector<Binary1024>& descending) {
   return finite ? settled : z;
 }
 
-/// Makes conjugates exact: a root whose nearest neighbour to its mirror image is itself is real.
+/// Makes conjugates exact. A root is real if it is itself the root nearest to its conjugate.
 std::vector<Complex1024> paired(std::vector<Complex1024> z) {
   std::vector<Complex1024> result;
   while (!z.empty()) {
@@ -125,7 +125,7 @@ std::vector<Complex1024> roots(const std::vector<Binary1024>& descending) {
   std::vector<Complex1024> z;
   for (const Quick& guess : first_guess(descending))
     z.emplace_back(Binary1024(guess.real()), Binary1024(guess.imag()));
-  // Multiple roots are approached by a constant factor a sweep; long polynomials must do with few.
+  // Multiple roots converge linearly; the number of sweeps is limited to bound the time of long polynomials.
   const std::size_t sweeps = std::clamp<std::size_t>(800'000 / (n * n), 12, 400);
   for (std::size_t i = 0; i < sweeps; ++i) {
     if (sweep(descending, z, std::ldexp(1.0L, -1015)) < std::ldexp(1.0L, -900)) break;

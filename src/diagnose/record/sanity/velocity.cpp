@@ -44,7 +44,7 @@ double misfit(const RecordedVelocity& r, const Filter& filter, Eigen::Index dela
 }
 
 struct Candidate {
-  const char* family = "";
+  const FilterFamily* family = nullptr;
   int order = 0;
   double cutoff = 0;  ///< [Hz]
   Eigen::Index delay = 0;
@@ -52,14 +52,10 @@ struct Candidate {
 };
 
 Filter design(const Candidate& c, double rate) {
-  for (const FilterFamily& f : filter_families())
-    if (f.name == c.family) {
-      FilterDesign d{1, rate, {{"order", c.order}, {"cutoff", c.cutoff}}, {}, {}};
-      for (const Parameter& p : f.parameters)
-        if (p.kind == Kind::choice && !p.choices.empty()) d.choices[std::string(p.name)] = choices_of(p)[0];
-      return f.design(d);
-    }
-  return difference_filter(rate, 1);
+  FilterDesign d{1, rate, {{"order", c.order}, {"cutoff", c.cutoff}}, {}, {}};
+  for (const Parameter& p : c.family->parameters)
+    if (p.kind == Kind::choice && !p.choices.empty()) d.choices[std::string(p.name)] = choices_of(p)[0];
+  return c.family->design(d);
 }
 
 /// Logarithm of the highest cut-off that is tried: just below half the sampling rate.
@@ -108,13 +104,11 @@ FoundParameter cutoff_parameter(const RecordedVelocity& r, const Candidate& c) {
 
 Candidate best_filter(const RecordedVelocity& r) {
   Candidate best;
-  for (const char* family : {"first_order", "butterworth"})
-    for (const int order : {1, 2, 3, 4}) {
-      if (order == 1 && family == std::string_view("butterworth")) continue;
+  for (const FilterFamily& family : filter_families())
+    for (const int order : family.velocity_orders)
       for (const Eigen::Index delay : {0, 1, 2})
-        if (const Candidate c = best_cutoff(r, {family, order, 0, delay, 1e300}); c.misfit < best.misfit)
+        if (const Candidate c = best_cutoff(r, {&family, order, 0, delay, 1e300}); c.misfit < best.misfit)
           best = c;
-    }
   return best.misfit < 1e300 ? refined(r, best, 1e-3, 1e-8) : best;
 }
 
@@ -181,7 +175,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   Cause c = exact_cause(s, joint, filter_mismatch_effect().name, std::move(numbers),
                         std::exp(-0.1 * static_cast<double>(n) * std::log(specified / best.misfit)),
                         specified * r.interval, best.misfit * r.interval);
-  c.effect.choices["family"] = best.family;
+  c.effect.choices["family"] = best.family->name;
   c.parameters = {{"order", static_cast<double>(best.order), static_cast<double>(best.order),
                    static_cast<double>(best.order)},
                   cutoff_parameter(r, best)};

@@ -5,7 +5,7 @@
 namespace qerr {
 namespace {
 
-/// beta of a damping ratio zeta: alpha^2 = zeta^2 beta (4 - 2 alpha - beta), the smaller root.
+/// beta for a damping ratio zeta: the smaller root of alpha^2 = zeta^2 beta (4 - 2 alpha - beta).
 DoubleDouble beta_of_damping(double alpha, double damping) {
   const DoubleDouble a = alpha, ratio = a / DoubleDouble(damping), middle = DoubleDouble(2) - a;
   const DoubleDouble square = middle * middle - ratio * ratio;
@@ -20,18 +20,18 @@ DoubleDouble beta_of_damping(double alpha, double damping) {
 }
 
 Filter design(const FilterDesign& wanted) {
-  const std::size_t way = chosen_way(wanted, {{"alpha", "beta"}, {"alpha", "damping"}, {"tracking_index"}});
-  if (way == 2) {
+  const std::size_t group = parameter_group(wanted, {{"alpha", "beta"}, {"alpha", "damping"}, {"tracking_index"}});
+  if (group == 2) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(2, index)));
   }
   const double alpha = checked_number(wanted, "alpha", 0, 2);
-  const DoubleDouble beta = way == 0 ? DoubleDouble(checked_number(wanted, "beta", 0, 4))
+  const DoubleDouble beta = group == 0 ? DoubleDouble(checked_number(wanted, "beta", 0, 4))
                                      : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
   const DoubleDouble rest = DoubleDouble(4) - DoubleDouble(2 * alpha) - beta;
   if (!(rest.hi > 4e-16)) {
     throw Error(Fault{{},
-                      way == 0 ? "beta" : "damping",
+                      group == 0 ? "beta" : "damping",
                       "the filter is not stable: it needs alpha > 0, beta > 0 and 2 alpha + beta < 4",
                       "alpha " + figure(alpha) + ", beta " + figure(static_cast<double>(beta)),
                       "use smaller gains"});

@@ -11,7 +11,7 @@ bool stable(DoubleDouble alpha, DoubleDouble beta, DoubleDouble gamma) {
 }
 
 Filter design(const FilterDesign& wanted) {
-  if (chosen_way(wanted, {{"alpha", "beta", "gamma"}, {"tracking_index"}}) == 1) {
+  if (parameter_group(wanted, {{"alpha", "beta", "gamma"}, {"tracking_index"}}) == 1) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(3, index)));
   }

@@ -53,12 +53,12 @@ Filter design(const FilterDesign& wanted) {
 
 FilterFamily bessel_family() {
   return {"bessel",
-          "back differences, then a Bessel low-pass (bilinear, pre-warped): flattest delay of its order",
+          "back differences, then a Bessel low-pass (bilinear, pre-warped): maximally flat group delay",
           {order_row(2),
-           cutoff_row("where the analog prototype's 1 rad/s lies, below half the sample rate"),
+           cutoff_row("frequency of the analog prototype's 1 rad/s, below half the sample rate"),
            {.name = "normalization",
             .kind = Kind::choice,
-            .meaning = "what the cut-off is: midpoint of the phase, 1/(2 pi delay), or -3 dB",
+            .meaning = "meaning of the cut-off: midpoint of the phase, 1/(2 pi delay), or -3 dB",
             .choices = "phase|delay|magnitude"}},
           design};
 }

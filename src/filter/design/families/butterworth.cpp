@@ -27,7 +27,8 @@ FilterFamily butterworth_family() {
   return {"butterworth",
           "back differences, then a Butterworth low-pass (bilinear, pre-warped)",
           {order_row(2), cutoff_row("-3 dB frequency of the low-pass, below half the sample rate")},
-          design};
+          design,
+          {2, 3, 4}};  // of order 1 it is a first-order low-pass
 }
 
 }  // namespace qerr

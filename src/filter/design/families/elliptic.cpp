@@ -51,7 +51,7 @@ Real carlson_rf(Real x, Real y, Real z) {
 }
 
 /// The elliptic prototype from the nome: the degree equation n K'/K = K1'/K1 reads q = q1^(1/n), and with
-/// cd((u - jv) K) = theta_2/(sqrt(k) theta_3) at pi (u - jv)/2 the modulus is never needed.
+/// cd((u - jv) K) = theta_2/(sqrt(k) theta_3) at pi (u - jv)/2 the modulus k itself is not needed.
 /// (Orfanidis, Lecture notes on elliptic filter design, 2006, Eqs. 47-56, with theta functions of 77 digits.)
 Prototype prototype_of(int order, double ripple, double attenuation) {
   const Real pi = pi256(), ln10 = log(Real(10));

@@ -9,7 +9,7 @@ namespace {
 /// coth(T/(2 tau)) for a time constant tau, alpha = 1 - exp(-T/tau), and the span itself for alpha = 2/(span
 /// + 1).
 DoubleDouble slope_of(const FilterDesign& wanted) {
-  switch (chosen_way(wanted, {{"alpha"}, {"time_constant"}, {"span"}})) {
+  switch (parameter_group(wanted, {{"alpha"}, {"time_constant"}, {"span"}})) {
     case 0: {
       const DoubleDouble alpha = checked_number(wanted, "alpha", 0, 1);
       return (DoubleDouble(2) - alpha) / alpha;

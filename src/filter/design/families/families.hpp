@@ -10,7 +10,7 @@
 
 namespace qerr {
 
-// One line per member of this folder; src/filter/family.cpp lists them.
+// One line per member of this folder; src/filter/design/family.cpp lists them.
 FilterFamily first_order_family();
 FilterFamily butterworth_family();
 FilterFamily bessel_family();
@@ -25,7 +25,7 @@ FilterFamily kalman_family();
 FilterFamily alpha_beta_family();
 FilterFamily alpha_beta_gamma_family();
 
-/// A number for a message, 12 digits at most.
+/// A number for a message, with at most 12 digits.
 std::string figure(double value);
 
 /// The whole number `key` of a design, `fallback` where absent.
@@ -39,7 +39,7 @@ double checked_cutoff(const FilterDesign&);
 /// The highest order of a low-pass.
 inline constexpr int max_order = 20;
 
-/// Rows that several families share.
+/// Parameter rows of several families.
 Parameter order_row(int fallback);
 Parameter cutoff_row(std::string_view meaning);
 Parameter ripple_row();
@@ -55,10 +55,10 @@ double checked_number(const FilterDesign&, const std::string& key, double above,
 std::string checked_choice(const FilterDesign&, const std::string& key,
                            const std::vector<std::string>& choices);
 
-/// Which of several ways to give a filter's parameters the design uses.
-/// @returns the index of the one group whose keys are given, all of them and no key of another group
-/// @throws Error (input; a key) that lists the ways
-std::size_t chosen_way(const FilterDesign&, const std::vector<std::vector<std::string>>& ways);
+/// Which of several alternative groups of parameters the design has.
+/// @returns the index of the group all of whose keys are given, and none of the others
+/// @throws Error (input; a key) that lists the groups
+std::size_t parameter_group(const FilterDesign&, const std::vector<std::vector<std::string>>& groups);
 
 /// @throws Error (input; key `derivative`) when the family cannot estimate the wanted derivative
 void check_derivative(const FilterDesign&, int most, const std::string& rule);

@@ -31,8 +31,8 @@ Filter design(const FilterDesign& wanted) {
   const double slope = inverse_pole(discretization, x);
   const bool bilinear = discretization == "tustin" || discretization == "prewarped";
   for (int i = 0; i < order; ++i) {
-    // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0, w = -1, where it
-    // cancels the pole of a difference.
+    // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0 (w = -1), which cancels the
+    // pole of a difference.
     if (!bilinear && i < wanted.derivative) {
       filter.sections[static_cast<std::size_t>(i)].a = {1, slope, 0};
     } else {
@@ -49,7 +49,7 @@ FilterFamily first_order_family() {
           "back differences, then one-pole low-passes (1 - a)/(1 - a z^-1), a = exp(-2 pi f0 T)",
           {{.name = "order",
             .kind = Kind::integer,
-            .meaning = "number of low-pass sections; 0 leaves the differences",
+            .meaning = "number of low-pass sections; 0: differences only",
             .fallback = 1,
             .least = 0,
             .most = max_order},
@@ -62,9 +62,10 @@ FilterFamily first_order_family() {
             .open_below = true},
            {.name = "discretization",
             .kind = Kind::choice,
-            .meaning = "how the pole 2 pi f0 is brought to the sample rate",
+            .meaning = "of the pole 2 pi f0",
             .choices = "matched|tustin|prewarped|backward_euler"}},
-          design};
+          design,
+          {1, 2, 3, 4}};
 }
 
 }  // namespace qerr

@@ -10,7 +10,7 @@ Filter design(const FilterDesign& wanted) {
       checked_choice(wanted, "model", {"constant_velocity", "constant_acceleration"}) == "constant_velocity"
           ? 2
           : 3;
-  if (chosen_way(wanted, {{"process_noise", "measurement_noise"}, {"tracking_index"}}) == 1) {
+  if (parameter_group(wanted, {{"process_noise", "measurement_noise"}, {"tracking_index"}}) == 1) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(states, index)));
   }
@@ -40,7 +40,7 @@ FilterFamily kalman_family() {
       "1/2) T (acceleration) while that changes",
       {{.name = "model",
         .kind = Kind::choice,
-        .meaning = "what is constant but for the process noise",
+        .meaning = "state that is constant up to the process noise",
         .choices = "constant_velocity|constant_acceleration"},
        {.name = "process_noise",
         .kind = Kind::number,

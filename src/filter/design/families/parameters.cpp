@@ -116,26 +116,26 @@ std::string checked_choice(const FilterDesign& design, const std::string& key,
       Fault{{}, key, "is not one of the choices", "'" + escaped(entry->second) + "'", "use " + known});
 }
 
-std::size_t chosen_way(const FilterDesign& design, const std::vector<std::vector<std::string>>& ways) {
+std::size_t parameter_group(const FilterDesign& design, const std::vector<std::vector<std::string>>& groups) {
   const auto given = [&](const std::string& key) { return design.numbers.contains(key); };
   std::vector<std::string> all, found;
   std::string remedy;
-  for (const auto& way : ways) {
+  for (const auto& group : groups) {
     remedy += remedy.empty() ? "give " : ", or ";
-    for (std::size_t i = 0; i < way.size(); ++i) {
-      remedy += (i == 0 ? "" : i + 1 == way.size() ? " and " : ", ") + way[i];
-      if (std::find(all.begin(), all.end(), way[i]) == all.end()) all.push_back(way[i]);
+    for (std::size_t i = 0; i < group.size(); ++i) {
+      remedy += (i == 0 ? "" : i + 1 == group.size() ? " and " : ", ") + group[i];
+      if (std::find(all.begin(), all.end(), group[i]) == all.end()) all.push_back(group[i]);
     }
   }
   std::copy_if(all.begin(), all.end(), std::back_inserter(found), given);
-  for (std::size_t i = 0; i < ways.size(); ++i) {
-    if (ways[i].size() == found.size() && std::all_of(ways[i].begin(), ways[i].end(), given)) return i;
+  for (std::size_t i = 0; i < groups.size(); ++i) {
+    if (groups[i].size() == found.size() && std::all_of(groups[i].begin(), groups[i].end(), given)) return i;
   }
   std::string list;
   for (const std::string& key : found) list += (list.empty() ? "" : ", ") + key;
   throw Error(Fault{{},
-                    found.empty() ? ways[0][0] : found.back(),
-                    "these parameters do not make a filter",
+                    found.empty() ? groups[0][0] : found.back(),
+                    "these parameters do not define a filter",
                     found.empty() ? "none" : list,
                     remedy});
 }

@@ -20,17 +20,17 @@ using Real = Binary256;
 /// (k+1) t_(k+1) = (2k+1)(2x - n + 1) t_k - k (n^2 - k^2) t_(k-1).
 std::vector<Real> orthogonal(int order, int n, const Real& x, int d) {
   const auto size = static_cast<std::size_t>(order) + 1;
-  std::vector<Real> below(size), t(size);  // of derivative i - 1 and i
+  std::vector<Real> lower(size), t(size);  // derivatives i - 1 and i
   for (int i = 0; i <= d; ++i) {
     t.assign(size, 0);
     if (i == 0) t[0] = 1;
     for (int k = 0; k < order; ++k) {
-      const auto at = static_cast<std::size_t>(k);
-      Real next = (2 * k + 1) * ((2 * x - (n - 1)) * t[at] + 2 * i * below[at]);
-      if (k > 0) next -= k * (Real(n) * n - k * k) * t[at - 1];
-      t[at + 1] = next / (k + 1);
+      const auto index = static_cast<std::size_t>(k);
+      Real next = (2 * k + 1) * ((2 * x - (n - 1)) * t[index] + 2 * i * lower[index]);
+      if (k > 0) next -= k * (Real(n) * n - k * k) * t[index - 1];
+      t[index + 1] = next / (k + 1);
     }
-    below = t;
+    lower = t;
   }
   return t;
 }
@@ -38,7 +38,7 @@ std::vector<Real> orthogonal(int order, int n, const Real& x, int d) {
 }  // namespace
 
 Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double back) {
-  Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);  // checks rate and derivative
+  Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate or derivative
   if (order >= window) {
     throw Error(Fault{{},
                       "polynomial_order",

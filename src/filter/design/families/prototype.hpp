@@ -9,7 +9,7 @@ namespace qerr {
 
 /// An analog low-pass with its cut-off at 1 rad/s.
 struct Prototype {
-  std::vector<ComplexDoubleDouble> poles;  ///< real ones and, of each pair, the one above the real axis
+  std::vector<ComplexDoubleDouble> poles;  ///< real ones and, of each pair, the upper one
   std::vector<DoubleDouble> zeros;         ///< b of each pair +-jb
   double gain = 1;                         ///< at 0 Hz
 };
@@ -17,9 +17,9 @@ struct Prototype {
 /// The section 1/((1 - x/p)(1 - x/p*)), or 1/(1 - x/p) for a real p, at x = slope * w.
 Section section_of_pole(ComplexDoubleDouble p, double slope);
 
-/// The wanted differences, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear transform,
-/// pre-warped so that the prototype's 1 rad/s lies exactly at f0. Nothing is ever expanded in z, so the
-/// digits do not depend on f0 T.
+/// The differences of the derivative, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear transform,
+/// pre-warped so that the prototype's 1 rad/s is exactly at f0. No polynomial is expanded in z, so that the
+/// accuracy does not depend on f0 T.
 /// @throws Error (input; key `cutoff` or `derivative`)
 Filter bilinear_lowpass(const FilterDesign&, const Prototype&);
 

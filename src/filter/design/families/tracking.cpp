@@ -9,8 +9,8 @@
 namespace qerr {
 namespace {
 
-/// s times the section of a numerator.
-Section with(Section s, DoubleDouble b0, DoubleDouble b1, DoubleDouble b2) {
+/// s with another numerator.
+Section with_numerator(Section s, DoubleDouble b0, DoubleDouble b1, DoubleDouble b2) {
   s.b = {b0, b1, b2};
   return s;
 }
@@ -50,7 +50,7 @@ std::vector<DoubleDouble> spectral_factor(const std::vector<DoubleDouble>& p) {
   }
   const DoubleDouble c0 = sqrt(p[0]), c3 = sqrt(p[3]);
   DoubleDouble c1, c2;
-  // Each step divides the relative error by four or more: (1/2) of a sum, twice.
+  // Each step divides the relative error by at least four: two square roots, each of which halves it.
   for (int i = 0; i < 80; ++i) {
     c1 = sqrt(p[1] + DoubleDouble(2) * c0 * c2);
     c2 = sqrt(p[2] + DoubleDouble(2) * c1 * c3);
@@ -77,17 +77,17 @@ std::vector<DoubleDouble> continuous_noise(int states, double ratio) {
 Filter tracking_filter(const FilterDesign& wanted, std::vector<DoubleDouble> c) {
   const int states = static_cast<int>(c.size()) - 1;
   check_derivative(wanted, states - 1,
-                   states == 2 ? "two states are position and velocity"
-                               : "three states are position, velocity and acceleration");
+                   states == 2 ? "two states estimate position and velocity"
+                               : "three states estimate position, velocity and acceleration");
   Filter filter =
-      difference_filter(wanted.sample_rate, wanted.derivative);  // checks the rate; its gain (2f)^d
+      difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate; its gain is (2f)^d
   filter.designed = true;
   filter.sections.clear();
   const DoubleDouble first = c[0], one = 1;
   for (DoubleDouble& x : c) x = x / first;
   if (states == 2) {
     const Section pair{{}, {1, c[1], c[2]}};
-    filter.sections = {wanted.derivative == 0 ? with(pair, 1, c[1], c[1] - one) : with(pair, 0, 1, 1)};
+    filter.sections = {wanted.derivative == 0 ? with_numerator(pair, 1, c[1], c[1] - one) : with_numerator(pair, 0, 1, 1)};
     return filter;
   }
   std::vector<ComplexDoubleDouble> real, upper;
@@ -107,13 +107,13 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<DoubleDouble> c) 
   const DoubleDouble rise = c[1] - one;
   switch (wanted.derivative) {
     case 0:
-      filter.sections = {with(single, 1, 1, 0), with(pair, 1, rise, c[2] - rise)};
+      filter.sections = {with_numerator(single, 1, 1, 0), with_numerator(pair, 1, rise, c[2] - rise)};
       break;
     case 1:
-      filter.sections = {with(single, 1, rise, 0), with(pair, 0, 1, 1)};
+      filter.sections = {with_numerator(single, 1, rise, 0), with_numerator(pair, 0, 1, 1)};
       break;
     default:
-      filter.sections = {with(single, 0, 1, 0), with(pair, 0, 1, 1)};
+      filter.sections = {with_numerator(single, 0, 1, 0), with_numerator(pair, 0, 1, 1)};
   }
   return filter;
 }

@@ -7,7 +7,7 @@
 
 namespace qerr {
 
-/// Rows that the tracking filters share.
+/// Parameter rows of the tracking filters.
 Parameter tracking_index_row();
 Parameter position_gain_row();
 Parameter velocity_gain_row();
@@ -18,7 +18,7 @@ Parameter velocity_gain_row();
 /// It is the stable spectral factor of the measured process: c(w) c(-w) = p0 + p1 y + p2 y^2 + p3 y^3 at
 /// y = -w^2, the spectrum of process and measurement noise over that of the measurement noise, times the
 /// integrators' denominator. In w all p are positive, and so is each term of c1^2 = p1 + 2 c0 c2,
-/// c2^2 = p2 + 2 c1 c3: nothing cancels, and no Riccati equation need be solved.
+/// c2^2 = p2 + 2 c1 c3: there is no cancellation and no Riccati equation.
 /// @param p  3 numbers for constant velocity, 4 for constant acceleration
 std::vector<DoubleDouble> spectral_factor(const std::vector<DoubleDouble>& p);
 

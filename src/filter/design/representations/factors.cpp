@@ -12,7 +12,7 @@ namespace {
 
 using Polynomial = std::array<Binary1024, 3>;
 
-constexpr double negligible = 1e-13;  // of the H2 norm
+constexpr double negligible = 1e-13;  // deviation relative to the H2 norm
 
 const LinearFactor one{1.0, 0.0};
 
@@ -22,14 +22,15 @@ Polynomial product(const LinearFactor& x, const LinearFactor& y) {
 
 Polynomial pair(const LinearFactor& x) { return product(x, {conj(x.u), conj(x.v)}); }
 
-/// Divides by the lowest coefficient that is not 0 and hands it over.
+/// Divides by the lowest coefficient that is not 0.
+/// @param lead  set to it
 std::array<DoubleDouble, 3> monic(const Polynomial& p, Binary1024& lead) {
   lead = p[0] != 0 ? p[0] : p[1] != 0 ? p[1] : p[2];
   return {to_double_double(p[0] / lead), to_double_double(p[1] / lead), to_double_double(p[2] / lead)};
 }
 
-/// Takes the last factor, the one of the slowest root, or 1 when there is none.
-LinearFactor take(std::vector<LinearFactor>& list) {
+/// Removes the last factor, the one of the slowest root; 1 when there is none.
+LinearFactor remove_slowest(std::vector<LinearFactor>& list) {
   if (list.empty()) return one;
   const LinearFactor last = list.back();
   list.pop_back();
@@ -40,7 +41,7 @@ struct Split {
   std::vector<LinearFactor> real, complex;
 };
 
-/// By kind, fast roots first.
+/// Real and complex factors, each with fast roots first.
 Split split(const std::vector<LinearFactor>& factors) {
   Split s;
   for (const LinearFactor& f : factors) (f.real() ? s.real : s.complex).push_back(f);
@@ -65,19 +66,19 @@ Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFacto
     whole *= over / under;
   };
   while (!poles.complex.empty()) {
-    const Polynomial a = pair(take(poles.complex));
+    const Polynomial a = pair(remove_slowest(poles.complex));
     if (!zeros.complex.empty()) {
-      add(pair(take(zeros.complex)), a);
+      add(pair(remove_slowest(zeros.complex)), a);
     } else {
-      const LinearFactor first = take(zeros.real), second = take(zeros.real);
+      const LinearFactor first = remove_slowest(zeros.real), second = remove_slowest(zeros.real);
       add(product(first, second), a);
     }
   }
   while (!zeros.complex.empty()) {
-    const LinearFactor first = take(poles.real), second = take(poles.real);
-    add(pair(take(zeros.complex)), product(first, second));
+    const LinearFactor first = remove_slowest(poles.real), second = remove_slowest(poles.real);
+    add(pair(remove_slowest(zeros.complex)), product(first, second));
   }
-  while (!poles.real.empty()) add(product(take(zeros.real), one), product(take(poles.real), one));
+  while (!poles.real.empty()) add(product(remove_slowest(zeros.real), one), product(remove_slowest(poles.real), one));
   if (filter.sections.empty()) filter.taps = {1};
   filter.gain = to_double_double(whole);
   return filter;
@@ -91,7 +92,7 @@ std::vector<Binary1024> times(const std::vector<Binary1024>& x, const std::vecto
   return r;
 }
 
-bool prove(Filter& filter, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
+bool set_deviation(Filter& filter, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
            double largest_modulus, const std::string& key) {
   if (!filter.taps.empty()) return true;
   const auto deviation = deviation_of(filter, b, a, largest_modulus);

@@ -8,15 +8,15 @@
 
 namespace qerr {
 
-/// The factor u + v w of a numerator or denominator. Of a conjugate pair only one is listed; real factors
-/// have im = 0.
+/// A factor u + v w of a numerator or denominator. Of a conjugate pair only one is listed; real factors have
+/// im = 0.
 struct LinearFactor {
   Complex1024 u;
   Complex1024 v;
   bool real() const { return u.im == 0 && v.im == 0; }
 };
 
-/// gain prod(above)/prod(below) as a filter: real poles in sections of their own, so that equal ones stay
+/// gain prod(above)/prod(below) as a filter. Real poles have sections of their own, so that equal ones remain
 /// equal.
 /// @pre the numerator's degree, pairs counted twice, is at most that of the denominator
 Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFactor>& above,
@@ -25,10 +25,10 @@ Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFacto
 /// The product of two polynomials.
 std::vector<Binary1024> times(const std::vector<Binary1024>&, const std::vector<Binary1024>&);
 
-/// Notes in the filter how far it is from the stated b/a, ascending in z^-1, as a proven bound.
-/// @returns false when that is more than 1e-13 of the H2 norm
+/// Stores in the filter a proven bound of its deviation from the specified b/a, ascending in z^-1.
+/// @returns false when that exceeds 1e-13 of the H2 norm
 /// @throws Error (input; key) when b/a is not proven to be stable
-bool prove(Filter&, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
+bool set_deviation(Filter&, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
            double largest_modulus, const std::string& key);
 
 }  // namespace qerr

@@ -3,7 +3,7 @@
 namespace qerr {
 namespace {
 
-/// filter_from_coefficients speaks of numerator and denominator, ROS of b and a.
+/// Errors of filter_from_coefficients name numerator and denominator; the keys of ROS are b and a.
 Filter build(const std::map<std::string, Rows>& values, double sample_rate, int derivative) {
   try {
     return filter_from_coefficients(flat(values.at("b"), "b"), flat(values.at("a"), "a"), sample_rate,
@@ -23,7 +23,7 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 FilterRepresentation ros_transfer_function_representation() {
   return {
       "ros_transfer_function",
-      "in place of lowpass: an entry of a ROS filter chain as it stands, a[0] y_k = sum b[i] x_(k-i) - sum "
+      "in place of lowpass: an unchanged entry of a ROS filter chain, a[0] y_k = sum b[i] x_(k-i) - sum "
       "a[i] y_(k-i)",
       {.name = "params", .kind = Kind::object, .meaning = "a and b of a ROS transfer function filter"},
       {{.name = "a",
@@ -36,10 +36,10 @@ FilterRepresentation ros_transfer_function_representation() {
         .required = true}},
       {{.name = "type",
         .kind = Kind::choice,
-        .meaning = "of the ROS filter that params belongs to",
+        .meaning = "of the ROS filter",
         .required = true,
         .choices = "filters/TransferFunctionFilterDouble|filters/MultiChannelTransferFunctionFilterDouble"},
-       {.name = "name", .kind = Kind::text, .meaning = "of the ROS filter; only to be read"}},
+       {.name = "name", .kind = Kind::text, .meaning = "of the ROS filter; not used"}},
       build};
 }
 

@@ -24,25 +24,25 @@ double largest_modulus(const Triple& a) {
   return static_cast<double>((abs(a1) + sqrt(discriminant)) / (DoubleDouble(2) * abs(a0)));
 }
 
-/// Stable beyond the rounding of the coefficients: in w all coefficients have one sign.
+/// Whether all coefficients in w have the same sign by more than the rounding of `a`.
 bool stable(const Section& s, const Triple& a) {
-  const double sign = s.a[0].hi < 0 ? -1 : 1, doubt = half_unit * size_of(a);
+  const double sign = s.a[0].hi < 0 ? -1 : 1, rounding = half_unit * size_of(a);
   const int order = a[2] != 0 ? 2 : a[1] != 0 ? 1 : 0;
   for (int i = 0; i <= order; ++i) {
-    if (!(sign * s.a[static_cast<std::size_t>(i)].hi > doubt)) return false;
+    if (!(sign * s.a[static_cast<std::size_t>(i)].hi > rounding)) return false;
   }
   return true;
 }
 
-/// 0.1 + 0.2 q - 0.3 q^2 is meant to block 0 Hz.
-void put_zeros_at_dc(Section& s, const Triple& b) {
-  const double doubt = half_unit * size_of(b);
-  if (std::abs(s.b[0].hi) > doubt) return;
+/// Moves zeros within the rounding of b of z = 1 to z = 1 (see divide_out_dc_zeros).
+void move_zeros_to_dc(Section& s, const Triple& b) {
+  const double rounding = half_unit * size_of(b);
+  if (std::abs(s.b[0].hi) > rounding) return;
   s.b[0] = 0;
-  if (std::abs(s.b[1].hi) <= 2 * doubt && s.b[2].hi != 0) s.b[1] = 0;
+  if (std::abs(s.b[1].hi) <= 2 * rounding && s.b[2].hi != 0) s.b[1] = 0;
 }
 
-/// True when the section in w is the stated one without any rounding.
+/// Whether the section in w equals the specified one without rounding.
 bool exact(const std::array<DoubleDouble, 3>& c, const Triple& stated, bool second) {
   const Binary1024 c0 = stated[0], c1 = stated[1], c2 = stated[2];
   if (!second) return to_binary1024(c[0]) == c0 + c1 && to_binary1024(c[1]) == c0 - c1;
@@ -50,11 +50,11 @@ bool exact(const std::array<DoubleDouble, 3>& c, const Triple& stated, bool seco
          to_binary1024(c[2]) == c0 - c1 + c2;
 }
 
-struct Stated {
+struct SpecifiedSection {
   Triple b, a;
 };
 
-Stated stated_by(const std::vector<double>& row, const std::string& key) {
+SpecifiedSection section_of(const std::vector<double>& row, const std::string& key) {
   if (row.size() != 6) {
     throw Error(Fault{{},
                       key,
@@ -68,19 +68,20 @@ Stated stated_by(const std::vector<double>& row, const std::string& key) {
   return {b, a};
 }
 
-/// The cascade; `is_exact` tells whether nothing was rounded.
-Filter cascade(const std::vector<Stated>& stated, double sample_rate, int derivative, bool zeros_at_dc,
+/// The product of the sections.
+/// @param is_exact  set to whether no coefficient was rounded
+Filter cascade(const std::vector<SpecifiedSection>& stated, double sample_rate, int derivative, bool zeros_at_dc,
                bool& is_exact) {
   Filter filter{{}, 1, sample_rate, derivative};
   is_exact = true;
   for (const auto& [b, a] : stated) {
-    if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a number
+    if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a constant factor
       filter.gain = filter.gain * DoubleDouble(b[0]) / DoubleDouble(a[0]);
       is_exact = false;
       continue;
     }
     Section s = section_in_w(b, a);
-    if (zeros_at_dc) put_zeros_at_dc(s, b);
+    if (zeros_at_dc) move_zeros_to_dc(s, b);
     const bool second = b[2] != 0 || a[2] != 0;
     is_exact = is_exact && exact(s.b, b, second) && exact(s.a, a, second);
     filter.sections.push_back(s);
@@ -96,7 +97,7 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 }  // namespace
 
 Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative) {
-  difference_filter(sample_rate, derivative);  // checks both
+  difference_filter(sample_rate, derivative);  // throws for wrong values
   if (sos.empty() || sos.size() > max_sections) {
     throw Error(Fault{{},
                       "sos",
@@ -105,22 +106,22 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
                       "write [[b0, b1, b2, a0, a1, a2], ...]"});
   }
   check_finite(sos, "sos");
-  std::vector<Stated> stated;
+  std::vector<SpecifiedSection> stated;
   std::vector<Binary1024> b{1}, a{1};
   double modulus = 0;
   for (std::size_t i = 0; i < sos.size(); ++i) {
-    stated.push_back(stated_by(sos[i], "sos[" + std::to_string(i) + ']'));
+    stated.push_back(section_of(sos[i], "sos[" + std::to_string(i) + ']'));
     b = times(b, {stated[i].b.begin(), stated[i].b.end()});
     a = times(a, {stated[i].a.begin(), stated[i].a.end()});
     modulus = std::max(modulus, largest_modulus(stated[i].a));
   }
-  // A filter that blocks 0 Hz but for the rounding of its numbers is meant to block it; not where that
-  // matters.
+  // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless that changes
+  // its norm.
   Filter filter;
   for (const bool zeros_at_dc : {true, false}) {
     bool is_exact = false;
     filter = cascade(stated, sample_rate, derivative, zeros_at_dc, is_exact);
-    if (is_exact || prove(filter, b, a, modulus, "sos")) break;
+    if (is_exact || set_deviation(filter, b, a, modulus, "sos")) break;
   }
   return filter;
 }

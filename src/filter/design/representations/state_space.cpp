@@ -11,7 +11,7 @@ namespace {
 using Vector = std::vector<Binary1024>;
 using Matrix = std::vector<Vector>;
 
-constexpr int most_dc_zeros = 4;  // that rounding may have hidden
+constexpr int most_dc_zeros = 4;  // zeros at z = 1 that are recognized despite rounding
 constexpr std::size_t max_states = 20;
 constexpr double negligible = 1e-290;  // above the rounding of 1024 bits (1e-308), below any meant ratio
 constexpr double half_unit = 0.5 * std::numeric_limits<double>::epsilon();
@@ -68,8 +68,8 @@ Vector in_w(const Vector& p) {
   return sum;
 }
 
-/// Coefficients that only rounding of the 1024 bits keeps from 0 are 0, or they would be roots of their own.
-void clean(Vector& p) {
+/// Sets coefficients to 0 that are 0 within the rounding of 1024 bits: they would add spurious roots.
+void remove_rounding(Vector& p) {
   Binary1024 largest = 0;
   for (const Binary1024& c : p) largest = std::max(largest, Binary1024(abs(c)));
   for (Binary1024& c : p) {
@@ -86,7 +86,7 @@ struct Factored {
 };
 
 Factored factored(Vector p) {
-  clean(p);
+  remove_rounding(p);
   while (p.back() == 0) p.pop_back();
   const auto start = std::find_if(p.begin(), p.end(), [](const Binary1024& c) { return c != 0; });
   Factored f{*start, std::vector<LinearFactor>(static_cast<std::size_t>(start - p.begin()), {0.0, 1.0}), {}};
@@ -104,20 +104,22 @@ Factored factored(Vector p) {
   return f;
 }
 
-/// The largest |z| of the roots in w; `stable` is false where one is not inside by more than `doubt`.
-double largest_modulus(const std::vector<Complex1024>& roots_in_w, double doubt, bool& stable) {
+/// The largest |z| of the roots in w.
+/// @param uncertainty  of |z|
+/// @param stable  set to whether all |z| < 1 - uncertainty
+double largest_modulus(const std::vector<Complex1024>& roots_in_w, double uncertainty, bool& stable) {
   Binary1024 largest = 0;
   stable = true;
   for (const Complex1024& w : roots_in_w) {
     const Complex1024 up{1 + w.re, w.im}, down{1 - w.re, -w.im};
     // 1 - |z|^2 = -4 Re w/|1 - w|^2
-    if (!(-4 * w.re > 2 * doubt * norm(down))) stable = false;
+    if (!(-4 * w.re > 2 * uncertainty * norm(down))) stable = false;
     largest = std::max(largest, Binary1024(sqrt(Binary1024(norm(up) / norm(down)))));
   }
   return static_cast<double>(largest);
 }
 
-/// x of (I - A) x = b, by elimination with row pivots.
+/// Solves (I - A) x = b for x by Gaussian elimination with row pivots.
 Vector solved(const Rows& a, Vector b) {
   const std::size_t n = a.size();
   Matrix m(n, Vector(n));
@@ -144,8 +146,8 @@ Vector solved(const Rows& a, Vector b) {
   return b;
 }
 
-/// How many zeros at z = 1 the rounding of C and D hides: with R = (I - A)^-1 the filter is D + C R B - C R^2
-/// B (z - 1) + ..., and a sum that cancels to its last digits is meant to be 0.
+/// Number of zeros at z = 1 within the rounding of C and D: with R = (I - A)^-1 the filter is
+/// D + C R B - C R^2 B (z - 1) + ..., and a sum that is 0 within rounding is taken as 0.
 std::size_t zeros_at_dc(const Rows& a, const Vector& b, const Vector& c, const Binary1024& d) {
   std::size_t zeros = 0;
   Vector v = b;
@@ -171,7 +173,7 @@ Error wrong_shape(const char* key, const std::string& rule, const Rows& found) {
 }
 
 /// The largest sum of absolute values in a row of A.
-/// @throws Error (input; key `A`) unless A is square, of 1 to max_states rows, and of reasonable numbers
+/// @throws Error (input; key `A`) unless A is square, of 1 to max_states rows, and with row sums up to 1e10
 double largest_row_sum(const Rows& a) {
   if (a.empty() || a.size() > max_states)
     throw wrong_shape("A", "must have 1 to " + std::to_string(max_states) + " rows", a);
@@ -206,7 +208,7 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 
 Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, const Rows& d, double sample_rate,
                                int derivative) {
-  difference_filter(sample_rate, derivative);  // checks both
+  difference_filter(sample_rate, derivative);  // throws for wrong values
   check_finite(a, "A");
   check_finite(b, "B");
   check_finite(c, "C");
@@ -218,7 +220,7 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   const Vector below_w = in_w(h.a);
   Binary1024 scale = 0;
   for (const Binary1024& x : below_w) scale = std::max(scale, Binary1024(abs(x)));
-  // The ends are 0 with a pole at z = 1, or at z = -1.
+  // The first (last) coefficient is 0 for a pole at z = 1 (-1).
   const bool on_circle =
       std::min(Binary1024(abs(below_w[0])), Binary1024(abs(below_w[n]))) <= scale * negligible;
   const Factored below = factored(below_w);
@@ -229,7 +231,7 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   Vector above_w = in_w(h.b);
   if (std::all_of(above_w.begin(), above_w.end(), [](const Binary1024& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
-  // A filter that blocks 0 Hz but for the rounding of C and D is meant to block it; not where that matters.
+  // A filter that blocks 0 Hz up to the rounding of C and D is taken to block it, unless that changes its norm.
   Filter filter;
   const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
   for (const std::size_t zeros : {blocked, std::size_t(0)}) {
@@ -238,8 +240,8 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
     const Factored above = factored(numerator);
     filter =
         filter_from_factors(above.lead / below.lead, above.factors, below.factors, sample_rate, derivative);
-    // Reversed: ascending in z^-1.
-    if (prove(filter, {h.b.rbegin(), h.b.rend()}, {h.a.rbegin(), h.a.rend()}, modulus, "A")) break;
+    // Descending in z is ascending in z^-1.
+    if (set_deviation(filter, {h.b.rbegin(), h.b.rend()}, {h.a.rbegin(), h.a.rend()}, modulus, "A")) break;
   }
   return filter;
 }

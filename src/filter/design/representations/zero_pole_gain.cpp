@@ -40,8 +40,8 @@ std::vector<Root> paired(const Rows& rows, const std::string& key) {
     if (j == all.size()) {
       throw Error(Fault{{},
                         key + '[' + std::to_string(i) + ']',
-                        "a complex number needs its conjugate beside it",
-                        "[" + figure(re) + ", " + figure(im) + "] alone",
+                        "the conjugate of a complex number is missing",
+                        "[" + figure(re) + ", " + figure(im) + "]",
                         "add [" + figure(re) + ", " + figure(-im) + "]"});
     }
     used[j] = true;
@@ -70,7 +70,8 @@ std::vector<Binary1024> expanded(const std::vector<Root>& roots) {
   return p;
 }
 
-/// The largest modulus.
+/// @returns the largest modulus
+/// @throws Error (input; key `poles[index]`) when a pole is not inside the unit circle
 double check_stable(const Rows& poles) {
   double largest = 0;
   std::size_t worst = 0;
@@ -96,7 +97,7 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 
 Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double gain, double sample_rate,
                                    int derivative) {
-  difference_filter(sample_rate, derivative);  // checks both
+  difference_filter(sample_rate, derivative);  // throws for wrong values
   check_finite(zeros, "zeros");
   check_finite(poles, "poles");
   check_finite({{gain}}, "gain");
@@ -114,12 +115,12 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
   std::vector<LinearFactor> above, below;
   for (const Root& r : zero_roots) above.push_back(factor_of(r));
   for (const Root& r : pole_roots) below.push_back(factor_of(r));
-  // The zeros that are missing lie at z = infinity: z^-1 = (1 - w)/(1 + w).
+  // Fewer zeros than poles: the others are at z = infinity, z^-1 = (1 - w)/(1 + w).
   for (std::size_t i = zeros.size(); i < poles.size(); ++i) above.push_back({1.0, -1.0});
   Filter filter = filter_from_factors(gain, above, below, sample_rate, derivative);
   std::vector<Binary1024> delay(poles.size() - zeros.size() + 1);
   delay.back() = gain;
-  prove(filter, times(delay, expanded(zero_roots)), expanded(pole_roots), largest, "poles");
+  set_deviation(filter, times(delay, expanded(zero_roots)), expanded(pole_roots), largest, "poles");
   return filter;
 }
 
@@ -129,7 +130,7 @@ FilterRepresentation zero_pole_gain_representation() {
           {.name = "zpk", .kind = Kind::object, .meaning = "zeros, poles and gain in the z plane"},
           {{.name = "zeros", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
            {.name = "poles", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
-           {.name = "gain", .kind = Kind::number, .meaning = "of the whole", .fallback = 1.0}},
+           {.name = "gain", .kind = Kind::number, .meaning = "factor of the transfer function", .fallback = 1.0}},
           {},
           build};
 }
