@@ -73,7 +73,7 @@ double sigma_by_harmonics(const Filter& filter, double v) {
 }  // namespace
 
 double constant_speed_sigma(const Filter& filter, double v) {
-  if (const auto memory = followed(filter)) return constant_speed_sigma(*memory, v);
+  if (const auto memory = autocorrelation_within(filter)) return constant_speed_sigma(*memory, v);
   return sigma_by_harmonics(filter, std::remainder(v, 1.0));
 }
 

@@ -20,18 +20,19 @@ Complex section_response(const Section& section, Complex w) {
   };
   const struct { std::array<double, 3> b, a; } s{doubles(section.b), doubles(section.a)};
   if (std::abs(w) <= 1) return (s.b[0] + w * (s.b[1] + w * s.b[2])) / (s.a[0] + w * (s.a[1] + w * s.a[2]));
-  // Near the Nyquist frequency in v = 1/w, which vanishes there.
+  // Near the Nyquist frequency in v = 1/w, which is 0 there.
   const Complex v = 1.0 / w;
   if (s.a[2] == 0) return (s.b[0] * v + s.b[1]) / (s.a[0] * v + s.a[1]);
   return (s.b[2] + v * (s.b[1] + v * s.b[0])) / (s.a[2] + v * (s.a[1] + v * s.a[0]));
 }
 
-/// Zeros at z = 1 stay factored, or a tiny frequency would see the difference of equal taps.
-Complex taps_response(const std::vector<double>& taps, double turns, Complex w) {
+/// Zeros at z = 1 are kept as factors: at low frequencies the sum of the taps would cancel.
+/// @param cycles  per sample
+Complex taps_response(const std::vector<double>& taps, double cycles, Complex w) {
   const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
   Complex sum = 0;
   for (std::size_t k = 0; k < d.quotient.size(); ++k) {
-    const double part = std::remainder(turns * static_cast<double>(k), 1.0);
+    const double part = std::remainder(cycles * static_cast<double>(k), 1.0);
     sum += static_cast<double>(d.quotient[k]) * std::polar(1.0, -2 * std::numbers::pi * part);
   }
   const Complex difference = std::abs(w) <= 1 ? 2.0 * w / (1.0 + w) : 2.0 / (1.0 + 1.0 / w);
@@ -51,12 +52,12 @@ double taps_delay(const std::vector<double>& taps) {
   const DoubleDouble total = sum(d.quotient);
   if (total.hi == 0) return 0.5 * d.zeros;
   const double delay = 0.5 * d.zeros + static_cast<double>(weighted / total);
-  // What the rounding of the taps leaves of an estimate without delay is none.
-  const double doubt = std::numeric_limits<double>::epsilon() * static_cast<double>(d.quotient.size());
-  return std::abs(delay) <= doubt * (0.5 * d.zeros + size / std::abs(total.hi)) ? 0 : delay;
+  // A delay within the rounding of the taps is 0.
+  const double rounding = std::numeric_limits<double>::epsilon() * static_cast<double>(d.quotient.size());
+  return std::abs(delay) <= rounding * (0.5 * d.zeros + size / std::abs(total.hi)) ? 0 : delay;
 }
 
-/// c1/c0 after the zeros at w = 0 are left out.
+/// c1/c0 of the polynomial without its zeros at w = 0.
 DoubleDouble relative_slope(const std::array<DoubleDouble, 3>& c) {
   if (c[0] != 0) return c[1] / c[0];
   return c[1] != 0 ? c[2] / c[1] : DoubleDouble(0);
@@ -74,11 +75,11 @@ Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>
 }
 
 Complex response(const Filter& filter, double frequency_hz) {
-  const double turns = std::remainder(frequency_hz / filter.sample_rate, 1.0);
-  const Complex w(0, std::tan(std::numbers::pi * turns));
+  const double cycles = std::remainder(frequency_hz / filter.sample_rate, 1.0);
+  const Complex w(0, std::tan(std::numbers::pi * cycles));
   Complex h = static_cast<double>(filter.gain);
   for (const Section& s : filter.sections) h *= section_response(s, w);
-  if (!filter.taps.empty()) h *= taps_response(filter.taps, turns, w);
+  if (!filter.taps.empty()) h *= taps_response(filter.taps, cycles, w);
   return h;
 }
 
@@ -100,7 +101,7 @@ double group_delay(const Filter& filter) {
     samples += (below - above) * DoubleDouble(0.5);
     size += std::abs(below.hi) + std::abs(above.hi);
   }
-  if (std::abs(samples.hi) <= 1e-27 * size) samples = 0;  // an estimate without lag
+  if (std::abs(samples.hi) <= 1e-27 * size) samples = 0;  // within rounding
   const double total = static_cast<double>(samples) + (filter.taps.empty() ? 0 : taps_delay(filter.taps));
   return total / filter.sample_rate;
 }

@@ -13,7 +13,7 @@ namespace qerr {
 namespace {
 
 constexpr double pi = std::numbers::pi;
-constexpr double long_memory = 20000;  // [samples] beyond, modes are quicker than terms
+constexpr double long_memory = 20000;  // [samples] above, modes are faster than samples
 constexpr double most_samples = 2e6;
 
 /// H / (j 2 pi f)^d.
@@ -23,8 +23,8 @@ std::complex<double> normalised(const Filter& filter, double f) {
   return h;
 }
 
-/// (k T)^d/d! over T^d as a sum of binomials C(k - j + d, d), j = 0..d, which repeated sums of a step make:
-/// Euler's numbers over d!.
+/// Weights of k^d/d! as a sum of binomials C(k - j + d, d), j = 0..d, the repeated sums of a step: Eulerian
+/// numbers over d!.
 std::vector<double> ramp_weights(int derivative) {
   std::vector<double> weights{1};
   for (int d = 1; d <= derivative; ++d) {
@@ -39,11 +39,11 @@ std::vector<double> ramp_weights(int derivative) {
   return weights;
 }
 
-/// The first sample from which on the estimate is right to `fraction`, sample by sample.
-std::optional<double> settled_by_terms(const Filter& filter, double fraction, double samples) {
+/// The first sample from which the estimate is within `fraction` of its limit, sample by sample.
+std::optional<double> settling_by_samples(const Filter& filter, double fraction, double samples) {
   Cascade<double> cascade(filter);
   const std::vector<double> weights = ramp_weights(filter.derivative);
-  // The sums of the impulse response stay near 1, where t^d/d! itself would grow and cancel.
+  // Repeated sums of the impulse response stay near 1; the response to t^d/d! itself would grow.
   std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1), last(weights.size());
   double settled = 0;
   for (double k = 0; k < samples; ++k) {
@@ -59,35 +59,34 @@ std::optional<double> settled_by_terms(const Filter& filter, double fraction, do
   return settled;
 }
 
-/// The same for slow filters, from their modes: what the estimate still lacks is the (d + 1)-fold sum of the
-/// impulse response from k on, itself a sum of modes. Empty when an oscillation is too fast to be followed in
-/// 2e5 steps.
-std::optional<double> settled_by_modes(const Filter& filter, double fraction) {
+/// The same for slow filters, from their modes: the error of the estimate is the (d + 1)-fold sum of the
+/// impulse response from k on, itself a sum of modes. Empty when an oscillation is too fast for 2e5 steps.
+std::optional<double> settling_by_modes(const Filter& filter, double fraction) {
   const Modes modes = partial_fractions(filter, poles(filter).list);
   const Powers powers(modes.modes);
-  Sequence lacking(modes.modes, powers);
-  for (int i = 0; i <= filter.derivative; ++i) lacking = lacking.transient_of_sum();
+  Sequence deficit(modes.modes, powers);
+  for (int i = 0; i <= filter.derivative; ++i) deficit = deficit.transient_of_sum();
   const double unit = std::pow(filter.sample_rate, filter.derivative);
-  const double wrong = std::abs(low_frequency_gain(filter) - 1);
-  if (wrong > fraction) return std::nullopt;
+  const double final_error = std::abs(low_frequency_gain(filter) - 1);
+  if (final_error > fraction) return std::nullopt;
   std::int64_t end = 64;
-  while (lacking.bound(end, end) > (fraction - wrong) * unit && end < (std::int64_t{1} << 48)) end *= 2;
+  while (deficit.bound(end, end) > (fraction - final_error) * unit && end < (std::int64_t{1} << 48)) end *= 2;
   double fastest = 0;
   for (const Mode& mode : modes.modes)
     fastest =
         std::max(fastest, std::abs(std::arg(std::complex<double>(mode.z.re.mid().hi, mode.z.im.mid().hi))));
-  // A hundredth of a turn of the fastest oscillation; modes that only decay are smooth over the whole.
+  // Steps of a hundredth of a period of the fastest oscillation, and of 1/2000 of the decay.
   const double length = static_cast<double>(end);
-  const double wanted = std::min(length / 2000, 0.06 / std::max(fastest, 1e-300));
-  if (length > 2e5 * wanted) return std::nullopt;
-  const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(wanted));
+  const double longest = std::min(length / 2000, 0.06 / std::max(fastest, 1e-300));
+  if (length > 2e5 * longest) return std::nullopt;
+  const auto step = std::max<std::int64_t>(1, static_cast<std::int64_t>(longest));
   const std::vector<double> weights = ramp_weights(filter.derivative);
   const auto outside = [&](std::int64_t k) {
     double error = 0;
     for (std::size_t j = 0; j < weights.size(); ++j)
       error +=
           weights[j] *
-          static_cast<double>(lacking.at(std::max<std::int64_t>(0, k - static_cast<std::int64_t>(j))).mid());
+          static_cast<double>(deficit.at(std::max<std::int64_t>(0, k - static_cast<std::int64_t>(j))).mid());
     return !(std::abs(error) <= fraction * unit);
   };
   std::int64_t k = end;
@@ -132,7 +131,7 @@ std::optional<double> bandwidth(const Filter& filter) {
   if (!estimates_its_derivative(filter)) return std::nullopt;
   const double level = reference / std::numbers::sqrt2;
   const auto above = [&](double f) { return std::abs(normalised(filter, f)) > level; };
-  // Steps of 1 % in frequency see any crossing of a realistic filter; bisection then makes it exact.
+  // Steps of 1 % in frequency bracket the crossing of a realistic filter; bisection refines it.
   double low = 1e-8 * filter.sample_rate;
   for (double high = low; low < 0.5 * filter.sample_rate; low = high) {
     high = std::min(1.01 * low, 0.5 * filter.sample_rate);
@@ -159,8 +158,8 @@ std::optional<double> settling_time(const Filter& filter, double fraction) {
   const double samples = 64 + static_cast<double>(filter.taps.size() + 8 * filter.sections.size()) +
                          (modulus < 1 ? 60 / -std::log(std::max(modulus, 0.5)) : INFINITY);
   std::optional<double> settled;
-  if (samples > long_memory) settled = settled_by_modes(filter, fraction);
-  if (!settled && samples <= most_samples) settled = settled_by_terms(filter, fraction, samples);
+  if (samples > long_memory) settled = settling_by_modes(filter, fraction);
+  if (!settled && samples <= most_samples) settled = settling_by_samples(filter, fraction, samples);
   if (!settled) return std::nullopt;
   return *settled / filter.sample_rate;
 }

@@ -112,7 +112,7 @@ Filter design(const Object& o) {
   }
   const Field lowpass = o.at("lowpass");
   if (lowpass.node->type != Node::Type::mapping)
-    throw Error(lowpass.fault("must be a mapping", "write {family: first_order, order: 2, cutoff: 50 Hz}"));
+    throw Error(lowpass.fault("must be a mapping", "write {family: " + std::string(filter_families().front().name) + ", ...}"));
   const FilterFamily& family = family_of(lowpass);
   std::vector<Parameter> format = spec_format::lowpass();
   format.insert(format.end(), family.parameters.begin(), family.parameters.end());

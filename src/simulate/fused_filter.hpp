@@ -7,45 +7,49 @@
 
 namespace qerr {
 
-/// A filter on many channels of which statistics alone are wanted: what a ChannelFilter gives, from which it
-/// differs by rounding.
+/// Statistics of a filter's output on many channels; those of a RowFilter up to rounding.
 ///
-/// Most filters are a difference or two, and one or two sections that settle within some hundred samples.
-/// Those take rows through all of that and into the sums in one pass, and with fewer operations than
-/// integrators: with s = s1/2 and r = (s1 + s2)/4 of a section in integrators, one addition takes the second
-/// state on, and the output is a sum of states. Slower sections would lose digits by that: the factor of s
-/// is 1 less what makes it settle.
-class TalliedFilter {
+/// Most filters are up to two differences and one or two sections that settle within some hundred samples.
+/// For these, one pass computes all sections and the sums, without storing rows, and with fewer operations
+/// than the integrators of section.hpp need: with the states s = s1/2 and r = (s1 + s2)/4 of a section, the
+/// second state is updated by one addition, and the output is a sum of states (FusedSection). Slow sections
+/// would lose digits: the factor of s is 1 minus a number proportional to the cut-off. They go through a
+/// RowFilter.
+///
+/// Gain: `qerr simulate` of configs/kuka_lwr with its two filters, sines in all joints at 1 kHz and one thread
+/// takes 1.14 s of CPU time for 20000 s of motion instead of 1.50 s with RowFilter alone (-24 %), and 0.81 s
+/// instead of 1.03 s for 64 runs of 200 s (-21 %), with AVX-512.
+class FusedFilter {
  public:
   /// @param width  of a row of channels, a multiple of the lanes
-  TalliedFilter(const Filter&, std::size_t width, InstructionSet = instruction_set());
+  FusedFilter(const Filter&, std::size_t width, InstructionSet = instruction_set());
 
-  /// As if this row had always been the input: no transient of a constant remains.
+  /// To the steady state for a constant input equal to this row: no transient of it remains.
   void settle(const double* row);
 
-  /// Filters rows that stand `stride` numbers apart, at most batch_size of them; nobody looks at the output.
+  /// Filters rows that are `stride` numbers apart, at most batch_size of them; the output is dropped.
   void pass(const double* in, std::size_t stride, std::size_t rows);
 
-  /// Filters them, and adds the output to a block.
+  /// The same, and adds the output to the statistics of a block.
   void tally(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics&);
 
  private:
-  /// As many rows as stay in the first-level cache while they pass the sections of a ChannelFilter.
+  /// Rows per call of the RowFilter: they stay in the first-level cache from section to section.
   static constexpr std::size_t rows_at_once = 16;
 
-  bool tighten(const Filter&);
-  void slowly(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics*);
-  void through_sections(const double* in, std::size_t stride, std::size_t rows, std::size_t peaks,
-                        const RunStatistics::Place&);
+  bool fuse(const Filter&);
+  void run_rows(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics*);
+  void run_fused(const double* in, std::size_t stride, std::size_t rows, std::size_t peaks,
+                 const RunStatistics::Place&);
 
   std::size_t width_;
   const SimulationKernels& kernels_;
-  std::optional<RowFilter> slow_;  // of any filter; then nothing else is
-  TightFilter plan_{};
+  std::optional<RowFilter> rows_;  // for filters that are not fusible; then the plan is not used
+  FusedPlan plan_{};
   double gain_ = 1;
-  AlignedNumbers state_;    // [section][s, r][width], [difference][width]
-  AlignedNumbers numbers_;  // where sums go that nobody looks at, or rows that come out
-  ChannelTally nowhere_{};
+  AlignedNumbers state_;   // [section][s, r][width], [difference][width]
+  AlignedNumbers buffer_;  // sums that are dropped, or rows of the RowFilter's output
+  ChannelTally dropped_{};
 };
 
 }  // namespace qerr

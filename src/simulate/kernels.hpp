@@ -111,35 +111,35 @@ struct PathErrorBatch {
   double* scratch;
 };
 
-/// A section in the fewest operations, its output a sum of its states (TalliedFilter):
+/// A section with the output as a sum of its states (FusedFilter):
 ///
 ///     first    s' = x + e s          y = s' + a s
 ///     rise     the same              y = s' - s
 ///     lag      the same              y = s'
 ///     second   s' = x + e s - k r    y = s' + a s + b r    r' = r + s'
 ///     low      the same              y = (s' - s)/4 + r
-struct TightSection {
+struct FusedSection {
   enum class Kind { none, first, rise, lag, second, low };
   Kind kind;
   double e, k, a, b;
 };
 
-/// Differences of inputs that follow each other, then one or two sections.
-struct TightFilter {
+/// Differences of successive inputs, then one or two sections.
+struct FusedPlan {
   int differences;
-  TightSection sections[2];  ///< the second one may be none
+  FusedSection sections[2];  ///< the second may be Kind::none
 };
 
-/// Whether there is a kernel for such a filter.
-constexpr bool is_tight(int differences, TightSection::Kind one, TightSection::Kind two) {
+/// Whether there is a kernel for these differences and sections.
+constexpr bool is_fusible(int differences, FusedSection::Kind one, FusedSection::Kind two) {
   if (differences > 2) return false;
-  if (one == TightSection::Kind::first)
-    return two == TightSection::Kind::second ||
-           (differences == 0 && (two == TightSection::Kind::none || two == one));
-  if (one == TightSection::Kind::rise) return differences == 0 && two == TightSection::Kind::lag;
-  if (one == TightSection::Kind::low) return two == one;
-  return one == TightSection::Kind::second &&
-         (two == TightSection::Kind::none || (differences == 0 && two == one));
+  if (one == FusedSection::Kind::first)
+    return two == FusedSection::Kind::second ||
+           (differences == 0 && (two == FusedSection::Kind::none || two == one));
+  if (one == FusedSection::Kind::rise) return differences == 0 && two == FusedSection::Kind::lag;
+  if (one == FusedSection::Kind::low) return two == one;
+  return one == FusedSection::Kind::second &&
+         (two == FusedSection::Kind::none || (differences == 0 && two == one));
 }
 
 inline constexpr std::size_t lags_at_once = 32;
@@ -173,9 +173,9 @@ struct SimulationKernels {
   void (*tally)(const double* in, std::size_t stride, std::size_t rows, std::size_t width, std::size_t peaks,
                 bool fresh, const ChannelTally&);
   /// Filters rows and adds the outputs to the tally.
-  /// @pre `is_tight` of its differences and sections
+  /// @pre `is_fusible` of its differences and sections
   /// @param state  [section][s, r][width], then [difference][width]
-  void (*filter_and_tally)(const TightFilter&, const double* in, std::size_t stride, std::size_t rows,
+  void (*filter_and_tally)(const FusedPlan&, const double* in, std::size_t stride, std::size_t rows,
                            std::size_t width, std::size_t peaks, bool fresh, double* state,
                            const ChannelTally&);
   /// Subtracts from each of the 64 numbers of a row the nearest integer.

@@ -22,12 +22,12 @@ struct TallyLanes {
     }
   }
   [[gnu::always_inline]] void add(int g, const L& value) {
-    const L off = value - shift[g];
-    sum[g] += off;
-    squares[g] = fma(off, off, squares[g]);
+    const L deviation = value - shift[g];
+    sum[g] += deviation;
+    squares[g] = fma(deviation, deviation, squares[g]);
     if constexpr (peaks) peak[g] = max(abs(value), peak[g]);
   }
-  [[gnu::always_inline]] void put(const ChannelTally& t, std::size_t c) const {
+  [[gnu::always_inline]] void store_to(const ChannelTally& t, std::size_t c) const {
 #pragma GCC unroll 8
     for (int g = 0; g < group; ++g) {
       const std::size_t at = c + g * lane_count<L>;
@@ -50,7 +50,7 @@ template <class L, int group, bool peaks>
 #pragma GCC unroll 8
     for (int g = 0; g < group; ++g) tally.add(g, load<L>(in + row * stride + c + g * lanes));
   }
-  tally.put(t, c);
+  tally.store_to(t, c);
 }
 
 template <class L>

@@ -2,25 +2,25 @@
 
 #include "simulate/lane_channel_tally.hpp"
 
-// Rows of channels through one or two sections and into their tally: nothing is stored between.
+// Rows of channels through one or two sections and into their tally, without storing rows in between.
 
 namespace qerr::lanes {
 namespace {
 
-using Kind = TightSection::Kind;
+using Kind = FusedSection::Kind;
 
 /// The factors of a section in lanes.
 template <class L>
-struct TightLanes {
+struct FusedLanes {
   L e, minus_k, a, b;
 
-  [[gnu::always_inline]] explicit TightLanes(const TightSection& s)
+  [[gnu::always_inline]] explicit FusedLanes(const FusedSection& s)
       : e(broadcast<L>(s.e)), minus_k(broadcast<L>(-s.k)), a(broadcast<L>(s.a)), b(broadcast<L>(s.b)) {}
 };
 
 /// The states of a section for one vector of channels.
 template <class L>
-struct TightState {
+struct FusedState {
   L s, r;
 };
 
@@ -29,9 +29,9 @@ constexpr bool of_first_order(Kind kind) {
   return kind == Kind::first || kind == Kind::rise || kind == Kind::lag;
 }
 
-/// A sample through a section. Where a sum does, the units that multiply are not asked.
+/// One sample through a section.
 template <Kind kind, class L>
-[[gnu::always_inline]] inline L pass(const TightLanes<L>& section, const L& x, TightState<L>& state) {
+[[gnu::always_inline]] inline L pass(const FusedLanes<L>& section, const L& x, FusedState<L>& state) {
   const L before = state.s, r = state.r;
   if constexpr (kind == Kind::none) return x;
   L next = fma(section.e, before, x);
@@ -49,23 +49,23 @@ template <Kind kind, class L>
 }
 
 template <Kind kind, class L>
-[[gnu::always_inline]] inline TightState<L> state_at(const double* from, std::size_t width) {
-  TightState<L> state{};
+[[gnu::always_inline]] inline FusedState<L> state_at(const double* from, std::size_t width) {
+  FusedState<L> state{};
   if constexpr (kind != Kind::none) state.s = load<L>(from);
   if constexpr (kind != Kind::none && !of_first_order(kind)) state.r = load<L>(from + width);
   return state;
 }
 
 template <Kind kind, class L>
-[[gnu::always_inline]] inline void keep(const TightState<L>& state, double* to, std::size_t width) {
+[[gnu::always_inline]] inline void keep(const FusedState<L>& state, double* to, std::size_t width) {
   if constexpr (kind != Kind::none) store(to, state.s);
   if constexpr (kind != Kind::none && !of_first_order(kind)) store(to + width, state.r);
 }
 
 /// All states of a filter for one vector of channels.
 template <class L, int differences, Kind one, Kind two>
-struct TightStates {
-  TightState<L> first, last;
+struct FusedStates {
+  FusedState<L> first, last;
   L past[differences > 0 ? differences : 1];
 
   [[gnu::always_inline]] void load_from(const double* from, std::size_t width) {
@@ -78,19 +78,19 @@ struct TightStates {
     keep<two>(last, to + 2 * width, width);
     for (int d = 0; d < differences; ++d) store(to + static_cast<std::size_t>(4 + d) * width, past[d]);
   }
-  [[gnu::always_inline]] L pass_on(L x, const TightLanes<L>& of_first, const TightLanes<L>& of_last) {
+  [[gnu::always_inline]] L pass_on(L x, const FusedLanes<L>& of_first, const FusedLanes<L>& of_last) {
 #pragma GCC unroll 2
     for (int d = 0; d < differences; ++d) {
-      const L now = x;
-      x = now - past[d];
-      past[d] = now;
+      const L input = x;
+      x = input - past[d];
+      past[d] = input;
     }
     return pass<two>(of_last, pass<one>(of_first, x, first), last);
   }
 };
 
-/// Where rows go through a filter: what a kernel takes.
-struct TightRows {
+/// Arguments of a kernel.
+struct FusedRows {
   const double* in;
   std::size_t stride, rows, width;
   double* state;
@@ -98,16 +98,16 @@ struct TightRows {
 
 /// `group` vectors of channels from the c-th on, row after row.
 template <class L, int group, bool peaks, int differences, Kind one, Kind two>
-[[gnu::noinline]] void tallied_on(const TightFilter& f, const TightRows& rows, std::size_t c, bool fresh,
-                                  const ChannelTally& t) {
+[[gnu::noinline]] void fused_on(const FusedPlan& f, const FusedRows& rows, std::size_t c, bool fresh,
+                                const ChannelTally& t) {
   constexpr auto lanes = lane_count<L>;
-  const TightLanes<L> first(f.sections[0]), last(f.sections[1]);
+  const FusedLanes<L> first(f.sections[0]), last(f.sections[1]);
   const double* in = rows.in + c;
-  TightStates<L, differences, one, two> states[group];
+  FusedStates<L, differences, one, two> states[group];
 #pragma GCC unroll 8
   for (int g = 0; g < group; ++g) {
     states[g].load_from(rows.state + c + g * lanes, rows.width);
-    if (fresh) {  // about what comes out first
+    if (fresh) {  // sums are about the first output
       auto copy = states[g];
       store(t.shift + c + g * lanes, copy.pass_on(load<L>(in + g * lanes), first, last));
     }
@@ -117,30 +117,30 @@ template <class L, int group, bool peaks, int differences, Kind one, Kind two>
 #pragma GCC unroll 8
     for (int g = 0; g < group; ++g) tally.add(g, states[g].pass_on(load<L>(in + g * lanes), first, last));
   }
-  tally.put(t, c);
+  tally.store_to(t, c);
 #pragma GCC unroll 8
   for (int g = 0; g < group; ++g) states[g].store_to(rows.state + c + g * lanes, rows.width);
 }
 
-/// call(kernel) with the one for a filter's sections.
+/// Calls call(kernel) with the kernel for a filter's sections.
 template <class L, int group, bool peaks, int differences, class Call>
 void with_sections(Kind one, Kind two, Call call) {
-  const auto offer = [&]<Kind a, Kind b>() {
-    if constexpr (is_tight(differences, a, b))
-      if (one == a && two == b) call(tallied_on<L, group, peaks, differences, a, b>);
+  const auto select = [&]<Kind a, Kind b>() {
+    if constexpr (is_fusible(differences, a, b))
+      if (one == a && two == b) call(fused_on<L, group, peaks, differences, a, b>);
   };
-  offer.template operator()<Kind::first, Kind::none>();
-  offer.template operator()<Kind::first, Kind::first>();
-  offer.template operator()<Kind::first, Kind::second>();
-  offer.template operator()<Kind::rise, Kind::lag>();
-  offer.template operator()<Kind::second, Kind::none>();
-  offer.template operator()<Kind::second, Kind::second>();
-  offer.template operator()<Kind::low, Kind::low>();
+  select.template operator()<Kind::first, Kind::none>();
+  select.template operator()<Kind::first, Kind::first>();
+  select.template operator()<Kind::first, Kind::second>();
+  select.template operator()<Kind::rise, Kind::lag>();
+  select.template operator()<Kind::second, Kind::none>();
+  select.template operator()<Kind::second, Kind::second>();
+  select.template operator()<Kind::low, Kind::low>();
 }
 
 template <class L, int group, bool peaks>
-void tallied_of_kind(const TightFilter& f, const TightRows& rows, std::size_t c, bool fresh,
-                     const ChannelTally& t) {
+void fused_of_kind(const FusedPlan& f, const FusedRows& rows, std::size_t c, bool fresh,
+                   const ChannelTally& t) {
   const auto call = [&](auto* kernel) { kernel(f, rows, c, fresh, t); };
   const Kind one = f.sections[0].kind, two = f.sections[1].kind;
   if (f.differences == 0) with_sections<L, group, peaks, 0>(one, two, call);
@@ -148,26 +148,25 @@ void tallied_of_kind(const TightFilter& f, const TightRows& rows, std::size_t c,
   if (f.differences == 2) with_sections<L, group, peaks, 2>(one, two, call);
 }
 
-/// Vectors of a group: as many as the registers hold with all states and sums of each.
+/// Vectors of a group: as many as the registers hold with their states and sums.
 template <class L>
-constexpr std::size_t largest_tallied = lane_count<L> == 8 ? 3 : 2;
+constexpr std::size_t largest_fused = lane_count<L> == 8 ? 3 : 2;
 
-/// Groups are as alike as can be: each vector waits for its last row, and the others of a group fill the
-/// time.
+/// Groups of nearly equal size: the vectors of a group hide the latency of the recursion of each.
 template <class L>
-void filter_and_tally(const TightFilter& f, const double* in, std::size_t stride, std::size_t rows,
+void filter_and_tally(const FusedPlan& f, const double* in, std::size_t stride, std::size_t rows,
                       std::size_t width, std::size_t peaks, bool fresh, double* state,
                       const ChannelTally& t) {
-  constexpr std::size_t lanes = lane_count<L>, largest = largest_tallied<L>;
-  const TightRows all{in, stride, rows, width, state};
+  constexpr std::size_t lanes = lane_count<L>, largest = largest_fused<L>;
+  const FusedRows all{in, stride, rows, width, state};
   std::size_t vectors = width / lanes, groups = (vectors + largest - 1) / largest, c = 0;
   for (; groups > 0; --groups) {
     const std::size_t size = (vectors + groups - 1) / groups;
     const auto on = [&]<int group>() {
       if constexpr (group <= largest)
         if (size == group)
-          c < peaks ? tallied_of_kind<L, group, true>(f, all, c, fresh, t)
-                    : tallied_of_kind<L, group, false>(f, all, c, fresh, t);
+          c < peaks ? fused_of_kind<L, group, true>(f, all, c, fresh, t)
+                    : fused_of_kind<L, group, false>(f, all, c, fresh, t);
     };
     on.template operator()<1>();
     on.template operator()<2>();

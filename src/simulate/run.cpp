@@ -114,7 +114,7 @@ class Runs {
   struct Run {
     Sensing sensing;
     bool visited;
-    std::vector<TalliedFilter> filters;
+    std::vector<FusedFilter> filters;
     std::vector<RunStatistics> outputs;
   };
 
@@ -146,7 +146,7 @@ class Runs {
                      in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error is assumed before the start, so that a constant error causes no transient.
     if (first == 0)
-      for (TalliedFilter& filter : run.filters) filter.settle(errors_.rows());
+      for (FusedFilter& filter : run.filters) filter.settle(errors_.rows());
     const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
     filter(run, 0, settling, {});
     for (const Part& block : blocks_) {

@@ -44,7 +44,7 @@ namespace {
 /// the path; NaN if the memory of the filter is too long.
 Eigen::MatrixXd exact_variance(const AlongPath& path, const Transmission& transmission, const Motion& motion,
                                const Filter& filter, double start) {
-  const auto memory = followed(filter);
+  const auto memory = autocorrelation_within(filter);
   const auto encoders = static_cast<Eigen::Index>(transmission.encoders.size());
   if (!memory)
     return Eigen::MatrixXd::Constant(path.rigorous().size(), encoders,

@@ -274,7 +274,7 @@ TEST(IpqnThreshold, IsExceededByNoSpeedAboveIt) {
 /// samples; its Fourier coefficients and the frequency response give the output without a formula for sigma.
 TEST(ConstantSpeed, OfAVerySlowFilterIsComputedFromItsHarmonics) {
   const Filter slow = cascade(1, 2, 1e-4);  // 1e-7 of the sample rate
-  ASSERT_FALSE(followed(slow));
+  ASSERT_FALSE(autocorrelation_within(slow));
   EXPECT_NEAR(constant_speed_sigma(slow, 3), 0, 1e-12 * h2_norm(slow));
   for (const auto& [p, q] : {std::pair{1, 2}, {2, 3}, {3, 10}, {17, 64}}) {
     std::vector<double> error;

@@ -75,7 +75,7 @@ TEST(FusedFilter, HasTheStatisticsOfTheReference) {
       for (const InstructionSet set : available_instruction_sets()) {
         RunStatistics statistics(static_cast<Eigen::Index>(width), peaks, width, 2,
                                  select_kernels<SimulationKernels>(set));
-        TalliedFilter tallied(filter, width, set);
+        FusedFilter tallied(filter, width, set);
         tallied.settle(rows.data());
         std::size_t row = 0;
         for (const std::size_t piece : pieces) {

@@ -81,7 +81,7 @@ TEST(Simulate, OmitsTheExactSigmaForAFilterWithTooLongAMemory) {
   Experiment e = wrist(0);
   e.filters.push_back(cascade(1, 1, 1e-4));  // remembers hours
   e.norms.push_back(norms(e.filters[1]));
-  ASSERT_FALSE(followed(e.filters[1]));
+  ASSERT_FALSE(autocorrelation_within(e.filters[1]));
   const Simulation s = run(e);
   const SimulatedSignal &quick = s.results[1][0], &slow = s.results[2][0];
   EXPECT_TRUE(std::isfinite(quick.sigma_exact));

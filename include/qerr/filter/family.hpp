@@ -49,7 +49,8 @@ inline constexpr int max_derivative = 8;
 /// keeps its taps. Zeros within the rounding of the coefficients of z = 1 are moved to z = 1.
 /// @param derivative  that the output estimates; adds no difference
 /// @throws Error (input; key `numerator` or `denominator`) when empty, not finite, longer than 256 (with
-/// poles), a0 = 0, or a pole is on or outside the unit circle, or within the rounding of the coefficients of it
+/// poles), a0 = 0, or a pole is on or outside the unit circle, or within the rounding of the coefficients of
+/// it
 Filter filter_from_coefficients(const std::vector<double>& numerator, const std::vector<double>& denominator,
                                 double sample_rate, int derivative);
 

@@ -11,9 +11,9 @@ namespace qerr {
 
 /// A section of order one or two in w = (1 - z^-1)/(1 + z^-1): (b0 + b1 w + b2 w^2)/(a0 + a1 w + a2 w^2).
 ///
-/// z = 1 is w = 0, and w is (T/2) d/dt for slow signals, so that slow poles keep their relative accuracy at any
-/// ratio of cut-off to sample rate. The section is stable if and only if a0, a1 and, for second order, a2 have
-/// the same sign. First order: a2 = b2 = 0. The numerator's order is at most that of the denominator.
+/// z = 1 is w = 0, and w is (T/2) d/dt for slow signals, so that slow poles keep their relative accuracy at
+/// any ratio of cut-off to sample rate. The section is stable if and only if a0, a1 and, for second order, a2
+/// have the same sign. First order: a2 = b2 = 0. The numerator's order is at most that of the denominator.
 /// Coefficients are double-double, so that those of a section in z^-1 are converted exactly (section_in_w).
 struct Section {
   std::array<DoubleDouble, 3> b{};
@@ -44,7 +44,7 @@ struct Filter {
   int derivative = 0;             ///< that the output estimates; sets the unit
   std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
   Deviation deviation = {};       ///< due to factoring a user's coefficients
-  bool designed = false;  ///< by a family, with rounded coefficients; else they are exact
+  bool designed = false;          ///< by a family, with rounded coefficients; else they are exact
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy for tiny f, too, where derivatives vanish as

@@ -28,10 +28,10 @@ struct Norms {
 ///
 /// Astrom's recursion (Introduction to Stochastic Control Theory, 1970, ch. 5) on the polynomials in w, which
 /// needs no controller canonical form and no Lyapunov equation. It runs in ball arithmetic (ball.hpp), in
-/// double-double first and with 1024 or 4096 bits where that does not prove 21 digits. So the value is the exact
-/// norm rounded to double, and the error a proven bound. For coefficients given by the user the error includes
-/// the rounding of their factors (`Filter::deviation`), for a family's design an allowance for the rounding of
-/// its coefficients, 1e-15 of the norm per section (`Filter::designed`).
+/// double-double first and with 1024 or 4096 bits where that does not prove 21 digits. So the value is the
+/// exact norm rounded to double, and the error a proven bound. For coefficients given by the user the error
+/// includes the rounding of their factors (`Filter::deviation`), for a family's design an allowance for the
+/// rounding of its coefficients, 1e-15 of the norm per section (`Filter::designed`).
 /// @pre every section is stable
 /// @throws Error (internal) when a section is unstable or the norm out of range
 Estimate h2_estimate(const Filter&);
@@ -41,22 +41,22 @@ double h2_norm(const Filter&);
 
 /// An interval that is proven to contain ||H||_1 = sum |h_k| [1/s^derivative], including rounding errors.
 ///
-/// Fast filters are summed directly, in double-double with a running error bound (direct_sum.hpp). Slow ones are
-/// expanded in partial fractions (modes.hpp): over a run of one sign, the sum of h is a difference of two values
-/// of the step response, so that the work grows with the changes of sign and not with the filter's memory
-/// (sign_runs.hpp). Modes are dropped when they have decayed, and the periods of a single remaining resonance,
-/// of which there may be billions, are summed by Euclid's algorithm on their signs (resonance_sum.hpp). The
-/// truncated tail is bounded by Cauchy and Schwarz:
-/// sum_{k>=K} |h_k| <= r^K (1 - r^2)^(-1/2) ||H(rz)||_2.
+/// Fast filters are summed directly, in double-double with a running error bound (direct_sum.hpp). Slow ones
+/// are expanded in partial fractions (modes.hpp): over a run of one sign, the sum of h is a difference of two
+/// values of the step response, so that the work grows with the changes of sign and not with the filter's
+/// memory (sign_runs.hpp). Modes are dropped when they have decayed, and the periods of a single remaining
+/// resonance, of which there may be billions, are summed by Euclid's algorithm on their signs
+/// (resonance_sum.hpp). The truncated tail is bounded by Cauchy and Schwarz: sum_{k>=K} |h_k| <= r^K (1 -
+/// r^2)^(-1/2) ||H(rz)||_2.
 ///
-/// The relative width is below 1e-12 where the memory 1/(1 - |z|) is below some ten thousand samples, for real
-/// poles, and where all modes but the slowest decay within some hundred thousand changes of sign or a million
-/// samples, at any speed of the slowest. These are all families except slow elliptic low-passes of order 17 and
-/// more (1 dB of ripple) or 19 and more (0.1 dB), whose two slowest resonances both ring for 10^4 periods and
-/// more. The interval is wider there, and where several or repeated resonances, a resonance and a real pole, or
-/// poles near z = 1 and z = -1 share such a memory: then possibly only the order of magnitude is known.
-/// Computation takes about two seconds at most. A family's interval includes the rounding of its coefficients,
-/// 1e-15 per section.
+/// The relative width is below 1e-12 where the memory 1/(1 - |z|) is below some ten thousand samples, for
+/// real poles, and where all modes but the slowest decay within some hundred thousand changes of sign or a
+/// million samples, at any speed of the slowest. These are all families except slow elliptic low-passes of
+/// order 17 and more (1 dB of ripple) or 19 and more (0.1 dB), whose two slowest resonances both ring for
+/// 10^4 periods and more. The interval is wider there, and where several or repeated resonances, a resonance
+/// and a real pole, or poles near z = 1 and z = -1 share such a memory: then possibly only the order of
+/// magnitude is known. Computation takes about two seconds at most. A family's interval includes the rounding
+/// of its coefficients, 1e-15 per section.
 /// @pre every section is stable
 Interval l1_norm(const Filter&);
 

@@ -75,15 +75,16 @@ Poles stable_poles(const List& a) {
   bool stable = true;
   for (const Complex1024& r : poles.z) {
     const double modulus = static_cast<double>(magnitude(r));
-    if (modulus >= 1 - root_uncertainty(a, {static_cast<double>(r.re), static_cast<double>(r.im)})) stable = false;
+    if (modulus >= 1 - root_uncertainty(a, {static_cast<double>(r.re), static_cast<double>(r.im)}))
+      stable = false;
     poles.largest = std::max(poles.largest, modulus);
   }
   if (!stable) throw unstable(poles.largest);
   return poles;
 }
 
-/// The product of the factors as polynomials in w of order two, slow ones first: conjugate pairs, then real ones
-/// in pairs; a last one of order one if their number is odd.
+/// The product of the factors as polynomials in w of order two, slow ones first: conjugate pairs, then real
+/// ones in pairs; a last one of order one if their number is odd.
 std::vector<Polynomial> polynomials(const std::vector<Factor>& factors) {
   std::vector<std::array<Factor, 2>> pairs;
   std::vector<Factor> real;

@@ -31,8 +31,8 @@ inline std::size_t order_of(const Section& s) { return !(s.a[2] == 0) ? 2 : !(s.
 /// The polynomial of a section with z replaced by z/(1 + lift), up to a power of 1 + w that numerator and
 /// denominator have in common. The impulse response becomes h_k (1 + lift)^k.
 ///
-/// With q = z^-1, c(w) (1 + q)^2 is a polynomial in q. Substituting q (1 + lift) and returning to w gives 4 c plus
-/// terms in lift, so that slow poles keep their digits.
+/// With q = z^-1, c(w) (1 + q)^2 is a polynomial in q. Substituting q (1 + lift) and returning to w gives 4 c
+/// plus terms in lift, so that slow poles keep their digits.
 template <class T>
 std::vector<Ball<T>> lifted(const std::array<DoubleDouble, 3>& c, std::size_t order, double lift) {
   const Ball<T> c0 = Ball<T>::exactly(c[0]), c1 = Ball<T>::exactly(c[1]), c2 = Ball<T>::exactly(c[2]);
@@ -71,11 +71,11 @@ void scale_variable(std::vector<Ball<T>>& p, int shift) {
   for (std::size_t i = 0; i < p.size(); ++i) p[i] = p[i].scaled(shift * static_cast<int>(i));
 }
 
-/// (1/2 pi) int |b(j Omega)/a(j Omega)|^2 dOmega by Astrom's recursion; empty unless a is proven stable (every
-/// alpha > 0).
+/// (1/2 pi) int |b(j Omega)/a(j Omega)|^2 dOmega by Astrom's recursion; empty unless a is proven stable
+/// (every alpha > 0).
 ///
-/// For a stable a the alphas and the terms are positive, so that their sum does not cancel; the rows of the table
-/// do for small damping.
+/// For a stable a the alphas and the terms are positive, so that their sum does not cancel; the rows of the
+/// table do for small damping.
 /// @pre degree of b < degree of a
 template <class T>
 std::optional<Ball<T>> integral(std::vector<Ball<T>> a, std::vector<Ball<T>> b) {

@@ -41,13 +41,12 @@ void check_finite(const Rows& rows, const std::string& key) {
 }
 
 Error unstable(const std::string& key, double largest_modulus) {
-  return Error(
-      Fault{{},
-            key,
-            "the filter is not stable: a pole lies on or outside the unit circle, or within "
-            "the rounding of its numbers of it",
-            "largest pole modulus " + figure(largest_modulus),
-            "all poles must lie inside"});
+  return Error(Fault{{},
+                     key,
+                     "the filter is not stable: a pole lies on or outside the unit circle, or within "
+                     "the rounding of its numbers of it",
+                     "largest pole modulus " + figure(largest_modulus),
+                     "all poles must lie inside"});
 }
 
 }  // namespace qerr

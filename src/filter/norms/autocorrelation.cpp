@@ -11,16 +11,16 @@ namespace qerr {
 
 namespace {
 
-/// r_n of a response that ends where h does: what the filter makes of that response, played backwards.
-std::vector<double> correlated(const Filter& filter, const std::vector<double>& h) {
+/// r_n of a truncated response h: the output for the reversed response as input.
+std::vector<double> autocorrelation_of(const Filter& filter, const std::vector<double>& h) {
   std::vector<double> r(h.size());
   Cascade<double> cascade(filter);
-  // From the small end, so that the small lags are not added to large ones.
+  // In the order of increasing |h|, which loses no digits of large lags.
   for (std::size_t n = h.size(); n-- > 0;) r[n] = cascade.step(h[n]);
   return r;
 }
 
-/// Samples after which exp(-40) is left of the slowest mode, with some room for repeated poles.
+/// Samples until the slowest mode has decayed to exp(-40), with a margin for repeated poles.
 double expected_memory(const Filter& filter) {
   const double modulus = poles_max_modulus(filter);
   const double order = static_cast<double>(2 * filter.sections.size());
@@ -31,7 +31,7 @@ double expected_memory(const Filter& filter) {
 Error too_long(double samples) {
   return Error({{},
                 "cutoff",
-                "the filter remembers too many samples for its noise in motion to be computed",
+                "the filter's memory is too long for computing its noise in motion",
                 "about " + std::to_string(static_cast<long long>(std::min(samples, 1e18))) + " samples",
                 "raise the cut-off or lower the sample rate"});
 }
@@ -44,22 +44,22 @@ Autocorrelation autocorrelation(const Filter& filter) {
   const double l1 = l1_norm(filter).upper;
   std::vector<double> h = impulse_response(filter, static_cast<std::size_t>(expected));
   double sum = 0, squares = 0;
-  // From the small end, so that the difference to the norm keeps its digits.
+  // Smallest terms first, so that the difference to the norm keeps its digits.
   for (auto k = h.rbegin(); k != h.rend(); ++k) {
     sum += std::abs(*k);
     squares += *k * *k;
   }
-  Autocorrelation a{correlated(filter, h), dc_gain(filter), l1 * std::max(l1 - sum, 0.0)};
-  double rest = 0;
-  while (a.r.size() > 1 && rest + std::abs(a.r.back()) <= 1e-12 * squares) {
-    rest += std::abs(a.r.back());
+  Autocorrelation a{autocorrelation_of(filter, h), dc_gain(filter), l1 * std::max(l1 - sum, 0.0)};
+  double truncated = 0;
+  while (a.r.size() > 1 && truncated + std::abs(a.r.back()) <= 1e-12 * squares) {
+    truncated += std::abs(a.r.back());
     a.r.pop_back();
   }
-  a.tail += rest;
+  a.tail += truncated;
   return a;
 }
 
-std::optional<Autocorrelation> followed(const Filter& filter, std::size_t longest) {
+std::optional<Autocorrelation> autocorrelation_within(const Filter& filter, std::size_t longest) {
   if (!(expected_memory(filter) <= static_cast<double>(std::min(longest, longest_autocorrelation))))
     return std::nullopt;
   return autocorrelation(filter);

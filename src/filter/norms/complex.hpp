@@ -6,15 +6,14 @@
 
 namespace qerr {
 
-/// A complex number of any real type (std::complex is for float, double and long double only).
+/// A complex number over any real type; std::complex is unspecified for others than the built-in types.
 template <class T>
 struct ComplexOf {
   T re{};
   T im{};
   ComplexOf() = default;
-  ComplexOf(T real, T imaginary = T(0))
-      : re(real), im(imaginary) {}  // NOLINT: a real number is a complex one
-  ComplexOf(double real)            // NOLINT
+  ComplexOf(T real, T imaginary = T(0)) : re(real), im(imaginary) {}  // NOLINT: exact
+  ComplexOf(double real)                                              // NOLINT
       requires(!std::is_same_v<T, double>)
       : re(real), im(0) {}
 

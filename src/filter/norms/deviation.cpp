@@ -38,17 +38,17 @@ std::vector<Ball<T>> in_w(const std::vector<Binary1024>& c, std::size_t n, doubl
   return p;
 }
 
-/// An upper bound of ||b/a - H||_2, both lifted.
+/// An upper bound of ||b/a - H||_2, both with z/(1 + lift) for z.
 template <class T>
 std::optional<double> difference(const Filter& h, const std::vector<Binary1024>& b,
                                  const std::vector<Binary1024>& a, double lift) {
   const std::size_t n = std::max(a.size(), b.size()) - 1;
-  const Rational<T> kept = rational<T>(h, lift);
-  const std::vector<Ball<T>> stated = in_w<T>(a, n, lift);
-  std::vector<Ball<T>> over = product(in_w<T>(b, n, lift), kept.a);
-  const std::vector<Ball<T>> taken = product(kept.b, stated);
-  for (std::size_t i = 0; i < over.size(); ++i) over[i] -= taken[i];
-  const auto squared = squared_norm(Rational<T>{over, product(stated, kept.a)});
+  const Rational<T> factored = rational<T>(h, lift);
+  const std::vector<Ball<T>> specified = in_w<T>(a, n, lift);
+  std::vector<Ball<T>> numerator = product(in_w<T>(b, n, lift), factored.a);
+  const std::vector<Ball<T>> subtrahend = product(factored.b, specified);
+  for (std::size_t i = 0; i < numerator.size(); ++i) numerator[i] -= subtrahend[i];
+  const auto squared = squared_norm(Rational<T>{numerator, product(specified, factored.a)});
   if (!squared) return std::nullopt;
   return static_cast<double>(sqrt(*squared).largest()) * (1 + 0x1p-50);
 }

@@ -8,9 +8,9 @@
 
 namespace qerr {
 
-/// Proven bounds of ||b/a - H|| for the filter H that was made of the coefficients b, a (ascending in z^-1,
-/// taken as exact); empty unless both are proven to be stable.
-/// @param modulus  about the largest modulus of the poles
+/// Proven bounds of ||b/a - H|| for the filter H that was computed from the coefficients b, a (ascending in
+/// z^-1, taken as exact); empty unless both are proven stable.
+/// @param modulus  largest pole modulus, approximately
 std::optional<Deviation> deviation_of(const Filter& h, const std::vector<double>& b,
                                       const std::vector<double>& a, double modulus);
 std::optional<Deviation> deviation_of(const Filter& h, const std::vector<Binary1024>& b,

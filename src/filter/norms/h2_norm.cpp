@@ -10,19 +10,19 @@
 namespace qerr {
 namespace {
 
-constexpr double enough = 0x1p-70;  // relative radius: far below the rounding of the answer to double
+constexpr double enough = 0x1p-70;  // relative radius, well below the rounding of the result to double
 
 template <class T>
 std::optional<Estimate> estimate(const Ball<T>& norm) {
   const double value = static_cast<double>(norm.mid());
-  const auto off = (norm - Ball<T>(value)).largest();
-  if (!std::isfinite(value) || !std::isfinite(off)) return std::nullopt;
+  const auto error = (norm - Ball<T>(value)).largest();
+  if (!std::isfinite(value) || !std::isfinite(error)) return std::nullopt;
   // Converting the radius rounds by 2^-53 of it.
-  return Estimate{value, static_cast<double>(off) * (1 + 0x1p-50) + std::numeric_limits<double>::min()};
+  return Estimate{value, static_cast<double>(error) * (1 + 0x1p-50) + std::numeric_limits<double>::min()};
 }
 
-/// By double-double where that proves enough, else with more digits: every filter of a family ends at the
-/// first, a cascade of twelve equal poles 1e-9 from the circle needs a thousand bits.
+/// The norm in numbers of type T; empty unless its relative radius is at most `wanted`. Double-double
+/// suffices for all families; a cascade of twelve equal poles 1e-9 from the unit circle needs 1024 bits.
 template <class T>
 std::optional<Estimate> estimate_in(const Filter& filter, double lift, double wanted) {
   const auto squared = squared_norm(rational<T>(filter, lift));
@@ -54,7 +54,7 @@ Estimate h2_estimate(const Filter& filter) {
   } else {
     throw Error(Fault{{},
                       "",
-                      "the H2 norm needs a stable filter",
+                      "the H2 norm requires a stable filter",
                       "an unstable section or coefficients out of range",
                       ""},
                 Trouble::internal);
@@ -64,7 +64,7 @@ Estimate h2_estimate(const Filter& filter) {
 }
 
 double lifted_norm(const Filter& filter, double lift) {
-  // Only its size matters; a digit will do.
+  // One digit suffices.
   std::optional<Estimate> e = estimate_in<DoubleDouble>(filter, lift, 0.1);
   if (!e) e = estimate_in<Binary1024>(filter, lift, 0.1);
   return e ? e->value + e->error : std::numeric_limits<double>::infinity();

@@ -13,24 +13,24 @@
 namespace qerr {
 namespace {
 
-constexpr double fast_modulus = 0.95;  // poles inside: direct summation needs a few thousand terms at most
-constexpr std::int64_t most_direct = 8'000'000;  // terms times sections of a direct sum: about half a second
-constexpr std::int64_t most_runs = 3'000'000;    // blocks of runs times modes: a second at most
-constexpr double negligible = 1e-18;             // of the norm: the tail that is left out and bounded
-constexpr double narrow = 1e-13;  // relative width with which the search for a better interval ends
+constexpr double fast_modulus = 0.95;  // poles inside: direct summation needs at most a few thousand samples
+constexpr std::int64_t most_direct = 8'000'000;  // samples times sections of a direct sum: about 0.5 s
+constexpr std::int64_t most_runs = 3'000'000;    // blocks of sign runs times modes: at most 1 s
+constexpr double negligible = 1e-18;             // truncated tail relative to the norm
+constexpr double narrow = 1e-13;                 // relative width of an interval that is not improved further
 
 double width(const Interval& i) { return (i.upper - i.lower) / i.upper; }
 
-Interval anything() { return {0, std::numeric_limits<double>::infinity()}; }
+Interval unbounded() { return {0, std::numeric_limits<double>::infinity()}; }
 
-/// Both hold the norm.
-Interval both(const Interval& x, const Interval& y) {
+/// The intersection: both contain the norm.
+Interval intersection(const Interval& x, const Interval& y) {
   return {std::max(x.lower, y.lower), std::min(x.upper, y.upper)};
 }
 
-/// value - below .. value + above, rounded outwards; anything when not finite.
+/// value - below .. value + above, rounded outwards; unbounded when not finite.
 Interval around(double value, double below, double above) {
-  if (!std::isfinite(value) || !std::isfinite(below + above)) return anything();
+  if (!std::isfinite(value) || !std::isfinite(below + above)) return unbounded();
   constexpr double ulp = 0x1p-52;
   return {std::max(0.0, (value - below) * (1 - ulp)), (value + above) * (1 + ulp)};
 }
@@ -40,10 +40,10 @@ Interval around(const RealBall& value, double below, double above) {
   return around(value.mid().hi, below + rad, above + rad);
 }
 
-/// One filter, and the ways to sum its impulse response.
-class Search {
+/// The methods to sum the impulse response of one filter.
+class Summation {
  public:
-  Search(const Filter& filter, double h2)
+  Summation(const Filter& filter, double h2)
       : stages_(static_cast<std::int64_t>(filter.sections.size())),
         poles_(poles(filter)),
         modulus_(largest_modulus()),
@@ -53,11 +53,11 @@ class Search {
     modes_ = partial_fractions(filter, poles_.list);
   }
 
-  /// The norm is never below the H2 norm, and by Cauchy and Schwarz not above `tail(0)`.
-  Interval by_size() const { return {h2_ * (1 - 1e-12), direct_.tail(0)}; }  // h2_ is exact but for 1e-15
+  /// From the H2 norm, a lower bound, and `tail(0)`, an upper one by Cauchy and Schwarz.
+  Interval by_size() const { return {h2_ * (1 - 1e-12), direct_.tail(0)}; }  // 1e-12 covers the error of h2_
 
-  /// Directly, as far as that goes.
-  Interval by_terms() const {
+  /// By the direct sum, truncated at most_direct.
+  Interval by_samples() const {
     const double fall = std::log(direct_.tail(0) / (negligible * h2_)) / std::log1p(lift());
     const auto count = static_cast<std::int64_t>(
         std::clamp(std::ceil(fall), 8.0, static_cast<double>(most_direct / stages_)));
@@ -65,30 +65,30 @@ class Search {
     return around(p.sum, p.error, p.error + direct_.tail(count));
   }
 
-  /// From the first sample that the partial fractions give on by these alone.
+  /// By partial fractions, from the first sample where they hold.
   Interval by_modes() const { return by_modes_from(first(), most_runs); }
 
-  /// Directly until one mode is left, if that is not too long, and then by partial fractions.
-  Interval by_terms_and_modes() const {
+  /// By the direct sum until one mode remains, within most_direct, then by partial fractions.
+  Interval by_samples_and_modes() const {
     const std::int64_t latest = std::max(first(), most_direct / stages_);
-    return by_modes_from(slowest_alone_from(modes_.modes, first(), latest, h2_), most_runs / 10);
+    return by_modes_from(start_of_slowest_alone(modes_.modes, first(), latest, h2_), most_runs / 10);
   }
 
   bool fast() const { return modulus_ < fast_modulus; }
-  /// Whether the partial fractions keep their digits: poles next to each other may not.
-  bool separable() const { return Sequence(modes_.modes, Powers(modes_.modes)).trusted(); }
+  /// Whether the partial fractions are accurate; they may not be for close poles.
+  bool separable() const { return Sequence(modes_.modes, Powers(modes_.modes)).accurate(); }
 
  private:
   Interval by_modes_from(std::int64_t from, std::int64_t work) const {
     const PartialSum head = direct_.sum(from);
-    const TailSum rest = tail_sum(modes_.modes, from, h2_, work);
-    const double error = rest.error + head.error;
-    return moved(around(rest.sum + RealBall(head.sum), error, error + rest.beyond));
+    const TailSum tail = tail_sum(modes_.modes, from, h2_, work);
+    const double error = tail.error + head.error;
+    return widened(around(tail.sum + RealBall(head.sum), error, error + tail.beyond));
   }
   double lift() const { return std::min(1.0, 0.5 * gap_); }
   std::int64_t first() const { return static_cast<std::int64_t>(modes_.from); }
 
-  /// Also finds the gap 1/|z| - 1 of the slowest pole, from below.
+  /// Also sets gap_, a lower bound of 1/|z| - 1 of the slowest pole.
   double largest_modulus() {
     double largest = 0;
     gap_ = std::numeric_limits<double>::infinity();
@@ -100,9 +100,9 @@ class Search {
     return largest;
   }
 
-  /// What putting the poles on their places changed.
-  Interval moved(const Interval& i) const {
-    return {i.lower * (1 - poles_.moved), i.upper * (1 + poles_.moved)};
+  /// Widened by the effect of merging close poles.
+  Interval widened(const Interval& i) const {
+    return {i.lower * (1 - poles_.change), i.upper * (1 + poles_.change)};
   }
 
   std::int64_t stages_ = 1;
@@ -114,7 +114,7 @@ class Search {
   Modes modes_;
 };
 
-/// H(-z), whose impulse response is (-1)^k h_k: 1/w for w, which brings poles near z = -1 to z = 1.
+/// H(-z), with the impulse response (-1)^k h_k: 1/w for w, which maps poles near z = -1 to z = 1.
 Filter reflected(Filter filter) {
   for (Section& s : filter.sections) {
     const auto order = static_cast<std::ptrdiff_t>(order_of(s));
@@ -124,7 +124,7 @@ Filter reflected(Filter filter) {
   return filter;
 }
 
-bool slowest_turns_most(const Filter& filter) {
+bool slowest_pole_in_left_half(const Filter& filter) {
   ComplexDoubleDouble slowest;
   for (const Pole& p : poles(filter).list) {
     if (norm(slowest) < norm(p.z())) slowest = p.z();
@@ -132,22 +132,22 @@ bool slowest_turns_most(const Filter& filter) {
   return slowest.re < DoubleDouble(0);
 }
 
-Interval best(const Filter& filter) {
+Interval of_sections(const Filter& filter) {
   const double h2 = h2_norm(filter);
   if (h2 == 0) return {0, 0};
   if (filter.sections.empty()) {
     const double gain = std::abs(filter.gain.hi);
     return around(gain, 0x1p-50 * gain, 0x1p-50 * gain);
   }
-  const Search search(slowest_turns_most(filter) ? reflected(filter) : filter, h2);
-  Interval i = search.by_size();
-  // |H| is never above the norm: quotients of double-double at z = 1 and, reflected, at z = -1.
+  const Summation sum(slowest_pole_in_left_half(filter) ? reflected(filter) : filter, h2);
+  Interval i = sum.by_size();
+  // The norm is at least |H|: quotients of double-double at z = 1 and, reflected, at z = -1.
   for (const Filter& f : {filter, reflected(filter)})
     i.lower = std::max(i.lower, std::abs(dc_gain(f)) * (1 - 1e-12));
-  if (search.fast()) return both(i, search.by_terms());
-  if (!search.separable()) return both(i, search.by_terms());
-  i = both(i, search.by_modes());
-  return width(i) <= narrow ? i : both(i, search.by_terms_and_modes());
+  if (sum.fast()) return intersection(i, sum.by_samples());
+  if (!sum.separable()) return intersection(i, sum.by_samples());
+  i = intersection(i, sum.by_modes());
+  return width(i) <= narrow ? i : intersection(i, sum.by_samples_and_modes());
 }
 
 Interval of_taps(const Filter& filter) {
@@ -159,9 +159,9 @@ Interval of_taps(const Filter& filter) {
 }  // namespace
 
 Interval l1_norm(const Filter& filter) {
-  const Interval i = filter.taps.empty() ? best(filter) : of_taps(filter);
-  const double doubt = design_rounding(filter) * i.upper;
-  return {std::max(0.0, i.lower - doubt - filter.deviation.l1), i.upper + doubt + filter.deviation.l1};
+  const Interval i = filter.taps.empty() ? of_sections(filter) : of_taps(filter);
+  const double rounding = design_rounding(filter) * i.upper;
+  return {std::max(0.0, i.lower - rounding - filter.deviation.l1), i.upper + rounding + filter.deviation.l1};
 }
 
 }  // namespace qerr

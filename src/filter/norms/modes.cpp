@@ -10,14 +10,14 @@ namespace {
 
 using Series = std::vector<ComplexBall>;  // power series in eta, truncated
 
-// Of the distance from the circle: poles nearer than this to each other count as one.
-constexpr double together = 4e-15;
+// Poles closer than this, relative to their distance from the unit circle, are one multiple pole.
+constexpr double merge_distance = 4e-15;
 
-/// Takes up a pole and returns the place it is given.
-ComplexDoubleDouble place(std::vector<Pole>& list, const ComplexDoubleDouble& w) {
-  const double reach = together * std::abs(w.re.hi);
+/// Adds a pole, or merges it into one of the list. @returns the pole in the list
+ComplexDoubleDouble add_pole(std::vector<Pole>& list, const ComplexDoubleDouble& w) {
+  const double limit = merge_distance * std::abs(w.re.hi);
   const auto near = std::find_if(list.begin(), list.end(), [&](const Pole& p) {
-    return p.real() == (w.im == DoubleDouble(0)) && magnitude(p.w - w) <= reach;
+    return p.real() == (w.im == DoubleDouble(0)) && magnitude(p.w - w) <= limit;
   });
   if (near == list.end()) {
     list.push_back({w, 1});
@@ -34,8 +34,8 @@ double reciprocal_norm(const ComplexDoubleDouble& p) {
 }
 
 /// sum over the coefficients d_k of a(w) - a2 (w - p)(w - r), each times ||w^k/a||_1: the relative change, in
-/// l1, of a filter whose section's poles are put on p and r.
-double moved_by(const Section& s, const ComplexDoubleDouble& p, const ComplexDoubleDouble& r) {
+/// l1, of a filter when the section's poles are replaced by p and r.
+double relative_change(const Section& s, const ComplexDoubleDouble& p, const ComplexDoubleDouble& r) {
   const ComplexBall sum = exact_ball(p) + exact_ball(r), product = exact_ball(p) * exact_ball(r);
   const RealBall a2(s.a[2]);
   const double d0 = (RealBall(s.a[0]) - a2 * product.re).largest(),
@@ -43,33 +43,33 @@ double moved_by(const Section& s, const ComplexDoubleDouble& p, const ComplexDou
   const double gp = reciprocal_norm(p), gr = reciprocal_norm(r);
   double n0 = gp * gr, n1 = (1 + magnitude(p) * gp) * gr;
   if (!(p.im == DoubleDouble(0))) {
-    // 1/((w - p)(w - p*)) = [1/(w - p) - 1/(w - p*)]/(p - p*), much less than the product of a slow pair.
+    // 1/((w - p)(w - p*)) = [1/(w - p) - 1/(w - p*)]/(p - p*), much smaller than the product for a slow pair.
     n0 = std::min(n0, gp / std::abs(p.im.hi));
     n1 = std::min(n1, magnitude(p) * gp / std::abs(p.im.hi));
   }
   return (d0 * n0 + d1 * n1) / std::abs(s.a[2].hi) * (1 + 0x1p-40);
 }
 
-/// Adds the poles of a section; returns by how much l1 is moved.
+/// Adds the poles of a section. @returns the relative change in l1 of the filter
 double add_section(std::vector<Pole>& list, const Section& s) {
   const DoubleDouble a0 = s.a[0], a1 = s.a[1], a2 = s.a[2];
   if (order_of(s) == 0) return 0;
   if (order_of(s) == 1) {
-    const ComplexDoubleDouble p = place(list, -a0 / a1);
+    const ComplexDoubleDouble p = add_pole(list, -a0 / a1);
     const double d0 = (RealBall(a0) + RealBall(a1) * RealBall(p.re)).largest();
     return d0 * reciprocal_norm(p) / std::abs(a1.hi) * (1 + 0x1p-40);
   }
   const DoubleDouble discriminant = a1 * a1 - DoubleDouble(4) * a0 * a2;
   if (discriminant < DoubleDouble(0)) {
     const ComplexDoubleDouble p =
-        place(list, {-a1 / (DoubleDouble(2) * a2), abs(sqrt(-discriminant) / (DoubleDouble(2) * a2))});
-    return moved_by(s, p, conj(p));
+        add_pole(list, {-a1 / (DoubleDouble(2) * a2), abs(sqrt(-discriminant) / (DoubleDouble(2) * a2))});
+    return relative_change(s, p, conj(p));
   }
   // The larger root by the formula without cancellation, the smaller one from the product.
   const DoubleDouble large =
       (a1 + (a1 < DoubleDouble(0) ? -sqrt(discriminant) : sqrt(discriminant))) * DoubleDouble(-0.5);
-  const ComplexDoubleDouble p = place(list, large / a2), r = place(list, a0 / large);
-  return moved_by(s, p, r);
+  const ComplexDoubleDouble p = add_pole(list, large / a2), r = add_pole(list, a0 / large);
+  return relative_change(s, p, r);
 }
 
 Series multiplied(const Series& x, const Series& y) {
@@ -99,7 +99,7 @@ Series numerator(const Section& s, const ComplexBall& w0) {
   return {b0 + (b1 + b2 * w0) * w0, b1 * (one - w0) + two * (b2 * w0 - b0), b0 - b1 + b2};
 }
 
-/// Divides by (w - pole)^multiplicity, leaving out the factor eta^multiplicity of the expansion's own pole.
+/// Divides by (w - pole)^multiplicity; for the pole of the expansion without the factor eta^multiplicity.
 Series over_pole(Series x, const ComplexDoubleDouble& pole, int multiplicity, const ComplexDoubleDouble& w0) {
   const ComplexBall one(1.0), gap = exact_ball(w0) - exact_ball(pole);
   const bool own = pole == w0;
@@ -111,8 +111,8 @@ Series over_pole(Series x, const ComplexDoubleDouble& pole, int multiplicity, co
 }
 
 /// The coefficients of one pole. With eta = (1 - z0 q)(1 - w0)/2 the filter is a ratio of polynomials in eta,
-/// and w - w_r becomes (w0 - w_r) + (1 + w_r) eta: differences of poles are taken in w, where slow poles keep
-/// their digits.
+/// and w - w_r becomes (w0 - w_r) + (1 + w_r) eta: differences of poles are computed in w, without
+/// cancellation for slow poles.
 Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pole) {
   const ComplexBall w0 = exact_ball(pole.w), one(1.0);
   Series series(static_cast<std::size_t>(pole.multiplicity));
@@ -142,9 +142,9 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
 
 Poles poles(const Filter& filter) {
   Poles result;
-  double kept = 1;
-  for (const Section& s : filter.sections) kept *= 1 + add_section(result.list, s);
-  result.moved = (kept - 1) * (1 + 0x1p-20) + 0x1p-90;
+  double factor = 1;
+  for (const Section& s : filter.sections) factor *= 1 + add_section(result.list, s);
+  result.change = (factor - 1) * (1 + 0x1p-20) + 0x1p-90;
   return result;
 }
 

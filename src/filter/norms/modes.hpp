@@ -22,7 +22,7 @@ inline double one_minus_modulus(const ComplexBall& one_minus_z) {
   return 0.5 * (RealBall(2.0) * one_minus_z.re - norm(one_minus_z)).smallest();
 }
 
-/// A pole in w with its multiplicity; of a conjugate pair only the upper one is listed.
+/// A pole in w; of a conjugate pair only the upper one is listed.
 struct Pole {
   ComplexDoubleDouble w;
   int multiplicity = 1;
@@ -31,26 +31,26 @@ struct Pole {
   ComplexDoubleDouble z() const { return (ComplexDoubleDouble(1.0) + w) / (ComplexDoubleDouble(1.0) - w); }
 };
 
-/// The poles of a filter as numbers of double-double.
+/// The poles of a filter in double-double.
 struct Poles {
   std::vector<Pole> list;  ///< poles at z = 0 are those with w = -1
-  double moved = 0;        ///< ||H' - H||_1 <= moved ||H'||_1, H' being the filter with these very poles
+  double change = 0;       ///< ||H' - H||_1 <= change ||H'||_1 for the filter H' with exactly these poles
 };
 
-/// The poles of all sections. Those nearer to each other than rounding matters are put on one place.
+/// The poles of all sections. Poles within rounding of each other are merged into a multiple one.
 Poles poles(const Filter&);
 
-/// sum_m c_m C(k + m - 1, m - 1) z^k over m = 1..c.size(), plus its conjugate where `pair`: one pole's share
-/// of h_k.
+/// The contribution of one pole to h_k: sum_m c_m C(k + m - 1, m - 1) z^k over m = 1..c.size(), plus its
+/// conjugate where `pair`.
 struct Mode {
   ComplexDoubleDouble w;    ///< the pole, exactly
   ComplexBall z;            ///< (1 + w)/(1 - w)
-  ComplexBall one_minus_z;  ///< kept apart: it has all its digits for a slow pole
+  ComplexBall one_minus_z;  ///< without cancellation for a slow pole
   bool pair = false;
   std::vector<ComplexBall> c;
 };
 
-/// PartialSum fractions of the filter with the poles given: h_k is the sum of the modes for k >= from.
+/// Partial fractions of the filter: h_k is the sum of the modes for k >= from.
 struct Modes {
   std::vector<Mode> modes;
   std::size_t from = 0;

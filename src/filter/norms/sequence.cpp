@@ -8,22 +8,22 @@ namespace qerr {
 namespace {
 
 constexpr int bits = 52;
-constexpr std::size_t base = 16;  // of the table of quick powers
-// A bound in doubles takes a few hundred operations, each off by 2^-53; this is far more. The other part
-// keeps a bound above 0 where the powers vanish.
+constexpr std::size_t base = 16;  // of the digits in the table of quick powers
+// A bound in doubles takes a few hundred operations with relative errors of 2^-53, much less than `slack`.
+// `least` keeps a bound above 0 where the powers underflow.
 constexpr double slack = 1.001;
 constexpr double least = 1e-290;
 
 using Quick = std::complex<double>;
 
-/// Without the care of std::complex for infinities.
+/// x y, without the treatment of infinities by std::complex.
 Quick times(const Quick& x, const Quick& y) {
   return {x.real() * y.real() - x.imag() * y.imag(), x.real() * y.imag() + x.imag() * y.real()};
 }
 
 Quick rounded(const ComplexBall& x) { return {x.re.mid().hi, x.im.mid().hi}; }
 
-/// C(k + m - 1, m - 1) for the next m, from the one before.
+/// C(k + m, m) from C(k + m - 1, m - 1).
 double next_binomial(double binomial, std::int64_t k, std::size_t m) {
   return binomial * static_cast<double>(k + static_cast<std::int64_t>(m)) / static_cast<double>(m);
 }
@@ -43,7 +43,7 @@ Powers::Powers(const std::vector<Mode>& modes) {
     quick_.push_back(std::move(quick));
     // 1 - |z|^2 without cancellation: 2 Re(1 - z) - |1 - z|^2.
     const RealBall gap = RealBall(2.0) * mode.one_minus_z.re - norm(mode.one_minus_z);
-    // At most 1000, so that a pole next to z = 0 has a finite one.
+    // At most 1000: finite for a pole close to z = 0.
     decay_.push_back(std::min(-0.5 * std::log1p(-gap.smallest()) * (1 - 1e-14), 1000.0));
   }
 }
@@ -144,7 +144,7 @@ double Sequence::tail(std::int64_t first) const {
     double sum = 0, binomial = 1;
     const double modulus = powers_->modulus(i, 1);
     for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      // DirectSum fall at least as fast as this ratio from `first` on: a geometric series.
+      // From `first` on the terms decrease at least as a geometric series of ratio 1 - gap.
       const double growth = static_cast<double>(m - 1) / static_cast<double>(first + 1);
       const double gap = powers_->one_minus_modulus(i) - growth * modulus;
       if (!(gap > 0)) return std::numeric_limits<double>::infinity();
@@ -156,9 +156,9 @@ double Sequence::tail(std::int64_t first) const {
   return total * slack + least;
 }
 
-bool Sequence::trusted() const {
+bool Sequence::accurate() const {
   for (const Mode& mode : modes_) {
-    double size = 0;  // the binomials grow with m, so a coefficient may hide behind the larger ones above it
+    double size = 0;  // the binomials grow with m: relative to the largest coefficient of this or a higher m
     for (std::size_t m = mode.c.size(); m-- > 0;) {
       const ComplexBall& c = mode.c[m];
       size = std::max(size, std::hypot(c.re.mid().hi, c.im.mid().hi));

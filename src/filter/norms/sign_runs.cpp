@@ -7,14 +7,13 @@ namespace qerr {
 namespace {
 
 constexpr int taylor_order = 12;
-// Where |x| is so small a part of its bound, halving blocks until the bound says enough takes too many.
+// Below this ratio of |x| to its bound, bisection by the bound takes too many blocks.
 constexpr double cancelled = 0.01;
 
-/// Sum of |x_k| over a stretch where the sign of x is followed exactly: each run of one sign is a difference
-/// of U.
+/// Sum of |x_k| by runs of one sign, each a difference of two values of U = transient_of_sum.
 ///
-/// Whatever signs are assumed, sum s_k x_k <= sum |x_k|: a sign mistaken for a value that is almost 0 cannot
-/// spoil the lower end, and moves the upper end by twice that value only.
+/// sum s_k x_k <= sum |x_k| for all signs s_k: a wrong sign of a value near 0 does not affect the lower
+/// bound, and the upper bound by twice that value.
 class Runs {
  public:
   Runs(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
@@ -23,7 +22,7 @@ class Runs {
     for (int j = 0; j < taylor_order; ++j) differences_.push_back(differences_.back().difference());
   }
 
-  /// Goes through first..end-1; stops early when the budget is spent.
+  /// Sums over first..end-1; stops early when no visits remain.
   void cover(std::int64_t first, std::int64_t end) {
     start_ = next_ = first;
     sum_before_ = sum_.at(first - 1);
@@ -35,10 +34,10 @@ class Runs {
  private:
   bool spent() { return --visits_ < 0; }
 
-  /// The sign of x_k; where it cannot be told, of `count` values no larger, these are charged as errors.
+  /// The sign of x_k. Where it is uncertain, `count` values up to |x_k| are added to the error.
   int sign_at(std::int64_t k, std::int64_t count) {
-    powers_.quick(k, turned_);
-    const double quick = x_.quick_at(k, turned_);
+    powers_.quick(k, power_);
+    const double quick = x_.quick_at(k, power_);
     if (std::abs(quick) > 1e-12 * x_.bound(k, k)) return quick < 0 ? -1 : 1;
     const RealBall x = x_.at(k);
     if (!x.above_zero() && !x.below_zero()) error_ += x.largest() * static_cast<double>(count);
@@ -46,49 +45,50 @@ class Runs {
   }
 
   void visit(std::int64_t first, std::int64_t end) {
-    if (next_ != first) return;  // the budget ended before this block
+    if (next_ != first) return;  // stopped before this block
     if (spent()) return;
     if (end - first <= 3) {
       for (std::int64_t k = first; k < end; ++k) extend(k + 1, sign_at(k, 1));
       return;
     }
     const std::int64_t middle = first + (end - first) / 2;
-    const double reach = static_cast<double>(std::max(middle - first, end - 1 - middle)) * 1.001;
-    powers_.quick(middle, turned_);
+    const double radius = static_cast<double>(std::max(middle - first, end - 1 - middle)) * 1.001;
+    powers_.quick(middle, power_);
     powers_.moduli(first, moduli_);
-    const double x = x_.quick_at(middle, turned_), size = x_.bound(moduli_, middle);
+    const double x = x_.quick_at(middle, power_), size = x_.bound(moduli_, middle);
     const double steepest = differences_[1].bound(moduli_, end - 1);
-    if (std::abs(x) > reach * steepest + 1e-12 * size) {
+    if (std::abs(x) > radius * steepest + 1e-12 * size) {
       extend(end, x < 0 ? -1 : 1);
       return;
     }
-    const double slope = differences_[1].quick_at(middle, turned_);
-    if (std::abs(slope) > reach * differences_[2].bound(moduli_, end - 1) + 1e-12 * steepest) {
+    const double slope = differences_[1].quick_at(middle, power_);
+    if (std::abs(slope) > radius * differences_[2].bound(moduli_, end - 1) + 1e-12 * steepest) {
       monotone(first, end);
       return;
     }
-    if (std::abs(x) < cancelled * size && settled_by_taylor(first, end, middle)) return;
+    if (std::abs(x) < cancelled * size && sum_by_taylor(first, end, middle)) return;
     visit(first, middle);
     visit(middle, end);
   }
 
-  /// Where the modes almost cancel (a low-pass of high order starts like t^n) the plain bounds are far too
-  /// large; the Newton series x_{m+i} = sum_j C(i+j-1, j) (D^j x)_m about the middle sees the cancellation.
-  /// Settles a block of one sign, or a negligible one.
-  bool settled_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
-    const double reach = static_cast<double>(std::max(middle - first, end - 1 - middle));
-    const RealBall here = x_.at(middle);
+  /// Where the modes almost cancel (a low-pass of high order starts as t^n) the other bounds are much too
+  /// large; the Newton series x_{m+i} = sum_j C(i+j-1, j) (D^j x)_m about the middle includes the
+  /// cancellation.
+  /// @returns whether the block has one sign, or is negligible; then it is summed
+  bool sum_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
+    const double radius = static_cast<double>(std::max(middle - first, end - 1 - middle));
+    const RealBall center = x_.at(middle);
     double change = 0, weight = 1;
     for (int j = 1; j <= taylor_order; ++j) {
-      weight *= (reach + j - 1) / j;  // C(reach + j - 1, j), the largest weight on either side
+      weight *= (radius + j - 1) / j;  // C(radius + j - 1, j), the largest weight on either side
       const Sequence& d = differences_[static_cast<std::size_t>(j)];
       change += 1.001 * weight * (j < taylor_order ? d.at(middle).largest() : d.bound(first, end - 1));
     }
-    const double whole = (here.largest() + change) * static_cast<double>(end - first);
-    if (here.smallest() > change) {
-      extend(end, here.mid() < DoubleDouble(0) ? -1 : 1);
-    } else if (whole <= 1e-18 * scale_) {
-      error_ += whole;
+    const double total = (center.largest() + change) * static_cast<double>(end - first);
+    if (center.smallest() > change) {
+      extend(end, center.mid() < DoubleDouble(0) ? -1 : 1);
+    } else if (total <= 1e-18 * scale_) {
+      error_ += total;
       extend(end, sign_ == 0 ? 1 : sign_);
     } else {
       return false;
@@ -130,16 +130,16 @@ class Runs {
   Sequence x_, sum_;
   std::vector<Sequence> differences_;
   const Powers& powers_;
-  std::vector<std::complex<double>> turned_;  // the powers at the place looked at
+  std::vector<std::complex<double>> power_;  // z^k of all modes at the current sample
   std::vector<double> moduli_;
   double scale_;
   RealBall total_;
-  RealBall sum_before_;  // of the run at hand
+  RealBall sum_before_;  // before the current run
   double error_ = 0;
   std::int64_t start_ = 0;
   std::int64_t next_ = 0;
   int sign_ = 0;
-  std::int64_t visits_;  // blocks that may still be looked at
+  std::int64_t visits_;  // remaining blocks
 };
 
 }  // namespace

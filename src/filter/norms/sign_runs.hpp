@@ -6,20 +6,19 @@
 
 namespace qerr {
 
-/// sum |x_k| over a stretch, proven: `sum` holds it but for `error` (which can only make it larger or smaller
-/// by so much), up to and without `next`.
+/// sum |x_k| over first..next-1, within `error` of `sum`.
 struct RunsSum {
   RealBall sum;
   double error = 0;
   std::int64_t next = 0;
-  std::int64_t visits = 0;  ///< what is left of them
+  std::int64_t visits = 0;  ///< remaining of the given ones
 };
 
-/// Sums |x_k| over first..end-1 by its runs of one sign, each a difference of the sum of x: work grows with
-/// the number of sign changes and not with the length. Stops early when `visits` blocks were looked at.
+/// Sums |x_k| over first..end-1 by its runs of one sign, each a difference of two values of the sum of x: the
+/// work grows with the number of sign changes and not with the length. Stops early after `visits` blocks.
 /// @param powers  of the modes of x
-/// @param scale  a lower bound of the whole norm, against which a block can be negligible
-/// @pre x.trusted()
+/// @param scale  lower bound of the norm: blocks are negligible relative to it
+/// @pre x.accurate()
 RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
                     std::int64_t end, std::int64_t visits);
 

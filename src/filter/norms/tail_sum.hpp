@@ -7,24 +7,24 @@
 
 namespace qerr {
 
-/// sum |x_k| over k >= from, proven: between `sum` - `error` and `sum` + `error` + `beyond`.
+/// Enclosure of sum |x_k| over k >= from: `sum` - `error` to `sum` + `error` + `beyond`.
 struct TailSum {
   RealBall sum;
   double error = 0;
-  double beyond = 0;  ///< upper bound of what was not summed
+  double beyond = 0;  ///< upper bound of the terms that were not summed
 };
 
-/// The part of an impulse response that a sum of modes is, from a sample on to infinity.
+/// Sums a modal expansion of an impulse response from a sample to infinity.
 ///
-/// By runs of one sign (`sum_of_runs`), from which a mode is left out as soon as what it still adds is
-/// negligible: so a resonance that outlives the others by far ends alone, and its turns, however many, are
-/// summed by `resonance_sum`. Where there would be too many runs, the rest is only bounded.
-/// @param scale  a lower bound of the whole norm, against which parts can be negligible
-/// @param work  blocks that may be looked at, times modes
+/// By runs of one sign (`sum_of_runs`). A mode is dropped when its remaining sum is negligible; a resonance
+/// that decays much more slowly than the others finally remains alone and is summed by `resonance_sum`. Where
+/// there are too many runs, the remaining sum is only bounded.
+/// @param scale  lower bound of the norm: parts are negligible relative to it
+/// @param work  limit of blocks times modes
 TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work);
 
 /// The first sample, at most `latest`, from which all modes but the longest-lived one are negligible.
-std::int64_t slowest_alone_from(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,
-                                double scale);
+std::int64_t start_of_slowest_alone(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,
+                                    double scale);
 
 }  // namespace qerr

@@ -27,7 +27,7 @@ std::string warning_of_ipqn(const Spec& spec) {
   std::string thresholds;
   for (const NamedFilter& f : spec.filters) {
     if (f.filter.derivative == 0) continue;
-    const auto memory = followed(f.filter, 2 * longest_threshold_search);
+    const auto memory = autocorrelation_within(f.filter, 2 * longest_threshold_search);
     const auto threshold = memory ? ipqn_threshold(*memory, 0.1) : std::nullopt;
     if (threshold)
       thresholds += (thresholds.empty() ? "" : ", ") + ("'" + f.name + "' ") + significant(*threshold, 2);
@@ -132,7 +132,7 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec) {
   if (!spec.motion) return noise;
   for (const NamedFilter& f : spec.filters) {
     Eigen::VectorXd& of_filter = noise.emplace_back();
-    if (const auto memory = followed(f.filter))
+    if (const auto memory = autocorrelation_within(f.filter))
       of_filter = noise_along_motion(spec.model.transmission, *spec.motion, *memory, f.filter.sample_rate,
                                      spec.motion->settling.value_or(0));
   }

@@ -50,7 +50,7 @@ std::vector<FilterNoise> noise_report(const Spec& spec, const std::vector<Motion
   for (const NamedFilter& named : spec.filters) {
     FilterNoise& noise = report.emplace_back();
     noise.filter = named.name;
-    const auto memory = followed(named.filter);
+    const auto memory = autocorrelation_within(named.filter);
     noise.followed = memory.has_value();
     if (memory) {
       noise.within_10_percent = ipqn_threshold(*memory, 0.1);

@@ -20,14 +20,15 @@ DoubleDouble beta_of_damping(double alpha, double damping) {
 }
 
 Filter design(const FilterDesign& wanted) {
-  const std::size_t group = parameter_group(wanted, {{"alpha", "beta"}, {"alpha", "damping"}, {"tracking_index"}});
+  const std::size_t group =
+      parameter_group(wanted, {{"alpha", "beta"}, {"alpha", "damping"}, {"tracking_index"}});
   if (group == 2) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(2, index)));
   }
   const double alpha = checked_number(wanted, "alpha", 0, 2);
   const DoubleDouble beta = group == 0 ? DoubleDouble(checked_number(wanted, "beta", 0, 4))
-                                     : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
+                                       : beta_of_damping(alpha, checked_number(wanted, "damping", 0, 1e6));
   const DoubleDouble rest = DoubleDouble(4) - DoubleDouble(2 * alpha) - beta;
   if (!(rest.hi > 4e-16)) {
     throw Error(Fault{{},

@@ -31,8 +31,8 @@ Filter design(const FilterDesign& wanted) {
   const double slope = inverse_pole(discretization, x);
   const bool bilinear = discretization == "tustin" || discretization == "prewarped";
   for (int i = 0; i < order; ++i) {
-    // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0 (w = -1), which cancels the
-    // pole of a difference.
+    // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0 (w = -1), which cancels
+    // the pole of a difference.
     if (!bilinear && i < wanted.derivative) {
       filter.sections[static_cast<std::size_t>(i)].a = {1, slope, 0};
     } else {

@@ -38,7 +38,8 @@ std::vector<Real> orthogonal(int order, int n, const Real& x, int d) {
 }  // namespace
 
 Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double back) {
-  Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate or derivative
+  Filter filter =
+      difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate or derivative
   if (order >= window) {
     throw Error(Fault{{},
                       "polynomial_order",

@@ -9,8 +9,8 @@ inline constexpr int max_polynomial_order = 20;
 
 Parameter window_row();
 
-/// The filter whose output is the derivative of the least-squares polynomial through the newest `window` samples
-/// (Savitzky and Golay 1964), `back` samples before the newest one.
+/// The filter whose output is the derivative of the least-squares polynomial through the newest `window`
+/// samples (Savitzky and Golay 1964), `back` samples before the newest one.
 ///
 /// The fit is by orthogonal polynomials (discrete Chebyshev, also called Gram) with 256 bits, so that
 /// each tap is rounded once.

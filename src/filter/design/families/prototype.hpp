@@ -17,9 +17,9 @@ struct Prototype {
 /// The section 1/((1 - x/p)(1 - x/p*)), or 1/(1 - x/p) for a real p, at x = slope * w.
 Section section_of_pole(ComplexDoubleDouble p, double slope);
 
-/// The differences of the derivative, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear transform,
-/// pre-warped so that the prototype's 1 rad/s is exactly at f0. No polynomial is expanded in z, so that the
-/// accuracy does not depend on f0 T.
+/// The differences of the derivative, then the prototype at s = w/rho, rho = tan(pi f0 T): the bilinear
+/// transform, pre-warped so that the prototype's 1 rad/s is exactly at f0. No polynomial is expanded in z, so
+/// that the accuracy does not depend on f0 T.
 /// @throws Error (input; key `cutoff` or `derivative`)
 Filter bilinear_lowpass(const FilterDesign&, const Prototype&);
 

@@ -79,15 +79,16 @@ Filter tracking_filter(const FilterDesign& wanted, std::vector<DoubleDouble> c) 
   check_derivative(wanted, states - 1,
                    states == 2 ? "two states estimate position and velocity"
                                : "three states estimate position, velocity and acceleration");
-  Filter filter =
-      difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate; its gain is (2f)^d
+  Filter filter = difference_filter(wanted.sample_rate,
+                                    wanted.derivative);  // throws for a wrong rate; its gain is (2f)^d
   filter.designed = true;
   filter.sections.clear();
   const DoubleDouble first = c[0], one = 1;
   for (DoubleDouble& x : c) x = x / first;
   if (states == 2) {
     const Section pair{{}, {1, c[1], c[2]}};
-    filter.sections = {wanted.derivative == 0 ? with_numerator(pair, 1, c[1], c[1] - one) : with_numerator(pair, 0, 1, 1)};
+    filter.sections = {wanted.derivative == 0 ? with_numerator(pair, 1, c[1], c[1] - one)
+                                              : with_numerator(pair, 0, 1, 1)};
     return filter;
   }
   std::vector<ComplexDoubleDouble> real, upper;

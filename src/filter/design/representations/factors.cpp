@@ -78,7 +78,8 @@ Filter filter_from_factors(const Binary1024& gain, const std::vector<LinearFacto
     const LinearFactor first = remove_slowest(poles.real), second = remove_slowest(poles.real);
     add(pair(remove_slowest(zeros.complex)), product(first, second));
   }
-  while (!poles.real.empty()) add(product(remove_slowest(zeros.real), one), product(remove_slowest(poles.real), one));
+  while (!poles.real.empty())
+    add(product(remove_slowest(zeros.real), one), product(remove_slowest(poles.real), one));
   if (filter.sections.empty()) filter.taps = {1};
   filter.gain = to_double_double(whole);
   return filter;
@@ -93,7 +94,7 @@ std::vector<Binary1024> times(const std::vector<Binary1024>& x, const std::vecto
 }
 
 bool set_deviation(Filter& filter, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
-           double largest_modulus, const std::string& key) {
+                   double largest_modulus, const std::string& key) {
   if (!filter.taps.empty()) return true;
   const auto deviation = deviation_of(filter, b, a, largest_modulus);
   if (!deviation) throw unstable(key, largest_modulus);

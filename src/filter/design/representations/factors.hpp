@@ -29,6 +29,6 @@ std::vector<Binary1024> times(const std::vector<Binary1024>&, const std::vector<
 /// @returns false when that exceeds 1e-13 of the H2 norm
 /// @throws Error (input; key) when b/a is not proven to be stable
 bool set_deviation(Filter&, const std::vector<Binary1024>& b, const std::vector<Binary1024>& a,
-           double largest_modulus, const std::string& key);
+                   double largest_modulus, const std::string& key);
 
 }  // namespace qerr

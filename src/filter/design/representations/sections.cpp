@@ -70,8 +70,8 @@ SpecifiedSection section_of(const std::vector<double>& row, const std::string& k
 
 /// The product of the sections.
 /// @param is_exact  set to whether no coefficient was rounded
-Filter cascade(const std::vector<SpecifiedSection>& stated, double sample_rate, int derivative, bool zeros_at_dc,
-               bool& is_exact) {
+Filter cascade(const std::vector<SpecifiedSection>& stated, double sample_rate, int derivative,
+               bool zeros_at_dc, bool& is_exact) {
   Filter filter{{}, 1, sample_rate, derivative};
   is_exact = true;
   for (const auto& [b, a] : stated) {
@@ -115,8 +115,8 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
     a = times(a, {stated[i].a.begin(), stated[i].a.end()});
     modulus = std::max(modulus, largest_modulus(stated[i].a));
   }
-  // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless that changes
-  // its norm.
+  // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless that
+  // changes its norm.
   Filter filter;
   for (const bool zeros_at_dc : {true, false}) {
     bool is_exact = false;

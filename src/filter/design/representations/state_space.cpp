@@ -231,7 +231,8 @@ Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, cons
   Vector above_w = in_w(h.b);
   if (std::all_of(above_w.begin(), above_w.end(), [](const Binary1024& x) { return x == 0; }))
     return {{}, 1, sample_rate, derivative, {0}};
-  // A filter that blocks 0 Hz up to the rounding of C and D is taken to block it, unless that changes its norm.
+  // A filter that blocks 0 Hz up to the rounding of C and D is taken to block it, unless that changes its
+  // norm.
   Filter filter;
   const std::size_t blocked = std::min(zeros_at_dc(a, input, output, through[0]), n);
   for (const std::size_t zeros : {blocked, std::size_t(0)}) {

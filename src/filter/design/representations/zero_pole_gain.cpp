@@ -125,14 +125,15 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
 }
 
 FilterRepresentation zero_pole_gain_representation() {
-  return {"zero_pole_gain",
-          "in place of lowpass: gain prod(z - zero)/prod(z - pole), as scipy.signal.zpk2sos takes them",
-          {.name = "zpk", .kind = Kind::object, .meaning = "zeros, poles and gain in the z plane"},
-          {{.name = "zeros", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
-           {.name = "poles", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
-           {.name = "gain", .kind = Kind::number, .meaning = "factor of the transfer function", .fallback = 1.0}},
-          {},
-          build};
+  return {
+      "zero_pole_gain",
+      "in place of lowpass: gain prod(z - zero)/prod(z - pole), as scipy.signal.zpk2sos takes them",
+      {.name = "zpk", .kind = Kind::object, .meaning = "zeros, poles and gain in the z plane"},
+      {{.name = "zeros", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
+       {.name = "poles", .kind = Kind::matrix, .meaning = "numbers, or pairs [re, im] for complex ones"},
+       {.name = "gain", .kind = Kind::number, .meaning = "factor of the transfer function", .fallback = 1.0}},
+      {},
+      build};
 }
 
 }  // namespace qerr
