@@ -112,7 +112,8 @@ Filter design(const Object& o) {
   }
   const Field lowpass = o.at("lowpass");
   if (lowpass.node->type != Node::Type::mapping)
-    throw Error(lowpass.fault("must be a mapping", "write {family: " + std::string(filter_families().front().name) + ", ...}"));
+    throw Error(lowpass.fault("must be a mapping",
+                              "write {family: " + std::string(filter_families().front().name) + ", ...}"));
   const FilterFamily& family = family_of(lowpass);
   std::vector<Parameter> format = spec_format::lowpass();
   format.insert(format.end(), family.parameters.begin(), family.parameters.end());

@@ -16,9 +16,9 @@ namespace qerr {
 /// would lose digits: the factor of s is 1 minus a number proportional to the cut-off. They go through a
 /// RowFilter.
 ///
-/// Gain: `qerr simulate` of configs/kuka_lwr with its two filters, sines in all joints at 1 kHz and one thread
-/// takes 1.14 s of CPU time for 20000 s of motion instead of 1.50 s with RowFilter alone (-24 %), and 0.81 s
-/// instead of 1.03 s for 64 runs of 200 s (-21 %), with AVX-512.
+/// Gain: `qerr simulate` of configs/kuka_lwr with its two filters, sines in all joints at 1 kHz and one
+/// thread takes 1.14 s of CPU time for 20000 s of motion instead of 1.50 s with RowFilter alone (-24 %), and
+/// 0.81 s instead of 1.03 s for 64 runs of 200 s (-21 %), with AVX-512.
 class FusedFilter {
  public:
   /// @param width  of a row of channels, a multiple of the lanes

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "filter/design/rational.hpp"
+#include "filter/norms/rational.hpp"
 
 namespace qerr {
 namespace {

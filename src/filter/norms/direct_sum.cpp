@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "filter/design/rational.hpp"
 #include "filter/norms/ball.hpp"
 #include "filter/norms/lifted_norm.hpp"
+#include "filter/norms/rational.hpp"
 
 namespace qerr {
 namespace {

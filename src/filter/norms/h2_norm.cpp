@@ -1,9 +1,9 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/design/design_rounding.hpp"
-#include "filter/design/rational.hpp"
+#include "filter/norms/design_rounding.hpp"
 #include "filter/norms/lifted_norm.hpp"
+#include "filter/norms/rational.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/norms.hpp"
 

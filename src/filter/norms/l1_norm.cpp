@@ -2,10 +2,10 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/design/design_rounding.hpp"
-#include "filter/design/rational.hpp"
+#include "filter/norms/design_rounding.hpp"
 #include "filter/norms/direct_sum.hpp"
 #include "filter/norms/modes.hpp"
+#include "filter/norms/rational.hpp"
 #include "filter/norms/sequence.hpp"
 #include "filter/norms/tail_sum.hpp"
 #include "qerr/filter/norms.hpp"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <limits>
 
-#include "filter/design/rational.hpp"
+#include "filter/norms/rational.hpp"
 
 namespace qerr {
 namespace {

@@ -43,8 +43,8 @@ void move_zeros_to_dc(Section& s, const Triple& b) {
 }
 
 /// Whether the section in w equals the specified one without rounding.
-bool exact(const std::array<DoubleDouble, 3>& c, const Triple& stated, bool second) {
-  const Binary1024 c0 = stated[0], c1 = stated[1], c2 = stated[2];
+bool exact(const std::array<DoubleDouble, 3>& c, const Triple& specified, bool second) {
+  const Binary1024 c0 = specified[0], c1 = specified[1], c2 = specified[2];
   if (!second) return to_binary1024(c[0]) == c0 + c1 && to_binary1024(c[1]) == c0 - c1;
   return to_binary1024(c[0]) == c0 + c1 + c2 && to_binary1024(c[1]) == 2 * (c0 - c2) &&
          to_binary1024(c[2]) == c0 - c1 + c2;
@@ -70,11 +70,11 @@ SpecifiedSection section_of(const std::vector<double>& row, const std::string& k
 
 /// The product of the sections.
 /// @param is_exact  set to whether no coefficient was rounded
-Filter cascade(const std::vector<SpecifiedSection>& stated, double sample_rate, int derivative,
+Filter cascade(const std::vector<SpecifiedSection>& specified, double sample_rate, int derivative,
                bool zeros_at_dc, bool& is_exact) {
   Filter filter{{}, 1, sample_rate, derivative};
   is_exact = true;
-  for (const auto& [b, a] : stated) {
+  for (const auto& [b, a] : specified) {
     if (b[1] == 0 && b[2] == 0 && a[1] == 0 && a[2] == 0) {  // a constant factor
       filter.gain = filter.gain * DoubleDouble(b[0]) / DoubleDouble(a[0]);
       is_exact = false;
@@ -106,21 +106,21 @@ Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative)
                       "write [[b0, b1, b2, a0, a1, a2], ...]"});
   }
   check_finite(sos, "sos");
-  std::vector<SpecifiedSection> stated;
+  std::vector<SpecifiedSection> specified;
   std::vector<Binary1024> b{1}, a{1};
   double modulus = 0;
   for (std::size_t i = 0; i < sos.size(); ++i) {
-    stated.push_back(section_of(sos[i], "sos[" + std::to_string(i) + ']'));
-    b = times(b, {stated[i].b.begin(), stated[i].b.end()});
-    a = times(a, {stated[i].a.begin(), stated[i].a.end()});
-    modulus = std::max(modulus, largest_modulus(stated[i].a));
+    specified.push_back(section_of(sos[i], "sos[" + std::to_string(i) + ']'));
+    b = times(b, {specified[i].b.begin(), specified[i].b.end()});
+    a = times(a, {specified[i].a.begin(), specified[i].a.end()});
+    modulus = std::max(modulus, largest_modulus(specified[i].a));
   }
   // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless that
   // changes its norm.
   Filter filter;
   for (const bool zeros_at_dc : {true, false}) {
     bool is_exact = false;
-    filter = cascade(stated, sample_rate, derivative, zeros_at_dc, is_exact);
+    filter = cascade(specified, sample_rate, derivative, zeros_at_dc, is_exact);
     if (is_exact || set_deviation(filter, b, a, modulus, "sos")) break;
   }
   return filter;
