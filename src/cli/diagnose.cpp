@@ -92,9 +92,9 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
   if (!curves.residual.empty()) finish_text(residual, curves.residual);
   if (!curves.spectrum.empty()) finish_text(spectrum, curves.spectrum);
   if (curves.residual.empty())
-    report.warnings.push_back("--plots: no joint has a reference: no files are written");
+    report.warnings.emplace_back("--plots: no joint has a reference: no files are written");
   else if (curves.spectrum.empty())
-    report.warnings.push_back("--plots: no joint moves: no spectrum.csv");
+    report.warnings.emplace_back("--plots: no joint moves: no spectrum.csv");
 }
 
 int run(const Values& v) {

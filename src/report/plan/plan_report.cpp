@@ -14,7 +14,7 @@ PlanReport plan_report(const Spec& spec, const PlanOptions& options) {
                       "add motion: {sample_rate: 1 kHz, duration: 10 s, joints: {...}}"});
   PlanReport report{spec, plan(spec.model, spec.effects, *spec.motion, options), spec.warnings};
   if (options.reference_noise > 0.3)
-    report.warnings.push_back(
+    report.warnings.emplace_back(
         "a reference with a noise of more than 0.3 counts is hardly better than the encoders");
   return report;
 }
