@@ -122,7 +122,8 @@ TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {
   EXPECT_EQ(json(r)["causes"][0]["parameters"][0]["unit"], "rad");
   const std::string text = table(r);
   EXPECT_NE(text.find("  tip            2.00 mm  400 um              -      -"), std::string::npos) << text;
-  EXPECT_NE(text.find("reduce the rms error at the tip from 2.00 mm\n  to 400 um.\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("reduce the rms error at the tip from 2.00 mm\n  to 400 um.\n"), std::string::npos)
+      << text;
   const std::string csv = write(r, "csv", Style{});
   EXPECT_NE(csv.find("rms_after,4e-04,,,,m,"), std::string::npos) << csv;
   EXPECT_EQ(csv.find("counts_before"), std::string::npos) << csv;
