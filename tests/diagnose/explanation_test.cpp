@@ -51,7 +51,7 @@ Evidence swing(Flaw flaw, double counts_per_period = 4) {
   return e;
 }
 
-Evidence rows(const Evidence& e) { return group_means(e, independent_rows(e)); }
+Evidence rows(const Evidence& e) { return group_means(e, independent_rows(e, 1)); }
 
 std::vector<std::string> names(const Selection& s) {
   std::vector<std::string> found;

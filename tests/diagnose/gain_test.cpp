@@ -57,7 +57,7 @@ double least_p(const Evidence& e) { return comparison({e}, {}, {}).front().p_val
 
 TEST(Gain, OfAnEccentricDiscIsLimitedByQuantization) {
   const Evidence e = swing(3, eccentric);
-  const auto starts = independent_rows(e);
+  const auto starts = independent_rows(e, 1);
   const Evidence few = group_means(e, starts);
   const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
   const double left = std::hypot(step / std::sqrt(12.0), 0.05 * step);
@@ -80,7 +80,7 @@ TEST(FoundParameters, OfNoTermsAreEmpty) {
 
 TEST(Gain, OfASpuriousTermIsNoGainOnHeldOutBlocks) {
   const Evidence e = swing(4, 0);
-  const auto starts = independent_rows(e);
+  const auto starts = independent_rows(e, 1);
   const Evidence few = group_means(e, starts);
   const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
   EXPECT_NEAR(g.ratio(), 1, 0.01);
@@ -92,7 +92,7 @@ TEST(FoundParameters, ContainTheTruthIn95PercentOfTheRecords) {
   const int records = 60;
   for (int i = 0; i < records; ++i) {
     const Evidence e = swing(100 + static_cast<std::uint64_t>(i), eccentric);
-    const Evidence few = group_means(e, independent_rows(e));
+    const Evidence few = group_means(e, independent_rows(e, 1));
     const std::vector<FoundParameter> found = found_parameters(few, explained(few))[0];
     for (const FoundParameter& p : found)
       if (p.name == "amplitude") {

@@ -83,9 +83,10 @@ struct Diagnosis {
   std::vector<std::string> warnings;
 };
 
-/// The result does not depend on the number of threads, and the causes not on the seed.
+/// The result does not depend on the number of threads. Of a record with more than 4096 independent readings
+/// the seed may select those that are fitted; else causes do not depend on it.
 struct DiagnoseOptions {
-  std::uint64_t seed = 1;  ///< of the simulations and of the bootstrap
+  std::uint64_t seed = 1;  ///< of the simulations, of the bootstrap and of selected rows
   unsigned threads = 0;    ///< 0: one per core
 };
 

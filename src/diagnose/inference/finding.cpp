@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
+#include "core/random.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/record/integrated_autocorrelation.hpp"
 #include "diagnose/terms/with_effects.hpp"
@@ -70,8 +71,8 @@ bool leaves_much(const Finding& f) {
 
 /// The same record again, by readings that do not repeat each other. A part of the rows says as much.
 /// @return the rows that were taken
-std::vector<RowGroup> judge_remainder(const Evidence& record, Finding& f) {
-  std::vector<RowGroup> groups = independent_rows(record, enough_rows);
+std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed, Finding& f) {
+  std::vector<RowGroup> groups = independent_rows(record, seed, enough_rows);
   f.evidence = group_means(record, groups);
   SelectOptions options;
   options.names_first = true;
@@ -100,12 +101,12 @@ bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint
   return axis.head<2>().norm() > 0.1 * axis.norm();
 }
 
-std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane) {
+std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {
   auto f = std::make_unique<Finding>();
-  std::vector<RowGroup> groups = independent_rows(record);
+  std::vector<RowGroup> groups = independent_rows(record, seed);
   f->evidence = group_means(record, groups);
   f->selection.emplace(select(f->evidence));
-  if (leaves_much(*f)) groups = judge_remainder(record, *f);
+  if (leaves_much(*f)) groups = judge_remainder(record, seed, *f);
   f->scatter = scatter_of(f->evidence, f->selection->model);
   f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
@@ -120,7 +121,8 @@ std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, con
   std::vector<std::unique_ptr<Finding>> findings(all.size());
   const auto find = [&](bool coupled) {
     parallel_for(all.size(), options.threads, [&](std::size_t i) {
-      if (all[i].coupled() == coupled) findings[i] = finding_of(all[i], sane);
+      if (all[i].coupled() == coupled)
+        findings[i] = finding_of(all[i], sane, stream_seed(options.seed, "rows", i));
     });
   };
   find(false);

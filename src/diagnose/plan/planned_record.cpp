@@ -81,7 +81,7 @@ std::vector<PlannedRecord> planned_records(const OperationalModel& model, const 
     if (c.effort.size() > 0) e.effort = c.effort.row(row).transpose().array();
     e = with_effects(std::move(e), present);
     e.measured = e.path.unaryExpr([&](double x) { return quantize(e.encoder, x); });
-    e = group_means(e, independent_rows(e, e.rows()));
+    e = group_means(e, independent_rows(e, 0, e.rows()));
     const Eigen::ArrayXd weight = weights(e, c.samples_per_row);
     records.push_back({std::move(e), weight});
   }

@@ -13,8 +13,6 @@ namespace qerr {
 
 namespace {
 
-constexpr std::uint64_t drawn_rows = 0x64726177;
-
 /// Means of a column over groups of rows.
 Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& groups) {
   if (column.size() == 0) return column;
@@ -27,7 +25,7 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
 
 }  // namespace
 
-std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
+std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
   // Noise alone must not separate rows.
   const double distinct = std::max(3 * e.path_noise, 0.05 * e.step());
   std::vector<RowGroup> all;
@@ -44,7 +42,7 @@ std::vector<RowGroup> independent_rows(const Evidence& e, Eigen::Index most) {
   std::vector<RowGroup> drawn;
   for (Eigen::Index i = 0; i < most; ++i) {
     const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
-    const double u = unit_interval(random_bits(0, static_cast<std::uint64_t>(i), drawn_rows));
+    const double u = unit_interval(random_bits(seed, static_cast<std::uint64_t>(i), 0));
     drawn.push_back(
         all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
   }

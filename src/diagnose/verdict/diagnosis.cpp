@@ -130,7 +130,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
   TipDiagnosis tip;
-  if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.threads);
+  if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.seed, options.threads);
   bool judged = !all.empty() || tip.judged;
   if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty())
     if (const auto why = too_noisy(all)) {

@@ -13,7 +13,6 @@ namespace {
 
 constexpr std::size_t fewest_blocks = 4;
 constexpr std::uint64_t draws = 999;
-constexpr std::uint64_t bootstrap_stream = 0x626c6f636b;
 
 /// What a fitted model says of some rows: where the position was, and how sure it is.
 struct Prediction {
@@ -110,9 +109,10 @@ void bootstrap(const std::vector<HeldOut>& all, std::uint64_t seed, Gain& g) {
   for (std::uint64_t draw = 0; draw < draws; ++draw) {
     double before = 0, after = 0;
     std::uint64_t index = 0;
+    const std::uint64_t of_draw = stream_seed(seed, "bootstrap", draw);
     for (const HeldOut& h : all)
       for (std::size_t i = 0; i < h.blocks.size(); ++i) {
-        const double u = unit_interval(random_bits(seed + draw, index++, bootstrap_stream));
+        const double u = unit_interval(random_bits(of_draw, index++, 0));
         const HeldOut::Block& b =
             h.blocks[static_cast<std::size_t>(u * static_cast<double>(h.blocks.size()))];
         before += b.before;

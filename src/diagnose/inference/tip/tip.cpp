@@ -75,7 +75,7 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
 }
 
 /// 95 % interval of the ratio of two rms, by resampled blocks.
-void ratio_interval(const HeldOut& h, Eigen::Index coordinates, Gain& gain) {
+void ratio_interval(const HeldOut& h, Eigen::Index coordinates, std::uint64_t seed, Gain& gain) {
   const Eigen::Index rows = h.before.size() / coordinates;
   const Eigen::Index blocks = std::min<Eigen::Index>(50, rows / 2);
   Eigen::ArrayXd before(blocks), after(blocks);
@@ -89,7 +89,7 @@ void ratio_interval(const HeldOut& h, Eigen::Index coordinates, Gain& gain) {
     double sum_before = 0, sum_after = 0;
     for (Eigen::Index b = 0; b < blocks; ++b) {
       const auto drawn = static_cast<Eigen::Index>(
-          unit_interval(random_bits(1, r, static_cast<std::uint64_t>(b))) * static_cast<double>(blocks));
+          unit_interval(random_bits(seed, r, static_cast<std::uint64_t>(b))) * static_cast<double>(blocks));
       sum_before += before[drawn];
       sum_after += after[drawn];
     }
@@ -109,7 +109,7 @@ Gain gain_of(const TipModel& m) {
   gain.rms_before = rms(h.before);
   gain.rms_after = rms(h.after);
   gain.held_out = true;
-  ratio_interval(h, coordinates, gain);
+  ratio_interval(h, coordinates, stream_seed(m.seed(), "tip bootstrap"), gain);
   const Eigen::VectorXd scaled = m.solution().weight.cwiseSqrt().cwiseProduct(h.after);
   gain.sigma_ratio = rms(scaled);
   gain.coverage = static_cast<double>((scaled.array().abs() < 1.96).count()) /
@@ -171,14 +171,14 @@ void tell_frames(const TipModel& m, TipDiagnosis& d) {
 }  // namespace
 
 TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log,
-                          unsigned threads) {
+                          std::uint64_t seed, unsigned threads) {
   TipDiagnosis d;
   OperationalModel model = ideal;
   model.chain = as_built(ideal.chain, present);
   const std::optional<TipEvidence> e = tip_evidence(model, present, log, threads);
   if (!e) return d;
   d.judged = true;
-  const TipSelection s = select_tip(model, *e);
+  const TipSelection s = select_tip(model, *e, seed);
   d.gain = gain_of(s.model);
   name_causes(s, d);
   tell_frames(s.model, d);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <vector>
 
 #include "qerr/diagnose/diagnosis.hpp"
@@ -23,6 +24,6 @@ struct TipDiagnosis {
 /// these 9 numbers explain more than chance, and is taken out; the gain is then counted from what is left.
 /// @param present  effects that the spec already has: the tip is judged with them, new lengths come on top
 TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&,
-                          unsigned threads);
+                          std::uint64_t seed, unsigned threads);
 
 }  // namespace qerr

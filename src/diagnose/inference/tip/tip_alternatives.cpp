@@ -15,7 +15,7 @@ namespace {
 constexpr double as_good = 6;  // of log-likelihood
 
 /// Poses anywhere, in place of those of the record: what even they cannot tell apart, no record can.
-TipEvidence anywhere(const TipEvidence& e, const Chain& chain) {
+TipEvidence anywhere(const TipEvidence& e, const Chain& chain, std::uint64_t seed) {
   TipEvidence wide = e;
   const Eigen::Index rows = std::min<Eigen::Index>(100, e.rows());
   wide.tip.setZero(e.tip.rows(), rows);
@@ -23,7 +23,7 @@ TipEvidence anywhere(const TipEvidence& e, const Chain& chain) {
   for (Eigen::Index j = 0; j < wide.joints.rows(); ++j)
     for (Eigen::Index k = 0; k < rows; ++k) {
       const double u =
-          unit_interval(random_bits(1, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(j)));
+          unit_interval(random_bits(seed, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(j)));
       wide.joints(j, k) =
           (2 * u - 1) * (chain.independent[static_cast<std::size_t>(j)].prismatic() ? 0.5 : std::numbers::pi);
     }
@@ -43,8 +43,8 @@ TipTerm shortened(TipTerm t, Eigen::Index rows) {
 bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size_t term,
                 const TipTerm& other) {
   if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
-  const TipEvidence wide = anywhere(fitted.evidence(), model.chain);
-  TipModel poses(model, wide, false);
+  const TipEvidence wide = anywhere(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
+  TipModel poses(model, wide, false, fitted.seed());
   const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
   Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
   const auto append = [&](const TipTerm& t) {

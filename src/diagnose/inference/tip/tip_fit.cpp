@@ -128,6 +128,7 @@ void TipModel::fit() {
 }
 
 void TipModel::draw_surrogates() {
+  const std::uint64_t phases = stream_seed(seed_, "tip phases");
   surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
@@ -137,7 +138,7 @@ void TipModel::draw_surrogates() {
     unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
     const Eigen::VectorXd column = columns(unit);
     for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
-      const double phase = e.step() * unit_interval(random_bits(2, i, static_cast<std::uint64_t>(d)));
+      const double phase = e.step() * unit_interval(random_bits(phases, i, static_cast<std::uint64_t>(d)));
       for (Eigen::Index k = 0; k < e.rows(); ++k) {
         const double x = e.path[k] + phase;
         surrogates_.col(d).segment(k * coordinates, coordinates) +=

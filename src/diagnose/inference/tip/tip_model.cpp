@@ -12,8 +12,9 @@ constexpr double nothing_left = 1e-5;
 
 }  // namespace
 
-TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, bool frames)
-    : model_(&model), evidence_(&evidence), frames_(frames) {
+TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, bool frames,
+                   std::uint64_t seed)
+    : model_(&model), evidence_(&evidence), frames_(frames), seed_(seed) {
   belief_.chain = model.chain;
   belief_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
   theta_.resize(0);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -17,8 +18,10 @@ namespace qerr {
 /// linearized anew where the belief has moved.
 class TipModel {
  public:
+  /// Borrows the model and the evidence: both must outlive it.
+  /// @param seed    of all that is drawn with it
   /// @param frames  whether the tracker's frame and its target are unknown: 9 numbers that are nobody's fault
-  TipModel(const OperationalModel&, const TipEvidence&, bool frames);
+  TipModel(const OperationalModel&, const TipEvidence&, bool frames, std::uint64_t seed);
 
   void add(TipTerm, const Eigen::VectorXd& coefficients);
   void remove(std::size_t term);
@@ -57,6 +60,7 @@ class TipModel {
   Eigen::VectorXd coefficients(std::size_t term) const;
   Eigen::Index position(std::size_t term) const;  ///< of its first coefficient in theta
   bool frames() const { return frames_; }
+  std::uint64_t seed() const { return seed_; }
   const TipSolution& solution() const { return solution_; }
   const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true with no term taken off [m]
   Eigen::MatrixXd all_columns(const std::vector<std::size_t>& without = {}) const;  ///< nuisance and terms
@@ -73,6 +77,7 @@ class TipModel {
   const OperationalModel* model_;
   const TipEvidence* evidence_;
   bool frames_;
+  std::uint64_t seed_;
   TipBelief belief_;
   std::vector<TipTerm> terms_;
   Eigen::VectorXd theta_;  ///< of the terms

@@ -193,11 +193,11 @@ bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
 
 }  // namespace
 
-TipSelection select_tip(const OperationalModel& model, const TipEvidence& e,
+TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
-  TipModel found = best_model(TipModel(model, e, false), options);
+  TipModel found = best_model(TipModel(model, e, false, seed), options);
   if (asks_for_frames(found, options)) {
-    TipModel framed = best_model(TipModel(model, e, true), options);
+    TipModel framed = best_model(TipModel(model, e, true, seed), options);
     const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
     if (framed.value(framed.solution(), framed.size() + free) >
         found.value(found.solution(), found.size()) + without_name)

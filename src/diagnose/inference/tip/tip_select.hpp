@@ -32,6 +32,7 @@ struct TipSelection {
 /// test, each one in the model as the others have become with it; then what stopped to matter is dropped and
 /// each term is tried against every other one. The tracker's frames are fitted only where the record asks for
 /// them too.
-TipSelection select_tip(const OperationalModel&, const TipEvidence&, const TipSelectOptions& = {});
+TipSelection select_tip(const OperationalModel&, const TipEvidence&, std::uint64_t seed,
+                        const TipSelectOptions& = {});
 
 }  // namespace qerr
