@@ -35,9 +35,8 @@ struct RowGroup {
 /// Groups of rows with the same reading and true position. At standstill only the reference's noise changes:
 /// rows of a group are not independent readings, and treating them as such would multiply the evidence of one
 /// coincidence.
-/// @param most  limit of the number of groups, so that the time of a fit does not grow with the record: of
-/// more
-///   groups one is drawn at random, by the seed, from each of `most` equal sections
+/// @param most  limit of the number of groups, so that the time of a fit does not grow with the record;
+///   beyond it, one group is drawn by the seed from each of `most` equal sections
 std::vector<RowGroup> independent_rows(const Evidence&, std::uint64_t seed, Eigen::Index most = 16384);
 
 /// The evidence with the mean of each group in place of its rows.
