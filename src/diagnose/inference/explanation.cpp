@@ -71,13 +71,13 @@ double Explanation::gain(const Term& t) const {
     information -= shared.transpose() * present_.solve_columns(shared);
     score -= shared.transpose() * present_.solve(columns_.transpose() * plain_.score.matrix());
   }
-  // Nothing is left of a column that the model already has.
+  // A column that the model already contains gains nothing.
   if ((information.diagonal().array() <= 1e-9 * alone.array()).any()) return 0;
   information.diagonal().array() *= 1 + 1e-10;
   return 0.5 * score.dot(solve_symmetric(information, score));
 }
 
-double Explanation::inflation(const Eigen::ArrayXXd& columns) const {
+double Explanation::variance_inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
   if (blocks < 4 || evidence_->rows_per_reading > 1) return evidence_->rows_per_reading;

@@ -23,26 +23,26 @@ class Explanation {
   void remove(std::size_t term);
   void fit();
 
-  /// What a further term would gain in log-likelihood, by one Newton step.
+  /// Log-likelihood gain of one Newton step with a further term.
   double gain(const Term&) const;
 
-  /// How much more the score of columns scatters than it would if what is left were independent from reading
-  /// to reading.
-  double inflation(const Eigen::ArrayXXd& columns) const;
+  /// Variance of the score of columns over its variance if residuals were independent from row to row, by the
+  /// sums over blocks.
+  double variance_inflation(const Eigen::ArrayXXd& columns) const;
 
   const std::vector<Term>& terms() const { return terms_; }
   Eigen::VectorXd coefficients(std::size_t term) const;
   const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the path
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
-  double plain_noise() const { return plain_sigma_; }  ///< with nothing taken to be an outlier
-  /// Standard deviation about the path: the noise, or what the spec's random effects make of it row by row.
+  double plain_noise() const { return plain_sigma_; }  ///< fitted without outliers
+  /// Standard deviation about the path, row by row: the noise, widened by the spec's random effects.
   Eigen::ArrayXd scatter() const { return sigma_ * relative_; }
-  /// Part of the readings that the model takes to be outliers.
+  /// Expected fraction of outliers.
   double outliers() const { return likelihood_.outliers / static_cast<double>(evidence_->rows()); }
   const IntervalLikelihood& likelihood() const { return likelihood_; }
   const Intervals& intervals() const { return intervals_; }
-  double mean_offset() const;  ///< what a term for the offset adds
+  double mean_offset() const;  ///< of the constant term
   const IntervalLikelihood& plain() const { return plain_; }
 
  private:
@@ -60,17 +60,17 @@ class Explanation {
 
   const Evidence* evidence_;
   Intervals intervals_;
-  Eigen::ArrayXXd base_;  ///< terms that are nobody's fault: the constant of an encoder whose zero is free
+  Eigen::ArrayXXd base_;  ///< nuisance terms: the free zero of an encoder
   std::vector<Term> terms_;
   Eigen::VectorXd beta_;
   Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
-  Eigen::ArrayXd fixed_;     ///< what terms that are not linear add beside their columns
+  Eigen::ArrayXd fixed_;     ///< sum of the terms' `fixed` parts
   Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over what is left of the reference's noise
   Eigen::ArrayXd x_;
   double spread_ = 0;
   double sigma_ = 0, plain_sigma_ = 0;
-  IntervalLikelihood likelihood_;  ///< some readings being outliers
-  IntervalLikelihood plain_;       ///< none being: what looks like outliers may be what is to be found
+  IntervalLikelihood likelihood_;  ///< with outliers
+  IntervalLikelihood plain_;       ///< without: apparent outliers may be the effect that is sought
   Eigen::MatrixXd weighted_;       ///< columns by the curvature of `plain_`
   SymmetricFactor present_;        ///< of columns' * weighted_
 };

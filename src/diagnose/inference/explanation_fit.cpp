@@ -10,7 +10,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double settled = 1e-3;  ///< gain in log-likelihood that is not worth another step
+constexpr double settled = 1e-3;  ///< log-likelihood gain at which the iteration ends
 constexpr int most_steps = 60;
 
 /// Whether a term displaces the position at which gear teeth, disc and lines err.
@@ -27,28 +27,28 @@ IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, do
   return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
 }
 
-/// The least noise there can be.
+/// Lower limit of the noise: half of that in the path, as this is an estimate, or a thousandth of a count.
 double Explanation::least_noise() const {
   return std::max(0.5 * evidence_->path_noise, 1e-3 * evidence_->step());
 }
 
-/// Least squares to the middle of the intervals, and the scatter about it: where Newton's method begins.
+/// Start of Newton's method: least squares to the middles of the intervals, and the scatter about them.
 void Explanation::begin(Eigen::VectorXd& unit) {
   const Eigen::ArrayXd weight = relative_.square().inverse();
   const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
-  Eigen::ArrayXd rest = middle.array();
+  Eigen::ArrayXd residual = middle.array();
   if (columns_.cols() > 0) {
     Eigen::MatrixXd normal = weighted_square(columns_, weight);
     normal.diagonal().array() += 1e-10 * normal.diagonal().mean();
     unit = solve_symmetric(normal, columns_.transpose() * (weight.matrix().asDiagonal() * middle));
-    rest -= (columns_ * unit).array();
+    residual -= (columns_ * unit).array();
   }
-  sigma_ = std::clamp(std::sqrt((rest.square() * weight).mean()), least_noise(), spread_);
+  sigma_ = std::clamp(std::sqrt((residual.square() * weight).mean()), least_noise(), spread_);
 }
 
 /// Newton's method in coefficients/sigma and 1/sigma, in which the log-likelihood is concave. With outliers
-/// every step is one towards the optimum for those that are taken to be such (EM), from where the fit
-/// without them ended: the optimum with little noise and a crowd of outliers is not meant.
+/// each step maximizes for the present outlier probabilities (EM), starting from the fit without outliers:
+/// the local optimum with little noise and many outliers is not the one sought.
 void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
   const Eigen::Index n = unit.size();
   likelihood_ = at(unit, sigma_, outliers);
@@ -85,7 +85,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
   }
 }
 
-/// The terms' columns side by side, scaled to unit norm.
+/// Columns of all terms, scaled to unit norm.
 Eigen::VectorXd Explanation::arrange() {
   Eigen::Index count = base_.cols();
   for (const Term& t : terms_) count += t.size();
@@ -102,7 +102,7 @@ Eigen::VectorXd Explanation::arrange() {
   return scale;
 }
 
-/// One fit of the terms as they stand, none of the readings being outliers.
+/// One fit with the present columns and without outliers.
 void Explanation::fit_plainly() {
   const Eigen::VectorXd scale = arrange();
   Eigen::VectorXd unit = Eigen::VectorXd::Zero(columns_.cols());
@@ -111,7 +111,8 @@ void Explanation::fit_plainly() {
   beta_ = unit.cwiseQuotient(scale);
 }
 
-/// What clock, link and play add before the reading comes to gear teeth, disc and lines [rad or m].
+/// Additions of clock, link and play, which displace the position seen by gear teeth, disc and lines
+/// [rad or m].
 Eigen::ArrayXd Explanation::moved_before() const {
   Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(evidence_->rows());
   for (std::size_t k = 0; k < terms_.size(); ++k)
@@ -119,8 +120,9 @@ Eigen::ArrayXd Explanation::moved_before() const {
   return moved;
 }
 
-/// Terms along the path that those before them make of it: an error of many counts is seen to lie elsewhere.
-/// @return whether a linear one changed by more than a part of the noise
+/// Recomputes terms along the path as displaced by the terms before them, which matters for displacements of
+/// many counts.
+/// @return whether a linear term changed by more than a tenth of the noise
 bool Explanation::follow_path() {
   constexpr double noticed = 0.1;
   const Eigen::ArrayXd moved = moved_before();
@@ -129,7 +131,7 @@ bool Explanation::follow_path() {
     if (!terms_[k].along) continue;
     if (terms_[k].relinearized) {
       terms_[k] = terms_[k].along(*evidence_, terms_[k], moved);
-      continue;  // its slope is taken anew anyway
+      continue;  // it is linearized again after the fit
     }
     Term next = terms_[k].along(*evidence_, terms_[k], moved);
     const Eigen::ArrayXd change =
@@ -141,22 +143,21 @@ bool Explanation::follow_path() {
   return any;
 }
 
-/// Fits along the path as its own terms move it, until that settles.
+/// Repeats the fit along the displaced path until the terms no longer change.
 void Explanation::fit_along_path() {
-  constexpr int most_turns = 8;
-  for (int i = 0; i < most_turns && follow_path(); ++i) fit_plainly();
+  constexpr int most_iterations = 8;
+  for (int i = 0; i < most_iterations && follow_path(); ++i) fit_plainly();
 }
 
-/// Terms that are not linear are brought to where the fit has ended, again and again; a step that leaves more
-/// than was left before is halved.
+/// Gauss-Newton iteration of the non-linear terms; a step that increases the residual is halved.
 void Explanation::fit_curved() {
-  constexpr int most_turns = 25;
+  constexpr int most_iterations = 25;
   constexpr double enough = 0.02;
   if (std::none_of(terms_.begin(), terms_.end(), [](const Term& t) { return t.relinearized; })) return;
   const Eigen::ArrayXd middle = 0.5 * (intervals_.lower + intervals_.upper);
   Eigen::VectorXd good = beta_;
   double least = std::numeric_limits<double>::infinity(), before = likelihood_.log_likelihood;
-  for (int i = 0; i < most_turns; ++i) {
+  for (int i = 0; i < most_iterations; ++i) {
     follow_path();
     for (std::size_t k = 0; k < terms_.size(); ++k)
       if (terms_[k].relinearized) terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));

@@ -16,7 +16,7 @@ namespace {
 constexpr Eigen::Index enough_rows = 4096;
 constexpr int most_passes = 2;
 
-/// What a joint's residual was before its readings were repaired; empty where they were not.
+/// Rms of a joint's residual before its readings were repaired; empty where they were not.
 std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
   for (const Cause& c : sane.causes)
     if (c.effect.joint == joint && c.gain.rms_before != c.gain.rms_after)
@@ -26,8 +26,8 @@ std::optional<double> before_repair(const Sanity& sane, const std::string& joint
   return std::nullopt;
 }
 
-/// The residual as it was recorded, where the gain has seen repaired readings: the squares of all blocks are
-/// scaled, so that they add up to it.
+/// Scales the squares of all blocks to the residual as recorded, where the gain was computed from repaired
+/// readings.
 void undo_repair(HeldOut& held, double rms_before) {
   double squares = 0, rows = 0;
   for (const HeldOut::Block& b : held.blocks) squares += b.before, rows += b.rows;
@@ -36,7 +36,7 @@ void undo_repair(HeldOut& held, double rms_before) {
   for (HeldOut::Block& b : held.blocks) b.before *= factor;
 }
 
-/// The model that a spec can say: what has no name is not part of it.
+/// The model without unnamed terms, which a spec cannot state.
 Explanation names_of(Explanation m) {
   const std::size_t all = m.terms().size();
   for (std::size_t i = all; i-- > 0;)
@@ -45,7 +45,7 @@ Explanation names_of(Explanation m) {
   return m;
 }
 
-/// What an explanation names, with its numbers.
+/// Effects of the named terms, with their parameters.
 std::vector<Effect> effects_of(const Explanation& m) {
   std::vector<Effect> effects;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
@@ -57,9 +57,8 @@ std::vector<Effect> effects_of(const Explanation& m) {
   return effects;
 }
 
-/// Whether something is left of an error of many counts: the remainder of large errors is itself many counts,
-/// of shapes that no catalogue has to the last percent, and rows that repeat each other count there for more
-/// than they say.
+/// Whether an error of many counts leaves a residual. The residual of a large error is itself several counts,
+/// of a shape that no term has to the last percent, and rows that repeat each other overstate it.
 bool leaves_much(const Finding& f) {
   constexpr double many = 8;  // [counts]
   const Explanation& m = f.selection->model;
@@ -69,7 +68,7 @@ bool leaves_much(const Finding& f) {
   return (error - error.mean()).square().mean() > many * many;
 }
 
-/// The same record again, by readings that do not repeat each other. A part of the rows says as much.
+/// Repeats the selection with independent readings. Fewer rows suffice.
 /// @return the rows that were taken
 std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed, Finding& f) {
   std::vector<RowGroup> groups = independent_rows(record, seed, enough_rows);
@@ -77,8 +76,7 @@ std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed
   SelectOptions options;
   options.names_first = true;
   f.selection.emplace(select(f.evidence, options));
-  // What fits rows that repeat each other leaves less than there is: fewer terms tell better how alike they
-  // are.
+  // Overfitting reduces the autocorrelation of the residual: repeat with the larger estimate.
   double alike = integrated_autocorrelation(f.evidence, f.selection->model);
   for (int i = 0; i < most_passes && alike > f.evidence.rows_per_reading; ++i) {
     f.evidence.rows_per_reading = alike;
@@ -130,7 +128,7 @@ std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, con
   for (const auto& f : findings)
     if (f)
       for (Effect& effect : effects_of(f->selection->model)) found.push_back(std::move(effect));
-  feel(all, sane.model.transmission, found);
+  add_coupled_effects(all, sane.model.transmission, found);
   find(true);
   return findings;
 }

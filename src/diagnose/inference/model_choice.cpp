@@ -49,7 +49,8 @@ double bayes(const Explanation& m, const Evidence& e) {
 
 double p_value(const Explanation& without, const Explanation& with, std::size_t term) {
   const Term& t = with.terms()[term];
-  const double ratio = 2 * (with.log_likelihood() - without.log_likelihood()) / with.inflation(t.columns);
+  const double ratio =
+      2 * (with.log_likelihood() - without.log_likelihood()) / with.variance_inflation(t.columns);
   return ratio > 0 ? chi_squared_tail(ratio, static_cast<double>(t.size())) : 1;
 }
 
@@ -58,7 +59,7 @@ double size_of(const Explanation& m, std::size_t term) {
   return m.terms()[term].constant ? std::abs(added.mean()) : standard_deviation(added);
 }
 
-double left_by(const Explanation& m, const Evidence& e) {
+double mean_square_residual(const Explanation& m, const Evidence& e) {
   return (e.measured - e.reference - m.addition()).square().mean();
 }
 
@@ -127,7 +128,7 @@ Explanation settled(Explanation m, const Evidence& e) {
     const double order = std::abs(wave_number(whole.effect, e.encoder));
     const bool at = std::abs(order - last.shape) < 0.02 * last.half_width;
     const double lost = m.log_likelihood() - named.log_likelihood();
-    if (lost > (at ? hard_to_tell : worth_a_term) * e.rows_per_reading) continue;
+    if (lost > (at ? similar_loss : worth_a_term) * e.rows_per_reading) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
   }
   return best ? std::move(*best) : std::move(m);

@@ -6,15 +6,16 @@
 
 namespace qerr {
 
-// By what one explanation of a record is held against another.
+// Criteria by which explanations of a record are compared. The thresholds are conventions, chosen on
+// generated logs (tests/hidden); they are in log-likelihood unless stated.
 
 inline constexpr double worth_trying = 8;       ///< log-likelihood that one Newton step promises
 inline constexpr double worth_a_term = 3;       ///< in the Bayesian criterion
-inline constexpr double worth_no_name = 10;     ///< the same: what has no name must be clearly better
+inline constexpr double worth_unnamed = 10;     ///< the same: what has no name must be clearly better
 inline constexpr double worth_comparing = 0.5;  ///< of what a chosen term promised, by another in its place
-inline constexpr double cannot_be_told = 6;     ///< log-likelihood that an alternative loses at most
-inline constexpr double hard_to_tell = 40;      ///< the same, of one that explains nearly as much variance
-inline constexpr double nearly_as_good = 0.96;  ///< the part of it
+inline constexpr double indistinguishable_loss = 6;  ///< log-likelihood that an alternative loses at most
+inline constexpr double similar_loss = 40;    ///< the same, of one that explains nearly as much variance
+inline constexpr double similar_part = 0.96;  ///< the part of it
 
 /// The Bayesian criterion: log-likelihood less half a logarithm of the readings for each number that was
 /// fitted, both by the number of independent readings.
@@ -28,7 +29,7 @@ double p_value(const Explanation& without, const Explanation& with, std::size_t 
 double size_of(const Explanation&, std::size_t term);
 
 /// Mean square of the residual that a model leaves [rad^2 or m^2].
-double left_by(const Explanation&, const Evidence&);
+double mean_square_residual(const Explanation&, const Evidence&);
 
 Explanation with_term(Explanation, Term);
 Explanation without_term(Explanation, std::size_t term);

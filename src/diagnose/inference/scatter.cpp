@@ -17,12 +17,10 @@ constexpr double many_outliers = 0.06;
 constexpr const char* part_far_off = "part of the readings is far off";
 constexpr double significant = 1e-3;
 constexpr double correlated = 0.2;  ///< of neighbouring scores
-// Scatter below this is not looked at for coming and going: quantization, 0.29 counts, makes most of the
-// rest.
+// Smaller scatter is not tested for evenness: quantization, 0.29 counts, dominates the residual.
 constexpr double uneven_from = 0.4;  ///< [counts]
-// The reference's noise is an estimate. More of it, by these factors of its variance, would be no find: as
-// much as scatter must stand out by (scatter_beyond_reference squared), and beside unequal states, which move
-// edges and do not scatter, a tenth more noise.
+// The reference's noise is an estimate: the null hypothesis has its variance times these factors, the square
+// of scatter_beyond_reference, and for displaced edges, which do not scatter, 10 % more noise (squared).
 constexpr double doubted_noise = 1.69, doubted_noise_beside_states = 1.21;
 
 /// Log-likelihood with a scatter of its own for every reading.
@@ -61,8 +59,8 @@ Intervals displaced(const Intervals& ideal, const Evidence& e, double shift) {
   return moved;
 }
 
-/// The largest residual of readings that neither the causes nor the scatter of the others can have made: a
-/// glitch of the line. 0: there is none.
+/// The largest outlier: a residual that neither the terms nor the scatter of the other readings can cause. 0:
+/// none.
 double farthest(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added) {
   const double shape = 3 * added.abs().maxCoeff() + 5 * e.step() + 8 * e.noise;
   const Eigen::ArrayXd possible = (8 * m.plain_noise() / m.noise() * m.scatter()).max(shape);
@@ -87,9 +85,9 @@ double relative_error(Function function, double best, double at_best) {
   return bend > 0 ? std::min(1.0, 1.96 / std::sqrt(bend)) : 1;
 }
 
-/// Whether what is left scatters much more in some stretch of the order given than a variance says.
-bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance,
-                    const Eigen::ArrayXd& along) {
+/// Whether the residual's variance over the expected one differs by more than 3 between twelfths of the rows,
+/// sorted by `along`.
+bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, const Eigen::ArrayXd& along) {
   constexpr Eigen::Index stretches = 12, fewest = 40;
   constexpr double much = 3;
   const Eigen::Index n = squares.size();
@@ -111,7 +109,7 @@ bool comes_and_goes(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& varianc
   return most > much * least;
 }
 
-/// What could scatter the readings of a fitted model, each at its most likely size.
+/// Effects that could scatter the readings of a fitted model, each at its most likely size.
 class Trials {
  public:
   /// @param own   what is left of the reference's noise [rad or m]
@@ -183,16 +181,14 @@ class Trials {
   Eigen::ArrayXd known_;
 };
 
-/// Whether what is left scatters otherwise than a candidate says, in some place or at some time.
-bool comes_and_goes(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known,
-                    const Candidate& c) {
+/// Whether the residual scatters differently from a candidate's variance over the position or over time.
+bool is_uneven(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known, const Candidate& c) {
   const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
   const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + c.added;
-  return comes_and_goes(squares, variance, e.path) ||
-         (e.ordered && comes_and_goes(squares, variance, e.time));
+  return is_uneven(squares, variance, e.path) || (e.ordered && is_uneven(squares, variance, e.time));
 }
 
-/// What a few readings far off make of the scatter: what it is then, and how large.
+/// Whether the scatter is due to outliers; if so, sets its structure and size.
 bool is_of_few(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& added, Scatter& s) {
   if (const double off = farthest(e, m, added); off > 0) {
     s.size = off;
@@ -200,7 +196,7 @@ bool is_of_few(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& ad
     return true;
   }
   if (m.outliers() <= many_outliers) return false;
-  s.size = std::sqrt(left_by(m, e));
+  s.size = std::sqrt(mean_square_residual(m, e));
   s.structure = part_far_off;
   return true;
 }
@@ -220,15 +216,14 @@ void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials,
   // What is correlated is neither noise nor jitter; unequal states are locked to the count.
   if (!s.structure.empty() && best.added.size() > 0) return;
   s.structure.clear();
-  if (best.added.size() > 0 && s.size > uneven_from * e.step() &&
-      comes_and_goes(e, m, trials.known(), best)) {
+  if (best.added.size() > 0 && s.size > uneven_from * e.step() && is_uneven(e, m, trials.known(), best)) {
     s.structure = "scatter that comes and goes";
     return;
   }
   s.effect = best.effect;
   s.relative_error = best.relative_error;
   for (const Candidate& other : found)
-    if (other.effect.type != s.effect->type && best.value - other.value < cannot_be_told) {
+    if (other.effect.type != s.effect->type && best.value - other.value < indistinguishable_loss) {
       s.alternative = other.effect;
       break;
     }
@@ -242,7 +237,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m) {
   s.size = std::sqrt(std::max(0.0, m.noise() * m.noise() - own * own));
   const Eigen::ArrayXd added = m.addition() - m.addition().mean();
   if (is_of_few(e, m, added, s)) return s;
-  // A twelfth of what the causes add may be what their shapes lack.
+  // Ignore scatter below 1/12 of the explained rms (convention): the error of the terms' shapes.
   const double worth = std::max(scatter_worth_naming * e.step(), rms(added) / 12);
   if (m.noise() < scatter_beyond_reference * own || s.size < worth) return s;
   if (lag_one(m.likelihood().score) > correlated) s.structure = "structure without a period or a known shape";

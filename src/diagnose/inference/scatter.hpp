@@ -8,25 +8,25 @@
 
 namespace qerr {
 
-inline constexpr double scatter_beyond_reference = 1.3;  ///< times what is left of the reference's noise
+inline constexpr double scatter_beyond_reference = 1.3;  ///< times the noise that remains in the path
 inline constexpr double scatter_worth_naming = 0.12;     ///< [counts]
 
-/// What scatters the readings about a model's path more than the reference's own noise can.
+/// Scatter of the readings about a model's path beyond the noise of the reference.
 struct Scatter {
-  std::optional<Effect> effect;  ///< noise, timing_jitter or state_width; empty: none of them
+  std::optional<Effect> effect;  ///< of the catalogue's effects with a `scattering`; empty: none
   double p_value = 1;
   double relative_error = 0;          ///< half the 95 % interval of its parameter, as a part of it
   std::optional<Effect> alternative;  ///< fits as well
-  /// The scatter is correlated from reading to reading, comes and goes, or is in some readings only: what it
-  /// is that nothing explains; empty: no such thing.
+  /// Description of an unexplained structure: correlation from reading to reading, uneven scatter, or
+  /// outliers; empty: none.
   std::string structure;
   double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
 };
 
-/// Tries, when all mean effects are in the model: white noise before the quantizer, sigma^2 = s_r^2 + s_n^2;
-/// jitter of the sampling, sigma^2 = s_r^2 + (v s_t)^2; unequal quadrature states, edges of odd number
-/// displaced.
-/// @param m  its terms are fitted; an offset among them is set against unequal states
+/// Fits, with all mean effects in the model, every random effect of the catalogue,
+/// sigma^2 = s_r^2 + (size * deviation)^2 row by row (uniform for noise, the velocity for jitter), and those
+/// that displace edges of odd number.
+/// @param m  fitted; a constant term among them is replaced by the mean of displaced edges
 Scatter scatter_of(const Evidence&, const Explanation& m);
 
 }  // namespace qerr

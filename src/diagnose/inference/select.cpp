@@ -12,7 +12,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t tried_in_full = 8;
-constexpr double worth_refining = 200;  ///< behind the leading term at most
+constexpr double worth_refining = 200;  ///< log-likelihood behind the leading term at most
 constexpr int most_steps = 5;
 
 bool possible(const Explanation& m, std::size_t term) {
@@ -30,22 +30,22 @@ class Search {
   Search(const Evidence& e, const SelectOptions& options)
       : e_(e), options_(options), named_(named_terms(e)) {}
 
-  /// The model with the term that improves it most, if any does. With `names_first` what has no name, or
-  /// stands for much, comes only where names together do not say as much: between two of them a free order
-  /// fits better than either.
+  /// The model with the term that improves it most, if any does. With `names_first`, unnamed terms and steps
+  /// are added only where several named terms together do not fit as well: a free order between two of them
+  /// fits better than either alone.
   std::optional<Explanation> better(const Explanation& model) const {
     std::optional<Explanation> next = step(model, true);
     if (!options_.names_first || !next || is_certain(*next)) return next;
     Explanation names = completed(model), others = completed(std::move(*next));
     const bool enough =
-        names.terms().size() > model.terms().size() && bayes(names, e_) > bayes(others, e_) - worth_no_name;
+        names.terms().size() > model.terms().size() && bayes(names, e_) > bayes(others, e_) - worth_unnamed;
     return enough ? std::move(names) : std::move(others);
   }
 
   const std::vector<Term>& named() const { return named_; }
 
  private:
-  /// The model with all the names that improve it.
+  /// The model with all named terms that improve it.
   Explanation completed(Explanation model) const {
     while (model.terms().size() < options_.most_terms()) {
       std::optional<Explanation> next = step(model, false);
@@ -55,14 +55,14 @@ class Search {
     return model;
   }
 
-  /// Steps of lost counts stand for any slow error as well as a free order does.
+  /// Step terms can mimic any slow drift, as a free order can.
   static bool is_certain(const Explanation& m) {
     const Term& last = m.terms().back();
     return last.named() && !last.step;
   }
 
   /// The model with one more term, or the steps that improve it most.
-  /// @param any  also what has no name, and steps
+  /// @param any  also unnamed terms, and steps
   std::optional<Explanation> step(const Explanation& model, bool any) const {
     std::vector<Explanation> tried;
     double leading = bayes(model, e_) + worth_a_term;
@@ -75,11 +75,11 @@ class Search {
     if (any) best = stepped(model);
     if (best) value = std::max(value, bayes(*best, e_));
     for (Explanation& next : tried) {
-      // Only what could still lead is worth the search for its shape.
+      // The search for the shape is expensive: only for terms that could still lead.
       if (next.terms().back().reshaped && bayes(next, e_) > leading - worth_refining)
         next = settled(refined(std::move(next), e_), e_);
       const bool is_named = next.terms().back().named();
-      const double here = bayes(next, e_) - (is_named ? 0 : worth_no_name);
+      const double here = bayes(next, e_) - (is_named ? 0 : worth_unnamed);
       if ((!is_named && !any) || here < value || !passes(model, next)) continue;
       value = here;
       best = std::move(next);
@@ -87,7 +87,7 @@ class Search {
     return best;
   }
 
-  /// Terms by what one Newton step would gain, the best first.
+  /// Terms by the log-likelihood gain of one Newton step, the largest first.
   std::vector<Term> promising(const Explanation& model) const {
     std::vector<Term> candidates;
     for (const Term& t : named_)
@@ -108,8 +108,8 @@ class Search {
     return best;
   }
 
-  /// The model with counts lost or gained at one or several moments: together, since a staircase looks like
-  /// a slope to its first step.
+  /// The model with counts lost or gained at one or several moments. They are added together, as one step
+  /// fits a staircase poorly.
   std::optional<Explanation> stepped(const Explanation& model) const {
     std::optional<Explanation> best;
     Explanation m = model;
@@ -159,7 +159,7 @@ class Search {
   std::vector<Term> named_;
 };
 
-/// Drops terms that stopped to matter when others came.
+/// Drops terms that are no longer significant beside those added later.
 void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     Explanation without = without_term(m, i);
@@ -169,28 +169,31 @@ void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   }
 }
 
-/// Mean square of what is left and is neither noise nor quantization: where something unknown is that large,
-/// a smaller difference between two names may be its doing.
-double left_without_shape(const Explanation& m, const Evidence& e) {
+/// Mean square residual beyond noise and quantization. It may account for a difference of that size between
+/// two candidates.
+double unmodelled_variance(const Explanation& m, const Evidence& e) {
   if (e.rows_per_reading <= 1) return 0;
-  return std::max(0.0, left_by(m, e) - e.step() * e.step() / 12 - e.noise * e.noise);
+  return std::max(0.0, mean_square_residual(m, e) - e.step() * e.step() / 12 - e.noise * e.noise);
 }
 
-/// What could stand in place of a term: it loses nearly nothing, or explains nearly all that it does.
+/// Terms that could replace a chosen one: with nearly the same likelihood, or nearly the same explained
+/// variance.
 void add_alternatives(Selection& s, std::size_t term, const Explanation& without, const Evidence& e,
                       const std::vector<Term>& named) {
   const double all = (e.measured - e.reference).square().mean();
-  const double removed = left_by(without, e) - left_by(s.model, e);
+  const double removed = mean_square_residual(without, e) - mean_square_residual(s.model, e);
   const double chosen = without.gain(s.model.terms()[term]);
-  const double unknown = left_without_shape(s.model, e);
+  const double unknown = unmodelled_variance(s.model, e);
   for (const Term& other : named) {
     if (has(s.model, other.effect) || without.gain(other) < worth_comparing * chosen) continue;
     const Explanation swapped = with_term(without, other);
     const double loss = bayes(s.model, e) - bayes(swapped, e);
-    const double part = removed > 0 ? (left_by(without, e) - left_by(swapped, e)) / removed : 0;
-    const double lost = left_by(swapped, e) - left_by(s.model, e);
-    const bool near = loss < hard_to_tell && part > nearly_as_good && removed > 0.01 * all;
-    if (loss < cannot_be_told || near || lost < unknown) s.alternatives.push_back({term, other.effect, loss});
+    const double part =
+        removed > 0 ? (mean_square_residual(without, e) - mean_square_residual(swapped, e)) / removed : 0;
+    const double lost = mean_square_residual(swapped, e) - mean_square_residual(s.model, e);
+    const bool near = loss < similar_loss && part > similar_part && removed > 0.01 * all;
+    if (loss < indistinguishable_loss || near || lost < unknown)
+      s.alternatives.push_back({term, other.effect, loss});
   }
 }
 
@@ -205,7 +208,7 @@ Selection select(const Evidence& e, const SelectOptions& options) {
     model = std::move(*next);
   }
   prune(model, e, options);
-  add_remainder(model, e, options);
+  add_unnamed_residual(model, e, options);
   prune(model, e, options);
   Selection s{std::move(model), {}, {}};
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {

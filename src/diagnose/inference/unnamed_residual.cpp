@@ -14,9 +14,10 @@ namespace qerr {
 
 namespace {
 
-constexpr double shadow = 0.1;      ///< of what is explained: a name that brings less beside a remainder
-constexpr double cancelling = 1.6;  ///< times the residual: two terms that undo each other
-constexpr double small_remainder = 0.15;  ///< of what is explained
+constexpr double shadow =
+    0.1;  ///< fraction of the explained variance below which a name beside an unnamed term is dropped
+constexpr double cancelling = 1.6;        ///< times the residual's rms: larger terms cancel each other
+constexpr double small_remainder = 0.15;  ///< fraction of the explained variance
 constexpr Eigen::Index rows_a_knot = 25;
 
 /// Tables from coarse to fine, as fine as the rows allow.
@@ -32,10 +33,10 @@ std::vector<Term> tables(const Evidence& e) {
   return all;
 }
 
-/// The table that promises most, after what its knots cost.
+/// The table with the largest expected gain, less the Bayesian price of its knots.
 std::optional<Term> best_table(const Explanation& m, const Evidence& e) {
   std::optional<Term> best;
-  double value = worth_no_name;
+  double value = worth_unnamed;
   for (Term& t : tables(e)) {
     const double here = m.gain(t) / e.rows_per_reading -
                         0.5 * static_cast<double>(t.size()) * std::log(e.independent_readings());
@@ -44,16 +45,16 @@ std::optional<Term> best_table(const Explanation& m, const Evidence& e) {
   return best;
 }
 
-/// The model with the remainder that improves it most.
-std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& e,
-                                          const SelectOptions& options) {
+/// The model with the unnamed term that improves it most.
+std::optional<Explanation> with_unnamed_term(const Explanation& m, const Evidence& e,
+                                             const SelectOptions& options) {
   std::vector<Term> candidates;
   if (auto table = best_table(m, e)) candidates.push_back(std::move(*table));
   if (auto vibration = strongest_vibration(e, m)) candidates.push_back(std::move(*vibration));
   std::optional<Explanation> best;
-  double value = bayes(m, e) + worth_no_name;
+  double value = bayes(m, e) + worth_unnamed;
   for (const Term& t : candidates) {
-    if (m.gain(t) < worth_no_name * e.rows_per_reading) continue;
+    if (m.gain(t) < worth_unnamed * e.rows_per_reading) continue;
     Explanation next = with_term(m, t);
     if (next.terms().back().reshaped) next = refined(std::move(next), e);
     const std::size_t last = next.terms().size() - 1;
@@ -64,7 +65,7 @@ std::optional<Explanation> with_remainder(const Explanation& m, const Evidence& 
   return best;
 }
 
-/// A loss of counts is of whole counts.
+/// Counts are lost in whole numbers.
 bool is_whole(const Explanation& m, std::size_t term) {
   const double counts = m.coefficients(term)[0];
   return std::round(counts) != 0 && std::abs(counts - std::round(counts)) < 0.15;
@@ -72,15 +73,15 @@ bool is_whole(const Explanation& m, std::size_t term) {
 
 bool is_periodic(const Term& t) { return t.named() && t.harmonic; }
 
-/// Periods of a term that the record has seen.
+/// Periods of a term that the record covers.
 double periods_seen(const Term& t, const Evidence& e) {
   const double range = e.path.maxCoeff() - e.path.minCoeff();
   return std::abs(wave_number(t.effect, e.encoder)) * range / (2 * std::numbers::pi);
 }
 
-/// Two parts of periods are no two orders, and three orders on two turns are a series: such sums make any
-/// smooth curve, and none of their terms is known.
-void drop_bends(Explanation& m, const Evidence& e) {
+/// Fractional periods cannot establish distinct orders: two of them, or three orders over two periods, fit
+/// any smooth curve as a truncated series does, and none of their terms is identified.
+void drop_partial_periods(Explanation& m, const Evidence& e) {
   std::ptrdiff_t periodic = 0, parts = 0, few = 0;
   for (const Term& t : m.terms())
     if (is_periodic(t)) {
@@ -95,8 +96,8 @@ void drop_bends(Explanation& m, const Evidence& e) {
   m.fit();
 }
 
-/// Names whose sizes say that they are none: steps of broken counts, and pairs that take off what the other
-/// adds. The worst goes first, and the others are fitted anew.
+/// Drops names of impossible size: steps of fractional counts, and pairs that cancel each other. The largest
+/// is dropped first, and the others are refitted.
 void drop_impossible(Explanation& m, const Evidence& e) {
   const Eigen::ArrayXd residual = e.measured - e.reference;
   const double most = cancelling * standard_deviation(residual);
@@ -114,17 +115,17 @@ void drop_impossible(Explanation& m, const Evidence& e) {
   }
 }
 
-/// What the terms with a name leave by themselves.
-double left_by_names(Explanation m, const Evidence& e) {
+/// Mean square residual of the named terms alone.
+double residual_of_names(Explanation m, const Evidence& e) {
   for (std::size_t i = m.terms().size(); i-- > 0;)
     if (!m.terms()[i].named()) m.remove(i);
   m.fit();
-  return left_by(m, e);
+  return mean_square_residual(m, e);
 }
 
-/// A remainder less what the names can make of it: beside names that explain nearly all, it is what they
-/// leave, and takes nothing off them.
-Term beside(const Explanation& m, Term remainder) {
+/// An unnamed term, orthogonal to the named ones: it then fits their residual alone, and does not change
+/// their coefficients.
+Term orthogonal_to_names(const Explanation& m, Term remainder) {
   Eigen::Index count = 1;
   for (const Term& t : m.terms()) count += t.size();
   Eigen::MatrixXd names = Eigen::MatrixXd::Ones(remainder.columns.rows(), count);
@@ -139,31 +140,34 @@ Term beside(const Explanation& m, Term remainder) {
   return with_columns(std::move(remainder), std::move(left));
 }
 
-/// Names that bring little beside a remainder that brings much were only its likeness.
-void drop_shadows(Explanation& m, const Evidence& e) {
+/// Drops names whose effect the unnamed term absorbs.
+void drop_absorbed_names(Explanation& m, const Evidence& e) {
   if (std::all_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return t.named(); })) return;
-  const double left = left_by(m, e), explained = (e.measured - e.reference).square().mean() - left;
-  if (left_by_names(m, e) - left < small_remainder * explained) return;
+  const double left = mean_square_residual(m, e),
+               explained = (e.measured - e.reference).square().mean() - left;
+  if (residual_of_names(m, e) - left < small_remainder * explained) return;
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     const Term& t = m.terms()[i];
     if (!t.named() || t.constant) continue;
     Explanation without = without_term(m, i);
-    if (left_by(without, e) - left_by(m, e) < shadow * explained) m = std::move(without);
+    if (mean_square_residual(without, e) - mean_square_residual(m, e) < shadow * explained)
+      m = std::move(without);
   }
 }
 
 }  // namespace
 
-void add_remainder(Explanation& m, const Evidence& e, const SelectOptions& options) {
-  if (!options.names_first) drop_bends(m, e);
+void add_unnamed_residual(Explanation& m, const Evidence& e, const SelectOptions& options) {
+  if (!options.names_first) drop_partial_periods(m, e);
   drop_impossible(m, e);
-  if (auto next = with_remainder(m, e, options)) {
-    const double left = left_by(*next, e);
-    if (left_by(m, e) - left < small_remainder * ((e.measured - e.reference).square().mean() - left))
-      next = with_term(m, beside(m, next->terms().back()));
+  if (auto next = with_unnamed_term(m, e, options)) {
+    const double left = mean_square_residual(*next, e);
+    if (mean_square_residual(m, e) - left <
+        small_remainder * ((e.measured - e.reference).square().mean() - left))
+      next = with_term(m, orthogonal_to_names(m, next->terms().back()));
     m = std::move(*next);
   }
-  drop_shadows(m, e);
+  drop_absorbed_names(m, e);
   drop_impossible(m, e);
 }
 

@@ -5,8 +5,8 @@
 
 namespace qerr {
 
-/// Adds something real that no named cause makes: of tables of position and time and of vibrations the one
-/// that improves the model most, if one does; and drops the names that were its shadows.
-void add_remainder(Explanation&, const Evidence&, const SelectOptions&);
+/// Adds the significant error that no catalogued effect explains: of tables over position and time and of
+/// vibrations the one that improves the model most, if any does; drops names whose effect it absorbs.
+void add_unnamed_residual(Explanation&, const Evidence&, const SelectOptions&);
 
 }  // namespace qerr

@@ -156,9 +156,9 @@ CorrelatedEffect Identifiability::correlated_effect(const Coefficients& paramete
       1 - std::clamp(smallest_ratio(remaining, remaining_normal(parameter, terms_.size())), 0.0, 1.0);
   r.correlation = std::sqrt(reproduced);
   r.record = record_advice(t.effect.type, o.effect.type);
-  if (reproduced > nearly_as_good) return r;
+  if (reproduced > similar_part) return r;
   const double penalty = static_cast<double>(t.size() - o.size()) * std::log(readings_);
-  const double need = noncentrality_for_power(std::max(4.0, 2 * cannot_be_told + penalty),
+  const double need = noncentrality_for_power(std::max(4.0, 2 * indistinguishable_loss + penalty),
                                               static_cast<double>(t.size()), options_.power);
   r.separable_from = std::sqrt(need / (information_.position * smallest_eigenvalue(remaining)));
   return r;

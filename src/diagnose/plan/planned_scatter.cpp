@@ -40,7 +40,7 @@ class ScatterPower {
       : own_(r.evidence.noise / r.evidence.step()),
         total_(s.information().log_sigma * s.readings()),
         position_(s.information().position * s.readings()),
-        need_(noncentrality_for_power(2 * cannot_be_told, 1, o.power)) {}
+        need_(noncentrality_for_power(2 * indistinguishable_loss, 1, o.power)) {}
 
   /// Smallest detectable rms [counts]: the estimate must exceed the thresholds of scatter_of with a one-sided
   /// probability of 95 %, the relative error of a standard deviation being 1/sqrt(information).

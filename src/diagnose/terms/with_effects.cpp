@@ -11,8 +11,8 @@ namespace {
 
 bool is_random(const Effect& effect) { return effect_kind(effect.type).random(); }
 
-/// A position on its way from joint to count, row by row.
-struct Way {
+/// The signal from joint to count, row by row, as effects act on it. Borrows the evidence.
+struct SignalPath {
   const Evidence& e;
   const Eigen::ArrayXd &path, &velocity;  ///< of what the effect acts on
   Eigen::ArrayXd signal;
@@ -63,9 +63,9 @@ struct Way {
 
 /// What clock, link and gear add to a joint.
 Eigen::ArrayXd joint_addition(const Evidence& e, const std::vector<Effect>& effects) {
-  Way way{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
-  way.pass(effects, Stage::clock, Stage::gear);
-  return way.signal - e.joint_angle();
+  SignalPath joint{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
+  joint.pass(effects, Stage::clock, Stage::gear);
+  return joint.signal - e.joint_angle();
 }
 
 void move(Evidence& e, const Eigen::ArrayXd& by) {
@@ -76,9 +76,9 @@ void move(Evidence& e, const Eigen::ArrayXd& by) {
 }  // namespace
 
 Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
-  Way encoder{e, e.path, e.velocity, e.path + joint_addition(e, effects)};
+  SignalPath encoder{e, e.path, e.velocity, e.path + joint_addition(e, effects)};
   encoder.pass(effects, Stage::disc, Stage::decoder);
-  Way reference{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
+  SignalPath reference{e, e.joint_angle(), e.joint_rate(), e.joint_angle()};
   reference.pass(effects, Stage::reference, Stage::reference);
   const Eigen::ArrayXd added = encoder.signal - e.path - (reference.signal - e.joint_angle());
   Eigen::ArrayXd variance = Eigen::ArrayXd::Zero(e.rows());
@@ -95,7 +95,8 @@ Evidence with_effects(Evidence e, const std::vector<Effect>& effects) {
   return e;
 }
 
-void feel(std::vector<Evidence>& all, const Transmission& transmission, const std::vector<Effect>& effects) {
+void add_coupled_effects(std::vector<Evidence>& all, const Transmission& transmission,
+                         const std::vector<Effect>& effects) {
   if (effects.empty() || std::none_of(all.begin(), all.end(), [](const Evidence& e) { return e.coupled(); }))
     return;
   const Eigen::MatrixXd to_encoders = inverse(transmission.coupling);

@@ -7,16 +7,16 @@
 
 namespace qerr {
 
-/// The evidence as a model sees it that already has effects: reference and path moved to where the encoder
-/// then expects to be.
+/// The evidence for a model that already has effects: reference and path displaced by what they add.
 ///
-/// Every effect's own action (`EffectKind`) runs along the path, stage by stage as in a simulation: clocks
-/// read the path at their instant, backlash takes the side of the motion, a decoder acts on whole counts, and
-/// an error of the reference is taken off it. Effects by chance (`noise`, `timing_jitter`) only widen
-/// `chance`. Compliance needs the effort column.
+/// Every effect's action (`EffectKind`) runs along the path, stage by stage as in a simulation: clocks read
+/// the path at their instant, an effect with a `replay` uses the recorded signals, a decoder acts on whole
+/// counts, and an error of the reference is subtracted. Random effects only increase `random_sigma`. Effects
+/// of the load need the effort column.
 Evidence with_effects(Evidence, const std::vector<Effect>&);
 
-/// What encoders that turn with several joints (coupling) feel of the others' clocks, links and gears.
-void feel(std::vector<Evidence>&, const Transmission&, const std::vector<Effect>&);
+/// Adds to encoders that depend on several joints (coupling) what the other joints' clocks, links and gears
+/// add.
+void add_coupled_effects(std::vector<Evidence>&, const Transmission&, const std::vector<Effect>&);
 
 }  // namespace qerr

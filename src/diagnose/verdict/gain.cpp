@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t fewest_blocks = 4;
 constexpr std::uint64_t draws = 999;
 
-/// What a fitted model says of some rows: where the position was, and how sure it is.
+/// Prediction of a fitted model for some rows.
 struct Prediction {
   Eigen::ArrayXd before, after;  ///< what is added to the reference, without terms and with them
   double noise_before = 0, noise_after = 0;
@@ -66,8 +66,8 @@ double expected_square(const Encoder& encoder, double position, double noise) {
   return sum;
 }
 
-/// Part of a reading's own probability that lies in the central 95 %: what a reading drawn at random between
-/// its two edges has as its chance, so that the right model covers 95 % also where it is sure of a count.
+/// Fraction of the interval [low, high] of a reading's distribution function within the central 95 %: the
+/// randomized probability integral transform, by which the right model covers 95 % also of certain counts.
 double part_inside(double low, double high) {
   return high > low ? std::max(0.0, std::min(high, 0.975) - std::max(low, 0.025)) / (high - low)
                     : static_cast<double>(low > 0.025 && low < 0.975);
@@ -86,8 +86,8 @@ void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Predi
   h.log_score += log_likelihood(p.after, p.noise_after) - log_likelihood(p.before, p.noise_before);
   for (Eigen::Index k = 0; k < part.rows(); ++k) {
     const double x = part.path[k] + p.after[k], noise = p.noise_after;
-    const double rest = (part.measured[k] - x) / e.step();
-    h.rest += rest * rest;
+    const double residual = (part.measured[k] - x) / e.step();
+    h.residual += residual * residual;
     h.predicted += expected_square(e.encoder, e.counted ? x / e.step() : 0.5, noise / e.step());
     h.inside += part_inside(normal_cdf((edges.lower[k] - p.after[k]) / noise),
                             normal_cdf((edges.upper[k] - p.after[k]) / noise));
@@ -121,7 +121,7 @@ void bootstrap(const std::vector<HeldOut>& all, std::uint64_t seed, Gain& g) {
     ratios.push_back(ratio(before, after));
   }
   std::sort(ratios.begin(), ratios.end());
-  // A ratio outside of what its own blocks make of it would be no interval at all.
+  // Widen to include the point estimate.
   g.lower = std::min(g.ratio(), ratios[static_cast<std::size_t>(0.025 * draws)]);
   g.upper = std::max(g.ratio(), ratios[static_cast<std::size_t>(0.975 * draws)]);
 }
@@ -165,7 +165,7 @@ HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<
 Gain gain(const std::vector<HeldOut>& all, std::uint64_t seed) {
   Gain g;
   double before = 0, after = 0, rows = 0, before_counts = 0, after_counts = 0;
-  double readings = 0, rest = 0, predicted = 0, log_score = 0, inside = 0;
+  double readings = 0, residual = 0, predicted = 0, log_score = 0, inside = 0;
   g.held_out = !all.empty();
   if (g.held_out && std::all_of(all.begin(), all.end(), [](const HeldOut& h) { return h.prismatic; }))
     g.unit = "m";
@@ -176,13 +176,13 @@ Gain gain(const std::vector<HeldOut>& all, std::uint64_t seed) {
     }
     // A joint that rests has nothing to hold out, and nothing was fitted to it.
     g.held_out &= h.held_out || h.log_score == 0;
-    readings += h.readings, rest += h.rest, predicted += h.predicted;
+    readings += h.readings, residual += h.residual, predicted += h.predicted;
     log_score += h.log_score, inside += h.inside;
   }
   if (rows == 0) return g;
   g.rms_before = std::sqrt(before / rows), g.rms_after = std::sqrt(after / rows);
   g.counts_before = std::sqrt(before_counts / rows), g.counts_after = std::sqrt(after_counts / rows);
-  g.sigma_ratio = predicted > 0 ? std::sqrt(rest / predicted) : 1;
+  g.sigma_ratio = predicted > 0 ? std::sqrt(residual / predicted) : 1;
   g.log_score = log_score / readings, g.coverage = inside / readings;
   bootstrap(all, seed, g);
   return g;

@@ -8,12 +8,11 @@
 
 namespace qerr {
 
-/// What an explanation takes off one encoder's residual in blocks that it was not fitted to.
+/// Cross-validated residual of one encoder with and without an explanation.
 ///
-/// Blocks alternate: the terms are fitted anew to the even ones and judged in the odd ones, and the other way
-/// round, so that every row is judged once by a model that has not seen its block. The residual is
-/// measured - reference, its mean and the quantization included; of an encoder whose zero is free, less a
-/// constant, which says nothing there.
+/// Two folds of alternating blocks: the terms are fitted to the even blocks and evaluated on the odd ones,
+/// and vice versa. The residual is measured - reference, including its mean and the quantization; of an
+/// encoder with a free zero, less a fitted constant.
 struct HeldOut {
   struct Block {
     double before = 0, after = 0, rows = 0;  ///< sums of squares [rad^2 or m^2]
@@ -23,7 +22,7 @@ struct HeldOut {
   bool prismatic = false;
   bool held_out = true;  ///< false: the record is too short to be divided, and `after` is of the fit itself
   double readings = 0;   ///< independent ones, that the figures below are sums over
-  double rest = 0;       ///< squares of what the model leaves, in counts
+  double residual = 0;   ///< squares of the extended model's residual, in counts
   double predicted = 0;  ///< the same as the model expects it
   double log_score = 0;  ///< log-likelihood gained against the model without terms
   double inside = 0;     ///< readings within the model's central 95 %

@@ -55,7 +55,7 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
     std::vector<Eigen::Index> in, out;
     for (Eigen::Index i = 0; i < m.entries().size(); ++i)
       (((i / coordinates) * blocks / rows) % folds == fold ? out : in).push_back(i);
-    const auto predict = [&](const Eigen::MatrixXd& x, Eigen::VectorXd& rest) {
+    const auto predict = [&](const Eigen::MatrixXd& x, Eigen::VectorXd& residual) {
       if (x.cols() == 0) return;
       Eigen::VectorXd scale = x.colwise().norm();
       for (double& s : scale) s = s > 0 ? 1 / s : 0;
@@ -66,7 +66,7 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
       fit.compute(train);
       const Eigen::VectorXd wanted = root.cwiseProduct(m.entries())(in);
       const Eigen::VectorXd theta = scale.asDiagonal() * fit.solve(wanted);
-      rest(out) = m.entries()(out) - x(out, Eigen::all) * theta;
+      residual(out) = m.entries()(out) - x(out, Eigen::all) * theta;
     };
     predict(free, h.before);
     predict(all, h.after);
@@ -144,9 +144,10 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
       continue;
     }
     const Eigen::MatrixXd covariance =
-        inflation(m, i) * m.solution().covariance.block(m.position(i), m.position(i), t.size(), t.size());
+        variance_inflation(m, i) *
+        m.solution().covariance.block(m.position(i), m.position(i), t.size(), t.size());
     Cause cause{effect, parameters(t.term, c, covariance), s.p_values[i], d.gain};
-    causes.emplace_back(m.trial({i}, {}).rest.squaredNorm(), std::move(cause));
+    causes.emplace_back(m.trial({i}, {}).residual.squaredNorm(), std::move(cause));
     for (const TipAlternative& a : s.alternatives)
       if (a.term == i)
         d.alternatives.push_back(
@@ -157,14 +158,14 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
   for (auto& [removed, cause] : causes) d.causes.push_back(std::move(cause));
 }
 
-void tell_frames(const TipModel& m, TipDiagnosis& d) {
+void report_frames(const TipModel& m, TipDiagnosis& d) {
   if (!m.frames()) return;
-  const Eigen::Vector3d shift = m.belief().base.translation();
-  const double turned = Eigen::AngleAxisd(m.belief().base.linear()).angle();
+  const Eigen::Vector3d shift = m.estimate().base.translation();
+  const double turned = Eigen::AngleAxisd(m.estimate().base.linear()).angle();
   d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
   d.warnings.push_back("tip.x/y/z stand in a frame of their own: the robot's base is " +
                        readable(shift.norm(), "m") + " away in it and turned by " + readable(turned, "rad") +
-                       ", its target " + readable(m.belief().tool.norm(), "m") +
+                       ", its target " + readable(m.estimate().tool.norm(), "m") +
                        " from the model's tip; this was taken out, and hides a displaced first joint");
 }
 
@@ -181,7 +182,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const TipSelection s = select_tip(model, *e, seed);
   d.gain = gain_of(s.model);
   name_causes(s, d);
-  tell_frames(s.model, d);
+  report_frames(s.model, d);
   for (std::size_t i = 0; i < s.tilts.size(); ++i)
     d.unexplained.push_back(
         {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});

@@ -7,7 +7,7 @@
 
 namespace qerr {
 
-/// What a tracked tip adds to a diagnosis.
+/// Contribution of a tracked tip to a diagnosis.
 struct TipDiagnosis {
   bool judged = false;  ///< the log has a tip, and all joints
   std::vector<Cause> causes;
@@ -17,11 +17,10 @@ struct TipDiagnosis {
   std::vector<std::string> warnings;
 };
 
-/// Judges the tip: `geometry`, and every cause of encoders that have no better sensor of their own, by what
-/// it does to the tip.
+/// Diagnoses the error of the tip: link dimensions, and errors of encoders whose joints have no reference.
 ///
-/// A tracker that stands in a frame of its own, or looks at a target beside the model's tip, is found where
-/// these 9 numbers explain more than chance, and is taken out; the gain is then counted from what is left.
+/// Where the frame of the tracker and the position of its target (9 parameters) are significantly different
+/// from the model, they are estimated and removed; the gain refers to the residual after that.
 /// @param present  effects that the spec already has: the tip is judged with them, new lengths come on top
 TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&,
                           std::uint64_t seed, unsigned threads);

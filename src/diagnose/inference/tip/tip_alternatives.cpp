@@ -14,8 +14,8 @@ namespace {
 
 constexpr double as_good = 6;  // of log-likelihood
 
-/// Poses anywhere, in place of those of the record: what even they cannot tell apart, no record can.
-TipEvidence anywhere(const TipEvidence& e, const Chain& chain, std::uint64_t seed) {
+/// Evidence with random poses: terms that these cannot distinguish, no record can.
+TipEvidence random_poses(const TipEvidence& e, const Chain& chain, std::uint64_t seed) {
   TipEvidence wide = e;
   const Eigen::Index rows = std::min<Eigen::Index>(100, e.rows());
   wide.tip.setZero(e.tip.rows(), rows);
@@ -35,15 +35,16 @@ TipEvidence anywhere(const TipEvidence& e, const Chain& chain, std::uint64_t see
 }
 
 TipTerm shortened(TipTerm t, Eigen::Index rows) {
-  if (t.way == TipTerm::Way::encoder) t.term.columns = t.term.columns.topRows(rows).eval();
+  if (t.kind == TipTerm::Kind::encoder) t.term.columns = t.term.columns.topRows(rows).eval();
   return t;
 }
 
-/// Whether the other term can take the place of a chosen one at any pose: both are dimensions.
+/// Whether another term can replace a chosen one in every pose; both depend on the pose alone.
 bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size_t term,
                 const TipTerm& other) {
   if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
-  const TipEvidence wide = anywhere(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
+  const TipEvidence wide =
+      random_poses(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
   TipModel poses(model, wide, false, fitted.seed());
   const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
   Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
@@ -54,8 +55,8 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   for (std::size_t i = 0; i < fitted.terms().size(); ++i)
     if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
   if (fitted.frames()) {
-    append({TipTerm::Way::base, {}, 0});
-    append({TipTerm::Way::tool, {}, 0});
+    append({TipTerm::Kind::base, {}, 0});
+    append({TipTerm::Kind::tool, {}, 0});
   }
   const Eigen::VectorXd fit = least_norm_solution(rest, target);
   return (target - rest * fit).norm() < 1e-6 * target.norm();
@@ -63,14 +64,14 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
 
 }  // namespace
 
-void try_others(const OperationalModel& model, TipSelection& s) {
+void find_tip_alternatives(const OperationalModel& model, TipSelection& s) {
   TipModel& m = s.model;
   for (int round = 0; round < 8; ++round) {
     s.alternatives.clear();
-    const std::vector<TipTerm> others = tip_terms(m.evidence(), m.belief());
+    const std::vector<TipTerm> others = tip_terms(m.evidence(), m.estimate());
     bool exchanged = false;
     for (std::size_t i = 0; i < m.terms().size() && !exchanged; ++i) {
-      const double correlated = inflation(m, i);
+      const double correlated = variance_inflation(m, i);
       const TipSolution without = m.trial({i}, {});
       TipSolution at_weights = without;
       at_weights.weight = m.solution().weight;

@@ -4,7 +4,7 @@
 
 namespace qerr {
 
-/// Puts better terms in the place of chosen ones until none is better, then tells what is as good.
-void try_others(const OperationalModel&, TipSelection&);
+/// Replaces chosen terms by better ones until none is better, then lists the terms that fit as well.
+void find_tip_alternatives(const OperationalModel&, TipSelection&);
 
 }  // namespace qerr

@@ -13,11 +13,11 @@ namespace {
 Eigen::MatrixXd encoder_scores(const TipModel& model) {
   const TipEvidence& e = model.evidence();
   const auto coordinates = static_cast<Eigen::Index>(e.axes.size());
-  const Eigen::VectorXd pull = model.solution().weight.cwiseProduct(model.solution().rest);
+  const Eigen::VectorXd pull = model.solution().weight.cwiseProduct(model.solution().residual);
   Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(e.encoders.size()), e.rows());
   for (std::size_t i = 0; i < e.encoders.size(); ++i) {
     if (!e.judged(i)) continue;
-    TipTerm unit{TipTerm::Way::encoder, {}, i};
+    TipTerm unit{TipTerm::Kind::encoder, {}, i};
     unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
     const Eigen::MatrixXd column = model.columns(unit);
     for (Eigen::Index k = 0; k < e.rows(); ++k)
@@ -69,7 +69,7 @@ std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd
 
 bool same(const TipTerm& a, const TipTerm& b) {
   const Effect &x = a.term.effect, &y = b.term.effect;
-  return a.way == b.way && a.where == b.where && a.direction == b.direction && x.type == y.type &&
+  return a.kind == b.kind && a.where == b.where && a.direction == b.direction && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
          x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
          x.number_or("time", 0) == y.number_or("time", 0);
@@ -84,17 +84,17 @@ bool chosen(const TipModel& model, const TipTerm& t) {
 
 std::vector<TipTerm> tip_candidates(const TipModel& model) {
   const TipEvidence& e = model.evidence();
-  std::vector<TipTerm> all = tip_terms(e, model.belief());
+  std::vector<TipTerm> all = tip_terms(e, model.estimate());
   if (e.ordered && e.rows() >= 500) {
     const Eigen::MatrixXd scores = encoder_scores(model);
     for (std::size_t i = 0; i < e.encoders.size(); ++i) {
       if (!e.judged(i)) continue;
-      const Evidence own = believed(e, model.belief(), i);
+      const Evidence own = corrected_evidence(e, model.estimate(), i);
       const Eigen::VectorXd score = scores.row(static_cast<Eigen::Index>(i));
       if (auto step = strongest_tip_step(own, score))
-        all.push_back({TipTerm::Way::encoder, std::move(*step), i});
+        all.push_back({TipTerm::Kind::encoder, std::move(*step), i});
       if (auto order = strongest_tip_order(own, score))
-        all.push_back({TipTerm::Way::encoder, std::move(*order), i});
+        all.push_back({TipTerm::Kind::encoder, std::move(*order), i});
     }
   }
   std::erase_if(all, [&](const TipTerm& t) { return chosen(model, t); });

@@ -11,14 +11,14 @@
 
 namespace qerr {
 
-/// What a log with a tracked tip tells of the robot: where the tip was, beside the joints as well as they are
-/// known (by their own better sensor where they have one, else by their encoders).
+/// Record of a tracked tip: its positions, and the best known joint positions (by the joint's reference where
+/// there is one, else by its encoder).
 struct TipEvidence {
   bool ordered = true;             ///< the rows follow each other in time
   std::vector<Eigen::Index> axes;  ///< tracked coordinates: 0 x, 1 y, 2 z
   Eigen::MatrixXd tip;             ///< tracked coordinates x rows [m]
   Eigen::MatrixXd joints;          ///< independent joints x rows [rad or m]
-  Eigen::VectorXd joint_noise;     ///< of the joints' better sensors, 0 where there is none [rad or m]
+  Eigen::VectorXd joint_noise;     ///< of the joints' references, 0 without one [rad or m]
   Eigen::MatrixXd to_joints;       ///< joints x encoders: the coupling, 0 in rows of joints with a reference
   std::vector<Evidence> encoders;  ///< path, speed, side, load of every encoder, as it was read
   double noise = 0;                ///< of the tracker, per coordinate; 0: the rows do not tell [m]

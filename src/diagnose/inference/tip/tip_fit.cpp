@@ -6,7 +6,7 @@
 #include "diagnose/inference/tip/tip_model.hpp"
 #include "simulate/sensing.hpp"
 
-/// How a model of the tip is fitted: belief, linearization, solution, and again.
+/// How a model of the tip is fitted: estimate, linearization, solution, and again.
 namespace qerr {
 
 namespace {
@@ -20,38 +20,39 @@ constexpr Eigen::Index draws = 40;  // of quantization along the path
 void TipModel::align() {
   if (evidence_->axes.size() < 3) return;
   Eigen::Matrix3Xd tip(3, evidence_->rows());
-  for (Eigen::Index k = 0; k < evidence_->rows(); ++k) tip.col(k) = belief_.pose(*evidence_, k).tip;
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k) tip.col(k) = estimate_.pose(*evidence_, k).tip;
   const Eigen::Matrix3Xd seen = evidence_->tip;
   const Eigen::Matrix3Xd centred = seen.colwise() - seen.rowwise().mean();
   if ((tip - seen).norm() < 0.02 * centred.norm()) return;
   const Eigen::Matrix4d moved = Eigen::umeyama(tip, seen, false);
-  belief_.base.matrix() = moved;
+  estimate_.base.matrix() = moved;
 }
 
-/// What the coefficients say of links and readings.
-void TipModel::believe() {
+/// Updates link dimensions and encoder corrections by the coefficients.
+void TipModel::update_estimate() {
   std::vector<Effect> built;
-  belief_.additions.setZero();
+  estimate_.additions.setZero();
   for (std::size_t i = 0; i < terms_.size(); ++i) {
     TipTerm& t = terms_[i];
     const Eigen::VectorXd c = coefficients(i);
-    if (t.way == TipTerm::Way::geometry) {
+    if (t.kind == TipTerm::Kind::geometry) {
       built.push_back(t.term.effect);
       t.term.fill(built.back(), c);
-    } else if (t.way == TipTerm::Way::encoder) {
-      belief_.additions.row(static_cast<Eigen::Index>(t.where)) += (t.term.columns.matrix() * c).transpose();
+    } else if (t.kind == TipTerm::Kind::encoder) {
+      estimate_.additions.row(static_cast<Eigen::Index>(t.where)) +=
+          (t.term.columns.matrix() * c).transpose();
     }
   }
-  belief_.chain = as_built(model_->chain, built);
+  estimate_.chain = as_built(model_->chain, built);
 }
 
-/// The columns of what is nobody's fault: the tracker's frames, and zeros that are free.
+/// Columns of the nuisance parameters: the tracker's frames and free encoder zeros.
 void TipModel::arrange_nuisance() {
   std::vector<TipTerm> free;
-  if (frames_) free = {{TipTerm::Way::base, {}, 0}, {TipTerm::Way::tool, {}, 0}};
+  if (frames_) free = {{TipTerm::Kind::base, {}, 0}, {TipTerm::Kind::tool, {}, 0}};
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
     if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
-      free.push_back({TipTerm::Way::encoder, {}, i});
+      free.push_back({TipTerm::Kind::encoder, {}, i});
       free.back().term.columns = Eigen::ArrayXXd::Ones(evidence_->rows(), 1);
     }
   Eigen::Index count = 0;
@@ -64,7 +65,7 @@ void TipModel::arrange_nuisance() {
   }
 }
 
-/// Poses, entries and columns where the belief stands now.
+/// Poses, entries and columns where the estimate stands now.
 void TipModel::linearize() {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   const Eigen::Index rows = evidence_->rows();
@@ -77,7 +78,7 @@ void TipModel::linearize() {
   const Eigen::VectorXd reference = evidence_->joint_noise.array().square();
   const Eigen::VectorXd mean = mean_errors(model_->transmission);
   for (Eigen::Index k = 0; k < rows; ++k) {
-    const TipPose p = belief_.pose(*evidence_, k);
+    const TipPose p = estimate_.pose(*evidence_, k);
     const Eigen::Matrix3d all = p.encoders * quantization.asDiagonal() * p.encoders.transpose() +
                                 p.joints * reference.asDiagonal() * p.joints.transpose();
     // A counter that truncates reads too low by half a count on average.
@@ -92,7 +93,8 @@ void TipModel::linearize() {
     poses->push_back(p);
   }
   poses_ = std::move(poses);
-  for (std::size_t i = 0; i < terms_.size(); ++i) renew(terms_[i], coefficients(i), *evidence_, belief_);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    update_columns(terms_[i], coefficients(i), *evidence_, estimate_);
   term_columns_.clear();
   for (const TipTerm& t : terms_) term_columns_.push_back(columns(t));
   arrange_nuisance();
@@ -106,13 +108,13 @@ void TipModel::move_frames() {
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
   shift.translate(s.head<3>());
   if (turn.norm() > 0) shift.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
-  belief_.base = shift * belief_.base;
-  belief_.tool += s.tail<3>();
+  estimate_.base = shift * estimate_.base;
+  estimate_.tool += s.tail<3>();
 }
 
 void TipModel::fit() {
   for (int i = 0; i < 20; ++i) {
-    believe();
+    update_estimate();
     linearize();
     solution_ = trial({}, {});
     const Eigen::VectorXd step = solution_.theta.tail(theta_.size()) - theta_;
@@ -134,7 +136,7 @@ void TipModel::draw_surrogates() {
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
     if (!evidence_->judged(i)) continue;
     const Evidence& e = evidence_->encoders[i];
-    TipTerm unit{TipTerm::Way::encoder, {}, i};
+    TipTerm unit{TipTerm::Kind::encoder, {}, i};
     unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
     const Eigen::VectorXd column = columns(unit);
     for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {

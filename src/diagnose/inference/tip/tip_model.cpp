@@ -8,15 +8,15 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_blocks = 64;
-constexpr double nothing_left = 1e-5;
+constexpr double negligible = 1e-5;
 
 }  // namespace
 
 TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, bool frames,
                    std::uint64_t seed)
     : model_(&model), evidence_(&evidence), frames_(frames), seed_(seed) {
-  belief_.chain = model.chain;
-  belief_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
+  estimate_.chain = model.chain;
+  estimate_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
   theta_.resize(0);
   if (frames_) align();
   fit();
@@ -92,13 +92,14 @@ Eigen::MatrixXd TipModel::beyond(const std::vector<std::size_t>& without,
   Eigen::MatrixXd left = columns - present * (normal.inverse * (weighted.transpose() * columns));
   const Eigen::VectorXd root = solution_.weight.cwiseSqrt();
   for (Eigen::Index i = 0; i < left.cols(); ++i)
-    if (root.cwiseProduct(left.col(i)).norm() < nothing_left * root.cwiseProduct(columns.col(i)).norm())
+    if (root.cwiseProduct(left.col(i)).norm() < negligible * root.cwiseProduct(columns.col(i)).norm())
       left.col(i).setZero();
   return left;
 }
 
-double TipModel::inflation(const TipSolution& s, const Eigen::MatrixXd& columns, Eigen::Index coordinates) {
-  const Eigen::VectorXd pull = s.weight.cwiseProduct(s.rest);
+double TipModel::variance_inflation(const TipSolution& s, const Eigen::MatrixXd& columns,
+                                    Eigen::Index coordinates) {
+  const Eigen::VectorXd pull = s.weight.cwiseProduct(s.residual);
   const Eigen::Index rows = pull.size() / coordinates, blocks = std::min(most_blocks, rows / 8);
   if (blocks < 4) return 1;
   const Eigen::MatrixXd scores = pull.asDiagonal() * columns;

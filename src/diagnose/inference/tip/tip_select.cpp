@@ -36,18 +36,19 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
     const Eigen::Index size = columns[i].cols();
     const TipSolution s = model.trial({}, columns[i]);
     const Eigen::VectorXd theta = s.theta.tail(size);
-    if (loudness(s, model.beyond({}, columns[i]), theta) < options.least_amplitude * times_as_loud(all[i]))
+    if (signal_to_noise(s, model.beyond({}, columns[i]), theta) <
+        options.least_amplitude * required_signal_to_noise(all[i]))
       continue;
-    // Counts are lost whole.
+    // Counts are lost in whole numbers.
     if (all[i].term.whole && std::abs(theta[0]) < 0.7) continue;
-    const double correlated = inflation(model, s, columns[i]);
+    const double correlated = variance_inflation(model, s, columns[i]);
     const double gained = (s.log_likelihood - model.solution().log_likelihood) / correlated;
     const double cost = price(model, size) + penalty(model, all[i]);
     if (gained < cost + better_by) continue;
     const bool scanned = !all[i].term.named() || all[i].term.step;
     const double tests = static_cast<double>(all.size()) * (scanned ? scanned_at_tip : 1);
     if (p_value(gained, size) * tests > options.alpha) continue;
-    // Also between two candidates correlated rows say less than they are.
+    // Correlated rows reduce the difference between two candidates, too.
     if (best && (s.log_likelihood - best->log_likelihood) / std::min(correlated, best->correlated) <
                     cost - best->cost)
       continue;
@@ -56,11 +57,11 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
   return best;
 }
 
-/// Moves a term's order or time constant to where the likelihood is largest.
+/// Maximizes the likelihood over a term's order or time constant.
 void reshape(TipModel& model, std::size_t term) {
   TipTerm best = model.terms()[term];
   if (!best.term.reshaped) return;
-  const Evidence own = believed(model.evidence(), model.belief(), best.where);
+  const Evidence own = corrected_evidence(model.evidence(), model.estimate(), best.where);
   TipSolution solution = model.solution();
   bool moved = false;
   for (double step = 0.5 * best.term.half_width; step > 0.02 * best.term.half_width; step /= 2)
@@ -83,14 +84,14 @@ void reshape(TipModel& model, std::size_t term) {
 
 double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
 
-/// Drops the terms that the model is hardly worse without, the least useful first.
+/// Backward elimination of terms, the least significant first.
 void prune(TipModel& model) {
   for (;;) {
     std::optional<std::size_t> least;
     double lowest = better_by;
     for (std::size_t i = 0; i < model.terms().size(); ++i) {
       const double lost = model.solution().log_likelihood - model.trial({i}, {}).log_likelihood;
-      const double worth = lost / inflation(model, i) - price(model, model.terms()[i].size());
+      const double worth = lost / variance_inflation(model, i) - price(model, model.terms()[i].size());
       if (worth < lowest) lowest = worth, least = i;
     }
     if (!least) return;
@@ -99,7 +100,7 @@ void prune(TipModel& model) {
   }
 }
 
-/// Term by term, as long as it pays.
+/// Forward selection.
 TipModel grown(TipModel model, const TipSelectOptions& options) {
   while (model.terms().size() < options.most_terms) {
     std::optional<Step> step = next_step(model, options);
@@ -115,12 +116,12 @@ TipModel grown(TipModel model, const TipSelectOptions& options) {
   return model;
 }
 
-/// The same with all dimensions at once, then less and less of them: where many are off, no single one may
-/// show alone.
+/// Backward elimination from all dimensions: with errors in many of them, no single one may be significant
+/// alone.
 TipModel with_all_dimensions(TipModel model) {
-  for (TipTerm& t : tip_terms(model.evidence(), model.belief())) {
+  for (TipTerm& t : tip_terms(model.evidence(), model.estimate())) {
     if (!t.kinematic() || chosen(model, t)) continue;
-    // What the others can make already would only be one more name for it.
+    // Linearly dependent on the others.
     if (model.beyond({}, model.columns(t)).isZero(0)) continue;
     model.add(std::move(t), Eigen::VectorXd::Zero(1));
     model.fit();
@@ -138,10 +139,10 @@ TipModel best_model(TipModel start, const TipSelectOptions& options) {
   return value_of(other) > value_of(model) + better_by ? std::move(other) : std::move(model);
 }
 
-/// Axes that stand askew, on top of all that has a name.
+/// Tilts of joint axes, beside all named terms.
 void find_tilts(TipSelection& s, const TipSelectOptions& options) {
   const TipModel& m = s.model;
-  std::vector<TipTerm> all = tilt_terms(m.belief().chain);
+  std::vector<TipTerm> all = tilt_terms(m.estimate().chain);
   const auto tests = static_cast<double>(all.size());
   Eigen::MatrixXd extra(m.entries().size(), 0);
   TipSolution now = m.solution();
@@ -155,11 +156,12 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
       Eigen::MatrixXd wider(extra.rows(), extra.cols() + columns.cols());
       wider << extra, columns;
       const TipSolution with = m.trial({}, wider);
-      const double value = m.value(with, m.size() + wider.cols()) - without_name;
-      const double gained = (with.log_likelihood - now.log_likelihood) / inflation(m, with, columns);
-      if (value < best_value + better_by || gained < price(m, columns.cols()) + without_name + better_by ||
+      const double value = m.value(with, m.size() + wider.cols()) - unnamed_penalty;
+      const double gained = (with.log_likelihood - now.log_likelihood) / variance_inflation(m, with, columns);
+      if (value < best_value + better_by || gained < price(m, columns.cols()) + unnamed_penalty + better_by ||
           p_value(gained, columns.cols()) * tests > options.alpha ||
-          loudness(with, m.beyond({}, columns), with.theta.tail(columns.cols())) < options.least_amplitude)
+          signal_to_noise(with, m.beyond({}, columns), with.theta.tail(columns.cols())) <
+              options.least_amplitude)
         continue;
       best_value = value;
       best = i;
@@ -177,18 +179,18 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
     s.tilt_sizes.push_back(now.theta.tail(extra.cols()).segment(2 * static_cast<Eigen::Index>(i), 2));
 }
 
-/// Whether the tracker's frame and target, taken as unknown, explain more than 9 numbers do by chance.
-bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
-  TipTerm base{TipTerm::Way::base, {}, 0}, tool{TipTerm::Way::tool, {}, 0};
+/// Whether an unknown frame and target of the tracker (9 parameters) are significant.
+bool needs_frames(const TipModel& model, const TipSelectOptions& options) {
+  TipTerm base{TipTerm::Kind::base, {}, 0}, tool{TipTerm::Kind::tool, {}, 0};
   Eigen::MatrixXd columns(model.entries().size(), 9);
   columns << model.columns(base), model.columns(tool);
   const TipSolution with = model.trial({}, columns);
   const Eigen::Index more = with.rank - model.solution().rank;
   if (more <= 0) return false;
   const double gained =
-      (with.log_likelihood - model.solution().log_likelihood) / inflation(model, with, columns);
-  return gained > price(model, more) + without_name && p_value(gained, more) < options.alpha &&
-         loudness(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
+      (with.log_likelihood - model.solution().log_likelihood) / variance_inflation(model, with, columns);
+  return gained > price(model, more) + unnamed_penalty && p_value(gained, more) < options.alpha &&
+         signal_to_noise(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
 }
 
 }  // namespace
@@ -196,19 +198,19 @@ bool asks_for_frames(const TipModel& model, const TipSelectOptions& options) {
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
   TipModel found = best_model(TipModel(model, e, false, seed), options);
-  if (asks_for_frames(found, options)) {
+  if (needs_frames(found, options)) {
     TipModel framed = best_model(TipModel(model, e, true, seed), options);
     const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
     if (framed.value(framed.solution(), framed.size() + free) >
-        found.value(found.solution(), found.size()) + without_name)
+        found.value(found.solution(), found.size()) + unnamed_penalty)
       found = std::move(framed);
   }
   TipSelection s{std::move(found), {}, {}, {}, {}};
-  try_others(model, s);
+  find_tip_alternatives(model, s);
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const TipTerm& t = s.model.terms()[i];
     const double gained = s.model.solution().log_likelihood - s.model.trial({i}, {}).log_likelihood;
-    s.p_values.push_back(p_value(gained / inflation(s.model, i), t.size()));
+    s.p_values.push_back(p_value(gained / variance_inflation(s.model, i), t.size()));
   }
   find_tilts(s, options);
   return s;

@@ -12,26 +12,25 @@ struct TipSelectOptions {
   std::size_t most_terms = 24;
 };
 
-/// What could stand in a chosen term's place almost as well.
+/// A term that could replace a chosen one.
 struct TipAlternative {
   std::size_t term = 0;
   TipTerm other;
   double loss = 0;          ///< of log-likelihood against the chosen one
-  bool everywhere = false;  ///< no pose tells them apart
+  bool everywhere = false;  ///< no pose distinguishes them
 };
 
 struct TipSelection {
   TipModel model;
   std::vector<double> p_values;  ///< of each term against the model without it
   std::vector<TipAlternative> alternatives;
-  std::vector<TipTerm> tilts;  ///< axes that stand askew on top of it: real, but of no name
+  std::vector<TipTerm> tilts;  ///< significant tilts of joint axes, which are not in the catalogue
   std::vector<Eigen::VectorXd> tilt_sizes;
 };
 
-/// Names what the record of a tracked tip asks for: forward by likelihood among the terms that pass their
-/// test, each one in the model as the others have become with it; then what stopped to matter is dropped and
-/// each term is tried against every other one. The tracker's frames are fitted only where the record asks for
-/// them too.
+/// Selects the terms of a tracked tip: forward by likelihood among those that pass their test, with a refit
+/// after each; then backward elimination and comparison of each term with every other one. The tracker's
+/// frames are fitted only where they are significant.
 TipSelection select_tip(const OperationalModel&, const TipEvidence&, std::uint64_t seed,
                         const TipSelectOptions& = {});
 

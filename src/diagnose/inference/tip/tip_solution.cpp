@@ -12,19 +12,19 @@ namespace {
 
 constexpr double rank_tolerance = 1e-12;  // of the scaled normal matrix
 
-double log_likelihood(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma) {
+double log_likelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma) {
   const Eigen::ArrayXd variance = known.array() + sigma * sigma;
-  return -0.5 * (variance.log() + rest.array().square() / variance).sum() -
-         0.5 * static_cast<double>(rest.size()) * std::log(2 * std::numbers::pi);
+  return -0.5 * (variance.log() + residual.array().square() / variance).sum() -
+         0.5 * static_cast<double>(residual.size()) * std::log(2 * std::numbers::pi);
 }
 
 /// Uphill in sigma, by smaller and smaller factors.
-double climb(const Eigen::VectorXd& rest, const Eigen::VectorXd& known, double sigma, double least) {
-  double best = log_likelihood(rest, known, sigma);
+double climb(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma, double least) {
+  double best = log_likelihood(residual, known, sigma);
   for (double factor = 4; factor > 1.005; factor = std::sqrt(factor))
     for (const double by : {1 / factor, factor})
       while (sigma * by >= least) {
-        const double next = log_likelihood(rest, known, sigma * by);
+        const double next = log_likelihood(residual, known, sigma * by);
         if (next <= best) break;
         sigma *= by;
         best = next;
@@ -50,7 +50,7 @@ NormalInverse::NormalInverse(const Eigen::MatrixXd& matrix) {
 TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eigen::VectorXd& known,
                   double least) {
   TipSolution s;
-  s.rest = y;
+  s.residual = y;
   s.theta = Eigen::VectorXd::Zero(x.cols());
   s.sigma = std::max(least, std::sqrt(y.squaredNorm() / static_cast<double>(y.size())));
   for (int i = 0; i < 12; ++i) {
@@ -61,13 +61,13 @@ TipSolution solve(const Eigen::MatrixXd& x, const Eigen::VectorXd& y, const Eige
       s.theta = normal.inverse * (weighted.transpose() * y);
       s.covariance = normal.inverse;
       s.rank = normal.rank;
-      s.rest = y - x * s.theta;
+      s.residual = y - x * s.theta;
     }
     const double before = s.sigma;
-    s.sigma = climb(s.rest, known, s.sigma, least);
+    s.sigma = climb(s.residual, known, s.sigma, least);
     if (std::abs(s.sigma - before) < 0.01 * before) break;
   }
-  s.log_likelihood = log_likelihood(s.rest, known, s.sigma);
+  s.log_likelihood = log_likelihood(s.residual, known, s.sigma);
   return s;
 }
 

@@ -17,10 +17,10 @@ struct NormalInverse {
 /// known + sigma^2.
 struct TipSolution {
   Eigen::VectorXd theta;
-  Eigen::MatrixXd covariance;  ///< of theta; along directions that the entries do not tell, 0
-  Eigen::VectorXd rest;        ///< y - X theta [m]
+  Eigen::MatrixXd covariance;  ///< of theta; 0 in unobservable directions
+  Eigen::VectorXd residual;    ///< y - X theta [m]
   Eigen::VectorXd weight;      ///< 1/(known + sigma^2) [1/m^2]
-  double sigma = 0;            ///< what is left beside the quantization [m]
+  double sigma = 0;            ///< beside the quantization [m]
   double log_likelihood = 0;
   Eigen::Index rank = 0;  ///< of X
 };

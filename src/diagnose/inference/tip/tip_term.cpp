@@ -14,7 +14,7 @@ Eigen::Vector3d across(const Eigen::Vector3d& z) { return z.unitOrthogonal(); }
 
 }  // namespace
 
-TipPose TipBelief::pose(const TipEvidence& e, Eigen::Index row) const {
+TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
   const auto count = static_cast<Eigen::Index>(chain.joints.size());
   const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
   TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}};
@@ -45,16 +45,16 @@ TipPose TipBelief::pose(const TipEvidence& e, Eigen::Index row) const {
 }
 
 Eigen::Index TipTerm::size() const {
-  switch (way) {
-    case Way::encoder:
+  switch (kind) {
+    case Kind::encoder:
       return term.size();
-    case Way::geometry:
+    case Kind::geometry:
       return 1;
-    case Way::tilt:
+    case Kind::tilt:
       return 2;
-    case Way::base:
+    case Kind::base:
       return 6;
-    case Way::tool:
+    case Kind::tool:
       return 3;
   }
   return 0;
@@ -63,15 +63,15 @@ Eigen::Index TipTerm::size() const {
 Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
   const auto place = static_cast<Eigen::Index>(where);
   Eigen::Matrix3Xd columns(3, size());
-  switch (way) {
-    case Way::encoder:
+  switch (kind) {
+    case Kind::encoder:
       columns = p.encoders.col(place) * term.columns.row(row).matrix();
       break;
-    case Way::geometry:
+    case Kind::geometry:
       // The model believes the joint where it is not: estimate - true is against the displacement.
       columns = -p.parent[where] * direction;
       break;
-    case Way::tilt: {
+    case Kind::tilt: {
       // Across the axis in the frame before the joint, so that the tilt does not turn with the joint.
       const Eigen::Matrix3d& frame = p.parent[where];
       const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
@@ -79,26 +79,26 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       columns << -u.cross(arm), -axis.cross(u).cross(arm);
       break;
     }
-    case Way::base:
+    case Kind::base:
       columns.leftCols<3>() = -Eigen::Matrix3d::Identity();
       for (Eigen::Index i = 0; i < 3; ++i) columns.col(3 + i) = -Eigen::Vector3d::Unit(i).cross(p.tip);
       break;
-    case Way::tool:
+    case Kind::tool:
       columns = -p.tool;
       break;
   }
   return columns;
 }
 
-Evidence believed(const TipEvidence& e, const TipBelief& belief, std::size_t encoder) {
+Evidence corrected_evidence(const TipEvidence& e, const TipEstimate& estimate, std::size_t encoder) {
   Evidence own = e.encoders[encoder];
-  own.path -= belief.additions.row(static_cast<Eigen::Index>(encoder)).transpose().array();
+  own.path -= estimate.additions.row(static_cast<Eigen::Index>(encoder)).transpose().array();
   return own;
 }
 
-std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipBelief& belief) {
+std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate) {
   std::vector<TipTerm> terms;
-  const Chain& chain = belief.chain;
+  const Chain& chain = estimate.chain;
   for (std::size_t j = 0; j < chain.joints.size(); ++j) {
     const std::string& name = chain.joints[j].name;
     if (std::none_of(chain.independent.begin(), chain.independent.end(),
@@ -108,20 +108,20 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipBelief& belief) {
       if (kind.displacements)
         for (Term& t : kind.displacements(name)) {
           const Eigen::Vector3d direction = displacement_direction(t.effect);
-          terms.push_back({TipTerm::Way::geometry, std::move(t), j, direction});
+          terms.push_back({TipTerm::Kind::geometry, std::move(t), j, direction});
         }
   }
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
     if (e.judged(i))
-      for (Term& t : named_terms(believed(e, belief, i)))
-        terms.push_back({TipTerm::Way::encoder, std::move(t), i});
+      for (Term& t : named_terms(corrected_evidence(e, estimate, i)))
+        terms.push_back({TipTerm::Kind::encoder, std::move(t), i});
   return terms;
 }
 
 std::vector<TipTerm> tilt_terms(const Chain& chain) {
   std::vector<TipTerm> terms;
   for (std::size_t j = 0; j < chain.joints.size(); ++j) {
-    TipTerm t{TipTerm::Way::tilt, {}, j};
+    TipTerm t{TipTerm::Kind::tilt, {}, j};
     t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
     t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
     t.term.unnamed = "the axis of the joint is askew";
@@ -130,9 +130,9 @@ std::vector<TipTerm> tilt_terms(const Chain& chain) {
   return terms;
 }
 
-void renew(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const TipBelief& belief) {
-  if (t.way != TipTerm::Way::encoder) return;
-  const Evidence own = believed(e, belief, t.where);
+void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const TipEstimate& estimate) {
+  if (t.kind != TipTerm::Kind::encoder) return;
+  const Evidence own = corrected_evidence(e, estimate, t.where);
   const Effect& effect = t.term.effect;
   if (t.term.hysteresis) {
     if (c[0] > own.step()) t.term.columns = t.term.hysteresis(own.measured, c[0]);

@@ -8,41 +8,41 @@
 
 namespace qerr {
 
-/// Where everything is at one row: what columns of terms at the tip are made of. Base frame, [m].
+/// Kinematic quantities at one row, from which the columns of terms are computed. Base frame, [m].
 struct TipPose {
   Eigen::Matrix3Xd origin, axis;        ///< of the moving joints
   std::vector<Eigen::Matrix3d> parent;  ///< axes of the frame in which each joint's origin is stated
   Eigen::Matrix3d tool;                 ///< axes of the tip
   Eigen::Vector3d tip;
-  Eigen::Matrix3Xd encoders;  ///< tip per encoder, J C: only of joints that have no better sensor
+  Eigen::Matrix3Xd encoders;  ///< tip per encoder, J C: only of joints without a reference
   Eigen::Matrix3Xd joints;    ///< tip per independent joint, J
 };
 
-/// The robot as it is believed: links as built, encoders as corrected, and the tracker's frames.
-struct TipBelief {
+/// The present estimate of the robot: link dimensions, corrections of the encoders, and the tracker's frames.
+struct TipEstimate {
   Chain chain;
-  Eigen::MatrixXd additions;  ///< encoders x rows: what causes have added to the readings [rad or m]
+  Eigen::MatrixXd additions;  ///< encoders x rows: additions of the causes to the readings [rad or m]
   Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< of the robot in the tracker's frame
   Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< the target, in the frame of the model's tip [m]
 
   TipPose pose(const TipEvidence&, Eigen::Index row) const;
 };
 
-/// A cause that moves the tip away from where the model believes it.
+/// A cause of an error of the tip.
 struct TipTerm {
-  enum class Way {
-    encoder,   ///< adds `series` to what an encoder reads
-    geometry,  ///< displaces a joint's origin along `direction`, an axis of its parent link's frame
-    tilt,      ///< turns a joint's axis about the two axes across it
-    base,      ///< moves and turns the robot in the tracker's frame
-    tool       ///< moves the target in the tip's frame
+  enum class Kind {
+    encoder,   ///< adds to the reading of an encoder
+    geometry,  ///< displaces a joint's origin along `direction`, in its parent link's frame
+    tilt,      ///< rotates a joint's axis about two axes normal to it
+    base,      ///< displaces and rotates the robot in the tracker's frame
+    tool       ///< displaces the target in the tip's frame
   };
-  Way way = Way::encoder;
+  Kind kind = Kind::encoder;
   Term term;              ///< its effect and fill; of an encoder's the columns too
   std::size_t where = 0;  ///< encoder or moving joint
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of geometry, in its parent link's axes
-  bool kinematic() const {  ///< whether it is a matter of dimensions, not of motion
-    return way != Way::encoder || term.constant;
+  bool kinematic() const {                              ///< whether it depends on the pose alone
+    return kind != Kind::encoder || term.constant;
   }
   Eigen::Index size() const;
 
@@ -50,17 +50,16 @@ struct TipTerm {
   Eigen::Matrix3Xd at(const TipPose&, Eigen::Index row) const;
 };
 
-/// Every cause of the catalogue that the tip can show: dimensions, and what encoders without a better sensor
-/// add.
-std::vector<TipTerm> tip_terms(const TipEvidence&, const TipBelief&);
+/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference.
+std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 
-/// The tilt of every joint's axis; has no name in the catalogue.
+/// The tilt of every joint's axis; it is not in the catalogue.
 std::vector<TipTerm> tilt_terms(const Chain&);
 
-/// An encoder's evidence with the path that it went when the believed additions are taken off.
-Evidence believed(const TipEvidence&, const TipBelief&, std::size_t encoder);
+/// An encoder's evidence with the estimated additions subtracted from its path.
+Evidence corrected_evidence(const TipEvidence&, const TipEstimate&, std::size_t encoder);
 
-/// The same cause with its columns along the believed path; of a backlash with the play of the gap found.
-void renew(TipTerm&, const Eigen::VectorXd& coefficients, const TipEvidence&, const TipBelief&);
+/// Recomputes the columns along the estimated path; of a hysteresis, at the size found.
+void update_columns(TipTerm&, const Eigen::VectorXd& coefficients, const TipEvidence&, const TipEstimate&);
 
 }  // namespace qerr

@@ -12,22 +12,22 @@ double gain_of(const TipSolution& s, const Eigen::MatrixXd& beyond) {
   for (Eigen::Index i = 0; i < beyond.cols(); ++i)
     if (beyond.col(i).isZero(0)) return 0;
   const Eigen::MatrixXd weighted = s.weight.asDiagonal() * beyond;
-  const Eigen::VectorXd score = weighted.transpose() * s.rest;
+  const Eigen::VectorXd score = weighted.transpose() * s.residual;
   Eigen::MatrixXd information = beyond.transpose() * weighted;
   information.diagonal().array() *= 1 + 1e-10;
   return 0.5 * score.dot(solve_symmetric(information, score));
 }
 
-double inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {
+double variance_inflation(const TipModel& model, const TipSolution& with, const Eigen::MatrixXd& columns) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
-  return std::max(TipModel::inflation(with, columns, coordinates),
+  return std::max(TipModel::variance_inflation(with, columns, coordinates),
                   model.quantization_inflation(model.beyond({}, columns)));
 }
 
-double inflation(const TipModel& model, std::size_t term) {
+double variance_inflation(const TipModel& model, std::size_t term) {
   const auto coordinates = static_cast<Eigen::Index>(model.evidence().axes.size());
   const Eigen::MatrixXd columns = model.columns(model.terms()[term]);
-  return std::max(TipModel::inflation(model.solution(), columns, coordinates),
+  return std::max(TipModel::variance_inflation(model.solution(), columns, coordinates),
                   model.quantization_inflation(model.beyond({term}, columns)));
 }
 
@@ -35,17 +35,18 @@ double p_value(double gain, Eigen::Index coefficients) {
   return gain > 0 ? chi_squared_tail(2 * gain, static_cast<double>(coefficients)) : 1;
 }
 
-double loudness(const TipSolution& s, const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients) {
+double signal_to_noise(const TipSolution& s, const Eigen::MatrixXd& columns,
+                       const Eigen::VectorXd& coefficients) {
   const Eigen::VectorXd added = columns * coefficients;
   return std::sqrt(s.weight.dot(added.cwiseAbs2()) / static_cast<double>(added.size()));
 }
 
 double penalty(const TipModel& model, const TipTerm& t) {
-  if (!t.term.named()) return without_name;
-  return t.kinematic() || model.evidence().ordered ? 0 : without_name;
+  if (!t.term.named()) return unnamed_penalty;
+  return t.kinematic() || model.evidence().ordered ? 0 : unnamed_penalty;
 }
 
-double times_as_loud(const TipTerm& t) {
+double required_signal_to_noise(const TipTerm& t) {
   if (t.kinematic()) return 1;
   return t.term.named() ? 1.7 : 2;
 }

@@ -4,36 +4,38 @@
 
 namespace qerr {
 
-// What a term is worth in a model of the tip, and what it must be worth to be named.
+// Criteria by which terms are added to a model of the tip. The thresholds are conventions.
 
-inline constexpr double better_by = 3;      ///< of log-likelihood, beyond Bayes' criterion, for one more term
-inline constexpr double without_name = 10;  ///< what has no name must be clearly better than what has one
+inline constexpr double better_by = 3;  ///< of log-likelihood, beyond Bayes' criterion, for one more term
+inline constexpr double unnamed_penalty =
+    10;  ///< log-likelihood by which an unnamed term must be better than a named one
 
-/// Gain in log-likelihood by columns that stand across all that the model has, at its present weights.
+/// Log-likelihood gain of columns that are orthogonal to the model's, at its present weights.
 double gain_of(const TipSolution&, const Eigen::MatrixXd& beyond);
 
-/// How many rows say together what one would, were they independent: as blocks of the record say, and as the
-/// encoders' quantization along the path says.
-double inflation(const TipModel&, const TipSolution& with, const Eigen::MatrixXd& columns);
+/// Variance inflation by correlated rows: the larger of the estimate from blocks of the record and of that
+/// from the encoders' quantization along the path.
+double variance_inflation(const TipModel&, const TipSolution& with, const Eigen::MatrixXd& columns);
 
 /// The same of a term that the model has.
-double inflation(const TipModel&, std::size_t term);
+double variance_inflation(const TipModel&, std::size_t term);
 
-/// Of a gain in log-likelihood by that many coefficients, once correlation is taken off.
+/// Tail probability of chi squared with that many degrees of freedom at twice a log-likelihood gain, which is
+/// corrected for correlation.
 double p_value(double gain, Eigen::Index coefficients);
 
-/// Rms of what columns add, over the rms of all noise.
-double loudness(const TipSolution&, const Eigen::MatrixXd& columns, const Eigen::VectorXd& coefficients);
+/// Rms of a term's addition over the rms of all noise.
+double signal_to_noise(const TipSolution&, const Eigen::MatrixXd& columns,
+                       const Eigen::VectorXd& coefficients);
 
-/// How many times as loud as a dimension a term must be. Quantization at slow speeds is not white, and looks
-/// a little like anything that follows the motion: a dimension it resembles least, the best of many orders
-/// most.
-double times_as_loud(const TipTerm&);
+/// Required signal-to-noise ratio, relative to a dimension's. Quantization at low speed is not white and
+/// correlates with the motion: least with a dimension, most with the best of many orders.
+double required_signal_to_noise(const TipTerm&);
 
-/// What a term must gain beyond a named dimension's.
+/// Log-likelihood that a term must gain beyond a named dimension.
 double penalty(const TipModel&, const TipTerm&);
 
-/// What coefficients cost by Bayes' criterion (Schwarz).
+/// Price of coefficients in Schwarz's Bayesian criterion.
 double price(const TipModel&, Eigen::Index coefficients);
 
 }  // namespace qerr

@@ -116,7 +116,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
 
 std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
   std::vector<Evidence> all = evidence(s.model, s.log, threads);
-  feel(all, s.model.transmission, s.present);
+  add_coupled_effects(all, s.model.transmission, s.present);
   for (Evidence& e : all) {
     for (std::size_t i = 0; i < s.rounding_sigma.size(); ++i)
       if (s.rounding_sigma[i] > 0 && s.model.chain.independent[i].name == e.joint)
