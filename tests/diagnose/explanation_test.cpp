@@ -174,7 +174,7 @@ TEST(Select, LeavesADamagedToothUnidentified) {
   const Selection s = select(rows(swing([](std::size_t, double, double q) {
     return 4 * step * std::exp(-0.5 * std::pow((q - 0.3) / 0.05, 2));
   })));
-  EXPECT_EQ(names(s), Names{"unnamed: repeats with the position, and has no period"});
+  EXPECT_EQ(names(s), Names{"unnamed: repeats with the position, without a period"});
 }
 
 TEST(Select, LeavesASlowVariationUnidentified) {

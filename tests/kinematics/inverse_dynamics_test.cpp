@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "qerr/input/read_urdf.hpp"
-#include "qerr/simulate/simulate.hpp"
+#include "simulate/sensing.hpp"
 #include "support/random_chain.hpp"
 
 /// The simulated robot: its loads and its geometric errors.

@@ -133,7 +133,7 @@ TEST_F(MotionSpec, OutsideTheJointLimitsIsAnErrorThatNamesTheJoint) {
   const std::string text =
       message("{sample_rate: 100 Hz, duration: 1 s, joints: {lift: {center: 10 m}, elbow: {center: 0}}}");
   EXPECT_NE(text.find("motion.joints.lift"), std::string::npos) << text;
-  EXPECT_NE(text.find("leaves the joint's limits"), std::string::npos) << text;
+  EXPECT_NE(text.find("exceeds the limits of the joint"), std::string::npos) << text;
 }
 
 TEST_F(MotionSpec, SinesThatDoNotCoincideMayEachUseTheFullRange) {
