@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/solve.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -15,7 +16,7 @@ bool at_joint(Stage stage) { return stage == Stage::clock || stage == Stage::lin
 
 double worst(const Share& s) { return std::abs(s.mean) + s.half_width; }
 
-/// Usage of a position with an additional error of at most `by`.
+/// The usage with an additional position error of at most `by`.
 Usage widened(Usage usage, double by) {
   if (usage.position) {
     usage.position->lower -= by;
@@ -50,10 +51,10 @@ Spread uniform(double lower, double upper) {
   return {lower, upper, mean, mean * mean + half * half / 3};
 }
 
-/// Limits do not determine the rates of velocity and effort: that of the position is assumed.
+/// Limits do not determine the rates of velocity and effort: the rate of the position is assumed.
 void set_rates(Usage& u) {
-  if (!u.position || !u.velocity || u.position->stray() == 0) return;
-  const double rate = u.velocity->rms() / u.position->stray();
+  if (!u.position || !u.velocity || u.position->rms_about_mid_range() == 0) return;
+  const double rate = u.velocity->rms() / u.position->rms_about_mid_range();
   u.position->rate = u.velocity->rate = u.reversals = rate;
   if (u.effort) u.effort->rate = rate;
 }
@@ -62,7 +63,7 @@ void set_rates(Usage& u) {
 std::vector<double> equally_spaced(const std::optional<Spread>& s) {
   constexpr int count = 256;
   std::vector<double> values;
-  for (int i = 0; s && i < count; ++i) values.push_back(s->lower + 2 * s->half() * (i + 0.5) / count);
+  for (int i = 0; s && i < count; ++i) values.push_back(s->lower + 2 * s->half_width() * (i + 0.5) / count);
   return values;
 }
 
@@ -122,8 +123,8 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
       const Usage& u = at_joint(current) ? usage.joints[s.joint] : usage.encoders[s.joint];
       const auto row = static_cast<Eigen::Index>(s.joint);
       s.share = kind.share(s.effect, model.transmission.encoders[s.joint], widened(u, before[row]));
-      s.counts = s.share && acts_on_robot(kind);
-      if (s.counts && current != Stage::kinematics) before[row] += worst(*s.share);
+      s.included = s.share && acts_on_robot(kind);
+      if (s.included && current != Stage::kinematics) before[row] += worst(*s.share);
     }
   }
   return shares;
@@ -150,14 +151,15 @@ double square_wave_ratio(const Filter& filter, const Norms& norms, double rate) 
   return std::sqrt(sum + 4 / low * norms.h2 * norms.h2) / pi;
 }
 
-/// sqrt(sum over the waves k of part_k mean_v |H(k v)|^2), the remaining power taken as white.
+/// sqrt(sum over the wave numbers k of fraction_k mean_v |H(k v)|^2), the remaining variance treated as
+/// white.
 double travel_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
   double power = 0, remaining = 1;
-  for (const Wave& wave : share.waves) {
+  for (const Sinusoid& s : share.sinusoids) {
     double sum = 0;
-    for (const double v : usage.speeds) sum += std::pow(magnitude(filter, wave.number * v), 2);
-    power += wave.part * sum / static_cast<double>(usage.speeds.size());
-    remaining -= wave.part;
+    for (const double v : usage.speeds) sum += std::pow(magnitude(filter, s.wave_number * v), 2);
+    power += s.variance_fraction * sum / static_cast<double>(usage.speeds.size());
+    remaining -= s.variance_fraction;
   }
   return std::sqrt(power + std::max(0.0, remaining) * norms.h2 * norms.h2);
 }
@@ -165,19 +167,19 @@ double travel_ratio(const Filter& filter, const Norms& norms, const Share& share
 }  // namespace
 
 double sigma_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
-  switch (share.course) {
-    case Course::constant:
+  switch (share.spectrum) {
+    case Spectrum::constant:
       return std::abs(norms.dc_gain);
-    case Course::motion:
+    case Spectrum::motion:
       return share.rate ? magnitude(filter, *share.rate) : norms.h2;
-    case Course::reversals:
+    case Spectrum::reversals:
       if (!usage.reversals) return norms.h2;
       // A joint that never reverses has a constant error.
       return *usage.reversals > 0 ? square_wave_ratio(filter, norms, *usage.reversals)
                                   : std::abs(norms.dc_gain);
-    case Course::travel:
+    case Spectrum::travel:
       return usage.speeds.empty() ? norms.h2 : travel_ratio(filter, norms, share, usage);
-    case Course::white:
+    case Spectrum::white:
       break;
   }
   return norms.h2;
@@ -188,12 +190,12 @@ std::vector<ErrorSource> error_sources(const OperationalModel& model, const std:
                                        const std::vector<Norms>& norms) {
   std::vector<ErrorSource> sources;
   for (const EffectShare& s : shares) {
-    if (!s.counts || (worst(*s.share) == 0 && s.share->sigma == 0)) continue;
+    if (!s.included || (worst(*s.share) == 0 && s.share->sigma == 0)) continue;
     const Stage stage = effect_kind(s.effect.type).stage;
     ErrorSource source{at_joint(stage) ? ErrorSource::Where::joint : ErrorSource::Where::encoder, s.joint};
     if (stage == Stage::kinematics) {
       const auto link = find_joint(model.chain, s.effect.joint);
-      if (!link) continue;  // a master off the chain: its mimics do not move with its origin
+      if (!link) continue;  // a mimicked joint outside the chain: its origin does not displace the tip
       source.where = ErrorSource::Where::origin;
       source.link = *link;
       source.direction = displacement_direction(s.effect);

@@ -1,5 +1,3 @@
-#include "qerr/effect/effect.hpp"
-
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -7,6 +5,7 @@
 
 #include "core/random.hpp"
 #include "effect/effects/effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -101,10 +100,10 @@ std::optional<Share> proportional(double factor, const std::optional<Spread>& qu
   if (factor == 0) return Share{};
   if (!quantity) return std::nullopt;
   // A zero is kept from being a negative one.
-  return Share{0.0 + factor * quantity->middle(),
-               std::abs(factor) * quantity->half(),
-               std::abs(factor) * quantity->stray(),
-               Course::motion,
+  return Share{0.0 + factor * quantity->mid_range(),
+               std::abs(factor) * quantity->half_width(),
+               std::abs(factor) * quantity->rms_about_mid_range(),
+               Spectrum::motion,
                {},
                quantity->rate};
 }

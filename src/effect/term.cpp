@@ -3,6 +3,8 @@
 #include <stdexcept>
 #include <utility>
 
+#include "qerr/effect/effect_kind.hpp"
+
 namespace qerr {
 
 Eigen::ArrayXd addition(const Term& t, const Eigen::VectorXd& coefficients) {

@@ -6,6 +6,7 @@
 
 #include "input/extended_filters.hpp"
 #include "input/yaml_text.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

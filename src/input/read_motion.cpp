@@ -5,6 +5,7 @@
 #include "core/suggest.hpp"
 #include "input/joint_table.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 
 /// Reads the sections `motion` and `effects` of a spec.

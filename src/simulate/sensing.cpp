@@ -49,8 +49,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       effort_(has_masses(built_) && (options.effort || needs_effort(effects))),
       set_(set) {
   for (const Effect& effect : effects)
-    if (const auto rebuilt = effect_kind(effect.type).rebuilt)
-      rebuilt(transmission_.encoders[independent_index(model.chain, effect.joint)]);
+    if (const auto modify = effect_kind(effect.type).modify_encoder)
+      modify(transmission_.encoders[independent_index(model.chain, effect.joint)]);
   // By stage, and within a stage in the order of the spec.
   for (int stage = 0; stage < static_cast<int>(Stage::kinematics); ++stage) {
     for (std::size_t i = 0; i < effects.size(); ++i) {

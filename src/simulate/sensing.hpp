@@ -8,7 +8,7 @@
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/core/instruction_set.hpp"
-#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "simulate/motion_path.hpp"
 

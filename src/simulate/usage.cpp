@@ -68,8 +68,8 @@ double reversal_rate(const std::vector<double>& velocity, double seconds) {
 }
 
 std::optional<double> rate_of(const std::vector<double>& derivative, const Spread& s) {
-  if (s.stray() == 0) return std::nullopt;
-  return spread_of(derivative).rms() / s.stray();
+  if (s.rms_about_mid_range() == 0) return std::nullopt;
+  return spread_of(derivative).rms() / s.rms_about_mid_range();
 }
 
 /// Position, velocity and acceleration of every coordinate at the instants.

@@ -8,6 +8,7 @@
 #include <string>
 #include <string_view>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "support/effect_experiment.hpp"
 
 namespace qerr {

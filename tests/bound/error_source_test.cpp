@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "qerr/bound/workspace.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "support/design_filter.hpp"
 #include "support/effect_experiment.hpp"
 

@@ -5,6 +5,7 @@
 
 #include "filter/run/cascade.hpp"
 #include "qerr/bound/effect_shares.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "simulate/motion_path.hpp"
 #include "support/design_filter.hpp"
 #include "support/effect_experiment.hpp"

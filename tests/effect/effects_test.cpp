@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {

@@ -6,6 +6,7 @@
 #include <limits>
 #include <nlohmann/json.hpp>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/write.hpp"
 
 namespace qerr {

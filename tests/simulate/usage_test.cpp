@@ -21,9 +21,9 @@ TEST(Usage, FromLimitsIsUniform) {
   model.chain.independent[0].velocity_limit = 2;
   const RobotUsage usage = usage_from_limits(model, {{-1, 3}});
   const Usage& u = usage.encoders[0];
-  EXPECT_DOUBLE_EQ(u.position->middle(), 1);
-  EXPECT_DOUBLE_EQ(u.position->half(), 2);
-  EXPECT_DOUBLE_EQ(u.position->stray(), 2 / std::sqrt(3.0));
+  EXPECT_DOUBLE_EQ(u.position->mid_range(), 1);
+  EXPECT_DOUBLE_EQ(u.position->half_width(), 2);
+  EXPECT_DOUBLE_EQ(u.position->rms_about_mid_range(), 2 / std::sqrt(3.0));
   EXPECT_DOUBLE_EQ(u.velocity->rms(), 2 / std::sqrt(3.0));
   EXPECT_FALSE(u.effort);
   EXPECT_FALSE(u.duration);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "qerr/bound/effect_shares.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/simulate/simulate.hpp"
 #include "simulate/usage.hpp"

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "effect/effects/effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 /// An effect of the tests alone: the file that a new effect needs, beside one line in the list.
 namespace qerr {
@@ -18,7 +19,8 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   if (e.number("curvature") == 0) return Share{};
   if (!u.position) return std::nullopt;
   const double most = e.number("curvature") * u.position->largest() * u.position->largest();
-  return Share{0.5 * most, 0.5 * std::abs(most), 0.5 * std::abs(most), Course::motion, {}, u.position->rate};
+  return Share{0.5 * most, 0.5 * std::abs(most), 0.5 * std::abs(most), Spectrum::motion,
+               {},         u.position->rate};
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
+#include "qerr/effect/share.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -21,7 +22,7 @@ struct RobotUsage {
 /// @param ranges  one per independent joint; an infinite range leaves the position unknown [rad or m]
 RobotUsage usage_from_limits(const OperationalModel&, const std::vector<Limits>& ranges);
 
-/// Spread of equally likely samples. @pre there is one
+/// Spread of equally probable samples. @pre not empty
 Spread spread_of(std::span<const double> samples);
 
 /// Error that one effect of the spec adds, and its joint.
@@ -29,7 +30,8 @@ struct EffectShare {
   Effect effect;
   std::size_t joint = 0;       ///< index of its independent joint
   std::optional<Share> share;  ///< empty: the usage does not have `effect_kind(type).need`
-  bool counts = false;  ///< whether it is known and acts on the robot, not only on a log or a reference
+  bool included =
+      false;  ///< in the bounds: it is known and acts on the robot, not only on a log or a reference
 };
 
 /// Shares of all effects, in the order given.
@@ -40,22 +42,20 @@ struct EffectShare {
 std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vector<Effect>&,
                                        const RobotUsage&);
 
-/// sigma of an error behind a filter over its sigma before it, from the course (spectrum) of its share.
+/// sigma of a filtered error over sigma of the error itself, from the spectrum of its share.
 ///
 /// - white: ||H||_2
 /// - constant: |H(1)|
-/// - motion: |H(e^{j w T})| at the mean angular frequency w of the quantity it is proportional to, taken as
-/// one sine
+/// - motion: |H(e^{j w T})| at the mean angular frequency w of the quantity that the error is proportional to
 /// - reversals: square wave of the motion's frequency, sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w T})|^2)
-/// - travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave k; exact at constant speed,
-/// otherwise
-///   the speed is taken as constant over the filter's memory
+/// - travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave number k; assumes a constant
+///   speed over the filter's memory
 ///
-/// With w or v unknown, ||H||_2.
+/// ||H||_2 where w or v is unknown.
 double sigma_ratio(const Filter&, const Norms&, const Share&, const Usage&);
 
-/// Error sources of the effects for `operational_error`, with their ratios behind the filters. Shares that do
-/// not count or are 0 are skipped.
+/// Error sources of the effects for `operational_error`, with their sigma ratios of the filters. Shares that
+/// are not included or zero are skipped.
 /// @param norms  one per filter
 std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
                                        const RobotUsage&, const std::vector<Filter>&,

@@ -5,6 +5,7 @@
 #include "core/solve.hpp"
 #include "diagnose/inference/explanation.hpp"
 #include "diagnose/inference/weighted_square.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -17,7 +18,7 @@ constexpr int most_steps = 60;
 bool acts_before_teeth(const Term& t) {
   if (!t.named()) return false;
   const EffectKind& kind = effect_kind(t.effect.type);
-  return kind.stage < Stage::gear || kind.before_teeth;
+  return kind.stage < Stage::gear || kind.first_in_stage;
 }
 
 }  // namespace

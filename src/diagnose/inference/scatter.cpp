@@ -8,6 +8,7 @@
 #include "core/probability.hpp"
 #include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

@@ -8,6 +8,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/terms/scan.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

@@ -6,6 +6,7 @@
 #include "diagnose/plan/better_motion.hpp"
 #include "diagnose/plan/identifiability.hpp"
 #include "diagnose/plan/planned_scatter.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -19,8 +20,9 @@ constexpr double least_improvement = 0.1;  ///< mean over all effects of the log
 
 void add_undetectable(const Evidence& e, PlannedJoint& joint) {
   for (const EffectKind& kind : effect_kinds())
-    if (kind.lack)
-      if (const auto lack = kind.lack(e)) joint.undetectable.push_back({lack->effect, lack->needs});
+    if (kind.missing_signal)
+      if (const auto missing = kind.missing_signal(e))
+        joint.undetectable.push_back({missing->effect, missing->needs});
 }
 
 PlannedJoint planned_joint(const PlannedRecord& record, const PlanOptions& options) {

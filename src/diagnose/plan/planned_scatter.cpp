@@ -9,6 +9,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/model_choice.hpp"
 #include "diagnose/inference/scatter.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

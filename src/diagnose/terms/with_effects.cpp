@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/solve.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

@@ -6,6 +6,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/inference/model_choice.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

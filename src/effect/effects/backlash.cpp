@@ -50,7 +50,7 @@ EffectKind backlash_effect() {
           .action = action,
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             const double half = 0.5 * e.number("gap");
-            return Share{0, half, half, Course::reversals};
+            return Share{0, half, half, Spectrum::reversals};
           },
           .terms = terms,
           // The record's side of motion ignores reversals within the reference's noise; the action would not.
@@ -58,7 +58,7 @@ EffectKind backlash_effect() {
             return 0.5 * e.number("gap") * s.direction;
           },
           // Teeth err at the angle that their wheel has reached through the play.
-          .before_teeth = true,
+          .first_in_stage = true,
           .remedy = {true,
                      "add or subtract half the gap by the last direction of motion; not possible around "
                      "reversals"}};

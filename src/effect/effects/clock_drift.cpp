@@ -21,7 +21,7 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   return Share{0,
                latest * u.velocity->largest(),
                latest * u.velocity->rms() / std::numbers::sqrt3,
-               Course::motion,
+               Spectrum::motion,
                {},
                u.velocity->rate};
 }

@@ -10,9 +10,10 @@ std::vector<Term> terms(const RecordSignals& s) {
                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["compliance"] = c[0]; })};
 }
 
-std::optional<Lack> lack(const RecordSignals& s) {
+std::optional<MissingSignal> missing_signal(const RecordSignals& s) {
   if (s.effort.size() > 0) return std::nullopt;
-  return Lack{"compliance", "the column " + s.joint + ".effort; the URDF has no masses to plan it with"};
+  return MissingSignal{"compliance",
+                       "the column " + s.joint + ".effort; the URDF has no masses to plan it with"};
 }
 
 constexpr std::string_view payload = "the same motion with another payload, and faster";
@@ -38,7 +39,7 @@ EffectKind compliance_effect() {
           .terms = terms,
           .twins = {{"drift", payload}},
           .record = payload,
-          .lack = lack,
+          .missing_signal = missing_signal,
           .remedy = {true, "subtract compliance times the model's load from the reading"}};
 }
 

@@ -15,13 +15,13 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double rounding = whole ? 0 : step;
   // The counted position differs from the true one by up to half a step (a whole one where it is truncated).
   const double counted = encoder.rounding == Rounding::nearest ? 0.5 * step : step;
-  return Share{
-      more * u.position->middle(),
-      std::abs(more) * (u.position->half() + counted) + 0.5 * rounding,
-      std::hypot(more * u.position->stray(), more * step / std::sqrt(12.0), rounding / std::sqrt(12.0)),
-      Course::motion,
-      {},
-      u.position->rate};
+  return Share{more * u.position->mid_range(),
+               std::abs(more) * (u.position->half_width() + counted) + 0.5 * rounding,
+               std::hypot(more * u.position->rms_about_mid_range(), more * step / std::sqrt(12.0),
+                          rounding / std::sqrt(12.0)),
+               Spectrum::motion,
+               {},
+               u.position->rate};
 }
 
 }  // namespace

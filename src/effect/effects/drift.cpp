@@ -53,9 +53,9 @@ std::vector<Term> terms(const RecordSignals& s) {
 }
 
 /// A plan has no temperatures.
-std::optional<Lack> lack(const RecordSignals& s) {
+std::optional<MissingSignal> missing_signal(const RecordSignals& s) {
   if (s.temperature.size() > 0) return std::nullopt;
-  return Lack{"drift with the temperature", "the column " + s.joint + ".temperature"};
+  return MissingSignal{"drift with the temperature", "the column " + s.joint + ".temperature"};
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ EffectKind drift_effect() {
           .need = Need::temperature,
           .terms = terms,
           .record = "a return to the start, and the temperature",
-          .lack = lack,
+          .missing_signal = missing_signal,
           .remedy = {true, "let it warm up, or compensate by a temperature sensor"}};
 }
 

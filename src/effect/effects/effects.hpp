@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "effect/term.hpp"
-#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

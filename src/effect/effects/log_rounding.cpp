@@ -19,7 +19,7 @@ EffectKind log_rounding_effect() {
       },
       .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
         const double step = e.number("step");
-        return Share{0, step / 2, step / std::sqrt(12.0), Course::white};
+        return Share{0, step / 2, step / std::sqrt(12.0), Spectrum::white};
       },
       .remedy = {false, "nothing to compensate in the robot: write the log with more digits"}};
 }

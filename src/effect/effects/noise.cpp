@@ -18,7 +18,7 @@ EffectKind noise_effect() {
             };
           },
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
-            return Share{0, 4 * e.number("sigma"), e.number("sigma"), Course::white};
+            return Share{0, 4 * e.number("sigma"), e.number("sigma"), Spectrum::white};
           },
           .scattering = Scattering{.parameter = "sigma",
                                    .deviation = [](const RecordSignals& s) -> Eigen::ArrayXd {

@@ -51,7 +51,8 @@ Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
 
 std::optional<Share> periodic_share(const Effect& e, const Encoder& encoder, const Usage&) {
   const double amplitude = e.number("amplitude");
-  return Share{0, amplitude, amplitude / std::numbers::sqrt2, Course::travel, {{wave_number(e, encoder), 1}}};
+  return Share{
+      0, amplitude, amplitude / std::numbers::sqrt2, Spectrum::travel, {{wave_number(e, encoder), 1}}};
 }
 
 void fill_periodic(Effect& e, const Eigen::VectorXd& c) {

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "effect/term.hpp"
-#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

@@ -20,7 +20,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   // A uniform position loses every number of spans equally often; of few spans one may be lost half of the
   // time.
   return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
-               Course::reversals};
+               Spectrum::reversals};
 }
 
 }  // namespace

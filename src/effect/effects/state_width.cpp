@@ -35,7 +35,7 @@ Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
 /// It changes with every count, as the quantization does, and is taken as white with it.
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
   const double s = displacement(e, encoder);
-  return Share{0.0 - 0.5 * s, 0.5 * std::abs(s), 0.5 * std::abs(s), Course::white};
+  return Share{0.0 - 0.5 * s, 0.5 * std::abs(s), 0.5 * std::abs(s), Spectrum::white};
 }
 
 }  // namespace

@@ -43,9 +43,9 @@ constexpr std::string_view lissajous = "the raw sine and cosine of the encoder (
 
 constexpr int points = 4096, harmonics = 24;
 
-/// Parts of the variance at 1, 2, ... periods per period of the lines.
-std::vector<Wave> waves(const std::vector<double>& errors, double variance, double unit) {
-  std::vector<Wave> found;
+/// Harmonics 1, 2, ... of the signal period, with their fractions of the variance.
+std::vector<Sinusoid> sinusoids(const std::vector<double>& errors, double variance, double unit) {
+  std::vector<Sinusoid> found;
   for (int k = 1; k <= harmonics; ++k) {
     double sine = 0, cosine = 0;
     for (int i = 0; i < points; ++i) {
@@ -76,7 +76,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double unit = period(encoder) / turn, mean = sum / points;
   const double variance = std::max(0.0, squares / points - mean * mean);
   return Share{mean * unit, (std::max(high - mean, mean - low) + between) * unit, std::sqrt(variance) * unit,
-               Course::travel, waves(errors, variance, unit)};
+               Spectrum::travel, sinusoids(errors, variance, unit)};
 }
 
 Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {

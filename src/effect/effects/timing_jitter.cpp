@@ -8,7 +8,7 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   const double sigma = e.number("sigma");
   if (sigma == 0) return Share{};
   if (!u.velocity) return std::nullopt;
-  return Share{0, 4 * sigma * u.velocity->largest(), sigma * u.velocity->rms(), Course::white};
+  return Share{0, 4 * sigma * u.velocity->largest(), sigma * u.velocity->rms(), Spectrum::white};
 }
 
 }  // namespace

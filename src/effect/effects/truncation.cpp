@@ -15,7 +15,7 @@ EffectKind truncation_effect() {
       .share = [](const Effect&, const Encoder& encoder, const Usage&) -> std::optional<Share> {
         return Share{encoder.rounding == Rounding::nearest ? -0.5 * encoder.resolution : 0.0, 0, 0};
       },
-      .rebuilt = [](Encoder& encoder) { encoder.rounding = Rounding::down; },
+      .modify_encoder = [](Encoder& encoder) { encoder.rounding = Rounding::down; },
       .remedy = {true, "add half a count to every reading, or write `rounding: down` into the spec"}};
 }
 

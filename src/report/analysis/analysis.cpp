@@ -65,7 +65,8 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
 
 /// The error sources that the figures do not contain.
 std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
-  const bool any = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.counts; });
+  const bool any =
+      std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.included; });
   std::vector<std::string> warnings;
   warnings.emplace_back(any ? "quantization and the effects of the spec: nothing else is in these figures"
                             : "quantization only: backlash, calibration, compliance and noise are not in "

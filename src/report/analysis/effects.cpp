@@ -6,6 +6,7 @@
 #include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "report/text_table.hpp"
 #include "simulate/usage.hpp"
 
@@ -142,7 +143,7 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
     if (!s.share) {
       row.insert(row.end(), {"?", "?", "?"});
       unknown = true;
-    } else if (!s.counts) {
+    } else if (!s.included) {
       row.insert(row.end(), {"-", "-", "-"});
       elsewhere = true;
     } else {

@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/json_header.hpp"
@@ -61,7 +62,7 @@ Json effects(const Analysis& a) {
                   {"mean", nullptr},
                   {"worst_case", nullptr},
                   {"sigma", nullptr},
-                  {"counted", s.counts},
+                  {"counted", s.included},
                   {"parameters", Json::array()}};
     if (s.share) {
       entry["mean"] = s.share->mean;

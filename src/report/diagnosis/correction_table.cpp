@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "report/csv_text.hpp"
 #include "report/diagnosis/extended_reading.hpp"
 #include "report/diagnosis/parts.hpp"

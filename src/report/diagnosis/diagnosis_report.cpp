@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
 
 namespace qerr {

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "core/text.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/input/extended_spec.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/text_table.hpp"

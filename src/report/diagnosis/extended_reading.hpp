@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "diagnose/record/evidence.hpp"
-#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"

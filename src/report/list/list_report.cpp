@@ -1,6 +1,6 @@
 #include "core/suggest.hpp"
 #include "qerr/bound/statistic.hpp"
-#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"

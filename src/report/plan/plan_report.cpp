@@ -1,6 +1,7 @@
 #include "qerr/report/plan_report.hpp"
 
 #include "qerr/core/error.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "report/plan/parts.hpp"
 
 namespace qerr {

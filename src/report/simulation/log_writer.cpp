@@ -3,6 +3,7 @@
 #include <charconv>
 
 #include "kinematics/inverse_dynamics.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "report/csv_text.hpp"
 

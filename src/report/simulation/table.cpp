@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "report/formats.hpp"
 #include "report/simulation/signals.hpp"
 #include "report/text_table.hpp"

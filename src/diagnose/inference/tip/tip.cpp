@@ -9,6 +9,7 @@
 #include "core/text.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {

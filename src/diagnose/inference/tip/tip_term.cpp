@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "diagnose/inference/model_choice.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 

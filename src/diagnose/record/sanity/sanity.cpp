@@ -4,6 +4,7 @@
 #include "diagnose/record/encoder_columns.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/terms/with_effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -92,9 +93,9 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   s.rounding_sigma.assign(model.transmission.encoders.size(), 0);
   for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i)
     for (const Effect& effect : present)
-      if (const auto rebuilt = effect_kind(effect.type).rebuilt;
-          rebuilt && effect.joint == model.chain.independent[i].name)
-        rebuilt(s.model.transmission.encoders[i]);
+      if (const auto modify = effect_kind(effect.type).modify_encoder;
+          modify && effect.joint == model.chain.independent[i].name)
+        modify(s.model.transmission.encoders[i]);
   const std::size_t encoders = model.transmission.encoders.size();
   for (std::size_t i = 0; i < encoders; ++i) {
     const auto read = sanity::recorded_counts(s, i);
