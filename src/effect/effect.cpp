@@ -59,10 +59,10 @@ std::string_view record_advice(std::string_view one, std::string_view other) {
       if (!twin.record.empty() &&
           ((kind.name == one && twin.other == other) || (kind.name == other && twin.other == one)))
         return twin.record;
-  // Of two general advices that of the later row, whose record is the more special one.
+  // If both rows have general advice, use that of the later row, which is more specific.
   for (auto kind = kinds.rbegin(); kind != kinds.rend(); ++kind)
     if (!kind->record.empty() && (kind->name == one || kind->name == other)) return kind->record;
-  return "a richer motion: the whole range, several speeds, both directions, rests between";
+  return "a richer motion: the whole range, several speeds, both directions, standstills in between";
 }
 
 Eigen::Vector3d displacement_direction(const Effect& effect) {
@@ -99,7 +99,7 @@ std::string_view stage_name(Stage stage) {
 std::optional<Share> proportional(double factor, const std::optional<Spread>& quantity) {
   if (factor == 0) return Share{};
   if (!quantity) return std::nullopt;
-  // A zero is kept from being a negative one.
+  // Adding 0.0 turns -0.0 into 0.0.
   return Share{0.0 + factor * quantity->mid_range(),
                std::abs(factor) * quantity->half_width(),
                std::abs(factor) * quantity->rms_about_mid_range(),

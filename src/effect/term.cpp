@@ -42,7 +42,7 @@ std::vector<Term> named_terms(const RecordSignals& s) {
 Term step_term(const RecordSignals& s, double time) {
   for (const EffectKind& kind : effect_kinds())
     if (kind.step_at) return kind.step_at(s, time);
-  throw std::logic_error("no effect begins at one moment");
+  throw std::logic_error("no effect has a step term");
 }
 
 }  // namespace qerr

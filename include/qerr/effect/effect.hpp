@@ -4,6 +4,7 @@
 #include <map>
 #include <string>
 
+#include "qerr/core/parameter.hpp"
 #include "qerr/encoder/encoder.hpp"
 
 namespace qerr {

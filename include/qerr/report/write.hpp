@@ -62,7 +62,7 @@ struct ListReport {
 /// The families that can be listed: effects, filters, encoders, formats, coordinates, statistics.
 const std::vector<std::string>& list_kinds();
 
-/// @throws Error (usage) for an unknown kind
+/// The rows of one of `list_kinds()`. @returns no rows for another name
 ListReport list_report(std::string_view kind);
 
 /// The JSON Schema (draft 7) of the spec.

@@ -6,7 +6,7 @@ namespace qerr {
 
 namespace {
 
-/// The motor leads the joint by half the gap, on the side on which it pushed last; before the first motion it
+/// The motor leads the joint by half the gap in the direction of the last motion; before the first motion it
 /// is in the middle of the gap.
 Action action(const Effect& e, const Encoder&, std::uint64_t) {
   return
@@ -18,7 +18,8 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
       };
 }
 
-/// What a gap adds to the driving side, per unit of its width: the link stays where it is until it is pushed.
+/// Play operator: displacement of the driving side from the link per unit of the gap. The link rests until a
+/// flank touches it.
 Eigen::ArrayXd play(const Eigen::ArrayXd& motor, double gap) {
   Eigen::ArrayXd added(motor.size());
   double link = motor[0];
@@ -45,8 +46,11 @@ EffectKind backlash_effect() {
           .summary = "play between encoder and joint",
           .typical = "1 to 10 arcmin in gears, none in a harmonic drive",
           .stage = Stage::gear,
-          .parameters =
-              {{.name = "gap", .meaning = "full width", .required = true, .least = 0, .coordinate = true}},
+          .parameters = {{.name = "gap",
+                          .meaning = "full width of the play",
+                          .required = true,
+                          .least = 0,
+                          .coordinate = true}},
           .action = action,
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             const double half = 0.5 * e.number("gap");
@@ -57,7 +61,7 @@ EffectKind backlash_effect() {
           .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
             return 0.5 * e.number("gap") * s.direction;
           },
-          // Teeth err at the angle that their wheel has reached through the play.
+          // The gear's periodic errors depend on the angle after the play.
           .first_in_stage = true,
           .remedy = {true,
                      "add or subtract half the gap by the last direction of motion; not possible around "

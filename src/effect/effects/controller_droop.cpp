@@ -4,10 +4,10 @@ namespace qerr {
 
 EffectKind controller_droop_effect() {
   return {.name = "controller_droop",
-          .summary = "a logged load is a multiple of the error, not a load",
+          .summary = "the logged load is proportional to the control error, not to the true load",
           .parameters = {{.name = "gain", .meaning = "logged load over the error"}},
-          .remedy = {false, "no load and no compliance: record a torque that is measured independently"},
-          .spec_remedy = "leave it out; a true load is compliance"};
+          .remedy = {false, "neither a load nor compliance: record an independently measured torque"},
+          .spec_remedy = "omit it; the effect of a true load is compliance"};
 }
 
 }  // namespace qerr

@@ -7,8 +7,8 @@ EffectKind correlated_joints_effect() {
       .name = "correlated_joints",
       .summary = "the errors of joints with correlated motions are not independent",
       .remedy = {false,
-                 "the paper's formula does not apply here; the robot is not at fault: see `qerr simulate`"},
-      .spec_remedy = "leave it out; `qerr simulate` includes it"};
+                 "not an error of the robot: the paper's formula does not apply here; use `qerr simulate`"},
+      .spec_remedy = "omit it: `qerr simulate` includes it"};
 }
 
 }  // namespace qerr

@@ -52,7 +52,7 @@ std::vector<Term> terms(const RecordSignals& s) {
   return all;
 }
 
-/// A plan has no temperatures.
+/// A planned record has no temperatures.
 std::optional<MissingSignal> missing_signal(const RecordSignals& s) {
   if (s.temperature.size() > 0) return std::nullopt;
   return MissingSignal{"drift with the temperature", "the column " + s.joint + ".temperature"};
@@ -68,7 +68,7 @@ EffectKind drift_effect() {
           .parameters = {{.name = "amplitude", .meaning = "final size", .fallback = 0.0, .coordinate = true},
                          {.name = "time_constant",
                           .dimension = dimension::time,
-                          .meaning = "of its exponential approach; none: at once",
+                          .meaning = "of the exponential approach; without it: an offset",
                           .least = 0,
                           .open_below = true},
                          {.name = "coefficient",
@@ -81,7 +81,7 @@ EffectKind drift_effect() {
           .terms = terms,
           .record = "a return to the start, and the temperature",
           .missing_signal = missing_signal,
-          .remedy = {true, "let it warm up, or compensate by a temperature sensor"}};
+          .remedy = {true, "let the robot warm up before use, or compensate with a temperature sensor"}};
 }
 
 }  // namespace qerr

@@ -5,7 +5,7 @@ namespace qerr {
 
 EffectKind eccentricity_effect() {
   return {.name = "eccentricity",
-          .summary = "disc or magnet off centre: one period a revolution of its shaft",
+          .summary = "disc or magnet off centre: one period per revolution of its shaft",
           .typical =
               "412 e/D arcsec for e um off centre on D mm (Numerik Jena RIK-4); magnets on the axis 0.1 to "
               "2.4 deg",

@@ -13,10 +13,10 @@ namespace qerr {
 #include "effect/effects/list.inc"
 #undef QERR_EFFECT
 
-/// The share of an error that is `factor` times a quantity of the motion; empty where that is not known.
+/// Share of an error that is `factor` times a quantity of the motion; empty where the quantity is unknown.
 std::optional<Share> proportional(double factor, const std::optional<Spread>&);
 
-/// A standard normal number that depends on (seed, index) alone.
+/// A standard normal number, a function of (seed, index) alone.
 double normal(std::uint64_t seed, std::uint64_t index);
 
 }  // namespace qerr

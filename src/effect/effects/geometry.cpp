@@ -28,9 +28,9 @@ EffectKind geometry_effect() {
                           .choices = "x|y|z"},
                          {.name = "length",
                           .dimension = dimension::length,
-                          .meaning = "added to the joint's origin",
+                          .meaning = "displacement of the joint's origin",
                           .required = true}},
-          // The model places the joint where it is not: estimate - true is minus the displacement.
+          // The true joint is displaced from the model's: estimate - true is minus the displacement.
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             return Share{0.0 - e.number("length"), 0, 0};
           },

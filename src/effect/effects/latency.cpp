@@ -14,7 +14,7 @@ std::vector<Term> terms(const RecordSignals& s) {
 
 EffectKind latency_effect() {
   return {.name = "latency",
-          .summary = "the reading is old",
+          .summary = "delay between sampling and time stamp of a reading",
           .typical = "fractions of a sample to 34 ms over a field bus",
           .stage = Stage::clock,
           .parameters = {{.name = "delay",

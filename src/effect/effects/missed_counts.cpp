@@ -19,29 +19,33 @@ Term step_at(const RecordSignals& s, double time) {
 EffectKind missed_counts_effect() {
   return {
       .name = "missed_counts",
-      .summary = "counts lost or gained at one moment, never to return",
+      .summary = "counts lost or gained at one time, persistent",
       .typical = "one line (4 counts) per burst of interference",
       .stage = Stage::decoder,
-      .parameters =
-          {{.name = "counts",
-            .kind = Kind::integer,
-            .meaning = "counts added to the reading",
-            .required = true,
-            .least = -1e9,
-            .most = 1e9},
-           {.name = "time", .dimension = dimension::time, .meaning = "when", .required = true, .least = 0}},
+      .parameters = {{.name = "counts",
+                      .kind = Kind::integer,
+                      .meaning = "counts added to the reading",
+                      .required = true,
+                      .least = -1e9,
+                      .most = 1e9},
+                     {.name = "time",
+                      .dimension = dimension::time,
+                      .meaning = "time of the loss",
+                      .required = true,
+                      .least = 0}},
       .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
         return [counts = e.number("counts"), time = e.number("time")](double x, const Moment& m) {
           return m.time >= time ? x + counts : x;
         };
       },
-      // Zero before the moment, all of it after: at an unknown moment, mean and deviation are half of it.
+      // Zero before the time, the full step after: at an unknown time, mean and deviation are half the step.
       .share = [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
         const double middle = 0.5 * e.number("counts") * encoder.resolution;
         return Share{middle, std::abs(middle), std::abs(middle)};
       },
       .step_at = step_at,
-      .remedy = {false, "lost counts stay lost: check against an index pulse; inspect cable and shield"}};
+      .remedy = {false,
+                 "the loss is persistent: check the count at an index pulse; inspect cable and shield"}};
 }
 
 }  // namespace qerr

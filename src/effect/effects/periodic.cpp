@@ -30,7 +30,7 @@ Parameter periodic_shaft() {
 
 namespace {
 
-bool counts_joint_turns(const Effect& e) {
+bool refers_to_joint(const Effect& e) {
   const auto shaft = e.choices.find("shaft");
   return shaft != e.choices.end() && shaft->second == "joint";
 }
@@ -38,11 +38,11 @@ bool counts_joint_turns(const Effect& e) {
 }  // namespace
 
 double wave_number(const Effect& e, const Encoder& encoder) {
-  return e.number_or("order", 0) * (counts_joint_turns(e) ? 1 : encoder.shaft_ratio);
+  return e.number_or("order", 0) * (refers_to_joint(e) ? 1 : encoder.shaft_ratio);
 }
 
 Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
-  const bool of_joint = counts_joint_turns(e);
+  const bool of_joint = refers_to_joint(e);
   const double order = wave_number(e, encoder);
   return [=, amplitude = e.number("amplitude"), phase = e.number("phase")](double x, const Moment& m) {
     return x + amplitude * std::sin(order * (of_joint ? m.joint : x) + phase);
@@ -64,7 +64,7 @@ void fill_periodic(Effect& e, const Eigen::VectorXd& c) {
 namespace {
 
 Term along(const RecordSignals& s, const Term& t, const Eigen::ArrayXd& moved) {
-  // A disc turns with its encoder's coordinate, a gear with its joint.
+  // A disc rotates with the encoder's coordinate, a gear with the joint.
   const bool of_disc = effect_kind(t.effect.type).stage == Stage::disc;
   Eigen::ArrayXd angle = of_disc ? s.path : s.joint_angle();
   if (moved.size() > 0) angle += moved;

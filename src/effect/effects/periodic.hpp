@@ -9,7 +9,7 @@
 
 namespace qerr {
 
-// What effects of the form amplitude * sin(order * shaft angle + phase) share.
+// Common parts of effects of the form amplitude * sin(order * shaft angle + phase).
 Parameter periodic_amplitude();
 Parameter periodic_phase();
 Parameter periodic_shaft();
@@ -24,11 +24,12 @@ void fill_periodic(Effect&, const Eigen::VectorXd& coefficients);
 std::vector<Term> periodic_terms(const RecordSignals&, std::initializer_list<double> encoder_orders,
                                  std::initializer_list<double> joint_orders);
 
-/// What looks the same: an error of the reference's machine, an unknown load, a line of one period.
+/// Effects with the same error: a periodic error of the reference, an unmeasured load, the subdivision error
+/// of an encoder with one period per revolution.
 /// @param of_reference  what to record to distinguish it from an error of the reference
 std::vector<Twin> periodic_twins(std::string_view of_reference = {});
 
-/// A table of an effect that repeats with its shaft.
+/// Table over one period of the shaft.
 TableShape periodic_table();
 
 /// Whether the encoder's signal has one period per revolution of its shaft, as a resolver's.

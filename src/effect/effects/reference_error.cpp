@@ -40,7 +40,7 @@ std::vector<Term> terms(const RecordSignals& s) {
 EffectKind reference_error_effect() {
   return {
       .name = "reference_error",
-      .summary = "the better sensor is at fault: an order of its own machine",
+      .summary = "periodic error of the reference sensor, `order` periods per joint revolution",
       .typical = "steppers used as reference: 0.003 to 0.14 deg at orders 50 and 100",
       .stage = Stage::reference,
       .parameters = {periodic_amplitude(),
@@ -57,7 +57,7 @@ EffectKind reference_error_effect() {
       .share = [](const Effect&, const Encoder&, const Usage&) -> std::optional<Share> { return Share{}; },
       .terms = terms,
       .twins = {{"transmission_error", {}, [](const Effect&, const RecordSignals&) { return true; }}},
-      .remedy = {false, "nothing to compensate in the robot: the error is the reference sensor's"}};
+      .remedy = {false, "nothing to compensate in the robot: the error belongs to the reference sensor"}};
 }
 
 }  // namespace qerr

@@ -9,7 +9,7 @@ namespace {
 /// Into [-modulus/2, modulus/2), as a counter of two's complement does.
 double wrapped(double count, double modulus) { return count - modulus * std::floor(count / modulus + 0.5); }
 
-/// Whole spans are lost: k of them while the position is within half a span of k spans.
+/// The reading lacks k spans while the position is within half a span of k spans.
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
   if (!u.position) return std::nullopt;
   const double span = e.number("modulus") * encoder.resolution, step = encoder.resolution;
@@ -17,8 +17,8 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double high = std::floor((u.position->upper + step) / span + 0.5);
   if (low == 0 && high == 0) return Share{};
   const double half = 0.5 * (high - low) * span;
-  // A uniform position loses every number of spans equally often; of few spans one may be lost half of the
-  // time.
+  // For a uniform position, every number of lost spans is equally probable. With at most three spans the
+  // largest deviation is used: the position may be at the extremes all the time.
   return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
                Spectrum::reversals};
 }
@@ -27,8 +27,8 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 
 EffectKind rollover_effect() {
   return {.name = "rollover",
-          .summary = "the counter wraps",
-          .typical = "2^16 or 2^32 counts at once",
+          .summary = "the counter overflows and wraps around",
+          .typical = "jumps of 2^16 or 2^32 counts",
           .stage = Stage::decoder,
           .parameters = {{.name = "modulus",
                           .kind = Kind::integer,

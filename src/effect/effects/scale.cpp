@@ -13,29 +13,28 @@ std::vector<Term> terms(const RecordSignals& s) {
 }  // namespace
 
 EffectKind scale_effect() {
-  return {
-      .name = "scale",
-      .summary = "error proportional to the angle: wrong gear ratio or counts per revolution",
-      .typical = "1e-4 to 1: a belt's pitch, a ratio given in round numbers",
-      .stage = Stage::disc,
-      .parameters = {{.name = "scale",
-                      .meaning = "relative error of the angle",
-                      .required = true,
-                      .least = -10,
-                      .most = 10}},
-      .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
-        return [scale = e.number("scale")](double x, const Moment&) { return x + scale * x; };
-      },
-      .share = [](const Effect& e, const Encoder&,
-                  const Usage& u) { return proportional(e.number("scale"), u.position); },
-      .need = Need::position,
-      .terms = terms,
-      .twins = {{"clock_drift",
-                 "a return late in the record: an error of scale returns to zero with the angle, one of the "
-                 "clock does not"}},
-      .record = "a wider range of the joint, several revolutions if possible",
-      .table = TableShape{.linear = true},
-      .remedy = {true, "correct the gear ratio or the counts per revolution, or use the look-up table"}};
+  return {.name = "scale",
+          .summary = "error proportional to the angle: wrong gear ratio or counts per revolution",
+          .typical = "1e-4 to 1: a belt's pitch, a ratio given in round numbers",
+          .stage = Stage::disc,
+          .parameters = {{.name = "scale",
+                          .meaning = "relative error of the angle",
+                          .required = true,
+                          .least = -10,
+                          .most = 10}},
+          .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
+            return [scale = e.number("scale")](double x, const Moment&) { return x + scale * x; };
+          },
+          .share = [](const Effect& e, const Encoder&,
+                      const Usage& u) { return proportional(e.number("scale"), u.position); },
+          .need = Need::position,
+          .terms = terms,
+          .twins = {{"clock_drift",
+                     "a return to the start late in the record: the scale error vanishes there, the clock's "
+                     "does not"}},
+          .record = "a wider range of the joint, several revolutions if possible",
+          .table = TableShape{.linear = true},
+          .remedy = {true, "correct the gear ratio or the counts per revolution, or use the look-up table"}};
 }
 
 }  // namespace qerr

@@ -5,10 +5,10 @@ namespace qerr {
 EffectKind slow_motion_effect() {
   return {
       .name = "slow_motion",
-      .summary = "the error is neither white nor uniform at so few counts a sample",
+      .summary = "the error is neither white nor uniform at less than a few counts per sample",
       .remedy = {false,
-                 "the paper's formula does not apply here; the robot is not at fault: see `qerr simulate`"},
-      .spec_remedy = "leave it out; `qerr simulate` and sigma in motion include it"};
+                 "not an error of the robot: the paper's formula does not apply here; use `qerr simulate`"},
+      .spec_remedy = "omit it: `qerr simulate` and sigma in motion include it"};
 }
 
 }  // namespace qerr

@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-/// How far the edges of the second channel are displaced [rad or m].
+/// Displacement of the edges of the second channel [rad or m].
 double displacement(const Effect& e, const Encoder& encoder) {
   return e.number("phase") / (2 * std::numbers::pi) * encoder.resolution * encoder.counts_per_period;
 }
@@ -31,8 +31,8 @@ Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
 }
 
 /// Two states of widths Delta + s and Delta - s, whose middles lie s/2 beyond the counts' positions: mean
-/// -s/2, variance ((Delta + s)^3 + (Delta - s)^3)/(24 Delta) = Delta^2/12 + s^2/4, never beyond -Delta/2 - s.
-/// It changes with every count, as the quantization does, and is taken as white with it.
+/// -s/2, variance ((Delta + s)^3 + (Delta - s)^3)/(24 Delta) = Delta^2/12 + s^2/4, bounded by -Delta/2 - s.
+/// It changes with every count, as the quantization error does, and is treated as white like it.
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
   const double s = displacement(e, encoder);
   return Share{0.0 - 0.5 * s, 0.5 * std::abs(s), 0.5 * std::abs(s), Spectrum::white};
@@ -55,7 +55,7 @@ EffectKind state_width_effect() {
           .share = share,
           .encoder_need = EncoderNeed{.least = 4,
                                       .most = 4,
-                                      .why = "the widths of the states matter only at four",
+                                      .why = "unequal states are modelled only for four counts per period",
                                       .remedy = "decoding: x4; for a sine/cosine encoder subdivision_error"},
           .scattering =
               Scattering{.parameter = "phase",

@@ -15,7 +15,7 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
 
 EffectKind timing_jitter_effect() {
   return {.name = "timing_jitter",
-          .summary = "samples are taken off their stamps",
+          .summary = "random difference between sampling instant and time stamp",
           .typical = "1 to 2 ms from a desktop computer, microseconds from a real-time one",
           .stage = Stage::clock,
           .parameters = {{.name = "sigma",

@@ -5,7 +5,7 @@ namespace qerr {
 
 EffectKind transmission_error_effect() {
   return {.name = "transmission_error",
-          .summary = "periodic error of gear or encoder, `order` periods a revolution of its shaft",
+          .summary = "periodic error of gear or encoder, `order` periods per revolution of its shaft",
           .typical =
               "harmonic drives 0.5 to 2 arcmin at order 2 of the input (CSF/CSG catalogue); spur gears at "
               "tooth order",

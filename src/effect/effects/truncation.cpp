@@ -6,7 +6,7 @@ EffectKind truncation_effect() {
   return {
       .name = "truncation",
       .summary = "the counter rounds down where the model rounds to nearest",
-      .typical = "half a count, always the same way; not to be told from an offset without a datum",
+      .typical = "half a count, always downwards; indistinguishable from an offset without an absolute datum",
       .stage = Stage::comparator,
       // Effects within a line must meet the displaced edges, so that the encoder itself is changed instead.
       .action = [](const Effect&, const Encoder&, std::uint64_t) -> Action {

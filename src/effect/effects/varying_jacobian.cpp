@@ -7,8 +7,8 @@ EffectKind varying_jacobian_effect() {
       .name = "varying_jacobian",
       .summary = "the Jacobian changes along the motion",
       .remedy = {false,
-                 "the paper's formula does not apply here; the robot is not at fault: see `qerr simulate`"},
-      .spec_remedy = "leave it out; `qerr simulate` includes it"};
+                 "not an error of the robot: the paper's formula does not apply here; use `qerr simulate`"},
+      .spec_remedy = "omit it: `qerr simulate` includes it"};
 }
 
 }  // namespace qerr

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "filter/norms/transient.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/csv_text.hpp"

@@ -1,9 +1,10 @@
-#include "qerr/report/filter_report.hpp"
 
 #include <algorithm>
 #include <cmath>
 
 #include "core/text.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
 #include "report/filter/noise.hpp"
 
 namespace qerr {

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "qerr/core/quantity.hpp"
 #include "qerr/report/plan_report.hpp"
 #include "report/json_value.hpp"
 
