@@ -1,3 +1,4 @@
+#include "qerr/report/filter_report.hpp"
 
 #include <algorithm>
 #include <cmath>
