@@ -7,8 +7,8 @@
 
 namespace qerr {
 
-/// What the record of one encoder offers to the regressors of effects, row by row, in the encoder's
-/// coordinate (at the joint's side of its gear).
+/// Signals of one encoder's record from which regressors of effects are computed, row by row, in the
+/// encoder's coordinate (at the joint's side of its gear).
 struct RecordSignals {
   std::string joint;  ///< whose encoder it is
   bool prismatic = false;
@@ -16,7 +16,7 @@ struct RecordSignals {
   bool ordered = true;       ///< the rows follow each other in time
   bool counted = true;       ///< readings are whole counts
   bool loaded = true;        ///< the joint's own weight can load it
-  Eigen::ArrayXd time;       ///< from the first row [s]; the row's number where there is none
+  Eigen::ArrayXd time;       ///< from the first row [s]; the row's number if the record has no time
   Eigen::ArrayXd path;       ///< the reference without its noise [rad or m]
   Eigen::ArrayXd velocity;   ///< of the path [rad/s or m/s]
   Eigen::ArrayXd direction;  ///< direction of the joint's last motion: -1, +1, or 0 before the first

@@ -9,12 +9,12 @@
 
 namespace qerr {
 
-/// A candidate cause of an encoder's error in a regression: its regressors, and how their coefficients become
-/// the parameters of an effect.
+/// A candidate cause of an encoder's error in a regression: its regressors, and the map from their
+/// coefficients to the parameters of an effect.
 struct Term {
   Effect effect;            ///< choices and fixed numbers; `fill` adds the free ones
   Eigen::ArrayXXd columns;  ///< rows x coefficients; columns * coefficients is its addition [rad or m]
-  /// Of an effect that is not linear in its parameters, linearized in `columns`: the addition beyond
+  /// Constant part of the linearization of an effect that is not linear in its parameters, in addition to
   /// columns * coefficients. Empty: zero.
   Eigen::ArrayXd fixed = {};
   void (*fill)(Effect&, const Eigen::VectorXd& coefficients) = nullptr;
@@ -22,25 +22,25 @@ struct Term {
   std::string unnamed = {};
 
   bool constant = false;  ///< the same at every row
-  bool step = false;      ///< zero before the moment `effect.number("time")`
-  bool whole = false;     ///< its coefficients are whole counts
+  bool step = false;      ///< zero before the time `effect.number("time")`
+  bool whole = false;     ///< its coefficients are integers, in counts
   bool positive = false;  ///< a negative coefficient has no physical meaning
   bool harmonic = false;  ///< a sine of a shaft's angle
 
   /// A parameter on which the columns depend non-linearly (an order, a time constant), the half-width of its
-  /// search interval, and the same term at another value. Null: there is none.
+  /// search interval, and the same term at another value; null for a term without such a parameter.
   double shape = 0, half_width = 0;
   Term (*reshaped)(const RecordSignals&, const Term&, double shape) = nullptr;
 
   /// The same term linearized at other coefficients; null: it is linear.
   Term (*relinearized)(const RecordSignals&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;
 
-  /// What clock, link and gear before it add to its path, row by row (empty: nothing), and the same term
-  /// along a path displaced by another amount; null: it does not depend on the path, or negligibly.
+  /// Displacement of its path by clock, link and gear, row by row (empty: zero), and the same term along a
+  /// path with another displacement; null if its dependence on the path is negligible.
   Eigen::ArrayXd moved = {};
   Term (*along)(const RecordSignals&, const Term&, const Eigen::ArrayXd& moved) = nullptr;
 
-  /// Column of a hysteresis of this size, by the reading on the driving side; null: it has none.
+  /// Column of a hysteresis of this size from the reading on the driving side; null without hysteresis.
   Eigen::ArrayXd (*hysteresis)(const Eigen::ArrayXd& reading, double size) = nullptr;
 
   bool named() const { return unnamed.empty(); }
@@ -48,7 +48,7 @@ struct Term {
   Eigen::Index size() const { return columns.cols(); }
 };
 
-/// What a term adds to the rows of its columns [rad or m].
+/// Contribution of a term to every row: columns * coefficients + fixed [rad or m].
 Eigen::ArrayXd addition(const Term&, const Eigen::VectorXd& coefficients);
 
 /// A term that consists of its columns alone. Functions that recompute columns (for another shape, path or
@@ -62,7 +62,7 @@ Term linear_term(const RecordSignals&, std::string_view effect, Eigen::ArrayXd c
 /// All catalogued terms that are linear in their coefficients, or linearized, and that the signals can show.
 std::vector<Term> named_terms(const RecordSignals&);
 
-/// The catalogued effect that begins at one moment [s].
+/// The catalogued step effect at a time [s].
 Term step_term(const RecordSignals&, double time);
 
 /// amplitude * sin(order * angle + phase) of the encoder's or the joint's shaft, by the effect of this order.

@@ -34,13 +34,13 @@ TEST(ScanKernels, HaveThePowerOfEveryRate) {
       for (const std::size_t count : {1, 63, 64, 65, 1998}) {
         SCOPED_TRACE(std::string(name_of(set)) + ", " + std::to_string(rows) + " rows, " +
                      std::to_string(count) + " rates");
-        AlignedNumbers score(rows), angle(rows), room(4 * rows + 2 * scanned_at_once * 8);
+        AlignedNumbers score(rows), angle(rows), scratch(4 * rows + 2 * scanned_at_once * 8);
         for (std::size_t k = 0; k < rows; ++k)
           score[k] = dice.between(-1, 1), angle[k] = dice.between(0, 1.6);
         const double first = std::floor(dice.between(1, 20)), most = largest_power(score);
         std::vector<double> powers(count);
-        select_kernels<ScanKernels>(set).powers(score.data(), angle.data(), rows, first, count, room.data(),
-                                                powers.data());
+        select_kernels<ScanKernels>(set).powers(score.data(), angle.data(), rows, first, count,
+                                                scratch.data(), powers.data());
         for (std::size_t i = 0; i < count; i += 1 + count / 50) {
           const double rate = first + static_cast<double>(i);
           const double expected = plain_power(score, angle, rate);

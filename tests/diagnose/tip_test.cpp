@@ -20,14 +20,14 @@ using testing::rotation;
 
 Diagnosis judge(const OperationalModel& model, const Log& log) { return diagnose(model, {}, {}, log); }
 
-bool tells(const Diagnosis& d, const std::string& effect, const std::string& joint) {
+bool finds(const Diagnosis& d, const std::string& effect, const std::string& joint) {
   return std::any_of(d.causes.begin(), d.causes.end(),
                      [&](const Cause& c) { return c.effect.type == effect && c.effect.joint == joint; }) ||
          std::any_of(d.alternatives.begin(), d.alternatives.end(),
                      [&](const AlternativeCause& a) { return a.effect == effect && a.joint == joint; });
 }
 
-std::string told(const Diagnosis& d) {
+std::string summary(const Diagnosis& d) {
   std::string text(name(d.verdict));
   for (const Cause& c : d.causes) text += ", " + c.effect.type + " at " + c.effect.joint;
   for (const AlternativeCause& a : d.alternatives) text += ", or " + a.effect + " at " + a.joint;
@@ -50,8 +50,8 @@ TEST(DiagnoseTip, IdentifiesADisplacedJointAndItsMagnitude) {
     const Record r = dice.chance(0.5) ? poses(dice, joints, 300) : motion(dice, joints, 3000);
     const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, 1e-5));
     const std::string joint = "j" + std::to_string(at + 1);
-    ASSERT_TRUE(tells(d, "geometry", joint)) << "seed " << seed << ": " << told(d);
-    EXPECT_EQ(d.causes.size(), 1U) << "seed " << seed << ": " << told(d);
+    ASSERT_TRUE(finds(d, "geometry", joint)) << "seed " << seed << ": " << summary(d);
+    EXPECT_EQ(d.causes.size(), 1U) << "seed " << seed << ": " << summary(d);
     EXPECT_TRUE(d.gain.held_out);
     EXPECT_GT(d.gain.ratio(), 1.2) << seed;
     if (d.causes[0].effect.joint != joint || !d.alternatives.empty()) continue;
@@ -78,7 +78,7 @@ TEST(DiagnoseTip, FindsNothingForACleanArm) {
         judge(arm.model(resolution), log_of(dice, arm, r, resolution, std::pow(10, dice.between(-6, -4))));
     if (d.verdict == Verdict::nothing_wrong) continue;
     ++alarms;
-    said += std::to_string(seed) + ": " + told(d) + "; ";
+    said += std::to_string(seed) + ": " + summary(d) + "; ";
   }
   EXPECT_LE(alarms, 2) << said;
 }
@@ -126,8 +126,8 @@ TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
     }
     r.additions.row(j) = added.matrix().transpose();
     const Diagnosis d = judge(arm.model(resolution), log_of(dice, arm, r, resolution, 1e-5));
-    EXPECT_TRUE(tells(d, effect, "j" + std::to_string(at + 1)))
-        << "seed " << seed << ", hidden " << effect << " at " << at + 1 << ": " << told(d);
+    EXPECT_TRUE(finds(d, effect, "j" + std::to_string(at + 1)))
+        << "seed " << seed << ", hidden " << effect << " at " << at + 1 << ": " << summary(d);
   }
 }
 
@@ -141,8 +141,8 @@ TEST(DiagnoseTip, ReportsShiftsAlongParallelAxesAsIndistinguishable) {
   const std::vector<double> resolution(3, 1e-4);
   const Diagnosis d =
       judge(arm.model(resolution), log_of(dice, built, poses(dice, 3, 200), resolution, 1e-5));
-  EXPECT_EQ(d.verdict, Verdict::ambiguous) << told(d);
-  EXPECT_TRUE(tells(d, "geometry", "j2")) << told(d);
+  EXPECT_EQ(d.verdict, Verdict::ambiguous) << summary(d);
+  EXPECT_TRUE(finds(d, "geometry", "j2")) << summary(d);
   ASSERT_FALSE(d.alternatives.empty());
   EXPECT_NE(d.alternatives[0].record.find("no pose"), std::string::npos) << d.alternatives[0].record;
 }
@@ -158,7 +158,7 @@ TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
     const Log log = log_of(dice, arm, poses(dice, 6, 200), resolution, 2e-5,
                            [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return shift + turn * p; });
     const Diagnosis d = judge(arm.model(resolution), log);
-    EXPECT_TRUE(d.causes.empty()) << "seed " << seed << ": " << told(d);
+    EXPECT_TRUE(d.causes.empty()) << "seed " << seed << ": " << summary(d);
     ASSERT_FALSE(d.unexplained.empty()) << seed;
     EXPECT_EQ(d.unexplained[0].joint, "tip");
     EXPECT_NEAR(d.unexplained[0].amplitude, shift.norm(), 1e-4) << seed;
@@ -194,22 +194,22 @@ bool begins_with_a_dimension(const Diagnosis& d) {
 TEST(DiagnoseTip, ReducesTheErrorOfAnUncalibratedArmToTheTrackersNoise) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Diagnosis d = uncalibrated(seed, 0);
-    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
-    EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << told(d);
-    EXPECT_GT(d.gain.lower, 5) << seed << ": " << told(d);
-    EXPECT_LT(d.gain.rms_after, 2.5e-5) << seed << ": " << told(d);
+    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << summary(d);
+    EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << summary(d);
+    EXPECT_GT(d.gain.lower, 5) << seed << ": " << summary(d);
+    EXPECT_LT(d.gain.rms_after, 2.5e-5) << seed << ": " << summary(d);
   }
 }
 
 TEST(DiagnoseTip, LeavesSkewAxesUnexplainedAndIdentifiesTheDimensions) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     const Diagnosis d = uncalibrated(seed, 2e-4);
-    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << told(d);
-    EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << told(d);
+    EXPECT_TRUE(begins_with_a_dimension(d)) << seed << ": " << summary(d);
+    EXPECT_TRUE(d.verdict == Verdict::ambiguous || d.verdict == Verdict::partly_explained) << summary(d);
     EXPECT_TRUE(std::any_of(d.unexplained.begin(), d.unexplained.end(),
                             [](const Unidentified& u) { return u.what == "the axis of the joint is askew"; }))
-        << seed << ": " << told(d);
-    EXPECT_GT(d.gain.lower, 1.5) << seed << ": " << told(d);
+        << seed << ": " << summary(d);
+    EXPECT_GT(d.gain.lower, 1.5) << seed << ": " << summary(d);
   }
 }
 
@@ -224,8 +224,8 @@ TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
     r.with_references = true;
     r.additions.row(1).setConstant(4e-4);
     const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, 1e-5));
-    EXPECT_TRUE(tells(d, "offset", "j2")) << told(d);
-    EXPECT_TRUE(tells(d, "geometry", "j3")) << told(d);
+    EXPECT_TRUE(finds(d, "offset", "j2")) << summary(d);
+    EXPECT_TRUE(finds(d, "geometry", "j3")) << summary(d);
   }
 }
 

@@ -9,7 +9,7 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index most_blocks = 64;
+constexpr Eigen::Index most_blocks = 64;  ///< of the variance inflation (convention)
 
 }  // namespace
 
@@ -21,9 +21,9 @@ Explanation::Explanation(const Evidence& e) : evidence_(&e) {
   base_.setOnes();
   beta_ = Eigen::VectorXd::Zero(base_.cols());
   spread_ = 2 * (e.measured - e.path).abs().maxCoeff() + e.step();
-  const double own = std::max(e.path_noise, 1e-3 * e.step());
+  const double residual_noise = std::max(e.path_noise, 1e-3 * e.step());
   relative_.setOnes(e.rows());
-  if (e.random_sigma.size() > 0) relative_ = (1 + (e.random_sigma / own).square()).sqrt();
+  if (e.random_sigma.size() > 0) relative_ = (1 + (e.random_sigma / residual_noise).square()).sqrt();
   fit();
 }
 
@@ -34,15 +34,15 @@ void Explanation::add(Term term) {
 }
 
 Eigen::Index Explanation::first_coefficient(std::size_t term) const {
-  Eigen::Index at = base_.cols();
-  for (std::size_t i = 0; i < term; ++i) at += terms_[i].size();
-  return at;
+  Eigen::Index first = base_.cols();
+  for (std::size_t i = 0; i < term; ++i) first += terms_[i].size();
+  return first;
 }
 
 void Explanation::remove(std::size_t term) {
-  const Eigen::Index at = first_coefficient(term), size = terms_[term].size();
+  const Eigen::Index first = first_coefficient(term), size = terms_[term].size();
   Eigen::VectorXd kept(beta_.size() - size);
-  kept << beta_.head(at), beta_.tail(beta_.size() - at - size);
+  kept << beta_.head(first), beta_.tail(beta_.size() - first - size);
   beta_ = kept;
   terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
 }
@@ -71,7 +71,7 @@ double Explanation::gain(const Term& t) const {
     information -= shared.transpose() * present_.solve_columns(shared);
     score -= shared.transpose() * present_.solve(columns_.transpose() * plain_.score.matrix());
   }
-  // A column that the model already contains gains nothing.
+  // The gain of a column in the span of the model is zero.
   if ((information.diagonal().array() <= 1e-9 * alone.array()).any()) return 0;
   information.diagonal().array() *= 1 + 1e-10;
   return 0.5 * score.dot(solve_symmetric(information, score));

@@ -10,8 +10,7 @@
 
 namespace qerr {
 
-/// A model of one encoder's readings: terms whose sum lies between the edges of the readings but for a
-/// Gaussian.
+/// Model of one encoder's readings: the path, a sum of terms and Gaussian noise, quantized.
 ///
 /// reading = quantized(path + sum of terms + noise). Coefficients and noise maximize the likelihood of the
 /// readings (interval_likelihood.hpp), in which quantization is exact at any speed.
@@ -26,13 +25,13 @@ class Explanation {
   /// Log-likelihood gain of one Newton step with a further term.
   double gain(const Term&) const;
 
-  /// Variance of the score of columns over its variance if residuals were independent from row to row, by the
-  /// sums over blocks.
+  /// Variance of the score of columns, estimated from sums over blocks, over its variance for residuals that
+  /// are independent from row to row.
   double variance_inflation(const Eigen::ArrayXXd& columns) const;
 
   const std::vector<Term>& terms() const { return terms_; }
   Eigen::VectorXd coefficients(std::size_t term) const;
-  const Eigen::ArrayXd& addition() const { return x_; }  ///< what all terms add to the path
+  const Eigen::ArrayXd& addition() const { return x_; }  ///< sum of all terms
   double log_likelihood() const { return likelihood_.log_likelihood; }
   double noise() const { return sigma_; }
   double plain_noise() const { return plain_sigma_; }  ///< fitted without outliers
@@ -49,13 +48,13 @@ class Explanation {
   Eigen::Index first_coefficient(std::size_t term) const;
   IntervalLikelihood at(const Eigen::VectorXd& unit, double sigma, double outliers) const;
   double least_noise() const;
-  Eigen::VectorXd arrange();
+  Eigen::VectorXd assemble_columns();
   void fit_plainly();
   Eigen::ArrayXd moved_before() const;
   bool follow_path();
   void fit_along_path();
-  void fit_curved();
-  void begin(Eigen::VectorXd& unit);
+  void fit_nonlinear();
+  void initialize(Eigen::VectorXd& unit);
   void maximize(Eigen::VectorXd& unit, double outliers);
 
   const Evidence* evidence_;
@@ -65,7 +64,7 @@ class Explanation {
   Eigen::VectorXd beta_;
   Eigen::MatrixXd columns_;  ///< of all terms, scaled to unit norm
   Eigen::ArrayXd fixed_;     ///< sum of the terms' `fixed` parts
-  Eigen::ArrayXd relative_;  ///< what chance scatters each row by, over what is left of the reference's noise
+  Eigen::ArrayXd relative_;  ///< random sigma of each row over the residual noise of the reference
   Eigen::ArrayXd x_;
   double spread_ = 0;
   double sigma_ = 0, plain_sigma_ = 0;

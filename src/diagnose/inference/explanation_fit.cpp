@@ -14,7 +14,7 @@ namespace {
 constexpr double settled = 1e-3;  ///< log-likelihood gain at which the iteration ends
 constexpr int most_steps = 60;
 
-/// Whether a term displaces the position at which gear teeth, disc and lines err.
+/// Whether a term displaces the position on which the errors of gear teeth, disc and lines depend.
 bool acts_before_teeth(const Term& t) {
   if (!t.named()) return false;
   const EffectKind& kind = effect_kind(t.effect.type);
@@ -28,13 +28,14 @@ IntervalLikelihood Explanation::at(const Eigen::VectorXd& unit, double sigma, do
   return interval_likelihood(intervals_, x, sigma * relative_, outliers, spread_);
 }
 
-/// Lower limit of the noise: half of that in the path, as this is an estimate, or a thousandth of a count.
+/// Lower limit of the noise: half of the path's, which is an estimate, or a thousandth of a count
+/// (conventions).
 double Explanation::least_noise() const {
   return std::max(0.5 * evidence_->path_noise, 1e-3 * evidence_->step());
 }
 
 /// Start of Newton's method: least squares to the middles of the intervals, and the scatter about them.
-void Explanation::begin(Eigen::VectorXd& unit) {
+void Explanation::initialize(Eigen::VectorXd& unit) {
   const Eigen::ArrayXd weight = relative_.square().inverse();
   const Eigen::VectorXd middle = (0.5 * (intervals_.lower + intervals_.upper) - fixed_).matrix();
   Eigen::ArrayXd residual = middle.array();
@@ -87,7 +88,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
 }
 
 /// Columns of all terms, scaled to unit norm.
-Eigen::VectorXd Explanation::arrange() {
+Eigen::VectorXd Explanation::assemble_columns() {
   Eigen::Index count = base_.cols();
   for (const Term& t : terms_) count += t.size();
   columns_.resize(evidence_->rows(), count);
@@ -103,17 +104,16 @@ Eigen::VectorXd Explanation::arrange() {
   return scale;
 }
 
-/// One fit with the present columns and without outliers.
+/// Fits with the present columns and without outliers.
 void Explanation::fit_plainly() {
-  const Eigen::VectorXd scale = arrange();
+  const Eigen::VectorXd scale = assemble_columns();
   Eigen::VectorXd unit = Eigen::VectorXd::Zero(columns_.cols());
-  begin(unit);
+  initialize(unit);
   maximize(unit, 0);
   beta_ = unit.cwiseQuotient(scale);
 }
 
-/// Additions of clock, link and play, which displace the position seen by gear teeth, disc and lines
-/// [rad or m].
+/// Additions of clock, link and play, which displace the position of gear teeth, disc and lines [rad or m].
 Eigen::ArrayXd Explanation::moved_before() const {
   Eigen::ArrayXd moved = Eigen::ArrayXd::Zero(evidence_->rows());
   for (std::size_t k = 0; k < terms_.size(); ++k)
@@ -121,11 +121,11 @@ Eigen::ArrayXd Explanation::moved_before() const {
   return moved;
 }
 
-/// Recomputes terms along the path as displaced by the terms before them, which matters for displacements of
-/// many counts.
+/// Recomputes terms along the path displaced by the preceding terms, which matters for displacements of many
+/// counts.
 /// @return whether a linear term changed by more than a tenth of the noise
 bool Explanation::follow_path() {
-  constexpr double noticed = 0.1;
+  constexpr double negligible = 0.1;  // of the noise
   const Eigen::ArrayXd moved = moved_before();
   bool any = false;
   for (std::size_t k = 0; k < terms_.size(); ++k) {
@@ -137,7 +137,7 @@ bool Explanation::follow_path() {
     Term next = terms_[k].along(*evidence_, terms_[k], moved);
     const Eigen::ArrayXd change =
         qerr::addition(next, coefficients(k)) - qerr::addition(terms_[k], coefficients(k));
-    if (change.abs().maxCoeff() < noticed * sigma_) continue;
+    if (change.abs().maxCoeff() < negligible * sigma_) continue;
     any = true;
     terms_[k] = std::move(next);
   }
@@ -151,7 +151,7 @@ void Explanation::fit_along_path() {
 }
 
 /// Gauss-Newton iteration of the non-linear terms; a step that increases the residual is halved.
-void Explanation::fit_curved() {
+void Explanation::fit_nonlinear() {
   constexpr int most_iterations = 25;
   constexpr double enough = 0.02;
   if (std::none_of(terms_.begin(), terms_.end(), [](const Term& t) { return t.relinearized; })) return;
@@ -162,13 +162,13 @@ void Explanation::fit_curved() {
     follow_path();
     for (std::size_t k = 0; k < terms_.size(); ++k)
       if (terms_[k].relinearized) terms_[k] = terms_[k].relinearized(*evidence_, terms_[k], coefficients(k));
-    const Eigen::VectorXd scale = arrange();
-    const double left = (middle - fixed_ - (columns_ * beta_.cwiseProduct(scale)).array()).square().sum();
-    if (left > 1.0001 * least) {
+    const Eigen::VectorXd scale = assemble_columns();
+    const double squares = (middle - fixed_ - (columns_ * beta_.cwiseProduct(scale)).array()).square().sum();
+    if (squares > 1.0001 * least) {
       beta_ = 0.5 * (beta_ + good);
       continue;
     }
-    least = left, good = beta_;
+    least = squares, good = beta_;
     fit_plainly();
     if (std::abs(likelihood_.log_likelihood - before) < enough) return;
     before = likelihood_.log_likelihood;
@@ -178,7 +178,7 @@ void Explanation::fit_curved() {
 void Explanation::fit() {
   fit_plainly();
   fit_along_path();
-  fit_curved();
+  fit_nonlinear();
   plain_ = likelihood_;
   plain_sigma_ = sigma_;
   weighted_ = plain_.curvature.matrix().asDiagonal() * columns_;
@@ -186,7 +186,7 @@ void Explanation::fit() {
   normal.diagonal().array() *= 1 + 1e-10;
   normal.diagonal().array() += 1e-300;
   present_ = SymmetricFactor(normal);
-  const Eigen::VectorXd scale = arrange();
+  const Eigen::VectorXd scale = assemble_columns();
   Eigen::VectorXd unit = beta_.cwiseProduct(scale);
   maximize(unit, outlier_part);
   x_ = fixed_ + (columns_ * unit).array();

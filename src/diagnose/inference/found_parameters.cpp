@@ -15,7 +15,7 @@ namespace {
 constexpr double normal_quantile_95 = 1.959963984540054;
 constexpr double half_chi_squared = 1.92;
 
-/// The name of the number that a term's columns depend on other than linearly; "" when there is none.
+/// Name of the parameter on which a term's columns depend non-linearly; "" for a linear term.
 std::string shape_name(const Term& t) {
   if (!t.reshaped) return "";
   for (const auto& [name, value] : t.effect.numbers)

@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-/// What a small change of a term's shape adds, per unit of it.
+/// Derivative of a term with respect to its shape, by central differences.
 Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coefficients) {
   const double change = 1e-3 * t.half_width;
   const Eigen::ArrayXXd by =
@@ -19,20 +19,20 @@ Term shape_change(const Evidence& e, const Term& t, const Eigen::VectorXd& coeff
   return with_columns(t, (by.matrix() * coefficients).array() / (2 * change));
 }
 
-/// The shape within a term's reach that one Newton step would gain most by, by golden section.
+/// The shape within the search half-width with the largest gain of one Newton step, by golden section.
 Term most_promising(const Explanation& without, const Evidence& e, const Term& start) {
-  const auto at = [&](double shape) { return without.gain(start.reshaped(e, start, shape)); };
+  const auto gain_at = [&](double shape) { return without.gain(start.reshaped(e, start, shape)); };
   constexpr double golden = 0.6180339887498949;
   double low = start.shape - start.half_width, high = start.shape + start.half_width;
   double left = high - golden * (high - low), right = low + golden * (high - low);
-  double at_left = at(left), at_right = at(right);
+  double at_left = gain_at(left), at_right = gain_at(right);
   for (int i = 0; i < 14; ++i) {
     if (at_left > at_right) {
       high = right, right = left, at_right = at_left;
-      at_left = at(left = high - golden * (high - low));
+      at_left = gain_at(left = high - golden * (high - low));
     } else {
       low = left, left = right, at_left = at_right;
-      at_right = at(right = low + golden * (high - low));
+      at_right = gain_at(right = low + golden * (high - low));
     }
   }
   return start.reshaped(e, start, at_left > at_right ? left : right);
@@ -124,11 +124,11 @@ Explanation settled(Explanation m, const Evidence& e) {
   for (const Term& whole : at_whole_orders(e, last)) {
     if (has(m, whole.effect)) continue;
     Explanation named = with_term_at(m, m.terms().size() - 1, whole);
-    // The last part of a reach is not the record's: the path is smooth only so far.
+    // Integer orders within 2 % of the half-width are accepted at a larger loss: smoothing limits the order.
     const double order = std::abs(wave_number(whole.effect, e.encoder));
-    const bool at = std::abs(order - last.shape) < 0.02 * last.half_width;
+    const bool near = std::abs(order - last.shape) < 0.02 * last.half_width;
     const double lost = m.log_likelihood() - named.log_likelihood();
-    if (lost > (at ? similar_loss : worth_a_term) * e.rows_per_reading) continue;
+    if (lost > (near ? similar_loss : worth_a_term) * e.rows_per_reading) continue;
     if (!best || named.log_likelihood() > best->log_likelihood()) best = std::move(named);
   }
   return best ? std::move(*best) : std::move(m);

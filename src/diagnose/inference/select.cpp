@@ -11,8 +11,8 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t tried_in_full = 8;
-constexpr double worth_refining = 200;  ///< log-likelihood behind the leading term at most
+constexpr std::size_t tried_in_full = 8;  ///< candidates that are fitted, not only scored (convention)
+constexpr double worth_refining = 200;    ///< largest log-likelihood deficit to the leading term (convention)
 constexpr int most_steps = 5;
 
 bool possible(const Explanation& m, std::size_t term) {
@@ -30,9 +30,9 @@ class Search {
   Search(const Evidence& e, const SelectOptions& options)
       : e_(e), options_(options), named_(named_terms(e)) {}
 
-  /// The model with the term that improves it most, if any does. With `names_first`, unnamed terms and steps
-  /// are added only where several named terms together do not fit as well: a free order between two of them
-  /// fits better than either alone.
+  /// The model with the term that improves it most; empty if no term does. With `names_first`, an unnamed
+  /// term or step is accepted only if no combination of named terms fits as well: a free order between two
+  /// named orders can fit better than either alone.
   std::optional<Explanation> better(const Explanation& model) const {
     std::optional<Explanation> next = step(model, true);
     if (!options_.names_first || !next || is_certain(*next)) return next;
@@ -55,7 +55,7 @@ class Search {
     return model;
   }
 
-  /// Step terms can mimic any slow drift, as a free order can.
+  /// Whether the last term is specific: step terms and free orders can mimic any slow drift.
   static bool is_certain(const Explanation& m) {
     const Term& last = m.terms().back();
     return last.named() && !last.step;
@@ -79,9 +79,9 @@ class Search {
       if (next.terms().back().reshaped && bayes(next, e_) > leading - worth_refining)
         next = settled(refined(std::move(next), e_), e_);
       const bool is_named = next.terms().back().named();
-      const double here = bayes(next, e_) - (is_named ? 0 : worth_unnamed);
-      if ((!is_named && !any) || here < value || !passes(model, next)) continue;
-      value = here;
+      const double score = bayes(next, e_) - (is_named ? 0 : worth_unnamed);
+      if ((!is_named && !any) || score < value || !passes(model, next)) continue;
+      value = score;
       best = std::move(next);
     }
     return best;
@@ -93,8 +93,8 @@ class Search {
     for (const Term& t : named_)
       if (!has(model, t.effect)) candidates.push_back(t);
     if (auto order = strongest_order(e_, model)) {
-      for (Term& whole : at_whole_orders(e_, *order))
-        if (!has(model, whole.effect) && !is_listed(whole)) candidates.push_back(std::move(whole));
+      for (Term& integer : at_whole_orders(e_, *order))
+        if (!has(model, integer.effect) && !is_listed(integer)) candidates.push_back(std::move(integer));
       candidates.push_back(std::move(*order));
     }
     std::vector<std::pair<double, std::size_t>> gains;
@@ -108,8 +108,8 @@ class Search {
     return best;
   }
 
-  /// The model with counts lost or gained at one or several moments. They are added together, as one step
-  /// fits a staircase poorly.
+  /// The model with counts lost or gained at one or several times. The steps are added together, as a single
+  /// step fits a staircase poorly.
   std::optional<Explanation> stepped(const Explanation& model) const {
     std::optional<Explanation> best;
     Explanation m = model;
@@ -126,10 +126,10 @@ class Search {
     return best;
   }
 
-  /// Each step where it is best now that the others are known.
+  /// Re-estimates the time of each step, given the others.
   void relocate_steps(Explanation& m, std::size_t first) const {
     for (std::size_t i = first; i + 1 < m.terms().size(); ++i) {
-      // The first of the row goes to its end, so that each has its turn.
+      // Rotate, so that each step is refitted.
       Explanation without = without_term(m, first);
       const auto step = strongest_step(e_, without);
       const Term before = m.terms()[first];
@@ -159,7 +159,7 @@ class Search {
   std::vector<Term> named_;
 };
 
-/// Drops terms that are no longer significant beside those added later.
+/// Drops terms that are no longer significant together with those added later.
 void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   for (std::size_t i = m.terms().size(); i-- > 0;) {
     Explanation without = without_term(m, i);
@@ -169,15 +169,14 @@ void prune(Explanation& m, const Evidence& e, const SelectOptions& options) {
   }
 }
 
-/// Mean square residual beyond noise and quantization. It may account for a difference of that size between
-/// two candidates.
+/// Mean square residual in excess of noise and quantization. Candidates that differ by less are not
+/// distinguishable.
 double unmodelled_variance(const Explanation& m, const Evidence& e) {
   if (e.rows_per_reading <= 1) return 0;
   return std::max(0.0, mean_square_residual(m, e) - e.step() * e.step() / 12 - e.noise * e.noise);
 }
 
-/// Terms that could replace a chosen one: with nearly the same likelihood, or nearly the same explained
-/// variance.
+/// Adds the terms that could replace a chosen one: with nearly the same likelihood or explained variance.
 void add_alternatives(Selection& s, std::size_t term, const Explanation& without, const Evidence& e,
                       const std::vector<Term>& named) {
   const double all = (e.measured - e.reference).square().mean();

@@ -6,9 +6,9 @@ namespace qerr {
 
 /// columns' diag(weight) columns.
 ///
-/// Quick for tables, of whose columns all but two are nought in any row: rows are taken some at a time, and
-/// of the columns those that are not nought in them. What is left out adds nothing; sums differ from the
-/// plain product's by rounding.
+/// Efficient for sparse tables with two non-zero columns in each row: rows are processed in blocks, and
+/// columns that are zero throughout a block are skipped. The result differs from the plain product by
+/// rounding.
 Eigen::MatrixXd weighted_square(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& weight);
 
 }  // namespace qerr

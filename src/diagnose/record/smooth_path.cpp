@@ -103,7 +103,7 @@ struct FitWeights {
   }
 };
 
-/// The interval of nearly all stamps, apart from gaps [s]; 0 if there is none.
+/// The interval of nearly all stamps, apart from gaps [s]; 0 if the stamps are uneven.
 double common_interval(const Eigen::ArrayXd& time) {
   const Eigen::Index n = time.size();
   const Eigen::ArrayXd steps = time.tail(n - 1) - time.head(n - 1);

@@ -22,7 +22,7 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
 double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution);
 
 /// Direction of a joint's last motion: -1 or +1, 0 before the first motion. Reversals smaller than
-/// `threshold` are taken for noise.
+/// `threshold` are treated as noise.
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold);
 
 }  // namespace qerr

@@ -82,18 +82,18 @@ void project(const double* column, const double* in, std::size_t rows, std::size
   });
 }
 
-/// a + b in the lanes that are meant, else a.
+/// a + b in the lanes of the mask, else a.
 template <class Mask, class Any>
-[[gnu::always_inline]] inline Any added_where(const Mask& meant, const Any& a, const Any& b) {
-  if constexpr (lane_count<Mask> == 8) return meant != 0 ? a + b : a;  // one instruction
-  return a + (meant != 0 ? b : Any{});
+[[gnu::always_inline]] inline Any added_where(const Mask& mask, const Any& a, const Any& b) {
+  if constexpr (lane_count<Mask> == 8) return mask != 0 ? a + b : a;  // one instruction
+  return a + (mask != 0 ? b : Any{});
 }
 
 template <class L>
 void by_state(const double* in, const double* state, std::size_t rows, std::size_t width, double* sums,
               double* counts) {
   for (std::size_t lane = 0; lane < width; lane += lane_count<L>) {
-    // Row after row as `moments`: the mean of a state that was always read is the mean of all.
+    // In the order of `moments`: if all readings have one state, its mean equals the mean of all bitwise.
     L sum[4];
 #pragma GCC unroll 4
     for (int s = 0; s < 4; ++s) sum[s] = load<L>(sums + s * width + lane);
@@ -102,9 +102,9 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
       const L x = load<L>(in + k * width + lane), in_state = load<L>(state + k * width + lane);
 #pragma GCC unroll 4
       for (int s = 0; s < 4; ++s) {
-        const Bits<L> here = in_state == static_cast<double>(s);
-        sum[s] = added_where(here, sum[s], x);
-        count[s] = added_where(here, count[s], Bits<L>{} + 1);
+        const Bits<L> equal = in_state == static_cast<double>(s);
+        sum[s] = added_where(equal, sum[s], x);
+        count[s] = added_where(equal, count[s], Bits<L>{} + 1);
       }
     }
 #pragma GCC unroll 4
@@ -116,7 +116,7 @@ void by_state(const double* in, const double* state, std::size_t rows, std::size
   }
 }
 
-/// As many whole numbers as lanes, half as wide.
+/// Vector of as many 32-bit integers as L has lanes.
 template <class L>
 struct HalvesOf {
   typedef std::int32_t type __attribute__((vector_size(sizeof(L) / 2)));
@@ -153,9 +153,8 @@ template <>
 const ResidualKernels& compiled_kernels<ResidualKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr ResidualKernels kernels{lane_count<L>, sines<L>,   draw<L>,    read<L>,
-                                           moments<L>,    means<L>,   project<L>, by_state<L>,
-                                           distribute<L>};
+  static constexpr ResidualKernels kernels{lane_count<L>, sines<L>,   draw<L>,     read<L>,      moments<L>,
+                                           means<L>,      project<L>, by_state<L>, distribute<L>};
   return kernels;
 }
 

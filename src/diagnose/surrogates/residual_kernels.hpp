@@ -42,7 +42,7 @@ struct SurrogateLanes {
 /// Sums over rows, one number per lane.
 struct MomentLanes {
   double *sum, *square;
-  double *lagged, *last;  ///< sum of the products of neighbours; the previous row, 0 if there is none
+  double *lagged, *last;  ///< sum of the products of neighbours; the previous row, 0 before the first
 };
 
 /// Bins of a histogram over two counts about its centre; the outermost bins include the values beyond.

@@ -99,8 +99,8 @@ void ResidualSums::add_velocities(const double* r, std::size_t rows) {
   for (std::size_t f = 0; f < filters_.size(); ++f) {
     filters_[f](r, width_, rows, scratch_.data());
     const auto settling = static_cast<std::size_t>(plan_.velocities[f].settling);
-    const std::size_t left = std::min(rows, settling - std::min(settling, in_range_));
-    velocities_[f].add(scratch_.data() + left * width_, rows - left);
+    const std::size_t transient = std::min(rows, settling - std::min(settling, in_range_));
+    velocities_[f].add(scratch_.data() + transient * width_, rows - transient);
   }
 }
 

@@ -21,8 +21,8 @@ std::vector<RowRange> sampled_ranges(Eigen::Index rows, Eigen::Index most);
 /// Readings of an ideal encoder along the path of a record: the data that all surrogates share.
 ///
 /// residual = Q(x + phase) - phase - reference, Q the quantizer. The reference is that of the record; the
-/// true position x is drawn at random: the path, plus noise with the variance that smoothing left in it, plus
-/// the slow part of what smoothing removed. Thus reference - x has the noise of the reference, and a
+/// true position x is drawn at random: the path, plus noise with the variance that remains after smoothing,
+/// plus the slow part of what smoothing removed. Thus reference - x has the noise of the reference, and a
 /// distortion by smoothing is the same in the surrogates and in the record. At standstill the position is
 /// constant, with the standard error of the mean. The phase is uniform over a count if the encoder's zero is
 /// free, and 0 if it is known.

@@ -6,9 +6,9 @@
 
 namespace qerr {
 
-// The term with the largest score over a range of orders, frequencies or moments.
+// The term with the largest score test statistic over a range of orders, frequencies or times.
 
-/// Number of hypotheses of a scan, for the correction of its p-value.
+/// Number of hypotheses of a scan, for the Bonferroni correction of its p-value.
 inline constexpr int scanned_hypotheses = 2000;
 
 std::optional<Term> strongest_step(const Evidence&, const Explanation&);

@@ -10,8 +10,8 @@ namespace qerr {
 
 namespace {
 
-/// Piecewise linear functions of an argument, each 1 at its own knot and 0 at the others. The first is left
-/// out: their sum is the constant.
+/// Piecewise linear functions of an argument, each 1 at its own knot and 0 at the others. The first is
+/// omitted, as the sum of all is a constant.
 Eigen::ArrayXXd hats(const Eigen::ArrayXd& argument, Eigen::Index knots) {
   const double low = argument.minCoeff(),
                spacing = (argument.maxCoeff() - low) / static_cast<double>(knots - 1);

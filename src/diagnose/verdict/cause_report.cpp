@@ -57,7 +57,7 @@ class CauseReport {
   }
 
   void add_scatter(const Scatter& scatter) {
-    // Scatter below an unnamed error is taken for the part of it that its term does not fit.
+    // Scatter smaller than an unnamed error is attributed to the misfit of its term.
     double unnamed = 0;
     for (const Unidentified& u : d_.unexplained)
       if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);

@@ -53,8 +53,8 @@ void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::
   }
 }
 
-/// Why references say nothing: what is left of their noise hides everything that is worth a name. Empty: one
-/// of them does.
+/// Why no reference is usable: the residual noise of each hides all errors worth reporting. Empty if one is
+/// usable.
 std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
   constexpr double hides = 0.3;  // [counts]
   double least = std::numeric_limits<double>::infinity(), recorded = 0;
@@ -62,11 +62,11 @@ std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
     if (e.path_noise / e.step() < least) least = e.path_noise / e.step(), recorded = e.noise / e.step();
   if (all.empty() || least < hides) return std::nullopt;
   return "the references' noise is " + significant(least, 2) + " counts (" + significant(recorded, 2) +
-         " where the path is smooth): below 0.3 they would tell; a better sensor, or a slower motion at the "
+         " where the path is smooth): 0.3 or less is needed; use a better sensor, or a slower motion at the "
          "same rate";
 }
 
-/// Adds what the tip tells. Its gain is the whole one where no joint has a reference.
+/// Adds the diagnosis of the tip. Its gain is the total gain if no joint has a reference.
 void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
     d.gain = tip.gain;
@@ -78,12 +78,12 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
 }
 
-/// Whether something without a name is worth a verdict: not where the causes of its joint explain more than
-/// 99 % of the variance; there it is told, and that is all.
-bool counts(const Unidentified& left, const std::vector<Cause>& causes) {
+/// Whether an unidentified residual affects the verdict. If the causes of its joint explain more than 99 % of
+/// the variance, it is only reported.
+bool counts(const Unidentified& residual, const std::vector<Cause>& causes) {
   constexpr double worth = 0.1;
   return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
-    return c.effect.joint == left.joint && left.amplitude < worth * c.gain.rms_before &&
+    return c.effect.joint == residual.joint && residual.amplitude < worth * c.gain.rms_before &&
            c.gain.rms_after < worth * c.gain.rms_before;
   });
 }

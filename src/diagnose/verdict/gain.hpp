@@ -21,7 +21,7 @@ struct HeldOut {
   double step = 0;  ///< of the encoder [rad or m]
   bool prismatic = false;
   bool held_out = true;  ///< false: the record is too short to be divided, and `after` is of the fit itself
-  double readings = 0;   ///< independent ones, that the figures below are sums over
+  double readings = 0;   ///< number of independent readings, over which the figures below are sums
   double residual = 0;   ///< squares of the extended model's residual, in counts
   double predicted = 0;  ///< the same as the model expects it
   double log_score = 0;  ///< log-likelihood gained against the model without terms
@@ -29,7 +29,7 @@ struct HeldOut {
 };
 
 /// @param record  all rows
-/// @param few     the independent rows among them, `groups` whom each one stands for
+/// @param few     the independent rows among them, `groups` that each one represents
 /// @param model   fitted to `few`
 HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
                  const Explanation& model);

@@ -10,7 +10,7 @@
 /// What the formats and files of a diagnosis share.
 namespace qerr {
 
-/// Index of the independent joint of this name, and of its encoder; empty if there is none.
+/// Index of the independent joint of this name, and of its encoder; empty if unknown.
 std::optional<std::size_t> joint_place(const Spec&, const std::string& name);
 
 /// A figure with its 95 % interval, rounded to two digits of the interval: `566.1 +- 2.9 urad`; with an

@@ -19,13 +19,13 @@ namespace {
 constexpr Eigen::Index folds = 5;
 constexpr int resamples = 400;
 
-/// The numbers that an effect gets from its coefficients, with their 95 % intervals (delta method).
+/// Parameters of an effect computed from its coefficients, with 95 % intervals (delta method).
 std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& c,
                                        const Eigen::MatrixXd& covariance) {
-  Effect at = term.effect;
-  term.fill(at, c);
+  Effect fitted = term.effect;
+  term.fill(fitted, c);
   std::vector<FoundParameter> found;
-  for (const auto& [name, value] : at.numbers) {
+  for (const auto& [name, value] : fitted.numbers) {
     Eigen::VectorXd slope(c.size());
     for (Eigen::Index i = 0; i < c.size(); ++i) {
       const double h = 1e-4 * std::max(c.norm(), 1e-300);
@@ -40,8 +40,8 @@ std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& 
   return found;
 }
 
-/// Rests of contiguous blocks by models that were fitted to the other blocks: without causes, and with them.
-/// What is nobody's fault is fitted in both.
+/// Residuals of contiguous blocks under models fitted to the other blocks: without and with the causes. Both
+/// models include the nuisance terms.
 struct HeldOut {
   Eigen::VectorXd before, after;
 };
@@ -65,8 +65,8 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
       Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
       fit.setThreshold(1e-6);
       fit.compute(train);
-      const Eigen::VectorXd wanted = root.cwiseProduct(m.entries())(in);
-      const Eigen::VectorXd theta = scale.asDiagonal() * fit.solve(wanted);
+      const Eigen::VectorXd target = root.cwiseProduct(m.entries())(in);
+      const Eigen::VectorXd theta = scale.asDiagonal() * fit.solve(target);
       residual(out) = m.entries()(out) - x(out, Eigen::all) * theta;
     };
     predict(free, h.before);
@@ -75,7 +75,7 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
   return h;
 }
 
-/// 95 % interval of the ratio of two rms, by resampled blocks.
+/// 95 % interval of the ratio of the rms before and after, by a bootstrap over blocks.
 void ratio_interval(const HeldOut& h, Eigen::Index coordinates, std::uint64_t seed, Gain& gain) {
   const Eigen::Index rows = h.before.size() / coordinates;
   const Eigen::Index blocks = std::min<Eigen::Index>(50, rows / 2);
@@ -89,10 +89,10 @@ void ratio_interval(const HeldOut& h, Eigen::Index coordinates, std::uint64_t se
   for (std::uint64_t r = 0; r < resamples; ++r) {
     double sum_before = 0, sum_after = 0;
     for (Eigen::Index b = 0; b < blocks; ++b) {
-      const auto drawn = static_cast<Eigen::Index>(
+      const auto block = static_cast<Eigen::Index>(
           unit_interval(random_bits(seed, r, static_cast<std::uint64_t>(b))) * static_cast<double>(blocks));
-      sum_before += before[drawn];
-      sum_after += after[drawn];
+      sum_before += before[block];
+      sum_after += after[block];
     }
     ratios.push_back(std::sqrt(sum_before / std::max(sum_after, 1e-300)));
   }
@@ -122,12 +122,12 @@ Gain gain_of(const TipModel& m) {
   return gain;
 }
 
-/// What to record to tell two causes apart.
+/// What to record to distinguish two causes.
 std::string record(const TipAlternative& a, const TipTerm& chosen) {
-  if (a.everywhere) return "no pose tells them apart: measure the link or the joint's zero directly";
+  if (a.everywhere) return "no pose distinguishes them: measure the link or the joint's zero directly";
   if (chosen.kinematic() && a.other.kinematic())
     return "poses in which " + a.other.term.effect.joint + " and " + chosen.term.effect.joint +
-           " turn through wider ranges";
+           " move through wider ranges";
   return "a better sensor on " + chosen.term.effect.joint + ", or wider motions at several speeds";
 }
 
@@ -162,12 +162,13 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
 void report_frames(const TipModel& m, TipDiagnosis& d) {
   if (!m.frames()) return;
   const Eigen::Vector3d shift = m.estimate().base.translation();
-  const double turned = Eigen::AngleAxisd(m.estimate().base.linear()).angle();
+  const double angle = Eigen::AngleAxisd(m.estimate().base.linear()).angle();
   d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
-  d.warnings.push_back("tip.x/y/z stand in a frame of their own: the robot's base is " +
-                       readable(shift.norm(), "m") + " away in it and turned by " + readable(turned, "rad") +
-                       ", its target " + readable(m.estimate().tool.norm(), "m") +
-                       " from the model's tip; this was taken out, and hides a displaced first joint");
+  d.warnings.push_back(
+      "tip.x/y/z are in the tracker's frame: the robot's base is displaced by " +
+      readable(shift.norm(), "m") + " and rotated by " + readable(angle, "rad") + ", its target " +
+      readable(m.estimate().tool.norm(), "m") +
+      " from the model's tip; both were fitted and removed, which also hides a displaced first joint");
 }
 
 }  // namespace
@@ -192,8 +193,9 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
            c.effect.joint == model.chain.joints.front().name;
   });
   if (at_base && !s.model.frames())
-    d.warnings.push_back("a displacement of " + model.chain.joints.front().name +
-                         " cannot be told from one of the tracker's frame: survey the tracker at the base");
+    d.warnings.push_back(
+        "a displacement of " + model.chain.joints.front().name +
+        " is indistinguishable from one of the tracker's frame: survey the tracker at the base");
   return d;
 }
 

@@ -27,17 +27,17 @@ Eigen::MatrixXd encoder_scores(const TipModel& model) {
   return scores;
 }
 
-/// The moment at which lost counts would explain most, what a constant takes left out of account.
+/// The step of lost counts with the largest score, orthogonal to a constant.
 std::optional<Term> strongest_tip_step(const Evidence& e, const Eigen::VectorXd& score) {
   const double all = score.sum();
   const auto rows = static_cast<double>(score.size());
-  double behind = 0, best = 0;
+  double after = 0, best = 0;
   Eigen::Index at = 0;
   for (Eigen::Index k = score.size(); k-- > 8;) {
-    behind += score[k];
+    after += score[k];
     if (k + 8 > score.size()) continue;
     const double part = static_cast<double>(score.size() - k) / rows;
-    const double gain = std::pow(behind - part * all, 2) / (part * (1 - part));
+    const double gain = std::pow(after - part * all, 2) / (part * (1 - part));
     if (gain > best) best = gain, at = k;
   }
   if (at == 0) return std::nullopt;

@@ -14,7 +14,7 @@ namespace {
 
 constexpr Eigen::Index most_rows = 4000;
 
-/// Time from the first row [s]; the row's number where there is none.
+/// Time from the first row [s]; the row's number if the record has no time.
 Eigen::ArrayXd time_of(const Log& log) {
   const Eigen::Index rows = log.values.rows();
   if (const auto stamps = log.find(LogSignal::time)) return log.values.col(*stamps) - log.values(0, *stamps);

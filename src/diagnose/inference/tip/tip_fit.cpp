@@ -15,16 +15,16 @@ constexpr Eigen::Index draws = 40;  // of quantization along the path
 
 }  // namespace
 
-/// Rotation and translation that bring the model's tip upon the tracked one, where it is far off: a start for
-/// the fit, which turns only a little at a time (Kabsch).
+/// Rotation and translation from the model's tip to the tracked one, where they differ strongly: a start for
+/// the fit, which is linearized in the rotation (Kabsch).
 void TipModel::align() {
   if (evidence_->axes.size() < 3) return;
   Eigen::Matrix3Xd tip(3, evidence_->rows());
   for (Eigen::Index k = 0; k < evidence_->rows(); ++k) tip.col(k) = estimate_.pose(*evidence_, k).tip;
-  const Eigen::Matrix3Xd seen = evidence_->tip;
-  const Eigen::Matrix3Xd centred = seen.colwise() - seen.rowwise().mean();
-  if ((tip - seen).norm() < 0.02 * centred.norm()) return;
-  const Eigen::Matrix4d moved = Eigen::umeyama(tip, seen, false);
+  const Eigen::Matrix3Xd tracked = evidence_->tip;
+  const Eigen::Matrix3Xd centred = tracked.colwise() - tracked.rowwise().mean();
+  if ((tip - tracked).norm() < 0.02 * centred.norm()) return;
+  const Eigen::Matrix4d moved = Eigen::umeyama(tip, tracked, false);
   estimate_.base.matrix() = moved;
 }
 
@@ -83,8 +83,8 @@ void TipModel::linearize() {
                                 p.joints * reference.asDiagonal() * p.joints.transpose();
     // A counter that truncates reads too low by half a count on average.
     const Eigen::Vector3d tip = p.tip - p.encoders * mean;
-    const Eigen::MatrixXd seen = all(evidence_->axes, evidence_->axes);
-    const SymmetricEigen axes = symmetric_eigen(seen);
+    const Eigen::MatrixXd tracked = all(evidence_->axes, evidence_->axes);
+    const SymmetricEigen axes = symmetric_eigen(tracked);
     Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
     turn(Eigen::all, evidence_->axes) = axes.vectors.transpose();
     y_.segment(k * coordinates, coordinates) = turn * tip - axes.vectors.transpose() * evidence_->tip.col(k);

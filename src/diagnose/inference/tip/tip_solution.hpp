@@ -4,8 +4,8 @@
 
 namespace qerr {
 
-/// Pseudo-inverse of a normal matrix X^T W X, scaled so that units do not decide what is small: directions
-/// below a condition of 1e6 of X are left out.
+/// Pseudo-inverse of a normal matrix X^T W X, scaled to be independent of units; directions with singular
+/// values of X below 1e-6 of the largest are omitted.
 struct NormalInverse {
   Eigen::MatrixXd inverse;
   Eigen::Index rank = 0;

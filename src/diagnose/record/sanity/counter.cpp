@@ -88,7 +88,7 @@ struct OverflowPoint {
 /// Numerators and denominators of the ratios that are considered.
 constexpr std::array<double, 8> terms_of_ratios{1, 2, 3, 4, 5, 6, 8, 10};
 
-/// The ratio of wrong decoding nearest to a slope, 1 if there is none.
+/// The ratio of wrong decoding nearest to a slope, 1 if no ratio is near.
 ///
 /// Ratios of x1, x2 and x4 decoding may be combined with a scale error of up to 3 %. The other ratios lie
 /// close to each other, so that the slope must agree within 0.2 % (conventions).

@@ -16,7 +16,7 @@ namespace {
 /// of 0.04 sqrt(12) = 0.14 counts.
 constexpr double off_counts = 0.04;
 
-/// Whole steps that a column must span before its step is taken for a rounding (convention).
+/// Least range of a column, in steps, for its step to be identified as a rounding (convention).
 constexpr double fewest_steps = 32;
 
 /// Share of the residual's standard deviation below which a rounding is not reported: 1 % of its variance.

@@ -32,7 +32,8 @@ double ideal_sigma(const Sanity&, std::size_t joint);
 Cause exact_cause(const Sanity&, std::size_t encoder, std::string_view effect,
                   std::map<std::string, double> numbers, double p_value, double rms_before, double rms_after);
 
-/// The remaining effect of this type that the spec has at the encoder's joint; null if there is none.
+/// The remaining effect of this type that the spec has at the encoder's joint; null if the spec has no such
+/// effect.
 const Effect* specified_effect(const Sanity&, std::size_t encoder, std::string_view effect);
 
 /// Removes an effect of the spec that has been undone in the log.
