@@ -148,9 +148,9 @@ void PlannedError::set_remainder(const OperationalModel& model) {
   plan_.angle = r.rotation_angle;
   for (std::size_t k = 0; k < column_scale_.size(); ++k) {
     const double scale = std::abs(column_scale_[k]);
-    reach_.push_back(scale > 0 ? r.per_column[static_cast<Eigen::Index>(k)] / scale : 0);
+    per_column_.push_back(scale > 0 ? r.per_column[static_cast<Eigen::Index>(k)] / scale : 0);
   }
-  plan_.reach = reach_.data();
+  plan_.per_column = per_column_.data();
 }
 
 void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures& requested) {

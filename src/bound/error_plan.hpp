@@ -29,7 +29,7 @@ class PlannedError {
 
   ErrorPlan plan_ = {};
   FoldedChain chain_;
-  std::vector<double> column_scale_, reach_, arm_, l1_, dc_gain_, ratio_squares_, motion_squares_;
+  std::vector<double> column_scale_, per_column_, arm_, l1_, dc_gain_, ratio_squares_, motion_squares_;
   std::vector<int> coordinate_;
   std::vector<ErrorPart> parts_;
   std::vector<std::vector<JointWeight>> weights_;  // [part]

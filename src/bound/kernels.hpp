@@ -51,10 +51,10 @@ struct ErrorPlan {
   bool shares, rigorous;
   bool keep_columns;  ///< linear columns are needed after they have been summed
   const double* arm;  ///< [encoder]: 1/s, for its largest |dp/dx|
-  /// Position: rho = remainder + sum_k reach[k] |linear column k|; rotation: min(linear + angle_remainder,
-  /// angle).
+  /// Position: rho = remainder + sum_k per_column[k] |linear column k|; rotation: min(linear +
+  /// angle_remainder, angle).
   double remainder, angle_remainder, angle;
-  const double* reach;
+  const double* per_column;
   bool filtered_worst, filtered_sigma;
   const double *l1, *dc_gain;    ///< [filter]
   const double* ratio_squares;   ///< [filter][part]: variance behind the filter over s^2

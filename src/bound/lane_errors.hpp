@@ -15,8 +15,9 @@ template <class L, std::size_t fixed, bool keep_covariance>
 [[gnu::always_inline]] inline void store_figures(const ErrorPlan& plan, const Scratch<L>& scratch,
                                                  Errors<L>& e, const Bits<L>& unbounded, double* to) {
   const std::size_t m = fixed > 0 ? fixed : plan.coordinates;
-  const L rho =
-      plan.rigorous ? plan.remainder + weighted_column_norms(plan.chain, plan.reach, scratch.joints) : L{};
+  const L rho = plan.rigorous
+                    ? plan.remainder + weighted_column_norms(plan.chain, plan.per_column, scratch.joints)
+                    : L{};
   L trace{};
 #pragma GCC unroll 6
   for (std::size_t c = 0; c < m; ++c) {

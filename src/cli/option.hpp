@@ -36,7 +36,7 @@ struct Option {
   std::string_view choice = {};  ///< what a word is, in messages: `format`
 };
 
-/// What the command line says, by the long name of an option without its dashes, or the name of an argument.
+/// Values of the command line, by the long name of an option without its dashes, or the name of an argument.
 /// A name that the command does not have is a logic_error.
 class Values {
  public:

@@ -78,11 +78,11 @@ struct ChannelTally {
 
 /// Sine and cosine - 1 of a small angle, of numbers or lanes; the next terms of the series are below 5e-18.
 template <class Number>
-struct SmallTurn {
+struct SmallAngle {
   static constexpr double largest = 0x1p-8;  ///< [rad]
   Number sine, less;
 
-  [[gnu::always_inline]] explicit SmallTurn(const Number& angle) {
+  [[gnu::always_inline]] explicit SmallAngle(const Number& angle) {
     const Number square = angle * angle;
     sine = angle + angle * square * (square * (1.0 / 120) - 1.0 / 6);
     less = square * (square * (1.0 / 24) - 0.5);
@@ -90,7 +90,7 @@ struct SmallTurn {
 };
 
 /// Displacement of a run along a joint: a rotation, or a translation stored in place of the sine.
-using Displacement = SmallTurn<double>;
+using Displacement = SmallAngle<double>;
 
 /// Inputs and outputs of a batch of instants, channel-major; only `rows` are instant by instant.
 struct PathErrorBatch {

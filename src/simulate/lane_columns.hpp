@@ -108,8 +108,8 @@ template <class L>
 
 /// Rates of the Euler angles along every column.
 template <class L>
-[[gnu::always_inline]] inline void turn_angles(const PathErrorPlan& p, const Frame<L>& tip, std::size_t i,
-                                               const ErrorScratch<L>& scratch) {
+[[gnu::always_inline]] inline void add_angle_rates(const PathErrorPlan& p, const Frame<L>& tip, std::size_t i,
+                                                   const ErrorScratch<L>& scratch) {
   const EulerRates<L> rates = euler_rates(axes_of(tip, p.chain.tip_axes).x);
   scratch.unbounded[i] = rates.unbounded;
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
@@ -143,7 +143,7 @@ void begin_errors(const PathErrorPlan& p, const ErrorScratch<L>& scratch) {
 
 /// Pose error, estimate - truth: positions; the rotation vector of R_hat R^T; Euler angles.
 ///
-/// @param near  no joint differs by more than SmallTurn::largest
+/// @param near  no joint differs by more than SmallAngle::largest
 template <class L>
 [[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
                                               const Frame<L>& truth, bool near, L* error) {
@@ -162,7 +162,7 @@ template <class L>
   L three[3];
   if (p.rotations) {
     rotation_vector(estimated_axes, true_axes,
-                    near && static_cast<double>(p.chain.count) * SmallTurn<L>::largest < 3, three);
+                    near && static_cast<double>(p.chain.count) * SmallAngle<L>::largest < 3, three);
     each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (3 + k)] = three[k]; });
   }
   if (p.angles) {
@@ -199,7 +199,7 @@ template <class L>
 /// Updates sines and cosines from the true to the estimated joint positions.
 ///
 /// @param moved  at q; on return at the estimate, if true is returned
-/// @returns whether all differences are at most SmallTurn::largest
+/// @returns whether all differences are at most SmallAngle::largest
 template <class L>
 [[gnu::always_inline]] inline bool move_to_estimate(const FoldedPath& chain, const double* q,
                                                     const double* estimate, SineCosine<L>* moved) {
@@ -211,9 +211,9 @@ template <class L>
     if (joint.prismatic) {
       moved[k].sine = fma(joint.multiplier, estimated, broadcast<L>(joint.offset));
     } else if (joint.rotates) {
-      const SmallTurn<L> by(d);
+      const SmallAngle<L> by(d);
       moved[k] = rotated(moved[k], by.sine, by.less);
-      far |= ~(abs(d) <= SmallTurn<L>::largest);
+      far |= ~(abs(d) <= SmallAngle<L>::largest);
     }
   }
   return !any<L>(far);
@@ -234,7 +234,7 @@ template <class L>
       },
       StoreColumns<L>{scratch.joints(i)});
   if (p.mixed || p.angles) mix_columns(p, i, scratch);
-  if (p.angles) turn_angles(p, modelled, i, scratch);
+  if (p.angles) add_angle_rates(p, modelled, i, scratch);
   if (b.bounds_only) return;
   const bool near = move_to_estimate(p.chain, b.joint + at, b.estimate + at, scratch.moved);
   if (!near) compute_motions(p.chain, b.estimate + at, batch_size, scratch.moved);

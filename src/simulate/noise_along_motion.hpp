@@ -12,7 +12,7 @@ namespace qerr {
 /// (theory: `path_sigma`), in squared quantization intervals. IPQN approximates it by ||H||_2^2/12.
 ///
 /// The memory of the filter extends to times before the motion, where sines and constant velocities continue
-/// and moves and tables stand still. Of motions with more than 2^17 samples, a part of every stretch is
+/// and moves and tables are at standstill. Of motions with more than 2^17 samples, a part of every stretch is
 /// evaluated.
 /// @param start  initial part of the motion that is excluded [s]
 /// @param most   largest number of stretches, a power of two; fewer if the motion has fewer samples or the

@@ -94,14 +94,14 @@ void PathErrors::share(const PathBatch& path) {
   if (shared_) kernels_.sines(plan_.chain, path.joints(), path_sines_.data());
 }
 
-/// @returns whether the displacement is small enough for the series of `SmallTurn`
+/// @returns whether the displacement is small enough for the series of `SmallAngle`
 bool PathErrors::displace(const double* shift) {
-  turns_.clear();
+  displacements_.clear();
   for (const FoldedJoint& joint : chain_.joints) {
     const double d = joint.multiplier * shift[joint.coordinate];
     if (!joint.prismatic && !(std::abs(d) <= Displacement::largest)) return false;
-    turns_.emplace_back(d);
-    if (joint.prismatic) turns_.back().sine = d;
+    displacements_.emplace_back(d);
+    if (joint.prismatic) displacements_.back().sine = d;
   }
   return true;
 }
@@ -117,7 +117,7 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        b.encoder,
                        b.measured,
                        near_path ? path_sines_.data() : nullptr,
-                       turns_.data(),
+                       displacements_.data(),
                        wanted.rows ? rows_.data() : nullptr,
                        place.tally,
                        place.fresh,

@@ -88,7 +88,7 @@ class PathErrors {
   PathErrorPlan plan_{};
   bool shared_ = false, each_ = true;
   AlignedNumbers path_sines_;
-  std::vector<Displacement> turns_;
+  std::vector<Displacement> displacements_;
   AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, scratch_;
 
   // For angles beyond the range of the vectorized sine: the same chains with angles reduced to one turn.

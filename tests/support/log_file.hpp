@@ -60,7 +60,7 @@ class LogFile : public ::testing::Test {
     return log;
   }
 
-  /// The error message of a log from its file's name on; "accepted" if there is none.
+  /// The error message of a log from its file's name on; "accepted" if the log is read.
   std::string refusal(const std::string& text, const LogOptions& options = {}) {
     write(text);
     return refused_again(options);

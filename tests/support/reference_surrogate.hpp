@@ -21,7 +21,7 @@ class ReferenceSurrogates {
         phase_(lanes) {
     const double part = kept();
     pole_ = pole_that_keeps(part);
-    if (e.ordered) find_rests(4 * noise_ * std::sqrt(part));
+    if (e.ordered) find_standstills(4 * noise_ * std::sqrt(part));
     for (Eigen::ArrayXd* a : {&first_, &second_, &drawn_, &level_, &x_}) *a = Eigen::ArrayXd::Zero(lanes);
     for (Eigen::Index i = 0; i < lanes; ++i) {
       const auto number = static_cast<std::uint64_t>(i);
@@ -63,8 +63,8 @@ class ReferenceSurrogates {
       sums[0] = 0;
       for (Eigen::Index k = 0; k < x.size(); ++k) sums[k + 1] = sums[k] + x[k];
       for (Eigen::Index k = 0; k < x.size(); ++k) {
-        const Eigen::Index reach = std::min({Eigen::Index{4}, k, x.size() - 1 - k});
-        x[k] = (sums[k + reach + 1] - sums[k - reach]) / static_cast<double>(2 * reach + 1);
+        const Eigen::Index half = std::min({Eigen::Index{4}, k, x.size() - 1 - k});
+        x[k] = (sums[k + half + 1] - sums[k - half]) / static_cast<double>(2 * half + 1);
       }
     }
     return x;
@@ -89,11 +89,11 @@ class ReferenceSurrogates {
     return 0.5 * (low + high);
   }
 
-  void find_rests(double reach) {
+  void find_standstills(double tolerance) {
     for (Eigen::Index first = 0, end = 0; first < path_.size(); first = end) {
       double sum = 0;
       for (end = first; end < path_.size(); ++end) {
-        if (end > first && std::abs(path_[end] - sum / static_cast<double>(end - first)) > reach) break;
+        if (end > first && std::abs(path_[end] - sum / static_cast<double>(end - first)) > tolerance) break;
         sum += path_[end];
       }
       if (end - first < 50) continue;

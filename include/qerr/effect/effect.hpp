@@ -27,11 +27,11 @@ struct Effect {
   }
 };
 
-/// Whether any number of an effect is not zero.
+/// Whether any parameter of an effect is not zero.
 bool has_size(const Effect&);
 
-/// Phase of a periodic effect's sine per joint coordinate: its order times the turns of the shaft that the
-/// order counts, of the encoder unless it says `joint`; signed, as the shaft turns [rad/rad or rad/m].
+/// Wave number of a periodic effect: phase of its sine per joint coordinate, the order times the signed ratio
+/// of its shaft (the encoder's, or the joint's by the choice `shaft`) [rad/rad or rad/m].
 /// @returns 0 for an effect without an order
 double wave_number(const Effect&, const Encoder&);
 

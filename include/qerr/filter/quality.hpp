@@ -35,8 +35,8 @@ struct BandTracking {
 /// @pre 0 < from < to <= sample_rate/2 [Hz]
 BandTracking band_tracking(const Filter&, double from, double to);
 
-/// Lowest frequency at which |H|/(2 pi f)^d is 1/sqrt(2) of its value at 0 Hz [Hz]; empty if there is none
-/// below half the sample rate, or if the filter does not estimate its derivative.
+/// Lowest frequency at which |H|/(2 pi f)^d is 1/sqrt(2) of its value at 0 Hz [Hz]; empty if it never falls
+/// below below half the sample rate, or if the filter does not estimate its derivative.
 std::optional<double> bandwidth(const Filter&);
 
 /// Noise-equivalent bandwidth B [Hz]: the ideal band-limited derivative (j 2 pi f)^d, |f| < B, passes as much

@@ -29,7 +29,7 @@ struct AddedFilter {
 /// Paths of other files (URDF, motion, configurations) are rewritten relative to the folder of `target`.
 /// Effects without a row in the list of effects, and effects or filters that the reader rejects, become
 /// comments at the end with the reason.
-/// @param remarks  a comment above the first effect, or at the end if there is none
+/// @param remarks  a comment above the first effect, or at the end of a spec without effects
 /// @param target  path of the new file; `-` means the working folder
 /// @throws Error (input) if an override cannot be written into the layout of the text
 std::string extended_spec(const Spec&, const std::vector<AddedEffect>&, const std::string& remarks,

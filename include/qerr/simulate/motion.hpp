@@ -49,7 +49,7 @@ struct Motion {
   std::optional<double> settling;   ///< initial part that statistics exclude [s]
   std::vector<JointMotion> joints;  ///< one per independent joint; empty if a table gives the motion
   MotionTable table;                ///< time 0 of the motion is its first row
-  std::string file = {};            ///< of the table; "" if there is none
+  std::string file = {};            ///< of the table; "" without a table
 };
 
 /// Lowest and highest position of every independent joint at the samples 0, 1/sample_rate, ... of the motion.

@@ -69,7 +69,7 @@ bool leaves_much(const Finding& f) {
 }
 
 /// Repeats the selection with independent readings. Fewer rows suffice.
-/// @return the rows that were taken
+/// @return the selected groups of rows
 std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed, Finding& f) {
   std::vector<RowGroup> groups = independent_rows(record, seed, enough_rows);
   f.evidence = group_means(record, groups);
@@ -77,11 +77,11 @@ std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed
   options.names_first = true;
   f.selection.emplace(select(f.evidence, options));
   // Overfitting reduces the autocorrelation of the residual: repeat with the larger estimate.
-  double alike = integrated_autocorrelation(f.evidence, f.selection->model);
-  for (int i = 0; i < most_passes && alike > f.evidence.rows_per_reading; ++i) {
-    f.evidence.rows_per_reading = alike;
+  double autocorrelation = integrated_autocorrelation(f.evidence, f.selection->model);
+  for (int i = 0; i < most_passes && autocorrelation > f.evidence.rows_per_reading; ++i) {
+    f.evidence.rows_per_reading = autocorrelation;
     f.selection.emplace(select(f.evidence, options));
-    alike = integrated_autocorrelation(f.evidence, f.selection->model);
+    autocorrelation = integrated_autocorrelation(f.evidence, f.selection->model);
   }
   return groups;
 }

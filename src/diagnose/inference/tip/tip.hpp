@@ -21,7 +21,8 @@ struct TipDiagnosis {
 ///
 /// Where the frame of the tracker and the position of its target (9 parameters) are significantly different
 /// from the model, they are estimated and removed; the gain refers to the residual after that.
-/// @param present  effects that the spec already has: the tip is judged with them, new lengths come on top
+/// @param present  effects that the spec already has: they are part of the model, and found lengths are added
+/// to theirs
 TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&,
                           std::uint64_t seed, unsigned threads);
 

@@ -55,7 +55,7 @@ void take_off(TipEvidence& e, const std::vector<Effect>& present) {
   }
 }
 
-/// First rows of groups that say the same: no joint has been seen to move, nor has the tip.
+/// First rows of groups within which neither a joint nor the tip moves measurably.
 std::vector<Eigen::Index> groups(const TipEvidence& e) {
   std::vector<Eigen::Index> starts{0};
   const double apart = 4 * std::max(e.noise, e.log_resolution);
@@ -119,8 +119,8 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     if (const auto column = log.find(LogSignal::tip, i)) {
       e.axes.push_back(static_cast<Eigen::Index>(i));
       columns.push_back(*column);
-      // A coordinate that never changes, as one of a planar arm, is written "0" and tells nothing of the
-      // grid.
+      // A coordinate that never changes, as one of a planar arm, is written "0": its resolution
+      // is unknown.
       const auto seen = log.values.col(*column);
       if (seen.maxCoeff() > seen.minCoeff())
         e.log_resolution = std::max(e.log_resolution, log.columns[static_cast<std::size_t>(*column)].step());

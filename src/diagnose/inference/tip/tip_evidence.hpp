@@ -20,9 +20,9 @@ struct TipEvidence {
   Eigen::MatrixXd joints;          ///< independent joints x rows [rad or m]
   Eigen::VectorXd joint_noise;     ///< of the joints' references, 0 without one [rad or m]
   Eigen::MatrixXd to_joints;       ///< joints x encoders: the coupling, 0 in rows of joints with a reference
-  std::vector<Evidence> encoders;  ///< path, speed, side, load of every encoder, as it was read
-  double noise = 0;                ///< of the tracker, per coordinate; 0: the rows do not tell [m]
-  double log_resolution = 0;       ///< step of the tracked numbers as they are written in the file [m]
+  std::vector<Evidence> encoders;  ///< path, speed, direction and load of every encoder, as read
+  double noise = 0;                ///< of the tracker, per coordinate; 0: unknown [m]
+  double log_resolution = 0;       ///< rounding step of the logged coordinates [m]
 
   Eigen::Index rows() const { return tip.cols(); }
   bool judged(std::size_t encoder) const {  ///< whether the tip is the only truth of this encoder
@@ -30,10 +30,10 @@ struct TipEvidence {
   }
 };
 
-/// The evidence at the tip, rows that say the same taken together (see `independent`), and of long records
-/// every n-th of these.
-/// @param present  effects that the spec already has: the joints are where the model then expects them
-/// @returns empty when the log has no tip, or not every joint
+/// The evidence at the tip, with equal rows merged (see `independent`), and of long records every n-th of
+/// these.
+/// @param present  effects that the spec already has: they displace the joints of the model
+/// @returns empty if the log lacks the tip or a joint
 std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
                                         const Log&, unsigned threads);
 

@@ -65,7 +65,7 @@ void TipModel::arrange_nuisance() {
   }
 }
 
-/// Poses, entries and columns where the estimate stands now.
+/// Computes poses, entries and columns at the current estimate.
 void TipModel::linearize() {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   const Eigen::Index rows = evidence_->rows();

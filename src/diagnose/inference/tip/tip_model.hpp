@@ -13,13 +13,13 @@ namespace qerr {
 ///
 /// tip = FK(true joints, links as built) + white noise of the tracker; true joints = readings - additions of
 /// the causes - quantization. The encoders' quantization is carried to the tip as in the bounds, with the
-/// covariance (J C) diag(Delta^2/12) (J C)^T of every row, known exactly; all else that is white is one free
+/// covariance (J C) diag(Delta^2/12) (J C)^T of every row, known exactly; all other white noise has one free
 /// sigma. In the axes of each row's covariance the entries are independent, and the fit is a weighted least
-/// squares, linearized anew where the estimate has moved.
+/// squares, linearized repeatedly about the estimate.
 class TipModel {
  public:
   /// Borrows the model and the evidence: both must outlive it.
-  /// @param seed    of all that is drawn with it
+  /// @param seed    of all random numbers
   /// @param frames  whether the tracker's frame and its target are unknown: 9 nuisance parameters
   TipModel(const OperationalModel&, const TipEvidence&, bool frames, std::uint64_t seed);
 

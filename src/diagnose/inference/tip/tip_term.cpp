@@ -69,11 +69,11 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       columns = p.encoders.col(place) * term.columns.row(row).matrix();
       break;
     case Kind::geometry:
-      // The model believes the joint where it is not: estimate - true is against the displacement.
+      // The true joint is displaced from the model's: estimate - true is minus the displacement.
       columns = -p.parent[where] * direction;
       break;
     case Kind::tilt: {
-      // Across the axis in the frame before the joint, so that the tilt does not turn with the joint.
+      // Across the axis in the frame before the joint, so that the tilt does not rotate with the joint.
       const Eigen::Matrix3d& frame = p.parent[where];
       const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
       const Eigen::Vector3d u = frame * across(frame.transpose() * axis);

@@ -107,7 +107,7 @@ double reference_step(const Eigen::ArrayXd& reference, const Eigen::ArrayXd& cou
     else
       ++changes, smallest = std::min(smallest, step);
   }
-  // A fifth of the counts' changes and more than a few rows, so that equal values by chance do not count.
+  // A fifth of the counts' changes and more than a few rows, so that coincidentally equal values are ignored.
   return constant > 32 && constant > changes / 4 && changes > 8 ? smallest : 0;
 }
 

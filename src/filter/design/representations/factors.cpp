@@ -29,7 +29,7 @@ std::array<DoubleDouble, 3> monic(const Polynomial& p, Binary1024& lead) {
   return {to_double_double(p[0] / lead), to_double_double(p[1] / lead), to_double_double(p[2] / lead)};
 }
 
-/// Removes the last factor, the one of the slowest root; 1 when there is none.
+/// Removes the last factor, the one of the slowest root; the factor 1 if the list is empty.
 LinearFactor remove_slowest(std::vector<LinearFactor>& list) {
   if (list.empty()) return one;
   const LinearFactor last = list.back();
