@@ -1,6 +1,6 @@
 #pragma once
 
-// Compiled once for all tests; each includes what it uses all the same.
+// Compiled once for all tests; each still includes what it uses.
 
 #include <gtest/gtest.h>
 

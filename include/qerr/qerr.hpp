@@ -35,7 +35,9 @@
 #include "qerr/filter/quality.hpp"
 #include "qerr/filter/representations.hpp"
 
+#include "qerr/effect/effect.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/effect/share.hpp"
 
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/effect_shares.hpp"

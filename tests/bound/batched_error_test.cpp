@@ -105,7 +105,8 @@ void check(const Case& c, InstructionSet set) {
   AlignedNumbers figures(at.count * batch_size);
   batched(c.q.data(), figures.data());
   const std::size_t m = c.model.coordinates.size();
-  OperationalModel pose = c.model;  // a coordinate that nothing moves is rounding alone, of the others' size
+  OperationalModel pose =
+      c.model;  // a coordinate that no joint moves is only a rounding error of the others' size
   pose.coordinates.assign(all_coordinates, all_coordinates + 6);
   for (std::size_t i = 0; i < batch_size; ++i) {
     const OperationalError e = operational_error(c.model, configuration(c, i));

@@ -37,13 +37,13 @@ TEST(EffectShares, OfEveryEffectBoundItsSimulatedErrors) {
       const OperationalModel real = with_sources(model, {effect}, motion);
       const double bound = joint_error(real.transmission, real.sources).worst_case[0];
       const double found = largest_errors(model, motion, {effect})[0];
-      const double beyond = is_gaussian(effect) ? 1.2 : 1;
-      EXPECT_LE(found, bound * (1 + rounding) * beyond) << kind.name << " trial " << trial;
-      // Of 3000 normal numbers one exceeds four sigma in one run of six: not a strict bound.
+      const double margin = is_gaussian(effect) ? 1.2 : 1;
+      EXPECT_LE(found, bound * (1 + rounding) * margin) << kind.name << " trial " << trial;
+      // With 3000 normal numbers, four sigma are exceeded in one run of six: not a strict bound.
     }
 }
 
-/// The bounds are nearly attained: the largest error of several runs is close to them.
+/// The bounds are nearly attained by the largest error of several runs.
 TEST(EffectShares, AreNearlyAttainedBySimulatedErrors) {
   Dice dice(12);
   const std::set<std::string_view> loose{"compliance", "geometry", "reference_error", "log_rounding",
@@ -93,7 +93,7 @@ TEST(EffectShares, HaveTheSigmaOfTheSimulation) {
 TEST(EffectShares, AreZeroForEffectsOfMagnitudeZero) {
   Encoder encoder;
   encoder.resolution = 1e-4;
-  encoder.rounding = Rounding::down;  // so that truncation has nothing to truncate
+  encoder.rounding = Rounding::down;  // so that truncation has no effect
   for (const EffectKind& kind : effect_kinds()) {
     Effect none{std::string(kind.name), "elbow", {}, {}};
     for (const Parameter& p : kind.parameters)

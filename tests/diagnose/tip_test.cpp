@@ -115,7 +115,7 @@ TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
         break;
       }
       default: {
-        effect = "backlash";  // the link lags behind a motor that does what q says
+        effect = "backlash";  // the link lags behind the motor, which follows q
         double link = q[0];
         for (Eigen::Index k = 0; k < q.size(); ++k) {
           link = std::clamp(link, q[k] - size, q[k] + size);

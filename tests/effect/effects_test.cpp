@@ -72,7 +72,6 @@ TEST(Sensing, IdealIsTheNearestCountOfTheTruePath) {
   }
 }
 
-/// Every effect of magnitude zero equals the ideal machine, bitwise.
 TEST(Effects, RejectANameThatIsNotAParameter) {
   for (const EffectKind& kind : effect_kinds()) {
     const Effect effect{std::string(kind.name), "elbow", {}, {}};
@@ -83,6 +82,7 @@ TEST(Effects, RejectANameThatIsNotAParameter) {
   }
 }
 
+/// Every effect of magnitude zero equals the ideal machine, bitwise.
 TEST(Effects, OfMagnitudeZeroChangeNothing) {
   const Record ideal = record({});
   const std::vector<Effect> none{
@@ -125,8 +125,8 @@ TEST(Effects, EccentricityIsThatOfADisplacedDisc) {
     // angle.
     const double b = shaft + phase;
     const double x = 1 - ratio * std::cos(b), y = ratio * std::sin(b);
-    const double seen = (shaft + std::atan2(y, x)) / 20;
-    EXPECT_NEAR(r.measured[k], seen, 0.5 * delta + 1.1 * ratio * ratio / 20);
+    const double reading = (shaft + std::atan2(y, x)) / 20;
+    EXPECT_NEAR(r.measured[k], reading, 0.5 * delta + 1.1 * ratio * ratio / 20);
   }
 }
 
@@ -177,14 +177,15 @@ TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
       const double turns = std::floor(angle / (2 * pi) + 0.5);
       double inside = std::atan2(s, c);
       // The line counter follows the true line.
-      const double whole = 2 * pi * turns + inside;
-      const double expected = (whole - 2 * pi * std::round((whole - angle) / (2 * pi))) * period / (2 * pi);
+      const double angle_read = 2 * pi * turns + inside;
+      const double expected =
+          (angle_read - 2 * pi * std::round((angle_read - angle) / (2 * pi))) * period / (2 * pi);
       EXPECT_NEAR(r.measured[k], expected, 0.51 * encoder.resolution);
     }
   }
 }
 
-/// A motor that drives the joint through a gap: it touches one of two flanks, and remains there at rest.
+/// A motor that drives the joint through a gap: it touches one of two flanks and keeps the contact at rest.
 TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
   const double gap = 20 * delta;
   const Record r = record({{"backlash", "elbow", {{"gap", gap}}, {}}});

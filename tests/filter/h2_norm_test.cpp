@@ -80,7 +80,7 @@ TEST(H2Norm, OfRandomExpandedCoefficientsIsWithinItsErrorOfTheExactOne) {
       tally.check(h2_estimate(filter), squared, what);
     } catch (const Error& e) {
       EXPECT_EQ(e.faults().at(0).key, "denominator") << what << e.what();
-      needlessly += squared > 0;  // nearer to the circle than the rounding of the coefficients can tell
+      needlessly += squared > 0;  // closer to the unit circle than the rounding of the coefficients resolves
     }
   }
   EXPECT_GT(tally.met, 200) << "many expanded filters are unstable by rounding, but not most";

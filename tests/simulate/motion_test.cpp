@@ -157,7 +157,7 @@ TEST_F(MotionSpec, AFileGivesItsRateAndDuration) {
   EXPECT_NEAR(spec.motion->sample_rate, 100, 1e-9);
   EXPECT_NEAR(spec.motion->duration, 0.03, 1e-12);
   EXPECT_NEAR(spec.motion->table.positions(0, 2), std::numbers::pi / 90, 1e-15);
-  EXPECT_NEAR(spec.motion->table.positions(2, 1), 2e-3, 1e-15);  // lift stands third in the chain
+  EXPECT_NEAR(spec.motion->table.positions(2, 1), 2e-3, 1e-15);  // lift is the third joint of the chain
 }
 
 TEST_F(MotionSpec, AFileWithUnevenTimesNeedsASampleRate) {

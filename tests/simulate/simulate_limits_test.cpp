@@ -53,7 +53,7 @@ TEST(Simulate, AtTheGimbalLockTheoryOfRollAndYawIsUnboundedAndTheSimulationIsNot
            {r.ladder.varying_jacobian, r.ladder.joint_error, r.ladder.correlated_joints, r.ladder.nonlinear})
         EXPECT_TRUE(std::isnan(factor)) << c;
       EXPECT_TRUE(std::isfinite(r.sigma_upper) && std::isfinite(r.mean_simulated)) << c;
-      if (c == 1) continue;  // this wrist has no roll: what it has at the lock itself is rounding
+      if (c == 1) continue;  // this wrist has no roll: its value at the gimbal lock is a rounding error
       EXPECT_GT(r.sigma_simulated, 0.01);
       EXPECT_GT(r.sigma_upper, 1.05 * r.sigma_simulated) << "an interval is known all the same";
       EXPECT_LT(r.sigma_lower, 0.95 * r.sigma_simulated);

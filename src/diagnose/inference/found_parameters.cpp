@@ -93,9 +93,9 @@ double log_likelihood_of_row(const Explanation& m, Eigen::Index row, double posi
       .log_likelihood;
 }
 
-/// The moments at which a step may have been, by how the likelihood falls when it is moved reading by
-/// reading.
-FoundParameter moment(const Evidence& e, const Explanation& m, std::size_t term) {
+/// Time of a step; its interval contains the readings to which the step can move while the log-likelihood
+/// falls by less than `half_chi_squared`.
+FoundParameter step_time(const Evidence& e, const Explanation& m, std::size_t term) {
   const Term& t = m.terms()[term];
   const double time = t.effect.number("time"), height = m.coefficients(term)[0] * e.step();
   Eigen::Index first = 0;
@@ -144,7 +144,7 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Evidence& e, con
     auto& mine = found.emplace_back();
     for (const auto& [name, value] : effect.numbers) {
       if (t.step && name == "time") {
-        mine.push_back(moment(e, m, i));
+        mine.push_back(step_time(e, m, i));
         continue;
       }
       Eigen::VectorXd derivative = Eigen::VectorXd::Zero(count);

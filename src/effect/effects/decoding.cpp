@@ -6,14 +6,14 @@ namespace qerr {
 
 namespace {
 
-/// (factor - 1) times the counted position, and the rounding of factor times a count.
+/// (factor - 1) times the counted position, plus the rounding error of factor * count.
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage& u) {
   const double factor = e.number("factor"), more = factor - 1, step = encoder.resolution;
   if (more == 0) return Share{};
   if (!u.position) return std::nullopt;
-  const bool whole = factor == std::floor(factor);
-  const double rounding = whole ? 0 : step;
-  // The counted position differs from the true one by up to half a step (a whole one where it is truncated).
+  const bool integer = factor == std::floor(factor);
+  const double rounding = integer ? 0 : step;
+  // The counted position differs from the true one by up to half a step (a full step if it is truncated).
   const double counted = encoder.rounding == Rounding::nearest ? 0.5 * step : step;
   return Share{more * u.position->mid_range(),
                std::abs(more) * (u.position->half_width() + counted) + 0.5 * rounding,

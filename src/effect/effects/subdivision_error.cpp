@@ -12,7 +12,8 @@ namespace {
 
 constexpr double turn = 2 * std::numbers::pi;
 
-/// Electrical angle that atan2 gives for distorted signals (Heydemann 1981), less the true one, in (-pi, pi].
+/// Electrical angle that atan2 gives for distorted signals (Heydemann 1981), minus the true one, in (-pi,
+/// pi].
 class Distortion {
  public:
   explicit Distortion(const Effect& e)
@@ -89,7 +90,7 @@ Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
 constexpr std::array<const char*, 5> coefficients{"offset_sin", "offset_cos", "gain", "phase", "clipping"};
 constexpr Eigen::Index clipping = 4;
 
-/// Parameters that a fit may pass on its way, limited to where the effect is defined.
+/// Intermediate parameters of a fit, limited to the range in which the effect is defined.
 Eigen::VectorXd limited(Eigen::VectorXd p) {
   constexpr double most = 0.9, least_clipping = 0.2;
   for (Eigen::Index i = 0; i < p.size(); ++i)
@@ -103,7 +104,7 @@ void fill(Effect& e, const Eigen::VectorXd& values) {
   for (Eigen::Index i = 0; i < p.size(); ++i) e.numbers[coefficients[static_cast<std::size_t>(i)]] = p[i];
 }
 
-/// What the effect adds to the path at parameters p.
+/// Error along the path at parameters p.
 Eigen::ArrayXd added(const RecordSignals& s, const Term& t, const Eigen::VectorXd& p) {
   Effect effect = t.effect;
   fill(effect, p);
@@ -120,7 +121,7 @@ Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& va
   next.columns.resize(s.rows(), p.size());
   for (Eigen::Index i = 0; i < p.size(); ++i) {
     const Eigen::VectorXd step = change * Eigen::VectorXd::Unit(p.size(), i);
-    // Signals that are just not clipped can only be clipped more.
+    // The difference is one-sided at clipping = 1.
     const Eigen::VectorXd upper = i == clipping && p[i] + change > 1 ? p : Eigen::VectorXd(p + step);
     next.columns.col(i) = (added(s, t, upper) - added(s, t, p - step)) / (upper[i] - p[i] + change);
   }

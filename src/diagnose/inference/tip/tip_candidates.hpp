@@ -6,7 +6,7 @@
 
 namespace qerr {
 
-/// Orders and moments that a scan at the tip tries: how many hypotheses its best one was chosen from.
+/// Number of orders and times that a scan at the tip tests, for the correction of its p-value.
 inline constexpr int scanned_at_tip = 600;
 
 /// What the model may be extended by: the catalogue, and what a scan of the present scores suggests. Nothing

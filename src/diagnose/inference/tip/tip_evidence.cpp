@@ -21,7 +21,7 @@ Eigen::ArrayXd time_of(const Log& log) {
   return Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));
 }
 
-/// How an encoder went through the record, by its own readings.
+/// Path, velocity and direction of an encoder, from its own readings.
 Evidence own_evidence(const OperationalModel& model, const Log& log, std::size_t i,
                       const Eigen::ArrayXd& measured, const Eigen::ArrayXd& time) {
   Evidence e;
