@@ -30,8 +30,7 @@ struct EffectShare {
   Effect effect;
   std::size_t joint = 0;       ///< index of its independent joint
   std::optional<Share> share;  ///< empty: the usage does not have `effect_kind(type).need`
-  bool included =
-      false;  ///< in the bounds: it is known and acts on the robot, not only on a log or a reference
+  bool included = false;       ///< whether it is in the bounds: known, and not only of a log or a reference
 };
 
 /// Shares of all effects, in the order given.

@@ -74,8 +74,7 @@ struct TableShape {
 /// Effect that scatters the readings about an unchanged mean path; its magnitude is one parameter.
 struct Scattering {
   std::string_view parameter;
-  bool (*possible)(const RecordSignals&) =
-      nullptr;  ///< whether the record can show it; null: every record can
+  bool (*possible)(const RecordSignals&) = nullptr;  ///< whether a record can show it; null: always
   /// Standard deviation of every row per unit of the parameter [rad or m]; null for an effect that displaces
   /// edges.
   Eigen::ArrayXd (*deviation)(const RecordSignals&) = nullptr;
