@@ -35,11 +35,11 @@ std::pair<double, double> largest(Function function, double low, double high) {
   double best = low, at_best = function(low);
   double step = std::log(high / low) / 12;
   for (double x = low * std::exp(step); x <= high * 1.0001; x *= std::exp(step))
-    if (const double value = function(x); value > at_best) at_best = value, best = x;
+    if (const double y = function(x); y > at_best) at_best = y, best = x;
   for (int i = 0; i < 5; ++i) {
     step /= 2;
     for (const double x : {best * std::exp(-step), best * std::exp(step)})
-      if (const double value = function(x); value > at_best) at_best = value, best = x;
+      if (const double y = function(x); y > at_best) at_best = y, best = x;
   }
   return {best, at_best};
 }
