@@ -41,6 +41,8 @@ std::size_t display_width(std::string_view text) {
   return width;
 }
 
+std::string quoted(const std::string& text) { return "'" + text + "'"; }
+
 std::string counted(std::size_t count, std::string_view noun) {
   return std::to_string(count) + ' ' + std::string(noun) + (count == 1 ? "" : "s");
 }

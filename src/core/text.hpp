@@ -16,6 +16,9 @@ std::size_t display_width(std::string_view text);
 /// Count and noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);
 
+/// The text in single quotes, as messages show what was found.
+std::string quoted(const std::string& text);
+
 /// `value` rounded to `digits` significant digits, as printf's %g does in the C locale, in every locale.
 std::string significant(double value, int digits);
 

@@ -14,8 +14,6 @@ namespace {
 /// Zeros after the last byte: no number or text contains one, so that scanning stops there.
 constexpr std::size_t padding = 16;
 
-bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
 std::string trimmed(const std::string& text) {
   const std::size_t first = text.find_first_not_of(" \t\r");
   if (first == std::string::npos) return {};
@@ -93,7 +91,7 @@ void CsvReader::read_header() {
     const char* begin = buffer_.data() + row_;
     next_line_ += 1 + std::count(begin, end, '\n');
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
-    if (comment || std::all_of(begin, end, blank)) continue;
+    if (comment || std::all_of(begin, end, is_blank)) continue;
     for (const Cell& cell : cells_of(begin, end)) {
       header_.push_back(cell.text);
       header_places_.push_back(place_at(cell.begin));

@@ -20,6 +20,9 @@ struct ColumnName {
 };
 ColumnName column_name(const std::string& cell);
 
+/// A blank within or around a cell; also the carriage return before a line feed.
+inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
+
 struct CsvLimits {
   std::size_t block = 1 << 18;        ///< bytes per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]

@@ -19,8 +19,6 @@ constexpr std::uint64_t most_exact = std::uint64_t{1} << 53;
 
 unsigned digit(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
 
-bool blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
-
 /// The end of a cell that is not chosen: its comma or line end. Null, or another byte, if the general path
 /// must read the row: the cell crosses the end of the buffer, contains a line end, or has text after its
 /// quotation mark.
@@ -119,7 +117,7 @@ bool CsvReader::next(double* values, std::ptrdiff_t stride) {
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
-    if (std::all_of(begin, end, blank)) continue;
+    if (std::all_of(begin, end, is_blank)) continue;
     return general_row(values, stride);
   }
 }
@@ -141,7 +139,7 @@ const char* CsvReader::record_end(const char* begin) {
       } else if (*p == '\n') {
         return p;
       } else {
-        starts = *p == ',' || (starts && blank(*p));
+        starts = *p == ',' || (starts && is_blank(*p));
       }
     }
     const bool too_long = end_ - row_ > limits_.longest_row;
@@ -166,20 +164,20 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
   std::vector<Cell> cells;
   const char* p = begin;
   while (true) {
-    while (p != end && blank(*p)) ++p;
+    while (p != end && is_blank(*p)) ++p;
     Cell cell{{}, p, p != end && *p == '"'};
     if (cell.quoted) {
       for (++p; p != end && (*p != '"' || (p + 1 != end && *++p == '"')); ++p) cell.text += *p;
       // p is after the closing quotation mark, or on it at the end of the record
       p += p != end && *p == '"';
-      while (p != end && blank(*p)) ++p;
+      while (p != end && is_blank(*p)) ++p;
       if (p != end && *p != ',')
         throw Error(
             {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
     } else {
       while (p != end && *p != ',') ++p;
       cell.text.assign(cell.begin, p);
-      while (!cell.text.empty() && blank(cell.text.back())) cell.text.pop_back();
+      while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
       if (const auto at = cell.text.find('\r'); at != std::string::npos)
         throw Error({place_at(cell.begin + at), "", "a carriage return without a line feed", "",
                      "end lines with LF or CR LF"});

@@ -11,10 +11,10 @@
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
 
-// A URDF is read in three steps: expat gives the outline with lines and columns (urdf_outline), UrdfReader checks
-// names, numbers and tree with messages at these places (urdf_reader, urdf_tree), and urdfdom reads the kinematic
-// part of the checked document; the model is made from what urdfdom returns. The first two steps are necessary
-// since urdfdom reports no places and silently skips misspelt elements and attributes.
+// A URDF is read in three steps: expat gives the outline with lines and columns (urdf_outline), UrdfReader
+// checks names, numbers and tree with messages at these places (urdf_reader, urdf_tree), and urdfdom reads
+// the kinematic part of the checked document; the model is made from what urdfdom returns. The first two
+// steps are necessary since urdfdom reports no places and silently skips misspelt elements and attributes.
 namespace qerr {
 
 namespace {

@@ -27,8 +27,6 @@ const std::map<std::string, JointType, std::less<>>& joint_types() {
   return types;
 }
 
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
 std::vector<std::string_view> split(std::string_view text) {
   std::vector<std::string_view> words;
   constexpr std::string_view blank = " \t\r\n";

@@ -10,8 +10,6 @@ namespace {
 
 using Names = std::vector<std::string>;
 
-std::string quoted(const std::string& text) { return "'" + text + "'"; }
-
 /// At most six names, for a message.
 std::string listed(const Names& names, const char* between = ", ") {
   std::string text;

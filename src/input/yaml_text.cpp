@@ -20,7 +20,7 @@ bool is_plain(const std::string& text) {
   });
 }
 
-std::string quoted(const std::string& text) {
+std::string in_double_quotes(const std::string& text) {
   const bool control =
       std::any_of(text.begin(), text.end(), [](char c) { return static_cast<unsigned char>(c) < 0x20; });
   std::string out;
@@ -36,7 +36,7 @@ std::string quoted(const std::string& text) {
 }  // namespace
 
 std::string flow_scalar(const std::string& text, bool in_quotes) {
-  return !in_quotes && is_plain(text) ? text : quoted(text);
+  return !in_quotes && is_plain(text) ? text : in_double_quotes(text);
 }
 
 std::string commented(const std::string& comment, const std::string& indent) {

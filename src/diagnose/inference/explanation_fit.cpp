@@ -11,8 +11,8 @@ namespace qerr {
 
 namespace {
 
-constexpr double settled = 1e-3;  ///< log-likelihood gain at which the iteration ends
-constexpr int most_steps = 60;
+constexpr double log_likelihood_tolerance = 1e-3;  ///< log-likelihood gain at which the iteration ends
+constexpr int most_newton_steps = 60;
 
 /// Whether a term displaces the position on which the errors of gear teeth, disc and lines depend.
 bool acts_before_teeth(const Term& t) {
@@ -54,7 +54,7 @@ void Explanation::initialize(Eigen::VectorXd& unit) {
 void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
   const Eigen::Index n = unit.size();
   likelihood_ = at(unit, sigma_, outliers);
-  for (int i = 0; i < most_steps; ++i) {
+  for (int i = 0; i < most_newton_steps; ++i) {
     // In units of the present sigma: x = sigma u, w = 1.
     Eigen::MatrixXd hessian(n + 1, n + 1);
     Eigen::VectorXd gradient(n + 1);
@@ -83,7 +83,7 @@ void Explanation::maximize(Eigen::VectorXd& unit, double outliers) {
       unit = moved, sigma_ = sigma;
       likelihood_ = std::move(next);
     }
-    if (!better || likelihood_.log_likelihood - before < settled) break;
+    if (!better || likelihood_.log_likelihood - before < log_likelihood_tolerance) break;
   }
 }
 

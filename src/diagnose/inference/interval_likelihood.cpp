@@ -24,7 +24,7 @@ double log_tail(double z) {
 
 /// One reading: its log-likelihood, its probability of not being an outlier, and the Gaussian densities at
 /// the edges over the Gaussian probability of the interval.
-struct Reading {
+struct ReadingLikelihood {
   double log_likelihood, inlier, at_a, at_b;
 };
 
@@ -38,14 +38,14 @@ double between(double a, double b) {
 }
 
 /// @param other  probability of an outlier in the interval
-Reading near_reading(double a, double b, double outliers, double other) {
+ReadingLikelihood near_reading(double a, double b, double outliers, double other) {
   const double p = between(a, b), own = (1 - outliers) * p, total = own + other;
   const double over_p = std::exp(-log_root_two_pi) / p;
   return {std::log(total), own / total, std::exp(-0.5 * a * a) * over_p, std::exp(-0.5 * b * b) * over_p};
 }
 
 /// The same in logarithms.
-Reading far_reading(double a, double b, double outliers, double other) {
+ReadingLikelihood far_reading(double a, double b, double outliers, double other) {
   const double log_near = log_tail(std::max(a, -b)), log_beyond = log_tail(std::max(b, -a));
   const double log_p = log_near + std::log1p(-std::exp(log_beyond - log_near));
   const double own = std::log1p(-outliers) + log_p;

@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t tried_in_full = 8;  ///< candidates that are fitted, not only scored (convention)
 constexpr double worth_refining = 200;    ///< largest log-likelihood deficit to the leading term (convention)
-constexpr int most_steps = 5;
+constexpr int most_slips = 5;
 
 bool possible(const Explanation& m, std::size_t term) {
   return !m.terms()[term].positive || m.coefficients(term)[0] > 0;
@@ -113,7 +113,7 @@ class Search {
   std::optional<Explanation> stepped(const Explanation& model) const {
     std::optional<Explanation> best;
     Explanation m = model;
-    for (int i = 0; i < most_steps; ++i) {
+    for (int i = 0; i < most_slips; ++i) {
       const auto step = strongest_step(e_, m);
       if (!step || m.gain(*step) < worth_trying * e_.rows_per_reading) break;
       Explanation next = with_term(m, *step);

@@ -15,12 +15,10 @@ namespace qerr {
 
 namespace {
 
-constexpr double infinite = std::numeric_limits<double>::infinity();
-
 /// Argument in [0.01, 100] at which an increasing function reaches a value, by bisection; infinite if larger.
 double argument_of(const std::function<double(double)>& increasing, double value) {
   double low = 0.01, high = 100;
-  if (increasing(high) < value) return infinite;
+  if (increasing(high) < value) return std::numeric_limits<double>::infinity();
   for (int i = 0; i < 40; ++i) {
     const double middle = std::sqrt(low * high);
     (increasing(middle) < value ? low : high) = middle;
@@ -89,17 +87,17 @@ class VaryingScatter {
 
   /// Rms from which it is distinguished from a uniform scatter [counts].
   double varying_from() const {
-    if (rms_ == 0) return infinite;
+    if (rms_ == 0) return std::numeric_limits<double>::infinity();
     return argument_of([&](double x) { return power_.total() * variance(log_sigma(x), weight_); },
                        power_.need());
   }
 
   /// Rms from which a uniform scatter is distinguished from this one [counts].
   double uniform_from() const {
-    if (rms_ == 0) return infinite;
+    if (rms_ == 0) return std::numeric_limits<double>::infinity();
     const auto distance = [&](double x) {
       const double log_uniform = std::log(std::hypot(power_.own(), x));
-      double least = infinite;
+      double least = std::numeric_limits<double>::infinity();
       for (double c = 0.25 * x; c < 4 * x; c *= 1.05)
         least = std::min(least, (weight_ * (log_sigma(c) - log_uniform).square()).sum());
       return power_.total() * least / weight_.sum();

@@ -8,7 +8,7 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index most_rows = 65536;
+constexpr Eigen::Index most_sampled_rows = 65536;
 
 /// Share of a column's norm that must remain without its mean (convention): else a few rows would determine
 /// the statistic.
@@ -82,7 +82,7 @@ void add_velocities(ResidualPlan& plan, const std::vector<Filter>& filters) {
 }  // namespace
 
 ResidualPlan residual_plan(const Evidence& e, const std::vector<Filter>& filters, InstructionSet set) {
-  ResidualPlan plan{&e, sampled_ranges(e.rows(), most_rows), 0, {}, {}, {}, {}, {}};
+  ResidualPlan plan{&e, sampled_ranges(e.rows(), most_sampled_rows), 0, {}, {}, {}, {}, {}};
   for (const RowRange& range : plan.ranges) plan.rows += range.rows;
   const Eigen::ArrayXd measured = selected(plan, e.measured);
   plan.residual = (measured - selected(plan, e.reference)) / e.step();

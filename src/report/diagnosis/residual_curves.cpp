@@ -10,8 +10,6 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index bins = 4096;
-constexpr double turn = 2 * std::numbers::pi;
-
 std::vector<Effect> effects_of(const DiagnosisReport& r, const std::string& joint) {
   std::vector<Effect> list;
   for (const Cause& c : r.diagnosis.causes)
@@ -70,10 +68,10 @@ ResidualCurves residual_curves(const DiagnosisReport& r) {
                          is = spectrum(binned(e.reference, after), steps);
     for (Eigen::Index i = 0; i < steps; ++i) {
       const double waves = 0.5 * static_cast<double>(i + 1) / span;  // per rad or m
-      const double order = e.prismatic ? waves : turn * waves;
+      const double order = e.prismatic ? waves : 2 * std::numbers::pi * waves;
       out.spectrum += joint + shortest(order) + ',' +
-                      shortest(turn * waves / std::abs(e.encoder.shaft_ratio)) + ',' + shortest(was[i]) +
-                      ',' + shortest(is[i]) + unit;
+                      shortest(2 * std::numbers::pi * waves / std::abs(e.encoder.shaft_ratio)) + ',' +
+                      shortest(was[i]) + ',' + shortest(is[i]) + unit;
     }
   }
   if (!out.residual.empty())
