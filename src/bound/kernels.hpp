@@ -7,7 +7,7 @@
 #include "bound/figure_layout.hpp"
 #include "bound/tally.hpp"
 #include "kinematics/folded_path.hpp"
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr {
 

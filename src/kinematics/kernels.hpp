@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "kinematics/folded_path.hpp"
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr {
 
@@ -14,7 +14,7 @@ struct SampledRanges {
   const double *lower, *width, *upper;
 };
 
-/// Kernels compiled once per instruction set (lanes/dispatch.hpp). Batches: batch.hpp.
+/// Kernels compiled once per instruction set (lanes/select_kernels.hpp). Batches: batch.hpp.
 struct KinematicKernels {
   std::size_t lanes;
   std::size_t scratch_per_joint;  ///< doubles of `scratch` that `jacobians` needs

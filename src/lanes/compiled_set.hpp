@@ -1,7 +1,7 @@
 #pragma once
 
-#include "lanes/dispatch.hpp"
 #include "lanes/lanes.hpp"
+#include "lanes/select_kernels.hpp"
 
 // For kernel sources (lane_*.cpp) only: CMakeLists.txt defines the macros.
 

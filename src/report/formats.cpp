@@ -1,10 +1,26 @@
 #include "report/formats.hpp"
 
+#include <array>
+
 #include "core/suggest.hpp"
 
 namespace qerr {
 
 namespace {
+
+template <class Report>
+struct Exporter {
+  Format format;
+  Writer<Report>* write;
+};
+
+/// The first row is the format of an output whose ending is not listed.
+template <class Report>
+inline constexpr std::array<Exporter<Report>, 3> exporters{{
+    {{"table", ".txt", "for reading on a terminal"}, to_table},
+    {{"json", ".json", "everything, SI units"}, to_json},
+    {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
+}};
 
 std::vector<std::string> format_names() {
   std::vector<std::string> names;

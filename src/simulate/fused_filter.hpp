@@ -11,10 +11,10 @@ namespace qerr {
 ///
 /// Most filters are up to two differences and one or two sections that settle within some hundred samples.
 /// For these, one pass computes all sections and the sums, without storing rows, and with fewer operations
-/// than the integrators of section.hpp need: with the states s = s1/2 and r = (s1 + s2)/4 of a section, the
-/// second state is updated by one addition, and the output is a sum of states (FusedSection). Slow sections
-/// would lose digits: the factor of s is 1 minus a number proportional to the cut-off. They go through a
-/// RowFilter.
+/// than the integrators of section_recursion.hpp need: with the states s = s1/2 and r = (s1 + s2)/4 of a
+/// section, the second state is updated by one addition, and the output is a sum of states (FusedSection).
+/// Slow sections would lose digits: the factor of s is 1 minus a number proportional to the cut-off. They go
+/// through a RowFilter.
 ///
 /// Gain: `qerr simulate` of configs/kuka_lwr with its two filters, sines in all joints at 1 kHz and one
 /// thread takes 1.14 s of CPU time for 20000 s of motion instead of 1.50 s with RowFilter alone (-24 %), and

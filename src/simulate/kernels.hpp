@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "kinematics/folded_path.hpp"
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 // Interface of the simulation kernels, included by files that are compiled per instruction set (see
 // folded_path.hpp for the headers that these must not include).

@@ -1,6 +1,6 @@
 #include <gtest/gtest.h>
 
-#include "diagnose/record/sanity.hpp"
+#include "diagnose/record/sanity/sanity.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
 #include "support/one_joint_record.hpp"
 

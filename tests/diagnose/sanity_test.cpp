@@ -1,4 +1,4 @@
-#include "diagnose/record/sanity.hpp"
+#include "diagnose/record/sanity/sanity.hpp"
 
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/select.hpp"
 #include "diagnose/record/evidence.hpp"
-#include "diagnose/record/sanity.hpp"
+#include "diagnose/record/sanity/sanity.hpp"
 #include "diagnose/verdict/gain.hpp"
 
 namespace qerr {

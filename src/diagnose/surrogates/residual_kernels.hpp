@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 // Interface of the kernels of the surrogates. Files that are compiled per instruction set include this, and
 // nothing that contains code of its own.

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr {
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 // Interface of the kernels of the scan for periods (a periodogram). Files that are compiled per instruction
 // set include this, and nothing that contains code of its own. Lanes are rows.

@@ -12,6 +12,7 @@
 #include "diagnose/inference/tip/tip.hpp"
 #include "diagnose/verdict/cause_report.hpp"
 #include "diagnose/verdict/comparison.hpp"
+#include "diagnose/verdict/verdict.hpp"
 
 namespace qerr {
 
@@ -78,26 +79,6 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
 }
 
-/// Whether an unidentified residual affects the verdict. If the causes of its joint explain more than 99 % of
-/// the variance, it is only reported.
-bool counts(const Unidentified& residual, const std::vector<Cause>& causes) {
-  constexpr double worth = 0.1;
-  return std::none_of(causes.begin(), causes.end(), [&](const Cause& c) {
-    return c.effect.joint == residual.joint && residual.amplitude < worth * c.gain.rms_before &&
-           c.gain.rms_after < worth * c.gain.rms_before;
-  });
-}
-
-Verdict verdict_of(const Diagnosis& d, bool judged) {
-  const bool found = !d.causes.empty(), left = !d.unexplained.empty();
-  if (!judged && !found && !left) return Verdict::cannot_judge;
-  if (!found) return left ? Verdict::unexplained : Verdict::nothing_wrong;
-  if (!d.alternatives.empty()) return Verdict::ambiguous;
-  const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
-                                    [&](const Unidentified& u) { return counts(u, d.causes); });
-  return counting ? Verdict::partly_explained : Verdict::explained;
-}
-
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
@@ -146,7 +127,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
            b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
   });
   add_tip(std::move(tip), !all.empty(), d);
-  d.verdict = verdict_of(d, judged);
+  d.verdict = verdict(d, judged);
   return d;
 }
 

@@ -2,7 +2,7 @@
 
 #include <cstddef>
 
-#include "filter/run/section.hpp"
+#include "filter/run/section_recursion.hpp"
 
 // The table of kernels of RowFilter; the kernel source includes this, and nothing that has code of its own.
 // Lanes are channels: neighbours in a row, of `width` numbers, a multiple of the lanes.

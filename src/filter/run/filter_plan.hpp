@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "filter/run/section.hpp"
+#include "filter/run/section_recursion.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

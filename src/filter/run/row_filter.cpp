@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "lanes/dispatch.hpp"
+#include "lanes/select_kernels.hpp"
 
 namespace qerr {
 

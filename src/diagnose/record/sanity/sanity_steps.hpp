@@ -3,7 +3,7 @@
 #include <optional>
 
 #include "core/statistics.hpp"
-#include "diagnose/record/sanity.hpp"
+#include "diagnose/record/sanity/sanity.hpp"
 
 /// The steps of check_sanity, in their order. Each step reads the log as the previous steps have repaired it.
 namespace qerr::sanity {
