@@ -12,7 +12,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double large = 10;  // [quanta]: above, (2 pi A)^-9 is below 1e-15
 
 /// Calls visit(t, side) for the quantizer's thresholds at distances t < amplitude above (side +1) and below

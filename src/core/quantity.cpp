@@ -29,7 +29,7 @@ struct Symbol {
   bool prefixable = false;
 };
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 constexpr std::array symbols{
     Symbol{"m", 1, dimension::length, true},

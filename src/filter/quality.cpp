@@ -12,7 +12,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double long_memory = 20000;  // [samples] above, modes are faster than samples
 constexpr double most_samples = 2e6;
 

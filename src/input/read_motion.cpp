@@ -50,7 +50,7 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
   return motion;
 }
 
-const EffectKind& kind_of(const Field& f) {
+const EffectKind& effect_kind_of(const Field& f) {
   std::vector<std::string> known;
   for (const EffectKind& kind : effect_kinds()) known.emplace_back(kind.name);
   if (f.node->type != Node::Type::mapping)
@@ -89,7 +89,7 @@ void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spe
 }
 
 Effect read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
-  const EffectKind& kind = kind_of(f);
+  const EffectKind& kind = effect_kind_of(f);
   std::vector<Parameter> format = spec_format::effect();
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
   const Object o(f, format);

@@ -198,7 +198,7 @@ void UrdfReader::read_axis(const UrdfElement& element, Joint& joint) {
   if (!values) return;
   joint.axis = Eigen::Vector3d(values->data());
   const double norm = joint.axis.stableNorm();
-  const std::string text = quoted(axis->attribute("xyz")->value);
+  const std::string text = qerr::quoted(axis->attribute("xyz")->value);
   if (!(norm >= least_axis)) {
     fault(*axis->attribute("xyz"), key, "the axis of a joint must not be zero", text, "give its direction");
   } else if (std::abs(norm - 1) > axis_tolerance) {

@@ -15,7 +15,7 @@ std::string listed(const Names& names, const char* between = ", ") {
   std::string text;
   for (std::size_t i = 0; i < names.size(); ++i) {
     if (i == 6) return text + between + "...";
-    text += (i ? between : "") + quoted(names[i]);
+    text += (i ? between : "") + qerr::quoted(names[i]);
   }
   return text;
 }
@@ -33,19 +33,20 @@ void UrdfReader::check_ends(const WrittenJoint& w) {
   for (const auto& [tag, link] : {std::pair("parent", &joint.parent), std::pair("child", &joint.child)}) {
     if (link->empty() || link_index_.contains(*link)) continue;
     fault(*w.element->child(tag)->attribute("link"), key,
-          "the " + std::string(tag) + " is not a link of this robot", quoted(*link),
+          "the " + std::string(tag) + " is not a link of this robot", qerr::quoted(*link),
           suggestion(*link, model.links));
   }
   if (joint.child.empty()) return;
   const UrdfAttribute& child = *w.element->child("child")->attribute("link");
   if (joint.child == joint.parent)
-    fault(child, key, "parent and child must be different links", quoted(joint.child) + " for both", "");
+    fault(child, key, "parent and child must be different links", qerr::quoted(joint.child) + " for both",
+          "");
   const auto [first, fresh] =
       parent_joint_.emplace(joint.child, static_cast<std::size_t>(&w - written.data()));
   if (!fresh)
     fault(child, key,
-          "a link must have one parent; " + quoted(joint.child) + " is already the child of joint " +
-              quoted(written[first->second].joint.name),
+          "a link must have one parent; " + qerr::quoted(joint.child) + " is already the child of joint " +
+              qerr::quoted(written[first->second].joint.name),
           "", "");
 }
 
@@ -89,10 +90,12 @@ void UrdfReader::check_mimics() {
     const UrdfAttribute& at = *w.element->child("mimic")->attribute("joint");
     const auto found = joint_index_.find(target);
     if (found == joint_index_.end())
-      fault(at, w.element->title(), "unknown joint to mimic", quoted(target), suggestion(target, names));
+      fault(at, w.element->title(), "unknown joint to mimic", qerr::quoted(target),
+            suggestion(target, names));
     else if (!has_one_coordinate(written[found->second].joint.type))
       fault(at, w.element->title(), "the joint to mimic must be revolute, continuous or prismatic",
-            quoted(target) + ", which is " + std::string(joint_type_name(written[found->second].joint.type)),
+            qerr::quoted(target) + ", which is " +
+                std::string(joint_type_name(written[found->second].joint.type)),
             "");
   }
   faults_.raise();

@@ -13,7 +13,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double most_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
+constexpr double most_usage_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
 
 /// Evenly spaced instants of the motion: its samples if there are at most `most` of them.
 std::vector<double> instants(const Motion& motion, double most) {
@@ -144,7 +144,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
   const MotionPath path(motion);
   const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
   Path joints(path.joints()), encoders(path.joints());
-  for (const double t : instants(motion, most_samples)) {
+  for (const double t : instants(motion, most_usage_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
     const Eigen::VectorXd a = path.acceleration(t);
     append(joints.position, q);

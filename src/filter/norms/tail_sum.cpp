@@ -10,7 +10,7 @@
 namespace qerr {
 namespace {
 
-constexpr double negligible = 1e-18;  // remaining sum of a dropped mode relative to the norm
+constexpr double negligible_tail = 1e-18;  // remaining sum of a dropped mode relative to the norm
 constexpr double blocks_per_run = 4;  // lower bound for a run of an oscillation
 constexpr double many_runs = 300;     // above, dropping decayed modes saves time
 constexpr std::int64_t longest = std::int64_t{1} << 50;
@@ -20,11 +20,11 @@ double tail(const Mode& mode, const Powers& powers, std::int64_t from) {
   return Sequence({mode}, powers).tail(from);
 }
 
-/// A sample from which a mode is negligible, at most a quarter later than the first one.
+/// A sample from which a mode is negligible_tail, at most a quarter later than the first one.
 std::int64_t end_of(const Mode& mode, std::int64_t from, double scale) {
   const Powers powers({mode});
   std::int64_t end = from + 16;
-  while (end < longest && !(tail(mode, powers, end) <= negligible * scale)) end += end / 4;
+  while (end < longest && !(tail(mode, powers, end) <= negligible_tail * scale)) end += end / 4;
   return end;
 }
 

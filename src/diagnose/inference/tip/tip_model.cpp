@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index most_blocks = 64;
+constexpr Eigen::Index most_tip_blocks = 64;
 constexpr double negligible = 1e-5;
 
 }  // namespace
@@ -100,7 +100,7 @@ Eigen::MatrixXd TipModel::beyond(const std::vector<std::size_t>& without,
 double TipModel::variance_inflation(const TipSolution& s, const Eigen::MatrixXd& columns,
                                     Eigen::Index coordinates) {
   const Eigen::VectorXd pull = s.weight.cwiseProduct(s.residual);
-  const Eigen::Index rows = pull.size() / coordinates, blocks = std::min(most_blocks, rows / 8);
+  const Eigen::Index rows = pull.size() / coordinates, blocks = std::min(most_tip_blocks, rows / 8);
   if (blocks < 4) return 1;
   const Eigen::MatrixXd scores = pull.asDiagonal() * columns;
   double within = 0, together = 0;

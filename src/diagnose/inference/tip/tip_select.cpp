@@ -12,7 +12,7 @@ namespace qerr {
 
 namespace {
 
-constexpr int tried_in_full = 6;
+constexpr int most_tip_fits = 6;
 
 struct Step {
   TipTerm term;
@@ -30,7 +30,7 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
     if (gain > 4) passing.emplace_back(gain, i);
   }
   std::sort(passing.rbegin(), passing.rend());
-  if (passing.size() > tried_in_full) passing.resize(tried_in_full);
+  if (passing.size() > most_tip_fits) passing.resize(most_tip_fits);
   std::optional<Step> best;
   for (const auto& [gain, i] : passing) {
     const Eigen::Index size = columns[i].cols();
