@@ -15,7 +15,7 @@ namespace qerr {
 namespace {
 
 constexpr std::size_t max_coefficients = 256;
-constexpr double negligible = 1e-13;  // deviation relative to the H2 norm
+constexpr double negligible_deviation = 1e-13;  // deviation relative to the H2 norm
 
 /// u + v w; 1 - r z^-1 is ((1 - r) + (1 + r) w)/(1 + w).
 struct Factor {
@@ -65,13 +65,13 @@ Error unstable(double largest) {
                      "all poles must lie inside; the coefficients ascend in z^-1"});
 }
 
-struct Poles {
+struct FactoredPoles {
   std::vector<Complex1024> z;
   double largest = 0;  // modulus
 };
 
-Poles stable_poles(const List& a) {
-  Poles poles{roots({a.begin(), a.end()})};
+FactoredPoles stable_poles(const List& a) {
+  FactoredPoles poles{roots({a.begin(), a.end()})};
   bool stable = true;
   for (const Complex1024& r : poles.z) {
     const double modulus = static_cast<double>(magnitude(r));
@@ -118,7 +118,7 @@ std::array<DoubleDouble, 3> scaled(const Polynomial& p) {
 }
 
 /// The sections of b/a, from the zeros at z = 1 and the roots of the deflated numerator.
-Filter factored(Filter filter, Deflated<Binary1024> zeros, const List& a, const Poles& poles) {
+Filter factored(Filter filter, Deflated<Binary1024> zeros, const List& a, const FactoredPoles& poles) {
   std::vector<Factor> below, above;
   for (const Complex1024& r : poles.z) below.push_back(factor_of_root(r));
   const Binary1024 slope = sum(zeros.quotient);
@@ -168,7 +168,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
                       std::to_string(std::max(a.size(), b.size())),
                       "use at most " + std::to_string(max_coefficients)});
   }
-  const Poles poles = stable_poles(a);
+  const FactoredPoles poles = stable_poles(a);
   Filter result;
   std::optional<Deviation> deviation;
   // A filter that blocks 0 Hz up to the rounding of its coefficients is taken to block it, unless a slow pole
@@ -177,7 +177,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
     result = factored(filter, divide_out_dc_zeros<Binary1024>(b, rounding), a, poles);
     deviation = deviation_of(result, b, a, poles.largest);
     if (!deviation) throw unstable(poles.largest);
-    if (deviation->h2 <= negligible * h2_norm(result)) break;
+    if (deviation->h2 <= negligible_deviation * h2_norm(result)) break;
   }
   result.deviation = *deviation;
   return result;
