@@ -36,6 +36,10 @@ struct JsonText {
   }
 };
 
+void Json::set(bool value) { value_ = value; }
+void Json::set(std::int64_t value) { value_ = value; }
+void Json::set(std::uint64_t value) { value_ = value; }
+
 Json::Json() = default;
 Json::Json(double value) : value_(value) {}
 Json::Json(const char* text) : value_(std::string(text)) {}

@@ -38,11 +38,11 @@ class Json {
   template <std::integral T>
   Json(T value) : Json() {
     if constexpr (std::same_as<T, bool>)
-      value_ = value;
+      set(value);
     else if constexpr (std::is_signed_v<T>)
-      value_ = static_cast<std::int64_t>(value);
+      set(static_cast<std::int64_t>(value));
     else
-      value_ = static_cast<std::uint64_t>(value);
+      set(static_cast<std::uint64_t>(value));
   }
 
   template <class T>
@@ -86,6 +86,12 @@ class Json {
 
  private:
   friend struct JsonText;
+
+  // Defined where members are a complete type, which assigning to the variant needs.
+  void set(bool);
+  void set(std::int64_t);
+  void set(std::uint64_t);
+
   using Items = std::vector<Json>;
   using Members = std::vector<JsonMember>;
   std::variant<std::nullptr_t, bool, std::int64_t, std::uint64_t, double, std::string, Items, Members> value_;
