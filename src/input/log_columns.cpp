@@ -10,16 +10,16 @@ namespace qerr {
 
 namespace {
 
-struct NamedSignal {
+struct SignalName {
   std::string_view name;
   LogSignal signal;
 };
 
 constexpr std::array joint_signals{
-    NamedSignal{"counts", LogSignal::counts},          NamedSignal{"measured", LogSignal::measured},
-    NamedSignal{"reference", LogSignal::reference},    NamedSignal{"effort", LogSignal::effort},
-    NamedSignal{"velocity", LogSignal::velocity},      NamedSignal{"command", LogSignal::command},
-    NamedSignal{"temperature", LogSignal::temperature}};
+    SignalName{"counts", LogSignal::counts},          SignalName{"measured", LogSignal::measured},
+    SignalName{"reference", LogSignal::reference},    SignalName{"effort", LogSignal::effort},
+    SignalName{"velocity", LogSignal::velocity},      SignalName{"command", LogSignal::command},
+    SignalName{"temperature", LogSignal::temperature}};
 
 /// A column that a log of this robot can have.
 struct KnownColumn {
@@ -34,7 +34,7 @@ std::vector<KnownColumn> known_columns(const Chain& chain) {
                                  {"tip.y", LogSignal::tip, 1},
                                  {"tip.z", LogSignal::tip, 2}};
   for (std::size_t j = 0; j < chain.independent.size(); ++j)
-    for (const NamedSignal& s : joint_signals)
+    for (const SignalName& s : joint_signals)
       known.push_back({chain.independent[j].name + '.' + std::string(s.name), s.signal, j});
   return known;
 }

@@ -42,12 +42,12 @@ std::vector<FoundParameter> parameters(const Term& term, const Eigen::VectorXd& 
 
 /// Residuals of contiguous blocks under models fitted to the other blocks: without and with the causes. Both
 /// models include the nuisance terms.
-struct HeldOut {
+struct HeldOutEntries {
   Eigen::VectorXd before, after;
 };
 
-HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
-  HeldOut h{m.entries(), m.entries()};
+HeldOutEntries held_out(const TipModel& m, Eigen::Index coordinates) {
+  HeldOutEntries h{m.entries(), m.entries()};
   const Eigen::MatrixXd all = m.all_columns(), free = all.leftCols(m.nuisance());
   const Eigen::VectorXd root = m.solution().weight.cwiseSqrt();
   const Eigen::Index rows = m.entries().size() / coordinates;
@@ -76,7 +76,7 @@ HeldOut held_out(const TipModel& m, Eigen::Index coordinates) {
 }
 
 /// 95 % interval of the ratio of the rms before and after, by a bootstrap over blocks.
-void ratio_interval(const HeldOut& h, Eigen::Index coordinates, std::uint64_t seed, Gain& gain) {
+void ratio_interval(const HeldOutEntries& h, Eigen::Index coordinates, std::uint64_t seed, Gain& gain) {
   const Eigen::Index rows = h.before.size() / coordinates;
   const Eigen::Index blocks = std::min<Eigen::Index>(50, rows / 2);
   Eigen::ArrayXd before(blocks), after(blocks);
@@ -103,7 +103,7 @@ void ratio_interval(const HeldOut& h, Eigen::Index coordinates, std::uint64_t se
 
 Gain gain_of(const TipModel& m) {
   const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
-  const HeldOut h = held_out(m, coordinates);
+  const HeldOutEntries h = held_out(m, coordinates);
   Gain gain;
   gain.unit = "m";
   gain.of_tip = true;
