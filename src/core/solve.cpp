@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 
 MatrixXd inverse(const MatrixXd& m) { return m.inverse(); }
 
-Eigen::Index rank(const MatrixXd& m) { return Eigen::FullPivLU<MatrixXd>(m).rank(); }
+Eigen::Index rank(const MatrixXd& m) { return Eigen::CompleteOrthogonalDecomposition<MatrixXd>(m).rank(); }
 
 struct SymmetricFactor::Decomposition : Eigen::LDLT<MatrixXd> {
   using Eigen::LDLT<MatrixXd>::LDLT;
@@ -21,13 +21,13 @@ struct SymmetricFactor::Decomposition : Eigen::LDLT<MatrixXd> {
 SymmetricFactor::SymmetricFactor(const MatrixXd& m)
     : decomposition_(std::make_shared<const Decomposition>(m)) {}
 
-VectorXd SymmetricFactor::solve(const VectorXd& b) const { return decomposition_->solve(b); }
+VectorXd SymmetricFactor::solve(const VectorXd& b) const { return solve_columns(b); }
 MatrixXd SymmetricFactor::solve_columns(const MatrixXd& b) const { return decomposition_->solve(b); }
 
-VectorXd solve_symmetric(const MatrixXd& a, const VectorXd& b) { return a.ldlt().solve(b); }
+VectorXd solve_symmetric(const MatrixXd& a, const VectorXd& b) { return SymmetricFactor(a).solve(b); }
 
 MatrixXd symmetric_inverse(const MatrixXd& m) {
-  return m.ldlt().solve(MatrixXd::Identity(m.rows(), m.cols()));
+  return SymmetricFactor(m).solve_columns(MatrixXd::Identity(m.rows(), m.cols()));
 }
 
 MatrixXd least_norm_solution(const MatrixXd& a, const MatrixXd& b, std::optional<double> threshold) {

@@ -10,7 +10,7 @@ namespace qerr {
 /// Inverse of a square, regular matrix, by LU decomposition with partial pivoting.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd&);
 
-/// Numerical rank, by LU decomposition with full pivoting.
+/// Numerical rank, by complete orthogonal decomposition.
 Eigen::Index rank(const Eigen::MatrixXd&);
 
 /// LDL^T decomposition of a symmetric positive semidefinite matrix, for several right-hand sides. Copies

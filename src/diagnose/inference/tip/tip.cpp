@@ -5,6 +5,7 @@
 #include <numeric>
 
 #include "core/random.hpp"
+#include "core/solve.hpp"
 #include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
@@ -61,12 +62,9 @@ HeldOutEntries held_out(const TipModel& m, Eigen::Index coordinates) {
       Eigen::VectorXd scale = x.colwise().norm();
       for (double& s : scale) s = s > 0 ? 1 / s : 0;
       const Eigen::MatrixXd unit = root.asDiagonal() * x * scale.asDiagonal();
-      const Eigen::MatrixXd train = unit(in, Eigen::all);
-      Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fit;
-      fit.setThreshold(1e-6);
-      fit.compute(train);
       const Eigen::VectorXd target = root.cwiseProduct(m.entries())(in);
-      const Eigen::VectorXd theta = scale.asDiagonal() * fit.solve(target);
+      const Eigen::VectorXd theta =
+          scale.asDiagonal() * least_norm_solution(unit(in, Eigen::all), target, 1e-6);
       residual(out) = m.entries()(out) - x(out, Eigen::all) * theta;
     };
     predict(free, h.before);

@@ -13,6 +13,27 @@ namespace {
 
 constexpr Eigen::Index draws = 40;  // of quantization along the path
 
+// The rigid motion T that minimizes sum |T from_k - to_k|^2. Its rotation is the quaternion that belongs to
+// the largest eigenvalue of a symmetric 4x4 matrix of the correlations. Source: Horn, "Closed-form solution
+// of absolute orientation using unit quaternions", J. Opt. Soc. Am. A 4 (1987).
+Eigen::Isometry3d rigid_alignment(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
+  const Eigen::Vector3d centre_from = from.rowwise().mean(), centre_to = to.rowwise().mean();
+  Eigen::Matrix3d s;  // correlations
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      s(i, j) = (from.row(i).array() - centre_from[i]).matrix().dot(to.row(j));
+  const Eigen::Vector3d difference(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
+  Eigen::MatrixXd n(4, 4);
+  n(0, 0) = s.trace();
+  n.topRightCorner(1, 3) = difference.transpose();
+  n.bottomLeftCorner(3, 1) = difference;
+  n.bottomRightCorner(3, 3) = s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity();
+  const Eigen::VectorXd q = symmetric_eigen(n).vectors.col(3);
+  Eigen::Isometry3d moved(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+  moved.translation() = centre_to - moved.linear() * centre_from;
+  return moved;
+}
+
 }  // namespace
 
 /// Rotation and translation from the model's tip to the tracked one, where they differ strongly: a start for
@@ -24,8 +45,7 @@ void TipModel::align() {
   const Eigen::Matrix3Xd tracked = evidence_->tip;
   const Eigen::Matrix3Xd centred = tracked.colwise() - tracked.rowwise().mean();
   if ((tip - tracked).norm() < 0.02 * centred.norm()) return;
-  const Eigen::Matrix4d moved = Eigen::umeyama(tip, tracked, false);
-  estimate_.base.matrix() = moved;
+  estimate_.base = rigid_alignment(tip, tracked);
 }
 
 /// Updates link dimensions and encoder corrections by the coefficients.
