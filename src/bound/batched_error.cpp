@@ -1,6 +1,8 @@
 #include "bound/batched_error.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <optional>
 
 #include "bound/error_plan.hpp"
 #include "lanes/aligned.hpp"
@@ -10,14 +12,56 @@ namespace qerr {
 struct BatchedError::Plan {
   PlannedError error;
   const BoundKernels& kernels;
+  std::optional<ErrorAlongMotion> along_motion;
 };
+
+namespace {
+
+/// Adds the error along a motion to the figures of a batch.
+class AlongMotion {
+ public:
+  AlongMotion(const FigureLayout& layout, double* figures) : layout_(layout), figures_(figures) {}
+
+  void add(const ErrorAlongMotion& error, const ErrorPlan& plan) {
+    const std::size_t m = layout_.coordinates;
+    for (std::size_t c = 0; c < m; ++c) {
+      const auto row = static_cast<Eigen::Index>(c);
+      widen(layout_.worst_case + c, error.tip.peak[row]);
+      if (plan.rigorous) widen(layout_.rigorous + c, error.tip.peak[row]);
+      if (!plan.keep_covariance) scatter(layout_.sigma + c, error.tip.covariance(row, row));
+      for (std::size_t f = 0; f < plan.filters; ++f) {
+        const SignalMoments& behind = error.filtered[f];
+        widen(layout_.filtered_worst + f * m + c, behind.peak[row]);
+        scatter(layout_.filtered_sigma + f * m + c, behind.covariance(row, row));
+        if (layout_.in_motion < layout_.trace)
+          scatter(layout_.in_motion + f * m + c, behind.covariance(row, row));
+      }
+    }
+  }
+
+ private:
+  void widen(std::size_t figure, double by) {
+    for (std::size_t i = 0; i < batch_size; ++i) figures_[figure * batch_size + i] += by;
+  }
+  void scatter(std::size_t figure, double variance) {
+    for (std::size_t i = 0; i < batch_size; ++i) {
+      double& sigma = figures_[figure * batch_size + i];
+      sigma = std::sqrt(sigma * sigma + variance);
+    }
+  }
+
+  const FigureLayout& layout_;
+  double* figures_;
+};
+
+}  // namespace
 
 struct BatchedError::Work {
   AlignedNumbers scratch, sums;
 };
 
 BatchedError::BatchedError(const OperationalModel& model, const ErrorFigures& requested, InstructionSet set)
-    : plan_(new Plan{{model, requested}, select_kernels<BoundKernels>(set)}) {
+    : plan_(new Plan{{model, requested}, select_kernels<BoundKernels>(set), model.along_motion}) {
   const ErrorPlan& plan = plan_->error.plan();
   work_ = std::make_unique<Work>(Work{AlignedNumbers(plan_->kernels.scratch(plan)),
                                       AlignedNumbers(plan.sums.count * plan_->kernels.lanes)});
@@ -37,6 +81,8 @@ bool BatchedError::own_sigma() const { return plan_->error.plan().filtered_sigma
 
 void BatchedError::operator()(const double* q, double* figures) {
   plan_->kernels.errors(plan_->error.plan(), q, figures, work_->sums.data(), work_->scratch.data());
+  if (plan_->along_motion)
+    AlongMotion(this->figures(), figures).add(*plan_->along_motion, plan_->error.plan());
 }
 
 std::vector<double> BatchedError::take_sums() {

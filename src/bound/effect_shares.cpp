@@ -2,7 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <limits>
 
 #include "core/solve.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -51,22 +51,6 @@ Spread uniform(double lower, double upper) {
   return {lower, upper, mean, mean * mean + half * half / 3};
 }
 
-/// Limits do not determine the rates of velocity and effort: the rate of the position is assumed.
-void set_rates(Usage& u) {
-  if (!u.position || !u.velocity || u.position->rms_about_mid_range() == 0) return;
-  const double rate = u.velocity->rms() / u.position->rms_about_mid_range();
-  u.position->rate = u.velocity->rate = u.reversals = rate;
-  if (u.effort) u.effort->rate = rate;
-}
-
-/// Equally spaced values of a range.
-std::vector<double> equally_spaced(const std::optional<Spread>& s) {
-  constexpr int count = 256;
-  std::vector<double> values;
-  for (int i = 0; s && i < count; ++i) values.push_back(s->lower + 2 * s->half_width() * (i + 0.5) / count);
-  return values;
-}
-
 }  // namespace
 
 Spread spread_of(std::span<const double> samples) {
@@ -91,8 +75,6 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
       u.position = uniform(ranges[i].lower, ranges[i].upper);
     if (joint.velocity_limit) u.velocity = uniform(-*joint.velocity_limit, *joint.velocity_limit);
     if (joint.effort_limit) u.effort = uniform(-*joint.effort_limit, *joint.effort_limit);
-    u.speeds = equally_spaced(u.velocity);
-    set_rates(u);
   }
   const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
   for (std::size_t i = 0; i < ranges.size(); ++i) {
@@ -100,8 +82,6 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     Usage u = usage.joints[i];
     u.position = combined(weights, usage.joints, &Usage::position);
     u.velocity = combined(weights, usage.joints, &Usage::velocity);
-    u.speeds = equally_spaced(u.velocity);
-    set_rates(u);
     usage.encoders.push_back(std::move(u));
   }
   return usage;
@@ -132,65 +112,25 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
 
 namespace {
 
-double magnitude(const Filter& filter, double angular) {
-  return std::abs(response(filter, angular / (2 * std::numbers::pi)));
-}
-
-/// sqrt(sum over odd m of (8/(pi m)^2) |H(m w)|^2). High orders are summed in blocks 0.5 % wide; beyond four
-/// times the sample rate (and order 200) |H|^2 is replaced by its mean over all frequencies, ||H||_2^2.
-double square_wave_ratio(const Filter& filter, const Norms& norms, double rate) {
-  constexpr double pi = std::numbers::pi;
-  const double highest = std::max(200.0, 8 * pi * filter.sample_rate / rate);
-  double sum = 0, low = 0;  // orders below `low` are summed
-  while (low < highest) {
-    const double width = 2 * std::max(1.0, std::floor(0.0025 * low)), m = low + 0.5 * width;
-    const double weight = width == 2 ? 8 / (m * m) : 4 / low - 4 / (low + width);
-    sum += weight * std::pow(magnitude(filter, m * rate), 2);
-    low += width;
+double sigma_ratio(const Norms& norms, Spectrum spectrum) {
+  switch (spectrum) {
+    case Spectrum::constant:
+      return std::abs(norms.dc_gain);
+    case Spectrum::motion:
+      break;
+    case Spectrum::white:
+      return norms.h2;
   }
-  return std::sqrt(sum + 4 / low * norms.h2 * norms.h2) / pi;
-}
-
-/// sqrt(sum over the wave numbers k of fraction_k mean_v |H(k v)|^2), the remaining variance treated as
-/// white.
-double travel_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
-  double power = 0, remaining = 1;
-  for (const Sinusoid& s : share.sinusoids) {
-    double sum = 0;
-    for (const double v : usage.speeds) sum += std::pow(magnitude(filter, s.wave_number * v), 2);
-    power += s.variance_fraction * sum / static_cast<double>(usage.speeds.size());
-    remaining -= s.variance_fraction;
-  }
-  return std::sqrt(power + std::max(0.0, remaining) * norms.h2 * norms.h2);
+  return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
 
-double sigma_ratio(const Filter& filter, const Norms& norms, const Share& share, const Usage& usage) {
-  switch (share.spectrum) {
-    case Spectrum::constant:
-      return std::abs(norms.dc_gain);
-    case Spectrum::motion:
-      return share.rate ? magnitude(filter, *share.rate) : norms.h2;
-    case Spectrum::reversals:
-      if (!usage.reversals) return norms.h2;
-      // A joint that never reverses has a constant error.
-      return *usage.reversals > 0 ? square_wave_ratio(filter, norms, *usage.reversals)
-                                  : std::abs(norms.dc_gain);
-    case Spectrum::travel:
-      return usage.speeds.empty() ? norms.h2 : travel_ratio(filter, norms, share, usage);
-    case Spectrum::white:
-      break;
-  }
-  return norms.h2;
-}
-
 std::vector<ErrorSource> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
-                                       const RobotUsage& usage, const std::vector<Filter>& filters,
                                        const std::vector<Norms>& norms) {
   std::vector<ErrorSource> sources;
   for (const EffectShare& s : shares) {
-    if (!s.included || (worst(*s.share) == 0 && s.share->sigma == 0)) continue;
+    if (!s.included || is_zero(*s.share)) continue;
     const Stage stage = effect_kind(s.effect.type).stage;
     ErrorSource source{at_joint(stage) ? ErrorSource::Where::joint : ErrorSource::Where::encoder, s.joint};
     if (stage == Stage::kinematics) {
@@ -203,9 +143,7 @@ std::vector<ErrorSource> error_sources(const OperationalModel& model, const std:
     source.mean = s.share->mean;
     source.half_width = s.share->half_width;
     source.sigma = s.share->sigma;
-    const Usage& u = at_joint(stage) ? usage.joints[s.joint] : usage.encoders[s.joint];
-    for (std::size_t f = 0; f < filters.size(); ++f)
-      source.sigma_ratios.push_back(sigma_ratio(filters[f], norms[f], *s.share, u));
+    for (const Norms& n : norms) source.sigma_ratios.push_back(sigma_ratio(n, s.share->spectrum));
     sources.push_back(std::move(source));
   }
   return sources;

@@ -141,8 +141,7 @@ void PlannedError::share_scale() {
 }
 
 void PlannedError::set_remainder(const OperationalModel& model) {
-  const LinearizationRemainder r =
-      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
   plan_.remainder = r.position;
   plan_.angle_remainder = r.rotation;
   plan_.angle = r.rotation_angle;
@@ -175,8 +174,8 @@ void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures
     }
   }
   plan_.filters = requested.filters.size();
-  plan_.filtered_worst = biased || !sources.empty();
-  plan_.filtered_sigma = !sources.empty();
+  plan_.filtered_worst = biased || !sources.empty() || model.along_motion;
+  plan_.filtered_sigma = !sources.empty() || model.along_motion;
   plan_.l1 = l1_.data();
   plan_.dc_gain = dc_gain_.data();
   plan_.ratio_squares = ratio_squares_.data();

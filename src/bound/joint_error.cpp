@@ -4,7 +4,8 @@
 
 namespace qerr {
 
-JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& sources) {
+JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& sources,
+                       const SignalMoments* along_motion) {
   const Eigen::VectorXd delta = resolutions(t);
   JointError e;
   e.mean = t.coupling * mean_errors(t);
@@ -19,6 +20,10 @@ JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& so
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
     e.sigma = (e.sigma.array().square() + (column * s.sigma).array().square()).sqrt();
+  }
+  if (along_motion) {
+    e.half_width += along_motion->peak;
+    e.sigma = (e.sigma.array().square() + along_motion->covariance.diagonal().array()).sqrt();
   }
   e.worst_case = e.half_width + e.mean.cwiseAbs();
   return e;

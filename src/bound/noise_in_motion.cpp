@@ -88,19 +88,6 @@ double slow_sine_sigma(const Autocorrelation& a, double peak) {
   return sigma_of(a, [&](std::size_t n) { return sine_loss(static_cast<double>(n) * std::abs(peak)); });
 }
 
-double path_sigma(const Autocorrelation& a, std::span<const double> x, std::size_t first) {
-  constexpr double most_pairs = 2e8;
-  const double pairs = static_cast<double>(a.r.size()) * static_cast<double>(x.size() - first);
-  const auto step = static_cast<std::size_t>(1 + pairs / most_pairs);
-  return sigma_of(a, [&](std::size_t n) {
-    const std::size_t from = std::max(first, n);
-    if (from >= x.size()) return 1.0 / 6;
-    double sum = 0;
-    for (std::size_t k = from; k < x.size(); k += step) sum += loss(x[k] - x[k - n]);
-    return sum / static_cast<double>((x.size() - from + step - 1) / step);
-  });
-}
-
 double ipqn_sigma(const Autocorrelation& a) { return std::sqrt(a.r[0] / 12); }
 
 namespace {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <span>
 
 #include "filter/norms/autocorrelation.hpp"
 
@@ -48,13 +47,6 @@ double sine_sigma(const Autocorrelation&, double amplitude, double cycles_per_sa
 /// The limit of `sine_sigma` for slow sines of a given peak speed, V = 2 pi A f_i/f: s_n has the amplitude n
 /// V.
 double slow_sine_sigma(const Autocorrelation&, double peak_quanta_per_sample);
-
-/// Along any path of the joint, sampled at the filter's rate, over random zero: root mean square over the
-/// samples from `first` on, with E s_n the mean over the pairs of such a sample and the one n before it.
-/// Exact if `first` is at least the filter's memory; lags beyond the start of the path count as uncorrelated.
-/// Of more than 2e8 pairs every m-th is used.
-/// @param positions  [quanta], more than `first`
-double path_sigma(const Autocorrelation&, std::span<const double> positions, std::size_t first = 0);
 
 /// sigma under IPQN, ||H||_2/sqrt(12).
 double ipqn_sigma(const Autocorrelation&);

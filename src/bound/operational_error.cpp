@@ -60,6 +60,11 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
 
 }  // namespace
 
+JointError joint_error(const OperationalModel& model) {
+  return joint_error(model.transmission, model.sources,
+                     model.along_motion ? &model.along_motion->joints : nullptr);
+}
+
 OperationalError operational_error(const OperationalModel& model, const Eigen::VectorXd& q) {
   Eigen::Isometry3d pose;
   const Jacobian joints = joint_jacobian(model.chain, q, &pose);
@@ -89,13 +94,18 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
     if (unbounded[i])
       e.half_width[i] = e.worst_case[i] = e.sigma[i] = infinity, e.weighted.row(i).setConstant(infinity);
 
-  const LinearizationRemainder r =
-      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
   const double position_remainder = r.position + joints.topRows<3>().colwise().norm() * r.per_column;
   e.rigorous.resize(e.sigma.size());
   for (Eigen::Index i = 0; i < e.rigorous.size(); ++i)
     e.rigorous[i] = rigorous_bound(model.coordinates[static_cast<std::size_t>(i)], e.worst_case[i], r,
                                    position_remainder);
+  if (model.along_motion) {
+    const SignalMoments& tip = model.along_motion->tip;
+    e.worst_case += tip.peak;
+    e.rigorous += tip.peak;
+    e.sigma = (e.sigma.array().square() + tip.covariance.diagonal().array()).sqrt();
+  }
   return e;
 }
 

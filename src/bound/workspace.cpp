@@ -93,9 +93,11 @@ class Summary {
       all.push_back({job_.errors().own_worst_case()
                          ? statistic(figures_.filtered_worst + figure)
                          : scaled(w.coordinates[c].worst_case, filters_[f].l1.upper),
-                     job_.errors().own_sigma() ? statistic(figures_.filtered_sigma + figure)
-                                               : scaled(w.coordinates[c].sigma, filters_[f].h2),
+                     {},
                      {}});
+      if (!sigma_is_known(model_.sources, f)) continue;
+      all.back().sigma = job_.errors().own_sigma() ? statistic(figures_.filtered_sigma + figure)
+                                                   : scaled(w.coordinates[c].sigma, filters_[f].h2);
       if (is_known(options_.noise_in_motion, f))
         all.back().sigma_in_motion = statistic(figures_.in_motion + figure);
     }
@@ -111,10 +113,22 @@ class Summary {
     w.largest_at = draw(configurations_, job_.at_max(figures_.trace), 1).col(0);
     const OperationalError largest = operational_error(model_, w.largest_at);
     w.covariance_at_largest = qerr::covariance(largest);
-    for (std::size_t f = 0; f < filters_.size() && job_.errors().own_sigma(); ++f)
-      w.filtered.push_back(
-          {covariance(sums_.filtered + f * m_ * (m_ + 1) / 2),
-           qerr::covariance(largest, filters_[f].h2, sigma_ratios(model_.sources, f, filters_[f].h2))});
+    for (std::size_t f = 0; f < filters_.size() && job_.errors().own_sigma(); ++f) {
+      auto& behind = w.filtered.emplace_back();
+      if (!sigma_is_known(model_.sources, f)) continue;
+      behind = {covariance(sums_.filtered + f * m_ * (m_ + 1) / 2),
+                qerr::covariance(largest, filters_[f].h2, sigma_ratios(model_.sources, f, filters_[f].h2))};
+    }
+    if (!model_.along_motion) return;
+    const auto add = [](const SignalMoments& signal, Eigen::MatrixXd& mean, Eigen::MatrixXd& at_largest) {
+      mean += signal.covariance;
+      at_largest += signal.covariance;
+    };
+    add(model_.along_motion->tip, w.mean_covariance, w.covariance_at_largest);
+    for (std::size_t f = 0; f < w.filtered.size(); ++f)
+      if (w.filtered[f].mean_covariance.size() > 0)
+        add(model_.along_motion->filtered[f], w.filtered[f].mean_covariance,
+            w.filtered[f].covariance_at_largest);
   }
 
   /// Coordinates x encoders.

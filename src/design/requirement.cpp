@@ -11,7 +11,11 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
     if (r.bound == Bound::sigma_in_motion && !d.sigma_in_motion)
       throw Error(
           Fault{r.place, "requirements", "sigma in motion is not computed", "'" + r.quantity + "'", ""});
-    statistic = r.bound == Bound::sigma             ? &d.sigma
+    if (r.bound == Bound::sigma && !d.sigma)
+      throw Error(Fault{r.place, "requirements",
+                        "sigma behind a filter depends on the motion, as an effect does",
+                        "'" + r.quantity + "'", "add `motion:`"});
+    statistic = r.bound == Bound::sigma             ? &*d.sigma
                 : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
                                                     : &d.worst_case;
   } else if (r.bound == Bound::worst_case_rigorous) {

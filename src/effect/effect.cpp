@@ -100,12 +100,8 @@ std::optional<Share> proportional(double factor, const std::optional<Spread>& qu
   if (factor == 0) return Share{};
   if (!quantity) return std::nullopt;
   // Adding 0.0 turns -0.0 into 0.0.
-  return Share{0.0 + factor * quantity->mid_range(),
-               std::abs(factor) * quantity->half_width(),
-               std::abs(factor) * quantity->rms_about_mid_range(),
-               Spectrum::motion,
-               {},
-               quantity->rate};
+  return Share{0.0 + factor * quantity->mid_range(), std::abs(factor) * quantity->half_width(),
+               std::abs(factor) * quantity->rms_about_mid_range(), Spectrum::motion};
 }
 
 double normal(std::uint64_t seed, std::uint64_t index) {

@@ -67,7 +67,6 @@ struct PathErrorPlan {
   double rotation, rotation_angle;
   const double* center_mean;  ///< of each coordinate
   std::size_t width;          ///< of a row: the number of channels, padded to whole lanes
-  std::size_t squares_width;  ///< the same for the squares
 };
 
 /// Sums of channels about their first values, which avoids cancellation. One number for each channel; if
@@ -104,8 +103,6 @@ struct PathErrorBatch {
   bool bounds_only;           ///< compute only `rigorous` and `deviation` of the outputs
   bool each;                  ///< compute the variance of each instant instead of its sum over the batch
   double* variance;           ///< [coordinate]: sum of (J C Delta)^2 over the encoders; or a vector of sums
-  double* squares;            ///< [encoder][coordinate]: (J C Delta)^2 is added; or null
-  double* summed;             ///< the same, one vector of sums for each; or null
   double* rigorous;           ///< [coordinate]: largest bound so far
   double* deviation;          ///< [coordinate]: the same of the difference from the mean at the centre
   double* scratch;
@@ -142,8 +139,6 @@ constexpr bool is_fusible(int differences, FusedSection::Kind one, FusedSection:
          (two == FusedSection::Kind::none || (differences == 0 && two == one));
 }
 
-inline constexpr std::size_t lags_at_once = 32;
-
 struct SimulationKernels {
   std::size_t lanes;
   std::size_t (*errors_scratch_size)(const PathErrorPlan&);  ///< numbers in PathErrorBatch::scratch
@@ -162,10 +157,6 @@ struct SimulationKernels {
   /// joint and instant: [vector of instants][joint].
   void (*sines)(const FoldedPath&, const double* joint, double* out);
   void (*errors)(const PathErrorPlan&, const PathErrorBatch&);
-  /// Transposes `width` channels of 64 instants into rows, and clears the channels.
-  void (*transpose)(double* channels, std::size_t width, double* rows);
-  /// Adds the rows first .. last - 1 to `sum`.
-  void (*add_rows)(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* sum);
   /// The sum of the numbers first .. last - 1 of a row.
   double (*sum_between)(const double* row, std::size_t first, std::size_t last);
   /// @param peaks  number of channels whose peak is computed
@@ -178,14 +169,6 @@ struct SimulationKernels {
   void (*filter_and_tally)(const FusedPlan&, const double* in, std::size_t stride, std::size_t rows,
                            std::size_t width, std::size_t peaks, bool fresh, double* state,
                            const ChannelTally&);
-  /// Subtracts from each of the 64 numbers of a row the nearest integer.
-  void (*subtract_nearest_integer)(double* row);
-  /// sum_n r[n] sum_k {s}(1 - {s}), s = x[k] - x[k - n], n = 1 .. lags, k = 0 .. count - 1.
-  /// @param weights  r[lags], ..., r[1]
-  /// @param x        in [-1/2, 1/2], by `subtract_nearest_integer`; preceded in memory by `lags` earlier
-  /// values
-  /// @pre lags is a multiple of `lags_at_once`
-  double (*losses)(const double* weights, std::size_t lags, const double* x, std::size_t count);
 };
 
 }  // namespace qerr

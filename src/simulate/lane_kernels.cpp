@@ -123,70 +123,6 @@ bool within(const double* row, double factor, double limit) {
   return !any<L>(~inside);
 }
 
-/// The nearest integer.
-template <class L>
-[[gnu::always_inline]] inline L nearest(const L& x) {
-  if constexpr (lane_count<L> == 2) {  // without a rounding instruction; |x| < 2^51
-    constexpr double shift = 0x1.8p52;
-    return (x + shift) - shift;
-  }
-  L rounded_x;
-#pragma GCC unroll 8
-  for (std::size_t i = 0; i < lane_count<L>; ++i) rounded_x[i] = __builtin_nearbyint(x[i]);
-  return rounded_x;
-}
-
-template <class L>
-void subtract_nearest_integer(double* row) {
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>) {
-    const L x = load<L>(row + i);
-    store(row + i, x - nearest(x));
-  }
-}
-
-/// Adds {s}(1 - {s}) of the pairs of `tile` positions, a vector apart, and the lags of four vectors. Both
-/// positions of a pair advance by a vector at equal lag, so that few loads serve many pairs.
-///
-/// @param x     the first position
-/// @param past  the position at the first lag of the first lane
-template <class L, int tile>
-[[gnu::always_inline]] inline void add_losses(const double* x, const double* past, L (&sums)[4]) {
-  constexpr auto lanes = lane_count<L>;
-  L earlier[tile + 3];
-#pragma GCC unroll 8
-  for (int u = 0; u < tile + 3; ++u) earlier[u] = load<L>(past + u * lanes);
-#pragma GCC unroll 4
-  for (int k = 0; k < tile; ++k) {
-    const L position = broadcast<L>(x[k * lanes]);
-#pragma GCC unroll 4
-    for (int v = 0; v < 4; ++v) {
-      // |x| <= 1/2, so that |s| <= 1 and {s} is |s| or 1 - |s|.
-      const L part = abs(position - earlier[k + v]);
-      sums[v] = fma(part, 1 - part, sums[v]);
-    }
-  }
-}
-
-/// Lanes are lags, the longest first.
-template <class L>
-double losses(const double* weights, std::size_t lags, const double* x, std::size_t count) {
-  constexpr std::size_t lanes = lane_count<L>, tile = 4;
-  L total{};
-  for (std::size_t p = 0; p < lags; p += 4 * lanes) {
-    const double* const past = x - lags + p;
-    L sums[4] = {};
-    std::size_t k = 0;
-    for (; k + tile * lanes <= count; k += tile * lanes)
-      for (std::size_t i = k; i < k + lanes; ++i) add_losses<L, tile>(x + i, past + i, sums);
-    for (; k < count; ++k) add_losses<L, 1>(x + k, past + k, sums);
-#pragma GCC unroll 4
-    for (std::size_t v = 0; v < 4; ++v) total = fma(load<L>(weights + p + v * lanes), sums[v], total);
-  }
-  double sum = 0;
-  for (std::size_t i = 0; i < lanes; ++i) sum += total[i];
-  return sum;
-}
-
 }  // namespace
 }  // namespace qerr::lanes
 
@@ -196,23 +132,13 @@ template <>
 const SimulationKernels& compiled_kernels<SimulationKernels, lanes::compiled_set>() {
   using namespace lanes;
   using L = CompiledLanes;
-  static constexpr SimulationKernels kernels{lane_count<L>,
-                                             errors_scratch_size<L>,
-                                             times<L>,
-                                             positions<L>,
-                                             displace<L>,
-                                             mix<L>,
-                                             quantize<L>,
-                                             within<L>,
-                                             sines<L>,
-                                             errors<L>,
-                                             transpose<L>,
-                                             add_rows<L>,
-                                             sum_between<L>,
-                                             tally<L>,
-                                             filter_and_tally<L>,
-                                             subtract_nearest_integer<L>,
-                                             losses<L>};
+  static constexpr SimulationKernels kernels{lane_count<L>,      errors_scratch_size<L>,
+                                             times<L>,           positions<L>,
+                                             displace<L>,        mix<L>,
+                                             quantize<L>,        within<L>,
+                                             sines<L>,           errors<L>,
+                                             sum_between<L>,     tally<L>,
+                                             filter_and_tally<L>};
   return kernels;
 }
 

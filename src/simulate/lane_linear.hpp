@@ -64,26 +64,13 @@ struct Linear {
   L squares[depth];  ///< if only their sum over the instants is requested: in the first vector
 };
 
-/// (J C Delta)^2 of coordinate and encoder k.
+/// Adds (J C Delta)^2 of one encoder.
 template <class Wanted, class L>
-[[gnu::always_inline]] inline void add_squares(const PathErrorBatch& b, std::size_t k, std::size_t at,
-                                               const L (&weighted)[depth], Linear<L>& all) {
-  constexpr auto lanes = lane_count<L>;
-  L sum = weighted[0] * weighted[0];
-#pragma GCC unroll 3
-  for (std::size_t i = 1; i < depth; ++i) sum = fma(weighted[i], weighted[i], sum);
-  if constexpr (Wanted::each) {
+[[gnu::always_inline]] inline void add_squares(const L (&weighted)[depth], Linear<L>& all) {
 #pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i) all.squares[i] = fma(weighted[i], weighted[i], all.squares[i]);
-  } else {
-    all.squares[0] += sum;
-  }
-  if (b.summed) store(b.summed + k * lanes, load<L>(b.summed + k * lanes) + sum);
-  if (b.squares) {
-    double* const to = b.squares + k * batch_size + at;
-#pragma GCC unroll 4
-    for (std::size_t i = 0; i < depth; ++i)
-      store(to + i * lanes, fma(weighted[i], weighted[i], load<L>(to + i * lanes)));
+  for (std::size_t i = 0; i < depth; ++i) {
+    L& sum = all.squares[Wanted::each ? i : 0];
+    sum = fma(weighted[i], weighted[i], sum);
   }
 }
 
@@ -133,7 +120,7 @@ template <bool bounded, class Wanted, class L>
       all.sizes[i] += abs(weighted[i]);
     }
     add_contribution<Wanted>(p, b, c, e, b.fresh && at == 0, scratch, weighted, all);
-    add_squares<Wanted>(b, e * p.coordinates + c, at, weighted, all);
+    add_squares<Wanted>(weighted, all);
   }
   return all;
 }

@@ -45,23 +45,6 @@ template <class L>
   }
 }
 
-/// Transposes `width` channels of 64 instants and clears them.
-template <class L>
-void transpose(double* channels, std::size_t width, double* rows) {
-  for (std::size_t i = 0; i < batch_size; i += lane_count<L>)
-    into_rows<L>(channels + i, batch_size, width, rows + i * width);
-  for (std::size_t i = 0; i < width * batch_size; i += lane_count<L>) store(channels + i, L{});
-}
-
-template <class L>
-void add_rows(const double* rows, std::size_t width, std::size_t first, std::size_t last, double* to) {
-  for (std::size_t c = 0; c < width; c += lane_count<L>) {
-    L sum{};
-    for (std::size_t i = first; i < last; ++i) sum += load<L>(rows + i * width + c);
-    store(to + c, load<L>(to + c) + sum);
-  }
-}
-
 template <class L>
 [[gnu::always_inline]] inline double sum_of(const L& lanes) {
   double sum = 0;

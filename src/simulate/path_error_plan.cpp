@@ -78,8 +78,7 @@ void PathErrors::fix_scale(const OperationalModel& model) {
 }
 
 void PathErrors::bound(const OperationalModel& model) {
-  const LinearizationRemainder r =
-      linearization_remainder(model.chain, joint_error(model.transmission, model.sources).worst_case);
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
   plan_.remainder = r.position;
   plan_.rotation = r.rotation;
   plan_.rotation_angle = r.rotation_angle;
@@ -116,7 +115,6 @@ void PathErrors::set_plan(const OperationalModel& model) {
     return (count + kernels_.lanes - 1) / kernels_.lanes * kernels_.lanes;
   };
   plan_.width = padded_to_lanes(static_cast<std::size_t>(channels_.count()));
-  plan_.squares_width = padded_to_lanes(plan_.coordinates * plan_.encoders);
 }
 
 }  // namespace qerr

@@ -57,9 +57,6 @@ PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const 
   const std::size_t m = coordinates_.size(), joints = chain_.joints.size();
   rows_ = of_lanes(plan_.width);
   variance_ = of_lanes(m);
-  kept_ = of_lanes(plan_.squares_width);
-  kept_rows_ = of_lanes(plan_.squares_width);
-  summed_ = AlignedNumbers(plan_.squares_width * kernels_.lanes);
   rigorous_ = AlignedNumbers(m * kernels_.lanes);
   deviation_ = AlignedNumbers(m * kernels_.lanes);
   scratch_ = AlignedNumbers(kernels_.errors_scratch_size(plan_));
@@ -121,11 +118,9 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
                        wanted.rows ? rows_.data() : nullptr,
                        place.tally,
                        place.fresh,
-                       !wanted.rows && !wanted.statistics && wanted.squares == Squares::dropped,
+                       !wanted.rows && !wanted.statistics,
                        each_,
                        variance_.data(),
-                       wanted.squares == Squares::kept ? kept_.data() : nullptr,
-                       wanted.squares == Squares::summed ? summed_.data() : nullptr,
                        rigorous_.data(),
                        deviation_.data(),
                        scratch_.data()};
@@ -143,14 +138,6 @@ void PathErrors::operator()(const SensedBatch& b, const Wanted& wanted) {
   batch.built_joint = direct_built_joint_.data();
   batch.estimate = direct_estimate_.data();
   kernels_.errors(plan, batch);
-}
-
-void PathErrors::take_summed(double* squares) {
-  for (std::size_t k = 0; k < plan_.coordinates * plan_.encoders; ++k)
-    for (std::size_t i = k * kernels_.lanes; i < (k + 1) * kernels_.lanes; ++i) {
-      squares[k] += summed_[i];
-      summed_[i] = 0;
-    }
 }
 
 Eigen::VectorXd PathErrors::largest(const AlignedNumbers& of_lanes) const {

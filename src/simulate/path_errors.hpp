@@ -20,15 +20,8 @@ class PathErrors {
   PathErrors(const OperationalModel&, const Chain& built, const Eigen::VectorXd& center_mean,
              InstructionSet = instruction_set());
 
-  /// Use of the squares (J C Delta)^2 of a batch.
-  enum class Squares {
-    dropped,
-    summed,  ///< added to one sum over instants and batches
-    kept     ///< added, instant by instant, to those of other batches of the same instants
-  };
   struct Wanted {
     bool rows = true;
-    Squares squares = Squares::kept;
     RunStatistics* statistics = nullptr;  ///< if set, all instants are added to it, in `block`
     std::uint64_t block = 0;
     bool each = true;  ///< compute the variance of every instant, not only that of the batch
@@ -51,14 +44,6 @@ class PathErrors {
     const double* const values = variance_.data() + static_cast<std::size_t>(coordinate) * batch_size;
     return each_ ? kernels_.sum_between(values, first, last)
                  : kernels_.sum_between(values, 0, kernels_.lanes);
-  }
-
-  /// Adds the squares summed since the last call to those of a stretch.
-  void take_summed(double* squares);
-  /// Transposes the squares kept since the last call into rows for `add_kept`.
-  void take_kept() { kernels_.transpose(kept_.data(), plan_.squares_width, kept_rows_.data()); }
-  void add_kept(std::size_t first, std::size_t last, double* squares) const {
-    kernels_.add_rows(kept_rows_.data(), plan_.squares_width, first, last, squares);
   }
 
   /// Largest bounds over all batches so far: of the error, and of its difference from the mean at the centre.
@@ -89,7 +74,7 @@ class PathErrors {
   bool shared_ = false, each_ = true;
   AlignedNumbers path_sines_;
   std::vector<Displacement> displacements_;
-  AlignedNumbers rows_, variance_, kept_, kept_rows_, summed_, rigorous_, deviation_, scratch_;
+  AlignedNumbers rows_, variance_, rigorous_, deviation_, scratch_;
 
   // For angles beyond the range of the vectorized sine: the same chains with angles reduced to one turn.
   std::vector<FoldedJoint> direct_chain_, direct_built_;

@@ -18,6 +18,8 @@ constexpr std::uint64_t displacement_stream = 0x7068617365;
 /// equidistributed over the runs, so that means converge faster than with independent displacements.
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
+  if (job.every_zero)
+    return (steps * ((static_cast<double>(run) + 0.5) / static_cast<double>(job.options.runs) - 0.5)).eval();
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
   if (!job.options.random_phase) return d;
   double step = 1;
@@ -31,18 +33,17 @@ Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   return d;
 }
 
-/// Samples from .. to - 1 of a batch that belong to part `number` of a record.
+/// Samples from .. to - 1 of a batch that belong to block `number` of a record.
 struct Part {
   std::size_t from, to, number;
 };
 
-/// Assigns samples first .. first + count - 1 to `parts` equal parts of the record after the settling.
-void find_parts(const Job& job, std::uint64_t first, std::size_t count, std::uint64_t parts,
-                std::vector<Part>& all) {
+/// Assigns samples first .. first + count - 1 to the blocks, equal parts of the record after the settling.
+void find_blocks(const Job& job, std::uint64_t first, std::size_t count, std::vector<Part>& all) {
   const auto number = [&](std::size_t i) {
     const double progress = (static_cast<double>(first + i) - static_cast<double>(job.settling)) /
                             static_cast<double>(job.samples - job.settling);
-    return static_cast<std::size_t>(progress * static_cast<double>(parts));
+    return static_cast<std::size_t>(progress * static_cast<double>(job.blocks));
   };
   all.clear();
   std::size_t from = job.settling > first ? std::min<std::size_t>(job.settling - first, count) : 0;
@@ -67,7 +68,6 @@ class Runs {
         channels_(job.model),
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
-        along_(channels_.coordinates, channels_.encoders, job.stretches),
         thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
     const SimulationKernels& kernels = select_kernels<SimulationKernels>(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
@@ -91,18 +91,13 @@ class Runs {
     for (std::uint64_t first = 0; first < job_.samples; first += batch_size) {
       path_.at(first, static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, job_.samples - first)));
       if (runs_.size() > 1) errors_.share(path_);
-      find_parts(job_, first, path_.count(), job_.blocks, blocks_);
-      find_parts(job_, first, path_.count(), job_.stretches, stretches_);
-      const PathErrors::Squares squares = squares_of(stretches_);
+      find_blocks(job_, first, path_.count(), blocks_);
       for (Run& run : runs_) {
-        step(run, squares);
+        step(run);
         if (first % tick_samples == 0) tick();
       }
-      add_squares(squares, stretches_);
     }
-    errors_.take_summed(along_.squares(stretch_));
-    along_.bound_by(errors_.rigorous(), errors_.deviation());
-    RunsResult result{{}, std::move(along_)};
+    RunsResult result{{}, {errors_.rigorous(), errors_.deviation()}};
     for (Run& run : runs_) {
       for (RunStatistics& output : run.outputs) output.finish();
       result.outputs.push_back(std::move(run.outputs));
@@ -118,31 +113,13 @@ class Runs {
     std::vector<RunStatistics> outputs;
   };
 
-  /// How the squares of the batch are summed; the sum of a completed stretch is stored.
-  PathErrors::Squares squares_of(const std::vector<Part>& stretches) {
-    if (stretches.empty()) return PathErrors::Squares::dropped;
-    if (!is_whole_batch(stretches)) return PathErrors::Squares::kept;
-    if (stretches[0].number != stretch_) errors_.take_summed(along_.squares(stretch_));
-    stretch_ = stretches[0].number;
-    return PathErrors::Squares::summed;
-  }
-
-  void add_squares(PathErrors::Squares squares, const std::vector<Part>& stretches) {
-    if (squares == PathErrors::Squares::kept) errors_.take_kept();
-    for (const Part& part : stretches) {
-      along_.count(runs_.size() * (part.to - part.from));
-      if (squares == PathErrors::Squares::kept)
-        errors_.add_kept(part.from, part.to, along_.squares(part.number));
-    }
-  }
-
   /// Simulates one run over the batch.
-  void step(Run& run, PathErrors::Squares squares) {
+  void step(Run& run) {
     const std::uint64_t first = path_.first();
     const SensedBatch& sensed = run.sensing.sense(path_);
     for (std::size_t i = 0; run.visited && i < path_.count(); ++i) job_.options.visit(run.sensing.reading(i));
     const bool in_lanes = is_whole_batch(blocks_), in_rows = !in_lanes && !blocks_.empty();
-    errors_(sensed, {in_rows || !run.filters.empty(), squares, in_lanes ? &run.outputs[0] : nullptr,
+    errors_(sensed, {in_rows || !run.filters.empty(), in_lanes ? &run.outputs[0] : nullptr,
                      in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error is assumed before the start, so that a constant error causes no transient.
     if (first == 0)
@@ -200,10 +177,8 @@ class Runs {
   Channels channels_;
   PathBatch path_;
   PathErrors errors_;
-  AlongPath along_;
-  std::size_t stretch_ = 0;               // of which squares are being summed
-  bool thinned_;                          // a filter uses only every n-th sample
-  std::vector<Part> blocks_, stretches_;  // of the batch
+  bool thinned_;              // a filter uses only every n-th sample
+  std::vector<Part> blocks_;  // of the batch
   std::vector<Run> runs_;
 };
 

@@ -19,9 +19,9 @@ struct Job {
   const SimulationOptions& options;
   std::vector<std::uint64_t> every;  ///< [filter]: it uses every n-th sample of the motion
   std::uint64_t samples, settling, blocks;
-  std::size_t stretches;  ///< of the path (AlongPath)
-  Eigen::VectorXd mean;   ///< of the error at the centre of the motion
-  double spread;          ///< of the displacements of the runs (even_spread)
+  Eigen::VectorXd mean;     ///< of the error at the centre of the motion
+  double spread;            ///< of the displacements of the runs (even_spread)
+  bool every_zero = false;  ///< displace the runs by equal steps over a whole count instead
 };
 
 /// The root of x^(n+1) = x + 1: the powers of 1/x generate an additive low-discrepancy sequence in n
@@ -31,7 +31,7 @@ double even_spread(Eigen::Index dimensions);
 /// Result of runs that are simulated together: statistics of each, and theory at the samples of all.
 struct RunsResult {
   std::vector<std::vector<RunStatistics>> outputs;  ///< [run][0: position, then the filters]
-  AlongPath path;
+  BoundsAlongPath bounds;
 };
 
 /// Simulates runs first .. first + count - 1 together, batch by batch, since all of them share the path of

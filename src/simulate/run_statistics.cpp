@@ -136,16 +136,20 @@ double RunStatistics::variance(Eigen::Index channel) const {
   return count > 0 ? squares / count : 0;
 }
 
-RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
-  const double m = mean(channel), pooled = variance(channel);
-  double expected = 0, count = 0;
+double RunStatistics::expected(Eigen::Index channel) const {
+  double sum = 0, count = 0;
   for (const Sums& s : blocks_) {
-    expected += s.expected[channel];
+    sum += s.expected[channel];
     count += s.count;
   }
+  return count > 0 ? sum / count : 0;
+}
+
+RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) const {
+  const double m = mean(channel), pooled = variance(channel), expected = this->expected(channel);
   // An infinite expectation, as of roll and yaw at the gimbal lock, gives no weights of the blocks.
   const bool weighted = expected > 0 && std::isfinite(expected);
-  const double ratio = weighted ? pooled * count / expected : 0;
+  const double ratio = weighted ? pooled / expected : 0;
   double sum = 0, squares = 0, n = 0;
   for (const Sums& s : blocks_) {
     if (s.count == 0) continue;

@@ -55,6 +55,8 @@ class RunStatistics {
 
   double mean(Eigen::Index channel) const;
   double variance(Eigen::Index channel) const;  ///< about the mean over all blocks
+  /// Of one of the first channels: mean of the variances that theory expects.
+  double expected(Eigen::Index channel) const;
   /// Of one of the first channels.
   double peak(Eigen::Index channel) const { return peak_[channel]; }
   /// Number of channels with a peak.

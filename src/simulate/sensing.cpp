@@ -47,6 +47,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),
       effort_(has_masses(built_) && (options.effort || needs_effort(effects))),
+      rounds_(options.rounds),
+      mean_rounding_(mean_errors(model.transmission)),
       set_(set) {
   for (const Effect& effect : effects)
     if (const auto modify = effect_kind(effect.type).modify_encoder)
@@ -132,13 +134,18 @@ void Sensing::fail_to_count(std::size_t encoder, std::size_t i) const {
                "reduce the effects"});
 }
 
-double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
+double Sensing::count_of(std::size_t encoder, double position) const {
   const Encoder& e = transmission_.encoders[encoder];
+  if (rounds_) return std::round(quantize(e, position) / e.resolution);
+  return (position + mean_error(e) - mean_rounding_[static_cast<Eigen::Index>(encoder)]) / e.resolution;
+}
+
+double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   Actions& a = actions_[encoder];
   Moment m = moment(encoder, i);
   m.effort = 0;
   const double distorted = through(a.encoder, shaft, m);
-  const double count = through(a.decoder, std::round(quantize(e, distorted) / e.resolution), m);
+  const double count = through(a.decoder, count_of(encoder, distorted), m);
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }
@@ -168,7 +175,7 @@ void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t 
   const Actions& a = actions_[encoder];
   double* const counts = counts_.data() + encoder * batch_size;
   double* const measured = measured_.data() + encoder * batch_size;
-  if (a.encoder.empty() && a.decoder.empty()) {
+  if (rounds_ && a.encoder.empty() && a.decoder.empty()) {
     const Quantizer quantizer{e.resolution, e.rounding == Rounding::down};
     if (select_kernels<SimulationKernels>(set_).quantize(quantizer, shaft, counts, measured)) return;
   }

@@ -68,6 +68,9 @@ class Sensing {
     std::uint64_t seed = 0;        ///< of the random effects of this run
     bool effort = false;  ///< compute efforts in any case, if the robot has masses; otherwise only if an
                           ///< effect needs them
+    /// Whether positions are rounded to counts; if not, counts are not integers: the means over the position
+    /// of the encoder's zero, less those of an encoder without effects.
+    bool rounds = true;
   };
   Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&,
           InstructionSet = instruction_set());
@@ -100,6 +103,7 @@ class Sensing {
   Eigen::VectorXd effort(double time) const;
   double shaft_position(std::size_t joint, std::size_t in_batch);
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
+  double count_of(std::size_t encoder, double position) const;
   Moment moment(std::size_t joint, std::size_t in_batch) const;
   const double* mixed(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
   const double* shaft_positions(std::size_t count);
@@ -115,6 +119,8 @@ class Sensing {
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
   bool effort_, shaft_differs_;  // efforts are computed; shaft angles differ from the true joint angles
+  bool rounds_;
+  Eigen::VectorXd mean_rounding_;  // of the encoders without effects
   InstructionSet set_;
   AlignedNumbers joint_, encoder_, shaft_joint_, shaft_, counts_, measured_, estimate_, efforts_;
   SensedBatch batch_;

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <optional>
+#include <span>
 
 #include "core/solve.hpp"
 #include "kinematics/inverse_dynamics.hpp"
@@ -13,7 +13,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double most_usage_samples = 1e5, most_efforts = 1e4, most_speeds = 1024;
+constexpr double most_usage_samples = 1e5, most_efforts = 1e4;
 
 /// Evenly spaced instants of the motion: its samples if there are at most `most` of them.
 std::vector<double> instants(const Motion& motion, double most) {
@@ -28,16 +28,6 @@ using Rows = std::vector<std::vector<double>>;
 
 void append(Rows& rows, const Eigen::VectorXd& values) {
   for (std::size_t i = 0; i < rows.size(); ++i) rows[i].push_back(values[static_cast<Eigen::Index>(i)]);
-}
-
-/// At most `most_speeds` of the velocities, evenly spaced.
-std::vector<double> thinned(const std::vector<double>& values) {
-  const double count = std::min(most_speeds, static_cast<double>(values.size()));
-  std::vector<double> selected;
-  for (double k = 0; k < count; ++k)
-    selected.push_back(
-        values[static_cast<std::size_t>((k + 0.5) * static_cast<double>(values.size()) / count)]);
-  return selected;
 }
 
 void widen(Spread& s, double by) {
@@ -57,40 +47,32 @@ void widen_between_samples(Usage& u, const std::vector<double>& velocity, double
   widen(*u.velocity, 0.5 * curvature);
 }
 
-/// pi times the number of reversals per second [rad/s].
-double reversal_rate(const std::vector<double>& velocity, double seconds) {
-  double changes = 0, last = 0;
-  for (const double v : velocity) {
-    if (v * last < 0) ++changes;
-    if (v != 0) last = v;
-  }
-  return std::numbers::pi * changes / seconds;
-}
-
-std::optional<double> rate_of(const std::vector<double>& derivative, const Spread& s) {
-  if (s.rms_about_mid_range() == 0) return std::nullopt;
-  return spread_of(derivative).rms() / s.rms_about_mid_range();
-}
-
-/// Position, velocity and acceleration of every coordinate at the instants.
+/// Position and velocity of every coordinate at the instants.
 struct Path {
-  Rows position, velocity, acceleration;
-  explicit Path(std::size_t count) : position(count), velocity(count), acceleration(count) {}
+  Rows position, velocity;
+  explicit Path(std::size_t count) : position(count), velocity(count) {}
 };
+
+/// The range of all values, and the means of those after the settling.
+Spread spread_in(const Motion& motion, const std::vector<double>& values) {
+  const double settling = motion.settling.value_or(0) / motion.duration;
+  const auto first = static_cast<std::size_t>(settling * static_cast<double>(values.size()));
+  Spread all = spread_of(values);
+  const Spread counted = spread_of(std::span(values).subspan(std::min(first, values.size() - 1)));
+  all.mean = counted.mean;
+  all.mean_square = counted.mean_square;
+  return all;
+}
 
 std::vector<Usage> usages(const Path& path, const Motion& motion) {
   std::vector<Usage> all;
   for (std::size_t i = 0; i < path.position.size(); ++i) {
     Usage& u = all.emplace_back();
-    u.position = spread_of(path.position[i]);
-    u.velocity = spread_of(path.velocity[i]);
-    u.position->rate = rate_of(path.velocity[i], *u.position);
-    u.velocity->rate = rate_of(path.acceleration[i], *u.velocity);
+    u.position = spread_in(motion, path.position[i]);
+    u.velocity = spread_in(motion, path.velocity[i]);
     widen_between_samples(u, path.velocity[i],
                           motion.duration / static_cast<double>(path.position[i].size()));
     u.duration = motion.duration;
-    u.reversals = reversal_rate(path.velocity[i], motion.duration);
-    u.speeds = thinned(path.velocity[i]);
   }
   return all;
 }
@@ -122,20 +104,10 @@ void include_margin(const MotionPath& path, const Motion& motion, double margin,
 
 void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motion,
                  std::vector<Usage>& joints) {
-  Rows efforts(joints.size()), changes(joints.size());
-  const double step = 1 / motion.sample_rate;
-  const auto effort = [&](double t) {
-    return inverse_dynamics(chain, path.position(t), path.velocity(t), path.acceleration(t));
-  };
-  for (const double t : instants(motion, most_efforts)) {
-    const Eigen::VectorXd value = effort(t);
-    append(efforts, value);
-    append(changes, (effort(t + step) - value) / step);
-  }
-  for (std::size_t i = 0; i < joints.size(); ++i) {
-    joints[i].effort = spread_of(efforts[i]);
-    joints[i].effort->rate = rate_of(changes[i], *joints[i].effort);
-  }
+  Rows efforts(joints.size());
+  for (const double t : instants(motion, most_efforts))
+    append(efforts, inverse_dynamics(chain, path.position(t), path.velocity(t), path.acceleration(t)));
+  for (std::size_t i = 0; i < joints.size(); ++i) joints[i].effort = spread_in(motion, efforts[i]);
 }
 
 }  // namespace
@@ -146,13 +118,10 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
   Path joints(path.joints()), encoders(path.joints());
   for (const double t : instants(motion, most_usage_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);
-    const Eigen::VectorXd a = path.acceleration(t);
     append(joints.position, q);
     append(joints.velocity, v);
-    append(joints.acceleration, a);
     append(encoders.position, to_encoders * q);
     append(encoders.velocity, to_encoders * v);
-    append(encoders.acceleration, to_encoders * a);
   }
   RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
   if (margin > 0) include_margin(path, motion, margin, to_encoders, usage);

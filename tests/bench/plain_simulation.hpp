@@ -7,12 +7,11 @@
 #include <vector>
 
 #include "bound/linearization_remainder.hpp"
-#include "filter/norms/autocorrelation.hpp"
 #include "qerr/simulate/simulate.hpp"
 
 /// A straightforward simulation with Eigen: sample by sample, with fixed sizes where possible, transforms and
 /// AngleAxis, without allocation in the loop. It computes the results of `simulate` for an ideal robot along
-/// sines, including the theory along the path.
+/// sines.
 namespace plain {
 
 using namespace qerr;
@@ -125,7 +124,6 @@ struct Signal {
 };
 struct Result {
   std::vector<std::vector<Signal>> signals;
-  Eigen::MatrixXd exact;  // sigma after each filter by the encoders' speeds, coordinates x filters
   Eigen::VectorXd rigorous;
   Eigen::MatrixXd path_squares;
 };
@@ -142,7 +140,6 @@ class Simulator {
     const auto m = static_cast<Eigen::Index>(model.coordinates.size());
     result_.rigorous = Eigen::VectorXd::Zero(m);
     result_.path_squares = Eigen::MatrixXd::Zero(m, steps_.size());
-    stretch_squares_.assign(512, result_.path_squares);
   }
 
   /// @param displacements  of the encoder coordinates, one for each run
@@ -173,10 +170,7 @@ class Simulator {
                   std::sqrt(moments[m + c].squares / count), std::sqrt(parts)};
       }
     }
-    for (const Eigen::MatrixXd& squares : stretch_squares_) result_.path_squares += squares / count;
-    result_.exact.resize(static_cast<Eigen::Index>(m), static_cast<Eigen::Index>(filters_.size()));
-    for (std::size_t f = 0; f < filters_.size(); ++f)
-      result_.exact.col(static_cast<Eigen::Index>(f)) = exact_sigma(filters_[f], count);
+    result_.path_squares /= count;
     return result_;
   }
 
@@ -208,7 +202,6 @@ class Simulator {
       for (Eigen::Index e = 0; e < n; ++e)
         of_position += remainder_.per_column[e] * j.col(e).head<3>().norm();
       const bool counts = k >= settling_;
-      const std::uint64_t stretch = counts ? 512 * (k - settling_) / (samples_ - settling_) : 0;
       for (std::size_t c = 0; c < m; ++c) {
         const auto row = static_cast<Eigen::Index>(c), of = static_cast<Eigen::Index>(model_.coordinates[c]);
         double linear = 0, worst = 0;
@@ -217,7 +210,7 @@ class Simulator {
           inputs[(2 + static_cast<std::size_t>(e)) * m + c] = part;
           linear += part;
           worst += 0.5 * std::abs(weighted);
-          if (counts) stretch_squares_[stretch](row, e) += weighted * weighted;
+          if (counts) result_.path_squares(row, e) += weighted * weighted;
         }
         inputs[c] = error[of];
         inputs[m + c] = linear;
@@ -248,49 +241,9 @@ class Simulator {
     return q;
   }
 
-  /// Theory along the path (noise_along_motion.hpp), of the same samples: in each stretch of the record the
-  /// mean of {s}(1 - {s}) over pairs of samples n apart, weighted with the autocorrelation of the filter.
-  Eigen::VectorXd exact_sigma(const Filter& filter, double count) const {
-    const Autocorrelation a = autocorrelation(filter);
-    const std::size_t before = a.r.size(), whole = samples_ - settling_;
-    std::size_t stretches = 1;
-    while (2 * stretches <= std::min({std::size_t{512}, whole, looked_at / before})) stretches *= 2;
-    Eigen::VectorXd variance = Eigen::VectorXd::Zero(result_.path_squares.rows());
-    std::vector<double> x;
-    for (std::size_t s = 0; s < stretches; ++s) {
-      const std::size_t begin = s * whole / stretches, end = (s + 1) * whole / stretches;
-      const std::size_t looked = std::min(end - begin, looked_at / stretches);
-      const double first = static_cast<double>(settling_ + begin + (end - begin - looked) / 2);
-      for (Eigen::Index e = 0; e < steps_.size(); ++e) {
-        x.resize(before + looked);
-        for (std::size_t k = 0; k < x.size(); ++k)
-          x[k] =
-              position(static_cast<std::size_t>(e),
-                       (first + static_cast<double>(k) - static_cast<double>(before)) / motion_.sample_rate) /
-              steps_[e];
-        double power = a.dc_gain * a.dc_gain / 12;
-        for (std::size_t n = 1; n < before; ++n) {
-          double sum = 0;
-          for (std::size_t k = before; k < x.size(); ++k) {
-            const double moved = x[k] - x[k - n], part = moved - std::floor(moved);
-            sum += part * (1 - part);
-          }
-          power -= a.r[n] * sum / static_cast<double>(looked);
-        }
-        for (std::size_t t = s * 512 / stretches; t < (s + 1) * 512 / stretches; ++t)
-          for (Eigen::Index c = 0; c < variance.size(); ++c)
-            variance[c] += stretch_squares_[t](c, e) * std::max(power, 0.0) / count;
-      }
-    }
-    return variance.cwiseSqrt();
-  }
-
-  static constexpr std::size_t looked_at = std::size_t{1} << 17;
-
   const OperationalModel& model_;
   const std::vector<Filter>& filters_;
   const Motion& motion_;
-  std::vector<Eigen::MatrixXd> stretch_squares_;
   std::uint64_t settling_, samples_ = 0;
   Eigen::VectorXd steps_;
   LinearizationRemainder remainder_;

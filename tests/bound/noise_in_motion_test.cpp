@@ -223,17 +223,6 @@ TEST(SineSigma, ReproducesTheSineAveragedTheoryOfThePapersExperiment) {
   }
 }
 
-TEST(PathSigma, OfASineIsSineSigmaAndOfARampTheConstantSpeeds) {
-  const Autocorrelation a = autocorrelation(cascade(1, 2));
-  std::vector<double> sine, ramp;
-  for (int k = 0; k < 40000; ++k) {
-    sine.push_back(40.3 * std::sin(2 * pi * 0.00313 * k));
-    ramp.push_back(0.37 * k);
-  }
-  EXPECT_NEAR(path_sigma(a, sine) / sine_sigma(a, 40.3, 0.00313), 1, 1e-3);
-  EXPECT_NEAR(path_sigma(a, ramp) / constant_speed_sigma(a, 0.37), 1, 1e-9);
-}
-
 TEST(IpqnThreshold, IsTheLastCrossingOfADenseScan) {
   // numpy: arcs of the sine between quanta, h by recursion, steps of 0.005 in the speed. The last cases are
   // the narrow peaks just above integer speeds.

@@ -69,7 +69,7 @@ void expect_scaled(const Workspace& a, const Workspace& b, double factor, bool r
     EXPECT_EQ(a.coordinates[i].share, b.coordinates[i].share);
     EXPECT_EQ(a.coordinates[i].share_worst_case, b.coordinates[i].share_worst_case);
     expect_scaled(a.derivatives[0][i].worst_case, b.derivatives[0][i].worst_case, factor);
-    expect_scaled(a.derivatives[0][i].sigma, b.derivatives[0][i].sigma, factor);
+    expect_scaled(*a.derivatives[0][i].sigma, *b.derivatives[0][i].sigma, factor);
   }
   EXPECT_EQ(a.mean_variance_parts, factor * factor * b.mean_variance_parts);
   EXPECT_EQ(a.mean_covariance, factor * factor * b.mean_covariance);
@@ -308,7 +308,7 @@ TEST(Workspace, DerivativesAreTheFiltersNormsTimesTheCoordinatesErrors) {
   for (std::size_t i = 0; i < w.coordinates.size(); ++i) {
     EXPECT_DOUBLE_EQ(w.derivatives[0][i].worst_case.max,
                      filters[0].l1.upper * w.coordinates[i].worst_case.max);
-    EXPECT_DOUBLE_EQ(w.derivatives[0][i].sigma.p99, filters[0].h2 * w.coordinates[i].sigma.p99);
+    EXPECT_DOUBLE_EQ(w.derivatives[0][i].sigma->p99, filters[0].h2 * w.coordinates[i].sigma.p99);
   }
 }
 

@@ -116,21 +116,12 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   };
   expect_variance(variance_in(0, batch_size));
   expect_variance(variance_in(0, 13) + variance_in(13, 50) + variance_in(50, batch_size));
-  // The squares: kept per instant and summed in parts; and summed directly.
-  Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(m, n + 1), sum = kept;
-  errors.take_kept();
-  for (const auto& [from, to] : {std::pair{0, 13}, {13, 50}, {50, 64}})
-    errors.add_kept(from, to, kept.data());
-  expect_variance(kept.leftCols(n).rowwise().sum());
   const Eigen::ArrayXXd rows =
       Eigen::Map<const Eigen::ArrayXXd>(errors.rows(), static_cast<Eigen::Index>(errors.width()), batch_size);
   for (const bool each : {false, true}) {
     RunStatistics statistics(m * (3 + n), m, errors.width(), 1, select_kernels<SimulationKernels>(set));
-    errors(batch_of_instants, {false, PathErrors::Squares::summed, &statistics, 0, each});
+    errors(batch_of_instants, {false, &statistics, 0, each});
     expect_variance(variance_in(0, batch_size));
-    sum.setZero();
-    errors.take_summed(sum.data());
-    EXPECT_LT((sum - kept).leftCols(n).cwiseAbs().maxCoeff(), relative * variance.maxCoeff());
     statistics.finish();
     for (Eigen::Index k = 0; k < m * (3 + n); ++k) {
       const double mean = rows.row(k).mean(), squares = (rows.row(k) - mean).square().mean();
@@ -146,7 +137,7 @@ void expect_scalar_errors(Dice& dice, const OperationalModel& model, const Chain
   EXPECT_EQ(errors.rigorous()[8], std::numeric_limits<double>::infinity());
   // Before the evaluated part of a record without filters, only the bounds are needed.
   PathErrors bounds(model, built, center_mean, set);
-  bounds(batch_of_instants, {false, PathErrors::Squares::dropped});
+  bounds(batch_of_instants, {.rows = false});
   EXPECT_LT((bounds.rigorous().array() - rigorous).head(6).abs().maxCoeff(), tolerance);
   EXPECT_LT((bounds.deviation().array() - deviation).head(6).abs().maxCoeff(), tolerance);
 }

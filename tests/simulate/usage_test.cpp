@@ -27,8 +27,6 @@ TEST(Usage, FromLimitsIsUniform) {
   EXPECT_DOUBLE_EQ(u.velocity->rms(), 2 / std::sqrt(3.0));
   EXPECT_FALSE(u.effort);
   EXPECT_FALSE(u.duration);
-  EXPECT_DOUBLE_EQ(*u.position->rate, 1);
-  EXPECT_DOUBLE_EQ(*u.velocity->rate, 1);
 }
 
 TEST(Usage, OfAMotionHasTheEffortsThatActOnCompliance) {

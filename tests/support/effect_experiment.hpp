@@ -95,7 +95,7 @@ inline OperationalModel with_sources(OperationalModel model, const std::vector<E
   const RobotUsage usage = usage_in_motion(model, motion);
   std::vector<Norms> all;
   for (const Filter& f : filters) all.push_back(norms(f));
-  model.sources = error_sources(model, effect_shares(model, effects, usage), usage, filters, all);
+  model.sources = error_sources(model, effect_shares(model, effects, usage), all);
   return model;
 }
 

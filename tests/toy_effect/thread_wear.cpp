@@ -19,8 +19,7 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   if (e.number("curvature") == 0) return Share{};
   if (!u.position) return std::nullopt;
   const double most = e.number("curvature") * u.position->largest() * u.position->largest();
-  return Share{0.5 * most, 0.5 * std::abs(most), 0.5 * std::abs(most), Spectrum::motion,
-               {},         u.position->rate};
+  return Share{0.5 * most, 0.5 * std::abs(most), 0.5 * std::abs(most), Spectrum::motion};
 }
 
 }  // namespace

@@ -41,23 +41,11 @@ struct EffectShare {
 std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vector<Effect>&,
                                        const RobotUsage&);
 
-/// sigma of a filtered error over sigma of the error itself, from the spectrum of its share.
-///
-/// - white: ||H||_2
-/// - constant: |H(1)|
-/// - motion: |H(e^{j w T})| at the mean angular frequency w of the quantity that the error is proportional to
-/// - reversals: square wave of the motion's frequency, sqrt(sum_{m odd} (8/(pi m)^2) |H(e^{j m w T})|^2)
-/// - travel: sqrt(mean over the speeds v of |H(e^{j k v T})|^2) for every wave number k; assumes a constant
-///   speed over the filter's memory
-///
-/// ||H||_2 where w or v is unknown.
-double sigma_ratio(const Filter&, const Norms&, const Share&, const Usage&);
-
-/// Error sources of the effects for `operational_error`, with their sigma ratios of the filters. Shares that
-/// are not included or zero are skipped.
+/// Error sources of the effects for `operational_error`, with their sigma ratios of the filters: ||H||_2 of
+/// white errors, |H(1)| of constant ones, unknown (NaN) of those that the motion determines. Shares that are
+/// not included or zero are skipped.
 /// @param norms  one per filter
 std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
-                                       const RobotUsage&, const std::vector<Filter>&,
                                        const std::vector<Norms>& norms);
 
 }  // namespace qerr

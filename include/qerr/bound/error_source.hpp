@@ -19,11 +19,15 @@ struct ErrorSource {
   Eigen::Vector3d direction =
       Eigen::Vector3d::Zero();  ///< of `origin`: unit vector, in the frame before the joint
   double mean = 0, half_width = 0,
-         sigma = 0;                       ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
-  std::vector<double> sigma_ratios = {};  ///< [filter]: sigma of the filtered error over sigma; empty: white
+         sigma = 0;  ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
+  /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.
+  std::vector<double> sigma_ratios = {};
 };
 
-/// Ratios sigma behind a filter over sigma before it, one per source.
+/// Whether the spectra of all sources are known, and with them sigma behind the filter.
+bool sigma_is_known(const std::vector<ErrorSource>&, std::size_t filter);
+
+/// Ratios sigma behind a filter over sigma before it, one per source; 0 where it is not known.
 /// @param filter  index into ErrorSource::sigma_ratios
 /// @param h2      ||H||_2 of the filter, the ratio of a white source
 Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>&, std::size_t filter, double h2);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include "qerr/bound/error_along_motion.hpp"
 #include "qerr/bound/error_source.hpp"
 #include "qerr/encoder/transmission.hpp"
 
@@ -18,6 +19,8 @@ struct JointError {
 
 /// Joint error of a transmission, from the quantization intervals of its encoders and the sources at joints
 /// and encoders: means, half widths and variances add (displaced origins do not move a joint).
-JointError joint_error(const Transmission&, const std::vector<ErrorSource>& = {});
+/// @param along_motion  of the joints, or null: its peak adds to half_width and its variance to that of sigma
+JointError joint_error(const Transmission&, const std::vector<ErrorSource>& = {},
+                       const SignalMoments* along_motion = nullptr);
 
 }  // namespace qerr

@@ -1,8 +1,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <vector>
 
+#include "qerr/bound/error_along_motion.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/coordinates.hpp"
@@ -14,9 +16,10 @@ namespace qerr {
 struct OperationalError {
   Eigen::VectorXd mean;        ///< (J C) m and the sources' means; 0 when all encoders round to nearest
   Eigen::VectorXd half_width;  ///< 0.5 |J C| Delta and the sources' half widths
-  Eigen::VectorXd worst_case;  ///< half_width + |mean|: the linear bound (paper, Eq. 17)
-  Eigen::VectorXd rigorous;    ///< with the second-order remainder; +inf for roll pitch yaw, which have none
-  Eigen::VectorXd sigma;       ///< sqrt(diag Sigma_x), about the mean (paper, Eqs. 19 and 20)
+  Eigen::VectorXd
+      worst_case;  ///< half_width + |mean| + peak along the motion: the linear bound (paper, Eq. 17)
+  Eigen::VectorXd rigorous;  ///< with the second-order remainder; +inf for roll pitch yaw, which have none
+  Eigen::VectorXd sigma;     ///< sqrt(diag Sigma_x), about the mean (paper, Eqs. 19 and 20)
   Eigen::MatrixXd
       weighted;  ///< (J C) diag(Delta), coordinates x encoders: Sigma_x = weighted weighted^T / 12
   double cosine_of_pitch = 1;  ///< 0 at the gimbal lock
@@ -31,7 +34,12 @@ struct OperationalModel {
   Transmission transmission;
   std::vector<Coordinate> coordinates;
   std::vector<ErrorSource> sources = {};  ///< errors other than quantization; empty: the ideal model
+  /// What effects add along a motion; the same at every configuration.
+  std::optional<ErrorAlongMotion> along_motion = {};
 };
+
+/// Joint error of the model, with its sources and the error along its motion.
+JointError joint_error(const OperationalModel&);
 
 /// Error of the tip at independent coordinates q (paper, Eqs. 16 to 24, carried through the coupling).
 ///
@@ -50,11 +58,13 @@ struct OperationalModel {
 ///
 /// A source at a joint or an encoder enters like the quantization, by its column of J or J C: in the mean,
 /// the half width, the box of the rigorous bound and, independent of all others, the variance. A displaced
-/// origin shifts the tip by exactly R_k d, without remainder.
+/// origin shifts the tip by exactly R_k d, without remainder. The error along a motion adds its peak to the
+/// bounds and its variance to sigma; its joints' peaks widen the box of the remainder.
 /// @pre sigma: IPQN, the errors of the encoders are uniform and independent
 OperationalError operational_error(const OperationalModel&, const Eigen::VectorXd& q);
 
-/// Covariance Sigma_x of all coordinates, sources included [m^2, m rad, rad^2].
+/// Covariance Sigma_x of all coordinates, sources included, but not the error along a motion [m^2, m rad,
+/// rad^2].
 Eigen::MatrixXd covariance(const OperationalError&);
 
 /// Covariance behind a filter: h2^2 times the encoders' part plus ratio^2 times the part of each source.

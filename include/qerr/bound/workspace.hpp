@@ -25,7 +25,8 @@ struct CoordinateStatistics {
 
 /// Bounds of a filtered coordinate over the configurations [m/s, rad/s, ...].
 struct DerivativeStatistics {
-  Statistic worst_case, sigma;
+  Statistic worst_case;
+  std::optional<Statistic> sigma;            ///< empty: the spectrum of an error source is not known
   std::optional<Statistic> sigma_in_motion;  ///< with the encoders' speeds instead of IPQN
 };
 
@@ -38,7 +39,8 @@ struct Workspace {
   Eigen::MatrixXd mean_covariance;        ///< of all coordinates, mean over the configurations
   Eigen::MatrixXd covariance_at_largest;  ///< where the trace of the position's covariance is largest
   Eigen::VectorXd largest_at;             ///< that configuration [rad or m]
-  /// [filter]: both covariances behind it. Empty without sources: then they are ||H||_2^2 times the above.
+  /// [filter]: both covariances behind it, without entries where they are not known. Empty without sources
+  /// and error along a motion: then they are ||H||_2^2 times the above.
   struct Filtered {
     Eigen::MatrixXd mean_covariance, covariance_at_largest;
   };

@@ -3,15 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <vector>
 
 namespace qerr {
 
 /// Range, mean and mean square of a quantity over a motion.
 struct Spread {
   double lower = 0, upper = 0, mean = 0, mean_square = 0;
-  /// Mean angular frequency: rms of the derivative over the rms about the mid-range [rad/s]; empty: unknown.
-  std::optional<double> rate = {};
 
   double mid_range() const { return 0.5 * (lower + upper); }
   double half_width() const { return 0.5 * (upper - lower); }
@@ -32,8 +29,6 @@ struct Usage {
   std::optional<Spread> effort;       ///< [N m or N]
   std::optional<Spread> temperature;  ///< rise since the start [K]
   std::optional<double> duration;     ///< [s]
-  std::optional<double> reversals;    ///< pi times the reversals per second: angular frequency [rad/s]
-  std::vector<double> speeds;         ///< equally probable velocities; empty: unknown [rad/s or m/s]
 };
 
 /// Quantity of the usage without which a share cannot be computed.
@@ -41,17 +36,9 @@ enum class Need { nothing, position, velocity, effort, temperature, duration };
 
 /// Power spectrum of an error, which determines the part that passes a filter.
 enum class Spectrum {
-  constant,   ///< constant over the filter's memory
-  motion,     ///< one line, at the mean angular frequency of the quantity that the error is proportional to
-  reversals,  ///< of a square wave that changes sign at every reversal of the motion
-  travel,     ///< periodic in the position: lines at the wave numbers times the speed
-  white       ///< independent from sample to sample
-};
-
-/// A sinusoidal component of an error that is periodic in the position.
-struct Sinusoid {
-  double wave_number = 0;        ///< phase per joint coordinate [rad/rad or rad/m]
-  double variance_fraction = 0;  ///< its part of the error's variance
+  constant,  ///< constant over the filter's memory
+  motion,    ///< that of a signal which the motion determines: unknown without one
+  white      ///< independent from sample to sample
 };
 
 /// Error that an effect adds to its coordinate, estimate - true [rad or m].
@@ -61,8 +48,8 @@ struct Sinusoid {
 struct Share {
   double mean = 0, half_width = 0, sigma = 0;
   Spectrum spectrum = Spectrum::constant;
-  std::vector<Sinusoid> sinusoids = {};  ///< of `travel`; the remaining variance is treated as white
-  std::optional<double> rate = {};       ///< of `motion` [rad/s]; empty: unknown
 };
+
+inline bool is_zero(const Share& s) { return s.mean == 0 && s.half_width == 0 && s.sigma == 0; }
 
 }  // namespace qerr

@@ -18,12 +18,8 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   if (e.number("rate") == 0) return Share{};
   if (!u.duration || !u.velocity) return std::nullopt;
   const double latest = std::abs(e.number("rate")) * *u.duration;
-  return Share{0,
-               latest * u.velocity->largest(),
-               latest * u.velocity->rms() / std::numbers::sqrt3,
-               Spectrum::motion,
-               {},
-               u.velocity->rate};
+  return Share{0, latest * u.velocity->largest(), latest * u.velocity->rms() / std::numbers::sqrt3,
+               Spectrum::motion};
 }
 
 }  // namespace

@@ -19,9 +19,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
                std::abs(more) * (u.position->half_width() + counted) + 0.5 * rounding,
                std::hypot(more * u.position->rms_about_mid_range(), more * step / std::sqrt(12.0),
                           rounding / std::sqrt(12.0)),
-               Spectrum::motion,
-               {},
-               u.position->rate};
+               Spectrum::motion};
 }
 
 }  // namespace

@@ -21,7 +21,7 @@ std::optional<Share> share(const Effect& e, const Encoder&, const Usage& u) {
   const double amplitude = e.number("amplitude");
   Share s{amplitude, 0, 0};
   if (e.number("time_constant") > 0)
-    s = {0.5 * amplitude, 0.5 * std::abs(amplitude), std::abs(amplitude) / std::sqrt(12.0)};
+    s = {0.5 * amplitude, 0.5 * std::abs(amplitude), std::abs(amplitude) / std::sqrt(12.0), Spectrum::motion};
   const auto of_temperature = proportional(e.number("coefficient"), u.temperature);
   if (!of_temperature) return std::nullopt;
   s.mean += of_temperature->mean;

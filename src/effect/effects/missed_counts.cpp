@@ -41,7 +41,7 @@ EffectKind missed_counts_effect() {
       // Zero before the time, the full step after: at an unknown time, mean and deviation are half the step.
       .share = [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
         const double middle = 0.5 * e.number("counts") * encoder.resolution;
-        return Share{middle, std::abs(middle), std::abs(middle)};
+        return Share{middle, std::abs(middle), std::abs(middle), Spectrum::motion};
       },
       .step_at = step_at,
       .remedy = {false,

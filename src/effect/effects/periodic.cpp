@@ -49,10 +49,9 @@ Action periodic_action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   };
 }
 
-std::optional<Share> periodic_share(const Effect& e, const Encoder& encoder, const Usage&) {
+std::optional<Share> periodic_share(const Effect& e, const Encoder&, const Usage&) {
   const double amplitude = e.number("amplitude");
-  return Share{
-      0, amplitude, amplitude / std::numbers::sqrt2, Spectrum::travel, {{wave_number(e, encoder), 1}}};
+  return Share{0, amplitude, amplitude / std::numbers::sqrt2, Spectrum::motion};
 }
 
 void fill_periodic(Effect& e, const Eigen::VectorXd& c) {

@@ -20,7 +20,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   // For a uniform position, every number of lost spans is equally probable. With at most three spans the
   // largest deviation is used: the position may be at the extremes all the time.
   return Share{-0.5 * (high + low) * span, half, high - low > 3 ? half / std::sqrt(3.0) : half,
-               Spectrum::reversals};
+               Spectrum::motion};
 }
 
 }  // namespace

@@ -42,23 +42,7 @@ double period(const Encoder& encoder) { return encoder.resolution * encoder.coun
 
 constexpr std::string_view lissajous = "the raw sine and cosine of the encoder (their Lissajous figure)";
 
-constexpr int points = 4096, harmonics = 24;
-
-/// Harmonics 1, 2, ... of the signal period, with their fractions of the variance.
-std::vector<Sinusoid> sinusoids(const std::vector<double>& errors, double variance, double unit) {
-  std::vector<Sinusoid> found;
-  for (int k = 1; k <= harmonics; ++k) {
-    double sine = 0, cosine = 0;
-    for (int i = 0; i < points; ++i) {
-      const double angle = turn * ((k * i) % points) / points;
-      sine += errors[static_cast<std::size_t>(i)] * std::sin(angle);
-      cosine += errors[static_cast<std::size_t>(i)] * std::cos(angle);
-    }
-    const double power = 2 * (sine * sine + cosine * cosine) / (double{points} * points);
-    if (power > 1e-6 * variance) found.push_back({k / unit, power / variance});
-  }
-  return found;
-}
+constexpr int points = 4096;
 
 std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&) {
   const Distortion distortion(e);
@@ -77,7 +61,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
   const double unit = period(encoder) / turn, mean = sum / points;
   const double variance = std::max(0.0, squares / points - mean * mean);
   return Share{mean * unit, (std::max(high - mean, mean - low) + between) * unit, std::sqrt(variance) * unit,
-               Spectrum::travel, sinusoids(errors, variance, unit)};
+               Spectrum::motion};
 }
 
 Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {

@@ -4,12 +4,16 @@
 #include <cmath>
 #include <numbers>
 
+#include "bound/noise_in_motion.hpp"
+#include "core/parallel.hpp"
 #include "core/text.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/per_configuration.hpp"
 #include "report/text_table.hpp"
-#include "simulate/noise_along_motion.hpp"
+#include "simulate/quantization_along_motion.hpp"
+#include "simulate/settling.hpp"
 
 namespace qerr {
 
@@ -40,14 +44,23 @@ std::string warning_of_ipqn(const Spec& spec) {
 }
 
 /// @param known  of noise_in_motion
-std::vector<std::string> warnings_of_derivatives(const Spec& spec,
-                                                 const std::vector<Eigen::VectorXd>& known) {
+std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::vector<Eigen::VectorXd>& known,
+                                                 const Workspace& w) {
   std::vector<std::string> warnings;
+  const bool without_sigma = std::any_of(w.derivatives.begin(), w.derivatives.end(),
+                                         [](const auto& row) { return !row.empty() && !row[0].sigma; });
+  if (without_sigma)
+    warnings.push_back(spec.motion
+                           ? "sigma behind a filter is not given: the load of an effect along `motion:` is "
+                             "not known; give the URDF's links their masses"
+                           : "sigma behind a filter is not given: what the effects add to it depends on the "
+                             "motion; add `motion:`");
   if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
   for (std::size_t f = 0; f < known.size(); ++f)
     if (!is_known(known, f))
-      warnings.push_back("filter '" + spec.filters[f].name +
-                         "' remembers too many samples for sigma in motion: only IPQN is given");
+      warnings.push_back(
+          "filter '" + spec.filters[f].name +
+          "': the motion has too many samples at its rate for sigma in motion, only IPQN is given");
   warnings.push_back(
       "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   return warnings;
@@ -58,8 +71,9 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
   for (const Requirement& r : spec.requirements) {
     if (r.bound != Requirement::Bound::sigma_in_motion) continue;
     if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
-    throw Error({r.place, "requirements", "the filter remembers too many samples for sigma_in_motion",
-                 "'" + r.quantity + "'", "raise its cut-off, lower its sample rate, or ask for sigma"});
+    throw Error({r.place, "requirements", "the motion has too many samples for sigma_in_motion",
+                 "'" + r.quantity + "'",
+                 "shorten the motion, lower the filter's sample rate, or ask for sigma"});
   }
 }
 
@@ -89,7 +103,8 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
   for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
   if (!spec.filters.empty())
-    for (std::string& warning : warnings_of_derivatives(spec, noise)) warnings.push_back(std::move(warning));
+    for (std::string& warning : warnings_of_derivatives(spec, noise, w))
+      warnings.push_back(std::move(warning));
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
   if (!w.exact_percentiles) warnings.emplace_back("percentiles are counted in bins: right to 1e-3 relative");
   return warnings;
@@ -106,6 +121,7 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
   EffectReport effects = effect_report(spec);
   Spec with_effects = spec;
   with_effects.model.sources = effects.sources;
+  with_effects.model.along_motion = effects.along_motion;
   WorkspaceOptions with_rows = options;
   with_rows.noise_in_motion = noise_in_motion(spec);
   csv(per_configuration_header(spec, with_rows.noise_in_motion));
@@ -122,21 +138,28 @@ Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions&
   require_answers(spec, all.noise_in_motion);
   Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
   a.spec.model.sources = std::move(effects.sources);
-  a.joints = joint_error(spec.model.transmission, a.spec.model.sources);
+  a.spec.model.along_motion = std::move(effects.along_motion);
+  a.joints = joint_error(a.spec.model);
   a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   return a;
 }
 
 std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec) {
-  std::vector<Eigen::VectorXd> noise;
-  if (!spec.motion) return noise;
-  for (const NamedFilter& f : spec.filters) {
-    Eigen::VectorXd& of_filter = noise.emplace_back();
-    if (const auto memory = autocorrelation_within(f.filter))
-      of_filter = noise_along_motion(spec.model.transmission, *spec.motion, *memory, f.filter.sample_rate,
-                                     spec.motion->settling.value_or(0));
+  if (!spec.motion) return {};
+  const std::vector<Filter> filters = designed_filters(spec);
+  const double settling = settling_time(*spec.motion, filters);
+  std::vector<Effect> before_rounding;
+  for (const EffectShare& e : effects_by_range(spec).shares) {
+    const EffectKind& kind = effect_kind(e.effect.type);
+    if (kind.stage < Stage::decoder && !kind.scattering && !(e.share && is_zero(*e.share)))
+      before_rounding.push_back(e.effect);
   }
+  std::vector<Eigen::VectorXd> noise(filters.size());
+  parallel_for(filters.size(), 0, [&](std::size_t f) {
+    noise[f] = sigma_along_motion(spec.model, before_rounding, *spec.motion, filters[f], settling)
+                   .value_or(Eigen::VectorXd());
+  });
   return noise;
 }
 

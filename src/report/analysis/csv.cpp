@@ -32,7 +32,8 @@ std::string to_csv(const Analysis& a, const Style&) {
                                  std::string(info(c).name) + ',' +
                                  derivative_unit(c, a.spec.filters[f].filter.derivative) + ',';
       add_statistic(out, prefix + "worst_case", a.workspace.derivatives[f][i].worst_case);
-      add_statistic(out, prefix + "sigma", a.workspace.derivatives[f][i].sigma);
+      if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
+        add_statistic(out, prefix + "sigma", *sigma);
       if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
         add_statistic(out, prefix + "sigma_in_motion", *moving);
     }

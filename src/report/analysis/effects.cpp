@@ -8,6 +8,9 @@
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "report/text_table.hpp"
+#include "simulate/effects_along_motion.hpp"
+#include "simulate/sensing.hpp"
+#include "simulate/settling.hpp"
 #include "simulate/usage.hpp"
 
 namespace qerr {
@@ -82,18 +85,44 @@ RobotUsage usage_of(const Spec& spec) {
   if (!spec.motion) return limits;
   double margin = 0;  // late readings at the start show the time before the motion
   for (const Effect& effect : spec.effects) margin += std::abs(effect.number_or("delay", 0));
-  RobotUsage usage = usage_in_motion(spec.model, *spec.motion, std::min(margin, spec.motion->duration));
+  Motion motion = *spec.motion;
+  motion.settling = settling_time(motion, designed_filters(spec));
+  RobotUsage usage = usage_in_motion(spec.model, motion, std::min(margin, motion.duration));
   for (std::size_t i = 0; i < usage.joints.size(); ++i)
     if (!usage.joints[i].effort) usage.joints[i].effort = limits.joints[i].effort;
   return usage;
 }
 
-EffectReport effect_report(const Spec& spec) {
+EffectReport effects_by_range(const Spec& spec) {
   if (spec.effects.empty()) return {};
-  const RobotUsage usage = usage_of(spec);
-  EffectReport report{effect_shares(spec.model, spec.effects, usage), {}};
-  report.sources =
-      error_sources(spec.model, report.shares, usage, designed_filters(spec), filter_norms(spec));
+  EffectReport report{effect_shares(spec.model, spec.effects, usage_of(spec)), {}};
+  report.sources = error_sources(spec.model, report.shares, filter_norms(spec));
+  return report;
+}
+
+EffectReport effect_report(const Spec& spec) {
+  EffectReport report = effects_by_range(spec);
+  if (!spec.motion || spec.effects.empty()) return report;
+  const std::vector<Filter> filters = designed_filters(spec);
+  const double settling = settling_time(*spec.motion, filters);
+  std::vector<Effect> signals;
+  std::vector<EffectShare> others;
+  for (EffectShare& s : report.shares) {
+    const bool loaded = !needs_effort({s.effect}) || has_masses(spec.model.chain);
+    if (!s.included || s.share->spectrum == Spectrum::white || is_zero(*s.share) || !loaded) {
+      others.push_back(s);
+      continue;
+    }
+    signals.push_back(s.effect);
+    if (effect_kind(s.effect.type).stage == Stage::kinematics) continue;
+    const SignalMoments alone = effect_along_motion(spec.model, s.effect, *spec.motion, settling);
+    s.share->mean = alone.mean[0];
+    s.share->half_width = std::max(0.0, alone.peak[0] - std::abs(alone.mean[0]));
+    s.share->sigma = std::sqrt(std::max(0.0, alone.covariance(0, 0)));
+  }
+  report.sources = error_sources(spec.model, others, filter_norms(spec));
+  if (!signals.empty())
+    report.along_motion = effects_along_motion(spec.model, signals, *spec.motion, filters, settling);
   return report;
 }
 
@@ -159,8 +188,8 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
          (elsewhere ? "  -: affects the log or the reference only, not the robot\n" : "") +
          (!spec.motion ? "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n"
           : has_masses(spec.model.chain)
-              ? "  positions, speeds and loads as in `motion:`\n"
-              : "  positions and speeds as in `motion:`, loads up to the URDF's limits: it has no masses\n");
+              ? "  what each adds alone along `motion:`\n"
+              : "  what each adds alone along `motion:`, loads up to the URDF's limits: it has no masses\n");
 }
 
 }  // namespace qerr

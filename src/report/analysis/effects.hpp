@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -12,12 +13,19 @@ namespace qerr {
 /// the URDF's limits of velocity and effort.
 RobotUsage usage_of(const Spec&);
 
-/// The errors that the spec's effects add, and the same as error sources.
+/// The errors that the spec's effects add, for the model of `workspace` and `operational_error`.
+///
+/// With a motion, what an effect adds along it is a known signal; the sources are then the random effects and
+/// those whose load is not known along the motion.
 struct EffectReport {
-  std::vector<EffectShare> shares;   ///< in the order of the spec
-  std::vector<ErrorSource> sources;  ///< for the model of `workspace` and `operational_error`
+  std::vector<EffectShare> shares;  ///< in the order of the spec
+  std::vector<ErrorSource> sources;
+  std::optional<ErrorAlongMotion> along_motion = {};
 };
 EffectReport effect_report(const Spec&);
+
+/// All effects as sources, by their ranges: for bounds that hold wherever the encoder's zero is.
+EffectReport effects_by_range(const Spec&);
 
 /// One for every effect of unknown size: the missing quantity, and where to state it.
 std::vector<std::string> effect_warnings(const Spec&, const std::vector<EffectShare>&);

@@ -45,6 +45,7 @@ Json covariance(const Eigen::MatrixXd& mean, const Eigen::MatrixXd& at_largest) 
 
 Json covariance_behind(const Analysis& a, std::size_t filter) {
   const Workspace& w = a.workspace;
+  if (filter < w.filtered.size() && w.filtered[filter].mean_covariance.size() == 0) return {};
   if (filter < w.filtered.size())
     return covariance(w.filtered[filter].mean_covariance, w.filtered[filter].covariance_at_largest);
   const double h2 = a.spec.filters[filter].norms.h2, factor = h2 * h2;
@@ -120,7 +121,7 @@ Json derivatives(const Analysis& a) {
       coordinates.push_back({{"coordinate", info(a.spec.model.coordinates[i]).name},
                              {"unit", derivative_unit(a.spec.model.coordinates[i], filter.filter.derivative)},
                              {"worst_case", statistic(a.spec, d.worst_case)},
-                             {"sigma", statistic(a.spec, d.sigma)}});
+                             {"sigma", d.sigma ? statistic(a.spec, *d.sigma) : Json()}});
       if (d.sigma_in_motion) coordinates.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
     }
     list.push_back({{"filter", filter.name},

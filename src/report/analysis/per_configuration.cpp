@@ -47,9 +47,12 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
         const std::size_t filtered = f * at.coordinates + c;
         out += ',' + csv_number(own_worst ? figure(at.filtered_worst + filtered)
                                           : norms.l1.upper * figure(at.worst_case + c));
-        out += ',' +
-               csv_number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
-        if (is_known(noise, f)) out += ',' + csv_number(figure(at.in_motion + filtered));
+        const bool known = sigma_is_known(spec.model.sources, f);  // else the cell is empty
+        out += ',';
+        if (known)
+          out +=
+              csv_number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
+        if (is_known(noise, f)) out += ',' + (known ? csv_number(figure(at.in_motion + filtered)) : "");
       }
     out += "\r\n";
   }

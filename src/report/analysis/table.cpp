@@ -80,8 +80,10 @@ std::vector<std::string> figures(const std::string& label, const Statistic& s, c
   return row;
 }
 
+bool has_effects(const Analysis& a) { return !a.spec.model.sources.empty() || a.spec.model.along_motion; }
+
 const char* sigma_label(const Analysis& a) {
-  return a.spec.model.sources.empty() ? "  sigma (IPQN)" : "  sigma (IPQN, effects)";
+  return has_effects(a) ? "  sigma (IPQN, effects)" : "  sigma (IPQN)";
 }
 
 std::string position_table(const Analysis& a) {
@@ -103,8 +105,10 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const Coordinate c = a.spec.model.coordinates[i];
     const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
-    rows.push_back(
-        figures(std::string(info(c).name) + sigma_label(a), a.workspace.derivatives[f][i].sigma, unit));
+    if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
+      rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));
+    else
+      rows.push_back({std::string(info(c).name) + "  sigma: not known"});
     if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
       rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
     rows.push_back(
@@ -130,11 +134,11 @@ std::string to_table(const Analysis& a, const Style& style) {
                     escaped(chain.tip, 60) + "\n" + counted(chain.independent.size(), "encoder") + ", " +
                     std::to_string(a.workspace.count) + " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
-  out += heading(a.spec.model.sources.empty()
-                     ? "Encoders: error at the joint, share of the tip's variance, first to upgrade"
-                     : "Encoders and effects: error at the joint, share of the tip's variance",
-                 style) +
-         encoder_table(a, style);
+  out +=
+      heading(has_effects(a) ? "Encoders and effects: error at the joint, share of the tip's variance"
+                             : "Encoders: error at the joint, share of the tip's variance, first to upgrade",
+              style) +
+      encoder_table(a, style);
   if (!a.effects.empty())
     out += heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=

@@ -81,7 +81,7 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
                       "compliance needs a load, which the URDF does not determine",
                       "no <inertial> between base and tip",
                       "give the links their masses"});
-  const EffectReport effects = effect_report(spec);
+  const EffectReport effects = effects_by_range(spec);
   OperationalModel model = spec.model;
   model.sources = effects.sources;
   SimulationReport report{

@@ -1,0 +1,107 @@
+#include "simulate/effects_along_motion.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "filter/run/row_filter.hpp"
+#include "simulate/path_errors.hpp"
+#include "simulate/unrounded_record.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Sums over samples, about the first one to avoid cancellation.
+class MomentSums {
+ public:
+  void add(const Eigen::Ref<const Eigen::VectorXd>& sample) {
+    if (count_ == 0) {
+      shift_ = peak_ = sample;
+      peak_.setZero();
+      sum_.setZero(sample.size());
+      squares_.setZero(sample.size(), sample.size());
+    }
+    const Eigen::VectorXd x = sample - shift_;
+    sum_ += x;
+    squares_ += x * x.transpose();
+    peak_ = peak_.cwiseMax(sample.cwiseAbs());
+    count_ += 1;
+  }
+
+  SignalMoments moments() const {
+    const Eigen::VectorXd mean = sum_ / count_;
+    return {shift_ + mean, peak_, squares_ / count_ - mean * mean.transpose()};
+  }
+
+ private:
+  double count_ = 0;
+  Eigen::VectorXd shift_, sum_, peak_;
+  Eigen::MatrixXd squares_;
+};
+
+/// Moments of the tip's error behind a filter; null: of the error itself, and of the joints'.
+SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Effect>& effects,
+                             const UnroundedRecord& record, const Filter* filter, SignalMoments* of_joints) {
+  const auto m = static_cast<Eigen::Index>(model.coordinates.size());
+  const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  constexpr std::size_t lanes = 8;
+  const std::size_t width = (model.coordinates.size() + lanes - 1) / lanes * lanes;
+  PathErrors errors(model, as_built(model.chain, effects), Eigen::VectorXd::Zero(m));
+  AlignedNumbers rows(width * batch_size), filtered(width * batch_size);
+  std::unique_ptr<RowFilter> run;
+  if (filter) run = std::make_unique<RowFilter>(*filter, width, batch_size);
+  MomentSums tip, joints;
+  bool first = true;
+  record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+    errors(batch, {});
+    for (std::size_t k = 0; k < used.size(); ++k)
+      std::copy_n(errors.rows() + used[k] * errors.width(), m, rows.data() + k * width);
+    if (run && first) run->settle(rows.data());
+    if (run) (*run)(rows.data(), width, used.size(), filtered.data());
+    first = false;
+    const double* const out = run ? filtered.data() : rows.data();
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      if (!record.counts(batch.first + used[k])) continue;
+      tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, m));
+      if (!of_joints) continue;
+      Eigen::VectorXd joint(n);
+      for (Eigen::Index j = 0; j < n; ++j) {
+        const std::size_t at = static_cast<std::size_t>(j) * batch_size + used[k];
+        joint[j] = batch.estimate[at] - batch.joint[at];
+      }
+      joints.add(joint);
+    }
+  });
+  if (of_joints) *of_joints = joints.moments();
+  return tip.moments();
+}
+
+}  // namespace
+
+ErrorAlongMotion effects_along_motion(const OperationalModel& model, const std::vector<Effect>& effects,
+                                      const Motion& motion, const std::vector<Filter>& filters,
+                                      double settling) {
+  ErrorAlongMotion error;
+  error.tip = moments_of_tip(model, effects, UnroundedRecord(motion, motion.sample_rate, settling), nullptr,
+                             &error.joints);
+  for (const Filter& filter : filters)
+    error.filtered.push_back(moments_of_tip(
+        model, effects, UnroundedRecord(motion, filter.sample_rate, settling), &filter, nullptr));
+  return error;
+}
+
+SignalMoments effect_along_motion(const OperationalModel& model, const Effect& effect, const Motion& motion,
+                                  double settling) {
+  const std::size_t row = independent_index(model.chain, effect.joint) * batch_size;
+  const UnroundedRecord record(motion, motion.sample_rate, settling);
+  MomentSums sums;
+  record.read(model, {effect}, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+    for (const std::size_t i : used)
+      if (record.counts(batch.first + i))
+        sums.add(Eigen::VectorXd::Constant(1, batch.measured[row + i] - batch.encoder[row + i]));
+  });
+  return sums.moments();
+}
+
+}  // namespace qerr

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <vector>
+
+#include "qerr/bound/error_along_motion.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/effect/effect.hpp"
+#include "qerr/filter/filter.hpp"
+#include "qerr/simulate/motion.hpp"
+
+namespace qerr {
+
+/// What effects that are not random add along a motion: their signal path without the rounding to counts,
+/// then exact kinematics, then the filters, sample by sample at the rate of each filter. As in a simulation,
+/// a filter starts in the steady state of the first error, and samples before `settling` do not count.
+///
+/// Instead of being rounded, a position is shifted by the mean rounding error over the position of the
+/// encoder's zero.
+/// @param settling  initial part that is excluded [s]
+ErrorAlongMotion effects_along_motion(const OperationalModel&, const std::vector<Effect>&, const Motion&,
+                                      const std::vector<Filter>&, double settling);
+
+/// Error that one effect adds alone, at its encoder's coordinate [rad or m]: a signal of one row.
+SignalMoments effect_along_motion(const OperationalModel&, const Effect&, const Motion&, double settling);
+
+}  // namespace qerr

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "simulate/sensing.hpp"
+
+namespace qerr {
+
+/// The samples of a motion that a filter of a given rate uses, read by encoders with effects but without the
+/// rounding to counts.
+///
+/// As in a simulation, a filter whose rate divides that of the motion uses every n-th sample, and samples
+/// before the settling do not count; for any other rate the motion is sampled at that rate.
+class UnroundedRecord {
+ public:
+  /// @param settling  initial part that does not count [s]
+  UnroundedRecord(const Motion&, double rate, double settling);
+
+  /// Of the whole record, at the filter's rate.
+  std::uint64_t used() const { return (samples_ - 1) / every_ + 1; }
+  /// Used samples that count.
+  std::uint64_t counted() const { return used() - (settled_ + every_ - 1) / every_; }
+  bool counts(std::uint64_t sample) const { return sample >= settled_; }
+
+  /// Calls visit(batch, the used samples in it) for all batches in the order of time.
+  template <class Visit>
+  void read(const OperationalModel& model, const std::vector<Effect>& effects, Visit visit) const {
+    const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
+    Sensing sensing(model, motion_, effects, {.displacement = Eigen::VectorXd::Zero(n), .rounds = false});
+    std::vector<std::size_t> used;
+    for (std::uint64_t first = 0; first < samples_; first += batch_size) {
+      const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, samples_ - first));
+      const SensedBatch& batch = sensing.sense(first, count);
+      used.clear();
+      for (std::size_t i = 0; i < count; ++i)
+        if ((first + i) % every_ == 0) used.push_back(i);
+      if (!used.empty()) visit(batch, used);
+    }
+  }
+
+ private:
+  Motion motion_;
+  std::uint64_t every_ = 1, samples_, settled_;
+};
+
+}  // namespace qerr

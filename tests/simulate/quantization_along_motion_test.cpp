@@ -1,0 +1,161 @@
+#include "simulate/quantization_along_motion.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "bound/noise_in_motion.hpp"
+#include "support/design_filter.hpp"
+#include "support/reference_filter.hpp"
+#include "support/sample_filters.hpp"
+
+namespace qerr {
+namespace {
+
+constexpr double pi = std::numbers::pi;
+
+/// Position at time t of moves with trapezoidal velocity between 0 and `to`, `dwell` at both ends.
+double trapezoids(double to, double velocity, double acceleration, double dwell, double t) {
+  const double ramp = velocity / acceleration, cruise = to / velocity - ramp, move = 2 * ramp + cruise;
+  const auto risen = [&](double s) {
+    if (s >= move) return to;
+    if (s < ramp) return 0.5 * acceleration * s * s;
+    if (s < ramp + cruise) return velocity * (s - 0.5 * ramp);
+    return to - 0.5 * acceleration * (move - s) * (move - s);
+  };
+  const double phase = std::fmod(t, 2 * (move + dwell));
+  return phase < move + dwell ? risen(phase) : to - risen(phase - move - dwell);
+}
+
+/// Root mean square of the filtered error of a quantizer along x(t) [counts], over 10000 positions of its
+/// zero, with the filter at rest at the first error.
+template <class Path>
+double simulated(const Filter& filter, double duration, double settling, Path x) {
+  constexpr Eigen::Index zeros = 10000;
+  const auto samples = static_cast<int>(std::floor(duration * filter.sample_rate + 0.5));
+  const double first = std::ceil(settling * filter.sample_rate);
+  testing::ReferenceFilter reference(filter, zeros);
+  std::mt19937 engine(5);
+  std::uniform_real_distribution<double> uniform;
+  Eigen::ArrayXd zero(zeros);  // one in each of equal parts of a count
+  for (Eigen::Index k = 0; k < zeros; ++k) zero[k] = (static_cast<double>(k) + uniform(engine)) / zeros;
+  double sum = 0;
+  for (int n = 0; n < samples; ++n) {
+    const Eigen::ArrayXd position = zero + x(n / filter.sample_rate);
+    Eigen::ArrayXd error = (position + 0.5).floor() - position;
+    if (n == 0) reference.settle(error);
+    reference.step(error);
+    if (n >= first) sum += error.square().sum();
+  }
+  return std::sqrt(sum / (static_cast<double>(zeros) * (samples - first)));
+}
+
+OperationalModel with(const Transmission& transmission) { return {{}, transmission, {}}; }
+
+OperationalModel single() { return with({{{1e-3}}, Eigen::MatrixXd::Identity(1, 1)}); }
+
+/// A differential: encoder 1 reads joint 1, encoder 2 the difference of the joints.
+OperationalModel differential() {
+  Transmission t{{{1e-3}, {2e-3}}, Eigen::Matrix2d()};
+  t.coupling << 1, 0, 1, 1;
+  return with(t);
+}
+
+struct Case {
+  const char* name;
+  JointMotion joint;
+  double duration, settling;
+  std::function<double(double)> position;  // [rad]
+};
+
+std::vector<Case> cases() {
+  return {{"short trapezoids",
+           {0, 0, {}, {{0.05, 0.4, 4, 0, 0.1}, {0, 0.4, 4, 0, 0.1}}},
+           0.5,
+           0,
+           [](double t) { return trapezoids(0.05, 0.4, 4, 0.1, t); }},
+          {"long trapezoids",
+           {0, 0, {}, {{0.3, 0.5, 3, 0, 0.3}, {0, 0.5, 3, 0, 0.3}}},
+           4,
+           0.5,
+           [](double t) { return trapezoids(0.3, 0.5, 3, 0.3, t); }},
+          {"sines",
+           {0.02, 0, {{0.1, 0.7, 0}, {0.05, 2.3, 1}}, {}},
+           2,
+           0.3,
+           [](double t) {
+             return 0.02 + 0.1 * std::sin(2 * pi * 0.7 * t) + 0.05 * std::sin(2 * pi * 2.3 * t + 1);
+           }},
+          {"creeping", {0.0003, 0.002, {}, {}}, 1, 0.1, [](double t) { return 0.0003 + 0.002 * t; }}};
+}
+
+TEST(SigmaAlongMotion, IsThatOf10000SimulatedZeros) {
+  const std::vector<Filter> filters = {cascade(1, 1), cascade(1, 3, 5), cascade(0, 2, 20),
+                                       design_filter("butterworth", 2, 1000, 4, 30),
+                                       design_filter("bessel", 1, 500, 3, 40)};
+  for (const Case& c : cases())
+    for (std::size_t f = 0; f < filters.size(); ++f) {
+      const Motion motion{1000, c.duration, {}, {c.joint}, {}};
+      const auto sigma = sigma_along_motion(single(), {}, motion, filters[f], c.settling);
+      ASSERT_TRUE(sigma);
+      const double expected =
+          simulated(filters[f], c.duration, c.settling, [&](double t) { return c.position(t) / 1e-3; });
+      EXPECT_NEAR((*sigma)[0] / expected, 1, 0.002) << c.name << ", filter " << f;
+    }
+}
+
+TEST(SigmaAlongMotion, HoldsForEveryFamilyOfFilters) {
+  const Case c = cases()[1];
+  const Motion motion{1000, 1, {}, {c.joint}, {}};
+  for (const SampleFilter& sample : sample_filters()) {
+    const Filter filter = designed(sample, 1);
+    const auto sigma = sigma_along_motion(single(), {}, motion, filter, 0);
+    const double expected = simulated(filter, 1, 0, [&](double t) { return c.position(t) / 1e-3; });
+    EXPECT_NEAR((*sigma)[0] / expected, 1, 0.002) << sample.family;
+  }
+}
+
+TEST(SigmaAlongMotion, OfEncodersBehindADifferentialIsOfTheirOwnPositions) {
+  const Motion motion{1000, 1, {}, {{0.1, 0, {{0.05, 2, 0.3}}, {}}, {-0.2, 0, {{0.02, 5, 1}}, {}}}, {}};
+  const auto joint1 = [](double t) { return 0.1 + 0.05 * std::sin(4 * pi * t + 0.3); };
+  const auto joint2 = [](double t) { return -0.2 + 0.02 * std::sin(10 * pi * t + 1); };
+  for (const auto& [derivative, order] : {std::pair{1, 1}, {1, 3}, {2, 2}}) {
+    const Filter filter = cascade(derivative, order);
+    const auto sigma = sigma_along_motion(differential(), {}, motion, filter, 0.1);
+    const double first = simulated(filter, 1, 0.1, [&](double t) { return joint1(t) / 1e-3; });
+    const double second = simulated(filter, 1, 0.1, [&](double t) { return (joint2(t) - joint1(t)) / 2e-3; });
+    EXPECT_NEAR((*sigma)[0] / first, 1, 0.002) << derivative << ' ' << order;
+    EXPECT_NEAR((*sigma)[1] / second, 1, 0.002) << derivative << ' ' << order;
+  }
+}
+
+TEST(SigmaAlongMotion, IsZeroAtRestAndAtWholeCountsPerSample) {
+  const Motion motion{1000, 1, {}, {{0, 0, {}, {}}, {0, 4.0, {}, {}}}, {}};  // 4 rad/s: 2 counts a sample
+  const auto sigma = sigma_along_motion(differential(), {}, motion, cascade(1, 2), 0);
+  EXPECT_NEAR((*sigma)[0], 0, 1e-9);
+  EXPECT_NEAR((*sigma)[1], 0, 1e-9);
+}
+
+TEST(SigmaAlongMotion, OfALongSineIsThatOfItsSpectrum) {
+  const Filter filter = cascade(1, 2);
+  const Motion motion{1000, 40, {}, {{0, 0, {{0.0403, 3.13, 0}}, {}}}, {}};
+  const auto sigma = sigma_along_motion(single(), {}, motion, filter, 0.2);
+  EXPECT_NEAR((*sigma)[0] / sine_sigma(autocorrelation(filter), 40.3, 0.00313), 1, 1e-3);
+}
+
+TEST(SigmaAlongMotion, IsEmptyForARecordThatIsTooLong) {
+  const Motion motion{1000, 1e6, {}, {{0, 0.1, {}, {}}}, {}};
+  EXPECT_FALSE(sigma_along_motion(single(), {}, motion, cascade(1, 2), 0));
+}
+
+TEST(ZerosAlongMotion, AreFewerForLongRecordsAndAMultipleOfEight) {
+  EXPECT_EQ(zeros_along_motion(1), 256u);
+  EXPECT_EQ(zeros_along_motion(20000), 104u);
+  EXPECT_EQ(zeros_along_motion(100000000), 16u);
+  for (std::uint64_t n = 1; n < 300000; n += 997) EXPECT_EQ(zeros_along_motion(n) % 8, 0u);
+}
+
+}  // namespace
+}  // namespace qerr
