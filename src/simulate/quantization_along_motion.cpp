@@ -57,7 +57,7 @@ class FilteredZeros {
 }  // namespace
 
 std::uint64_t zeros_along_motion(std::uint64_t samples) {
-  constexpr std::uint64_t evaluated = std::uint64_t{1} << 21;
+  constexpr std::uint64_t evaluated = std::uint64_t{1} << 20;
   return std::clamp<std::uint64_t>(evaluated / std::max<std::uint64_t>(samples, 1) / 8 * 8, 16, 256);
 }
 
