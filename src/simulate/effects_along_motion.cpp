@@ -22,9 +22,9 @@ class MomentSums {
       sum_.setZero(sample.size());
       squares_.setZero(sample.size(), sample.size());
     }
-    const Eigen::VectorXd x = sample - shift_;
-    sum_ += x;
-    squares_ += x * x.transpose();
+    off_ = sample - shift_;
+    sum_ += off_;
+    squares_.noalias() += off_ * off_.transpose();
     peak_ = peak_.cwiseMax(sample.cwiseAbs());
     count_ += 1;
   }
@@ -36,7 +36,7 @@ class MomentSums {
 
  private:
   double count_ = 0;
-  Eigen::VectorXd shift_, sum_, peak_;
+  Eigen::VectorXd shift_, sum_, peak_, off_;
   Eigen::MatrixXd squares_;
 };
 
@@ -52,6 +52,7 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
   std::unique_ptr<RowFilter> run;
   if (filter) run = std::make_unique<RowFilter>(*filter, width, batch_size);
   MomentSums tip, joints;
+  Eigen::VectorXd joint(n);
   bool first = true;
   record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
     errors(batch, {});
@@ -65,7 +66,6 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
       if (!record.counts(batch.first + used[k])) continue;
       tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, m));
       if (!of_joints) continue;
-      Eigen::VectorXd joint(n);
       for (Eigen::Index j = 0; j < n; ++j) {
         const std::size_t at = static_cast<std::size_t>(j) * batch_size + used[k];
         joint[j] = batch.estimate[at] - batch.joint[at];
