@@ -82,9 +82,13 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
   const bool any =
       std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.included; });
   std::vector<std::string> warnings;
-  warnings.emplace_back(any ? "quantization and the effects of the spec: nothing else is in these figures"
-                            : "quantization only: backlash, calibration, compliance and noise are not in "
-                              "these figures");
+  warnings.emplace_back(!any ? "quantization only: backlash, calibration, compliance and noise are not in "
+                               "these figures"
+                        : spec.motion
+                            ? "quantization and the effects of the spec: nothing else is in these figures; "
+                              "effects add to every configuration what they add along `motion:`"
+                            : "quantization and the effects of the spec: nothing else is in these "
+                              "figures");
   for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
   return warnings;
 }

@@ -134,11 +134,13 @@ std::string to_table(const Analysis& a, const Style& style) {
                     escaped(chain.tip, 60) + "\n" + counted(chain.independent.size(), "encoder") + ", " +
                     std::to_string(a.workspace.count) + " " + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
-  out +=
-      heading(has_effects(a) ? "Encoders and effects: error at the joint, share of the tip's variance"
-                             : "Encoders: error at the joint, share of the tip's variance, first to upgrade",
-              style) +
-      encoder_table(a, style);
+  out += heading(
+             a.spec.model.along_motion
+                 ? "Encoders: error at the joint with the effects, share of the encoders' variance at the tip"
+             : has_effects(a) ? "Encoders and effects: error at the joint, share of the tip's variance"
+                              : "Encoders: error at the joint, share of the tip's variance, first to upgrade",
+             style) +
+         encoder_table(a, style);
   if (!a.effects.empty())
     out += heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects);
   out +=
