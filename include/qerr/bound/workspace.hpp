@@ -60,7 +60,7 @@ struct WorkspaceOptions {
   /// Receives the texts in the order of the configurations.
   std::function<void(const std::string&)> write = {};
   /// [filter]: sigma of each encoder's error behind the filter in a motion, in quantization intervals
-  /// (noise_along_motion.hpp); empty: unknown.
+  /// (quantization_along_motion.hpp); empty: unknown.
   std::vector<Eigen::VectorXd> noise_in_motion = {};
   /// Compute worst case and sigma only: no rigorous bound, no shares of the encoders, no configuration of the
   /// largest position variance.

@@ -32,8 +32,9 @@ struct SimulatedSignal {
   double peak_simulated = 0;
   double sigma_ipqn = 0;       ///< ||H||_2 sigma_x at the centre of the motion
   double sigma_ipqn_path = 0;  ///< root mean square along the path, with the variation of the mean
-  /// From the speeds of the encoders along the path (noise_along_motion.hpp); NaN for a filter with a memory
-  /// of more than `longest_autocorrelation` samples.
+  /// Without the assumption IPQN: root of the mean over the position of the encoders' zeros, equally spaced
+  /// in a count, and over the samples of the mean square of the linear error J e behind the filter, summed
+  /// over the encoders (quantization_along_motion.hpp states the number of zeros).
   double sigma_exact = 0;
   double worst_case = 0;  ///< bound (26) at the centre
   double worst_case_path =
