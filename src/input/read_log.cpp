@@ -56,7 +56,8 @@ class LogReader::Rows {
     for (std::size_t i = 0; i < log.columns.size(); ++i) {
       const LogColumn& column = log.columns[i];
       const auto index = static_cast<Eigen::Index>(i);
-      if (column.signal == LogSignal::counts) counts_.push_back(index);
+      if (column.signal == LogSignal::counts)
+        counts_.push_back({index, direction(transmission_.encoders[column.index])});
       if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
       const double turn = wrap_interval(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
@@ -96,20 +97,21 @@ class LogReader::Rows {
     Unwrap unwrap;
   };
 
-  /// Converts units and checks counts and time of a row.
+  /// Converts units, checks counts and time of a row, and gives counts the direction of the joint.
   void check(Eigen::ArrayXXd& rows, Eigen::Index row) {
     for (const Eigen::Index c : scaled_) {
       double& value = rows(row, c);
       value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
       if (!std::isfinite(value)) refuse(c, "the number is too large", "");
     }
-    for (const Eigen::Index c : counts_) {
-      const double value = rows(row, c);
+    for (const auto& [c, direction] : counts_) {
+      double& value = rows(row, c);
       if (!(std::abs(value) <= most_counts))
         refuse(c, "counts beyond 2^53 are not distinguishable", "subtract a constant from the column");
       if (static_cast<double>(static_cast<std::int64_t>(value)) != value)
         refuse(c, "counts must be integers",
                "a position in rad or m belongs in the column '.measured [rad]'");
+      value = 0.0 + direction * value;  // no -0
     }
     if (!time_) return;
     const double time = rows(row, *time_);
@@ -171,7 +173,13 @@ class LogReader::Rows {
   Eigen::Index most_;
   std::optional<Eigen::Index> time_;
   double last_time_ = 0;
-  std::vector<Eigen::Index> counts_, scaled_;
+  /// Column of counts, and the direction of the counter.
+  struct Counts {
+    Eigen::Index column;
+    double direction;
+  };
+  std::vector<Counts> counts_;
+  std::vector<Eigen::Index> scaled_;
   std::vector<ColumnUnwrap> unwraps_;
   std::vector<TurnAlignment> alignments_;
 };

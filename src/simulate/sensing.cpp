@@ -145,7 +145,8 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   Moment m = moment(encoder, i);
   m.effort = 0;
   const double distorted = through(a.encoder, shaft, m);
-  const double count = through(a.decoder, count_of(encoder, distorted), m);
+  const double sign = direction(transmission_.encoders[encoder]);
+  const double count = sign * through(a.decoder, sign * count_of(encoder, distorted), m);
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }
@@ -227,7 +228,7 @@ Reading& Sensing::reading(std::size_t i) {
     const std::size_t k = j * batch_size + i;
     r.joint[row] = joint_[k];
     r.encoder[row] = batch_.encoder[k];
-    r.counts[row] = counts_[k];
+    r.counts[row] = direction(transmission_.encoders[j]) * counts_[k];
     r.measured[row] = measured_[k];
     r.estimate[row] = batch_.estimate[k];
     if (effort_) r.effort[row] = efforts_[k];

@@ -18,7 +18,9 @@ namespace qerr {
 /// 64 bytes. Meanings and units as in `Reading`. Borrows memory of `Sensing`, valid until its next batch.
 struct SensedBatch {
   std::uint64_t first = 0;  ///< number of the first sample
-  const double *time, *joint, *encoder, *counts, *measured, *estimate;
+  const double *time, *joint, *encoder;
+  const double* counts;  ///< rising with the joint, whatever the sign of the gear ratio
+  const double *measured, *estimate;
   const double* effort;  ///< null unless requested
   const double* shift;   ///< displacement of each joint from the path, constant during a run
 };

@@ -57,6 +57,16 @@ TEST_F(ReadLog, FindsColumnsByNameInAnyOrderAndConvertsThemToSi) {
   EXPECT_EQ(unit(LogSignal::reference, 3), "rad");
 }
 
+TEST_F(ReadLog, CountsOfANegativeGearRatioRiseWithTheJoint) {
+  spec = spec_with("'*': {counts_per_rev: 4096, gear_ratio: -100}, lift: {resolution: 10 um}");
+  const Log log = read(shoulder("0,0,0\n1,-100,0.0015\n2,250,-0.0038\n"));
+  EXPECT_EQ(values(log, LogSignal::counts, 0)[1], 100);
+  EXPECT_EQ(values(log, LogSignal::counts, 0)[2], -250);
+  // Reading = counts 2 pi / (counts per revolution * gear_ratio), the sign of the ratio included.
+  const auto measured = measured_joint(log, log.values, spec.model.transmission, 0);
+  EXPECT_NEAR((*measured)[1], -100 * 2 * std::numbers::pi / (4096 * -100), 1e-15);
+}
+
 TEST_F(ReadLog, IgnoresOtherColumnsWithAWarning) {
   const Log log =
       read("time [s],state,shoulder.counts,elbw.counts,\"a, b\"\n0,moving,1,x,\"1,2\"\n1,,2,,\"\"\"\n\"\n");

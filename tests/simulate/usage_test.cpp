@@ -75,5 +75,20 @@ TEST(Usage, OfAMotionHasTheEffortsOfTheSimulation) {
   EXPECT_NEAR(effort.mean_square / (squares / static_cast<double>(s.samples)), 1, 1e-12);
 }
 
+/// A counter behind a negative gear ratio falls while the joint rises; lost counts are counts of the counter.
+TEST(Reading, HasTheCountsThatTheCounterShows) {
+  OperationalModel model = one_joint();
+  model.transmission.encoders[0].shaft_ratio *= -1;
+  const double step = model.transmission.encoders[0].resolution;
+  const Motion motion{1000, 1, 0.0, {{0.2, 0.5, {}, {}}}, {}};
+  SimulationOptions options;
+  options.visit = [&](const Reading& r) {
+    const double gained = r.time >= 0.5 ? 7 : 0;
+    EXPECT_EQ(r.counts[0], gained - std::floor((0.2 + 0.5 * r.time) / step + 0.5));
+    EXPECT_NEAR(r.measured[0], -step * r.counts[0], 1e-15);
+  };
+  simulate(model, {}, {}, motion, {{"missed_counts", "elbow", {{"counts", 7}, {"time", 0.5}}, {}}}, options);
+}
+
 }  // namespace
 }  // namespace qerr

@@ -19,6 +19,9 @@ struct Encoder {
   double counts_per_period = 4;  ///< counts in one line or signal period
 };
 
+/// 1, or -1 where the counter falls while the joint coordinate rises: the sign of the gear ratio.
+inline double direction(const Encoder& e) { return e.shaft_ratio < 0 ? -1 : 1; }
+
 /// Mean of the quantization error, estimate - true [rad or m]: 0, or -Delta/2 for `down`.
 inline double mean_error(const Encoder& e) {
   return e.rounding == Rounding::down ? -0.5 * e.resolution : 0.0;

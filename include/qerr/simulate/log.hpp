@@ -15,7 +15,7 @@ namespace qerr {
 /// The quantity of a column of a log.
 enum class LogSignal {
   time,         ///< time stamp [s]
-  counts,       ///< of the encoder, integers, zero at the zero of the joint
+  counts,       ///< of the encoder, integers, zero at the zero of the joint; rising with the joint once read
   measured,     ///< joint position as the controller reads it [rad or m]
   reference,    ///< joint position by the reference sensor [rad or m]
   effort,       ///< [N m or N], [A] or an arbitrary unit

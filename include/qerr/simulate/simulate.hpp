@@ -52,11 +52,12 @@ struct Simulation {
 /// Signals of controller and reference sensor at one sample.
 struct Reading {
   std::uint64_t index = 0;
-  double time = 0;            ///< time stamp [s]
-  Eigen::VectorXd joint;      ///< true positions of the independent joints at that time [rad or m]
-  Eigen::VectorXd counts;     ///< of the encoders, integers
-  Eigen::VectorXd encoder;    ///< true encoder coordinates C^-1 q [rad or m]
-  Eigen::VectorXd measured;   ///< measured encoder coordinates counts * Delta [rad or m]
+  double time = 0;          ///< time stamp [s]
+  Eigen::VectorXd joint;    ///< true positions of the independent joints at that time [rad or m]
+  Eigen::VectorXd counts;   ///< what the encoders' counters show, integers
+  Eigen::VectorXd encoder;  ///< true encoder coordinates C^-1 q [rad or m]
+  Eigen::VectorXd
+      measured;  ///< measured encoder coordinates, counts * Delta in the counter's direction [rad or m]
   Eigen::VectorXd estimate;   ///< measured joint positions C * measured [rad or m]
   Eigen::VectorXd logged;     ///< the estimate with the effects of the log [rad or m]
   Eigen::VectorXd reference;  ///< joint positions by the reference sensor [rad or m]

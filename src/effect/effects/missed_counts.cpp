@@ -7,8 +7,9 @@ namespace qerr {
 namespace {
 
 Term step_at(const RecordSignals& s, double time) {
-  Term t = linear_term(s, "missed_counts", (s.time >= time).cast<double>() * s.step(),
-                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["counts"] = c[0]; });
+  Term t =
+      linear_term(s, "missed_counts", (s.time >= time).cast<double>() * (direction(s.encoder) * s.step()),
+                  [](Effect& e, const Eigen::VectorXd& c) { e.numbers["counts"] = c[0]; });
   t.effect.numbers["time"] = time;
   t.step = t.whole = true;
   return t;
@@ -40,7 +41,7 @@ EffectKind missed_counts_effect() {
       },
       // Zero before the time, the full step after: at an unknown time, mean and deviation are half the step.
       .share = [](const Effect& e, const Encoder& encoder, const Usage&) -> std::optional<Share> {
-        const double middle = 0.5 * e.number("counts") * encoder.resolution;
+        const double middle = 0.5 * e.number("counts") * direction(encoder) * encoder.resolution;
         return Share{middle, std::abs(middle), std::abs(middle), Spectrum::motion};
       },
       .step_at = step_at,
