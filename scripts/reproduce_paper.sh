@@ -2,10 +2,9 @@
 # Installs missing packages, builds qerr in build/ and reproduces the paper's tables and figures, as CSV and PNG.
 #
 #   scripts/reproduce_paper.sh [FOLDER]       default: build/paper
-#   scripts/reproduce_paper.sh --check        compares the table of configs/paper/README.md with new results
-#   scripts/reproduce_paper.sh --write-page   writes new results into that table
-#
-# --quick omits the long simulations (Figs. 12 and 13).
+#   scripts/reproduce_paper.sh --row N        row N of configs/paper/README.md, computed anew, and the commands behind it
+#   scripts/reproduce_paper.sh --check        compares the tables of that page with new results, digit by digit
+#   scripts/reproduce_paper.sh --write-page   writes new results into that page
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)

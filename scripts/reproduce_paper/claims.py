@@ -17,7 +17,6 @@ class Claim:
     printed: str
     ours: str
     verdict: str
-    command: str
     why: str = ""
 
 
@@ -39,6 +38,13 @@ def number(value, digits=3):
     if "e" in text and 1e-4 <= abs(value) < 1e7:
         return f"{float(text):.0f}"
     return text
+
+
+def within(gap, limit):
+    """A difference from an independent computation, as the text "within 1e-09"; above the limit the row fails."""
+    if not gap <= limit:
+        raise ArithmeticError(f"a difference of {gap:.2g} from an independent computation, above {limit:.0e}")
+    return f"within {limit:.0e}"
 
 
 def numbers(values, digits=3):

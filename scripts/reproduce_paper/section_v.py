@@ -11,11 +11,11 @@ def spaced(low, high, count):
 
 
 def cutoff(value):
-    return {f"filters.{name}.lowpass.cutoff": f"{value:.9g}Hz" for name in ALL}
+    return {f"filters.{name}.lowpass.cutoff": f"{value:.12g}Hz" for name in ALL}
 
 
 def rate(value):
-    return {f"filters.{name}.sample_rate": f"{value:.9g}Hz" for name in ALL}
+    return {f"filters.{name}.sample_rate": f"{value:.12g}Hz" for name in ALL}
 
 
 def norms(command):

@@ -16,16 +16,17 @@ class Qerr:
 
     def __init__(self, path):
         self.path = str(pathlib.Path(path).resolve())
+        self.ran = []  # the commands that were executed, as one types them
 
     def __call__(self, command, *arguments, set=None):
-        return Command(self.path, command, arguments, set or {})
+        return Command(self, command, arguments, set or {})
 
 
 class Command:
     """One command line. Paths of specs are relative to the project's root, the working folder."""
 
-    def __init__(self, path, command, arguments, overrides):
-        self._path = path
+    def __init__(self, qerr, command, arguments, overrides):
+        self._qerr = qerr
         self._words = [command, *map(str, arguments)]
         for key, value in overrides.items():
             self._words += ["--set", f"{key}={value}"]
@@ -35,8 +36,11 @@ class Command:
 
     def text(self, *more):
         """Standard output; an error of qerr ends the reproduction with qerr's message."""
+        shown = " ".join([str(self), *(shlex.quote(pathlib.Path(word).name) for word in more)])
+        if shown not in self._qerr.ran:
+            self._qerr.ran.append(shown)
         done = subprocess.run(
-            [self._path, *self._words, "-q", *more], cwd=ROOT, capture_output=True, text=True
+            [self._qerr.path, *self._words, "-q", *more], cwd=ROOT, capture_output=True, text=True
         )
         if done.returncode != 0:
             sys.exit(f"reproduce_paper: {self} failed:\n{done.stderr.strip()}")
