@@ -1,0 +1,304 @@
+"""What the texts say in figures: the place of each figure, and its value as computed now.
+
+STATEMENTS: (pattern with a group for every figure, function that returns the values of the groups). A blank matches any white space.
+NAMES: names and formulas, which have no value to compute: they must stand in the text as they stand here.
+"""
+import json
+import math
+import os
+import pathlib
+import re
+import runpy
+import signal
+import subprocess
+import tempfile
+
+DOCUMENTS = ["README.md", "configs/paper/README.md"]
+ARM = "configs/kuka_lwr/spec.yaml"  # one encoder for all joints, gear ratio 1, 10000 configurations by default
+EXPERIMENT = "configs/phantom_premium/experiment.yaml"
+
+
+class Values:
+    """Asks the program and the sources; every question once."""
+
+    def __init__(self, root, qerr):
+        self.root, self.qerr, self._known = root, qerr, {}
+
+    def once(self, question, answer):
+        if question not in self._known:
+            self._known[question] = answer()
+        return self._known[question]
+
+    def run(self, *words):
+        """Standard output and exit code."""
+
+        def answer():
+            done = subprocess.run([self.qerr, *words], cwd=self.root, capture_output=True, text=True)
+            return done.stdout, done.returncode
+
+        return self.once(words, answer)
+
+    def printed(self, pattern, *words):
+        return re.search(pattern, self.run(*words)[0]).groups()
+
+    def json(self, *words):
+        return json.loads(self.run(*words, "--format", "json")[0])
+
+    def source(self, path, pattern):
+        return re.search(pattern, (self.root / path).read_text(encoding="utf-8")).groups()
+
+    def floors(self):
+        return runpy.run_path(str(self.root / "scripts" / "check_floors.py"))["FLOORS"]
+
+
+def points(v):
+    done = v.json("analyze", "-q", ARM, "--set", "configurations={}")
+    return (str(done["configurations"]["count"]),)
+
+
+def counts(keys):
+    """Counts per revolution of an encoder that is specified like this, beside a joint with gear ratio 1."""
+
+    def value(v):
+        report = v.json("analyze", "-q", ARM, "--set", f"encoders.*={{{keys}}}", "--set", "configurations.count=1")
+        return (f"{2 * math.pi / report['joints'][0]['resolution']:.0f}",)
+
+    return value
+
+
+def decodings(v):
+    """All decodings, the default last."""
+    lines = "lines_per_rev: 1024"
+    names = {counts(f"{lines}, decoding: {name}")(v): name for name in ("x1", "x2", "x4")}
+    default = names.pop(counts(lines)(v))
+    return (*names.values(), default)
+
+
+def exit_code(*words):
+    return lambda v: (str(v.run(*words)[1]),)
+
+
+def unwritable(v):
+    with tempfile.TemporaryDirectory() as folder:
+        return (str(v.run("schema", "-o", str(pathlib.Path(folder) / "missing" / "x.json"))[1]),)
+
+
+def floor(modules):
+    return lambda v: (str({v.floors()[m] for m in modules.split()}.pop()),)
+
+
+def statistics(v):
+    names = [row.split()[0] for row in v.run("list", "statistics")[0].splitlines() if row and not row.startswith(" ")]
+    return tuple(n for n in names if n in ("p95", "p99"))
+
+
+def percent_names(v):
+    """The two accuracies for which `--noise` gives speeds."""
+    found = v.json("filter", "-q", ARM, "--noise")["filters"][0]
+    return tuple(re.findall(r"ipqn_within_(\d+)_percent", " ".join(found)))
+
+
+def percentiles_limit(v):
+    (bits,) = v.source("include/qerr/bound/statistic.hpp", r"exact_percentiles_limit = .*<< (\d+);")
+    return (f"{2 ** int(bits):,}".replace(",", " "),)
+
+
+def agreed_digits(v):
+    """Of all figures of a robot, with the slowest and the fastest instruction set of this machine; 12 if it is more."""
+    words = ("analyze", "-q", "configs/barrett_wam/spec.yaml", "--format", "csv")
+    tables = []
+    for name in ("portable", ""):
+        environment = {**os.environ, "QERR_INSTRUCTION_SET": name} if name else None
+        done = subprocess.run([v.qerr, *words], cwd=v.root, env=environment, capture_output=True, text=True, check=True)
+        tables.append([float(row.rsplit(",", 1)[1]) for row in done.stdout.splitlines()[1:]])
+    gap = max(abs(a - b) / max(abs(a), abs(b), 1e-300) for a, b in zip(*tables))
+    return (str(min(12, math.floor(-math.log10(max(gap, 1e-16))))),)
+
+
+def experiment(v):
+    """Amplitude, frequency, rate, samples of a period, duration, whole periods, period, mean speed in counts per sample."""
+    spec = (v.root / EXPERIMENT).read_text(encoding="utf-8")
+    amplitude, frequency = re.search(r"amplitude: (\d+) deg, frequency: ([\d.]+) Hz", spec).groups()
+    rate, duration = re.search(r"sample_rate: (\d+) kHz\n  duration: (\d+) s", spec).groups()
+    samples = 1000 * int(rate) / float(frequency)
+    step = float(re.search(r"resolution: (\d+) mrad", spec)[1]) * 1e-3
+    peak = math.radians(float(amplitude)) * 2 * math.pi * float(frequency) / (1000 * int(rate)) / step
+    periods, period = int(float(duration) * float(frequency)), 1 / float(frequency)
+    return amplitude, frequency, rate, f"{samples:g}", duration, str(periods), f"{period:g}", f"{peak:.0f}"
+
+
+def rates_of_table_3(v):
+    return v.source("scripts/reproduce_paper/tables.py", r"spaced\((\d+), \d+, \d+\) \+ spaced\(\d+, (\d+)e6, \d+\)")
+
+
+HISTOGRAM = "src/bound/histogram.hpp"
+STATEMENTS = {
+    "README.md": [
+        (r"plain CMake \(C\+\+(\d+);", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
+        (r"sampled by (\d+) Sobol points", points),
+        (r"exit code (\d) if all are met", exit_code("check", "-q", ARM)),
+        (
+            r"if all are met, (\d) if one is not",
+            exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm"),
+        ),
+        (
+            r"`([\d.]+) \?` means: detectable",
+            lambda v: v.printed(r"eccentricity \(joint\) +([\d.]+) \?", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
+        ),
+        (
+            r"detectable from ([\d.]+) counts, but",
+            lambda v: v.printed(r"eccentricity \(joint\) +([\d.]+) \?", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
+        ),
+        (
+            r"white noise of ([\d.]+) counts \(`--reference-noise",
+            lambda v: v.printed(r"noise of ([\d.]+) counts", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
+        ),
+        (r"\| (\d+) \| success \|", exit_code("schema")),
+        (r"\| (\d+) \| success, but a requirement", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
+        (r"\| (\d+) \| error in the command line", exit_code("analyze", ARM, "--no-such-option")),
+        (r"\| (\d+) \| error in the input", exit_code("analyze", ARM, "--set", "qerr=two")),
+        (r"\| (\d+) \| a file cannot", unwritable),
+        (r"\| (\d+) \| an internal error", lambda v: v.source("include/qerr/core/error.hpp", r"internal = (\d+)")),
+        (
+            r"\| (\d+), (\d+) \| interrupted",
+            lambda v: (str(128 + signal.SIGINT), str(128 + signal.SIGTERM)),
+        ),
+        (r"`counts_per_rev: 4096` \|[^|]*\| (\d+) \|", counts("counts_per_rev: 4096")),
+        (r"`lines_per_rev: 1024, decoding: x4` \|[^|]*\| (\d+) \|", counts("lines_per_rev: 1024, decoding: x4")),
+        (r"incremental; `(x\d)`, `(x\d)`, `(x\d)` \(default\)", decodings),
+        (r"`bits: 17` \|[^|]*\| (\d+) \|", counts("bits: 17")),
+        (
+            r"`periods_per_rev: 512, interpolation_bits: 10` \|[^|]*\| (\d+) \|",
+            counts("periods_per_rev: 512, interpolation_bits: 10"),
+        ),
+        (r"`resolution: 0\.125 mrad` \|[^|]*\| (\d+) \|", counts("resolution: 0.125 mrad")),
+        (
+            r"per joint revolution \(default (\d+)\)",
+            lambda v: v.printed(r'(?s)"gear_ratio".*?"default": (\d+)\.0', "schema"),
+        ),
+        (r"\(median, (p\d+), (p\d+), max\)", statistics),
+        (r"accurate to (\d+) % and (\d+) %, and the noise", percent_names),
+        (
+            r"H2 and l1 norms agree to (\S+) relative",
+            lambda v: v.source("tests/filter/norms_test.cpp", r"n\.l1\.upper - n\.l1\.lower, (\S+) \*"),
+        ),
+        (
+            r"and Jacobians to (\S+) with",
+            lambda v: v.source("tests/kinematics/jacobian_test.cpp", r"gap\.jacobian, (\S+)\)"),
+        ),
+        (
+            r"exact up to ([\d ]+) configurations",
+            percentiles_limit,
+        ),
+        (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),
+        (r"agree to (\d+) digits", agreed_digits),
+        (r"to about (\S+)\. On one machine", lambda v: v.source(HISTOGRAM, r"values, (\S+) for millions")),
+        (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
+        *[
+            (rf" (\d) +{re.sub(' ', '  ', modules)} ", floor(modules))
+            for modules in (
+                "core lanes",
+                "encoder kinematics filter",
+                "effect",
+                "bound simulate",
+                "design diagnose",
+                "input report",
+                "cli",
+            )
+        ],
+        (r"a statistic \(median, (p\d+)\)", lambda v: (statistics(v)[-1],)),
+    ],
+    "configs/paper/README.md": [
+        (r"norms from (\d+) Hz to (\d+) MHz, four", rates_of_table_3),
+        (
+            r"motion \((\d+) deg, ([\d.]+) Hz, the same sine in all joints\) is sampled at (\d+) kHz, so that every period"
+            r" has the same (\d+) samples: (\d+) s are (\d+) repetitions of ([\d.]+) s, .* is not white at (\d+) counts per",
+            experiment,
+        ),
+        (r"cut-off (\d+) rad/s", lambda v: v.source("scripts/reproduce_paper/sample_rates.py", r"corner = (\d+) / \(2")),
+    ],
+}
+NAMES = {
+    "README.md": [
+        r"Debian 12\b",
+        r"GCC 12 or Clang 14\b",
+        r"actions/checkout@v4\b",
+        r"actions/upload-artifact@v4\b",
+        r"\bH2\b",
+        r"\bl1\b",
+        r"\|H\(1\)\|",
+        r"\bphase 0\b",
+        r"`chebyshev1`, `chebyshev2`",
+        r"\(1 - z\^-1\)/T",
+        r"\(-Delta, 0\]",
+        r"-Delta/2\b",
+        r"0\.5 \|J C\| Delta",
+        r"diag\(Delta\^2/12\)",
+        r"PUMA 560\b",
+        r"AVX-512, AVX2 or",
+        r"BSD 3-Clause",
+        r"`h2_norm`, `l1_norm`",
+        # What a row of encoders says is computed in its last column.
+        r"`counts_per_rev: 4096`",
+        r"`lines_per_rev: 1024, decoding: x4`",
+        r"`bits: 17`",
+        r"`periods_per_rev: 512, interpolation_bits: 10`",
+        r"`resolution: 0\.125 mrad`",
+    ],
+    "configs/paper/README.md": [
+        r"--row 15\b",
+        r"# row 15 of the claims",
+        r"`python3 scripts",
+        r"\(37\)",
+        r"Figs\. 1 to 4, 6 and 11 are",
+        r"by \(43\) and \(44\), and with 2 pi",
+        # Numbers of tables and figures, with the files of the same numbers.
+        r"Table II \| `table_2\.csv`",
+        r"Table III \| `table_3\.csv`",
+        r"Table IV \| `table_4\.csv`",
+        r"Fig\. 5 \| `figure_5`",
+        r"Figs\. 7, 8, 9 \| `figure_7`, `figure_8`, `figure_9`",
+        r"Fig\. 10 \| `figure_10`",
+        r"Fig\. 12 \| `figure_12`",
+        r"Fig\. 13 \| `figure_13`",
+        r"behind Figs\. 12 and 13: errors",
+        r"Fig\. 14, App\. A \| `figure_14`",
+        r"Figs\. 7, 8 for higher",
+        r"so that Figs\. 12 and 13 compare",
+        r"whiskers of Figs\. 12 and 13 are",
+    ],
+}
+_FILE = re.compile(r"`([\w.-]+(?:/[\w.-]+)+)`")
+
+
+def _spaced(pattern):
+    """A blank stands for any white space, so that lines may be broken anywhere."""
+    return re.compile(re.sub(r"(?<!\\) (?![+*?])", r"\\s+", pattern), re.S)
+
+
+class Missing(Exception):
+    """The text no longer has a figure that is listed here."""
+
+
+def _places(name, text):
+    for pattern, value in STATEMENTS[name]:
+        match = _spaced(pattern).search(text)
+        if match is None:
+            raise Missing(f"the text lacks the statement '{pattern}'")
+        yield match, value
+
+
+def changes(name, text, values):
+    """(begin, end, value) of every figure."""
+    for number, (match, value) in enumerate(_places(name, text)):
+        new = values.once(number, lambda: value(values))
+        for group, figure in enumerate(new, start=1):
+            yield (*match.span(group), figure)
+
+
+def covered(name, text, root):
+    """Ranges of figures that are computed, of names, and of files that exist."""
+    ranges = [match.span(group + 1) for match, _ in _places(name, text) for group in range(len(match.groups()))]
+    for pattern in NAMES[name]:
+        ranges += [match.span() for match in _spaced(pattern).finditer(text)]
+    return ranges + [match.span() for match in _FILE.finditer(text) if (root / match[1]).exists()]
