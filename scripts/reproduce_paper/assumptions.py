@@ -48,7 +48,7 @@ def quantized_truth(qerr, out):
 
 
 def ripples(qerr, out):
-    peaks = (2 / math.pi, math.pi / 2, 4.0, 20.0)
+    peaks = (2 / math.pi, math.pi / 2, 4.0, 10.0)
     ripples = [100 * (1 - white_share(peak)) for peak in peaks]
     entry = "n{0}: {{derivative: 1, sample_rate: 1 kHz, lowpass: {{family: first_order, order: {0}, cutoff: 50 Hz}}}}"
     filters = {"filters": "{" + ", ".join(map(entry.format, (1, 2, 3))) + "}"}
