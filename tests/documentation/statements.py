@@ -51,6 +51,10 @@ class Values:
         return runpy.run_path(str(self.root / "scripts" / "check_floors.py"))["FLOORS"]
 
 
+def _percent(fraction):
+    return f"{100 * float(fraction):g}"
+
+
 def points(v):
     done = v.json("analyze", "-q", ARM, "--set", "configurations={}")
     return (str(done["configurations"]["count"]),)
@@ -189,6 +193,11 @@ STATEMENTS = {
         (
             r"exact up to ([\d ]+) configurations",
             percentiles_limit,
+        ),
+        (
+            r"mean is that of (\d+) to (\d+) equally spaced zeros, within (\S+) % of the limit",
+            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r", (\d+), (\d+)\);")
+            + (_percent(v.source("tests/simulate/quantization_along_motion_test.cpp", r"expected, 1, (\S+)\)")[0]),),
         ),
         (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),
         (r"agree to (\d+) digits", agreed_digits),
