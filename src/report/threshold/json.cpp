@@ -10,6 +10,7 @@ std::string to_json(const ThresholdReport& report, const Style&) {
                     {"joint", r.joint},
                     {"counts_per_rev", r.counts_per_rev},
                     {"gear_ratio", r.gear_ratio},
+                    {"coupling", r.coupling},
                     {"length_mm", 1e3 * r.length},
                     {"sample_rate_hz", r.sample_rate},
                     {"resolution_mm", 1e3 * r.resolution},

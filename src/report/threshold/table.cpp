@@ -3,6 +3,20 @@
 
 namespace qerr {
 
+namespace {
+
+/// The rows whose coupling is a factor of the resolution.
+std::string couplings(const ThresholdReport& report) {
+  std::string out;
+  for (const ThresholdRow& r : report.rows)
+    if (r.coupling != 1)
+      out += "  " + escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
+             ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder\n";
+  return out;
+}
+
+}  // namespace
+
 std::string to_table(const ThresholdReport& report, const Style& style) {
   std::vector<std::vector<std::string>> cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution",
                                                "threshold", "l/(nG) as printed", "as printed"}};
@@ -13,7 +27,8 @@ std::string to_table(const ThresholdReport& report, const Style& style) {
                      readable(r.threshold_velocity_as_printed(), "m/s")});
   return painted("Resolution and threshold velocity (Table IV): one count per sample", Paint::bold, style) +
          "\n" + aligned(cells) +
-         "  resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint\n";
+         "  resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint\n" +
+         couplings(report);
 }
 
 }  // namespace qerr
