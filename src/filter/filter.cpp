@@ -3,42 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 
 #include "filter/design/polynomial.hpp"
+#include "filter/frequency_response.hpp"
 #include "filter/norms/modes.hpp"
 #include "filter/run/cascade.hpp"
 
 namespace qerr {
 namespace {
-
-using Complex = std::complex<double>;
-
-Complex section_response(const Section& section, Complex w) {
-  const auto doubles = [](const std::array<DoubleDouble, 3>& c) {
-    return std::array{c[0].hi, c[1].hi, c[2].hi};
-  };
-  const struct { std::array<double, 3> b, a; } s{doubles(section.b), doubles(section.a)};
-  if (std::abs(w) <= 1) return (s.b[0] + w * (s.b[1] + w * s.b[2])) / (s.a[0] + w * (s.a[1] + w * s.a[2]));
-  // Near the Nyquist frequency in v = 1/w, which is 0 there.
-  const Complex v = 1.0 / w;
-  if (s.a[2] == 0) return (s.b[0] * v + s.b[1]) / (s.a[0] * v + s.a[1]);
-  return (s.b[2] + v * (s.b[1] + v * s.b[0])) / (s.a[2] + v * (s.a[1] + v * s.a[0]));
-}
-
-/// Zeros at z = 1 are kept as factors: at low frequencies the sum of the taps would cancel.
-/// @param cycles  per sample
-Complex taps_response(const std::vector<double>& taps, double cycles, Complex w) {
-  const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
-  Complex sum = 0;
-  for (std::size_t k = 0; k < d.quotient.size(); ++k) {
-    const double part = std::remainder(cycles * static_cast<double>(k), 1.0);
-    sum += static_cast<double>(d.quotient[k]) * std::polar(1.0, -2 * std::numbers::pi * part);
-  }
-  const Complex difference = std::abs(w) <= 1 ? 2.0 * w / (1.0 + w) : 2.0 / (1.0 + 1.0 / w);
-  for (int i = 0; i < d.zeros; ++i) sum *= difference;
-  return sum;
-}
 
 double taps_delay(const std::vector<double>& taps) {
   const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
@@ -74,13 +46,9 @@ Section section_in_w(const std::array<double, 3>& b, const std::array<double, 3>
   return {in_w(b), in_w(a)};
 }
 
-Complex response(const Filter& filter, double frequency_hz) {
-  const double cycles = std::remainder(frequency_hz / filter.sample_rate, 1.0);
-  const Complex w(0, std::tan(std::numbers::pi * cycles));
-  Complex h = static_cast<double>(filter.gain);
-  for (const Section& s : filter.sections) h *= section_response(s, w);
-  if (!filter.taps.empty()) h *= taps_response(filter.taps, cycles, w);
-  return h;
+std::complex<double> response(const Filter& filter, double frequency_hz) {
+  const ComplexOf<double> h = FrequencyResponse<double>(filter).at(frequency_hz);
+  return {h.re, h.im};
 }
 
 double dc_gain(const Filter& filter) {

@@ -7,7 +7,8 @@
 namespace qerr {
 namespace {
 
-constexpr int bits = 52;
+constexpr int bits = 60;  // of latest_sample, in whole digits
+constexpr int taylor_order = 12;
 constexpr std::size_t base = 16;  // of the digits in the table of quick powers
 // A bound in doubles takes a few hundred operations with relative errors of 2^-53, much less than `slack`.
 // `least` keeps a bound above 0 where the powers underflow.
@@ -22,6 +23,12 @@ Quick times(const Quick& x, const Quick& y) {
 }
 
 Quick rounded(const ComplexBall& x) { return {x.re.mid().hi, x.im.mid().hi}; }
+
+/// An integer of up to 106 bits.
+RealBall exact_ball(std::int64_t k) {
+  const auto high = static_cast<double>(k);
+  return RealBall(DoubleDouble(high, static_cast<double>(k - static_cast<std::int64_t>(high))));
+}
 
 /// C(k + m, m) from C(k + m - 1, m - 1).
 double next_binomial(double binomial, std::int64_t k, std::size_t m) {
@@ -95,8 +102,7 @@ RealBall Sequence::at(std::int64_t k) const {
     RealBall binomial(1.0);
     for (std::size_t m = 1; m <= mode.c.size(); ++m) {
       sum = sum + mode.c[m - 1] * ComplexBall(binomial);
-      binomial = binomial * RealBall(static_cast<double>(k + static_cast<std::int64_t>(m))) /
-                 RealBall(static_cast<double>(m));
+      binomial = binomial * exact_ball(k + static_cast<std::int64_t>(m)) / RealBall(static_cast<double>(m));
     }
     const RealBall share = (sum * powers_->proven(i, k)).re;
     total += mode.pair ? share + share : share;
@@ -189,6 +195,29 @@ Sequence Sequence::transient_of_sum() const {
     }
   }
   return {std::move(result), *powers_};
+}
+
+Sequence Sequence::plus(double factor, const Sequence& other) const {
+  std::vector<Mode> result = modes_;
+  for (std::size_t i = 0; i < result.size(); ++i)
+    for (std::size_t m = 0; m < result[i].c.size(); ++m)
+      result[i].c[m] = result[i].c[m] + ComplexBall(factor) * other.modes_[i].c[m];
+  return {std::move(result), *powers_};
+}
+
+Differences::Differences(const Sequence& x) : list_{x} {
+  for (int j = 0; j < taylor_order; ++j) list_.push_back(list_.back().difference());
+}
+
+double Differences::variation(std::int64_t first, std::int64_t end, std::int64_t middle) const {
+  const double radius = static_cast<double>(std::max(middle - first, end - 1 - middle));
+  double change = 0, weight = 1;
+  for (int j = 1; j <= taylor_order; ++j) {
+    weight *= (radius + j - 1) / j;  // C(radius + j - 1, j), the largest weight on either side
+    const Sequence& d = list_[static_cast<std::size_t>(j)];
+    change += 1.001 * weight * (j < taylor_order ? d.at(middle).largest() : d.bound(first, end - 1));
+  }
+  return change;
 }
 
 }  // namespace qerr

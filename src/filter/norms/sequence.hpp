@@ -25,6 +25,9 @@ class Powers {
   std::vector<double> decay_;                             // lower bounds of -log |z|
 };
 
+/// The largest sample of a modal sequence: exact in a product of balls, and far from overflow.
+inline constexpr std::int64_t latest_sample = std::int64_t{1} << 58;
+
 /// A modal sequence x_k = sum_i sum_m c_im C(k + m - 1, m - 1) z_i^k: an impulse response, its differences or
 /// its sum. Keeps a reference to the powers of its modes, which must outlive it.
 class Sequence {
@@ -39,8 +42,9 @@ class Sequence {
   double tail(std::int64_t first) const;  ///< of sum |x_k| over k >= first; infinite where not yet decaying
   /// Whether the coefficients have relative errors below 1e-14 of their contribution to `bound`.
   bool accurate() const;
-  Sequence difference() const;        ///< x_k - x_{k-1}
-  Sequence transient_of_sum() const;  ///< U with U_k - U_{k-1} = x_k, U -> 0
+  Sequence difference() const;                                ///< x_k - x_{k-1}
+  Sequence transient_of_sum() const;                          ///< U with U_k - U_{k-1} = x_k, U -> 0
+  Sequence plus(double factor, const Sequence& other) const;  ///< x + factor y, of the same modes
 
  private:
   struct Coefficient {
@@ -50,6 +54,22 @@ class Sequence {
   std::vector<Mode> modes_;
   const Powers* powers_;
   std::vector<std::vector<Coefficient>> rounded_;  // doubled for a pair
+};
+
+/// The differences x, D x, D^2 x, ... of a modal sequence, D x_k = x_k - x_{k-1}, which bound how it varies.
+class Differences {
+ public:
+  explicit Differences(const Sequence& x);
+  /// D x.
+  const Sequence& first() const { return list_[1]; }
+  const Sequence& second() const { return list_[2]; }
+  /// A bound of |x_k - x_middle| over first..end-1, by the Newton series x_{m+i} = sum_j C(i+j-1, j) (D^j
+  /// x)_m: it includes the cancellation of the modes, which makes the bounds of a low-pass of high order,
+  /// whose response starts as t^n, much too large.
+  double variation(std::int64_t first, std::int64_t end, std::int64_t middle) const;
+
+ private:
+  std::vector<Sequence> list_;
 };
 
 }  // namespace qerr

@@ -6,7 +6,6 @@
 namespace qerr {
 namespace {
 
-constexpr int taylor_order = 12;
 // Below this ratio of |x| to its bound, bisection by the bound takes too many blocks.
 constexpr double cancelled = 0.01;
 
@@ -17,10 +16,7 @@ constexpr double cancelled = 0.01;
 class Runs {
  public:
   Runs(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
-      : x_(x), sum_(x.transient_of_sum()), powers_(powers), scale_(scale), visits_(visits) {
-    differences_.push_back(x);
-    for (int j = 0; j < taylor_order; ++j) differences_.push_back(differences_.back().difference());
-  }
+      : x_(x), sum_(x.transient_of_sum()), differences_(x), powers_(powers), scale_(scale), visits_(visits) {}
 
   /// Sums over first..end-1; stops early when no visits remain.
   void cover(std::int64_t first, std::int64_t end) {
@@ -56,13 +52,13 @@ class Runs {
     powers_.quick(middle, power_);
     powers_.moduli(first, moduli_);
     const double x = x_.quick_at(middle, power_), size = x_.bound(moduli_, middle);
-    const double steepest = differences_[1].bound(moduli_, end - 1);
+    const double steepest = differences_.first().bound(moduli_, end - 1);
     if (std::abs(x) > radius * steepest + 1e-12 * size) {
       extend(end, x < 0 ? -1 : 1);
       return;
     }
-    const double slope = differences_[1].quick_at(middle, power_);
-    if (std::abs(slope) > radius * differences_[2].bound(moduli_, end - 1) + 1e-12 * steepest) {
+    const double slope = differences_.first().quick_at(middle, power_);
+    if (std::abs(slope) > radius * differences_.second().bound(moduli_, end - 1) + 1e-12 * steepest) {
       monotone(first, end);
       return;
     }
@@ -71,19 +67,11 @@ class Runs {
     visit(middle, end);
   }
 
-  /// Where the modes almost cancel (a low-pass of high order starts as t^n) the other bounds are much too
-  /// large; the Newton series x_{m+i} = sum_j C(i+j-1, j) (D^j x)_m about the middle includes the
-  /// cancellation.
+  /// Where the modes almost cancel the other bounds are much too large.
   /// @returns whether the block has one sign, or is negligible; then it is summed
   bool sum_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
-    const double radius = static_cast<double>(std::max(middle - first, end - 1 - middle));
     const RealBall center = x_.at(middle);
-    double change = 0, weight = 1;
-    for (int j = 1; j <= taylor_order; ++j) {
-      weight *= (radius + j - 1) / j;  // C(radius + j - 1, j), the largest weight on either side
-      const Sequence& d = differences_[static_cast<std::size_t>(j)];
-      change += 1.001 * weight * (j < taylor_order ? d.at(middle).largest() : d.bound(first, end - 1));
-    }
+    const double change = differences_.variation(first, end, middle);
     const double total = (center.largest() + change) * static_cast<double>(end - first);
     if (center.smallest() > change) {
       extend(end, center.mid() < DoubleDouble(0) ? -1 : 1);
@@ -128,7 +116,7 @@ class Runs {
   }
 
   Sequence x_, sum_;
-  std::vector<Sequence> differences_;
+  Differences differences_;
   const Powers& powers_;
   std::vector<std::complex<double>> power_;  // z^k of all modes at the current sample
   std::vector<double> moduli_;

@@ -13,7 +13,7 @@ namespace {
 constexpr double negligible_tail = 1e-18;  // remaining sum of a dropped mode relative to the norm
 constexpr double blocks_per_run = 4;       // lower bound for a run of an oscillation
 constexpr double many_runs = 300;          // above, dropping decayed modes saves time
-constexpr std::int64_t longest = std::int64_t{1} << 50;
+constexpr std::int64_t longest = latest_sample / 2;
 
 /// Bound of sum |x_k| of one mode over k >= from.
 double tail(const Mode& mode, const Powers& powers, std::int64_t from) {

@@ -55,6 +55,13 @@ LinearFactor factor_of(const Root& r) {
   return {{Binary1024(1) - r[0], Binary1024(-r[1])}, {Binary1024(1) + r[0], Binary1024(r[1])}};
 }
 
+/// The roots, with those that are within rounding of 1 at 1.
+std::vector<Root> rounded_to_dc(std::vector<Root> roots) {
+  for (Root& r : roots)
+    if (std::hypot(r[0] - 1, r[1]) <= unit) r = {1, 0};
+  return roots;
+}
+
 DoubleDouble distance_from_circle(const Root& r) {  // 1 - |r|^2
   return DoubleDouble(1) - DoubleDouble(r[0]) * DoubleDouble(r[0]) - DoubleDouble(r[1]) * DoubleDouble(r[1]);
 }
@@ -111,16 +118,23 @@ Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double 
   }
   const double largest = check_stable(poles);
   if (gain == 0) return {{}, 1, sample_rate, derivative, {0}};
-  const std::vector<Root> zero_roots = paired(zeros, "zeros"), pole_roots = paired(poles, "poles");
-  std::vector<LinearFactor> above, below;
-  for (const Root& r : zero_roots) above.push_back(factor_of(r));
+  const std::vector<Root> pole_roots = paired(poles, "poles"), exact_zeros = paired(zeros, "zeros");
+  std::vector<LinearFactor> below;
   for (const Root& r : pole_roots) below.push_back(factor_of(r));
-  // Fewer zeros than poles: the others are at z = infinity, z^-1 = (1 - w)/(1 + w).
-  for (std::size_t i = zeros.size(); i < poles.size(); ++i) above.push_back({1.0, -1.0});
-  Filter filter = filter_from_factors(gain, above, below, sample_rate, derivative);
   std::vector<Binary1024> delay(poles.size() - zeros.size() + 1);
   delay.back() = gain;
-  set_deviation(filter, times(delay, expanded(zero_roots)), expanded(pole_roots), largest, "poles");
+  const std::vector<Binary1024> numerator = times(delay, expanded(exact_zeros)),
+                                denominator = expanded(pole_roots);
+  // A zero within its rounding of z = 1 is taken to be there, unless that changes the filter's norm.
+  Filter filter;
+  for (const std::vector<Root>& zero_roots : {rounded_to_dc(exact_zeros), exact_zeros}) {
+    std::vector<LinearFactor> above;
+    for (const Root& r : zero_roots) above.push_back(factor_of(r));
+    // Fewer zeros than poles: the others are at z = infinity, z^-1 = (1 - w)/(1 + w).
+    for (std::size_t i = zeros.size(); i < poles.size(); ++i) above.push_back({1.0, -1.0});
+    filter = filter_from_factors(gain, above, below, sample_rate, derivative);
+    if (set_deviation(filter, numerator, denominator, largest, "poles")) break;
+  }
   return filter;
 }
 
