@@ -82,10 +82,11 @@ class LastOutside {
     double value = std::abs(x_.quick_at(middle, power_) + offset_), uncertainty = 1e-12 * size;
     double change = static_cast<double>(middle - first) * differences_.first().bound(first, end - 1);
     if (uncertainty > 1e-11 * limit_ || (change > 0 && value < 0.1 * size)) {
-      const RealBall fine = x_.at(middle);
+      const std::vector<ComplexBall> powers = powers_.proven(middle);
+      const RealBall fine = x_.at(middle, powers);
       value = std::abs(static_cast<double>(fine.mid()) + offset_);
       uncertainty = fine.rad();
-      if (end - first > 1) change = std::min(change, differences_.variation(first, end, middle));
+      if (end - first > 1) change = std::min(change, differences_.variation(first, end, middle, powers));
     }
     if (end - first == 1) return value > limit_ ? first : -1;
     if (value + change + uncertainty <= limit_) return -1;

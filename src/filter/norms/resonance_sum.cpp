@@ -3,12 +3,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "filter/norms/fine_ball.hpp"
+
 namespace qerr {
 namespace {
-
-// A complex ball grows by up to the square root of 2 in every product: of 2^50 samples that takes 75 bits.
-using FineBall = Ball<Binary256>;
-using FineComplex = ComplexOf<FineBall>;
 
 /// An integer below 2^500 in magnitude: sums and products are exact in 1024 bits, and so is the floor of a
 /// quotient, which is either an integer or at least 1/divisor away from one.
@@ -74,8 +72,7 @@ FineBall fine(const RealBall& x) { return FineBall(exact(x.mid()), x.rad()); }
 // wrong only where the phase is within that uncertainty of a change of sign. There |x_k| <= 2 |c z^k|
 // sin(uncertainty), so that the sum is low by at most twice that over all k.
 RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end) {
-  const FineComplex one(1.0), w{FineBall::exactly(mode.w.re), FineBall::exactly(mode.w.im)};
-  const FineComplex z = (one + w) / (one - w), c{fine(mode.c[0].re), fine(mode.c[0].im)};
+  const FineComplex one(1.0), z = fine_z(mode.w), c{fine(mode.c[0].re), fine(mode.c[0].im)};
   const FineComplex start = c * power(Word{z, {}}, static_cast<double>(from)).factor;
   const Binary256 pi = pi256(), re = exact(mode.w.re), im = exact(mode.w.im);
   // arg z = arg(1 + w) - arg(1 - w). The additional half cycle keeps beta positive; `sign` compensates it.

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/norms/fine_ball.hpp"
+
 namespace qerr {
 namespace {
 
@@ -37,17 +39,8 @@ double next_binomial(double binomial, std::int64_t k, std::size_t m) {
 
 }  // namespace
 
-Powers::Powers(const std::vector<Mode>& modes) {
+Decays::Decays(const std::vector<Mode>& modes) {
   for (const Mode& mode : modes) {
-    std::vector<ComplexBall> table{mode.z};
-    for (int i = 1; i < bits; ++i) table.push_back(table.back() * table.back());
-    std::vector<Quick> quick;
-    for (std::size_t i = 0; i < bits; i += 4) {
-      quick.emplace_back(1.0);
-      for (std::size_t j = 1; j < base; ++j) quick.push_back(times(quick.back(), rounded(table[i])));
-    }
-    squarings_.push_back(std::move(table));
-    quick_.push_back(std::move(quick));
     // 1 - |z|^2 without cancellation: 2 Re(1 - z) - |1 - z|^2.
     const RealBall gap = RealBall(2.0) * mode.one_minus_z.re - norm(mode.one_minus_z);
     // At most 1000: finite for a pole close to z = 0.
@@ -55,12 +48,59 @@ Powers::Powers(const std::vector<Mode>& modes) {
   }
 }
 
-ComplexBall Powers::proven(std::size_t mode, std::int64_t k) const {
-  ComplexBall r(1.0);
-  for (std::size_t i = 0; k > 0; ++i, k >>= 1) {
-    if ((k & 1) != 0) r = r * squarings_[mode][i];
+void Decays::moduli(std::int64_t k, std::vector<double>& moduli) const {
+  moduli.resize(decay_.size());
+  for (std::size_t i = 0; i < moduli.size(); ++i) moduli[i] = modulus(i, k);
+}
+
+double Decays::modulus(std::size_t mode, std::int64_t k) const {
+  return std::exp(-decay_[mode] * static_cast<double>(k));
+}
+
+double Decays::one_minus_modulus(std::size_t mode) const { return -std::expm1(-decay_[mode]); }
+
+double tail(const Mode& mode, std::int64_t first) {
+  const Decays decays({mode});
+  double sum = 0, binomial = 1;
+  const double modulus = decays.modulus(0, 1);
+  for (std::size_t m = 1; m <= mode.c.size(); ++m) {
+    // From `first` on the terms decrease at least as a geometric series of ratio 1 - gap.
+    const double growth = static_cast<double>(m - 1) / static_cast<double>(first + 1);
+    const double gap = decays.one_minus_modulus(0) - growth * modulus;
+    if (!(gap > 0)) return std::numeric_limits<double>::infinity();
+    sum += largest(mode.c[m - 1]) * binomial / gap;
+    binomial = next_binomial(binomial, first, m);
   }
-  return r;
+  return (mode.pair ? 2 : 1) * sum * decays.modulus(0, first) * slack + least;
+}
+
+Powers::Powers(const std::vector<Mode>& modes) : Decays(modes) {
+  for (const Mode& mode : modes) {
+    std::vector<ComplexBall> table;
+    std::vector<Quick> quick;
+    FineComplex digit = fine_z(mode.w);  // z^(16^i)
+    for (int i = 0; i < bits; i += 4) {
+      FineComplex power(1.0);
+      for (std::size_t j = 0; j < base; ++j) {
+        table.push_back(rounded(power));
+        quick.push_back(rounded(table.back()));
+        power = power * digit;
+      }
+      digit = power;
+    }
+    proven_.push_back(std::move(table));
+    quick_.push_back(std::move(quick));
+  }
+}
+
+std::vector<ComplexBall> Powers::proven(std::int64_t k) const {
+  std::vector<ComplexBall> powers(proven_.size(), ComplexBall(1.0));
+  for (std::size_t row = 0; k > 0; row += base, k /= static_cast<std::int64_t>(base)) {
+    const std::size_t digit = row + static_cast<std::size_t>(k) % base;
+    if (digit == row) continue;
+    for (std::size_t i = 0; i < powers.size(); ++i) powers[i] = powers[i] * proven_[i][digit];
+  }
+  return powers;
 }
 
 void Powers::quick(std::int64_t k, std::vector<Quick>& powers) const {
@@ -71,17 +111,6 @@ void Powers::quick(std::int64_t k, std::vector<Quick>& powers) const {
     for (std::size_t i = 0; i < powers.size(); ++i) powers[i] = times(powers[i], quick_[i][digit]);
   }
 }
-
-void Powers::moduli(std::int64_t k, std::vector<double>& moduli) const {
-  moduli.resize(decay_.size());
-  for (std::size_t i = 0; i < moduli.size(); ++i) moduli[i] = modulus(i, k);
-}
-
-double Powers::modulus(std::size_t mode, std::int64_t k) const {
-  return std::exp(-decay_[mode] * static_cast<double>(k));
-}
-
-double Powers::one_minus_modulus(std::size_t mode) const { return -std::expm1(-decay_[mode]); }
 
 Sequence::Sequence(std::vector<Mode> modes, const Powers& powers)
     : modes_(std::move(modes)), powers_(&powers) {
@@ -94,17 +123,17 @@ Sequence::Sequence(std::vector<Mode> modes, const Powers& powers)
   }
 }
 
-RealBall Sequence::at(std::int64_t k) const {
+RealBall Sequence::at(std::int64_t k, const std::vector<ComplexBall>& powers) const {
   RealBall total;
   for (std::size_t i = 0; i < modes_.size(); ++i) {
     const Mode& mode = modes_[i];
-    ComplexBall sum;
+    ComplexBall sum = mode.c[0];
     RealBall binomial(1.0);
-    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      sum = sum + mode.c[m - 1] * ComplexBall(binomial);
+    for (std::size_t m = 1; m < mode.c.size(); ++m) {
       binomial = binomial * exact_ball(k + static_cast<std::int64_t>(m)) / RealBall(static_cast<double>(m));
+      sum = sum + mode.c[m] * ComplexBall(binomial);
     }
-    const RealBall share = (sum * powers_->proven(i, k)).re;
+    const RealBall share = sum.re * powers[i].re - sum.im * powers[i].im;
     total += mode.pair ? share + share : share;
   }
   return total;
@@ -145,21 +174,8 @@ double Sequence::bound(const std::vector<double>& moduli, std::int64_t last) con
 
 double Sequence::tail(std::int64_t first) const {
   double total = 0;
-  for (std::size_t i = 0; i < modes_.size(); ++i) {
-    const Mode& mode = modes_[i];
-    double sum = 0, binomial = 1;
-    const double modulus = powers_->modulus(i, 1);
-    for (std::size_t m = 1; m <= mode.c.size(); ++m) {
-      // From `first` on the terms decrease at least as a geometric series of ratio 1 - gap.
-      const double growth = static_cast<double>(m - 1) / static_cast<double>(first + 1);
-      const double gap = powers_->one_minus_modulus(i) - growth * modulus;
-      if (!(gap > 0)) return std::numeric_limits<double>::infinity();
-      sum += largest(mode.c[m - 1]) * binomial / gap;
-      binomial = next_binomial(binomial, first, m);
-    }
-    total += (mode.pair ? 2 : 1) * sum * powers_->modulus(i, first);
-  }
-  return total * slack + least;
+  for (const Mode& mode : modes_) total += qerr::tail(mode, first);
+  return total;
 }
 
 bool Sequence::accurate() const {
@@ -209,13 +225,14 @@ Differences::Differences(const Sequence& x) : list_{x} {
   for (int j = 0; j < taylor_order; ++j) list_.push_back(list_.back().difference());
 }
 
-double Differences::variation(std::int64_t first, std::int64_t end, std::int64_t middle) const {
+double Differences::variation(std::int64_t first, std::int64_t end, std::int64_t middle,
+                              const std::vector<ComplexBall>& powers) const {
   const double radius = static_cast<double>(std::max(middle - first, end - 1 - middle));
   double change = 0, weight = 1;
   for (int j = 1; j <= taylor_order; ++j) {
     weight *= (radius + j - 1) / j;  // C(radius + j - 1, j), the largest weight on either side
     const Sequence& d = list_[static_cast<std::size_t>(j)];
-    change += 1.001 * weight * (j < taylor_order ? d.at(middle).largest() : d.bound(first, end - 1));
+    change += 1.001 * weight * (j < taylor_order ? d.at(middle, powers).largest() : d.bound(first, end - 1));
   }
   return change;
 }

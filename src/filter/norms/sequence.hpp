@@ -8,21 +8,33 @@
 
 namespace qerr {
 
-/// Powers z^k of all modes, each by a few products of tabulated ones.
-class Powers {
+/// How fast each mode decays.
+class Decays {
  public:
-  explicit Powers(const std::vector<Mode>& modes);
-  ComplexBall proven(std::size_t mode, std::int64_t k) const;  ///< z^k, enclosed
-  void quick(std::int64_t k,
-             std::vector<std::complex<double>>& powers) const;     ///< z^k of all modes, in doubles
+  explicit Decays(const std::vector<Mode>& modes);
   void moduli(std::int64_t k, std::vector<double>& moduli) const;  ///< upper bounds of |z|^k of all modes
   double modulus(std::size_t mode, std::int64_t k) const;          ///< an upper bound of |z|^k
   double one_minus_modulus(std::size_t mode) const;
 
  private:
-  std::vector<std::vector<ComplexBall>> squarings_;
-  std::vector<std::vector<std::complex<double>>> quick_;  // z^(j 16^i) at 16 i + j
-  std::vector<double> decay_;                             // lower bounds of -log |z|
+  std::vector<double> decay_;  // lower bounds of -log |z|
+};
+
+/// A bound of sum |x_k| over k >= first of one mode; infinite where its terms do not yet decrease.
+double tail(const Mode&, std::int64_t first);
+
+/// Powers z^k of all modes, each by a few products of tabulated ones, which are computed with 256 bits: z of
+/// a slow pole has lost most digits of its decay, which its powers show.
+class Powers : public Decays {
+ public:
+  explicit Powers(const std::vector<Mode>& modes);
+  std::vector<ComplexBall> proven(std::int64_t k) const;  ///< z^k of all modes, enclosed
+  void quick(std::int64_t k,
+             std::vector<std::complex<double>>& powers) const;  ///< z^k of all modes, in doubles
+
+ private:
+  std::vector<std::vector<ComplexBall>> proven_;          // z^(j 16^i) at 16 i + j
+  std::vector<std::vector<std::complex<double>>> quick_;  // the same
 };
 
 /// The largest sample of a modal sequence: exact in a product of balls, and far from overflow.
@@ -33,13 +45,14 @@ inline constexpr std::int64_t latest_sample = std::int64_t{1} << 58;
 class Sequence {
  public:
   Sequence(std::vector<Mode> modes, const Powers& powers);
-  RealBall at(std::int64_t k) const;
+  RealBall at(std::int64_t k) const { return at(k, powers_->proven(k)); }
+  RealBall at(std::int64_t k, const std::vector<ComplexBall>& powers) const;  ///< @param powers  of k
   /// x_k within 1e-12 of bound(k, k), if `accurate`. @param powers  quick ones of k
   double quick_at(std::int64_t k, const std::vector<std::complex<double>>& powers) const;
   double bound(std::int64_t first, std::int64_t last) const;  ///< of |x_k| over first..last
   /// The same. @param moduli  of first
   double bound(const std::vector<double>& moduli, std::int64_t last) const;
-  double tail(std::int64_t first) const;  ///< of sum |x_k| over k >= first; infinite where not yet decaying
+  double tail(std::int64_t first) const;  ///< of sum |x_k| over k >= first
   /// Whether the coefficients have relative errors below 1e-14 of their contribution to `bound`.
   bool accurate() const;
   Sequence difference() const;                                ///< x_k - x_{k-1}
@@ -66,7 +79,9 @@ class Differences {
   /// A bound of |x_k - x_middle| over first..end-1, by the Newton series x_{m+i} = sum_j C(i+j-1, j) (D^j
   /// x)_m: it includes the cancellation of the modes, which makes the bounds of a low-pass of high order,
   /// whose response starts as t^n, much too large.
-  double variation(std::int64_t first, std::int64_t end, std::int64_t middle) const;
+  /// @param powers  of middle
+  double variation(std::int64_t first, std::int64_t end, std::int64_t middle,
+                   const std::vector<ComplexBall>& powers) const;
 
  private:
   std::vector<Sequence> list_;

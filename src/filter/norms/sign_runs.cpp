@@ -70,8 +70,9 @@ class Runs {
   /// Where the modes almost cancel the other bounds are much too large.
   /// @returns whether the block has one sign, or is negligible; then it is summed
   bool sum_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
-    const RealBall center = x_.at(middle);
-    const double change = differences_.variation(first, end, middle);
+    const std::vector<ComplexBall> powers = powers_.proven(middle);
+    const RealBall center = x_.at(middle, powers);
+    const double change = differences_.variation(first, end, middle, powers);
     const double total = (center.largest() + change) * static_cast<double>(end - first);
     if (center.smallest() > change) {
       extend(end, center.mid() < DoubleDouble(0) ? -1 : 1);

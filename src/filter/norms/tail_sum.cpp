@@ -15,16 +15,10 @@ constexpr double blocks_per_run = 4;       // lower bound for a run of an oscill
 constexpr double many_runs = 300;          // above, dropping decayed modes saves time
 constexpr std::int64_t longest = latest_sample / 2;
 
-/// Bound of sum |x_k| of one mode over k >= from.
-double tail(const Mode& mode, const Powers& powers, std::int64_t from) {
-  return Sequence({mode}, powers).tail(from);
-}
-
 /// A sample from which a mode is negligible_tail, at most a quarter later than the first one.
 std::int64_t end_of(const Mode& mode, std::int64_t from, double scale) {
-  const Powers powers({mode});
   std::int64_t end = from + 16;
-  while (end < longest && !(tail(mode, powers, end) <= negligible_tail * scale)) end += end / 4;
+  while (end < longest && !(tail(mode, end) <= negligible_tail * scale)) end += end / 4;
   return end;
 }
 
@@ -42,7 +36,7 @@ double drop_decayed(std::vector<Mode>& modes, std::vector<std::int64_t>& ends, s
   double dropped = 0;
   for (std::size_t i = modes.size(); i-- > 0;) {
     if (ends[i] > from) continue;
-    dropped += tail(modes[i], Powers({modes[i]}), from);
+    dropped += tail(modes[i], from);
     modes.erase(modes.begin() + static_cast<std::ptrdiff_t>(i));
     ends.erase(ends.begin() + static_cast<std::ptrdiff_t>(i));
   }
@@ -62,8 +56,9 @@ TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t 
   if (!one_resonance({*slowest}) || !x.accurate()) return {{}, 0, x.tail(from)};
   std::vector<Mode> others(modes.begin(), slowest);
   others.insert(others.end(), slowest + 1, modes.end());
-  return {resonance_sum(*slowest, from, end), Sequence(others, Powers(others)).tail(from),
-          tail(*slowest, Powers({*slowest}), end)};
+  double beside = 0;
+  for (const Mode& m : others) beside += tail(m, from);
+  return {resonance_sum(*slowest, from, end), beside, tail(*slowest, end)};
 }
 
 TailSum add(TailSum x, const TailSum& y) {
