@@ -80,8 +80,16 @@ class Summation {
 
  private:
   Interval by_modes_from(std::int64_t from, std::int64_t work) const {
-    const PartialSum head = direct_.sum(from);
-    const TailSum tail = tail_sum(modes_.modes, from, h2_, work);
+    const std::int64_t step = decimation(modes_.modes, from, h2_);
+    const std::int64_t start = (from + step - 1) / step;
+    const PartialSum head = direct_.sum(start * step);
+    TailSum tail;
+    for (std::int64_t offset = 0; offset < step; ++offset) {
+      std::vector<Mode> part = modes_.modes;
+      if (step > 1)
+        for (Mode& mode : part) mode = decimated(mode, step, offset);
+      tail = tail + tail_sum(std::move(part), start, h2_, work / step);
+    }
     const double error = tail.error + head.error;
     return widened(around(tail.sum + RealBall(head.sum), error, error + tail.beyond));
   }

@@ -127,7 +127,8 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
     series = over_pole(std::move(series), other.w, other.multiplicity, pole.w);
     if (!other.real()) series = over_pole(std::move(series), conj(other.w), other.multiplicity, pole.w);
   }
-  Mode mode{pole.w, (one + w0) / (one - w0), ComplexBall(-2.0) * w0 / (one - w0), !pole.real(), {}};
+  const FineComplex unit(1.0), w{FineBall::exactly(pole.w.re), FineBall::exactly(pole.w.im)};
+  Mode mode{(unit + w) / (unit - w), ComplexBall(-2.0) * w0 / (one - w0), !pole.real(), {}};
   mode.c.resize(series.size());
   const ComplexBall scale = ComplexBall(2.0) / (one - w0);
   ComplexBall power = one;
@@ -139,6 +140,21 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
 }
 
 }  // namespace
+
+RealBall rounded(const FineBall& x) {
+  const DoubleDouble mid = to_double_double(x.mid());
+  const long double error = (x - FineBall::exactly(mid)).largest();
+  return RealBall(mid, static_cast<double>(error) * (1 + 0x1p-50) + Rounding<DoubleDouble>::tiny);
+}
+
+FineComplex power(FineComplex z, std::int64_t n) {
+  FineComplex result(1.0);
+  for (; n > 0; n /= 2) {
+    if (n % 2 == 1) result = result * z;
+    z = z * z;
+  }
+  return result;
+}
 
 Poles poles(const Filter& filter) {
   Poles result;
@@ -157,6 +173,31 @@ Modes partial_fractions(const Filter& filter, const std::vector<Pole>& all) {
     } else {
       result.modes.push_back(mode_of(filter, all, pole));
     }
+  }
+  return result;
+}
+
+// With n = step k + offset, the sum over m of c_m C(n + m - 1, m - 1) is a polynomial P(k), and P(k) = sum
+// d_m C(k + m - 1, m - 1) with d_m = D^(m-1) P(-1), D the back difference.
+Mode decimated(const Mode& mode, std::int64_t step, std::int64_t offset) {
+  const FineComplex z = power(mode.z, step);
+  Mode result{z, rounded(FineComplex(1.0) - z), mode.pair, {}};
+  for (std::size_t i = 0; i < mode.c.size(); ++i) {
+    const std::int64_t n = offset - step * static_cast<std::int64_t>(i + 1);
+    ComplexBall value;  // P(-1 - i)
+    RealBall binomial(1.0);
+    for (std::size_t m = 0; m < mode.c.size(); ++m) {
+      if (m > 0)
+        binomial = binomial * RealBall(static_cast<double>(n + static_cast<std::int64_t>(m))) /
+                   RealBall(static_cast<double>(m));
+      value = value + mode.c[m] * ComplexBall(binomial);
+    }
+    result.c.push_back(value);
+  }
+  const ComplexBall start = rounded(power(mode.z, offset));
+  for (std::size_t m = 0; m < result.c.size(); ++m) {
+    for (std::size_t i = result.c.size() - 1; i > m; --i) result.c[i] = result.c[i - 1] - result.c[i];
+    result.c[m] = result.c[m] * start;
   }
   return result;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cmath>
+#include <cstdint>
 #include <vector>
 
 #include "filter/norms/ball.hpp"
@@ -10,6 +12,22 @@ namespace qerr {
 
 using RealBall = Ball<DoubleDouble>;
 using ComplexBall = ComplexOf<RealBall>;
+
+// A complex ball grows by up to the square root of 2 in every product: of 2^60 samples that takes 90 bits.
+using FineBall = Ball<Binary256>;
+using FineComplex = ComplexOf<FineBall>;
+
+/// The ball about the nearest double-double that contains x.
+RealBall rounded(const FineBall& x);
+inline ComplexBall rounded(const FineComplex& x) { return {rounded(x.re), rounded(x.im)}; }
+
+/// z^n.
+FineComplex power(FineComplex z, std::int64_t n);
+
+/// |arg z|.
+inline double angle(const FineComplex& z) {
+  return std::abs(std::atan2(static_cast<double>(z.im.mid()), static_cast<double>(z.re.mid())));
+}
 
 inline ComplexBall exact_ball(const ComplexDoubleDouble& x) { return {RealBall(x.re), RealBall(x.im)}; }
 /// An upper bound of |x|.
@@ -43,8 +61,7 @@ Poles poles(const Filter&);
 /// The contribution of one pole to h_k: sum_m c_m C(k + m - 1, m - 1) z^k over m = 1..c.size(), plus its
 /// conjugate where `pair`.
 struct Mode {
-  ComplexDoubleDouble w;    ///< the pole, exactly
-  ComplexBall z;            ///< (1 + w)/(1 - w)
+  FineComplex z;            ///< (1 + w)/(1 - w)
   ComplexBall one_minus_z;  ///< without cancellation for a slow pole
   bool pair = false;
   std::vector<ComplexBall> c;
@@ -57,5 +74,8 @@ struct Modes {
 };
 
 Modes partial_fractions(const Filter&, const std::vector<Pole>&);
+
+/// Every step-th sample of a mode: k -> x_{step k + offset}.
+Mode decimated(const Mode&, std::int64_t step, std::int64_t offset);
 
 }  // namespace qerr

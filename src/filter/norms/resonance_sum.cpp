@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "filter/norms/fine_ball.hpp"
-
 namespace qerr {
 namespace {
 
@@ -72,11 +70,11 @@ FineBall fine(const RealBall& x) { return FineBall(exact(x.mid()), x.rad()); }
 // wrong only where the phase is within that uncertainty of a change of sign. There |x_k| <= 2 |c z^k|
 // sin(uncertainty), so that the sum is low by at most twice that over all k.
 RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end) {
-  const FineComplex one(1.0), z = fine_z(mode.w), c{fine(mode.c[0].re), fine(mode.c[0].im)};
+  const FineComplex one(1.0), z = mode.z, c{fine(mode.c[0].re), fine(mode.c[0].im)};
   const FineComplex start = c * power(Word{z, {}}, static_cast<double>(from)).factor;
-  const Binary256 pi = pi256(), re = exact(mode.w.re), im = exact(mode.w.im);
-  // arg z = arg(1 + w) - arg(1 - w). The additional half cycle keeps beta positive; `sign` compensates it.
-  const Binary256 alpha = (atan2(im, 1 + re) + atan2(im, 1 - re)) / pi;
+  const Binary256 pi = pi256();
+  // The additional half cycle keeps beta positive; `sign` compensates it.
+  const Binary256 alpha = atan2(z.im.mid(), z.re.mid()) / pi;
   const Binary256 beta = atan2(start.im.mid(), start.re.mid()) / pi + 1.5;
   const Integer unit = ldexp(Integer(1), fraction_bits);
   const Integer rise = fixed_point(alpha), offset = fixed_point(beta);

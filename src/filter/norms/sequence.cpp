@@ -4,8 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/norms/fine_ball.hpp"
-
 namespace qerr {
 namespace {
 
@@ -78,7 +76,7 @@ Powers::Powers(const std::vector<Mode>& modes) : Decays(modes) {
   for (const Mode& mode : modes) {
     std::vector<ComplexBall> table;
     std::vector<Quick> quick;
-    FineComplex digit = fine_z(mode.w);  // z^(16^i)
+    FineComplex digit = mode.z;  // z^(16^i)
     for (int i = 0; i < bits; i += 4) {
       FineComplex power(1.0);
       for (std::size_t j = 0; j < base; ++j) {
@@ -195,7 +193,7 @@ Sequence Sequence::difference() const {
   for (Mode& mode : result) {
     for (std::size_t m = 0; m < mode.c.size(); ++m) {
       const ComplexBall above = m + 1 < mode.c.size() ? mode.c[m + 1] : ComplexBall();
-      mode.c[m] = (above - mode.one_minus_z * mode.c[m]) / mode.z;
+      mode.c[m] = (above - mode.one_minus_z * mode.c[m]) / rounded(mode.z);
     }
   }
   return {std::move(result), *powers_};
@@ -207,7 +205,7 @@ Sequence Sequence::transient_of_sum() const {
     ComplexBall carry;
     for (std::size_t m = mode.c.size(); m-- > 0;) {
       carry = (mode.c[m] + carry) / mode.one_minus_z;
-      mode.c[m] = -(mode.z * carry);
+      mode.c[m] = -(rounded(mode.z) * carry);
     }
   }
   return {std::move(result), *powers_};

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "filter/norms/resonance_sum.hpp"
@@ -25,9 +26,7 @@ std::int64_t end_of(const Mode& mode, std::int64_t from, double scale) {
 /// Approximate number of sign changes of the modes over from..end.
 double runs_of(const std::vector<Mode>& modes, std::int64_t from, std::int64_t end) {
   double fastest = 0;
-  for (const Mode& m : modes) {
-    if (m.pair) fastest = std::max(fastest, std::abs(std::atan2(m.z.im.mid().hi, m.z.re.mid().hi)));
-  }
+  for (const Mode& m : modes) fastest = std::max(fastest, angle(m.z));
   return fastest * static_cast<double>(end - from) / std::numbers::pi;
 }
 
@@ -61,14 +60,14 @@ TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t 
   return {resonance_sum(*slowest, from, end), beside, tail(*slowest, end)};
 }
 
-TailSum add(TailSum x, const TailSum& y) {
+}  // namespace
+
+TailSum operator+(TailSum x, const TailSum& y) {
   x.sum += y.sum;
   x.error += y.error;
   x.beyond += y.beyond;
   return x;
 }
-
-}  // namespace
 
 TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work) {
   std::vector<std::int64_t> ends;
@@ -80,12 +79,12 @@ TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::
     const std::int64_t end = *std::max_element(ends.begin(), ends.end());
     std::int64_t until = end;
     if (runs_of(modes, from, end) > many_runs) {
-      if (one_resonance(modes)) return add(r, bounded(modes, from, end, x));
+      if (one_resonance(modes)) return r + bounded(modes, from, end, x);
       until = std::min(end, std::max(*std::min_element(ends.begin(), ends.end()), 2 * from));
     }
     const auto count = static_cast<std::int64_t>(modes.size());
     const double needed = blocks_per_run * runs_of(modes, from, until) * static_cast<double>(count);
-    if (!x.accurate() || needed > static_cast<double>(work)) return add(r, bounded(modes, from, end, x));
+    if (!x.accurate() || needed > static_cast<double>(work)) return r + bounded(modes, from, end, x);
     const RunsSum s = sum_of_runs(x, powers, scale, from, until, work / count);
     work = s.visits * count;
     r.sum += s.sum;
@@ -107,6 +106,41 @@ std::int64_t start_of_slowest_alone(const std::vector<Mode>& modes, std::int64_t
   std::sort(ends.begin(), ends.end());
   const std::int64_t last_but_one = ends.size() > 1 ? ends[ends.size() - 2] : from;
   return std::max(from, std::min(last_but_one, latest));
+}
+
+// The changes of sign of x_{step k + offset}, over all offsets, are about max_i |arg z_i^step| end_i/pi.
+std::int64_t decimation(const std::vector<Mode>& modes, std::int64_t from, double scale) {
+  constexpr std::int64_t most = 240;
+  constexpr double blocks_per_part = 300;  // of a decay without changes of sign
+  struct Ringing {
+    FineComplex z;
+    double end;
+  };
+  std::vector<Ringing> ringing;
+  for (const Mode& m : modes) ringing.push_back({m.z, static_cast<double>(end_of(m, from, scale))});
+  const auto slowest = std::max_element(ringing.begin(), ringing.end(),
+                                        [](const Ringing& x, const Ringing& y) { return x.end < y.end; });
+  if (slowest != ringing.end() &&
+      one_resonance({modes[static_cast<std::size_t>(slowest - ringing.begin())]})) {
+    // Alone it is summed in closed form: its changes of sign count while there are others.
+    slowest->end = 0;
+    for (std::size_t i = 0; i < modes.size(); ++i) slowest->end = std::max(slowest->end, ringing[i].end);
+  }
+  std::vector<FineComplex> powers(ringing.size(), FineComplex(1.0));
+  std::int64_t best = 1;
+  double least = std::numeric_limits<double>::infinity();
+  for (std::int64_t step = 1; step <= most; ++step) {
+    double blocks = blocks_per_part * static_cast<double>(step), runs = 0;
+    for (std::size_t i = 0; i < ringing.size(); ++i) {
+      powers[i] = powers[i] * ringing[i].z;
+      runs = std::max(runs, angle(powers[i]) * ringing[i].end / std::numbers::pi);
+    }
+    blocks += blocks_per_run * runs;
+    if (blocks < least) best = step;
+    least = std::min(least, blocks);
+    if (least <= blocks_per_part * static_cast<double>(step + 1)) break;
+  }
+  return best;
 }
 
 }  // namespace qerr

@@ -14,6 +14,9 @@ struct TailSum {
   double beyond = 0;  ///< upper bound of the terms that were not summed
 };
 
+/// The enclosure of the sum over both ranges.
+TailSum operator+(TailSum, const TailSum&);
+
 /// Sums a modal expansion of an impulse response from a sample to infinity.
 ///
 /// By runs of one sign (`sum_of_runs`). A mode is dropped when its remaining sum is negligible; a resonance
@@ -26,5 +29,10 @@ TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::
 /// The first sample, at most `latest`, from which all modes but the longest-lived one are negligible.
 std::int64_t start_of_slowest_alone(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,
                                     double scale);
+
+/// The step for which every step-th sample, for each of the `step` first samples a sequence of its own, has
+/// the fewest changes of sign: 2 for poles near z = -1 beside others near 1, n for poles near the n-th roots
+/// of 1. 1 where no step up to 240 is better.
+std::int64_t decimation(const std::vector<Mode>& modes, std::int64_t from, double scale);
 
 }  // namespace qerr
