@@ -33,7 +33,7 @@ struct Norms {
 /// includes the rounding of their factors (`Filter::deviation`), for a family's design an allowance for the
 /// rounding of its coefficients, 1e-15 of the norm per section (`Filter::designed`).
 /// @pre every section is stable
-/// @throws Error (internal) when a section is unstable or the norm out of range
+/// @throws Error (input) when the norm or the gain is out of the range of double
 Estimate h2_estimate(const Filter&);
 
 /// The value of `h2_estimate`.

@@ -155,8 +155,12 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   filter.derivative = derivative;
   if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
     if (a.size() > 1) stable_poles(a);
-    filter.taps = b;
-    filter.gain = DoubleDouble(1) / DoubleDouble(a[0]);
+    // The largest tap between 1 and 2: the squares of all stay in the range of double.
+    double largest = 0;
+    for (const double c : b) largest = std::max(largest, std::abs(c));
+    const int exponent = largest > 0 ? std::ilogb(largest) : 0;
+    for (const double c : b) filter.taps.push_back(std::ldexp(c, -exponent));
+    filter.gain = to_double_double(ldexp(Binary1024(1) / Binary1024(a[0]), exponent));
     for (const double c : b) filter.deviation.l1 += Rounding<DoubleDouble>::unit * std::abs(c / a[0]);
     filter.deviation.h2 = filter.deviation.l1;
     return filter;

@@ -43,7 +43,8 @@ template <class T>
 std::optional<double> difference(const Filter& h, const std::vector<Binary1024>& b,
                                  const std::vector<Binary1024>& a, double lift) {
   const std::size_t n = std::max(a.size(), b.size()) - 1;
-  const Rational<T> factored = rational<T>(h, lift);
+  Rational<T> factored = rational<T>(h, lift);
+  for (Ball<T>& c : factored.b) c *= Ball<T>::exactly(h.gain);
   const std::vector<Ball<T>> specified = in_w<T>(a, n, lift);
   std::vector<Ball<T>> numerator = product(in_w<T>(b, n, lift), factored.a);
   const std::vector<Ball<T>> subtrahend = product(factored.b, specified);

@@ -5,6 +5,7 @@
 #include "filter/norms/lifted_norm.hpp"
 #include "filter/norms/rational.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
@@ -27,40 +28,36 @@ template <class T>
 std::optional<Estimate> estimate_in(const Filter& filter, double lift, double wanted) {
   const auto squared = squared_norm(rational<T>(filter, lift));
   if (!squared) return std::nullopt;
-  const Ball<T> norm = sqrt(*squared);
+  // The gain last: its square may exceed the range of double.
+  const Ball<T> norm = sqrt(*squared) * abs(Ball<T>::exactly(filter.gain));
   if (!(static_cast<double>(norm.rad()) <= wanted * static_cast<double>(norm.largest()))) return std::nullopt;
   return estimate(norm);
 }
 
-Estimate taps_norm(const Filter& filter) {
+std::optional<Estimate> taps_norm(const Filter& filter) {
   Ball<DoubleDouble> total;
   for (const double h : filter.taps) total += Ball<DoubleDouble>(h) * Ball<DoubleDouble>(h);
-  const auto e = estimate(sqrt(total) * abs(Ball<DoubleDouble>(filter.gain)));
-  return e ? *e : Estimate{std::numeric_limits<double>::infinity(), 0};
+  return estimate(sqrt(total) * abs(Ball<DoubleDouble>(filter.gain)));
 }
 
 }  // namespace
 
 Estimate h2_estimate(const Filter& filter) {
-  Estimate e;
-  if (!filter.taps.empty()) {
-    e = taps_norm(filter);
-  } else if (const auto quick = estimate_in<DoubleDouble>(filter, 0, enough)) {
-    e = *quick;
-  } else if (const auto fine = estimate_in<Binary1024>(filter, 0, enough)) {
-    e = *fine;
-  } else if (const auto finest = estimate_in<Binary<4096>>(filter, 0, 1)) {
-    e = *finest;
-  } else {
+  std::optional<Estimate> e;
+  if (filter.gain.hi != 0 && std::isfinite(filter.gain.hi)) {
+    if (!filter.taps.empty()) e = taps_norm(filter);
+    if (!e) e = estimate_in<DoubleDouble>(filter, 0, enough);
+    if (!e) e = estimate_in<Binary1024>(filter, 0, enough);
+    if (!e) e = estimate_in<Binary<4096>>(filter, 0, 1);
+  }
+  if (!e)
     throw Error(Fault{{},
                       "",
-                      "the H2 norm requires a stable filter",
-                      "an unstable section or coefficients out of range",
-                      ""},
-                Trouble::internal);
-  }
-  e.error += filter.deviation.h2 + design_rounding(filter) * e.value;
-  return e;
+                      "the norms of the filter exceed the range of double precision",
+                      "a gain of " + shortest(static_cast<double>(filter.gain)),
+                      "scale its coefficients, or bring cut-off and sample rate closer together"});
+  e->error += filter.deviation.h2 + design_rounding(filter) * e->value;
+  return *e;
 }
 
 double lifted_norm(const Filter& filter, double lift) {

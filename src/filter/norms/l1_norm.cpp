@@ -144,8 +144,7 @@ Interval of_sections(const Filter& filter) {
   const double h2 = h2_norm(filter);
   if (h2 == 0) return {0, 0};
   if (filter.sections.empty()) {
-    const double gain = std::abs(filter.gain.hi);
-    return around(gain, 0x1p-50 * gain, 0x1p-50 * gain);
+    return {1, 1};
   }
   const Summation sum(slowest_pole_in_left_half(filter) ? reflected(filter) : filter, h2);
   Interval i = sum.by_size();
@@ -158,16 +157,21 @@ Interval of_sections(const Filter& filter) {
   return width(i) <= narrow ? i : intersection(i, sum.by_samples_and_modes());
 }
 
+/// Without the gain.
 Interval of_taps(const Filter& filter) {
   RealBall total;
   for (const double h : filter.taps) total += abs(RealBall(h));
-  return around(total * abs(RealBall(filter.gain)), 0, 0);
+  return around(total, 0, 0);
 }
 
 }  // namespace
 
 Interval l1_norm(const Filter& filter) {
-  const Interval i = filter.taps.empty() ? of_sections(filter) : of_taps(filter);
+  Filter unit = filter;  // the gain last: with it, squares may exceed the range of double
+  unit.gain = 1;
+  const Interval of_unit = filter.taps.empty() ? of_sections(unit) : of_taps(unit);
+  const double gain = std::abs(filter.gain.hi);
+  const Interval i{gain * of_unit.lower * (1 - 0x1p-50), gain * of_unit.upper * (1 + 0x1p-50)};
   const double rounding = design_rounding(filter) * i.upper;
   return {std::max(0.0, i.lower - rounding - filter.deviation.l1), i.upper + rounding + filter.deviation.l1};
 }

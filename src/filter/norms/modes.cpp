@@ -99,15 +99,22 @@ Series numerator(const Section& s, const ComplexBall& w0) {
   return {b0 + (b1 + b2 * w0) * w0, b1 * (one - w0) + two * (b2 * w0 - b0), b0 - b1 + b2};
 }
 
-/// Divides by (w - pole)^multiplicity; for the pole of the expansion without the factor eta^multiplicity.
-Series over_pole(Series x, const ComplexDoubleDouble& pole, int multiplicity, const ComplexDoubleDouble& w0) {
+/// Divides by w - pole; for the pole of the expansion without the factor eta.
+Series over_pole(Series x, const ComplexDoubleDouble& pole, const ComplexDoubleDouble& w0) {
   const ComplexBall one(1.0), gap = exact_ball(w0) - exact_ball(pole);
-  const bool own = pole == w0;
-  for (int i = 0; i < multiplicity; ++i) {
-    x = own ? divided(std::move(x), one + exact_ball(w0), {})
-            : divided(std::move(x), gap, one + exact_ball(pole));
-  }
-  return x;
+  return pole == w0 ? divided(std::move(x), one + exact_ball(w0), {})
+                    : divided(std::move(x), gap, one + exact_ball(pole));
+}
+
+/// Every pole as often as it occurs.
+std::vector<ComplexDoubleDouble> each(const std::vector<Pole>& poles) {
+  std::vector<ComplexDoubleDouble> list;
+  for (const Pole& p : poles)
+    for (int i = 0; i < p.multiplicity; ++i) {
+      list.push_back(p.w);
+      if (!p.real()) list.push_back(conj(p.w));
+    }
+  return list;
 }
 
 /// The coefficients of one pole. With eta = (1 - z0 q)(1 - w0)/2 the filter is a ratio of polynomials in eta,
@@ -117,15 +124,17 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
   const ComplexBall w0 = exact_ball(pole.w), one(1.0);
   Series series(static_cast<std::size_t>(pole.multiplicity));
   series[0] = ComplexBall(RealBall(filter.gain));
+  // A division after each factor: with slow poles the product of either exceeds the range of double.
+  std::vector<ComplexDoubleDouble> divisors = each(all);
   for (const Section& s : filter.sections) {
     series = multiplied(series, numerator(s, w0));
     const DoubleDouble lead = s.a[order_of(s)];
     if (order_of(s) == 0) continue;
     for (ComplexBall& x : series) x = x / ComplexBall(RealBall(lead));
-  }
-  for (const Pole& other : all) {
-    series = over_pole(std::move(series), other.w, other.multiplicity, pole.w);
-    if (!other.real()) series = over_pole(std::move(series), conj(other.w), other.multiplicity, pole.w);
+    for (std::size_t i = 0; i < order_of(s); ++i) {
+      series = over_pole(std::move(series), divisors.back(), pole.w);
+      divisors.pop_back();
+    }
   }
   const FineComplex unit(1.0), w{FineBall::exactly(pole.w.re), FineBall::exactly(pole.w.im)};
   Mode mode{(unit + w) / (unit - w), ComplexBall(-2.0) * w0 / (one - w0), !pole.real(), {}};
@@ -198,6 +207,11 @@ Mode decimated(const Mode& mode, std::int64_t step, std::int64_t offset) {
   for (std::size_t m = 0; m < result.c.size(); ++m) {
     for (std::size_t i = result.c.size() - 1; i > m; --i) result.c[i] = result.c[i - 1] - result.c[i];
     result.c[m] = result.c[m] * start;
+  }
+  if (result.pair && result.z.im.mid() < Binary256(0)) {  // the upper one of the pair
+    result.z = conj(result.z);
+    result.one_minus_z = conj(result.one_minus_z);
+    for (ComplexBall& c : result.c) c = conj(c);
   }
   return result;
 }

@@ -52,11 +52,11 @@ std::vector<Ball<T>> lifted(const std::array<DoubleDouble, 3>& c, std::size_t or
           four * c2 + e * (four * c2 - two * c1) + square};
 }
 
-/// The filter with its gain as a ratio of polynomials in w; its impulse response is h_k (1 + lift)^k.
+/// The filter without its gain as a ratio of polynomials in w; its impulse response is h_k (1 + lift)^k/gain.
 /// @pre no taps
 template <class T>
 Rational<T> rational(const Filter& filter, double lift = 0) {
-  Rational<T> r{{Ball<T>::exactly(filter.gain)}, {Ball<T>(1.0)}};
+  Rational<T> r{{Ball<T>(1.0)}, {Ball<T>(1.0)}};
   for (const Section& s : filter.sections) {
     const std::size_t order = order_of(s);
     r.b = product(r.b, lifted<T>(s.b, order, lift));
