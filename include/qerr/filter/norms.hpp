@@ -44,19 +44,21 @@ double h2_norm(const Filter&);
 /// Fast filters are summed directly, in double-double with a running error bound (direct_sum.hpp). Slow ones
 /// are expanded in partial fractions (modes.hpp): over a run of one sign, the sum of h is a difference of two
 /// values of the step response, so that the work grows with the changes of sign and not with the filter's
-/// memory (sign_runs.hpp). Modes are dropped when they have decayed, and the periods of a single remaining
-/// resonance, of which there may be billions, are summed by Euclid's algorithm on their signs
-/// (resonance_sum.hpp). The truncated tail is bounded by Cauchy and Schwarz: sum_{k>=K} |h_k| <= r^K (1 -
-/// r^2)^(-1/2) ||H(rz)||_2.
+/// memory (sign_runs.hpp). Poles near z = -1 or other roots of 1 change the sign at every sample; every n-th
+/// sample, a sum of modes too, does not change it (decimation). Where samples are fewer than the work for
+/// runs, they are summed in doubles (sampled_sum.hpp). Modes are dropped when they have decayed, and the
+/// periods of a single remaining resonance, of which there may be billions, are summed by Euclid's algorithm
+/// on their signs (resonance_sum.hpp). The truncated tail of a direct sum is bounded by Cauchy and Schwarz:
+/// sum_{k>=K} |h_k| <= r^K (1 - r^2)^(-1/2) ||H(rz)||_2.
 ///
-/// The relative width is below 1e-12 where the memory 1/(1 - |z|) is below some ten thousand samples, for
-/// real poles, and where all modes but the slowest decay within some hundred thousand changes of sign or a
-/// million samples, at any speed of the slowest. These are all families except slow elliptic low-passes of
-/// order 17 and more (1 dB of ripple) or 19 and more (0.1 dB), whose two slowest resonances both ring for
-/// 10^4 periods and more. The interval is wider there, and where several or repeated resonances, a resonance
-/// and a real pole, or poles near z = 1 and z = -1 share such a memory: then possibly only the order of
-/// magnitude is known. Computation takes about two seconds at most. A family's interval includes the rounding
-/// of its coefficients, 1e-15 per section.
+/// The relative width is below 4e-12 where the memory 1/(1 - |z|) is below a million samples, for poles near
+/// the roots of 1 of equal degree up to 240, and where all modes but the slowest decay within a million
+/// samples or some hundred thousand changes of sign, at any speed of the slowest. These are all families
+/// except slow elliptic low-passes of order 17 and more (1 dB of ripple) or 19 and more (0.1 dB), and of 30
+/// dB of ripple and more, whose slowest resonances ring for 10^4 periods and more. The interval is wider
+/// there, and where several or repeated resonances, or a resonance and a real pole, share a longer memory:
+/// then possibly only the order of magnitude is known. Computation takes about a second at most. A family's
+/// interval includes the rounding of its coefficients, 1e-15 per section.
 /// @pre every section is stable
 Interval l1_norm(const Filter&);
 

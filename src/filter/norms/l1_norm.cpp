@@ -17,9 +17,6 @@ constexpr double fast_modulus = 0.95;  // poles inside: direct summation needs a
 constexpr std::int64_t most_direct = 8'000'000;  // samples times sections of a direct sum: about 0.5 s
 constexpr std::int64_t most_runs = 3'000'000;    // blocks of sign runs times modes: at most 1 s
 constexpr double negligible = 1e-18;             // truncated tail relative to the norm
-constexpr double narrow = 1e-13;                 // relative width of an interval that is not improved further
-
-double width(const Interval& i) { return (i.upper - i.lower) / i.upper; }
 
 Interval unbounded() { return {0, std::numeric_limits<double>::infinity()}; }
 
@@ -44,7 +41,8 @@ Interval around(const RealBall& value, double below, double above) {
 class Summation {
  public:
   Summation(const Filter& filter, double h2)
-      : stages_(static_cast<std::int64_t>(filter.sections.size())),
+      : filter_(filter),
+        stages_(static_cast<std::int64_t>(filter.sections.size())),
         poles_(poles(filter)),
         modulus_(largest_modulus()),
         h2_(h2),
@@ -66,21 +64,10 @@ class Summation {
   }
 
   /// By partial fractions, from the first sample where they hold.
-  Interval by_modes() const { return by_modes_from(first(), most_runs); }
-
-  /// By the direct sum until one mode remains, within most_direct, then by partial fractions.
-  Interval by_samples_and_modes() const {
-    const std::int64_t latest = std::max(first(), most_direct / stages_);
-    return by_modes_from(start_of_slowest_alone(modes_.modes, first(), latest, h2_), most_runs / 10);
-  }
-
-  bool fast() const { return modulus_ < fast_modulus; }
-  /// Whether the partial fractions are accurate; they may not be for close poles.
-  bool separable() const { return Sequence(modes_.modes, Powers(modes_.modes)).accurate(); }
-
- private:
-  Interval by_modes_from(std::int64_t from, std::int64_t work) const {
-    const std::int64_t step = decimation(modes_.modes, from, h2_);
+  Interval by_modes() const {
+    const auto from = static_cast<std::int64_t>(modes_.from);
+    const double scale = least_norm();
+    const std::int64_t step = decimation(modes_.modes, from, scale);
     const std::int64_t start = (from + step - 1) / step;
     const PartialSum head = direct_.sum(start * step);
     TailSum tail;
@@ -88,14 +75,30 @@ class Summation {
       std::vector<Mode> part = modes_.modes;
       if (step > 1)
         for (Mode& mode : part) mode = decimated(mode, step, offset);
-      tail = tail + tail_sum(std::move(part), start, h2_, work / step);
+      tail = tail + tail_sum(std::move(part), start, scale, most_runs / step);
     }
     const double error = tail.error + head.error;
     return widened(around(tail.sum + RealBall(head.sum), error, error + tail.beyond));
   }
-  double lift() const { return std::min(1.0, 0.5 * gap_); }
-  std::int64_t first() const { return static_cast<std::int64_t>(modes_.from); }
 
+  bool fast() const { return modulus_ < fast_modulus; }
+  /// Whether the partial fractions are accurate; they may not be for close poles.
+  bool separable() const { return Sequence(modes_.modes, Powers(modes_.modes)).accurate(); }
+
+ private:
+  /// A lower bound of the norm: ||h||_2, and ||h||_2^2 <= ||h||_1 max |h_k|.
+  double least_norm() const {
+    double head = 0, peak = 0;
+    for (const double h : impulse_response(filter_, modes_.from)) {
+      head = std::max(head, std::abs(h));
+    }
+    for (const Mode& mode : modes_.modes) {
+      if (mode.c.size() > 1) return h2_;
+      peak += (mode.pair ? 2 : 1) * largest(mode.c[0]);
+    }
+    return std::max(h2_, h2_ * h2_ / std::max(head, peak) * (1 - 1e-9));
+  }
+  double lift() const { return std::min(1.0, 0.5 * gap_); }
   /// Also sets gap_, a lower bound of 1/|z| - 1 of the slowest pole.
   double largest_modulus() {
     double largest = 0;
@@ -113,6 +116,7 @@ class Summation {
     return {i.lower * (1 - poles_.change), i.upper * (1 + poles_.change)};
   }
 
+  Filter filter_;
   std::int64_t stages_ = 1;
   Poles poles_;
   double gap_ = 0;
@@ -153,8 +157,7 @@ Interval of_sections(const Filter& filter) {
     i.lower = std::max(i.lower, std::abs(dc_gain(f)) * (1 - 1e-12));
   if (sum.fast()) return intersection(i, sum.by_samples());
   if (!sum.separable()) return intersection(i, sum.by_samples());
-  i = intersection(i, sum.by_modes());
-  return width(i) <= narrow ? i : intersection(i, sum.by_samples_and_modes());
+  return intersection(i, sum.by_modes());
 }
 
 /// Without the gain.

@@ -78,14 +78,12 @@ Powers::Powers(const std::vector<Mode>& modes) : Decays(modes) {
     std::vector<Quick> quick;
     FineComplex digit = mode.z;  // z^(16^i)
     for (int i = 0; i < bits; i += 4) {
-      FineComplex power(1.0);
-      for (std::size_t j = 0; j < base; ++j) {
-        table.push_back(rounded(power));
-        quick.push_back(rounded(table.back()));
-        power = power * digit;
-      }
-      digit = power;
+      const ComplexBall factor = rounded(digit);
+      table.emplace_back(1.0);
+      for (std::size_t j = 1; j < base; ++j) table.push_back(table.back() * factor);
+      digit = power(digit, base);
     }
+    for (const ComplexBall& power : table) quick.push_back(rounded(power));
     proven_.push_back(std::move(table));
     quick_.push_back(std::move(quick));
   }

@@ -6,13 +6,16 @@
 #include <numbers>
 
 #include "filter/norms/resonance_sum.hpp"
+#include "filter/norms/sampled_sum.hpp"
 #include "filter/norms/sign_runs.hpp"
 
 namespace qerr {
 namespace {
 
 constexpr double negligible_tail = 1e-18;  // remaining sum of a dropped mode relative to the norm
-constexpr double blocks_per_run = 4;       // lower bound for a run of an oscillation
+constexpr double blocks_per_run = 8;       // of an oscillation, its sums included
+constexpr double samples_per_block = 300;  // that sampled_sum takes in the time of a block
+constexpr double narrow = 4e-13;           // error of a sampled sum relative to the norm
 constexpr double many_runs = 300;          // above, dropping decayed modes saves time
 constexpr std::int64_t longest = latest_sample / 2;
 
@@ -46,6 +49,10 @@ bool one_resonance(const std::vector<Mode>& modes) {
   return modes.size() == 1 && modes[0].pair && modes[0].c.size() == 1;
 }
 
+bool simple(const std::vector<Mode>& modes) {
+  return std::all_of(modes.begin(), modes.end(), [](const Mode& m) { return m.c.size() == 1; });
+}
+
 /// For too many runs: the sum of the slowest mode, if it is a resonance; the others change it by at most
 /// their own sum.
 TailSum bounded(const std::vector<Mode>& modes, std::int64_t from, std::int64_t end, const Sequence& x) {
@@ -74,44 +81,53 @@ TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::
   for (const Mode& m : modes) ends.push_back(end_of(m, from, scale));
   TailSum r;
   while (!modes.empty()) {
+    const std::size_t before = modes.size();
     const Powers powers(modes);
     const Sequence x(modes, powers);
-    const std::int64_t end = *std::max_element(ends.begin(), ends.end());
-    std::int64_t until = end;
-    if (runs_of(modes, from, end) > many_runs) {
-      if (one_resonance(modes)) return r + bounded(modes, from, end, x);
-      until = std::min(end, std::max(*std::min_element(ends.begin(), ends.end()), 2 * from));
+    while (modes.size() == before) {
+      const std::int64_t end = *std::max_element(ends.begin(), ends.end());
+      std::int64_t until = end;
+      if (runs_of(modes, from, end) > many_runs) {
+        if (one_resonance(modes)) return r + bounded(modes, from, end, x);
+        until = std::min(end, std::max(*std::min_element(ends.begin(), ends.end()), 2 * from));
+      }
+      const auto count = static_cast<std::int64_t>(modes.size());
+      const double by_runs = blocks_per_run * runs_of(modes, from, until) * static_cast<double>(count);
+      const double by_samples =
+          static_cast<double>(until - from) / samples_per_block * static_cast<double>(count);
+      const bool precise = sampling_error * x.tail(from) <= narrow * scale;
+      if (!x.accurate()) return r + bounded(modes, from, end, x);
+      if (simple(modes) && (by_runs > static_cast<double>(work) || (precise && by_samples < by_runs))) {
+        const auto most = static_cast<std::int64_t>(samples_per_block * static_cast<double>(work / count));
+        const std::int64_t stop = std::min(until, from + most);
+        const SampledSum s = sampled_sum(modes, powers, from, stop);
+        work -= static_cast<std::int64_t>(by_samples);
+        r.sum += RealBall(s.sum);
+        r.error += s.error;
+        from = stop;
+      } else if (by_runs <= static_cast<double>(work)) {
+        const RunsSum s = sum_of_runs(x, powers, scale, from, until, work / count);
+        work = s.visits * count;
+        r.sum += s.sum;
+        r.error += s.error;
+        from = s.next;
+      }
+      if (until == end && from == end) {
+        r.beyond = x.tail(from);
+        return r;
+      }
+      if (from < until) return r + bounded(modes, from, end, x);
+      r.error += drop_decayed(modes, ends, from);
     }
-    const auto count = static_cast<std::int64_t>(modes.size());
-    const double needed = blocks_per_run * runs_of(modes, from, until) * static_cast<double>(count);
-    if (!x.accurate() || needed > static_cast<double>(work)) return r + bounded(modes, from, end, x);
-    const RunsSum s = sum_of_runs(x, powers, scale, from, until, work / count);
-    work = s.visits * count;
-    r.sum += s.sum;
-    r.error += s.error;
-    from = s.next;
-    if (from < until || until == end) {
-      r.beyond = x.tail(from);
-      return r;
-    }
-    r.error += drop_decayed(modes, ends, from);
   }
   return r;
-}
-
-std::int64_t start_of_slowest_alone(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,
-                                    double scale) {
-  std::vector<std::int64_t> ends;
-  for (const Mode& m : modes) ends.push_back(end_of(m, from, scale));
-  std::sort(ends.begin(), ends.end());
-  const std::int64_t last_but_one = ends.size() > 1 ? ends[ends.size() - 2] : from;
-  return std::max(from, std::min(last_but_one, latest));
 }
 
 // The changes of sign of x_{step k + offset}, over all offsets, are about max_i |arg z_i^step| end_i/pi.
 std::int64_t decimation(const std::vector<Mode>& modes, std::int64_t from, double scale) {
   constexpr std::int64_t most = 240;
-  constexpr double blocks_per_part = 300;  // of a decay without changes of sign
+  // For the tables of powers, which are computed again when a mode has decayed.
+  const double blocks_per_part = 2500 * static_cast<double>(modes.size() * (modes.size() + 1));
   struct Ringing {
     FineComplex z;
     double end;

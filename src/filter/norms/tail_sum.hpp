@@ -19,16 +19,12 @@ TailSum operator+(TailSum, const TailSum&);
 
 /// Sums a modal expansion of an impulse response from a sample to infinity.
 ///
-/// By runs of one sign (`sum_of_runs`). A mode is dropped when its remaining sum is negligible; a resonance
-/// that decays much more slowly than the others finally remains alone and is summed by `resonance_sum`. Where
-/// there are too many runs, the remaining sum is only bounded.
+/// By runs of one sign (`sum_of_runs`), or sample by sample where these are few (`sampled_sum`). A mode is
+/// dropped when its remaining sum is negligible; a resonance that decays much more slowly than the others
+/// finally remains alone and is summed by `resonance_sum`. What exceeds the limit of work is only bounded.
 /// @param scale  lower bound of the norm: parts are negligible relative to it
-/// @param work  limit of blocks times modes
+/// @param work  limit of blocks of sign runs times modes
 TailSum tail_sum(std::vector<Mode> modes, std::int64_t from, double scale, std::int64_t work);
-
-/// The first sample, at most `latest`, from which all modes but the longest-lived one are negligible.
-std::int64_t start_of_slowest_alone(const std::vector<Mode>& modes, std::int64_t from, std::int64_t latest,
-                                    double scale);
 
 /// The step for which every step-th sample, for each of the `step` first samples a sequence of its own, has
 /// the fewest changes of sign: 2 for poles near z = -1 beside others near 1, n for poles near the n-th roots
