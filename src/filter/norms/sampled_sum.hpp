@@ -7,7 +7,7 @@
 namespace qerr {
 
 /// Relative error of a sampled sum against the sum of the sizes of all modes.
-inline constexpr double sampling_error = 5e-14;
+inline constexpr double sampling_error = 1.5e-14;
 
 /// sum |x_k| over first..end-1 of simple modes, sample by sample in doubles, within `error` of `sum`: about 1
 /// ns a sample and mode.

@@ -15,7 +15,7 @@ namespace {
 constexpr double negligible_tail = 1e-18;  // remaining sum of a dropped mode relative to the norm
 constexpr double blocks_per_run = 8;       // of an oscillation, its sums included
 constexpr double samples_per_block = 300;  // that sampled_sum takes in the time of a block
-constexpr double narrow = 4e-13;           // error of a sampled sum relative to the norm
+constexpr double narrow = 1e-13;           // error of a sampled sum relative to the norm
 constexpr double many_runs = 300;          // above, dropping decayed modes saves time
 constexpr std::int64_t longest = latest_sample / 2;
 
