@@ -84,6 +84,11 @@ double poles_max_modulus(const Filter& filter) {
 
 std::vector<double> impulse_response(const Filter& filter, std::size_t count, std::size_t every) {
   std::vector<double> h(count);
+  if (!filter.taps.empty()) {
+    for (std::size_t k = 0; k < count && k * every < filter.taps.size(); ++k)
+      h[k] = static_cast<double>(DoubleDouble(filter.taps[k * every]) * filter.gain);
+    return h;
+  }
   const auto run = [&](auto cascade) {
     for (std::size_t k = 0; k < count * every; ++k) {
       const auto value = cascade.step(k == 0 ? 1.0 : 0.0);

@@ -33,12 +33,14 @@ std::vector<double> ramp_weights(int derivative) {
 /// The sample after the last one below `samples` at which the estimate is not within `fraction` of 1.
 double settling_by_samples(const Filter& filter, double fraction, double samples) {
   Cascade<double> cascade(filter);
+  const std::vector<double> taps = impulse_response(filter, filter.taps.size());
   const std::vector<double> weights = ramp_weights(filter.derivative);
   // Repeated sums of the impulse response stay near 1; the response to t^d/d! itself would grow.
   std::vector<double> sums(static_cast<std::size_t>(filter.derivative) + 1), last(weights.size());
   double settled = 0;
   for (double k = 0; k < samples; ++k) {
-    double value = cascade.step(k == 0 ? 1.0 : 0.0);
+    const auto index = static_cast<std::size_t>(k);
+    double value = taps.empty() ? cascade.step(k == 0 ? 1.0 : 0.0) : index < taps.size() ? taps[index] : 0;
     for (std::size_t i = 0; i < sums.size(); ++i)
       value = sums[i] += i == 0 ? value : value / filter.sample_rate;
     std::rotate(last.begin(), last.end() - 1, last.end());

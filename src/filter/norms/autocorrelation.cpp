@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "filter/run/cascade.hpp"
 #include "qerr/core/error.hpp"
@@ -11,9 +12,17 @@ namespace qerr {
 
 namespace {
 
-/// r_n of a truncated response h: the output for the reversed response as input.
+/// r_n of a truncated response h: the output for the reversed response as input; by its definition for taps.
 std::vector<double> autocorrelation_of(const Filter& filter, const std::vector<double>& h) {
   std::vector<double> r(h.size());
+  if (!filter.taps.empty()) {
+    for (std::size_t k = 0; k < h.size(); ++k) {
+      const double factor = h[k];
+      if (factor == 0) continue;
+      for (std::size_t n = 0; k + n < h.size(); ++n) r[n] += factor * h[k + n];
+    }
+    return r;
+  }
   Cascade<double> cascade(filter);
   // In the order of increasing |h|, which loses no digits of large lags.
   for (std::size_t n = h.size(); n-- > 0;) r[n] = cascade.step(h[n]);
@@ -24,7 +33,9 @@ std::vector<double> autocorrelation_of(const Filter& filter, const std::vector<d
 double expected_memory(const Filter& filter) {
   const double modulus = poles_max_modulus(filter);
   const double order = static_cast<double>(2 * filter.sections.size());
-  const double slow = modulus > 0 ? (40 + 2 * order) / -std::log(std::max(modulus, 1e-3)) : 0;
+  const double slow = modulus <= 0  ? 0
+                      : modulus < 1 ? (40 + 2 * order) / -std::log(std::max(modulus, 1e-3))
+                                    : std::numeric_limits<double>::infinity();  // rounded to 1
   return 8 + order + static_cast<double>(filter.taps.size()) + slow;
 }
 

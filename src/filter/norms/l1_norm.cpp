@@ -48,7 +48,7 @@ class Summation {
         modulus_(largest_modulus()),
         h2_(h2),
         direct_(filter, lift()) {
-    if (fast()) return;
+    if (fast() || endless()) return;
     modes_ = partial_fractions(filter, poles_.list);
   }
 
@@ -82,6 +82,8 @@ class Summation {
     return widened(around(tail.sum + RealBall(head.sum), error, error + tail.beyond));
   }
 
+  /// Whether the filter's memory exceeds the range of samples.
+  bool endless() const { return 100 / gap_ > static_cast<double>(latest_sample); }
   bool fast() const { return modulus_ < fast_modulus; }
   /// Whether the partial fractions are accurate; they may not be for close poles.
   bool separable() const { return Sequence(modes_.modes, Powers(modes_.modes)).accurate(); }
@@ -161,6 +163,7 @@ Interval of_sections(const Filter& filter) {
   // The norm is at least |H|: quotients of double-double at z = 1 and, reflected, at z = -1.
   for (const Filter& f : {filter, reflected(filter)})
     i.lower = std::max(i.lower, std::abs(dc_gain(f)) * (1 - 1e-12));
+  if (sum.endless()) return i;
   if (sum.fast()) return intersection(i, sum.by_samples());
   if (!sum.separable()) return intersection(i, sum.by_samples());
   i = intersection(i, sum.by_modes());

@@ -186,6 +186,12 @@ bool Sequence::accurate() const {
   return true;
 }
 
+double Sequence::mean_multiplicity() const {
+  std::size_t terms = 0;
+  for (const Mode& mode : modes_) terms += mode.c.size();
+  return static_cast<double>(terms) / static_cast<double>(modes_.size());
+}
+
 Sequence Sequence::difference() const {
   std::vector<Mode> result = modes_;  // 1 - q = ((1 - z q) - (1 - z))/z
   for (Mode& mode : result) {

@@ -55,6 +55,7 @@ class Sequence {
   double tail(std::int64_t first) const;  ///< of sum |x_k| over k >= first
   /// Whether the coefficients have relative errors below 1e-14 of their contribution to `bound`.
   bool accurate() const;
+  double mean_multiplicity() const;                           ///< of the modes
   Sequence difference() const;                                ///< x_k - x_{k-1}
   Sequence transient_of_sum() const;                          ///< U with U_k - U_{k-1} = x_k, U -> 0
   Sequence plus(double factor, const Sequence& other) const;  ///< x + factor y, of the same modes

@@ -6,6 +6,7 @@
 namespace qerr {
 namespace {
 
+constexpr double taylor_visits = 20;  // time of `sum_by_taylor` relative to a block of simple modes
 // Below this ratio of |x| to its bound, bisection by the bound takes too many blocks.
 constexpr double cancelled = 0.01;
 
@@ -16,7 +17,13 @@ constexpr double cancelled = 0.01;
 class Runs {
  public:
   Runs(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
-      : x_(x), sum_(x.transient_of_sum()), differences_(x), powers_(powers), scale_(scale), visits_(visits) {}
+      : x_(x),
+        sum_(x.transient_of_sum()),
+        differences_(x),
+        powers_(powers),
+        scale_(scale),
+        visits_(visits),
+        visits_of_taylor_(static_cast<std::int64_t>(taylor_visits * x.mean_multiplicity())) {}
 
   /// Sums over first..end-1; stops early when no visits remain.
   void cover(std::int64_t first, std::int64_t end) {
@@ -70,6 +77,7 @@ class Runs {
   /// Where the modes almost cancel the other bounds are much too large.
   /// @returns whether the block has one sign, or is negligible; then it is summed
   bool sum_by_taylor(std::int64_t first, std::int64_t end, std::int64_t middle) {
+    visits_ -= visits_of_taylor_;
     const std::vector<ComplexBall> powers = powers_.proven(middle);
     const RealBall center = x_.at(middle, powers);
     const double change = differences_.variation(first, end, middle, powers);
@@ -129,6 +137,7 @@ class Runs {
   std::int64_t next_ = 0;
   int sign_ = 0;
   std::int64_t visits_;  // remaining blocks
+  std::int64_t visits_of_taylor_;
 };
 
 }  // namespace
