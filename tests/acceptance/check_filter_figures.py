@@ -456,10 +456,12 @@ def compare(name, found, exact, faults):
         if found is not None and found != 0:
             faults.append("%s: %r, expected none" % (name, found))
         return
+    if abs(exact) < mp.mpf(10) ** -40:  # 0 within the digits of this computation
+        exact = mp.mpf(0)
     if found is None:
         faults.append("%s: none, expected %s" % (name, mp.nstr(exact, 15)))
     elif abs(mp.mpf(found) - exact) > TOLERANCE * abs(exact):
-        faults.append("%s: %r, expected %s, off by %s" % (name, found, mp.nstr(exact, 15), mp.nstr(abs(mp.mpf(found) / exact - 1), 2)))
+        faults.append("%s: %r, expected %s, off by %s" % (name, found, mp.nstr(exact, 15), mp.nstr(abs(mp.mpf(found) / exact - 1) if exact else abs(found), 2)))
 
 
 def check(qerr, seed, folder):

@@ -40,7 +40,10 @@ Filter design(const FilterDesign& wanted) {
   for (const Complex1024& p : roots(descending))
     all.push_back({to_double_double(p.re), to_double_double(p.im)});
   DoubleDouble scale = 1;
-  if (normalization == "phase") scale = std::pow(static_cast<double>(polynomial.back()), -1.0 / order);
+  if (normalization == "phase") {
+    const Real last = Real(polynomial.back().hi) + Real(polynomial.back().lo);
+    scale = to_double_double(exp(-log(last) / order));
+  }
   if (normalization == "magnitude") scale = DoubleDouble(1) / half_power_frequency(all);
   Prototype prototype;
   for (const ComplexDoubleDouble& p : all) {

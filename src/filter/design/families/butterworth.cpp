@@ -1,7 +1,4 @@
-#include <cmath>
-#include <numbers>
-
-#include "filter/design/families/families.hpp"
+#include "filter/design/families/prototype.hpp"
 
 namespace qerr {
 namespace {
@@ -12,10 +9,10 @@ Filter design(const FilterDesign& wanted) {
   const int order = whole_number(wanted, "order", 2, 1, max_order);
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
   filter.designed = true;
-  const double slope = 1 / std::tan(std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate);
+  const DoubleDouble slope = prewarped_slope(checked_cutoff(wanted), wanted.sample_rate);
   if (order % 2 == 1) filter.sections.push_back({{1, 0, 0}, {1, slope, 0}});
   for (int i = 0; i < order / 2; ++i) {
-    const double damping = 2 * std::sin(std::numbers::pi * (2 * i + 1) / (2 * order));
+    const DoubleDouble damping = to_double_double(2 * sin(pi256() * (2 * i + 1) / (2 * order)));
     filter.sections.push_back({{1, 0, 0}, {1, damping * slope, slope * slope}});
   }
   return filter;

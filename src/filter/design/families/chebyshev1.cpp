@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numbers>
-
 #include "filter/design/families/prototype.hpp"
 
 namespace qerr {
@@ -11,15 +8,15 @@ namespace {
 Filter design(const FilterDesign& wanted) {
   const int order = whole_number(wanted, "order", 2, 1, max_order);
   const double ripple = checked_number(wanted, "ripple", 0, 60, 1.0);
-  const double epsilon = std::sqrt(std::expm1(ripple * std::numbers::ln10 / 10));
-  const double mu = std::asinh(1 / epsilon) / order;
+  const Real epsilon = sqrt(expm1(log(Real(10)) * ripple / 10)), mu = asinh(1 / epsilon) / order;
   Prototype prototype;
   for (int i = 0; i < order / 2; ++i) {
-    const double theta = std::numbers::pi * (2 * i + 1) / (2 * order);
-    prototype.poles.push_back({-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta)});
+    const Real theta = pi256() * (2 * i + 1) / (2 * order);
+    prototype.poles.push_back(
+        {to_double_double(-sinh(mu) * sin(theta)), to_double_double(cosh(mu) * cos(theta))});
   }
-  if (order % 2 == 1) prototype.poles.push_back(-std::sinh(mu));
-  if (order % 2 == 0) prototype.gain = std::pow(10, -ripple / 20);
+  if (order % 2 == 1) prototype.poles.push_back(to_double_double(-sinh(mu)));
+  if (order % 2 == 0) prototype.gain = attenuated(ripple);
   return bilinear_lowpass(wanted, prototype);
 }
 

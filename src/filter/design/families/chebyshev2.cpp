@@ -1,6 +1,3 @@
-#include <cmath>
-#include <numbers>
-
 #include "filter/design/families/prototype.hpp"
 
 namespace qerr {
@@ -11,15 +8,16 @@ namespace {
 Filter design(const FilterDesign& wanted) {
   const int order = whole_number(wanted, "order", 3, 1, max_order);
   const double attenuation = checked_number(wanted, "attenuation", 0, 300, 40.0);
-  const double mu = std::asinh(std::sqrt(std::expm1(attenuation * std::numbers::ln10 / 10))) / order;
+  const Real mu = asinh(sqrt(expm1(log(Real(10)) * attenuation / 10))) / order;
   Prototype prototype;
   for (int i = 0; i < order / 2; ++i) {
-    const double theta = std::numbers::pi * (2 * i + 1) / (2 * order);
-    const ComplexDoubleDouble p{-std::sinh(mu) * std::sin(theta), std::cosh(mu) * std::cos(theta)};
+    const Real theta = pi256() * (2 * i + 1) / (2 * order);
+    const ComplexDoubleDouble p{to_double_double(-sinh(mu) * sin(theta)),
+                                to_double_double(cosh(mu) * cos(theta))};
     prototype.poles.push_back(conj(ComplexDoubleDouble(1.0) / p));
-    prototype.zeros.push_back(DoubleDouble(1) / DoubleDouble(std::cos(theta)));
+    prototype.zeros.push_back(to_double_double(1 / cos(theta)));
   }
-  if (order % 2 == 1) prototype.poles.push_back(-1 / std::sinh(mu));
+  if (order % 2 == 1) prototype.poles.push_back(to_double_double(-1 / sinh(mu)));
   return bilinear_lowpass(wanted, prototype);
 }
 

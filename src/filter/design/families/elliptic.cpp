@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "filter/design/families/prototype.hpp"
 #include "filter/norms/ball.hpp"
@@ -7,7 +6,6 @@
 namespace qerr {
 namespace {
 
-using Real = Binary256;
 using Complex = ComplexOf<Real>;
 
 ComplexDoubleDouble rounded(const Complex& x) { return {to_double_double(x.re), to_double_double(x.im)}; }
@@ -78,7 +76,7 @@ Prototype prototype_of(int order, double ripple, double attenuation) {
   if (order % 2 == 1) {
     prototype.poles.push_back(ComplexDoubleDouble(-abs(cd(pi / 2).im)));
   } else {
-    prototype.gain = std::pow(10, -ripple / 20);
+    prototype.gain = attenuated(ripple);
   }
   return prototype;
 }

@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "filter/design/families/families.hpp"
+#include "filter/design/families/prototype.hpp"
 
 namespace qerr {
 namespace {
@@ -16,7 +16,8 @@ DoubleDouble slope_of(const FilterDesign& wanted) {
     }
     case 1: {
       const double tau = checked_number(wanted, "time_constant", 0, INFINITY);
-      return 1 / std::tanh(1 / (2 * wanted.sample_rate * tau));
+      const Real x = expm1(-1 / (Real(wanted.sample_rate) * tau));
+      return to_double_double(-(2 + x) / x);  // coth(T/(2 tau))
     }
     default: {
       const double span = wanted.numbers.at("span");

@@ -41,11 +41,16 @@ Filter design(const FilterDesign& wanted) {
           -binomial * DoubleDouble(static_cast<double>(k - j)) / DoubleDouble(static_cast<double>(j + 1));
     }
   }
-  Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
+  // c_k is d! |s(k, d)|/k! with Stirling numbers s (Abramowitz and Stegun 24.1.3): times K!/d!, K the largest
+  // k, the points are whole numbers below 2^53, which keep zeros at z = 1 and delays exact.
+  DoubleDouble common = 1;
+  for (std::size_t k = static_cast<std::size_t>(wanted.derivative) + 1; k < c.size(); ++k)
+    common *= DoubleDouble(static_cast<double>(k));
+  Filter filter{{}, DoubleDouble(1) / common, wanted.sample_rate, wanted.derivative};
   filter.designed = true;
   filter.taps.resize((c.size() - 1) * static_cast<std::size_t>(span) + 1);
   for (std::size_t j = 0; j < c.size(); ++j) {
-    filter.taps[j * static_cast<std::size_t>(span)] = static_cast<double>(points[j]);
+    filter.taps[j * static_cast<std::size_t>(span)] = std::round(static_cast<double>(points[j] * common));
   }
   for (int i = 0; i < wanted.derivative; ++i)
     filter.gain *= DoubleDouble(wanted.sample_rate) / DoubleDouble(span);

@@ -1,7 +1,4 @@
-#include <cmath>
-#include <numbers>
-
-#include "filter/design/families/families.hpp"
+#include "filter/design/families/prototype.hpp"
 
 namespace qerr {
 namespace {
@@ -9,10 +6,10 @@ namespace {
 /// 1/rho of the low-pass pole w = -rho, x = 2 pi f0 T.
 ///
 /// matched a = exp(-x): rho = tanh(x/2); Tustin rho = x/2, pre-warped tan(x/2); backward Euler a = 1/(1 + x).
-double inverse_pole(const std::string& discretization, double x) {
-  if (discretization == "matched") return 1 / std::tanh(x / 2);
+Real inverse_pole(const std::string& discretization, const Real& x) {
+  if (discretization == "matched") return -(2 + expm1(-x)) / expm1(-x);  // 1/tanh(x/2)
   if (discretization == "tustin") return 2 / x;
-  if (discretization == "prewarped") return 1 / std::tan(x / 2);
+  if (discretization == "prewarped") return cos(x / 2) / sin(x / 2);
   if (discretization == "backward_euler") return 1 + 2 / x;
   throw Error(Fault{{},
                     "discretization",
@@ -27,8 +24,8 @@ Filter design(const FilterDesign& wanted) {
   const std::string discretization = choice == wanted.choices.end() ? "matched" : choice->second;
   Filter filter = difference_filter(wanted.sample_rate, wanted.derivative);
   filter.designed = order > 0;
-  const double x = 2 * std::numbers::pi * checked_cutoff(wanted) / wanted.sample_rate;
-  const double slope = inverse_pole(discretization, x);
+  const Real x = 2 * pi256() * checked_cutoff(wanted) / wanted.sample_rate;
+  const DoubleDouble slope = to_double_double(inverse_pole(discretization, x));
   const bool bilinear = discretization == "tustin" || discretization == "prewarped";
   for (int i = 0; i < order; ++i) {
     // Bilinear low-passes have a zero at w = infinity (Nyquist), the others at z = 0 (w = -1), which cancels
