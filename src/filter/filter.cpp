@@ -12,7 +12,7 @@
 namespace qerr {
 namespace {
 
-double taps_delay(const std::vector<double>& taps) {
+double taps_delay(const std::vector<DoubleDouble>& taps) {
   const Deflated<DoubleDouble> d = divide_out_dc_zeros<DoubleDouble>(taps);
   DoubleDouble weighted;
   double size = 0;
@@ -86,7 +86,7 @@ std::vector<double> impulse_response(const Filter& filter, std::size_t count, st
   std::vector<double> h(count);
   if (!filter.taps.empty()) {
     for (std::size_t k = 0; k < count && k * every < filter.taps.size(); ++k)
-      h[k] = static_cast<double>(DoubleDouble(filter.taps[k * every]) * filter.gain);
+      h[k] = static_cast<double>(filter.taps[k * every] * filter.gain);
     return h;
   }
   const auto run = [&](auto cascade) {

@@ -5,6 +5,7 @@
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
+#include "qerr/filter/representations.hpp"
 #include "support/random_filter.hpp"
 #include "support/reference_norm.hpp"
 
@@ -100,6 +101,27 @@ TEST(L1Norm, OfResonancesFarBeyondSummationHasItsClosedForm) {
       expect_holds(l1_norm(filter_from_coefficients({1}, {1, -sign * r, r * r}, 1, 0)), exact, 1e-12,
                    "turns of 60 degrees, 2^-" + std::to_string(bits));
   }
+}
+
+/// (1 + b q)/(1 - c q^n): |h| is c^k, |b| c^k, with poles near the n-th roots of 1.
+TEST(L1Norm, OfPolesNearTheRootsOfOneHasItsClosedForm) {
+  for (const int n : {2, 3, 5, 8})
+    for (const int bits : {13, 30, 45})
+      for (const double sign : {1.0, -1.0}) {
+        std::vector<double> a(static_cast<std::size_t>(n) + 1);
+        a.front() = 1;
+        a.back() = -sign * (1 - std::ldexp(1.0, -bits));
+        expect_holds(l1_norm(filter_from_coefficients({1, 0.5}, a, 1, 0)), ldexp(Number(3), bits - 1), 1e-12,
+                     std::to_string(n) + " roots, 2^-" + std::to_string(bits));
+      }
+}
+
+/// Two equal poles +-p each: 1/(1 - c q^2)^2 has h_2k = (k + 1) c^k, 1/(1 - c)^2 in all.
+TEST(L1Norm, OfOppositeDoublePolesHasItsClosedForm) {
+  const double p = 1 - 0x1p-16;
+  const Number gap = 1 - Number(p) * p;
+  expect_holds(l1_norm(filter_from_zeros_and_poles({}, {{p}, {-p}, {p}, {-p}}, 1, 1, 0)), 1 / (gap * gap),
+               1e-12, "double");
 }
 
 TEST(L1Norm, OfSeveralSlowResonancesOfEqualDampingIsWideAndValid) {

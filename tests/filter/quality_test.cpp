@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -19,6 +20,27 @@ TEST(Bandwidth, OfButterworthIsItsCutOffAtEveryOrder) {
     for (const double cutoff : {0.1, 50., 400.})
       EXPECT_NEAR(*bandwidth(design_filter("butterworth", 0, 1000, order, cutoff)), cutoff, 1e-9 * cutoff)
           << order;
+}
+
+/// sqrt(2^(1/n) - 1) f0 of n equal poles, and of the derivative, at any sample rate.
+TEST(Bandwidth, KeepsItsDigitsAtAnySampleRate) {
+  for (const double rate : {1e5, 1e8, 1e11, 1e15})
+    for (const int order : {2, 3, 8}) {
+      const double exact = std::sqrt(std::exp2(1.0 / order) - 1);
+      for (const int derivative : {0, 1})
+        EXPECT_NEAR(*bandwidth(design_filter("first_order", derivative, rate, order, 1)) / exact, 1,
+                    1e-12 + 40 / rate)
+            << rate << ' ' << order << ' ' << derivative;
+    }
+}
+
+/// A notch of relative width 1e-6 within the pass band: (s^2 + g s/4 + 1)/(s^2 + g s + 1), g = 1e-6, is 1/4
+/// at its center. |H|^2 = 1/2 at (1 - W^2)^2 = 7/8 g^2 W^2.
+TEST(Bandwidth, EndsAtTheFirstNotchHoweverNarrow) {
+  const double g = 1e-6, slope = 1 / std::tan(0.01);
+  const Filter f{{{{1, 0.25 * g * slope, slope * slope}, {1, g * slope, slope * slope}}}, 1, 1000, 0};
+  const double x = 0.5 * g * std::sqrt(7 / 8.0), edge = std::sqrt(1 + x * x) - x;
+  EXPECT_NEAR(*bandwidth(f), 1000 / pi * std::atan(std::tan(0.01) * edge), 1e-12);
 }
 
 TEST(Bandwidth, OfASlowFirstOrderDerivativeIsThatOfItsPole) {
@@ -51,6 +73,26 @@ TEST(Fidelity, OfADifferenceIsASincAndADelayOfHalfASample) {
   const Fidelity at = fidelity(difference_filter(1000, 1), 100);
   EXPECT_NEAR(at.gain_error, std::sin(0.1 * pi) / (0.1 * pi) - 1, 1e-14);
   EXPECT_NEAR(at.phase_error, -0.1 * pi, 1e-14);
+}
+
+/// |1/(1 + j x) - 1| = x/sqrt(1 + x^2), x = f/f0, far below the sample rate and far below the cut-off.
+TEST(Fidelity, KeepsItsDigitsFarBelowTheCutOff) {
+  const Filter f = design_filter("first_order", 0, 1e15, 1, 1);
+  for (const double x : {1e-2, 1e-5, 1e-7}) {
+    EXPECT_NEAR(fidelity(f, x).tracking_error / (x / std::sqrt(1 + x * x)), 1, 1e-12);
+    EXPECT_NEAR(fidelity(f, x).gain_error / std::expm1(-0.5 * std::log1p(x * x)), 1, 1e-12);
+  }
+}
+
+/// A resonance of Q = 1e4 within a band of a thousand times its width: the largest error is its peak.
+TEST(BandTracking, FindsANarrowPeak) {
+  const double g = 1e-4, slope = 1 / std::tan(pi * 0.01);
+  const Filter f{{{{1, 0, 0}, {1, g * slope, slope * slope}}}, 1, 1000, 0};
+  // 1/(1 - W^2 + j g W) - 1 = (W^2 - j g W)/(1 - W^2 + j g W): its square is largest near W = 1.
+  double largest = 0;
+  for (double w = 0.9999; w < 1.0001; w += 1e-8)
+    largest = std::max(largest, std::hypot(w * w, g * w) / std::hypot(1 - w * w, g * w));
+  EXPECT_NEAR(band_tracking(f, 1, 50).largest / largest, 1, 1e-7);
 }
 
 TEST(BandTracking, IsBetweenTheErrorsAtTheEndsOfTheBand) {
@@ -107,6 +149,15 @@ TEST(SettlingTime, OfASlowFilterIsComputedFromItsModes) {
       const double slow = *settling_time(design_filter(family, 1, 1e5, order, 5));   // by modes
       EXPECT_NEAR(slow / fast, 10, 0.02) << family << order;
     }
+}
+
+/// 1 - (1 + k x) e^(-k x) >= 0.98 for two equal slow poles.
+TEST(SettlingTime, IsExactToASampleForASlowFilter) {
+  double kx = 5;
+  for (int i = 0; i < 50; ++i) kx = std::log((1 + kx) / 0.02);
+  for (const double rate : {1e7, 1e9, 1e12})
+    EXPECT_NEAR(*settling_time(design_filter("first_order", 0, rate, 2, 1)) / (kx / (2 * pi)), 1,
+                1e-12 + 5 / rate);
 }
 
 TEST(SettlingTime, IsEmptyForAFilterThatDoesNotEstimateItsDerivative) {

@@ -150,5 +150,26 @@ TEST(StateSpace, RejectsAnUnstableFilter) {
   EXPECT_EQ(tried({{0.5, 1}, {-1, 0.5}}).found, "largest pole modulus 1.11803398875");
 }
 
+TEST(ZeroPoleGain, TakesAZeroOneUlpFromOneToBeAtOne) {
+  const Rows poles{{0.5}, {0.5}};
+  const Filter exact = filter_from_zeros_and_poles({{1}, {-1}}, poles, 25, 200, 1);
+  for (const double zero : {1 - 0x1p-53, 1 + 0x1p-52}) {
+    const Filter rounded = filter_from_zeros_and_poles({{zero}, {-1}}, poles, 25, 200, 1);
+    EXPECT_DOUBLE_EQ(group_delay(rounded), group_delay(exact));
+    EXPECT_EQ(dc_gain(rounded), 0);
+  }
+}
+
+TEST(Representations, OutOfTheRangeOfDoubleAreFaultsOfTheSpec) {
+  EXPECT_NEAR(h2_norm(filter_from_coefficients({1e300}, {1, -0.5}, 1, 0)) / (1e300 / std::sqrt(0.75)), 1,
+              1e-15);
+  try {
+    h2_norm(filter_from_coefficients({1e308}, {1e-308, -0.5e-308}, 1, 0));
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.trouble(), Trouble::input);
+  }
+}
+
 }  // namespace
 }  // namespace qerr

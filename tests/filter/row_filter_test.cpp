@@ -26,7 +26,7 @@ std::vector<Filter> filters() {
   filters.push_back(design_filter("butterworth", 0, 1000, 3, 100));
   filters.back().gain = 3;
   filters.push_back({{}, 0.5, 1000, 0, {0.1, -0.4, 0.2, 1}});
-  filters.push_back({{}, 2, 1000, 0, std::vector<double>(200, 0.01)});
+  filters.push_back({{}, 2, 1000, 0, std::vector<DoubleDouble>(200, 0.01)});
   filters.push_back({{{{1, 0.2, 3}, {1, 2, 3}}, {{0.5, -1, 0}, {1, 4, 0}}}, 0.7, 1000});
   return filters;
 }

@@ -11,7 +11,8 @@ namespace qerr::testing {
 /// src/filter/run. Every section runs as trapezoidal integrators 1/w, solved for its highest derivative.
 class ReferenceFilter {
  public:
-  ReferenceFilter(const Filter& filter, Eigen::Index channels) : taps_(filter.taps), gain_(filter.gain) {
+  ReferenceFilter(const Filter& filter, Eigen::Index channels) : gain_(filter.gain) {
+    for (const DoubleDouble& tap : filter.taps) taps_.push_back(static_cast<double>(tap));
     for (const Section& s : filter.sections) {
       Stage& stage = stages_.emplace_back();
       const auto plain = [](auto c) { return static_cast<double>(c); };

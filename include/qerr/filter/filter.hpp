@@ -42,7 +42,7 @@ struct Filter {
   DoubleDouble gain = 1;
   double sample_rate = 0;         ///< [Hz]
   int derivative = 0;             ///< that the output estimates; sets the unit
-  std::vector<double> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
+  std::vector<DoubleDouble> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
   Deviation deviation = {};       ///< due to factoring a user's coefficients
   bool designed = false;          ///< by a family, with rounded coefficients; else they are exact
 };

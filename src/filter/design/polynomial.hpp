@@ -27,14 +27,14 @@ T sum(const std::vector<T>& coefficients) {
 ///
 /// For example, 0.1 + 0.2 q - 0.3 q^2 sums to 2.8e-17 in double precision, but is meant to block 0 Hz.
 /// @param rounding  of a coefficient, relative
-template <class T>
-Deflated<T> divide_out_dc_zeros(const std::vector<double>& ascending,
+template <class T, class Coefficient>
+Deflated<T> divide_out_dc_zeros(const std::vector<Coefficient>& ascending,
                                 double rounding = 0.5 * std::numeric_limits<double>::epsilon()) {
   Deflated<T> result;
   result.quotient.assign(ascending.begin(), ascending.end());
   // Bound of the rounding of every coefficient; each division by (1 - q) accumulates it.
   std::vector<double> bounds;
-  for (const double c : ascending) bounds.push_back(rounding * std::abs(c));
+  for (const Coefficient& c : ascending) bounds.push_back(rounding * std::abs(static_cast<double>(c)));
   while (result.quotient.size() > 1) {
     const T remainder = sum(result.quotient);
     if (T(sum(bounds)) < (remainder < T(0) ? T(-remainder) : remainder)) break;

@@ -36,7 +36,7 @@ std::optional<Estimate> estimate_in(const Filter& filter, double lift, double wa
 
 std::optional<Estimate> taps_norm(const Filter& filter) {
   Ball<DoubleDouble> total;
-  for (const double h : filter.taps) total += Ball<DoubleDouble>(h) * Ball<DoubleDouble>(h);
+  for (const DoubleDouble& h : filter.taps) total += Ball<DoubleDouble>(h) * Ball<DoubleDouble>(h);
   return estimate(sqrt(total) * abs(Ball<DoubleDouble>(filter.gain)));
 }
 

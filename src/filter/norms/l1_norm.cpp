@@ -174,7 +174,7 @@ Interval of_sections(const Filter& filter) {
 /// Without the gain.
 Interval of_taps(const Filter& filter) {
   RealBall total;
-  for (const double h : filter.taps) total += abs(RealBall(h));
+  for (const DoubleDouble& h : filter.taps) total += abs(RealBall(h));
   return around(total, 0, 0);
 }
 

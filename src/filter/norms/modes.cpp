@@ -42,10 +42,12 @@ double relative_change(const Section& s, const ComplexDoubleDouble& p, const Com
                d1 = (RealBall(s.a[1]) + a2 * sum.re).largest();
   const double gp = reciprocal_norm(p), gr = reciprocal_norm(r);
   double n0 = gp * gr, n1 = (1 + magnitude(p) * gp) * gr;
-  if (!(p.im == DoubleDouble(0))) {
-    // 1/((w - p)(w - p*)) = [1/(w - p) - 1/(w - p*)]/(p - p*), much smaller than the product for a slow pair.
-    n0 = std::min(n0, gp / std::abs(p.im.hi));
-    n1 = std::min(n1, magnitude(p) * gp / std::abs(p.im.hi));
+  const double gap = magnitude(p - r);
+  if (gap > 0) {
+    // 1/((w - p)(w - r)) = [1/(w - p) - 1/(w - r)]/(p - r), and w/((w - p)(w - r)) with p and r as
+    // numerators: much smaller than the product for a slow pair, and for a slow pole beside a fast one.
+    n0 = std::min(n0, (gp + gr) / gap);
+    n1 = std::min(n1, (magnitude(p) * gp + magnitude(r) * gr) / gap);
   }
   return (d0 * n0 + d1 * n1) / std::abs(s.a[2].hi) * (1 + 0x1p-40);
 }

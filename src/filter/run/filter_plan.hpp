@@ -41,7 +41,7 @@ FilterPlan<Number> filter_plan(const Filter& filter) {
         {!(a2 == Number(0)), a0 * inverse, a01 * inverse, number(s.b[0]), number(s.b[1]), number(s.b[2])});
     gain *= inverse * take_factor(plan.sections.back());
   }
-  for (const double tap : filter.taps) plan.taps.push_back(Number(tap));
+  for (const DoubleDouble& tap : filter.taps) plan.taps.push_back(number(tap));
   if (!plan.sections.empty()) {
     NormalizedSection<Number>& last = plan.sections.back();
     for (Number* b : {&last.b0, &last.b1, &last.b2}) *b *= gain;

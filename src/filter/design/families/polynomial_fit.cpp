@@ -1,6 +1,6 @@
 #include "filter/design/families/polynomial_fit.hpp"
 
-#include "filter/norms/multiprecision.hpp"
+#include "filter/norms/ball.hpp"
 
 namespace qerr {
 
@@ -68,7 +68,7 @@ Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double 
     const std::vector<Real> t = orthogonal(order, window, window - 1 - k, 0);
     Real tap = 0;
     for (std::size_t j = 0; j < t.size(); ++j) tap += weights[j] * t[j];
-    filter.taps.push_back(static_cast<double>(tap));
+    filter.taps.push_back(to_double_double(tap));
   }
   return filter;
 }
