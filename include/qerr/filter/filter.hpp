@@ -40,11 +40,11 @@ struct Deviation {
 struct Filter {
   std::vector<Section> sections;
   DoubleDouble gain = 1;
-  double sample_rate = 0;         ///< [Hz]
-  int derivative = 0;             ///< that the output estimates; sets the unit
+  double sample_rate = 0;               ///< [Hz]
+  int derivative = 0;                   ///< that the output estimates; sets the unit
   std::vector<DoubleDouble> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
-  Deviation deviation = {};       ///< due to factoring a user's coefficients
-  bool designed = false;          ///< by a family, with rounded coefficients; else they are exact
+  Deviation deviation = {};             ///< due to factoring a user's coefficients
+  bool designed = false;                ///< by a family, with rounded coefficients; else they are exact
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy for tiny f, too, where derivatives vanish as
