@@ -51,11 +51,12 @@ Estimate h2_estimate(const Filter& filter) {
     if (!e) e = estimate_in<Binary<4096>>(filter, 0, 1);
   }
   if (!e)
-    throw Error(Fault{{},
-                      "",
-                      "the norms of the filter exceed the range of double precision",
-                      "a gain of " + shortest(static_cast<double>(filter.gain)),
-                      "scale its coefficients, or bring cut-off and sample rate closer together"});
+    throw Error(Fault{
+        {},
+        "",
+        "the norms of the filter exceed the range of double precision",
+        std::isfinite(filter.gain.hi) ? "a gain of " + shortest(filter.gain.hi) : "a gain above 1.8e308",
+        "scale its coefficients, or bring cut-off and sample rate closer together"});
   e->error += filter.deviation.h2 + design_rounding(filter) * e->value;
   return *e;
 }
