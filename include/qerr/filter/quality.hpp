@@ -36,7 +36,7 @@ struct BandTracking {
 BandTracking band_tracking(const Filter&, double from, double to);
 
 /// Lowest frequency at which |H|/(2 pi f)^d is 1/sqrt(2) of its value at 0 Hz [Hz]; empty if it never falls
-/// below below half the sample rate, or if the filter does not estimate its derivative.
+/// below half the sample rate, or if the filter does not estimate its derivative.
 std::optional<double> bandwidth(const Filter&);
 
 /// Noise-equivalent bandwidth B [Hz]: the ideal band-limited derivative (j 2 pi f)^d, |f| < B, passes as much
@@ -46,8 +46,8 @@ std::optional<double> bandwidth(const Filter&);
 double noise_bandwidth(const Filter&, double h2_norm);
 
 /// Settling time [s]: the response to t^d/d!, t >= 0, whose d-th derivative is 1, stays within `fraction` of
-/// 1 from then on; d is the filter's derivative. Empty when it does not settle there, or takes more than 2e6
-/// samples (2e5 steps for a slow filter).
+/// 1 from then on; d is the filter's derivative. Exact to a sample. Empty when it does not settle there, or
+/// where close poles do not allow partial fractions and it takes more than 2e6 samples.
 std::optional<double> settling_time(const Filter&, double fraction = 0.02);
 
 /// The filter as second-order sections {b0, b1, b2, 1, a1, a2} in ascending powers of z^-1, the gain in the
