@@ -24,6 +24,7 @@ test_packages=(
   liborocos-kdl-dev     # reference for Jacobians and dynamics
   libvalijson-dev       # JSON Schema validator
   python3 python3-numpy
+  python3-mpmath        # reference for the figures of filters
   jq python3-pandas     # README.md uses them
   clang-format
 )
