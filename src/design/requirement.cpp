@@ -12,9 +12,10 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
       throw Error(
           Fault{r.place, "requirements", "sigma in motion is not computed", "'" + r.quantity + "'", ""});
     if (r.bound == Bound::sigma && !d.sigma)
-      throw Error(Fault{r.place, "requirements",
-                        "sigma behind a filter depends on the motion, as an effect does",
-                        "'" + r.quantity + "'", "add `motion:`"});
+      throw Error(
+          Fault{r.place, "requirements",
+                "cannot be decided: what an effect of the spec adds behind a filter depends on the motion",
+                "'" + r.quantity + "'", "add `motion:`"});
     statistic = r.bound == Bound::sigma             ? &*d.sigma
                 : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
                                                     : &d.worst_case;

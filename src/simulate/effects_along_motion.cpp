@@ -22,9 +22,9 @@ class MomentSums {
       sum_.setZero(sample.size());
       squares_.setZero(sample.size(), sample.size());
     }
-    off_ = sample - shift_;
-    sum_ += off_;
-    squares_.noalias() += off_ * off_.transpose();
+    deviation_ = sample - shift_;
+    sum_ += deviation_;
+    squares_.noalias() += deviation_ * deviation_.transpose();
     peak_ = peak_.cwiseMax(sample.cwiseAbs());
     count_ += 1;
   }
@@ -36,7 +36,7 @@ class MomentSums {
 
  private:
   double count_ = 0;
-  Eigen::VectorXd shift_, sum_, peak_, off_;
+  Eigen::VectorXd shift_, sum_, peak_, deviation_;
   Eigen::MatrixXd squares_;
 };
 
@@ -63,7 +63,7 @@ SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Ef
     first = false;
     const double* const out = run ? filtered.data() : rows.data();
     for (std::size_t k = 0; k < used.size(); ++k) {
-      if (!record.counts(batch.first + used[k])) continue;
+      if (!record.is_after_settling(batch.first + used[k])) continue;
       tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, m));
       if (!of_joints) continue;
       for (Eigen::Index j = 0; j < n; ++j) {
@@ -98,7 +98,7 @@ SignalMoments effect_along_motion(const OperationalModel& model, const Effect& e
   MomentSums sums;
   record.read(model, {effect}, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
     for (const std::size_t i : used)
-      if (record.counts(batch.first + i))
+      if (record.is_after_settling(batch.first + i))
         sums.add(Eigen::VectorXd::Constant(1, batch.measured[row + i] - batch.encoder[row + i]));
   });
   return sums.moments();

@@ -14,8 +14,9 @@ namespace qerr {
 /// then exact kinematics, then the filters, sample by sample at the rate of each filter. As in a simulation,
 /// a filter starts in the steady state of the first error, and samples before `settling` do not count.
 ///
-/// Instead of being rounded, a position is shifted by the mean rounding error over the position of the
-/// encoder's zero.
+/// Instead of being rounded, a position is shifted by what the effects change in the mean rounding error over
+/// the position of the encoder's zero. Peaks are those of this signal: at single positions of the zero an
+/// effect that depends on the count itself differs from them within a count.
 /// @param settling  initial part that is excluded [s]
 ErrorAlongMotion effects_along_motion(const OperationalModel&, const std::vector<Effect>&, const Motion&,
                                       const std::vector<Filter>&, double settling);

@@ -146,7 +146,14 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   m.effort = 0;
   const double distorted = through(a.encoder, shaft, m);
   const double sign = direction(transmission_.encoders[encoder]);
-  const double count = sign * through(a.decoder, sign * count_of(encoder, distorted), m);
+  double count = count_of(encoder, distorted);
+  if (!a.decoder.empty()) {
+    // Without rounding a decoder, which is defined for integers, is interpolated between the two next: the
+    // mean over the encoder's zero.
+    const double below = std::floor(sign * count), part = sign * count - below;
+    const double decoded = through(a.decoder, below, m);
+    count = sign * (part == 0 ? decoded : decoded + part * (through(a.decoder, below + 1, m) - decoded));
+  }
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }

@@ -70,8 +70,8 @@ class Sensing {
     std::uint64_t seed = 0;        ///< of the random effects of this run
     bool effort = false;  ///< compute efforts in any case, if the robot has masses; otherwise only if an
                           ///< effect needs them
-    /// Whether positions are rounded to counts; if not, counts are not integers: the means over the position
-    /// of the encoder's zero, less those of an encoder without effects.
+    /// Whether positions are rounded to counts. If not, a count is position/Delta and what effects change in
+    /// its mean over the position of the encoder's zero: it is not an integer.
     bool rounds = true;
   };
   Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&,

@@ -118,17 +118,30 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
                 even_spread(static_cast<Eigen::Index>(model.transmission.encoders.size()))};
   const Channels channels(model);
 
-  // sigma_exact is a mean over the position of the encoders' zeros: runs of the same motion without effects.
+  // sigma_exact is a mean over the position of the encoders' zeros: runs of the same motion without effects,
+  // as the Jacobian varies along it (sigma_along_motion knows only the encoders).
   OperationalModel nearest = model;
   nearest.sources.clear();
   for (Encoder& encoder : nearest.transmission.encoders) encoder.rounding = Rounding::nearest;
   const std::vector<Effect> none;
   SimulationOptions of_zeros = options;
-  of_zeros.runs = filters.empty() ? 0 : zeros_along_motion(job.samples);
+  of_zeros.runs =
+      filters.empty()
+          ? 0
+          : zeros_of_simulation(travels(nearest, none, UnroundedRecord(motion, motion.sample_rate, 0)));
   of_zeros.visit = {};
-  Job zeros{nearest, filters,     motion,       none, of_zeros,
-            every,   job.samples, job.settling, 1,    Eigen::VectorXd::Zero(middle.mean.size()),
-            0,       true};
+  const Job zeros{.model = nearest,
+                  .filters = filters,
+                  .motion = motion,
+                  .effects = none,
+                  .options = of_zeros,
+                  .every = every,
+                  .samples = job.samples,
+                  .settling = job.settling,
+                  .blocks = 1,
+                  .mean = Eigen::VectorXd::Zero(middle.mean.size()),
+                  .spread = 0,
+                  .every_zero = true};
 
   std::mutex guard;
   std::uint64_t done = 0;
@@ -148,9 +161,13 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     for (Eigen::Index c = 0; c < channels.coordinates; ++c) {
       // Infinite if the path meets the gimbal lock, even where the error of an encoder at rest is 0.
       const bool ipqn = f == 0 || !std::isfinite(squares[c]);
-      row.push_back(signal_of(
-          all.outputs[f], theory[f][static_cast<std::size_t>(c)],
-          ipqn ? squares[c] / 12 : variance_of_parts(exact.outputs[f], c, Channels(nearest)), c, channels));
+      double exact_variance = std::numeric_limits<double>::quiet_NaN();
+      if (ipqn)
+        exact_variance = squares[c] / 12;
+      else if (of_zeros.runs > 0)
+        exact_variance = variance_of_parts(exact.outputs[f], c, Channels(nearest));
+      row.push_back(
+          signal_of(all.outputs[f], theory[f][static_cast<std::size_t>(c)], exact_variance, c, channels));
     }
   }
   return result;

@@ -1,11 +1,17 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/simulate/motion.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {
+
+/// Longest record along which the figures of a motion are computed [samples]: some seconds.
+inline constexpr std::uint64_t longest_record = 20'000'000;
 
 /// The samples of a motion that a filter of a given rate uses, read by encoders with effects but without the
 /// rounding to counts.
@@ -17,11 +23,11 @@ class UnroundedRecord {
   /// @param settling  initial part that does not count [s]
   UnroundedRecord(const Motion&, double rate, double settling);
 
-  /// Of the whole record, at the filter's rate.
-  std::uint64_t used() const { return (samples_ - 1) / every_ + 1; }
-  /// Used samples that count.
-  std::uint64_t counted() const { return used() - (settled_ + every_ - 1) / every_; }
-  bool counts(std::uint64_t sample) const { return sample >= settled_; }
+  std::uint64_t samples() const { return samples_; }                            ///< that are read
+  std::uint64_t filter_samples() const { return (samples_ - 1) / every_ + 1; }  ///< that the filter uses
+  /// Samples that the filter uses after the settling.
+  std::uint64_t samples_after_settling() const { return filter_samples() - (settled_ + every_ - 1) / every_; }
+  bool is_after_settling(std::uint64_t sample) const { return sample >= settled_; }
 
   /// Calls visit(batch, the used samples in it) for all batches in the order of time.
   template <class Visit>

@@ -196,7 +196,7 @@ STATEMENTS = {
         ),
         (
             r"mean is that of (\d+) to (\d+) equally spaced zeros, within (\S+) % of the limit",
-            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r", (\d+), (\d+)\);")
+            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r"zeros = (\d+), most_zeros = (\d+);")
             + (_percent(v.source("tests/simulate/quantization_along_motion_test.cpp", r"expected, 1, (\S+)\)")[0]),),
         ),
         (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),

@@ -88,7 +88,23 @@ std::vector<Case> cases() {
            [](double t) {
              return 0.02 + 0.1 * std::sin(2 * pi * 0.7 * t) + 0.05 * std::sin(2 * pi * 2.3 * t + 1);
            }},
-          {"creeping", {0.0003, 0.002, {}, {}}, 1, 0.1, [](double t) { return 0.0003 + 0.002 * t; }}};
+          {"creeping", {0.0003, 0.002, {}, {}}, 1, 0.1, [](double t) { return 0.0003 + 0.002 * t; }},
+          {"creeping over 1.4 counts",
+           {0.0003, 0.0014, {}, {}},
+           1,
+           0.1,
+           [](double t) { return 0.0003 + 0.0014 * t; }},
+          {"a tremor of 0.04 counts",
+           {0.1, 0, {{2e-5, 8, 0.3}}, {}},
+           1,
+           0.1,
+           [](double t) { return 0.1 + 2e-5 * std::sin(16 * pi * t + 0.3); }},
+          {"one move of 0.3 counts",
+           {0, 0, {}, {{3e-4, 1e-3, 0.01, 0, 0.1}, {0, 1e-3, 0.01, 0, 10}}},
+           0.5,
+           0,
+           [](double t) { return trapezoids(3e-4, 1e-3, 0.01, 0.1, std::min(t, 0.6)); }},
+          {"five samples", {0, 0.7, {}, {}}, 0.005, 0, [](double t) { return 0.7 * t; }}};
 }
 
 TEST(SigmaAlongMotion, IsThatOf10000SimulatedZeros) {
@@ -138,6 +154,44 @@ TEST(SigmaAlongMotion, IsZeroAtRestAndAtWholeCountsPerSample) {
   EXPECT_NEAR((*sigma)[1], 0, 1e-9);
 }
 
+/// Root mean square over 4096 zeros of the filtered D([x + u]) - u less its mean over u; `decode` is D.
+template <class Path, class Decode>
+double simulated_behind(Decode decode, const Filter& filter, double duration, Path x) {
+  constexpr Eigen::Index zeros = 4096;
+  testing::ReferenceFilter reference(filter, zeros);
+  const Eigen::ArrayXd zero = (Eigen::ArrayXd::LinSpaced(zeros, 0, zeros - 1) + 0.5) / zeros - 0.5;
+  const auto samples = static_cast<int>(std::floor(duration * filter.sample_rate + 0.5));
+  double sum = 0;
+  for (int n = 0; n < samples; ++n) {
+    Eigen::ArrayXd error = (zero + x(n / filter.sample_rate) + 0.5).floor().unaryExpr(decode) - zero;
+    error -= error.mean();
+    if (n == 0) reference.settle(error);
+    reference.step(error);
+    sum += error.square().sum();
+  }
+  return std::sqrt(sum / (static_cast<double>(zeros) * samples));
+}
+
+TEST(SigmaAlongMotion, BehindADecoderIsThatOfTheDecodedCounts) {
+  OperationalModel model = single();
+  ChainJoint joint;
+  joint.name = "j";
+  model.chain.joints.push_back(joint);
+  model.chain.independent.push_back({"j", JointType::revolute, {}, true});
+  const auto slow = [](double t) { return 0.3 + 13.3 * t; };
+  const Motion motion{1000, 2, {}, {{0.3e-3, 13.3e-3, {}, {}}}, {}};
+  for (const double factor : {4.0, 1.5, 0.5, 0.25, -1.0})
+    for (const Filter& filter : {cascade(1, 1), cascade(2, 3, 20)}) {
+      Effect effect;
+      effect.type = "decoding";
+      effect.joint = "j";
+      effect.numbers["factor"] = factor;
+      const auto sigma = sigma_along_motion(model, {effect}, motion, filter, 0);
+      const auto decode = [&](double count) { return std::floor(factor * count + 0.5); };
+      EXPECT_NEAR((*sigma)[0] / simulated_behind(decode, filter, 2, slow), 1, 0.002) << factor;
+    }
+}
+
 TEST(SigmaAlongMotion, OfALongSineIsThatOfItsSpectrum) {
   const Filter filter = cascade(1, 2);
   const Motion motion{1000, 40, {}, {{0, 0, {{0.0403, 3.13, 0}}, {}}}, {}};
@@ -150,11 +204,19 @@ TEST(SigmaAlongMotion, IsEmptyForARecordThatIsTooLong) {
   EXPECT_FALSE(sigma_along_motion(single(), {}, motion, cascade(1, 2), 0));
 }
 
-TEST(ZerosAlongMotion, AreFewerForLongRecordsAndAMultipleOfEight) {
-  EXPECT_EQ(zeros_along_motion(1), 256u);
-  EXPECT_EQ(zeros_along_motion(20000), 48u);
-  EXPECT_EQ(zeros_along_motion(100000000), 16u);
-  for (std::uint64_t n = 1; n < 300000; n += 997) EXPECT_EQ(zeros_along_motion(n) % 8, 0u);
+Travel moved(double from, double to, double length) { return {from, to, from, length}; }
+
+TEST(ZerosOfSimulation, AreMoreForMotionsThatPassFewCounts) {
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5)}), 16u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100)}), 81u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100), moved(0, 3, 3)}), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 0.5, 0.5)}), 256u);
+}
+
+TEST(ZerosOfSimulation, AreNoneIfAnEncoderThatMovesCrossesTooFewEdges) {
+  EXPECT_EQ(zeros_of_simulation({moved(0, 0.2, 0.2)}), 0u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.3, 50)}), 0u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.1, 0)}), 16u) << "an encoder at rest";
 }
 
 }  // namespace

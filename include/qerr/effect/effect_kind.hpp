@@ -42,6 +42,12 @@ struct Moment {
 /// one action per run, with the samples in order.
 using Action = std::function<double(double signal, const Moment&)>;
 
+/// Rounding error behind a decoder, where the mean over the encoder's zero is taken off [counts]: its
+/// standard deviation is factor / sqrt(12), its largest magnitude at most factor / 2 + excess.
+struct CountError {
+  double factor = 1, excess = 0;
+};
+
 struct RecordSignals;
 struct Term;
 
@@ -117,6 +123,8 @@ struct EffectKind {
   Need need = Need::nothing;
   /// Changes the encoder itself, before any action; null for most effects.
   void (*modify_encoder)(Encoder&) = nullptr;
+  /// What a decoder makes of the rounding error; null: nothing.
+  CountError (*count_error)(const Effect&) = nullptr;
   std::optional<EncoderNeed> encoder_need = {};
 
   // Diagnosis.

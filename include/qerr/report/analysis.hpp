@@ -15,12 +15,14 @@ namespace qerr {
 
 /// The result of `qerr analyze`: the bounds of a spec over its configurations.
 struct Analysis {
-  Spec spec;  ///< its model contains the error sources of the effects
+  Spec spec;  ///< its model contains the effects
   JointError joints;
   Workspace workspace;
   std::vector<Eigen::VectorXd> noise_in_motion;  ///< [filter][encoder], in quantization intervals
   std::vector<std::string> warnings;
   std::vector<EffectShare> effects = {};  ///< in the order of the spec
+  Eigen::VectorXd resolutions = {};       ///< of the encoders as in the spec; effects on a decoder multiply
+                                          ///< those in the model
 };
 
 /// Every bound of the spec over its configurations, with the effects of the spec.
@@ -59,9 +61,10 @@ struct ThresholdReport {
 /// @throws Error (input; key `filters`) if the spec has no derivative filter that states the sample rate
 ThresholdRow threshold_row(const Spec&, unsigned threads);
 
-/// For every filter the noise of each encoder along the spec's motion, in quantization intervals; empty
-/// without a motion, and for a filter whose memory is too long to compute it.
-std::vector<Eigen::VectorXd> noise_in_motion(const Spec&);
+/// For every filter the noise of each encoder along the spec's motion, in quantization intervals (behind its
+/// decoder, where an effect multiplies counts); empty without a motion, and for a filter whose memory is too
+/// long to compute it.
+std::vector<Eigen::VectorXd> noise_in_motion(const Spec&, unsigned threads = 0);
 
 /// Unit of the n-th derivative of a coordinate: `m`, `rad/s`, `m/s^2`, ...
 std::string derivative_unit(Coordinate, int derivative);

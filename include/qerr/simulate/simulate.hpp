@@ -34,7 +34,8 @@ struct SimulatedSignal {
   double sigma_ipqn_path = 0;  ///< root mean square along the path, with the variation of the mean
   /// Without the assumption IPQN: root of the mean over the position of the encoders' zeros, equally spaced
   /// in a count, and over the samples of the mean square of the linear error J e behind the filter, summed
-  /// over the encoders (quantization_along_motion.hpp states the number of zeros).
+  /// over the encoders (quantization_along_motion.hpp). NaN if an encoder moves by less than a quarter of a
+  /// count.
   double sigma_exact = 0;
   double worst_case = 0;  ///< bound (26) at the centre
   double worst_case_path =

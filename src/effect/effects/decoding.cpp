@@ -22,6 +22,14 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
                Spectrum::motion};
 }
 
+/// Of f [x + u] + r - x - u less its mean over u, |u| <= 1/2: (f - 1) u + f e, and the rounding r.
+CountError count_error(const Effect& e) {
+  const double f = e.number("factor");
+  const bool integer = f == std::floor(f);
+  const double factor = integer ? std::abs(f) : std::hypot(f, 1.0);
+  return {factor, 0.5 * (std::abs(f - 1) + std::abs(f) - factor) + (integer ? 0 : 1)};
+}
+
 }  // namespace
 
 EffectKind decoding_effect() {
@@ -41,6 +49,7 @@ EffectKind decoding_effect() {
           },
           .share = share,
           .need = Need::position,
+          .count_error = count_error,
           .remedy = {false, "set the decoding, or the counts per revolution, in the counter or in the spec"}};
 }
 

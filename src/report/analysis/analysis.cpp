@@ -61,6 +61,15 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
       warnings.push_back(
           "filter '" + spec.filters[f].name +
           "': the motion has too many samples at its rate for sigma in motion, only IPQN is given");
+  const bool dithered = std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+    const EffectKind& kind = effect_kind(e.type);
+    return kind.random() && kind.stage != Stage::log && kind.stage != Stage::reference && has_size(e);
+  });
+  if (spec.motion && dithered)
+    warnings.emplace_back(
+        "sigma in motion adds random effects to the quantization as if they were independent: with a noise "
+        "between "
+        "0.02 and 0.5 counts it may be wrong by a factor of two; `simulate` is not");
   warnings.push_back(
       "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   return warnings;
@@ -114,6 +123,16 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   return warnings;
 }
 
+void add_effects(const EffectReport& effects, Spec& spec) {
+  OperationalModel& model = spec.model;
+  model.sources = effects.sources;
+  model.along_motion = effects.along_motion;
+  if (!spec.motion) return;
+  const Eigen::VectorXd factors = count_factors(spec);
+  for (Eigen::Index i = 0; i < factors.size(); ++i)
+    model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
+}
+
 }  // namespace
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
@@ -124,10 +143,9 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
                  const std::function<void(const std::string&)>& csv) {
   EffectReport effects = effect_report(spec);
   Spec with_effects = spec;
-  with_effects.model.sources = effects.sources;
-  with_effects.model.along_motion = effects.along_motion;
+  add_effects(effects, with_effects);
   WorkspaceOptions with_rows = options;
-  with_rows.noise_in_motion = noise_in_motion(spec);
+  with_rows.noise_in_motion = noise_in_motion(spec, options.threads);
   csv(per_configuration_header(spec, with_rows.noise_in_motion));
   with_rows.text = [&](const ConfigurationBatch& batch) {
     return per_configuration_rows(with_effects, with_rows.noise_in_motion, batch);
@@ -138,31 +156,32 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
 
 Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
   WorkspaceOptions all = options;
-  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec);
+  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
   require_answers(spec, all.noise_in_motion);
   Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
-  a.spec.model.sources = std::move(effects.sources);
-  a.spec.model.along_motion = std::move(effects.along_motion);
+  a.resolutions = resolutions(spec.model.transmission);
+  add_effects(effects, a.spec);
   a.joints = joint_error(a.spec.model);
   a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   return a;
 }
 
-std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec) {
+std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads) {
   if (!spec.motion) return {};
   const std::vector<Filter> filters = designed_filters(spec);
   const double settling = settling_time(*spec.motion, filters);
-  std::vector<Effect> before_rounding;
+  std::vector<Effect> of_counts;
   for (const EffectShare& e : effects_by_range(spec).shares) {
     const EffectKind& kind = effect_kind(e.effect.type);
-    if (kind.stage < Stage::decoder && !kind.scattering && !(e.share && is_zero(*e.share)))
-      before_rounding.push_back(e.effect);
+    if (kind.stage <= Stage::decoder && !kind.scattering && !(e.share && is_zero(*e.share)))
+      of_counts.push_back(e.effect);
   }
+  const Eigen::VectorXd factors = count_factors(spec);
   std::vector<Eigen::VectorXd> noise(filters.size());
-  parallel_for(filters.size(), 0, [&](std::size_t f) {
-    noise[f] = sigma_along_motion(spec.model, before_rounding, *spec.motion, filters[f], settling)
-                   .value_or(Eigen::VectorXd());
+  parallel_for(filters.size(), threads, [&](std::size_t f) {
+    const auto sigma = sigma_along_motion(spec.model, of_counts, *spec.motion, filters[f], settling);
+    if (sigma) noise[f] = (factors.array() > 0).select(sigma->array() / factors.array(), *sigma);
   });
   return noise;
 }

@@ -66,6 +66,14 @@ std::string parameters_text(const Spec& spec, const Effect& effect) {
   return text;
 }
 
+/// What the rounding error behind a decoder may exceed that of quantization by.
+ErrorSource excess_of(const CountError& error, std::size_t encoder, const Spec& spec) {
+  return {.where = ErrorSource::Where::encoder,
+          .owner = encoder,
+          .half_width = error.excess * spec.model.transmission.encoders[encoder].resolution,
+          .sigma_ratios = std::vector<double>(spec.filters.size(), 0.0)};
+}
+
 /// The lines, each with its text at the end.
 std::string with_texts(const std::string& lines, const std::vector<std::string>& texts) {
   std::string out;
@@ -100,12 +108,23 @@ EffectReport effects_by_range(const Spec& spec) {
   return report;
 }
 
+Eigen::VectorXd count_factors(const Spec& spec) {
+  Eigen::VectorXd factors =
+      Eigen::VectorXd::Ones(static_cast<Eigen::Index>(spec.model.transmission.encoders.size()));
+  for (const Effect& e : spec.effects)
+    if (const auto count_error = effect_kind(e.type).count_error)
+      factors[static_cast<Eigen::Index>(independent_index(spec.model.chain, e.joint))] *=
+          count_error(e).factor;
+  return factors;
+}
+
 EffectReport effect_report(const Spec& spec) {
   EffectReport report = effects_by_range(spec);
   if (!spec.motion || spec.effects.empty()) return report;
   const std::vector<Filter> filters = designed_filters(spec);
   const double settling = settling_time(*spec.motion, filters);
   std::vector<Effect> signals;
+  std::vector<ErrorSource> excess;
   std::vector<EffectShare> others;
   for (EffectShare& s : report.shares) {
     const bool loaded = !needs_effort({s.effect}) || has_masses(spec.model.chain);
@@ -114,6 +133,8 @@ EffectReport effect_report(const Spec& spec) {
       continue;
     }
     signals.push_back(s.effect);
+    if (const auto count_error = effect_kind(s.effect.type).count_error)
+      excess.push_back(excess_of(count_error(s.effect), s.joint, spec));
     if (effect_kind(s.effect.type).stage == Stage::kinematics) continue;
     const SignalMoments alone = effect_along_motion(spec.model, s.effect, *spec.motion, settling);
     s.share->mean = alone.mean[0];
@@ -121,6 +142,7 @@ EffectReport effect_report(const Spec& spec) {
     s.share->sigma = std::sqrt(std::max(0.0, alone.covariance(0, 0)));
   }
   report.sources = error_sources(spec.model, others, filter_norms(spec));
+  report.sources.insert(report.sources.end(), excess.begin(), excess.end());
   if (!signals.empty())
     report.along_motion = effects_along_motion(spec.model, signals, *spec.motion, filters, settling);
   return report;

@@ -24,6 +24,9 @@ struct EffectReport {
 };
 EffectReport effect_report(const Spec&);
 
+/// [encoder]: factor by which the effects of the spec multiply its rounding error along a motion.
+Eigen::VectorXd count_factors(const Spec&);
+
 /// All effects as sources, by their ranges: for bounds that hold wherever the encoder's zero is.
 EffectReport effects_by_range(const Spec&);
 

@@ -87,7 +87,7 @@ Json joints(const Analysis& a) {
     const auto row = static_cast<Eigen::Index>(i);
     list.push_back({{"name", joint.name},
                     {"unit", joint.prismatic() ? "m" : "rad"},
-                    {"resolution", spec.model.transmission.encoders[i].resolution},
+                    {"resolution", a.resolutions[static_cast<Eigen::Index>(i)]},
                     {"worst_case", a.joints.worst_case[row]},
                     {"sigma", a.joints.sigma[row]},
                     {"mean", a.joints.mean[row]}});

@@ -37,7 +37,7 @@ std::string encoder_table(const Analysis& a, const Style& style) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
     const auto row = static_cast<Eigen::Index>(i);
-    rows.push_back({escaped(joint.name, 40), readable(a.spec.model.transmission.encoders[i].resolution, unit),
+    rows.push_back({escaped(joint.name, 40), readable(a.resolutions[static_cast<Eigen::Index>(i)], unit),
                     readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit),
                     percent(budget[i])});
   }

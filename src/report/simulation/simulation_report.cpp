@@ -46,14 +46,15 @@ namespace {
 /// The figures that are missing from the report, with the reason.
 std::vector<std::string> warnings_of(const SimulationReport& r) {
   std::vector<std::string> warnings;
-  for (std::size_t f = 0; f < r.spec.filters.size(); ++f) {
-    const auto& row = r.simulation.results[f + 1];
-    if (std::any_of(row.begin(), row.end(),
-                    [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); }))
-      warnings.push_back("filter '" + r.spec.filters[f].name +
-                         "' remembers too many samples for sigma at the speeds of the motion: only IPQN is "
-                         "given");
-  }
+  const bool without_exact = std::any_of(
+      r.simulation.results.begin(), r.simulation.results.end(), [](const std::vector<SimulatedSignal>& row) {
+        return std::any_of(row.begin(), row.end(),
+                           [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); });
+      });
+  if (without_exact)
+    warnings.emplace_back(
+        "sigma at the speeds of the motion is not given: an encoder moves by less than a quarter of a count; "
+        "`analyze` has it, as sigma in motion");
   const auto& positions = r.simulation.results[0];
   if (std::any_of(positions.begin(), positions.end(), [](const SimulatedSignal& s) {
         return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);
