@@ -160,13 +160,14 @@ std::vector<Travel> travels(const OperationalModel& model, const std::vector<Eff
   return all;
 }
 
-std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels) {
-  constexpr double least = 16, most = 256, least_crossing = 64, all_crossings = 8192;
+std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels, std::uint64_t samples) {
+  constexpr double least = 16, least_crossing = 64, most_simulated = 0x1p24;
+  const double most = std::clamp(most_simulated / static_cast<double>(samples), least, 256.0);
   double wanted = least;
   for (const Travel& t : travels) {
     if (t.range() == 0) continue;
     if (t.range() * most < least_crossing) return 0;
-    wanted = std::max(wanted, all_crossings * std::min(t.range(), 1.0) / t.length);
+    wanted = std::max(wanted, enough_crossings * std::min(t.range(), 1.0) / t.length);
   }
   return static_cast<std::uint64_t>(std::min(wanted, most));
 }

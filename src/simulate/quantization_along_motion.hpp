@@ -24,9 +24,10 @@ std::vector<Travel> travels(const OperationalModel&, const std::vector<Effect>& 
                             const UnroundedRecord&);
 
 /// Runs over which the sigma_exact of a simulation is the mean, with the encoders' zeros equally spaced over
-/// a count: 16 to 256, more for motions that pass few counts.
-/// @returns 0 if an encoder that moves crosses an edge in less than 64 of 256 runs: too few for a mean
-std::uint64_t zeros_of_simulation(const std::vector<Travel>&);
+/// a count: 16 to 256, more for motions that pass few counts, fewer for long ones.
+/// @param samples  of the motion
+/// @returns 0 if an encoder that moves crosses an edge in less than 64 runs: too few for a mean
+std::uint64_t zeros_of_simulation(const std::vector<Travel>&, std::uint64_t samples);
 
 /// sigma of the filtered quantization error of each encoder along a motion, in quantization intervals:
 ///

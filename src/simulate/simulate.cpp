@@ -128,7 +128,8 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   of_zeros.runs =
       filters.empty()
           ? 0
-          : zeros_of_simulation(travels(nearest, none, UnroundedRecord(motion, motion.sample_rate, 0)));
+          : zeros_of_simulation(travels(nearest, none, UnroundedRecord(motion, motion.sample_rate, 0)),
+                                job.samples);
   of_zeros.visit = {};
   const Job zeros{.model = nearest,
                   .filters = filters,

@@ -107,7 +107,8 @@ Plain plainly(const Case& c) {
   if (c.filters.empty()) return all;
   std::vector<Eigen::VectorXd> zeros;
   const double count = static_cast<double>(
-      zeros_of_simulation(travels(c.model, {}, UnroundedRecord(c.motion, c.motion.sample_rate, 0))));
+      zeros_of_simulation(travels(c.model, {}, UnroundedRecord(c.motion, c.motion.sample_rate, 0)),
+                          static_cast<std::uint64_t>(c.motion.duration * c.motion.sample_rate)));
   for (double k = 0; k < count; ++k)
     zeros.push_back(resolutions(c.model.transmission) * ((k + 0.5) / count - 0.5));
   all.of_zeros = simulate_at(zeros);

@@ -207,16 +207,17 @@ TEST(SigmaAlongMotion, IsEmptyForARecordThatIsTooLong) {
 Travel moved(double from, double to, double length) { return {from, to, from, length}; }
 
 TEST(ZerosOfSimulation, AreMoreForMotionsThatPassFewCounts) {
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5)}), 16u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100)}), 81u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100), moved(0, 3, 3)}), 256u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 0.5, 0.5)}), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5)}, 1000), 16u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000)}, 1000), 131u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000), moved(0, 3, 3)}, 1000), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 0.5, 0.5)}, 1000), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100)}, 1 << 24), 16u) << "a long motion";
 }
 
 TEST(ZerosOfSimulation, AreNoneIfAnEncoderThatMovesCrossesTooFewEdges) {
-  EXPECT_EQ(zeros_of_simulation({moved(0, 0.2, 0.2)}), 0u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.3, 50)}), 0u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.1, 0)}), 16u) << "an encoder at rest";
+  EXPECT_EQ(zeros_of_simulation({moved(0, 0.2, 0.2)}, 1000), 0u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.3, 50)}, 1000), 0u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.1, 0)}, 1000), 16u) << "an encoder at rest";
 }
 
 }  // namespace

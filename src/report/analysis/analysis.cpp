@@ -50,11 +50,14 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
   const bool without_sigma = std::any_of(w.derivatives.begin(), w.derivatives.end(),
                                          [](const auto& row) { return !row.empty() && !row[0].sigma; });
   if (without_sigma)
-    warnings.push_back(spec.motion
+    warnings.push_back(!spec.motion
+                           ? "sigma behind a filter is not given: what the effects add to it depends "
+                             "on the motion; add `motion:`"
+                       : effects_follow_motion(spec)
                            ? "sigma behind a filter is not given: the load of an effect along `motion:` is "
                              "not known; give the URDF's links their masses"
-                           : "sigma behind a filter is not given: what the effects add to it depends on the "
-                             "motion; add `motion:`");
+                           : "sigma behind a filter is not given: `motion:` has too many samples for what "
+                             "the effects add to it; shorten it");
   if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
   for (std::size_t f = 0; f < known.size(); ++f)
     if (!is_known(known, f))
@@ -68,8 +71,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
   if (spec.motion && dithered)
     warnings.emplace_back(
         "sigma in motion adds random effects to the quantization as if they were independent: with a noise "
-        "between "
-        "0.02 and 0.5 counts it may be wrong by a factor of two; `simulate` is not");
+        "between 0.02 and 0.5 counts it may be wrong by a factor of two; `simulate` is not");
   warnings.push_back(
       "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   return warnings;
@@ -93,7 +95,7 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
   std::vector<std::string> warnings;
   warnings.emplace_back(!any ? "quantization only: backlash, calibration, compliance and noise are not in "
                                "these figures"
-                        : spec.motion
+                        : effects_follow_motion(spec)
                             ? "quantization and the effects of the spec: nothing else is in these figures; "
                               "effects add to every configuration what they add along `motion:`"
                             : "quantization and the effects of the spec: nothing else is in these "
@@ -127,7 +129,6 @@ void add_effects(const EffectReport& effects, Spec& spec) {
   OperationalModel& model = spec.model;
   model.sources = effects.sources;
   model.along_motion = effects.along_motion;
-  if (!spec.motion) return;
   const Eigen::VectorXd factors = count_factors(spec);
   for (Eigen::Index i = 0; i < factors.size(); ++i)
     model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];

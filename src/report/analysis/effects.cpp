@@ -108,9 +108,20 @@ EffectReport effects_by_range(const Spec& spec) {
   return report;
 }
 
+bool effects_follow_motion(const Spec& spec) {
+  if (!spec.motion || spec.effects.empty()) return false;
+  const std::vector<Filter> filters = designed_filters(spec);
+  return std::all_of(filters.begin(), filters.end(),
+                     [&](const Filter& f) {
+                       return UnroundedRecord(*spec.motion, f.sample_rate, 0).samples() <= longest_record;
+                     }) &&
+         spec.motion->duration * spec.motion->sample_rate <= static_cast<double>(longest_record);
+}
+
 Eigen::VectorXd count_factors(const Spec& spec) {
   Eigen::VectorXd factors =
       Eigen::VectorXd::Ones(static_cast<Eigen::Index>(spec.model.transmission.encoders.size()));
+  if (!effects_follow_motion(spec)) return factors;
   for (const Effect& e : spec.effects)
     if (const auto count_error = effect_kind(e.type).count_error)
       factors[static_cast<Eigen::Index>(independent_index(spec.model.chain, e.joint))] *=
@@ -120,7 +131,7 @@ Eigen::VectorXd count_factors(const Spec& spec) {
 
 EffectReport effect_report(const Spec& spec) {
   EffectReport report = effects_by_range(spec);
-  if (!spec.motion || spec.effects.empty()) return report;
+  if (!effects_follow_motion(spec)) return report;
   const std::vector<Filter> filters = designed_filters(spec);
   const double settling = settling_time(*spec.motion, filters);
   std::vector<Effect> signals;

@@ -24,6 +24,9 @@ struct EffectReport {
 };
 EffectReport effect_report(const Spec&);
 
+/// Whether effects are signals along the spec's motion; not if its record is longer than `longest_record`.
+bool effects_follow_motion(const Spec&);
+
 /// [encoder]: factor by which the effects of the spec multiply its rounding error along a motion.
 Eigen::VectorXd count_factors(const Spec&);
 
