@@ -16,6 +16,10 @@ namespace {
 constexpr double enough_crossings = 131072;
 constexpr double fewest_zeros = 32, most_zeros = 4096;
 
+/// Zeros that a record of so many samples affords: at a whole number of counts per sample, or simple
+/// fractions, a record of any length shows few positions within a count.
+double affordable_zeros(double samples) { return std::min(0x1p21 / samples, 256.0); }
+
 /// Positions of the zero over a count, with their weights in the mean.
 ///
 /// They are equally spaced over those at which the record crosses an edge. At all others the error is a
@@ -28,7 +32,8 @@ struct Zeros {
     constexpr double most_evaluated = 0x1p27;
     const double most = std::clamp(most_evaluated / samples, fewest_zeros, most_zeros);
     const double crossed = decoded ? 1 : std::min(t.range(), 1.0), from = 0.5 - t.upper;
-    const double wanted = std::clamp(enough_crossings * crossed / t.length, fewest_zeros, most);
+    const double wanted = std::clamp(
+        std::max(enough_crossings * crossed / t.length, affordable_zeros(samples)), fewest_zeros, most);
     const auto count = static_cast<std::size_t>(wanted / 8) * 8;  // whole vectors
     const std::size_t equal = crossed < 1 ? count - 2 : count;
     const double step = crossed / static_cast<double>(equal);
@@ -163,7 +168,7 @@ std::vector<Travel> travels(const OperationalModel& model, const std::vector<Eff
 std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels, std::uint64_t samples) {
   constexpr double least = 16, least_crossing = 64, most_simulated = 0x1p24;
   const double most = std::clamp(most_simulated / static_cast<double>(samples), least, 256.0);
-  double wanted = least;
+  double wanted = std::max(least, affordable_zeros(static_cast<double>(samples)));
   for (const Travel& t : travels) {
     if (t.range() == 0) continue;
     if (t.range() * most < least_crossing) return 0;

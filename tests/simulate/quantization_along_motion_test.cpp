@@ -104,6 +104,8 @@ std::vector<Case> cases() {
            0.5,
            0,
            [](double t) { return trapezoids(3e-4, 1e-3, 0.01, 0.1, std::min(t, 0.6)); }},
+          {"2.25 counts a sample", {0, 2.25, {}, {}}, 1, 0.1, [](double t) { return 2.25 * t; }},
+          {"a third of a count a sample", {0, 1 / 3.0, {}, {}}, 1, 0, [](double t) { return t / 3; }},
           {"five samples", {0, 0.7, {}, {}}, 0.005, 0, [](double t) { return 0.7 * t; }}};
 }
 
@@ -207,17 +209,18 @@ TEST(SigmaAlongMotion, IsEmptyForARecordThatIsTooLong) {
 Travel moved(double from, double to, double length) { return {from, to, from, length}; }
 
 TEST(ZerosOfSimulation, AreMoreForMotionsThatPassFewCounts) {
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5)}, 1000), 16u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000)}, 1000), 131u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000), moved(0, 3, 3)}, 1000), 256u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 0.5, 0.5)}, 1000), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5)}, 100000), 20u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000)}, 50000), 131u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1000, 1000), moved(0, 3, 3)}, 50000), 256u);
+  EXPECT_EQ(zeros_of_simulation({moved(0, 0.5, 0.5)}, 50000), 256u);
   EXPECT_EQ(zeros_of_simulation({moved(0, 100, 100)}, 1 << 24), 16u) << "a long motion";
 }
 
 TEST(ZerosOfSimulation, AreNoneIfAnEncoderThatMovesCrossesTooFewEdges) {
   EXPECT_EQ(zeros_of_simulation({moved(0, 0.2, 0.2)}, 1000), 0u);
   EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.3, 50)}, 1000), 0u);
-  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.1, 0)}, 1000), 16u) << "an encoder at rest";
+  EXPECT_EQ(zeros_of_simulation({moved(0, 1e5, 1e5), moved(3.1, 3.1, 0)}, 100000), 20u)
+      << "an encoder at rest";
 }
 
 }  // namespace
