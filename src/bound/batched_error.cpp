@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "bound/error_plan.hpp"
+#include "bound/length_errors.hpp"
 #include "lanes/aligned.hpp"
 
 namespace qerr {
@@ -12,7 +13,9 @@ namespace qerr {
 struct BatchedError::Plan {
   PlannedError error;
   const BoundKernels& kernels;
-  std::optional<ErrorAlongMotion> along_motion;
+  OperationalModel model;
+  ErrorFigures requested;
+  InstructionSet set;
 };
 
 namespace {
@@ -24,7 +27,7 @@ class AlongMotion {
 
   void add(const ErrorAlongMotion& error, const ErrorPlan& plan) {
     const std::size_t m = layout_.coordinates;
-    for (std::size_t c = 0; c < m; ++c) {
+    for (std::size_t c = 0; c < plan.coordinates; ++c) {
       const auto row = static_cast<Eigen::Index>(c);
       widen(layout_.worst_case + c, error.tip.peak[row]);
       if (plan.rigorous) widen(layout_.rigorous + c, error.tip.peak[row]);
@@ -58,19 +61,21 @@ class AlongMotion {
 
 struct BatchedError::Work {
   AlignedNumbers scratch, sums;
+  std::optional<LengthErrors> lengths;
+
+  explicit Work(const Plan& p)
+      : scratch(p.kernels.scratch(p.error.plan())), sums(p.error.plan().sums.count * p.kernels.lanes) {
+    const FigureLayout& layout = p.error.plan().figures;
+    if (layout.coordinates > p.error.plan().coordinates) lengths.emplace(p.model, p.requested, layout, p.set);
+  }
 };
 
 BatchedError::BatchedError(const OperationalModel& model, const ErrorFigures& requested, InstructionSet set)
-    : plan_(new Plan{{model, requested}, select_kernels<BoundKernels>(set), model.along_motion}) {
-  const ErrorPlan& plan = plan_->error.plan();
-  work_ = std::make_unique<Work>(Work{AlignedNumbers(plan_->kernels.scratch(plan)),
-                                      AlignedNumbers(plan.sums.count * plan_->kernels.lanes)});
-}
+    : plan_(new Plan{{model, requested}, select_kernels<BoundKernels>(set), model, requested, set}),
+      work_(std::make_unique<Work>(*plan_)) {}
 
 BatchedError::BatchedError(const BatchedError& other)
-    : plan_(other.plan_),
-      work_(std::make_unique<Work>(
-          Work{AlignedNumbers(other.work_->scratch.size()), AlignedNumbers(other.work_->sums.size())})) {}
+    : plan_(other.plan_), work_(std::make_unique<Work>(*plan_)) {}
 
 BatchedError::~BatchedError() = default;
 
@@ -81,8 +86,9 @@ bool BatchedError::own_sigma() const { return plan_->error.plan().filtered_sigma
 
 void BatchedError::operator()(const double* q, double* figures) {
   plan_->kernels.errors(plan_->error.plan(), q, figures, work_->sums.data(), work_->scratch.data());
-  if (plan_->along_motion)
-    AlongMotion(this->figures(), figures).add(*plan_->along_motion, plan_->error.plan());
+  if (plan_->model.along_motion)
+    AlongMotion(this->figures(), figures).add(*plan_->model.along_motion, plan_->error.plan());
+  if (work_->lengths) (*work_->lengths)(q, figures);
 }
 
 std::vector<double> BatchedError::take_sums() {

@@ -25,7 +25,8 @@ bool are_leading(const std::vector<Coordinate>& coordinates) {
 }  // namespace
 
 PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& requested)
-    : chain_(fold(model.chain, any_of_kind(model.coordinates, is_euler_angle))) {
+    : chain_(fold(model.chain,
+                  any_of_kind(model.coordinates, is_euler_angle) || model.frame == CoordinateFrame::tip)) {
   for (const FoldedJoint& joint : chain_.joints) column_scale_.push_back(joint.sign);
   set_coordinates(model);
   add_encoders(model);
@@ -47,14 +48,15 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& re
   plan_.moving_parts = parts_.size() - (tip_on_axis ? 1 : 0);
   plan_.arm = arm_.data();
   set_filters(model, requested);
-  set_layout(requested);
+  set_layout(requested, requested.covariance ? 0 : model.lengths.size());
 }
 
 void PlannedError::set_coordinates(const OperationalModel& model) {
   for (const Coordinate c : model.coordinates) coordinate_.push_back(static_cast<int>(c));
   plan_.coordinates = coordinate_.size();
   plan_.coordinate = coordinate_.data();
-  plan_.positions_first = are_leading(model.coordinates);
+  plan_.tip_frame = model.frame == CoordinateFrame::tip;
+  plan_.positions_first = are_leading(model.coordinates) && !plan_.tip_frame;
   plan_.any_euler = any_of_kind(model.coordinates, is_euler_angle);
   plan_.any_position = any_of_kind(model.coordinates, is_position);
 }
@@ -182,25 +184,25 @@ void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures
   plan_.motion_squares = motion_squares_.data();
 }
 
-void PlannedError::set_layout(const ErrorFigures& requested) {
+void PlannedError::set_layout(const ErrorFigures& requested, std::size_t lengths) {
   plan_.keep_covariance = requested.covariance;
   plan_.shares = requested.shares;
   plan_.rigorous = requested.rigorous;
   plan_.keep_columns = requested.shares || requested.rigorous || plan_.filters > 0;
-  const std::size_t m = plan_.coordinates, entries = m * (m + 1) / 2, f = plan_.filters;
+  const std::size_t m = plan_.coordinates, all = m + lengths, entries = m * (m + 1) / 2, f = plan_.filters;
   const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
     const std::size_t first = total;
     if (wanted) total += count;
     return first;
   };
   FigureLayout& figures = plan_.figures;
-  figures.coordinates = m;
-  figures.worst_case = place(figures.count, true, m);
-  figures.sigma = place(figures.count, !requested.covariance, m);
-  figures.rigorous = place(figures.count, requested.rigorous, m);
-  figures.filtered_worst = place(figures.count, plan_.filtered_worst, f * m);
-  figures.filtered_sigma = place(figures.count, plan_.filtered_sigma, f * m);
-  figures.in_motion = place(figures.count, !requested.noise_in_motion.empty(), f * m);
+  figures.coordinates = all;
+  figures.worst_case = place(figures.count, true, all);
+  figures.sigma = place(figures.count, !requested.covariance, all);
+  figures.rigorous = place(figures.count, requested.rigorous, all);
+  figures.filtered_worst = place(figures.count, plan_.filtered_worst, f * all);
+  figures.filtered_sigma = place(figures.count, plan_.filtered_sigma, f * all);
+  figures.in_motion = place(figures.count, !requested.noise_in_motion.empty(), f * all);
   figures.trace = place(figures.count, requested.shares, 1);
   figures.covariance = place(figures.count, requested.covariance, entries);
   SumLayout& sums = plan_.sums;

@@ -46,7 +46,7 @@ struct ErrorPlan {
   const ErrorPart* part;
   const int* coordinate;  ///< values of qerr::Coordinate
   bool positions_first;   ///< the coordinates are x y z or x y z rx ry rz
-  bool any_euler, any_position;
+  bool any_euler, any_position, tip_frame;
   bool keep_covariance;  ///< covariances are figures of every configuration
   bool shares, rigorous;
   bool keep_columns;  ///< linear columns are needed after they have been summed

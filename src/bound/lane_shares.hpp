@@ -63,7 +63,8 @@ void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors
   for (std::size_t f = 0; f < plan.filters; ++f) {
     for (std::size_t c = 0; c < m; ++c) {
       const auto store_figure = [&](std::size_t figure, const L& value) {
-        store(figures + (figure + f * m + c) * batch_size, bounded(plan.coordinate[c], unbounded, value));
+        store(figures + (figure + f * plan.figures.coordinates + c) * batch_size,
+              bounded(plan.coordinate[c], unbounded, value));
       };
       const auto spread_behind = [&](const double* squares) {
         L sum{};

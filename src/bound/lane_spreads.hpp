@@ -2,7 +2,7 @@
 
 #include "bound/kernels.hpp"
 #include "kinematics/euler_rates.hpp"
-#include "kinematics/walk.hpp"
+#include "kinematics/tip_axes.hpp"
 #include "lanes/batch.hpp"
 
 namespace qerr::lanes {
@@ -61,17 +61,20 @@ template <class L>
 /// @returns lanes in which roll and yaw are unbounded
 template <class L>
 Bits<L> gather(const ErrorPlan& plan, const Scratch<L>& scratch, const Frame<L>& tip, double* sums) {
-  const double* const t = plan.chain.tip_axes;
-  L x[3];
-#pragma GCC unroll 3
-  for (int i = 0; i < 3; ++i) x[i] = fma(t[0], tip.x[i], fma(t[1], tip.y[i], t[2] * tip.z[i]));
-  const EulerRates<L> euler = euler_rates(x);
+  const Axes<L> axes = axes_of(tip, plan.chain.tip_axes);
+  const EulerRates<L> euler = euler_rates(axes.x);
   for (std::size_t p = 0; p < plan.parts; ++p) {
     L u[6] = {};
     spread_of(plan.part[p], scratch, u);
     L* const spread = scratch.spreads + most_coordinates * p;
     for (std::size_t c = 0; c < plan.coordinates; ++c)
-      spread[c] = plan.coordinate[c] < 6 ? u[plan.coordinate[c]] : euler.along(plan.coordinate[c] - 6, u + 3);
+      if (plan.coordinate[c] >= 6) spread[c] = euler.along(plan.coordinate[c] - 6, u + 3);
+    if (plan.tip_frame) {
+      axes.resolve(u);
+      axes.resolve(u + 3);
+    }
+    for (std::size_t c = 0; c < plan.coordinates; ++c)
+      if (plan.coordinate[c] < 6) spread[c] = u[plan.coordinate[c]];
   }
   if (!plan.any_euler) return Bits<L>{};
   double* const pitch = sums + plan.sums.pitch * lane_count<L>;

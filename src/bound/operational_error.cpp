@@ -31,11 +31,13 @@ Eigen::Matrix3d parent_axes(const Chain& chain, const Eigen::VectorXd& q, std::s
 
 /// Derivative of the coordinates with respect to a source.
 Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, const Eigen::VectorXd& q,
-                          const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows) {
+                          const Eigen::Matrix3d& tip_rotation, const Eigen::MatrixXd& joint_rows,
+                          const Eigen::MatrixXd& encoder_rows) {
   const auto i = static_cast<Eigen::Index>(s.owner);
   if (s.where == ErrorSource::Where::joint) return joint_rows.col(i);
   if (s.where == ErrorSource::Where::encoder) return encoder_rows.col(i);
-  const Eigen::Vector3d shift = parent_axes(model.chain, q, s.link) * s.direction;
+  Eigen::Vector3d shift = parent_axes(model.chain, q, s.link) * s.direction;
+  if (model.frame == CoordinateFrame::tip) shift = tip_rotation.transpose() * shift;
   Eigen::VectorXd column = Eigen::VectorXd::Zero(joint_rows.rows());
   for (Eigen::Index c = 0; c < column.size(); ++c) {
     const Coordinate coordinate = model.coordinates[static_cast<std::size_t>(c)];
@@ -44,13 +46,14 @@ Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, c
   return column;
 }
 
-void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::MatrixXd& joint_rows,
-                 const Eigen::MatrixXd& encoder_rows, OperationalError& e) {
+void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::Matrix3d& tip_rotation,
+                 const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows,
+                 OperationalError& e) {
   e.added_sigma.resize(joint_rows.rows(), static_cast<Eigen::Index>(model.sources.size()));
   e.added_worst.resizeLike(e.added_sigma);
   for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
     const ErrorSource& s = model.sources[static_cast<std::size_t>(i)];
-    const Eigen::VectorXd column = column_of(s, model, q, joint_rows, encoder_rows);
+    const Eigen::VectorXd column = column_of(s, model, q, tip_rotation, joint_rows, encoder_rows);
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
     e.added_sigma.col(i) = column * s.sigma;
@@ -60,6 +63,12 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
 
 }  // namespace
 
+std::vector<Coordinate> coordinates_and_lengths(const OperationalModel& model) {
+  std::vector<Coordinate> all = model.coordinates;
+  all.insert(all.end(), model.lengths.begin(), model.lengths.end());
+  return all;
+}
+
 JointError joint_error(const OperationalModel& model) {
   return joint_error(model.transmission, model.sources,
                      model.along_motion ? &model.along_motion->joints : nullptr);
@@ -68,7 +77,7 @@ JointError joint_error(const OperationalModel& model) {
 OperationalError operational_error(const OperationalModel& model, const Eigen::VectorXd& q) {
   Eigen::Isometry3d pose;
   const Jacobian joints = joint_jacobian(model.chain, q, &pose);
-  Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, pose.linear());
+  Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, pose.linear(), model.frame);
   // At the gimbal lock roll and yaw are unbounded; infinity is assigned last because its products could be
   // NaN.
   const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
@@ -84,7 +93,7 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
   e.half_width = 0.5 * e.weighted.cwiseAbs().rowwise().sum();
   e.sigma = e.weighted.rowwise().norm() / std::sqrt(12.0);
   if (!model.sources.empty()) {
-    add_sources(model, q, joint_rows, encoder_rows, e);
+    add_sources(model, q, pose.linear(), joint_rows, encoder_rows, e);
     e.sigma = (e.sigma.array().square() + e.added_sigma.rowwise().squaredNorm().array()).sqrt();
   }
   e.worst_case = e.half_width + e.mean.cwiseAbs();

@@ -57,7 +57,7 @@ class Summary {
     Workspace w;
     w.count = job_.total();
     w.exact_percentiles = job_.exact();
-    for (std::size_t c = 0; c < m_; ++c) w.coordinates.push_back(coordinate(c));
+    for (std::size_t c = 0; c < figures_.coordinates; ++c) w.coordinates.push_back(coordinate(c));
     for (std::size_t f = 0; f < filters_.size(); ++f) w.derivatives.push_back(derivatives(f, w));
     w.mean_covariance = covariance(sums_.covariance);
     if (!options_.brief) add_details(w);
@@ -76,6 +76,7 @@ class Summary {
     CoordinateStatistics s{statistic(figures_.worst_case + c), {}, statistic(figures_.sigma + c), {}, {}};
     if (options_.brief) return s;
     s.worst_case_rigorous = statistic(figures_.rigorous + c);
+    if (c >= m_) return s;  // a length
     s.share = above(1e-24, matrix(sums_.share).row(static_cast<Eigen::Index>(c)));
     s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(static_cast<Eigen::Index>(c)));
     return s;
@@ -88,8 +89,8 @@ class Summary {
 
   std::vector<DerivativeStatistics> derivatives(std::size_t f, const Workspace& w) const {
     std::vector<DerivativeStatistics> all;
-    for (std::size_t c = 0; c < m_; ++c) {
-      const std::size_t figure = f * m_ + c;
+    for (std::size_t c = 0; c < figures_.coordinates; ++c) {
+      const std::size_t figure = f * figures_.coordinates + c;
       all.push_back({job_.errors().own_worst_case()
                          ? statistic(figures_.filtered_worst + figure)
                          : scaled(w.coordinates[c].worst_case, filters_[f].l1.upper),

@@ -28,6 +28,8 @@ bool off_chain(const RobotModel&, const Chain&, const std::string& name);
 
 void read_encoders(const Field&, const RobotModel&, Spec&, Faults&);
 void read_coupling(const Field&, Spec&);
+/// The pose of the tool in the tip link.
+Eigen::Isometry3d read_tool(const Field&);
 void read_coordinates(const Field&, Spec&);
 void read_filters(const Field&, Spec&, Faults&);
 /// @param field  its node is null if the section is absent; the defaults are then checked

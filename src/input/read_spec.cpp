@@ -38,6 +38,9 @@ class SpecReader {
     section(top, "coupling", [&](const Field& f) { read_coupling(f, spec_); });
     spec_.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
     section(top, "coordinates", [&](const Field& f) { read_coordinates(f, spec_); });
+    faults_.guard([&] {
+      if (top.choice("frame") == "tip") spec_.model.frame = CoordinateFrame::tip;
+    });
     section(top, "filters", [&](const Field& f) { read_filters(f, spec_, faults_); });
     faults_.guard([&] { read_configurations(top.at("configurations"), folder_, robot_, spec_, faults_); });
     section(top, "threshold", [&](const Field& f) { read_threshold(f, spec_); });
@@ -93,6 +96,8 @@ class SpecReader {
       } catch (const Error& e) {
         throw placed(e, f);
       }
+      if (o.has("tool"))
+        spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_tool(o.at("tool"));
       warn_about_units(spec_.model.chain, spec_.warnings);
     });
   }

@@ -28,6 +28,20 @@ Enum pick(const Field& f, const std::string& word, const std::string& what,
   throw Error(f.fault("no such " + what + " '" + word + "'", did_you_mean(word, names)));
 }
 
+bool contains(const std::vector<Coordinate>& list, Coordinate c) {
+  return std::find(list.begin(), list.end(), c) != list.end();
+}
+
+/// Adds a length, and those of its components that are missing.
+void add_length(Coordinate length, OperationalModel& model) {
+  if (contains(model.lengths, length)) return;
+  for (int k = 0; k < 3; ++k) {
+    const auto component = static_cast<Coordinate>(static_cast<int>(first_component(length)) + k);
+    if (!contains(model.coordinates, component)) model.coordinates.push_back(component);
+  }
+  model.lengths.push_back(length);
+}
+
 /// Splits SIGNAL.COORDINATE.BOUND at its last two dots, as a filter's name may contain dots.
 void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
   const std::size_t second = r.quantity.rfind('.');
@@ -40,7 +54,7 @@ void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
   for (std::size_t i = 0; i < spec.filters.size(); ++i)
     signals.emplace_back(spec.filters[i].name, static_cast<std::ptrdiff_t>(i));
   std::vector<std::pair<std::string, std::size_t>> coordinates;
-  for (const std::string& name : coordinate_names(spec.model.coordinates))
+  for (const std::string& name : coordinate_names(coordinates_and_lengths(spec.model)))
     coordinates.emplace_back(name, coordinates.size());
   using Bound = Requirement::Bound;
   std::vector<std::pair<std::string, Bound>> bounds{{"worst_case", Bound::worst_case},
@@ -57,7 +71,7 @@ void read_quantity(const Field& f, const Spec& spec, Requirement& r) {
 }
 
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
-  const bool length = info(spec.model.coordinates[r.coordinate]).unit == "m";
+  const bool length = info(coordinates_and_lengths(spec.model)[r.coordinate]).unit == "m";
   Dimension d = length ? dimension::length : dimension::angle;
   if (r.filter >= 0) d.second = -spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
   return d;
@@ -68,18 +82,21 @@ Dimension dimension_of(const Requirement& r, const Spec& spec) {
 void read_coordinates(const Field& f, Spec& spec) {
   std::vector<std::string> all;
   for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
-  std::vector<Coordinate>& chosen = spec.model.coordinates;
-  chosen.clear();
+  std::vector<Coordinate> named;
   for (const Field& item : read_list(f)) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
     if (!coordinate) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
-    if (std::find(chosen.begin(), chosen.end(), *coordinate) != chosen.end())
-      throw Error(item.fault("duplicate coordinate", "keep one of them"));
-    chosen.push_back(*coordinate);
+    if (contains(named, *coordinate)) throw Error(item.fault("duplicate coordinate", "keep one of them"));
+    named.push_back(*coordinate);
   }
-  if (chosen.empty())
+  if (named.empty())
     throw Error(f.fault("the list of coordinates is empty", "write [x, y, z], or leave the key out"));
+  spec.model.coordinates.clear();
+  for (const Coordinate c : named)
+    if (!is_length(c)) spec.model.coordinates.push_back(c);
+  for (const Coordinate c : named)
+    if (is_length(c)) add_length(c, spec.model);
 }
 
 void read_requirements(const Field& f, Spec& spec, Faults& faults) {

@@ -39,7 +39,13 @@ const std::vector<Parameter>& top() {
       {.name = "coupling",
        .kind = Kind::any,
        .meaning = "joint angles = coupling * (encoder angles / gear ratio), rows of numbers in chain order"},
-      {.name = "coordinates", .kind = Kind::any, .meaning = "of the tip: x y z rx ry rz roll pitch yaw"},
+      {.name = "coordinates",
+       .kind = Kind::any,
+       .meaning = "of the tip: x y z rx ry rz roll pitch yaw, and the lengths xyz and rxyz"},
+      {.name = "frame",
+       .kind = Kind::choice,
+       .meaning = "in whose axes x y z rx ry rz are",
+       .choices = "base|tip"},
       {.name = "filters", .kind = Kind::map, .meaning = "derivative filters by name"},
       {.name = "configurations",
        .kind = Kind::object,
@@ -63,6 +69,21 @@ const std::vector<Parameter>& robot() {
        .required = true},
       {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
       {.name = "tip", .kind = Kind::text, .meaning = "tip link; optional if the tree has one leaf"},
+      {.name = "tool", .kind = Kind::object, .meaning = "moves the tip: its pose in the tip link"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& tool() {
+  static const std::vector<Parameter> rows{
+      {.name = "xyz",
+       .kind = Kind::numbers,
+       .dimension = dimension::length,
+       .meaning = "of the tool's point, such as [0, 0, 120 mm]; default: 0"},
+      {.name = "rpy",
+       .kind = Kind::numbers,
+       .dimension = dimension::angle,
+       .meaning = "roll, pitch and yaw of its axes, as in a URDF; default: 0"},
   };
   return rows;
 }

@@ -7,16 +7,18 @@ namespace qerr {
 
 const std::vector<CoordinateInfo>& coordinate_list() {
   static const std::vector<CoordinateInfo> list{
-      {Coordinate::x, "x", "m", "position of the tip along x of the base frame"},
-      {Coordinate::y, "y", "m", "position of the tip along y of the base frame"},
-      {Coordinate::z, "z", "m", "position of the tip along z of the base frame"},
-      {Coordinate::rx, "rx", "rad", "small rotation of the tip about x of the base frame"},
-      {Coordinate::ry, "ry", "rad", "small rotation of the tip about y of the base frame"},
-      {Coordinate::rz, "rz", "rad", "small rotation of the tip about z of the base frame"},
+      {Coordinate::x, "x", "m", "position of the tip along x of the frame"},
+      {Coordinate::y, "y", "m", "position of the tip along y of the frame"},
+      {Coordinate::z, "z", "m", "position of the tip along z of the frame"},
+      {Coordinate::rx, "rx", "rad", "small rotation of the tip about x of the frame"},
+      {Coordinate::ry, "ry", "rad", "small rotation of the tip about y of the frame"},
+      {Coordinate::rz, "rz", "rad", "small rotation of the tip about z of the frame"},
       {Coordinate::roll, "roll", "rad",
        "roll of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
       {Coordinate::pitch, "pitch", "rad", "pitch of R = Rz(yaw) Ry(pitch) Rx(roll)"},
       {Coordinate::yaw, "yaw", "rad", "yaw of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
+      {Coordinate::xyz, "xyz", "m", "length of the vector of x y z"},
+      {Coordinate::rxyz, "rxyz", "rad", "length of the vector of rx ry rz"},
   };
   return list;
 }
@@ -53,12 +55,17 @@ Eigen::Matrix3d euler_rates(const Eigen::Matrix3d& r) {
 }  // namespace
 
 Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>& coordinates, const Jacobian& j,
-                                const Eigen::Matrix3d& rotation) {
+                                const Eigen::Matrix3d& rotation, CoordinateFrame frame) {
+  Jacobian resolved = j;
+  if (frame == CoordinateFrame::tip) {
+    resolved.topRows<3>() = rotation.transpose() * j.topRows<3>();
+    resolved.bottomRows<3>() = rotation.transpose() * j.bottomRows<3>();
+  }
   Eigen::MatrixXd rows(static_cast<Eigen::Index>(coordinates.size()), j.cols());
   for (Eigen::Index i = 0; i < rows.rows(); ++i) {
     const Coordinate c = coordinates[static_cast<std::size_t>(i)];
     if (!is_euler_angle(c)) {
-      rows.row(i) = j.row(static_cast<Eigen::Index>(c));
+      rows.row(i) = resolved.row(static_cast<Eigen::Index>(c));
       continue;
     }
     const Eigen::RowVector3d rate = euler_rates(rotation).row(static_cast<Eigen::Index>(c) - 6);

@@ -169,6 +169,13 @@ Json sweep() {
   return s;
 }
 
+Json tool() {
+  Json s = object_of(spec_format::tool());
+  for (const char* key : {"xyz", "rpy"})
+    s["properties"][key]["minItems"] = s["properties"][key]["maxItems"] = 3;
+  return s;
+}
+
 }  // namespace
 
 std::string json_schema() {
@@ -178,6 +185,7 @@ std::string json_schema() {
   for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
   Json& p = s["properties"];
   p["robot"] = object_of(spec_format::robot());
+  p["robot"]["properties"]["tool"] = tool();
   p["encoders"] = map_of(encoder());
   p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
   p["coordinates"] = {

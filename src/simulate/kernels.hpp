@@ -60,6 +60,7 @@ struct PathErrorPlan {
   std::size_t coordinates;
   const int* rows;  ///< 0..2 position, 3..5 rotation vector, 6..8 roll pitch yaw
   bool rotations, angles, biased;
+  bool tip_frame;            ///< rows 0..5 are in the axes of the tip
   bool mixed;                ///< a column is a sum of several joints
   double remainder;          ///< linearization remainder of the position (linearization_remainder.hpp)
   double largest_remainder;  ///< its upper bound in any configuration, or infinity

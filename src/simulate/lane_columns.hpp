@@ -30,8 +30,11 @@ inline std::size_t joints_of(const PathErrorPlan& p) {
   return p.chain.count > p.built.count ? p.chain.count : p.built.count;
 }
 
+/// Whether the columns of the joints are changed, and copied for that.
+inline bool changes_columns(const PathErrorPlan& p) { return p.angles || p.tip_frame; }
+
 /// Whether errors have other columns than those of the joints.
-inline bool own_columns(const PathErrorPlan& p) { return p.mixed || p.angles || p.sources > 0; }
+inline bool own_columns(const PathErrorPlan& p) { return p.mixed || changes_columns(p) || p.sources > 0; }
 
 inline std::size_t columns_of(const PathErrorPlan& p) {
   return joints_of(p) + (own_columns(p) ? p.encoders + p.sources : 0);
@@ -77,7 +80,7 @@ template <class L>
                                                const ErrorScratch<L>& scratch) {
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
     const ErrorColumn& column = p.columns[e];
-    if ((column.direct && !p.angles) || column.origin) continue;
+    if ((column.direct && !changes_columns(p)) || column.origin) continue;
     L sum[6] = {};
     for (std::size_t k = column.first; k < column.first + column.parts; ++k) {
       const L(&joint)[6] = scratch.joints(i)[p.parts[k].joint].column;
@@ -106,6 +109,17 @@ template <class L>
   }
 }
 
+/// Columns in the axes of the tip instead of those of the base.
+template <class L>
+[[gnu::always_inline]] inline void resolve_columns(const PathErrorPlan& p, const Axes<L>& tip, std::size_t i,
+                                                   const ErrorScratch<L>& scratch) {
+  for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
+    L* const column = column_of(scratch, e) + i * next_vector(scratch);
+    tip.resolve(column);
+    tip.resolve(column + 3);
+  }
+}
+
 /// Rates of the Euler angles along every column.
 template <class L>
 [[gnu::always_inline]] inline void add_angle_rates(const PathErrorPlan& p, const Frame<L>& tip, std::size_t i,
@@ -131,7 +145,7 @@ template <class L>
 void begin_errors(const PathErrorPlan& p, const ErrorScratch<L>& scratch) {
   for (std::size_t e = 0; e < p.encoders + p.sources; ++e) {
     const ErrorColumn& column = p.columns[e];
-    const bool of_joint = column.direct && !p.angles;
+    const bool of_joint = column.direct && !changes_columns(p);
     scratch.column_at[e] =
         (of_joint ? p.parts[column.first].joint : joints_of(p) + e) * (sizeof(JointScratch<L>) / sizeof(L));
   }
@@ -147,11 +161,13 @@ void begin_errors(const PathErrorPlan& p, const ErrorScratch<L>& scratch) {
 template <class L>
 [[gnu::always_inline]] inline void pose_error(const PathErrorPlan& p, const Frame<L>& estimate,
                                               const Frame<L>& truth, bool near, L* error) {
-  each_of_three([&](std::size_t k)
-                    __attribute__((always_inline)) { error[depth * k] = estimate.o[k] - truth.o[k]; });
+  L three[3];
+  each_of_three([&](std::size_t k) __attribute__((always_inline)) { three[k] = estimate.o[k] - truth.o[k]; });
+  if (p.tip_frame) axes_of(truth, p.built.tip_axes).resolve(three);
+  each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * k] = three[k]; });
   if (!p.rotations && !p.angles) return;
   Axes<L> estimated_axes, true_axes;
-  if (p.as_modelled && !p.angles) {
+  if (p.as_modelled && !changes_columns(p)) {
     // The constant rotation after the last joint cancels in R_hat R^T.
     estimated_axes = axes_of(estimate);
     true_axes = axes_of(truth);
@@ -159,10 +175,10 @@ template <class L>
     estimated_axes = axes_of(estimate, p.chain.tip_axes);
     true_axes = axes_of(truth, p.built.tip_axes);
   }
-  L three[3];
   if (p.rotations) {
     rotation_vector(estimated_axes, true_axes,
                     near && static_cast<double>(p.chain.count) * SmallAngle<L>::largest < 3, three);
+    if (p.tip_frame) true_axes.resolve(three);
     each_of_three([&](std::size_t k) __attribute__((always_inline)) { error[depth * (3 + k)] = three[k]; });
   }
   if (p.angles) {
@@ -227,14 +243,16 @@ template <class L>
     displaced(p.chain, b.path_sines + 2 * p.chain.count * at, b.turns, scratch.moved);
   else
     compute_motions(p.chain, b.joint + at, batch_size, scratch.moved);
+  if (p.tip_frame && p.sources > 0) shift_origins(p, 0, base_frame<L>(), i, scratch);
   const Frame<L> modelled = columns_of_motions<L>(
       p.chain, p.scale, scratch.moved, scratch.joints(i),
       [&](std::size_t k, const Frame<L>& f) {
         if (p.sources > 0) shift_origins(p, k + 1, f, i, scratch);
       },
       StoreColumns<L>{scratch.joints(i)});
-  if (p.mixed || p.angles) mix_columns(p, i, scratch);
+  if (p.mixed || changes_columns(p)) mix_columns(p, i, scratch);
   if (p.angles) add_angle_rates(p, modelled, i, scratch);
+  if (p.tip_frame) resolve_columns(p, axes_of(modelled, p.chain.tip_axes), i, scratch);
   if (b.bounds_only) return;
   const bool near = move_to_estimate(p.chain, b.joint + at, b.estimate + at, scratch.moved);
   if (!near) compute_motions(p.chain, b.estimate + at, batch_size, scratch.moved);

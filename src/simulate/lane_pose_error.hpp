@@ -1,6 +1,6 @@
 #pragma once
 
-#include "kinematics/walk.hpp"
+#include "kinematics/tip_axes.hpp"
 #include "simulate/kernels.hpp"
 
 namespace qerr::lanes {
@@ -58,37 +58,6 @@ template <class L>
   for (const double c : {-1.0 / 11, 1.0 / 9, -1.0 / 7, 1.0 / 5, -1.0 / 3, 1.0})
     sum = fma(sum, t2, broadcast<L>(c));
   return sum;
-}
-
-/// Axes of a tip: columns of its rotation.
-template <class L>
-struct Axes {
-  L x[3], y[3], z[3];
-};
-
-template <class L>
-[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f, const double* rotation) {
-  Axes<L> a;
-  each_of_three([&](int i) __attribute__((always_inline)) {
-    const auto along = [&](int c) __attribute__((always_inline)) {
-      return fma(rotation[3 * c + 2], f.z[i], fma(rotation[3 * c + 1], f.y[i], rotation[3 * c] * f.x[i]));
-    };
-    a.x[i] = along(0);
-    a.y[i] = along(1);
-    a.z[i] = along(2);
-  });
-  return a;
-}
-
-template <class L>
-[[gnu::always_inline]] inline Axes<L> axes_of(const Frame<L>& f) {
-  Axes<L> a;
-  each_of_three([&](int i) __attribute__((always_inline)) {
-    a.x[i] = f.x[i];
-    a.y[i] = f.y[i];
-    a.z[i] = f.z[i];
-  });
-  return a;
 }
 
 template <class L>

@@ -107,6 +107,7 @@ void PathErrors::set_plan(const OperationalModel& model) {
   plan_.rotations = any_coordinate(is_rotation_vector);
   plan_.angles = any_coordinate(is_euler_angle);
   plan_.biased = channels_.biased;
+  plan_.tip_frame = model.frame == CoordinateFrame::tip;
   plan_.mixed = std::any_of(columns_.begin(), columns_.end(),
                             [](const ErrorColumn& c) { return !c.direct && !c.origin; });
   plan_.per_column = per_column_.data();

@@ -10,8 +10,9 @@ namespace qerr {
 
 namespace {
 
-bool has_rotations(const OperationalModel& model) {
-  return std::any_of(model.coordinates.begin(), model.coordinates.end(),
+bool needs_orientation(const OperationalModel& model) {
+  return model.frame == CoordinateFrame::tip ||
+         std::any_of(model.coordinates.begin(), model.coordinates.end(),
                      [](Coordinate c) { return !is_position(c); });
 }
 
@@ -42,8 +43,8 @@ FoldedPath along(const FoldedChain& chain, const std::vector<FoldedJoint>& joint
 PathErrors::PathErrors(const OperationalModel& model, const Chain& built, const Eigen::VectorXd& center_mean,
                        InstructionSet set)
     : channels_(model),
-      chain_(fold(model.chain, has_rotations(model))),
-      built_(fold(built, has_rotations(model))),
+      chain_(fold(model.chain, needs_orientation(model))),
+      built_(fold(built, needs_orientation(model))),
       as_modelled_(same_origins(model.chain, built)),
       kernels_(select_kernels<SimulationKernels>(set)),
       center_mean_(center_mean.begin(), center_mean.end()) {

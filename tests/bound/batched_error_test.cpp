@@ -46,6 +46,7 @@ OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
   if (plain && dice.chance(0.5)) mix.mimic = 0;
   OperationalModel m{make_chain(testing::random_robot(dice, mix), "", ""), {}, {}};
   m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-2, !plain || dice.chance(0.3));
+  if (dice.chance(0.3)) m.frame = CoordinateFrame::tip;
   if (plain) {
     const bool equal = dice.chance(0.5);  // all columns have one scale
     for (Encoder& e : m.transmission.encoders) {

@@ -58,6 +58,31 @@ class ReadSpec : public testing::Test {
   std::filesystem::path folder_;
 };
 
+TEST_F(ReadSpec, AToolMovesTheTip) {
+  const Spec bare = read(head + encoders);
+  const Spec spec = read(
+      "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger, tool: {xyz: [0, 20 mm, 0.1], rpy: [90 deg, 0, 30 "
+      "deg]}}\n" +
+      encoders + "frame: tip\n");
+  const Eigen::VectorXd q = Eigen::Vector3d(0.3, 0.1, -0.4);
+  const Eigen::Isometry3d link = forward_kinematics(bare.model.chain, q),
+                          tool = forward_kinematics(spec.model.chain, q);
+  EXPECT_LT((link.inverse() * tool.translation() - Eigen::Vector3d(0, 0.02, 0.1)).norm(), 1e-14);
+  const Eigen::Matrix3d turned = link.linear().transpose() * tool.linear();
+  // Rz(30 deg) Rx(90 deg): x of the tool is turned by the yaw alone, its y is z of the link.
+  EXPECT_LT((turned.col(0) - Eigen::Vector3d(std::sqrt(0.75), 0.5, 0)).norm(), 1e-14);
+  EXPECT_LT((turned.col(1) - Eigen::Vector3d(0, 0, 1)).norm(), 1e-14);
+  EXPECT_EQ(spec.model.frame, CoordinateFrame::tip);
+  EXPECT_EQ(bare.model.frame, CoordinateFrame::base);
+}
+
+TEST_F(ReadSpec, ALengthBringsItsComponents) {
+  const Spec spec = read(head + encoders + "coordinates: [rxyz, z]\n");
+  EXPECT_EQ(spec.model.coordinates,
+            (std::vector<Coordinate>{Coordinate::z, Coordinate::rx, Coordinate::ry, Coordinate::rz}));
+  EXPECT_EQ(spec.model.lengths, std::vector<Coordinate>{Coordinate::rxyz});
+}
+
 TEST_F(ReadSpec, ConvertsEveryEncoderKindToTheJointSide) {
   const Spec spec =
       read(head +

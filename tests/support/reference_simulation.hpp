@@ -25,11 +25,15 @@ inline Eigen::Vector3d rotation_vector(const Eigen::Matrix3d& r) {
 
 /// Estimate minus truth: positions, the rotation vector of R_hat R^T, differences of the Euler angles.
 inline Eigen::VectorXd tip_error(const std::vector<Coordinate>& coordinates,
-                                 const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth) {
+                                 const Eigen::Isometry3d& estimate, const Eigen::Isometry3d& truth,
+                                 CoordinateFrame frame = CoordinateFrame::base) {
   Eigen::Matrix<double, 9, 1> all;
   all << estimate.translation() - truth.translation(),
       rotation_vector(estimate.linear() * truth.linear().transpose()),
       roll_pitch_yaw(estimate.linear()) - roll_pitch_yaw(truth.linear());
+  if (frame == CoordinateFrame::tip)
+    for (const Eigen::Index first : {0, 3})
+      all.segment<3>(first) = truth.linear().transpose() * all.segment<3>(first).eval();
   for (Eigen::Index i = 6; i < 9; ++i) all[i] = std::remainder(all[i], 2 * std::numbers::pi);
   Eigen::VectorXd error(static_cast<Eigen::Index>(coordinates.size()));
   for (std::size_t i = 0; i < coordinates.size(); ++i)
@@ -74,7 +78,8 @@ inline ReferenceRun reference_run(const OperationalModel& model, const std::vect
     Eigen::ArrayXd input(channels);
     const Eigen::MatrixXd parts =
         theory.weighted * (now.measured - now.encoder).cwiseQuotient(steps).asDiagonal();
-    input << tip_error(model.coordinates, forward_kinematics(model.chain, now.estimate), now.tip).array(),
+    input << tip_error(model.coordinates, forward_kinematics(model.chain, now.estimate), now.tip, model.frame)
+                 .array(),
         parts.rowwise().sum().array(), parts.reshaped().array();
     if (k >= settling) record[0].push_back(input);
     for (std::size_t f = 0; f < filters.size(); ++f) {

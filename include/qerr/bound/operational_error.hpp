@@ -36,7 +36,13 @@ struct OperationalModel {
   std::vector<ErrorSource> sources = {};  ///< errors other than quantization; empty: the ideal model
   /// What effects add along a motion; the same at every configuration.
   std::optional<ErrorAlongMotion> along_motion = {};
+  CoordinateFrame frame = CoordinateFrame::base;
+  /// xyz and rxyz, whose components are among the coordinates; only `workspace` has them.
+  std::vector<Coordinate> lengths = {};
 };
+
+/// The coordinates and then the lengths: the order of a workspace's statistics.
+std::vector<Coordinate> coordinates_and_lengths(const OperationalModel&);
 
 /// Joint error of the model, with its sources and the error along its motion.
 JointError joint_error(const OperationalModel&);

@@ -19,7 +19,7 @@ namespace qerr {
 struct CoordinateStatistics {
   Statistic worst_case, worst_case_rigorous, sigma;
   /// [encoder]: mean over the configurations of its fraction of the variance (J C)_i^2 Delta_i^2/12, and of
-  /// the worst case |J C|_i Delta_i / 2, each with the sources attributed to the encoder.
+  /// the worst case |J C|_i Delta_i / 2, each with the sources attributed to the encoder. Empty for a length.
   Eigen::VectorXd share, share_worst_case;
 };
 
@@ -33,7 +33,7 @@ struct DerivativeStatistics {
 /// Statistics over the sampled configurations, as `analyze` reports them.
 struct Workspace {
   std::uint64_t count = 0;
-  std::vector<CoordinateStatistics> coordinates;
+  std::vector<CoordinateStatistics> coordinates;               ///< of coordinates_and_lengths
   std::vector<std::vector<DerivativeStatistics>> derivatives;  ///< [filter][coordinate]
   Eigen::MatrixXd mean_variance_parts;    ///< coordinates x encoders: mean variance due to each encoder
   Eigen::MatrixXd mean_covariance;        ///< of all coordinates, mean over the configurations

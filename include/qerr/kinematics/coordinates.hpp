@@ -10,8 +10,11 @@
 
 namespace qerr {
 
-/// An operational coordinate of the tip in the base frame.
-enum class Coordinate { x, y, z, rx, ry, rz, roll, pitch, yaw };
+/// In whose axes x y z and rx ry rz are. The error is that of the tip in the base in both cases.
+enum class CoordinateFrame { base, tip };
+
+/// An operational coordinate of the tip.
+enum class Coordinate { x, y, z, rx, ry, rz, roll, pitch, yaw, xyz, rxyz };
 
 /// A row of the list of coordinates.
 struct CoordinateInfo {
@@ -27,7 +30,13 @@ std::optional<Coordinate> find_coordinate(std::string_view name);
 
 inline bool is_position(Coordinate c) { return c <= Coordinate::z; }
 inline bool is_rotation_vector(Coordinate c) { return c >= Coordinate::rx && c <= Coordinate::rz; }
-inline bool is_euler_angle(Coordinate c) { return c >= Coordinate::roll; }
+inline bool is_euler_angle(Coordinate c) { return c >= Coordinate::roll && c <= Coordinate::yaw; }
+/// Whether it is the length of the vector of x y z or of rx ry rz.
+inline bool is_length(Coordinate c) { return c >= Coordinate::xyz; }
+/// x of xyz, rx of rxyz.
+inline Coordinate first_component(Coordinate length) {
+  return length == Coordinate::xyz ? Coordinate::x : Coordinate::rx;
+}
 
 /// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock, where the rates of roll and yaw are
 /// unbounded.
@@ -38,8 +47,10 @@ double cosine_of_pitch(const Eigen::Matrix3d& rotation);
 /// x y z and rx ry rz are its rows; with omega = E(roll, pitch, yaw)^-1 the rates are
 /// roll' = (cos(yaw) wx + sin(yaw) wy)/cos(pitch), pitch' = -sin(yaw) wx + cos(yaw) wy, yaw' = sin(pitch)
 /// roll' + wz. Rows of roll and yaw are infinite where |cos(pitch)| < 1e-12.
+/// In the axes of the tip, rows of x y z and rx ry rz are rotation^T times those of the Jacobian.
+/// @pre no length
 /// @returns coordinates x joints
 Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>&, const Jacobian&,
-                                const Eigen::Matrix3d& rotation);
+                                const Eigen::Matrix3d& rotation, CoordinateFrame = CoordinateFrame::base);
 
 }  // namespace qerr

@@ -16,9 +16,10 @@ void add_statistic(std::string& out, const std::string& prefix, const Statistic&
 }  // namespace
 
 std::string to_csv(const Analysis& a, const Style&) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   std::string out = "signal,filter,coordinate,unit,bound,statistic,value\r\n";
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
-    const CoordinateInfo& c = info(a.spec.model.coordinates[i]);
+    const CoordinateInfo& c = info(coordinates[i]);
     const std::string prefix = "position,," + std::string(c.name) + ',' + std::string(c.unit) + ',';
     add_statistic(out, prefix + "worst_case", a.workspace.coordinates[i].worst_case);
     if (std::isfinite(a.workspace.coordinates[i].worst_case_rigorous.min))
@@ -27,7 +28,7 @@ std::string to_csv(const Analysis& a, const Style&) {
   }
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
-      const Coordinate c = a.spec.model.coordinates[i];
+      const Coordinate c = coordinates[i];
       const std::string prefix = "derivative," + csv_cell(a.spec.filters[f].name) + ',' +
                                  std::string(info(c).name) + ',' +
                                  derivative_unit(c, a.spec.filters[f].filter.derivative) + ',';

@@ -97,38 +97,41 @@ Json joints(const Analysis& a) {
 
 Json position(const Analysis& a) {
   Json list = Json::array();
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const CoordinateInfo& row = info(a.spec.model.coordinates[i]);
+    const CoordinateInfo& row = info(coordinates[i]);
     list.push_back({{"coordinate", row.name},
                     {"unit", row.unit},
                     {"worst_case", statistic(a.spec, c.worst_case)},
                     {"worst_case_rigorous", statistic_or_null(a.spec, c.worst_case_rigorous)},
-                    {"sigma", statistic(a.spec, c.sigma)},
-                    {"share", by_joint(a.spec, c.share)},
-                    {"share_worst_case", by_joint(a.spec, c.share_worst_case)}});
+                    {"sigma", statistic(a.spec, c.sigma)}});
+    if (is_length(row.coordinate)) continue;
+    list.back()["share"] = by_joint(a.spec, c.share);
+    list.back()["share_worst_case"] = by_joint(a.spec, c.share_worst_case);
   }
   return list;
 }
 
 Json derivatives(const Analysis& a) {
   Json list = Json::array();
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f) {
     const NamedFilter& filter = a.spec.filters[f];
-    Json coordinates = Json::array();
-    for (std::size_t i = 0; i < a.spec.model.coordinates.size(); ++i) {
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = a.workspace.derivatives[f][i];
-      coordinates.push_back({{"coordinate", info(a.spec.model.coordinates[i]).name},
-                             {"unit", derivative_unit(a.spec.model.coordinates[i], filter.filter.derivative)},
-                             {"worst_case", statistic(a.spec, d.worst_case)},
-                             {"sigma", d.sigma ? statistic(a.spec, *d.sigma) : Json()}});
-      if (d.sigma_in_motion) coordinates.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
+      rows.push_back({{"coordinate", info(coordinates[i]).name},
+                      {"unit", derivative_unit(coordinates[i], filter.filter.derivative)},
+                      {"worst_case", statistic(a.spec, d.worst_case)},
+                      {"sigma", d.sigma ? statistic(a.spec, *d.sigma) : Json()}});
+      if (d.sigma_in_motion) rows.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
     }
     list.push_back({{"filter", filter.name},
                     {"derivative", filter.filter.derivative},
                     {"h2_norm", filter.norms.h2},
                     {"l1_norm", {{"lower", filter.norms.l1.lower}, {"upper", filter.norms.l1.upper}}},
-                    {"coordinates", coordinates},
+                    {"coordinates", rows},
                     {"covariance", covariance_behind(a, f)}});
     if (is_known(a.noise_in_motion, f))
       list.back()["noise_in_motion_over_ipqn"] =

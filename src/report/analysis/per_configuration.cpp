@@ -14,14 +14,15 @@ std::string unit_in_brackets(const IndependentJoint& joint) { return joint.prism
 }  // namespace
 
 std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(spec.model);
   std::string out;
   for (const IndependentJoint& joint : spec.model.chain.independent)
     out += (out.empty() ? "" : ",") + csv_cell(joint.name + unit_in_brackets(joint));
-  for (const Coordinate c : spec.model.coordinates)
+  for (const Coordinate c : coordinates)
     for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
       out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
   for (std::size_t f = 0; f < spec.filters.size(); ++f)
-    for (const Coordinate c : spec.model.coordinates)
+    for (const Coordinate c : coordinates)
       for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
         if (bound != std::string("sigma_in_motion") || is_known(noise, f))
           out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +

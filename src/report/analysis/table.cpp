@@ -87,11 +87,11 @@ const char* sigma_label(const Analysis& a) {
 }
 
 std::string position_table(const Analysis& a) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
-  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const std::string name(info(a.spec.model.coordinates[i]).name),
-        unit(info(a.spec.model.coordinates[i]).unit);
+    const std::string name(info(coordinates[i]).name), unit(info(coordinates[i]).unit);
     rows.push_back(figures(name + sigma_label(a), c.sigma, unit));
     rows.push_back(figures(name + "  worst case", c.worst_case, unit));
     if (std::isfinite(c.worst_case_rigorous.min))
@@ -101,9 +101,10 @@ std::string position_table(const Analysis& a) {
 }
 
 std::string derivative_table(const Analysis& a, std::size_t f) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
-  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
-    const Coordinate c = a.spec.model.coordinates[i];
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const Coordinate c = coordinates[i];
     const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
     if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
       rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));

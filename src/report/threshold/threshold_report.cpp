@@ -12,6 +12,7 @@ namespace {
 Eigen::VectorXd largest_arms(const Spec& spec, unsigned threads) {
   OperationalModel model = spec.model;
   model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
+  model.lengths.clear();
   WorkspaceOptions options;
   options.threads = threads;
   return workspace(model, {}, spec.configurations, options).largest_arms;

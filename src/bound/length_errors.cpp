@@ -1,0 +1,153 @@
+#include "bound/length_errors.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "bound/largest_corner.hpp"
+#include "bound/linearization_remainder.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::size_t index_of(const std::vector<Coordinate>& list, Coordinate c) {
+  return static_cast<std::size_t>(std::find(list.begin(), list.end(), c) - list.begin());
+}
+
+double length_at(const Eigen::VectorXd& values, const std::array<std::size_t, 3>& components) {
+  double sum = 0;
+  for (const std::size_t c : components) sum += std::pow(values[static_cast<Eigen::Index>(c)], 2);
+  return std::sqrt(sum);
+}
+
+}  // namespace
+
+LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& requested,
+                           const FigureLayout& layout, InstructionSet set)
+    : layout_(layout),
+      filters_(requested.filters),
+      rigorous_(requested.rigorous),
+      own_worst_(layout.filtered_sigma > layout.filtered_worst),
+      own_sigma_(layout.in_motion > layout.filtered_sigma),
+      jacobian_(model.chain, set),
+      columns_(6 * model.chain.joints.size() * batch_size),
+      joints_(model.chain.joints.size()) {
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
+  rotation_remainder_ = r.rotation;
+  rotation_angle_ = r.rotation_angle;
+  for (std::size_t f = 0; f < filters_.size(); ++f)
+    in_motion_.push_back(f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0);
+  double shift = 0;  // of origins
+  const Eigen::VectorXd mean = mean_errors(model.transmission), delta = resolutions(model.transmission);
+  for (Eigen::Index e = 0; e < delta.size(); ++e)
+    add_generator(model, model.transmission.coupling.col(e), 0.5 * delta[e], mean[e]);
+  for (const ErrorSource& s : model.sources) {
+    const auto i = static_cast<Eigen::Index>(s.owner);
+    if (s.where == ErrorSource::Where::origin)
+      shift += std::abs(s.mean) + s.half_width;
+    else
+      add_generator(model,
+                    s.where == ErrorSource::Where::encoder
+                        ? Eigen::VectorXd(model.transmission.coupling.col(i))
+                        : Eigen::VectorXd::Unit(delta.size(), i),
+                    s.half_width, s.mean);
+  }
+  for (const Coordinate c : model.lengths) {
+    const Coordinate first = first_component(c);
+    Length length{static_cast<std::size_t>(first), {}};
+    for (std::size_t k = 0; k < 3; ++k)
+      length.components[k] =
+          index_of(model.coordinates, static_cast<Coordinate>(static_cast<std::size_t>(first) + k));
+    const double of_origins = c == Coordinate::xyz ? shift : 0;
+    length.added = of_origins;
+    for (const Norms& norms : filters_) length.added_behind.push_back(norms.l1.upper * of_origins);
+    if (model.along_motion) {
+      length.added += length_at(model.along_motion->tip.peak, length.components);
+      for (std::size_t f = 0; f < filters_.size(); ++f)
+        length.added_behind[f] += length_at(model.along_motion->filtered[f].peak, length.components);
+    }
+    lengths_.push_back(length);
+  }
+}
+
+/// Errors along the same direction of the joints have one corner: their half widths add.
+void LengthErrors::add_generator(const OperationalModel& model, const Eigen::VectorXd& of_independent,
+                                 double half_width, double mean) {
+  biased_ = biased_ || mean != 0;
+  Eigen::VectorXd of_joints(static_cast<Eigen::Index>(joints_));
+  for (std::size_t k = 0; k < joints_; ++k) {
+    const ChainJoint& joint = model.chain.joints[k];
+    of_joints[static_cast<Eigen::Index>(k)] =
+        joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+  }
+  for (Generator& g : generators_)
+    if (g.of_joints == of_joints) {
+      g.half_width += half_width;
+      g.mean += mean;
+      return;
+    }
+  generators_.push_back({std::move(of_joints), half_width, mean});
+}
+
+void LengthErrors::set_worst(const Length& length, std::size_t index, std::size_t i, double* figures) const {
+  Eigen::Vector3d mean = Eigen::Vector3d::Zero();
+  Eigen::Matrix3Xd corners(3, static_cast<Eigen::Index>(generators_.size()));
+  for (std::size_t g = 0; g < generators_.size(); ++g) {
+    Eigen::Vector3d along = Eigen::Vector3d::Zero();
+    for (std::size_t k = 0; k < joints_; ++k)
+      for (std::size_t row = 0; row < 3; ++row)
+        along[static_cast<Eigen::Index>(row)] += columns_[(6 * k + length.first + row) * batch_size + i] *
+                                                 generators_[g].of_joints[static_cast<Eigen::Index>(k)];
+    corners.col(static_cast<Eigen::Index>(g)) = generators_[g].half_width * along;
+    mean += generators_[g].mean * along;
+  }
+  const double linear = largest_corner(mean, corners), worst = linear + length.added;
+  figures[(layout_.worst_case + index) * batch_size + i] = worst;
+  if (rigorous_) {
+    // The remainder of a position is that of its components: it bounds a length.
+    const std::size_t x = length.components[0];
+    const double remainder =
+        figures[(layout_.rigorous + x) * batch_size + i] - figures[(layout_.worst_case + x) * batch_size + i];
+    figures[(layout_.rigorous + index) * batch_size + i] =
+        length.first == 0 ? worst + remainder
+                          : std::min(linear + rotation_remainder_, rotation_angle_) + length.added;
+  }
+  if (!own_worst_) return;
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    const Norms& norms = filters_[f];
+    const double behind =
+        biased_ ? largest_corner(norms.dc_gain * mean, norms.l1.upper * corners) : norms.l1.upper * linear;
+    figures[(layout_.filtered_worst + f * layout_.coordinates + index) * batch_size + i] =
+        behind + length.added_behind[f];
+  }
+}
+
+/// @param block  of figures: index of the first coordinate's
+double LengthErrors::root_of_sum(const Length& length, std::size_t block, const double* figures) const {
+  double sum = 0;
+  for (const std::size_t c : length.components) sum += std::pow(figures[(block + c) * batch_size], 2);
+  return std::sqrt(sum);
+}
+
+void LengthErrors::set_sigmas(const Length& length, std::size_t index, std::size_t i, double* figures) const {
+  const auto set = [&](std::size_t block) {
+    figures[(block + index) * batch_size + i] = root_of_sum(length, block, figures + i);
+  };
+  set(layout_.sigma);
+  for (std::size_t f = 0; f < filters_.size(); ++f) {
+    if (own_sigma_) set(layout_.filtered_sigma + f * layout_.coordinates);
+    if (in_motion_[f]) set(layout_.in_motion + f * layout_.coordinates);
+  }
+}
+
+void LengthErrors::operator()(const double* q, double* figures) {
+  jacobian_(q, columns_.data());
+  const std::size_t components = layout_.coordinates - lengths_.size();
+  for (std::size_t l = 0; l < lengths_.size(); ++l)
+    for (std::size_t i = 0; i < batch_size; ++i) {
+      set_sigmas(lengths_[l], components + l, i, figures);
+      set_worst(lengths_[l], components + l, i, figures);
+    }
+}
+
+}  // namespace qerr
