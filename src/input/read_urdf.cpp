@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <unordered_map>
 #include <utility>
 
 #include "input/read_text.hpp"
@@ -20,41 +21,50 @@ namespace qerr {
 namespace {
 
 std::string attribute(const char* name, const std::string& value) {
-  std::string text = std::string(" ") + name + "=\"";
-  for (const char c : value) {
-    const bool plain = static_cast<unsigned char>(c) >= 0x20 && c != '&' && c != '<' && c != '>' && c != '"';
-    text += plain ? std::string(1, c) : "&#" + std::to_string(static_cast<unsigned char>(c)) + ";";
-  }
-  return text + '"';
+  return std::string(" ") + name + "=\"" + value + '"';
 }
 
 std::string triple(const Eigen::Vector3d& v) {
   return shortest(v.x()) + ' ' + shortest(v.y()) + ' ' + shortest(v.z());
 }
 
-/// The checked robot as a URDF for urdfdom: without shapes and foreign tags, which can make it fail, and with
-/// all limits, which it requires.
+std::string numbered(char letter, std::size_t index) { return letter + std::to_string(index); }
+
+/// The checked robot as a URDF for urdfdom: with all limits, which it requires, and without what can make it
+/// fail: shapes, foreign tags, names (numbers replace them), and a second root (one link joins all).
 std::string sanitized(const RobotModel& model, const std::vector<WrittenJoint>& written) {
-  std::string xml =
-      "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot" + attribute("name", model.name) + ">\n";
-  for (const std::string& link : model.links) xml += "<link" + attribute("name", link) + "/>\n";
-  for (const auto& [joint, rpy, element] : written) {
-    xml += "<joint" + attribute("name", joint.name) +
-           attribute("type", std::string(joint_type_name(joint.type))) + ">";
-    xml += "<origin" + attribute("xyz", triple(joint.origin.translation())) + attribute("rpy", triple(rpy)) +
-           "/>";
-    xml += "<parent" + attribute("link", joint.parent) + "/><child" + attribute("link", joint.child) + "/>";
-    if (has_axis(joint.type)) xml += "<axis" + attribute("xyz", triple(joint.axis)) + "/>";
-    const Limits limits = joint.limits.value_or(Limits{});
-    if (has_range(joint.type))
+  std::unordered_map<std::string, std::size_t> link, joint;
+  for (std::size_t i = 0; i < model.links.size(); ++i) link.emplace(model.links[i], i);
+  for (std::size_t i = 0; i < written.size(); ++i) joint.emplace(written[i].joint.name, i);
+  std::vector<bool> is_root(model.links.size(), true);
+  std::string xml = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<robot name=\"r\">\n<link name=\"root\"/>\n";
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    xml += "<link" + attribute("name", numbered('l', i)) + "/>\n";
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const WrittenJoint& w = written[i];
+    if (!w.in_tree) continue;
+    is_root[link.at(w.joint.child)] = false;
+    xml += "<joint" + attribute("name", numbered('j', i)) +
+           attribute("type", std::string(joint_type_name(w.joint.type))) + "><origin" +
+           attribute("xyz", triple(w.joint.origin.translation())) + attribute("rpy", triple(w.rpy)) +
+           "/><parent" + attribute("link", numbered('l', link.at(w.joint.parent))) + "/><child" +
+           attribute("link", numbered('l', link.at(w.joint.child))) + "/>";
+    if (has_axis(w.joint.type)) xml += "<axis" + attribute("xyz", triple(w.joint.axis)) + "/>";
+    const Limits limits = w.joint.limits.value_or(Limits{});
+    if (has_range(w.joint.type))
       xml += "<limit" + attribute("lower", shortest(limits.lower)) +
              attribute("upper", shortest(limits.upper)) + " effort=\"0\" velocity=\"0\"/>";
-    if (joint.mimic)
-      xml += "<mimic" + attribute("joint", joint.mimic->joint) +
-             attribute("multiplier", shortest(joint.mimic->multiplier)) +
-             attribute("offset", shortest(joint.mimic->offset)) + "/>";
+    if (w.joint.mimic)
+      xml += "<mimic" + attribute("joint", numbered('j', joint.at(w.joint.mimic->joint))) +
+             attribute("multiplier", shortest(w.joint.mimic->multiplier)) +
+             attribute("offset", shortest(w.joint.mimic->offset)) + "/>";
     xml += "</joint>\n";
   }
+  for (std::size_t i = 0; i < model.links.size(); ++i)
+    if (is_root[i])
+      xml += "<joint" + attribute("name", numbered('r', i)) +
+             " type=\"fixed\"><parent link=\"root\"/><child" + attribute("link", numbered('l', i)) +
+             "/></joint>\n";
   return xml + "</robot>\n";
 }
 
@@ -105,16 +115,14 @@ Eigen::Matrix3d rotation(const Eigen::Vector3d& rpy) {
 
 Eigen::Vector3d vector(const ::urdf::Vector3& v) { return {v.x, v.y, v.z}; }
 
-/// The joint as read by urdfdom, with its place and the presence of limits from the outline.
+/// The joint as read by urdfdom, with its names, its place and the presence of limits from the outline.
 Joint joint_from(const ::urdf::Joint& read, const WrittenJoint& w) {
   Joint joint = w.joint;
-  joint.parent = read.parent_link_name;
-  joint.child = read.child_link_name;
   joint.origin.translation() = vector(read.parent_to_joint_origin_transform.position);
   joint.origin.linear() = rotation(w.rpy);
   if (has_axis(joint.type)) joint.axis = vector(read.axis).stableNormalized();
   if (joint.limits) joint.limits = Limits{read.limits->lower, read.limits->upper};
-  if (joint.mimic) joint.mimic = Mimic{read.mimic->joint_name, read.mimic->multiplier, read.mimic->offset};
+  if (joint.mimic) joint.mimic = Mimic{joint.mimic->joint, read.mimic->multiplier, read.mimic->offset};
   return joint;
 }
 
@@ -132,8 +140,10 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
                       "urdfdom rejects this robot: " + output.first_error,
                       "",
                       ""});
-  for (const WrittenJoint& w : written) {
-    const auto read = parsed.tree->joints_.find(w.joint.name);
+  for (std::size_t i = 0; i < written.size(); ++i) {
+    const WrittenJoint& w = written[i];
+    if (!w.in_tree) continue;
+    const auto read = parsed.tree->joints_.find(numbered('j', i));
     if (read == parsed.tree->joints_.end())
       throw Error(Fault{w.joint.place, w.element->title(), "urdfdom does not return this joint", "", ""});
     model.joints.push_back(joint_from(*read->second, w));

@@ -1,96 +1,23 @@
 #include "qerr/kinematics/chain.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <stdexcept>
 #include <unordered_map>
 
-#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "kinematics/tree.hpp"
 
 namespace qerr {
 
 namespace {
 
-using Index = std::unordered_map<std::string, std::size_t>;
-
-Fault robot_fault(const RobotModel& robot, std::string key, std::string rule, std::string found,
-                  std::string remedy) {
-  return {{robot.file, 0, 0}, std::move(key), std::move(rule), std::move(found), std::move(remedy)};
-}
-
-/// Index of the joint whose child is the link.
-Index parent_joints(const RobotModel& robot) {
-  Index above;
-  for (std::size_t i = 0; i < robot.joints.size(); ++i) above[robot.joints[i].child] = i;
-  return above;
-}
-
-std::string root_of(const RobotModel& robot, const Index& above) {
-  for (const std::string& link : robot.links)
-    if (!above.contains(link)) return link;
-  return {};
-}
-
-std::string only_leaf(const RobotModel& robot) {
-  Index is_parent;
-  for (const Joint& joint : robot.joints) is_parent[joint.parent] = 1;
-  std::vector<std::string> leaves;
-  for (const std::string& link : robot.links)
-    if (!is_parent.contains(link)) leaves.push_back(link);
-  if (leaves.size() == 1) return leaves.front();
-  std::string names;
-  for (std::size_t i = 0; i < std::min<std::size_t>(leaves.size(), 6); ++i)
-    names += (i ? ", '" : "'") + leaves[i] + "'";
-  if (leaves.size() > 6) names += ", ...";
-  throw Error(robot_fault(robot, "robot.tip", "the tip must be named when the tree has several leaves",
-                          std::to_string(leaves.size()) + " leaves",
-                          "set robot.tip to a link, such as one of " + names));
-}
-
-void require_link(const RobotModel& robot, const std::string& key, const std::string& link) {
-  if (std::find(robot.links.begin(), robot.links.end(), link) == robot.links.end())
-    throw Error(robot_fault(robot, key, "no link of the URDF has this name", "'" + link + "'",
-                            did_you_mean(link, robot.links)));
-}
-
-/// Joints from `base` down to `tip`, nearest to the base first.
-std::vector<std::size_t> path_down(const RobotModel& robot, const Index& above, const std::string& base,
-                                   const std::string& tip) {
-  std::vector<std::size_t> path;
-  for (std::string link = tip; link != base; link = robot.joints[path.back()].parent) {
-    const auto joint = above.find(link);
-    if (joint == above.end())
-      throw Error(robot_fault(robot, "robot.tip", "the tip must be a descendant of base",
-                              "tip '" + tip + "', base '" + base + "'",
-                              "choose a base between the root '" + link + "' and the tip"));
-    path.push_back(joint->second);
-  }
-  std::reverse(path.begin(), path.end());
-  return path;
-}
-
-/// The independent joint that moves a joint through all mimics, with the composed multiplier and offset.
-struct Drive {
-  std::size_t master;
-  double multiplier = 1, offset = 0;
-};
-
-Drive drive_of(const RobotModel& robot, const Index& by_name, std::size_t joint) {
-  Drive drive{joint};
-  while (robot.joints[drive.master].mimic) {
-    const Mimic& mimic = *robot.joints[drive.master].mimic;
-    drive.offset += drive.multiplier * mimic.offset;
-    drive.multiplier *= mimic.multiplier;
-    drive.master = by_name.at(mimic.joint);
-  }
-  return drive;
-}
+constexpr std::size_t most_unused_flaws = 3;  // a few say what kind of file it is; `qerr robot` has all
 
 class Builder {
  public:
-  explicit Builder(const RobotModel& robot) : robot_(robot) {
-    for (std::size_t i = 0; i < robot.joints.size(); ++i) by_name_[robot.joints[i].name] = i;
-  }
+  explicit Builder(const RobotModel& robot) : robot_(robot), by_name_(joints_by_name(robot)) {}
 
   /// Appends the next joint of the path.
   void add(std::size_t index) {
@@ -138,7 +65,7 @@ class Builder {
   }
 
   const RobotModel& robot_;
-  Index by_name_;
+  JointIndex by_name_;
   Chain chain_;
   Eigen::Isometry3d pending_ = Eigen::Isometry3d::Identity();
 };
@@ -189,7 +116,7 @@ class LoadSum {
   }
 
   const RobotModel& robot_;
-  Index link_;
+  JointIndex link_;
   std::unordered_map<std::string, std::vector<std::size_t>> below_;
   std::set<std::size_t> on_path_;
 };
@@ -218,27 +145,49 @@ void sort_along_chain(Chain& chain) {
 }  // namespace
 
 Chain make_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
-  const Index above = parent_joints(robot);
-  if (!base.empty()) require_link(robot, "robot.base", base);
-  if (!tip.empty()) require_link(robot, "robot.tip", tip);
-  const std::string from = base.empty() ? root_of(robot, above) : base;
-  const std::string to = tip.empty() ? only_leaf(robot) : tip;
-
+  const TreePath path = find_path(robot, base, tip);
   Builder builder(robot);
-  const std::vector<std::size_t> path = path_down(robot, above, from, to);
-  for (const std::size_t joint : path) builder.add(joint);
-  Chain chain = builder.finish(from, to);
+  for (const std::size_t joint : path.joints) builder.add(joint);
+  Chain chain = builder.finish(path.base, path.tip);
   if (chain.joints.empty())
-    throw Error(robot_fault(robot, "robot.tip", "no moving joint between base and tip",
-                            "base '" + from + "', tip '" + to + "'",
-                            "choose links with a moving joint between them"));
-  const LoadSum loads(robot, path);
+    throw Error(Fault{{robot.file, 0, 0},
+                      "robot.tip",
+                      "no moving joint between base and tip",
+                      "base '" + path.base + "', tip '" + path.tip + "'",
+                      "choose links with a moving joint between them"});
+  const LoadSum loads(robot, path.joints);
   auto moving = chain.joints.begin();
-  for (const std::size_t joint : path)
+  for (const std::size_t joint : path.joints)
     if (robot.joints[joint].type != JointType::fixed)
       loads.add(robot.joints[joint].child, Eigen::Isometry3d::Identity(), (moving++)->load);
   sort_along_chain(chain);
   return chain;
+}
+
+std::vector<std::string> warnings_about(const RobotModel& robot, const Chain& chain) {
+  const UsedParts used(robot, find_path(robot, chain.base, chain.tip));
+  std::vector<std::string> warnings;
+  std::map<std::string, std::size_t> place_of_rule;  // in `warnings`
+  std::vector<std::size_t> alike;
+  std::size_t unused = 0;
+  for (const Flaw& flaw : robot.flaws) {
+    const bool concerns =
+        used.concerned_by(flaw) || (!flaw.spoils && flaw.joints.empty() && flaw.link.empty());
+    if (!concerns && ++unused > most_unused_flaws) continue;
+    const auto [first, fresh] = place_of_rule.emplace(flaw.fault.rule, warnings.size());
+    if (!fresh) {
+      ++alike[first->second];
+      continue;
+    }
+    warnings.push_back(format({flaw.fault}) + (concerns ? "" : " (not used by this chain)"));
+    alike.push_back(0);
+  }
+  for (std::size_t i = 0; i < warnings.size(); ++i)
+    if (alike[i] > 0) warnings[i] += " (and the same " + counted(alike[i], "more time") + ")";
+  if (unused > most_unused_flaws)
+    warnings.push_back(counted(unused - most_unused_flaws, "more flaw") +
+                       " of the URDF outside this chain; qerr robot lists them");
+  return warnings;
 }
 
 std::size_t independent_index(const Chain& chain, std::string_view name) {

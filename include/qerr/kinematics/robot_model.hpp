@@ -44,16 +44,30 @@ struct Joint {
   Place place;
   std::optional<double> velocity_limit = {};  ///< of <limit>; empty: not given, or 0 [rad/s or m/s]
   std::optional<double> effort_limit = {};    ///< the same [N m or N]
+  /// Ratio that the URDF states for the joint's transmission: motor revolutions per joint revolution, for a
+  /// prismatic joint motor radians per metre.
+  std::optional<double> stated_ratio = {};
 };
 
-/// A valid kinematic tree: one root, every link reachable, one parent per link, unit axes, ordered finite
-/// limits, existing and acyclic mimic targets.
+/// A flaw of the URDF and the part of the robot that it concerns. A flaw of the document as a whole, such as
+/// a second root, names neither joints nor a link.
+struct Flaw {
+  Fault fault;
+  bool spoils = false;  ///< the part cannot be used; false: a warning will do
+  std::vector<std::string> joints = {};
+  std::string link = {};
+  /// Link above which a moving joint is missing, since its parent is not known.
+  std::string below_missing_joint = {};
+};
+
+/// Kinematic trees: at most one parent per link, no cycles, unit axes, ordered finite limits, existing and
+/// acyclic mimic targets. A sound URDF has one root; joints that a flaw excludes from the tree are left out.
 struct RobotModel {
   std::string name;
   std::string file;
-  std::vector<std::string> links;  ///< in file order
-  std::vector<Joint> joints;       ///< in file order
-  std::vector<std::string> warnings;
+  std::vector<std::string> links;      ///< in file order
+  std::vector<Joint> joints;           ///< in file order
+  std::vector<Flaw> flaws;             ///< in the order in which they were found
   std::vector<Inertia> inertias = {};  ///< one per link, in its frame; mass 0 if not in the file
 };
 

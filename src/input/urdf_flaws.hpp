@@ -1,0 +1,52 @@
+#pragma once
+
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "input/urdf_outline.hpp"
+#include "qerr/kinematics/robot_model.hpp"
+
+namespace qerr {
+
+/// The flaws of one document, each with the part of the robot that it concerns.
+class FlawList {
+ public:
+  explicit FlawList(std::string file) : file_(std::move(file)) {}
+
+  /// Further flaws concern this child of `<robot>`: a joint, a link, or the document for any other element.
+  void concern(const UrdfElement& element);
+  /// Further flaws concern the joint of this name.
+  void concern_joint(const std::string& name) { part_ = Flaw{.fault = {}, .joints = {name}}; }
+  void concern_document() { part_ = {}; }
+
+  /// A flaw after which the part cannot be used.
+  /// @throws Error with all of them when they are very many
+  template <class Located>
+  Flaw& spoil(const Located& at, std::string key, std::string rule, std::string found, std::string remedy) {
+    return add(
+        true,
+        {{file_, at.line, at.column}, std::move(key), std::move(rule), std::move(found), std::move(remedy)});
+  }
+
+  /// A flaw that no figure depends on.
+  template <class Located>
+  void warn(const Located& at, std::string key, std::string rule, std::string found = {},
+            std::string remedy = {}) {
+    add(false,
+        {{file_, at.line, at.column}, std::move(key), std::move(rule), std::move(found), std::move(remedy)});
+  }
+
+  void raise() const;  ///< @throws Error with the flaws that spoil a part, if there is any
+  std::vector<Flaw> take() { return std::move(flaws_); }
+
+ private:
+  Flaw& add(bool spoils, Fault fault);
+
+  std::string file_;
+  Flaw part_;
+  std::vector<Flaw> flaws_;
+  std::size_t spoiling_ = 0;
+};
+
+}  // namespace qerr

@@ -1,0 +1,149 @@
+#include "kinematics/tree.hpp"
+
+#include <algorithm>
+
+#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "qerr/kinematics/tree_ends.hpp"
+
+namespace qerr {
+
+namespace {
+
+Fault robot_fault(const RobotModel& robot, std::string key, std::string rule, std::string found,
+                  std::string remedy) {
+  return {{robot.file, 0, 0}, std::move(key), std::move(rule), std::move(found), std::move(remedy)};
+}
+
+/// The flaws that spoil a part for which `concerns` holds.
+template <class Predicate>
+std::vector<Fault> spoiling(const RobotModel& robot, Predicate concerns) {
+  std::vector<Fault> faults;
+  for (const Flaw& flaw : robot.flaws)
+    if (flaw.spoils && concerns(flaw)) faults.push_back(flaw.fault);
+  return faults;
+}
+
+constexpr auto any = [](const Flaw&) { return true; };
+
+void raise(const std::vector<Fault>& faults) {
+  if (!faults.empty()) throw Error(faults);
+}
+
+/// The root, which must be the only one. No flaw may leave open what belongs above it or beside it.
+std::string default_base(const RobotModel& robot, const Tree& tree) {
+  if (tree.roots().size() != 1) raise(spoiling(robot, any));
+  const std::string& root = tree.roots().front();
+  raise(spoiling(robot, [&](const Flaw& flaw) {
+    return flaw.below_missing_joint == root || (flaw.joints.empty() && flaw.link.empty());
+  }));
+  return root;
+}
+
+std::string default_tip(const RobotModel& robot, const std::string& base) {
+  const std::vector<TreeEnd> ends = tree_ends(robot, base);
+  if (ends.size() == 1) return ends.front().tip;
+  std::string names;
+  for (std::size_t i = 0; i < std::min<std::size_t>(ends.size(), 6); ++i)
+    names += (i ? ", '" : "'") + ends[i].tip + "' (" +
+             (i ? std::to_string(ends[i].joints.size()) : counted(ends[i].joints.size(), "moving joint")) +
+             ")";
+  std::vector<Fault> faults{robot_fault(robot, "robot.tip",
+                                        "the tip must be named when the tree has several leaves",
+                                        std::to_string(ends.size()) + " leaves",
+                                        "set robot.tip to a link, such as one of " + names +
+                                            (ends.size() > 6 ? ", ...; qerr robot lists all" : ""))};
+  for (const Fault& fault : spoiling(robot, any)) faults.push_back(fault);
+  throw Error(faults);
+}
+
+void require_link(const RobotModel& robot, const std::string& key, const std::string& link) {
+  if (std::find(robot.links.begin(), robot.links.end(), link) != robot.links.end()) return;
+  throw Error(robot_fault(robot, key, "no link of the URDF has this name", "'" + link + "'",
+                          did_you_mean(link, robot.links)));
+}
+
+}  // namespace
+
+Tree::Tree(const RobotModel& robot) : robot_(robot) {
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) {
+    above_[robot.joints[i].child] = i;
+    below_[robot.joints[i].parent].push_back(i);
+  }
+  for (const std::string& link : robot.links)
+    if (!above_.contains(link)) roots_.push_back(link);
+}
+
+const std::vector<std::size_t>& Tree::below(const std::string& link) const {
+  static const std::vector<std::size_t> none;
+  const auto found = below_.find(link);
+  return found == below_.end() ? none : found->second;
+}
+
+std::vector<std::size_t> Tree::path_to(const std::string& link) const {
+  std::vector<std::size_t> path;
+  for (auto up = above_.find(link); up != above_.end(); up = above_.find(robot_.joints[up->second].parent))
+    path.push_back(up->second);
+  std::reverse(path.begin(), path.end());
+  return path;
+}
+
+JointIndex joints_by_name(const RobotModel& robot) {
+  JointIndex by_name;
+  for (std::size_t i = 0; i < robot.joints.size(); ++i) by_name.emplace(robot.joints[i].name, i);
+  return by_name;
+}
+
+Drive drive_of(const RobotModel& robot, const JointIndex& by_name, std::size_t joint) {
+  Drive drive{joint};
+  while (robot.joints[drive.master].mimic) {
+    const Mimic& mimic = *robot.joints[drive.master].mimic;
+    drive.offset += drive.multiplier * mimic.offset;
+    drive.multiplier *= mimic.multiplier;
+    drive.master = by_name.at(mimic.joint);
+  }
+  return drive;
+}
+
+UsedParts::UsedParts(const RobotModel& robot, const TreePath& path) : links_{path.base} {
+  const JointIndex by_name = joints_by_name(robot);
+  for (const std::size_t on_path : path.joints) {
+    links_.insert(robot.joints[on_path].child);
+    for (std::size_t joint = on_path; joints_.insert(robot.joints[joint].name).second;) {
+      if (!robot.joints[joint].mimic) break;
+      joint = by_name.at(robot.joints[joint].mimic->joint);
+    }
+  }
+}
+
+bool UsedParts::concerned_by(const Flaw& flaw) const {
+  return (!flaw.link.empty() && links_.contains(flaw.link)) ||
+         std::any_of(flaw.joints.begin(), flaw.joints.end(),
+                     [&](const std::string& joint) { return joints_.contains(joint); });
+}
+
+TreePath find_path(const RobotModel& robot, const std::string& base, const std::string& tip) {
+  const Tree tree(robot);
+  if (!tip.empty()) require_link(robot, "robot.tip", tip);
+  if (!base.empty()) require_link(robot, "robot.base", base);
+  TreePath path;
+  path.base = base.empty() ? default_base(robot, tree) : base;
+  path.tip = tip.empty() ? default_tip(robot, path.base) : tip;
+  path.joints = tree.path_to(path.tip);
+  const auto first = std::find_if(path.joints.begin(), path.joints.end(),
+                                  [&](std::size_t joint) { return robot.joints[joint].parent == path.base; });
+  if (first == path.joints.end() && path.tip != path.base) {
+    // A flaw may have cut the tree between the two.
+    if (tree.roots().size() > 1) raise(spoiling(robot, any));
+    const std::string root = path.joints.empty() ? path.tip : robot.joints[path.joints.front()].parent;
+    throw Error(robot_fault(robot, "robot.tip", "the tip must be a descendant of base",
+                            "tip '" + path.tip + "', base '" + path.base + "'",
+                            "choose a base between the root '" + root + "' and the tip"));
+  }
+  path.joints.erase(path.joints.begin(), first);
+  const UsedParts used(robot, path);
+  raise(spoiling(robot, [&](const Flaw& flaw) { return used.concerned_by(flaw); }));
+  return path;
+}
+
+}  // namespace qerr
