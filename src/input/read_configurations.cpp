@@ -3,6 +3,7 @@
 #include <limits>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
 #include "input/joint_table.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
@@ -13,6 +14,7 @@ namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
 constexpr double most_grid_points = 1e12;
+constexpr std::size_t most_named = 6;  // joints in a warning
 
 Limits read_limits(const Field& f, const IndependentJoint& joint) {
   const std::vector<Field> ends = read_list(f);
@@ -23,7 +25,9 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   if (limits.lower > limits.upper)
     throw Error({f.node->place, f.path, "the lower limit is above the upper one", text_of(limits, joint),
                  "swap them"});
-  if (joint.limits && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
+  // An empty range is what exporters write for limits that nobody entered.
+  const bool narrows = joint.limits && joint.limits->lower < joint.limits->upper;
+  if (narrows && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
     throw Error({f.node->place, f.path, "the limits exceed those of the URDF", text_of(limits, joint),
                  "stay within " + text_of(*joint.limits, joint)});
   return limits;
@@ -31,15 +35,39 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
 
 /// The limits of a continuous joint must be given by the spec, those of any other joint by the URDF.
 Fault no_limits(const Object& o, const RobotModel& robot, const IndependentJoint& joint) {
-  const std::string in_spec = "configurations: {limits: {" + joint.name + ": [lower, upper]}}";
+  const std::string in_spec = "configurations: {limits: {" + joint.name + ": " +
+                              (joint.prismatic() ? "[0, 500 mm]" : "[-180 deg, 180 deg]") + "}}";
   if (joint.type == JointType::continuous)
     return {o.self().node->place, "configurations.limits." + joint.name,
-            "a continuous joint has no limits to sample in", "",
-            "add " + in_spec + ", such as [-180 deg, 180 deg]"};
+            "a continuous joint has no limits to sample in", "", "add its range, such as " + in_spec};
   const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
                                     [&](const Joint& j) { return j.name == joint.name; });
-  return {in_urdf->place, "joint '" + joint.name + "'", "the joint has no limits in the URDF", "",
-          "add lower and upper to its <limit>, or to the spec " + in_spec};
+  return {in_urdf->place, "joint '" + joint.name + "'",
+          std::string("the ") + (joint.prismatic() ? "prismatic" : "revolute") +
+              " joint has no limits in the URDF",
+          "", "add lower and upper to its <limit>, or its range to the spec, such as " + in_spec};
+}
+
+/// Warns of joints that do not move: exporters write [0, 0] for limits that nobody entered.
+void warn_of_empty_ranges(const Chain& chain, const std::vector<Limits>& ranges,
+                          std::vector<std::string>& warnings) {
+  std::string held;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < ranges.size(); ++i) {
+    if (ranges[i].lower != ranges[i].upper) continue;
+    if (++count <= most_named)
+      held += (held.empty() ? "'" : ", '") + chain.independent[i].name + "' at " + shortest(ranges[i].lower);
+  }
+  if (count > most_named) held += " and " + std::to_string(count - most_named) + " more";
+  if (count == 0) return;
+  const std::string remedy =
+      "; exporters write 0 for limits that nobody entered: correct <limit>, or give configurations.limits";
+  warnings.push_back(
+      count == ranges.size()
+          ? "the range of every joint is empty, so that a single configuration is analyzed and "
+            "the figures say nothing about the rest of the workspace: " +
+                held + remedy
+          : counted(count, "joint") + " with an empty range, held in place: " + held + remedy);
 }
 
 /// The range of every joint: the limits of the spec, else of the URDF. A continuous joint without limits is
@@ -65,13 +93,11 @@ std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& 
       ranges[i] = {-infinity, infinity};
     } else if (joint.limits) {
       ranges[i] = *joint.limits;
-      if (ranges[i].lower == ranges[i].upper)
-        spec.warnings.push_back("joint '" + joint.name + "' has an empty range in the URDF: it is held at " +
-                                shortest(ranges[i].lower));
     } else {
       faults.guard([&] { throw Error(no_limits(o, robot, joint)); });
     }
   }
+  if (!given_points && !faults.any()) warn_of_empty_ranges(chain, ranges, spec.warnings);
   return ranges;
 }
 

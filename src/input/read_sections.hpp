@@ -27,6 +27,8 @@ std::size_t find_joint(const RobotModel&, const Chain&, const std::string& name,
 bool off_chain(const RobotModel&, const Chain&, const std::string& name);
 
 void read_encoders(const Field&, const RobotModel&, Spec&, Faults&);
+/// Warns of gear ratios that contradict those of the URDF. @pre the encoders are read
+void warn_of_stated_ratios(const RobotModel&, Spec&);
 void read_coupling(const Field&, Spec&);
 /// The pose of the tool in the tip link.
 Eigen::Isometry3d read_tool(const Field&);

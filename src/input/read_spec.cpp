@@ -2,6 +2,8 @@
 #include <filesystem>
 
 #include "core/sha256.hpp"
+#include "core/text.hpp"
+#include "input/package_path.hpp"
 #include "input/read_sections.hpp"
 #include "input/read_text.hpp"
 #include "input/spec_format.hpp"
@@ -35,6 +37,7 @@ class SpecReader {
     read_chain(top.at("robot"));
     faults_.raise();  // all further sections refer to the joints of the chain
     section(top, "encoders", [&](const Field& f) { read_encoders(f, robot_, spec_, faults_); });
+    if (!faults_.any()) warn_of_stated_ratios(robot_, spec_);
     section(top, "coupling", [&](const Field& f) { read_coupling(f, spec_); });
     spec_.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
     section(top, "coordinates", [&](const Field& f) { read_coordinates(f, spec_); });
@@ -80,7 +83,7 @@ class SpecReader {
     faults_.guard([&] {
       const Object o(f, spec_format::robot());
       const Field urdf = o.at("urdf");
-      const std::string path = (std::filesystem::path(folder_) / *o.text("urdf")).string();
+      const std::string path = find_urdf(urdf, *o.text("urdf"));
       try {
         robot_ = read_urdf(path);
       } catch (const Error& e) {
@@ -90,9 +93,9 @@ class SpecReader {
                     Trouble::file_system);
       }
       spec_.robot_name = robot_.name;
-      spec_.warnings = robot_.warnings;
       try {
         spec_.model.chain = make_chain(robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
+        spec_.warnings = warnings_about(robot_, spec_.model.chain);
       } catch (const Error& e) {
         throw placed(e, f);
       }
@@ -100,6 +103,17 @@ class SpecReader {
         spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_tool(o.at("tool"));
       warn_about_units(spec_.model.chain, spec_.warnings);
     });
+  }
+
+  std::string find_urdf(const Field& urdf, const std::string& given) const {
+    try {
+      return urdf_path(given, folder_);
+    } catch (const Error& e) {
+      Fault fault = e.faults().front();
+      fault.place = urdf.node->place;
+      fault.key = urdf.path;
+      throw Error(fault);
+    }
   }
 
   /// Gives faults about `robot.base` and `robot.tip` their place in the spec instead of the URDF.
@@ -147,6 +161,25 @@ void check_sweep(const Node& root, const Spec& spec) {
   }
 }
 
+/// A robot given in place of its spec, which YAML reports as a misplaced `<`.
+void refuse_xml(const std::string& text, const std::string& path) {
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string::npos || text[begin] != '<') return;
+  const bool urdf = text.find("<robot") != std::string::npos;
+  const bool xacro = text.find("<xacro:") != std::string::npos;
+  throw Error(Fault{{path, 1, 1},
+                    "",
+                    std::string("this is ") +
+                        (xacro  ? "a xacro file"
+                         : urdf ? "a URDF"
+                                : "XML") +
+                        ", not a spec; a spec is YAML and names its URDF",
+                    quoted(text.substr(begin, std::min(text.find('\n', begin) - begin, std::size_t{40}))),
+                    xacro  ? "write a first spec: xacro " + path + " | qerr robot - --write-spec spec.yaml"
+                    : urdf ? "write a first spec: qerr robot " + path + " --write-spec spec.yaml"
+                           : "begin with 'qerr: 1'"});
+}
+
 }  // namespace
 
 Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
@@ -154,6 +187,7 @@ Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
 }
 
 Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& overrides) {
+  refuse_xml(text, path);
   Node root = parse_yaml(text, path);
   if (root.type == Node::Type::mapping)
     for (const auto& [key, value] : overrides.values) apply_override(root, key, value, "--set " + key);
