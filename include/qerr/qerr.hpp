@@ -28,6 +28,7 @@
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
+#include "qerr/kinematics/tree_ends.hpp"
 
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/filter.hpp"
@@ -61,6 +62,7 @@
 #include "qerr/design/threshold.hpp"
 
 #include "qerr/input/extended_spec.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/input/spec.hpp"
@@ -69,6 +71,7 @@
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/plan_report.hpp"
+#include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 // clang-format on

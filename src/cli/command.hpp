@@ -25,6 +25,7 @@ Command filter_command();
 Command simulate_command();
 Command diagnose_command();
 Command threshold_command();
+Command robot_command();
 Command list_command();
 Command schema_command();
 

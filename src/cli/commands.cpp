@@ -5,7 +5,7 @@ namespace qerr::cli {
 const std::vector<Command>& commands() {
   static const std::vector<Command> table{analyze_command(),  check_command(),    filter_command(),
                                           simulate_command(), diagnose_command(), threshold_command(),
-                                          list_command(),     schema_command()};
+                                          robot_command(),    list_command(),     schema_command()};
   return table;
 }
 

@@ -41,6 +41,34 @@ std::size_t display_width(std::string_view text) {
   return width;
 }
 
+std::string folded(std::string_view text, std::size_t width, std::string_view first, std::string_view next) {
+  std::string out, line(first);
+  bool empty = true;
+  const auto add = [&](std::string_view word) {
+    if (!empty && display_width(line) + 1 + display_width(word) > width) {
+      out += line + '\n';
+      line = next;
+      empty = true;
+    }
+    line += (empty ? "" : " ") + std::string(word);
+    empty = false;
+  };
+  const std::size_t room = width - std::min(width - 1, std::max(display_width(first), display_width(next)));
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
+    std::string_view word = text.substr(at, end - at);
+    while (display_width(word) > room) {  // bytes are at least as many as columns
+      std::size_t cut = room;
+      while (cut > 1 && (static_cast<unsigned char>(word[cut]) & 0xC0u) == 0x80u) --cut;
+      add(word.substr(0, cut));
+      word.remove_prefix(cut);
+    }
+    if (!word.empty()) add(word);
+    at = end + 1;
+  }
+  return out + line + '\n';
+}
+
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
 std::string counted(std::size_t count, std::string_view noun) {

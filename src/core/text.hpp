@@ -13,6 +13,10 @@ std::size_t utf8_length(std::string_view text, std::size_t at);
 /// Width of the text on a terminal, counted as one column per code point.
 std::size_t display_width(std::string_view text);
 
+/// The text in lines of at most `width` columns, broken at blanks and in words longer than a line, the
+/// first line after `first`, the others after `next`; each ends with a line break.
+std::string folded(std::string_view text, std::size_t width, std::string_view first, std::string_view next);
+
 /// Count and noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);
 

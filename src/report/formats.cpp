@@ -77,6 +77,9 @@ std::string write(const DiagnosisReport& r, std::string_view format, const Style
 std::string write(const PlanReport& r, std::string_view format, const Style& style) {
   return written(r, format, style);
 }
+std::string write(const RobotReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
 std::string write(const ListReport& r, std::string_view format, const Style& style) {
   return written(r, format, style);
 }

@@ -4,6 +4,7 @@
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/plan_report.hpp"
+#include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 
@@ -23,6 +24,7 @@ Writer<FilterReport> to_table, to_json, to_csv;
 Writer<SimulationReport> to_table, to_json, to_csv;
 Writer<DiagnosisReport> to_table, to_json, to_csv;
 Writer<PlanReport> to_table, to_json, to_csv;
+Writer<RobotReport> to_table, to_json, to_csv;
 Writer<ListReport> to_table, to_json, to_csv;
 
 }  // namespace qerr

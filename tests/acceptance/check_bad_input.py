@@ -97,6 +97,27 @@ def check_urdfs(t, qerr, folder):
         t.check(f"a generated URDF: {path.stem}", not problem, problem)
 
 
+def check_flawed_urdfs(t, qerr, folder):
+    """A flaw that the chain from base to tip does not use is a warning that names it."""
+    with open(CORPUS / "flawed_urdfs" / "expect.csv", newline="") as table:
+        rows = list(csv.DictReader(table))
+    present = {p.name for p in (CORPUS / "flawed_urdfs").glob("*.urdf")}
+    t.check("every flawed URDF is in expect.csv", present == {r["file"] for r in rows}, str(present))
+    for row in rows:
+        spec = folder / "flawed.yaml"
+        urdf = CORPUS / "flawed_urdfs" / row["file"]
+        spec.write_text(f"qerr: 1\nrobot: {{urdf: {urdf}, base: base_link, tip: tool0}}\n"
+                        "encoders: {'*': {bits: 14}}\nconfigurations: {count: 20}\n")
+        ran = run(qerr, "analyze", spec, limit=20)
+        message = ran.err.decode(errors="replace")
+        t.check(f"flawed_urdfs/{row['file']}", ran.code == 0 and row["substring"] in message and "warning: " in message,
+                f"exit code {ran.code}: {message[:400]}")
+        made = run(qerr, "robot", urdf, "--write-spec", spec, limit=20)
+        ran = run(qerr, "analyze", spec, limit=20)
+        t.check(f"flawed_urdfs/{row['file']}: the first spec is analyzed", made.code == 0 and ran.code == 0,
+                (made.err + ran.err).decode(errors="replace")[:400])
+
+
 def grown_specs(folder):
     start = f"qerr: 1\nrobot: {{urdf: {CORPUS / 'two_joints.urdf'}}}\nencoders: {{'*': {{bits: 14}}}}\n"
     made = {
@@ -128,6 +149,7 @@ def main():
             problem = faults(run(qerr, "analyze", path, limit=20))
             t.check(f"a generated spec: {path.stem}", not problem, problem)
         check_urdfs(t, qerr, folder)
+        check_flawed_urdfs(t, qerr, folder)
         exit_codes.check_good_specs(t, qerr, CORPUS)
         exit_codes.check_exit_codes(t, qerr, folder, spec_around(folder, CORPUS / "two_joints.urdf"))
     return t.close()

@@ -16,6 +16,7 @@ struct FilterReport;
 struct SimulationReport;
 struct DiagnosisReport;
 struct PlanReport;
+struct RobotReport;
 struct ListReport;
 
 /// A row of the list of output formats.
@@ -45,6 +46,7 @@ std::string write(const FilterReport&, std::string_view format, const Style& = {
 std::string write(const SimulationReport&, std::string_view format, const Style& = {});
 std::string write(const DiagnosisReport&, std::string_view format, const Style& = {});
 std::string write(const PlanReport&, std::string_view format, const Style& = {});
+std::string write(const RobotReport&, std::string_view format, const Style& = {});
 std::string write(const ListReport&, std::string_view format, const Style& = {});
 
 /// The result of `qerr list KIND`: the members of one family.

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "qerr/kinematics/chain.hpp"
+
+namespace qerr {
+
+/// The chain that a first spec describes: from `base` to `tip` where they are given, else to the end of the
+/// tree that is the likeliest tip (`tree_ends`) and can be used.
+/// @throws Error (input) if no chain of the robot can be used, or no joint moves
+Chain first_chain(const RobotModel&, const std::string& base = "", const std::string& tip = "");
+
+/// A commented spec of the chain that can be analyzed as it is.
+///
+/// Encoders, and ranges of joints that have none, are assumed and marked `ASSUMED`; a ratio that the URDF
+/// states is the gear ratio of an assumed motor encoder.
+/// @param urdf  path of the URDF relative to the spec
+std::string first_spec(const RobotModel&, const Chain&, const std::string& urdf);
+
+}  // namespace qerr

@@ -1,0 +1,190 @@
+#include "qerr/input/first_spec.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/text.hpp"
+#include "input/joint_table.hpp"
+#include "input/yaml_text.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
+#include "qerr/filter/family.hpp"
+#include "qerr/kinematics/jacobian.hpp"
+#include "qerr/kinematics/tree_ends.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr const char* assumed = "ASSUMED";
+constexpr std::size_t comment_width = 100;
+constexpr std::size_t most_other_ends = 4;  // in the comment on the tip
+
+/// Text as a value or key of YAML. A value that YAML could take for a number or for nothing is quoted.
+std::string yaml_text(const std::string& text) {
+  return flow_scalar(text, text == "~" || text == "null" || parse_number(text).has_value());
+}
+
+/// The example of the first kind of encoder that satisfies the condition.
+template <class Condition>
+Node example_of(Condition condition) {
+  const auto& kinds = encoder_kinds();
+  const auto kind = std::find_if(kinds.begin(), kinds.end(), condition);
+  return parse_yaml("{" + std::string(kind->example) + "}", "example");
+}
+
+void set(Node& entry, const std::string& key, const std::string& text) {
+  if (Node* value = entry.find(key))
+    *value = scalar_node(text);
+  else
+    entry.entries.push_back({{key, {}}, scalar_node(text)});
+}
+
+/// An entry of `encoders:` and what is assumed in it.
+struct AssumedEncoder {
+  std::string entry, assumption;
+};
+
+AssumedEncoder motor_encoder(const IndependentJoint& joint, double ratio) {
+  Node entry = example_of(
+      [](const EncoderKind& k) { return k.counts_per_rev && k.absolute_within == AbsoluteRange::none; });
+  if (!joint.prismatic()) {
+    set(entry, "gear_ratio", shortest(ratio));
+    return {flow(entry), "the counts; the ratio is the URDF's"};
+  }
+  set(entry, "gear_ratio", ratio < 0 ? "-1" : "1");
+  set(entry, "travel_per_rev", shortest(rounded_to(2 * std::numbers::pi / std::abs(ratio), 12)) + " m");
+  return {flow(entry), "the counts; the travel is 2 pi m over the URDF's ratio " + shortest(ratio)};
+}
+
+AssumedEncoder assumed_encoder(const RobotModel& robot, const IndependentJoint& joint) {
+  const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
+                                    [&](const Joint& j) { return j.name == joint.name; });
+  const double ratio = in_urdf->stated_ratio.value_or(1);
+  if (std::abs(ratio) != 1) return motor_encoder(joint, ratio);
+  if (joint.prismatic())
+    return {flow(example_of([](const EncoderKind& k) { return k.resolution_at_joint != nullptr; })),
+            "a linear scale on the joint"};
+  return {
+      flow(example_of([](const EncoderKind& k) { return k.absolute_within == AbsoluteRange::revolution; })),
+      "an absolute encoder on the joint side"};
+}
+
+/// Whether all joints of the chain have the range [0, 0], which exporters write for limits that nobody
+/// entered.
+bool has_empty_ranges_only(const Chain& chain) {
+  return std::all_of(chain.independent.begin(), chain.independent.end(), [](const IndependentJoint& j) {
+    return j.limits && j.limits->lower == j.limits->upper;
+  });
+}
+
+/// The assumed entry of `configurations: {limits:}`; "" where the URDF has the range.
+std::string assumed_range(const IndependentJoint& joint, bool empty) {
+  if (joint.limits && !empty) return "";
+  const std::string why = empty                                 ? "the URDF has the empty range [0, 0]"
+                          : joint.type == JointType::continuous ? "a continuous joint has no limits"
+                                                                : "the URDF has no limits";
+  return yaml_text(joint.name) + ": " + (joint.prismatic() ? "[-250 mm, 250 mm]" : "[-180 deg, 180 deg]") +
+         "  # " + assumed + ": " + why + '\n';
+}
+
+std::string other_ends(const RobotModel& robot, const Chain& chain) {
+  std::string text;
+  std::size_t count = 0;
+  for (const TreeEnd& end : tree_ends(robot)) {
+    if (end.tip == chain.tip || end.joints.empty()) continue;
+    if (++count > most_other_ends) continue;
+    text +=
+        (text.empty() ? "" : ", ") + escaped(end.tip, 60) + " (" + std::to_string(end.joints.size()) + ")";
+  }
+  if (count > most_other_ends) text += " and " + std::to_string(count - most_other_ends) + " more";
+  return text;
+}
+
+/// Whether the joints move the origin of the tip: a wheel only turns it.
+bool moves_position(const Chain& chain) {
+  const auto n = static_cast<Eigen::Index>(chain.independent.size());
+  for (const double angle : {0.1, 0.7})
+    if (jacobian(chain, Eigen::VectorXd::Constant(n, angle)).topRows(3).cwiseAbs().maxCoeff() > 1e-9)
+      return true;
+  return false;
+}
+
+std::string robot_section(const RobotModel& robot, const Chain& chain, const std::string& urdf) {
+  const std::string others = other_ends(robot, chain);
+  return "qerr: 1\nrobot:\n  urdf: " + yaml_text(urdf) + "\n  base: " + yaml_text(chain.base) +
+         "\n  tip: " + yaml_text(chain.tip) + "  # " + counted(chain.joints.size(), "moving joint") + '\n' +
+         (others.empty()
+              ? ""
+              : folded("other tips (and their moving joints): " + others, comment_width, "  # ", "  #   "));
+}
+
+std::string encoder_section(const RobotModel& robot, const Chain& chain) {
+  std::string text = "encoders:\n";
+  for (const IndependentJoint& joint : chain.independent) {
+    const AssumedEncoder encoder = assumed_encoder(robot, joint);
+    text += "  " + yaml_text(joint.name) + ": " + encoder.entry + "  # " + assumed + ": " +
+            encoder.assumption + '\n';
+  }
+  return text;
+}
+
+std::string filter_section() {
+  const auto& families = filter_families();
+  const auto family = std::find_if(families.begin(), families.end(),
+                                   [](const FilterFamily& f) { return !f.velocity_orders.empty(); });
+  return "filters:  # " + std::string(assumed) +
+         ": how the controller derives a velocity; `qerr list filters` has more\n"
+         "  velocity: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: " +
+         std::string(family->name) + ", order: 2, cutoff: 50 Hz}}\n";
+}
+
+std::string configuration_section(const Chain& chain) {
+  const bool empty = has_empty_ranges_only(chain);
+  std::string limits;
+  for (const IndependentJoint& joint : chain.independent) {
+    const std::string range = assumed_range(joint, empty);
+    if (!range.empty()) limits += "    " + range;
+  }
+  return limits.empty() ? "" : "configurations:\n  limits:\n" + limits;
+}
+
+}  // namespace
+
+Chain first_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
+  if (!tip.empty()) return make_chain(robot, base.empty() ? natural_base(robot, tip) : base, tip);
+  std::optional<Error> first;
+  for (const TreeEnd& end : tree_ends(robot, base)) {
+    if (end.joints.empty()) continue;
+    try {
+      return make_chain(robot, base.empty() ? natural_base(robot, end.tip) : base, end.tip);
+    } catch (const Error& e) {
+      if (!first) first = e;
+    }
+  }
+  if (first) throw *first;
+  throw Error(Fault{{robot.file},
+                    "",
+                    base.empty() ? "no joint of this robot moves" : "no joint below the base moves",
+                    counted(robot.joints.size(), "joint") + ", none revolute, continuous or prismatic",
+                    "there is nothing to analyze"});
+}
+
+std::string first_spec(const RobotModel& robot, const Chain& chain, const std::string& urdf) {
+  return "# First spec of robot '" + escaped(robot.name) +
+         "', from its URDF. It can be analyzed as it is.\n"
+         "# What is marked ASSUMED is not in the URDF: replace it by the figures of the data sheets\n"
+         "# (`qerr list encoders` shows every way to state an encoder), then `qerr analyze` this file.\n" +
+         robot_section(robot, chain, urdf) + encoder_section(robot, chain) +
+         (moves_position(chain)
+              ? "coordinates: [x, y, z]  # of the tip, in the base frame; also rx ry rz\n"
+              : "coordinates: [rx, ry, rz]  # the joints turn the tip but do not move it\n") +
+         filter_section() + configuration_section(chain) +
+         "# What the robot must reach, for `qerr check`:\n"
+         "# requirements:\n"
+         "#   - {quantity: position." +
+         (moves_position(chain) ? "x.worst_case, statistic: max, at_most: 0.1 mm}\n"
+                                : "rx.worst_case, statistic: max, at_most: 1 mrad}\n");
+}
+
+}  // namespace qerr

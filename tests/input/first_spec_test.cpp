@@ -1,0 +1,196 @@
+#include "qerr/input/first_spec.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <numbers>
+
+#include "qerr/input/spec.hpp"
+#include "support/urdf_text.hpp"
+
+namespace qerr {
+namespace {
+
+using namespace testing::urdf;
+
+/// A folder with robot.urdf, whose first spec is read as a user would read it.
+class FirstSpec : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("qerr_first_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+
+  std::string text_of(const std::string& urdf, const std::string& base = "", const std::string& tip = "") {
+    std::ofstream(folder_ / "robot.urdf") << urdf;
+    const RobotModel robot = read(urdf);
+    return first_spec(robot, first_chain(robot, base, tip), "robot.urdf");
+  }
+
+  Spec spec_of(const std::string& urdf, const std::string& base = "", const std::string& tip = "") {
+    return parse_spec(text_of(urdf, base, tip), (folder_ / "spec.yaml").string());
+  }
+
+  std::filesystem::path folder_;
+};
+
+std::string two_joints(const std::string& first, const std::string& second, const std::string& more = "",
+                       const std::string& type = "revolute") {
+  return robot(links + joint("ab", "revolute", "a", "b", "<origin xyz='1 0 0'/>" + first) +
+               joint("bc", type, "b", "c", "<origin xyz='1 0 0'/><axis xyz='0 0 1'/>" + second) + more);
+}
+
+TEST_F(FirstSpec, IsReadAsItIs) {
+  const Spec spec = spec_of(two_joints(limit, limit));
+  EXPECT_EQ(spec.model.chain.base, "a");
+  EXPECT_EQ(spec.model.chain.tip, "c");
+  ASSERT_EQ(spec.model.transmission.encoders.size(), 2u);
+  EXPECT_EQ(spec.configurations.ranges[0].lower, -1);
+  EXPECT_EQ(spec.configurations.ranges[0].upper, 2);
+  EXPECT_EQ(spec.filters.size(), 1u);
+  EXPECT_TRUE(spec.warnings.empty());
+}
+
+TEST_F(FirstSpec, StatesAnAssumptionForEachEncoderAndEachMissingRange) {
+  const std::string text = text_of(two_joints("", "", "", "continuous"));
+  for (const char* line : {"  ab: {bits: 17}  # ASSUMED", "  bc: {bits: 17}  # ASSUMED",
+                           "    ab: [-180 deg, 180 deg]  # ASSUMED: the URDF has no limits",
+                           "    bc: [-180 deg, 180 deg]  # ASSUMED: a continuous joint has no limits"})
+    EXPECT_NE(text.find(line), std::string::npos) << line << "\nin\n" << text;
+  EXPECT_NEAR(spec_of(two_joints("", "")).configurations.ranges[1].upper, std::numbers::pi, 1e-12);
+}
+
+TEST_F(FirstSpec, TakesTheRatiosThatTheUrdfStates) {
+  const std::string ratios =
+      "<transmission name='t'><joint "
+      "name='ab'/><mechanicalReduction>-101</mechanicalReduction></transmission>"
+      "<transmission name='u'><joint "
+      "name='bc'/><mechanicalReduction>-5000</mechanicalReduction></transmission>";
+  const Spec spec = spec_of(two_joints(limit, limit, ratios, "prismatic"));
+  EXPECT_NEAR(spec.model.transmission.encoders[0].shaft_ratio, -101, 1e-9);
+  EXPECT_NEAR(spec.model.transmission.encoders[1].shaft_ratio, -5000, 1e-6);
+  EXPECT_TRUE(spec.warnings.empty()) << spec.warnings.front();
+}
+
+TEST_F(FirstSpec, AssumesRangesWhereAllOfTheUrdfAreEmpty) {
+  const std::string zero = "<limit lower='0' upper='0' effort='0' velocity='0'/>";
+  EXPECT_NEAR(spec_of(two_joints(zero, zero)).configurations.ranges[0].lower, -std::numbers::pi, 1e-12);
+  EXPECT_EQ(spec_of(two_joints(zero, limit)).configurations.ranges[0].upper, 0);
+}
+
+TEST_F(FirstSpec, ChoosesTheFirstEndThatCanBeUsed) {
+  const std::string finger =
+      "<link name='d'/>" + joint("cd", "revolute", "c", "d", "<axis xyz='0 0 0'/>" + limit);
+  const std::string tool = "<link name='tool0'/>" + joint("ct", "fixed", "c", "tool0", "");
+  EXPECT_EQ(spec_of(two_joints(limit, limit, finger + tool)).model.chain.tip, "tool0");
+  EXPECT_EQ(spec_of(two_joints(limit, limit, tool), "b").model.chain.base, "b");
+  EXPECT_EQ(spec_of(two_joints(limit, limit, tool), "", "b").model.chain.tip, "b");
+}
+
+TEST_F(FirstSpec, GivesTheAnglesOfATipThatDoesNotMove) {
+  const Spec wheel =
+      spec_of(robot(links + joint("ab", "fixed", "a", "b", "") + joint("bc", "continuous", "b", "c", "")));
+  ASSERT_EQ(wheel.model.coordinates.size(), 3u);
+  EXPECT_EQ(wheel.model.coordinates[0], Coordinate::rx);
+}
+
+TEST_F(FirstSpec, QuotesNamesThatYamlWouldReadOtherwise) {
+  for (const std::string name : {"null", "12", "a: b", "x,y", "[j]", "wam/yaw", "#1", "~", " lead", "it's"}) {
+    const std::string attribute = "\"" + name + "\"";
+    const std::string urdf =
+        "<robot name='r'><link name='a'/><link name=" + attribute + "/><joint name=" + attribute +
+        " type='revolute'><parent link='a'/><child link=" + attribute + "/>" + limit + "</joint></robot>";
+    const Spec spec = spec_of(urdf);
+    EXPECT_EQ(spec.model.chain.tip, name);
+    EXPECT_EQ(spec.model.chain.independent.at(0).name, name);
+  }
+}
+
+TEST_F(FirstSpec, IsRefusedForARobotWithoutMotion) {
+  const RobotModel table =
+      read(robot(links + joint("ab", "fixed", "a", "b", "") + joint("bc", "fixed", "b", "c", "")));
+  try {
+    first_chain(table);
+    FAIL() << "a chain was found";
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("no joint of this robot moves"), std::string::npos) << e.what();
+  }
+}
+
+/// A spec by hand for robot.urdf.
+class SpecOfAUrdf : public FirstSpec {
+ protected:
+  Spec spec_with(const std::string& urdf, const std::string& more) {
+    std::ofstream(folder_ / "robot.urdf") << urdf;
+    return parse_spec("qerr: 1\nrobot: {urdf: robot.urdf}\n" + more, (folder_ / "spec.yaml").string());
+  }
+  std::string refusal_of(const std::string& urdf, const std::string& more) {
+    try {
+      spec_with(urdf, more);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "accepted";
+  }
+};
+
+const std::string bits = "encoders: {'*': {bits: 17}}\n";
+
+TEST_F(SpecOfAUrdf, WarnsOfARatioThatTheUrdfContradicts) {
+  const auto warning = [&](const std::string& stated, const std::string& entry) {
+    const Spec spec = spec_with(two_joints(limit, limit,
+                                           "<transmission name='t'><joint name='ab'/><mechanicalReduction>" +
+                                               stated + "</mechanicalReduction></transmission>"),
+                                "encoders: {ab: {" + entry + "}, bc: {bits: 17}}\n");
+    return spec.warnings.empty() ? "" : spec.warnings.front();
+  };
+  const std::string found = warning("101", "counts_per_rev: 4096, gear_ratio: 100");
+  EXPECT_NE(found.find("'ab' 101 (spec: gear_ratio 100)"), std::string::npos) << found;
+  EXPECT_NE(warning("-101", "counts_per_rev: 4096, gear_ratio: 101"), "");
+  EXPECT_NE(warning("101", "counts_per_rev: 4096"), "");
+  EXPECT_EQ(warning("101", "counts_per_rev: 4096, gear_ratio: 101"), "");
+  EXPECT_EQ(warning("36.167452", "counts_per_rev: 4096, gear_ratio: 36.17"), "");  // rounded
+  EXPECT_EQ(warning("1", "counts_per_rev: 4096, gear_ratio: 100"), "");            // a template's placeholder
+  EXPECT_EQ(warning("101", "resolution: 1 mrad"), "");                             // at the joint
+}
+
+TEST_F(SpecOfAUrdf, WarnsOnceWhereEveryRangeIsEmpty) {
+  const std::string zero = "<limit lower='0' upper='0' effort='0' velocity='0'/>";
+  const Spec spec = spec_with(two_joints(zero, zero), bits);
+  ASSERT_EQ(spec.warnings.size(), 1u);
+  EXPECT_NE(spec.warnings[0].find("a single configuration"), std::string::npos) << spec.warnings[0];
+  EXPECT_NE(spec.warnings[0].find("'ab' at 0, 'bc' at 0"), std::string::npos) << spec.warnings[0];
+  const Spec widened =
+      spec_with(two_joints(zero, zero), bits + "configurations: {limits: {ab: [-1, 1], bc: [0, 1]}}\n");
+  EXPECT_TRUE(widened.warnings.empty());
+  EXPECT_EQ(widened.configurations.ranges[0].upper, 1);
+}
+
+TEST_F(SpecOfAUrdf, NamesAPrismaticJointThatHasNoRange) {
+  const std::string said =
+      refusal_of(two_joints(limit, "", "", "prismatic"), "encoders: {'*': {resolution: 1e-6}}\n");
+  EXPECT_NE(said.find("joint 'bc': the prismatic joint has no limits"), std::string::npos) << said;
+  EXPECT_NE(said.find("bc: [0, 500 mm]"), std::string::npos) << said;
+}
+
+TEST_F(SpecOfAUrdf, IsAskedForWhereAUrdfIsGivenInItsPlace) {
+  const auto said = [](const std::string& text) {
+    try {
+      parse_spec(text, "arm.urdf");
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+    return std::string("accepted");
+  };
+  const std::string urdf = said("\n<?xml version='1.0'?>\n<robot name='r'/>");
+  EXPECT_NE(urdf.find("arm.urdf:1:1: this is a URDF, not a spec"), std::string::npos) << urdf;
+  EXPECT_NE(urdf.find("qerr robot arm.urdf --write-spec"), std::string::npos) << urdf;
+  EXPECT_NE(said("<robot xmlns:xacro='x'><xacro:arm/></robot>").find("xacro arm.urdf | qerr robot -"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace qerr
