@@ -18,7 +18,8 @@ namespace {
 
 constexpr const char* assumed = "ASSUMED";
 constexpr std::size_t comment_width = 100;
-constexpr std::size_t most_other_ends = 4;  // in the comment on the tip
+constexpr std::size_t most_tried_ends = 50;  // where the chains to all of them have flaws
+constexpr std::size_t most_other_ends = 4;   // in the comment on the tip
 
 /// Text as a value or key of YAML. A value that YAML could take for a number or for nothing is quoted.
 std::string yaml_text(const std::string& text) {
@@ -154,8 +155,9 @@ std::string configuration_section(const Chain& chain) {
 Chain first_chain(const RobotModel& robot, const std::string& base, const std::string& tip) {
   if (!tip.empty()) return make_chain(robot, base.empty() ? natural_base(robot, tip) : base, tip);
   std::optional<Error> first;
+  std::size_t tried = 0;
   for (const TreeEnd& end : tree_ends(robot, base)) {
-    if (end.joints.empty()) continue;
+    if (end.joints.empty() || ++tried > most_tried_ends) continue;
     try {
       return make_chain(robot, base.empty() ? natural_base(robot, end.tip) : base, end.tip);
     } catch (const Error& e) {

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::size_t most_ends = 20;
 constexpr std::size_t most_flaws = 12;
+constexpr std::size_t least_joint = 18;  // columns of the last joint's name
 
 std::string summary(const RobotReport& report) {
   std::map<std::string, std::size_t> types;
@@ -50,7 +51,7 @@ std::string end_text(const RobotReport& report) {
       continue;
     }
     rows.push_back({escaped(end.tip, 4096), std::to_string(end.joints.size()),
-                    fitted(report.robot.joints[end.joints.back()].name, 18), fitted(end.base, 14)});
+                    report.robot.joints[end.joints.back()].name, fitted(end.base, 14)});
   }
   for (const auto& [row, count] : beside) rows[row][0] += " +" + std::to_string(count);
   const std::size_t all = rows.size() - 1;
@@ -58,9 +59,14 @@ std::string end_text(const RobotReport& report) {
   if (all > most_ends) rows.resize(1 + most_ends);
   if (one_base(report))
     for (auto& row : rows) row.pop_back();
-  // A tip is typed, hence shown whole wherever it fits.
-  const std::size_t others = one_base(report) ? 2 + 2 + 13 + 2 + 18 : 2 + 2 + 13 + 2 + 18 + 2 + 14;
-  for (auto& row : rows) row[0] = fitted(row[0], robot_table_width - others);
+  // A tip is typed, hence shown whole wherever it fits; the joint has what is left.
+  const std::size_t room = robot_table_width - (one_base(report) ? 2 + 2 + 13 + 2 : 2 + 2 + 13 + 2 + 2 + 14);
+  std::size_t widest = 0;
+  for (auto& row : rows) {
+    row[0] = fitted(row[0], room - least_joint);
+    widest = std::max(widest, display_width(row[0]));
+  }
+  for (auto& row : rows) row[2] = fitted(row[2], room - widest);
   std::string text = aligned(rows);
   if (all > most_ends) text += "  and " + std::to_string(all - most_ends) + " more (--format json has all)\n";
   if (!beside.empty()) text += "  +n: as many more ends that the same joints move\n";
