@@ -37,6 +37,7 @@ constexpr std::array symbols{
     Symbol{"rad", 1, dimension::angle, true},
     Symbol{"deg", pi / 180, dimension::angle},
     Symbol{"°", pi / 180, dimension::angle},
+    Symbol{"º", pi / 180, dimension::angle},  // U+00BA, the key next to 0 on many keyboards
     Symbol{"arcmin", pi / 10800, dimension::angle},
     Symbol{"arcsec", pi / 648000, dimension::angle},
     Symbol{"rev", 2 * pi, dimension::angle},
@@ -190,35 +191,64 @@ std::optional<double> parse_number(std::string_view text) {
   return value;
 }
 
-std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) {
-  why.clear();
-  // The number extends over digits, points, signs and exponents; an 'e' belongs to it only before a digit or
-  // sign.
-  std::size_t end = 0;
+namespace {
+
+/// The end of the number that begins at `at`: digits, points, signs and exponents. An 'e' belongs to it only
+/// before a digit or sign.
+std::size_t end_of_number(std::string_view text, std::size_t at) {
+  std::size_t end = at;
   while (end < text.size()) {
     const char c = text[end];
     const bool exponent = (c == 'e' || c == 'E') && end + 1 < text.size() &&
                           (std::string_view("0123456789+-").find(text[end + 1]) != std::string_view::npos);
     const bool sign_after_exponent =
-        (c == '+' || c == '-') && (end == 0 || text[end - 1] == 'e' || text[end - 1] == 'E');
+        (c == '+' || c == '-') && (end == at || text[end - 1] == 'e' || text[end - 1] == 'E');
     if (!((c >= '0' && c <= '9') || c == '.' || exponent || sign_after_exponent)) break;
     ++end;
   }
+  return end;
+}
+
+std::size_t after_blanks(std::string_view text, std::size_t at) {
+  while (at < text.size() && text[at] == ' ') ++at;
+  return at;
+}
+
+/// The number or fraction at the start of the text, such as `0.5` or `1/100`. @returns it and its end
+std::optional<std::pair<double, std::size_t>> leading_number(std::string_view text) {
+  std::size_t end = end_of_number(text, 0);
   const auto number = parse_number(text.substr(0, end));
+  if (!number) return std::nullopt;
+  const std::size_t slash = after_blanks(text, end);
+  if (slash == text.size() || text[slash] != '/') return std::pair(*number, end);
+  const std::size_t below = after_blanks(text, slash + 1);
+  end = end_of_number(text, below);
+  if (end == below) return std::pair(*number, slash);  // no digit: the unit begins with the slash
+  const auto divisor = parse_number(text.substr(below, end - below));
+  if (!divisor || *divisor == 0) return std::nullopt;
+  const double quotient = *number / *divisor;
+  if (!std::isfinite(quotient) || (quotient == 0) != (*number == 0)) return std::nullopt;
+  return std::pair(quotient, end);
+}
+
+}  // namespace
+
+std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) {
+  why.clear();
+  const auto number = leading_number(text);
   if (!number) {
     why = "not a finite decimal number";
     return std::nullopt;
   }
-  while (end < text.size() && text[end] == ' ') ++end;
-  if (end == text.size()) return Quantity{*number, std::nullopt};
-  const auto unit = UnitReader(text.substr(end), why).whole();
+  const std::size_t end = after_blanks(text, number->second);
+  const auto unit = end == text.size() ? std::optional(Unit{}) : UnitReader(text.substr(end), why).whole();
   if (!unit) return std::nullopt;
-  const double value = unit->in_si(*number);
-  if (!std::isfinite(value) || (value == 0 && *number != 0)) {
+  const double value = unit->in_si(number->first);
+  if (!std::isfinite(value) || (value == 0 && number->first != 0)) {
     why = "not a finite decimal number";
     return std::nullopt;
   }
-  return Quantity{value, unit->dimension};
+  return Quantity{value, end == text.size() ? std::nullopt : std::optional(unit->dimension)};
 }
 
 std::optional<Unit> parse_unit(std::string_view text, std::string& why) {

@@ -30,25 +30,38 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 }  // namespace
 
-std::string nearest(std::string_view word, const std::vector<std::string>& known) {
-  if (word.size() > 64) return {};
-  std::string best;
-  std::size_t least = std::max<std::size_t>(1, word.size() / 3) + 1;
+namespace {
+
+/// The known names at the smallest distance, if that is a third of the shorter word at most: `mean` is not
+/// near `median`. Words of one or two letters are near others only in another case.
+std::vector<std::string> all_nearest(std::string_view word, const std::vector<std::string>& known) {
+  std::vector<std::string> best;
+  if (word.empty() || word.size() > 64) return best;
+  std::size_t least = word.size();
   for (const std::string& name : known) {
-    std::size_t d = distance(word, name);
     const bool begins = word.size() >= 3 && name.starts_with(word);
-    if (begins) d = std::min<std::size_t>(d, 1);
-    if (d < least) {
-      least = d;
-      best = name;
-    }
+    const std::size_t d = begins ? std::min<std::size_t>(distance(word, name), 1) : distance(word, name);
+    if (!begins && 3 * d > std::min(word.size(), name.size())) continue;
+    if (d > least) continue;
+    if (d < least) best.clear();
+    least = d;
+    best.push_back(name);
   }
   return best;
 }
 
+}  // namespace
+
+std::string nearest(std::string_view word, const std::vector<std::string>& known) {
+  const std::vector<std::string> best = all_nearest(word, known);
+  return best.empty() ? "" : best.front();
+}
+
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known) {
-  const std::string near = nearest(word, known);
-  if (!near.empty()) return "did you mean '" + near + "'?";
+  constexpr std::size_t most_suggestions = 2;
+  const std::vector<std::string> near = all_nearest(word, known);
+  if (!near.empty() && near.size() <= most_suggestions)
+    return "did you mean '" + near.front() + "'" + (near.size() > 1 ? " or '" + near.back() + "'" : "") + "?";
   std::string text = "known: ";
   for (std::size_t i = 0; i < known.size(); ++i) {
     if (i == 12) return text + ", ...";

@@ -6,11 +6,11 @@
 
 namespace qerr {
 
-/// The known name with the smallest edit distance to `word`; "" if that exceeds a third of the length of
-/// `word`.
+/// The known name with the smallest edit distance to `word`, not case-sensitive, or one that begins with it;
+/// "" if the distance exceeds a third of the shorter of the two.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
-/// "did you mean 'X'?" if a known name is near, otherwise "known: A, B, C" (at most 12 names).
+/// "did you mean 'X'?" if one or two known names are near, otherwise "known: A, B, C" (at most 12 names).
 std::string did_you_mean(std::string_view word, const std::vector<std::string>& known);
 
 }  // namespace qerr

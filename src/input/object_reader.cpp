@@ -2,20 +2,61 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
+#include "core/number_advice.hpp"
 #include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/unknown_key.hpp"
 
 namespace qerr {
 
 namespace {
 
+/// A kind of quantity as people call it, and units in which it is usually written.
+struct QuantityName {
+  Dimension dimension;
+  std::string_view name, units;
+};
+
+constexpr QuantityName quantity_names[]{
+    {dimension::none, "a plain number", ""},
+    {dimension::angle, "an angle", "rad, mrad, deg, arcmin or arcsec"},
+    {dimension::length, "a length", "m, mm or um"},
+    {dimension::time, "a time", "s, ms or us"},
+    {dimension::frequency, "a frequency", "Hz or kHz"},
+    {dimension::speed, "a speed", "m/s or mm/s"},
+    {dimension::angular_speed, "an angular speed", "rad/s, deg/s or rpm"},
+    {{1, 0, -2}, "an acceleration", "m/s^2 or mm/s^2"},
+    {{0, 1, -2}, "an angular acceleration", "rad/s^2 or deg/s^2"},
+};
+
+std::string name_of(const Dimension& d) {
+  for (const QuantityName& q : quantity_names)
+    if (q.dimension == d) return std::string(q.name);
+  return "a quantity in " + unit_name(d);
+}
+
+/// "give an angle in rad, mrad, ...".
 std::string unit_remedy(const Dimension& d) {
-  const std::string unit = unit_name(d);
-  return unit.empty() ? "a plain number" : "a number in " + unit + ", or with a unit of that kind";
+  for (const QuantityName& q : quantity_names)
+    if (q.dimension == d)
+      return "give " + std::string(q.name) + (q.units.empty() ? "" : " in " + std::string(q.units));
+  return "give a number in " + unit_name(d);
+}
+
+/// The value in the unit of the row. @throws Error (input) for a unit of another kind
+double in_dimension(const Field& f, const Quantity& q, const Parameter& p, Dimension expected) {
+  if (!q.dimension || *q.dimension == expected) return q.value;
+  if (p.angular && *q.dimension == dimension::angular_speed) return q.value / (2 * std::numbers::pi);
+  const std::string or_angular = p.angular ? ", or an angular frequency in rad/s" : "";
+  throw Error(f.fault("has the wrong kind of unit: this is " + name_of(*q.dimension),
+                      unit_remedy(expected) + or_angular));
 }
 
 /// "at least 1", "above 0 and below 500 Hz", ...
 std::string range_text(const Parameter& p) {
+  if (p.least == p.most) return "must be " + shortest(p.least);
   std::string text;
   if (std::isfinite(p.least)) text = (p.open_below ? "above " : "at least ") + shortest(p.least);
   if (std::isfinite(p.most))
@@ -28,6 +69,21 @@ bool in_range(const Parameter& p, double v) {
   return (p.open_below ? v > p.least : v >= p.least) && (p.open_above ? v < p.most : v <= p.most);
 }
 
+/// A misspelt key is one mistake: the key that is missing for it is not reported as well.
+void drop_explained(std::vector<Fault>& missing, const std::vector<Fault>& unknown,
+                    const std::vector<std::string>& known) {
+  const auto last_key = [](const Fault& f) { return f.key.substr(f.key.rfind('.') + 1); };
+  std::size_t unmatched = 0;
+  for (const Fault& fault : unknown) {
+    const std::string meant = nearest(last_key(fault), known);
+    const auto found =
+        std::find_if(missing.begin(), missing.end(), [&](const Fault& m) { return last_key(m) == meant; });
+    found == missing.end() ? void(++unmatched) : void(missing.erase(found));
+  }
+  missing.erase(missing.begin(),
+                missing.begin() + static_cast<std::ptrdiff_t>(std::min(unmatched, missing.size())));
+}
+
 }  // namespace
 
 double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
@@ -35,17 +91,29 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
   if (f.node->type != Node::Type::scalar) throw Error(f.fault("must be a number", unit_remedy(expected)));
   std::string why;
   const auto quantity = parse_quantity(f.node->text, why);
-  if (!quantity) throw Error(f.fault(why, unit_remedy(expected)));
+  if (!quantity) {
+    const NumberAdvice advice = advice_on_number(f.node->text, why);
+    throw Error(f.fault(advice.rule, advice.remedy.empty() ? unit_remedy(expected) : advice.remedy));
+  }
   if (f.node->quoted && !quantity->dimension)
     throw Error(f.fault("must be a number, not text", "remove the quotation marks"));
-  if (quantity->dimension && *quantity->dimension != expected)
-    throw Error(f.fault("has the wrong kind of unit", unit_remedy(expected)));
-  if (!in_range(p, quantity->value))
+  const double value = in_dimension(f, *quantity, p, expected);
+  if (!in_range(p, value))
     throw Error(f.fault("is out of range",
                         range_text(p) + (unit_name(expected).empty() ? "" : " " + unit_name(expected))));
-  if (p.kind == Kind::integer && quantity->value != std::floor(quantity->value))
-    throw Error(f.fault("must be an integer", range_text(p)));
-  return quantity->value;
+  if (p.kind == Kind::integer && value != std::floor(value))
+    throw Error(
+        f.fault("must be an integer", range_text(p).empty() ? "write a whole number" : range_text(p)));
+  return value;
+}
+
+void warn_of_degrees(const Field& f, double turns, std::vector<std::string>& warnings) {
+  const auto number =
+      f.node && f.node->type == Node::Type::scalar ? parse_number(f.node->text) : std::nullopt;
+  if (!number || std::abs(*number) <= turns * 2 * std::numbers::pi) return;
+  warnings.push_back(f.path + ": " + f.node->text + " without a unit is in rad, " +
+                     significant(std::abs(*number) / (2 * std::numbers::pi), 3) +
+                     " revolutions; degrees need their unit, '" + f.node->text + " deg'");
 }
 
 std::string read_choice(const Field& f, const Parameter& p) {
@@ -74,6 +142,8 @@ std::string read_text_value(const Field& f) {
 }
 
 std::vector<Field> read_list(const Field& f) {
+  if (f.node->type == Node::Type::null)
+    throw Error(f.fault("must be a list", "write [a, b, ...], or leave the key out"));
   if (f.node->type != Node::Type::sequence) throw Error(f.fault("must be a list", "write [a, b, ...]"));
   std::vector<Field> items;
   for (std::size_t i = 0; i < f.node->items.size(); ++i)
@@ -82,6 +152,12 @@ std::vector<Field> read_list(const Field& f) {
 }
 
 std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
+  if (f.node->type == Node::Type::null)
+    throw Error(
+        f.fault("must be a mapping", "indent its entries by two spaces below it, or leave the key out"));
+  if (f.node->type == Node::Type::scalar)
+    if (const std::string corrected = with_space_after_colon(f.node->text); !corrected.empty())
+      throw Error(f.fault("a colon after a key must be followed by a space", "write " + quoted(corrected)));
   if (f.node->type != Node::Type::mapping) throw Error(f.fault("must be a mapping", "write 'name: value'"));
   std::vector<std::pair<Node::Key, Field>> entries;
   for (const auto& [key, value] : f.node->entries)
@@ -89,20 +165,39 @@ std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
   return entries;
 }
 
+namespace {
+
+/// Instead of a mapping with known keys: says which keys it needs, `write {length: ...}`.
+void require_mapping(const Field& f, const std::vector<Parameter>& format) {
+  if (f.node->type == Node::Type::mapping) return;
+  std::string keys;
+  for (const Parameter& p : format)
+    if (p.required) keys += (keys.empty() ? "" : ", ") + std::string(p.name) + ": ...";
+  if (f.node->type == Node::Type::null || keys.empty() ||
+      (f.node->type == Node::Type::scalar && !with_space_after_colon(f.node->text).empty()))
+    read_map(f);
+  throw Error(f.fault("must be a mapping", "write {" + keys + "}"));
+}
+
+}  // namespace
+
 Object::Object(const Field& field, const std::vector<Parameter>& format) : field_(field), format_(format) {
   std::vector<std::string> known;
   for (const Parameter& p : format) known.emplace_back(p.name);
   std::vector<Fault> faults;
-  for (const auto& [key, value] : read_map(field))
-    if (std::find(known.begin(), known.end(), key.name) == known.end())
-      faults.push_back(
-          {key.place, value.path, "unknown key", "'" + key.name + "'", did_you_mean(key.name, known)});
+  require_mapping(field, format);
+  for (const Node::Entry& entry : field.node->entries)
+    if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
+      faults.push_back(unknown_key(field, entry, known));
+  std::vector<Fault> missing;
   for (const Parameter& p : format)
     if (p.required && !has(p.name))
-      faults.push_back({field.node->place,
-                        field.path.empty() ? std::string(p.name) : field.path + '.' + std::string(p.name),
-                        "missing key", "",
-                        "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
+      missing.push_back({field.node->place,
+                         field.path.empty() ? std::string(p.name) : field.path + '.' + std::string(p.name),
+                         "missing key", "",
+                         "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
+  drop_explained(missing, faults, known);
+  faults.insert(faults.end(), missing.begin(), missing.end());
   if (!faults.empty()) throw Error(faults);
 }
 

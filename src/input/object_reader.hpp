@@ -52,6 +52,10 @@ struct Field {
 /// @throws Error (input) like all functions below, if the value is not of this kind
 double read_number(const Field&, const Parameter&, Dimension coordinate = {});
 std::string read_choice(const Field&, const Parameter&);
+
+/// Warns of an angle beyond `turns` revolutions that is written without a unit: it is in rad, and was
+/// probably meant in degrees. Values that are no such number are left alone.
+void warn_of_degrees(const Field&, double turns, std::vector<std::string>& warnings);
 bool read_boolean(const Field&);
 std::string read_text_value(const Field&);
 std::vector<Field> read_list(const Field&);

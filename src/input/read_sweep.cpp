@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/number_advice.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 
@@ -14,7 +15,11 @@ Quantity end_of_range(const Object& o, const std::string& key) {
   const Field f = o.at(key);
   std::string why = "must be a number";
   const auto quantity = f.node->type == Node::Type::scalar ? parse_quantity(f.node->text, why) : std::nullopt;
-  if (!quantity) throw Error(f.fault(why, "a number, with a unit if the key has one"));
+  if (!quantity) {
+    const NumberAdvice advice = advice_on_number(f.node->text, why);
+    throw Error(f.fault(advice.rule,
+                        advice.remedy.empty() ? "a number, with a unit if the key has one" : advice.remedy));
+  }
   return *quantity;
 }
 

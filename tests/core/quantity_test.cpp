@@ -53,6 +53,17 @@ TEST(Quantity, ReadsTheUnitsOfTheContract) {
   EXPECT_EQ(quantity("0.3 mm/s")->value, 3e-4);
 }
 
+TEST(Quantity, ReadsFractions) {
+  EXPECT_EQ(quantity("1/100")->value, 0.01);
+  EXPECT_EQ(quantity("-1 / 3")->value, -1.0 / 3);
+  EXPECT_EQ(quantity("3/4 mm")->value, 0.75 / 1e3);
+  EXPECT_EQ(quantity("3/4 mm")->dimension, dimension::length);
+  EXPECT_EQ(quantity("0/5")->value, 0);
+  EXPECT_EQ(quantity("2 1/s")->dimension, dimension::frequency);
+  for (const char* text : {"1/0", "1/", "1//2", "1/2/3", "/2", "1/-", "1e-200/1e200", "1e200/1e-200"})
+    EXPECT_FALSE(quantity(text)) << text;
+}
+
 TEST(Quantity, RejectsTextOtherThanADecimalNumberWithAKnownUnit) {
   for (const char* text : {"",      " ",      "nan", ".nan",  "inf", "-.inf",           "1e400", "1e-400",
                            "0x1F",  "010",    "1,5", "1.2.3", "--1", "5 parsec",        "5 mm/", "5 (mm",

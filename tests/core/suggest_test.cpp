@@ -16,5 +16,12 @@ TEST(Suggest, FindsTheNearestNameAndNoDistantOne) {
   EXPECT_EQ(nearest("colour", known), "");
 }
 
+TEST(Suggest, DoesNotGuessAmongManyNamesOrFromAFewLetters) {
+  EXPECT_EQ(nearest("median", {"min", "mean", "max"}), "");
+  EXPECT_EQ(did_you_mean("a9", {"a1", "a2"}), "known: a1, a2");
+  EXPECT_EQ(did_you_mean("p98", {"mean", "p50", "p95", "p99"}), "did you mean 'p95' or 'p99'?");
+  EXPECT_EQ(did_you_mean("joint_9", {"joint_1", "joint_2", "joint_3"}), "known: joint_1, joint_2, joint_3");
+}
+
 }  // namespace
 }  // namespace qerr

@@ -31,6 +31,7 @@ struct Parameter {
   bool open_above = false;
   std::string_view choices = {};  ///< of a choice: "matched|tustin"; the first one is the default
   bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
+  bool angular = false;           ///< a frequency that may also be written as an angular one, in rad/s
 };
 
 /// The words of a list such as "matched|tustin".

@@ -33,7 +33,8 @@ struct Quantity {
 /// @returns empty if `text` is not such a number
 std::optional<double> parse_number(std::string_view text);
 
-/// A number with an optional unit: `50 Hz`, `0.125 mrad`, `5 mm/s`, `2 rad/s^2`, `3 rad/(N m)`, `12 %`.
+/// A number or a fraction of two numbers with an optional unit: `50 Hz`, `0.125 mrad`, `1/100`, `5 mm/s`,
+/// `2 rad/s^2`, `3 rad/(N m)`, `12 %`.
 ///
 /// Prefixes n u (or µ) m c k M of m, rad, s, Hz, N; further units are in, deg, arcmin, arcsec, rev, rpm, min,
 /// h, K, degC.

@@ -83,7 +83,8 @@ Parameter cutoff_row(std::string_view meaning) {
           .meaning = meaning,
           .required = true,
           .least = 0,
-          .open_below = true};
+          .open_below = true,
+          .angular = true};
 }
 
 double checked_number(const FilterDesign& design, const std::string& key, double above, double most,
