@@ -3,9 +3,10 @@
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/yaml.h>
 
-#include <charconv>
-#include <set>
+#include <map>
 #include <sstream>
+
+#include "input/yaml_syntax.hpp"
 
 namespace qerr {
 
@@ -27,13 +28,7 @@ class TreeBuilder : public YAML::EventHandler {
     return mark.is_null() ? Place{file_, 0, 0} : Place{file_, mark.line + 1, mark.column + 1};
   }
 
-  /// The text at a place, for messages about syntax.
-  std::string text_at(const YAML::Mark& mark) const {
-    const auto line = static_cast<std::size_t>(mark.line), column = static_cast<std::size_t>(mark.column);
-    if (mark.is_null() || line >= lines_.size() || column >= lines_[line].size())
-      return "the end of the line";
-    return "'" + lines_[line].substr(column, 40) + "'";
-  }
+  const std::vector<std::string>& lines() const { return lines_; }
 
   void OnDocumentStart(const YAML::Mark&) override {}
   void OnDocumentEnd() override {}
@@ -52,6 +47,7 @@ class TreeBuilder : public YAML::EventHandler {
     refuse_anchor(mark, anchor);
     const bool quoted = tag == "!";
     if (!quoted) refuse_tag(mark, tag);
+    if (!quoted) refuse_typographic_quotes(mark, value);
     refuse_several_lines(mark, value, quoted);
     add(Node{Node::Type::scalar, place(mark), value, quoted, {}, {}});
   }
@@ -73,7 +69,7 @@ class TreeBuilder : public YAML::EventHandler {
     Node node;
     bool has_key = false;
     Node::Key key;
-    std::set<std::string> keys = {};
+    std::map<std::string, int> keys = {};  ///< with their lines
   };
 
   void refuse_anchor(const YAML::Mark& mark, YAML::anchor_t anchor) const {
@@ -84,7 +80,15 @@ class TreeBuilder : public YAML::EventHandler {
 
   void refuse_tag(const YAML::Mark& mark, const std::string& tag) const {
     if (!tag.empty() && tag != "?" && tag != "!")
-      throw Error({place(mark), "", "tags are not supported", "'" + tag + "'", "leave the tag out"});
+      throw Error(
+          {place(mark), "", "tags are not supported", text_at(lines_, place(mark)), "leave the tag out"});
+  }
+
+  void refuse_typographic_quotes(const YAML::Mark& mark, const std::string& value) const {
+    for (const std::string_view quote : {"\u2018", "\u2019", "\u201C", "\u201D", "\u201E", "\u00B4", "`"})
+      if (value.starts_with(quote))
+        throw Error({place(mark), "", "typographic quotation marks do not quote", "'" + value + "'",
+                     "write the plain ' or \""});
   }
 
   /// In yaml-cpp a missing closing quotation mark extends the value to the end of the file; no value of a
@@ -146,8 +150,10 @@ class TreeBuilder : public YAML::EventHandler {
       throw Error({node.place, "", "a key must be plain text", described(node), "write 'key: value'"});
     if (node.text == "<<" && !node.quoted)
       throw Error({node.place, "<<", "merge keys are not supported", "'<<'", "write the values out"});
-    if (!top.keys.insert(node.text).second)
-      throw Error({node.place, node.text, "duplicate key", "'" + node.text + "'", "keep one of them"});
+    const auto [first, is_new] = top.keys.emplace(node.text, node.place.line);
+    if (!is_new)
+      throw Error({node.place, node.text, "duplicate key, already in line " + std::to_string(first->second),
+                   "'" + node.text + "'", "keep one of them"});
     top.key = {node.text, node.place};
     top.has_key = true;
   }
@@ -159,6 +165,40 @@ class TreeBuilder : public YAML::EventHandler {
   bool any_ = false;
 };
 
+/// The line that ends the first document: the first `---` or `...` after some content.
+Place second_document(const std::vector<std::string>& lines, const std::string& file) {
+  bool content = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const bool marker = lines[i].starts_with("---") || lines[i].starts_with("...");
+    if (content && marker) return {file, static_cast<int>(i) + 1, 1};
+    content = content || (!marker && !lines[i].empty() && lines[i][0] != '#');
+  }
+  return {file, 1, 1};
+}
+
+/// Line ends and lines that yaml-cpp takes for something else than their writer: it reads a lone carriage
+/// return as a blank, and ends the document at a line that begins with %, ignoring what follows.
+void refuse_odd_lines(const std::vector<std::string>& lines, const std::string& file) {
+  bool content = false;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const int number = static_cast<int>(i) + 1;
+    const std::size_t cr = lines[i].find('\r');
+    if (cr != std::string::npos && cr + 1 < lines[i].size())
+      throw Error({{file, number, static_cast<int>(cr) + 1},
+                   "",
+                   "a carriage return without a line feed",
+                   "",
+                   "end lines with LF or CR LF"});
+    if (content && lines[i].starts_with('%'))
+      throw Error({{file, number, 1},
+                   "",
+                   "a line must not begin with %",
+                   "'" + lines[i].substr(0, 40) + "'",
+                   "a comment begins with #"});
+    content = content || (!lines[i].empty() && lines[i][0] != '#' && lines[i][0] != '%');
+  }
+}
+
 bool only_comments(const std::string& text) {
   std::istringstream stream(text);
   for (std::string line; std::getline(stream, line);) {
@@ -166,36 +206,6 @@ bool only_comments(const std::string& text) {
     if (first != std::string::npos && line[first] != '#' && line.compare(first, 3, "---") != 0) return false;
   }
   return true;
-}
-
-/// The child of `node` that the first key of the path names, and the remaining path.
-std::pair<Node*, std::string> step(Node& node, const std::string& path, const Fault& fault) {
-  if (node.type == Node::Type::sequence) {
-    const std::size_t dot = std::min(path.find('.'), path.size());
-    std::size_t index = 0;
-    const auto [end, failure] = std::from_chars(path.data(), path.data() + dot, index);
-    if (failure != std::errc{} || end != path.data() + dot || index >= node.items.size()) throw Error(fault);
-    return {&node.items[index], dot == path.size() ? "" : path.substr(dot + 1)};
-  }
-  if (node.type == Node::Type::null) node.type = Node::Type::mapping;
-  if (node.type != Node::Type::mapping) throw Error(fault);
-  Node* child = nullptr;
-  std::size_t longest = 0;
-  for (auto& [key, value] : node.entries) {
-    const bool matches = path == key.name || path.starts_with(key.name + ".");
-    if (matches && key.name.size() >= longest) {
-      child = &value;
-      longest = key.name.size();
-    }
-  }
-  if (!child) {
-    longest = std::min(path.find('.'), path.size());
-    const Node::Key key{path.substr(0, longest), fault.place};
-    if (key.name.empty()) throw Error(fault);
-    node.entries.push_back({key, Node{Node::Type::null, fault.place, {}, false, {}, {}}});
-    child = &node.entries.back().value;
-  }
-  return {child, longest == path.size() ? "" : path.substr(longest + 1)};
 }
 
 }  // namespace
@@ -233,7 +243,14 @@ std::string described(const Node& node) {
 }
 
 Node parse_yaml(const std::string& text, const std::string& file) {
+  if (const std::size_t first = text.find_first_not_of(" \t\r\n"); first < text.size() && text[first] == '<')
+    throw Error({{file, 1, 1},
+                 "",
+                 "a spec is YAML, and this is XML",
+                 "'" + text.substr(first, 20) + "'",
+                 "name the URDF in a spec: robot: {urdf: FILE}"});
   TreeBuilder builder(text, file);
+  refuse_odd_lines(builder.lines(), file);
   try {
     std::istringstream stream(text);
     YAML::Parser parser(stream);
@@ -247,30 +264,12 @@ Node parse_yaml(const std::string& text, const std::string& file) {
     // At most one more call: on some malformed input yaml-cpp 0.7 reports documents without end.
     TreeBuilder second(text, file);
     if (parser.HandleNextDocument(second))
-      throw Error({second.place(YAML::Mark()), "", "a second YAML document follows",
+      throw Error({second_document(builder.lines(), file), "", "a second YAML document follows",
                    "'---' or text after the end", "keep one document in a file"});
   } catch (const YAML::Exception& e) {
-    throw Error({builder.place(e.mark), "", "not valid YAML: " + e.msg, "",
-                 "check indentation, brackets and quotes"});
+    throw Error(syntax_fault(builder.lines(), builder.place(e.mark), e.msg));
   }
   return builder.take();
-}
-
-void apply_override(Node& root, const std::string& path, const std::string& value,
-                    const std::string& origin) {
-  const Fault fault{{origin, 0, 0},
-                    path,
-                    "no such key in the spec",
-                    "'" + path + "'",
-                    "name a key by its path, such as filters.velocity.lowpass.cutoff, or a list's item by "
-                    "its number from 0"};
-  Node replacement = parse_yaml(value.empty() ? "''" : value, origin);
-  Node* node = &root;
-  std::string remaining = path;
-  do {
-    std::tie(node, remaining) = step(*node, remaining, fault);
-  } while (!remaining.empty());
-  *node = std::move(replacement);
 }
 
 }  // namespace qerr

@@ -49,11 +49,4 @@ std::string described(const Node&);
 /// @throws Error (input) with file, line and column
 Node parse_yaml(const std::string& text, const std::string& file);
 
-/// Replaces or adds the value at a dotted path (`filters.velocity.derivative`, `requirements.0.at_most`);
-/// where keys contain dots, the longest matching key is used.
-/// @param value  YAML text of the new value
-/// @throws Error (input) if the path passes through a scalar or beyond the end of a list, or if the value is
-/// not YAML
-void apply_override(Node& root, const std::string& path, const std::string& value, const std::string& origin);
-
 }  // namespace qerr
