@@ -14,8 +14,10 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w) {
     if (r.bound == Bound::sigma && !d.sigma)
       throw Error(
           Fault{r.place, "requirements",
-                "cannot be decided: what an effect of the spec adds behind a filter depends on the motion",
-                "'" + r.quantity + "'", "add `motion:`"});
+                "cannot be decided: what an effect of the spec, or the accuracy of an encoder, adds behind a "
+                "filter is not known",
+                "'" + r.quantity + "'",
+                "add `motion:`, state effects in place of `accuracy`, or ask for worst_case"});
     statistic = r.bound == Bound::sigma             ? &*d.sigma
                 : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
                                                     : &d.worst_case;

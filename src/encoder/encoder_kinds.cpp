@@ -40,6 +40,11 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .kind = Kind::choice,
        .meaning = "free: incremental without index, a constant error is not identifiable",
        .choices = "known|free"},
+      {.name = "accuracy",
+       .meaning = "data sheet's bound on the slow error: an angle of the encoder's shaft, or of the joint "
+                  "beside resolution; a length is at the joint",
+       .least = 0,
+       .coordinate = true},
   };
   return common;
 }

@@ -5,6 +5,7 @@
 #include <filesystem>
 
 #include "input/extended_filters.hpp"
+#include "input/override.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 

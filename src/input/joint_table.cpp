@@ -2,14 +2,36 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "core/suggest.hpp"
 #include "input/csv.hpp"
+#include "input/joint_entries.hpp"
 #include "qerr/core/unit.hpp"
 
 namespace qerr {
 
 namespace {
+
+/// Opens a table. A file that is no CSV may be any file: messages do not show its content.
+void open(std::optional<CsvReader>& table, const std::string& path) {
+  try {
+    table.emplace(path);
+  } catch (const Error& e) {
+    std::vector<Fault> faults = e.faults();
+    for (Fault& fault : faults) fault.found.clear();
+    throw Error(faults, e.trouble());
+  }
+}
+
+/// A file without any column of the chain is some other file, too.
+void require_columns(const CsvReader& table, const Chain& chain) {
+  for (const std::string& cell : table.header())
+    for (const std::string& name : joint_names(chain))
+      if (column_name(cell).name == name) return;
+  throw Error({table.header_place(0), "", "no column of the file is a joint of the chain", "",
+               "give a CSV file with a header of the joints' names: " + list_of_names(joint_names(chain))});
+}
 
 /// The scale of a column from its unit to SI.
 Unit column_unit(const std::string& cell, Dimension dimension, const Place& place) {
@@ -49,7 +71,10 @@ std::string text_of(const Limits& l, const IndependentJoint& joint) {
 
 JointTable read_joint_table(const std::string& path, const Chain& chain, TimeColumn with_time,
                             std::vector<std::string>& warnings) {
-  CsvReader table(path);
+  std::optional<CsvReader> opened;
+  open(opened, path);
+  CsvReader& table = *opened;
+  require_columns(table, chain);
   std::vector<std::size_t> columns;
   std::vector<Unit> units;
   const auto choose = [&](const std::string& name, Dimension dimension, const std::string& rule) {

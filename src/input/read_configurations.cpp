@@ -4,6 +4,7 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
@@ -70,20 +71,33 @@ void warn_of_empty_ranges(const Chain& chain, const std::vector<Limits>& ranges,
           : counted(count, "joint") + " with an empty range, held in place: " + held + remedy);
 }
 
+/// The limits in the spec. A joint with faulty ones has no others: they are not reported as missing.
+std::vector<std::optional<Limits>> given_limits(const Object& o, const RobotModel& robot, Spec& spec,
+                                                Faults& faults) {
+  const Chain& chain = spec.model.chain;
+  std::vector<std::optional<Limits>> given(chain.independent.size());
+  if (!o.has("limits")) return given;
+  const std::vector<JointEntry> entries = joint_entries(o.at("limits"), robot, spec, faults);
+  EntryFaults of_entries;
+  for (std::size_t i = 0; i < entries.size(); ++i) {
+    if (!entries[i].given()) continue;
+    given[i] = Limits{};
+    of_entries.guard(chain.independent[i], entries[i].holding(), [&] {
+      given[i] = read_limits(entries[i].holding(), chain.independent[i]);
+      if (chain.independent[i].prismatic()) return;
+      for (const Field& end : read_list(entries[i].holding())) warn_of_degrees(end, 4, spec.warnings);
+    });
+  }
+  faults.guard([&] { of_entries.raise(); });
+  return given;
+}
+
 /// The range of every joint: the limits of the spec, else of the URDF. A continuous joint without limits is
 /// unbounded where the configurations are given as points, and a fault otherwise.
 std::vector<Limits> read_ranges(const Object& o, const RobotModel& robot, Spec& spec, Faults& faults) {
   const bool given_points = o.has("points") || o.has("file");
   const Chain& chain = spec.model.chain;
-  std::vector<std::optional<Limits>> given(chain.independent.size());
-  if (o.has("limits"))
-    for (const auto& entry : read_map(o.at("limits")))
-      faults.guard([&] {
-        const std::size_t i =
-            find_joint(robot, chain, entry.first.name, entry.first.place, entry.second.path);
-        given[i] = Limits{};
-        given[i] = read_limits(entry.second, chain.independent[i]);
-      });
+  const std::vector<std::optional<Limits>> given = given_limits(o, robot, spec, faults);
   std::vector<Limits> ranges(chain.independent.size());
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const IndependentJoint& joint = chain.independent[i];
@@ -159,6 +173,14 @@ void refuse_for(const Object& o, const std::string& method, const std::vector<st
           o.at(key).fault("cannot be combined with method: " + method, "leave it out, or change the method"));
 }
 
+void warn_if_nothing_moves(Spec& spec) {
+  const auto& ranges = spec.configurations.ranges;
+  if (std::all_of(ranges.begin(), ranges.end(), [](const Limits& l) { return l.lower == l.upper; }))
+    spec.warnings.emplace_back(
+        "configurations: the range of every joint is empty: all configurations are the same one; give limits "
+        "in the URDF or in configurations.limits");
+}
+
 }  // namespace
 
 void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
@@ -179,7 +201,12 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
       read_point_file(o, folder, spec);
     return;
   }
+  for (const auto& [key, needed] : {std::pair{"points", "list"}, {"file", "file"}})
+    if (o.has(key) && !o.has("method"))
+      throw Error(o.at(key).fault(std::string("needs 'method: ") + needed + "' beside it",
+                                  std::string("add 'method: ") + needed + "'"));
   refuse_for(o, method, {"points", "file"});
+  warn_if_nothing_moves(spec);
   c.method = method == "sobol"    ? SamplingMethod::sobol
              : method == "random" ? SamplingMethod::random
                                   : SamplingMethod::grid;

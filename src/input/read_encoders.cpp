@@ -4,7 +4,10 @@
 
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
-#include "input/read_sections.hpp"
+#include "core/text.hpp"
+#include "input/encoder_comparison.hpp"
+#include "input/joint_entries.hpp"
+#include "input/unknown_key.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 
 namespace qerr {
@@ -31,10 +34,10 @@ const EncoderKind& first_kind(bool at_joint) {
   });
 }
 
-std::string list_of_kinds() {
-  std::string text;
-  for (const EncoderKind& kind : encoder_kinds()) text += (text.empty() ? "" : ", ") + std::string(kind.name);
-  return text;
+std::vector<std::string> list_of_kinds() {
+  std::vector<std::string> names;
+  for (const EncoderKind& kind : encoder_kinds()) names.emplace_back(kind.name);
+  return names;
 }
 
 const EncoderKind& kind_of(const Field& f) {
@@ -49,13 +52,14 @@ const EncoderKind& kind_of(const Field& f) {
   }
   if (found) return *found;
   std::vector<std::string> known;
-  for (const EncoderKind& kind : encoder_kinds()) known.emplace_back(kind.name);
-  for (const auto& [key, value] : read_map(f))
-    if (!nearest(key.name, known).empty())
-      throw Error(
-          {key.place, value.path, "unknown key", "'" + key.name + "'", did_you_mean(key.name, known)});
+  for (const EncoderKind& kind : encoder_kinds())
+    for (const Parameter& row : encoder_parameters(kind))
+      if (std::find(known.begin(), known.end(), row.name) == known.end()) known.emplace_back(row.name);
+  for (const Node::Entry& entry : f.node->entries)
+    if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
+      throw Error(unknown_key(f, entry, known));
   throw Error({f.node->place, f.path, "the encoder's counts are missing", described(*f.node),
-               "give one of " + list_of_kinds()});
+               "give one of " + did_you_mean("", list_of_kinds()).substr(7)});
 }
 
 std::vector<Parameter> format_of(const EncoderKind& kind) {
@@ -68,20 +72,40 @@ void refuse_key(const Object& o, std::string_view key, const std::string& why, c
   if (o.has(key)) throw Error(o.at(key).fault(why, remedy));
 }
 
+std::string own_entry_of_prismatic(const IndependentJoint& joint) {
+  return "write '" + joint.name + ": {" + std::string(first_kind(false).example) +
+         ", travel_per_rev: 10 mm}' (screw lead or pulley travel), or '" + joint.name + ": {" +
+         std::string(first_kind(true).example) + "}'";
+}
+
 /// Joint travel per encoder-shaft revolution before the gear: 2 pi, or the travel of screw or pulley.
-double travel_of(const Object& o, const IndependentJoint& joint) {
+/// @param shared  the entry holds for prismatic joints, too, whose travel it may state
+double travel_of(const Object& o, const IndependentJoint& joint, bool shared) {
   if (!joint.prismatic()) {
-    refuse_key(o, "travel_per_rev", "joint '" + joint.name + "' is not prismatic", "remove travel_per_rev");
+    if (!shared)
+      refuse_key(o, "travel_per_rev", "a revolute joint has no travel per revolution",
+                 "remove travel_per_rev");
     return 2 * std::numbers::pi;
   }
   if (const auto travel = o.number("travel_per_rev")) return *travel;
-  throw Error({o.self().node->place, o.self().path, "a prismatic joint needs its travel per revolution",
-               described(*o.self().node),
-               "add travel_per_rev: 10 mm (screw lead or pulley travel), or give " +
-                   std::string(first_kind(true).example)});
+  throw Error({o.self().node->place, o.self().path,
+               "joint '" + joint.name + "' is prismatic and needs its travel per revolution",
+               described(*o.self().node), own_entry_of_prismatic(joint)});
 }
 
-std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const IndependentJoint& joint) {
+/// The bound of `accuracy` in joint coordinates. An angle is one of the encoder's shaft, where there is one;
+/// a length is at the prismatic joint.
+double accuracy_at_joint(const Object& o, const IndependentJoint& joint, const std::optional<double>& ratio) {
+  if (!o.has("accuracy")) return 0;
+  const Field f = o.at("accuracy");
+  std::string why;
+  const auto written = f.node->type == Node::Type::scalar ? parse_quantity(f.node->text, why) : std::nullopt;
+  const bool of_shaft = ratio && (!joint.prismatic() || (written && written->dimension == dimension::angle));
+  const double bound = *o.number("accuracy", of_shaft ? dimension::angle : coordinate_dimension(joint));
+  return of_shaft ? bound / std::abs(*ratio) : bound;
+}
+
+std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const IndependentJoint& joint, bool shared) {
   if (f.node->type == Node::Type::mapping)
     refuse_ambiguous_keys(f);
   else
@@ -98,9 +122,10 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     figures.gear_ratio = o.number("gear_ratio").value();
     if (figures.gear_ratio == 0)
       throw Error(o.at("gear_ratio").fault("must not be zero", "encoder revolutions per joint revolution"));
-    const double travel = travel_of(o, joint);
+    const double travel = travel_of(o, joint, shared);
     encoder.resolution = travel / (figures.counts_per_rev * std::abs(figures.gear_ratio));
     encoder.shaft_ratio = 2 * std::numbers::pi * figures.gear_ratio / travel;
+    encoder.accuracy = accuracy_at_joint(o, joint, encoder.shaft_ratio);
     if (kind.counts_per_period)
       encoder.counts_per_period = kind.counts_per_period(numbers, o.choices(kind.parameters));
   } else {
@@ -108,6 +133,7 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     refuse_key(o, "travel_per_rev", "a resolution at the joint has no travel per revolution",
                "remove travel_per_rev");
     encoder.resolution = kind.resolution_at_joint(numbers, o.choices(kind.parameters));
+    encoder.accuracy = accuracy_at_joint(o, joint, std::nullopt);
     figures.counts_per_rev = 2 * std::numbers::pi / encoder.resolution;
   }
   if (!(encoder.resolution > 0) || !std::isfinite(encoder.resolution))
@@ -120,74 +146,68 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
   return {encoder, figures};
 }
 
-}  // namespace
-
-std::vector<std::string> joint_names(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const IndependentJoint& joint : chain.independent) names.push_back(joint.name);
-  return names;
+/// Whether one of the joints of this entry is prismatic: its travel_per_rev is then that joint's.
+bool holds_for_prismatic(const std::vector<JointEntry>& entries, const Chain& chain, const Field& entry) {
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    if (entries[i].given() && entries[i].holding().node == entry.node && chain.independent[i].prismatic())
+      return true;
+  return false;
 }
 
-std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::string& name,
-                       const Place& place, const std::string& path) {
-  const std::vector<std::string> names = joint_names(chain);
-  const auto found = std::find(names.begin(), names.end(), name);
-  if (found != names.end()) return static_cast<std::size_t>(found - names.begin());
-  for (const Joint& joint : robot.joints) {
-    if (joint.name != name) continue;
-    const std::string quoted = "'" + name + "'";
-    if (joint.mimic)
-      throw Error({place, path, "a mimic joint has no entry of its own",
-                   quoted + ", which follows '" + joint.mimic->joint + "'",
-                   "give it for '" + joint.mimic->joint + "'"});
-    if (joint.type == JointType::fixed)
-      throw Error({place, path, "the joint is fixed", quoted, did_you_mean("", names)});
-    throw Error({place, path, "the joint is not between base and tip", quoted, did_you_mean("", names)});
+/// One fault for the revolute joints without an encoder, and one for each prismatic one, which needs an entry
+/// of its own.
+void refuse_missing(const Field& f, const Chain& chain, const std::vector<std::size_t>& missing) {
+  std::vector<Fault> faults;
+  std::vector<std::string> revolute;
+  for (const std::size_t i : missing) {
+    const IndependentJoint& joint = chain.independent[i];
+    if (joint.prismatic())
+      faults.push_back({f.node->place, f.path + '.' + joint.name, "the prismatic joint has no encoder", "",
+                        own_entry_of_prismatic(joint)});
+    else
+      revolute.push_back(joint.name);
   }
-  throw Error({place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names)});
+  if (!revolute.empty()) {
+    const bool one = revolute.size() == 1;
+    faults.push_back({f.node->place, one ? f.path + '.' + revolute.front() : f.path,
+                      one ? "the joint has no encoder" : "joints have no encoder",
+                      one ? "" : list_of_names(revolute),
+                      "add '" + revolute.front() + ": {" + std::string(first_kind(false).example) +
+                          "}', or '*' in quotation marks for all other joints"});
+  }
+  if (!faults.empty()) throw Error(faults);
 }
 
-bool off_chain(const RobotModel& robot, const Chain& chain, const std::string& name) {
-  const auto is_it = [&](const auto& joint) { return joint.name == name; };
-  const auto joint = std::find_if(robot.joints.begin(), robot.joints.end(), is_it);
-  return joint != robot.joints.end() && joint->type != JointType::fixed && !joint->mimic &&
-         std::none_of(chain.independent.begin(), chain.independent.end(), is_it);
-}
+}  // namespace
 
 void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
   const Chain& chain = spec.model.chain;
-  std::vector<Field> of_joint(chain.independent.size());
-  Field others;  // of `*`
-  for (const auto& [key, value] : read_map(f)) {
-    if (key.name == "*") {
-      others = value;
-    } else if (off_chain(robot, chain, key.name)) {
-      spec.warnings.push_back("encoders." + key.name + " is not used: the joint is not between base and tip");
-    } else {
-      const Node::Key& joint = key;  // a structured binding cannot be captured
-      const Field& entry = value;
-      faults.guard([&] { of_joint[find_joint(robot, chain, joint.name, joint.place, entry.path)] = entry; });
-    }
-  }
   Transmission& transmission = spec.model.transmission;
-  transmission.encoders.resize(of_joint.size());
-  spec.encoder_figures.resize(of_joint.size());
-  bool others_are_faulty = false;
-  for (std::size_t i = 0; i < of_joint.size(); ++i) {
+  const std::size_t n = chain.independent.size();
+  transmission.encoders.resize(n);
+  transmission.coupling =
+      Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  spec.encoder_figures.resize(n);
+  const std::vector<JointEntry> entries = joint_entries(f, robot, spec, faults);
+  const bool complete = !faults.any();  // a misspelt name leaves its joint without an entry
+  EntryFaults of_entries;
+  std::vector<std::size_t> missing;
+  for (std::size_t i = 0; i < n; ++i) {
     const IndependentJoint& joint = chain.independent[i];
-    if (!of_joint[i].node && others_are_faulty) continue;  // reported once, not for every joint
-    const bool good = faults.guard([&] {
-      if (!of_joint[i].node && !others.node)
-        throw Error({f.node->place, f.path + '.' + joint.name, "the joint has no encoder", "",
-                     "add '" + joint.name + ": {" + std::string(first_kind(false).example) +
-                         "}', or '*' for all other joints"});
-      const Field& entry = of_joint[i].node ? of_joint[i] : others;
-      std::tie(transmission.encoders[i], spec.encoder_figures[i]) = read_encoder(entry, joint);
+    if (!entries[i].given()) {
+      missing.push_back(i);
+      continue;
+    }
+    const Field& entry = entries[i].holding();
+    of_entries.guard(joint, entry, [&] {
+      std::tie(transmission.encoders[i], spec.encoder_figures[i]) =
+          read_encoder(entry, joint, holds_for_prismatic(entries, chain, entry));
+      compare_with_patterns(entries[i], spec.warnings);
+      warn_of_gear(entry, spec.warnings);
     });
-    others_are_faulty = others_are_faulty || (!good && !of_joint[i].node && others.node);
   }
-  const auto n = static_cast<Eigen::Index>(of_joint.size());
-  transmission.coupling = Eigen::MatrixXd::Identity(n, n);
+  faults.guard([&] { of_entries.raise(); });
+  if (complete) faults.guard([&] { refuse_missing(f, chain, missing); });
 }
 
 void read_coupling(const Field& f, Spec& spec) {

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 
 #include "core/suggest.hpp"
@@ -186,6 +187,35 @@ Error placed(const Error& e, const Field& f) {
   return Error(faults, e.trouble());
 }
 
+/// The order of the derivative that a filter's name promises: `velocity`, `joint_vel`, `acc`; 0 if none.
+int promised_derivative(const std::string& name) {
+  std::string lower;
+  for (const char c : name)
+    lower += std::isalpha(static_cast<unsigned char>(c))
+                 ? static_cast<char>(std::tolower(static_cast<unsigned char>(c)))
+                 : ' ';
+  lower = ' ' + lower + ' ';
+  const auto has = [&](std::string_view part) { return lower.find(part) != std::string::npos; };
+  if (has("jerk")) return 3;
+  if (has("accel") || has(" acc ")) return 2;
+  return has("veloc") || has("speed") || has(" vel ") ? 1 : 0;
+}
+
+/// A filter estimates what `derivative` says; its name says nothing to the program, but much to its reader.
+void warn_of_name(const std::string& path, const std::string& name, const Object& o,
+                  std::vector<std::string>& warnings) {
+  const int promised = promised_derivative(name), derivative = static_cast<int>(*o.number("derivative"));
+  if (promised == 0 || promised == derivative || (derivative == 0 && o.has("derivative"))) return;
+  const std::string order = std::to_string(promised);
+  warnings.push_back(
+      derivative == 0
+          ? path +
+                " has no 'derivative:' and estimates a position; if it is to estimate what it is named "
+                "after, add 'derivative: " +
+                order + "'; if not, 'derivative: 0'"
+          : path + " has 'derivative: " + std::to_string(derivative) + "', and its name suggests " + order);
+}
+
 }  // namespace
 
 void read_filters(const Field& f, Spec& spec, Faults& faults) {
@@ -197,6 +227,7 @@ void read_filters(const Field& f, Spec& spec, Faults& faults) {
         throw Error({key.place, field.path, "the name is reserved: 'position' is the unfiltered coordinate",
                      "'" + key.name + "'", "choose another name"});
       const Object o(field, spec_format::filter());
+      warn_of_name(field.path, key.name, o, spec.warnings);
       try {
         const Filter filter = design(o);
         spec.filters.push_back({key.name, filter, norms_of(filter)});

@@ -3,6 +3,7 @@
 #include <filesystem>
 
 #include "core/suggest.hpp"
+#include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -34,11 +35,13 @@ std::vector<Move> read_moves(const Object& o, Dimension unit) {
   return moves;
 }
 
-JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
+JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint,
+                              std::vector<std::string>& warnings) {
   const Object o(f, spec_format::joint_motion());
   const Dimension unit = coordinate_dimension(joint);
   JointMotion motion;
   motion.center = *o.number("center", unit);
+  if (o.has("center") && !joint.prismatic()) warn_of_degrees(o.at("center"), 4, warnings);
   motion.velocity = *o.number("velocity", over_time(unit, 1));
   if (o.has("moves")) motion.moves = read_moves(o, unit);
   if (!o.has("sines")) return motion;
@@ -46,6 +49,7 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint) {
     const Object sine(item, spec_format::sine());
     motion.sines.push_back(
         {*sine.number("amplitude", unit), *sine.number("frequency"), *sine.number("phase")});
+    if (sine.has("phase")) warn_of_degrees(sine.at("phase"), 1, warnings);
   }
   return motion;
 }
@@ -88,27 +92,35 @@ void check_encoder(const Object& o, const Effect& effect, std::size_t joint, Spe
                             std::string(kind.period_remedy));
 }
 
-Effect read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
-  const EffectKind& kind = effect_kind_of(f);
-  std::vector<Parameter> format = spec_format::effect();
-  format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
-  const Object o(f, format);
-  Effect effect{std::string(kind.name), {}, {}, {}};
-  const auto joint = o.text("joint");
-  if (!joint)
-    throw Error(
-        {f.node->place, f.path + ".joint", "missing key", "", "add 'joint: NAME', the joint it acts on"});
-  const std::size_t index =
-      find_joint(robot, spec.model.chain, *joint, o.at("joint").node->place, o.at("joint").path);
-  effect.joint = *joint;
-  // Rows are written for revolute joints.
+/// The effect on one joint. Rows are written for revolute joints.
+Effect effect_on(const Object& o, const EffectKind& kind, const std::vector<Parameter>& format,
+                 std::size_t index, Spec& spec) {
   const IndependentJoint& of = spec.model.chain.independent[index];
-  for (Parameter& row : format) row.dimension = dimension_at(row, of.prismatic());
-  const Object typed(f, format);
+  std::vector<Parameter> rows = format;
+  for (Parameter& row : rows) row.dimension = dimension_at(row, of.prismatic());
+  const Object typed(o.self(), rows);
+  Effect effect{std::string(kind.name), of.name, {}, {}};
   effect.numbers = typed.numbers(kind.parameters, coordinate_dimension(of));
   effect.choices = typed.choices(kind.parameters);
   check_encoder(o, effect, index, spec);
   return effect;
+}
+
+/// An entry of `effects`: an effect for each joint that its `joint` names.
+void read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
+  const EffectKind& kind = effect_kind_of(f);
+  std::vector<Parameter> format = spec_format::effect();
+  format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
+  const Object o(f, format);
+  for (const Parameter& row : kind.parameters)
+    if (row.dimension == dimension::angle && o.has(row.name))
+      warn_of_degrees(o.at(row.name), 1, spec.warnings);
+  EntryFaults of_joints;
+  for (const std::size_t index :
+       find_joints(robot, spec.model.chain, *o.text("joint"), o.at("joint").node->place, o.at("joint").path))
+    of_joints.guard(spec.model.chain.independent[index], f,
+                    [&] { spec.effects.push_back(effect_on(o, kind, format, index, spec)); });
+  of_joints.raise();
 }
 
 /// Whether the motion can exceed the limits: a bound on its range by the sums of amplitudes, without
@@ -201,7 +213,7 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
         const std::size_t i =
             find_joint(robot, spec.model.chain, entry.first.name, entry.first.place, entry.second.path);
         places[i] = entry.first.place;
-        motion.joints[i] = read_joint_motion(entry.second, spec.model.chain.independent[i]);
+        motion.joints[i] = read_joint_motion(entry.second, spec.model.chain.independent[i], spec.warnings);
       });
     }
     if (!valid) return;
@@ -219,8 +231,7 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
 }
 
 void read_effects(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
-  for (const Field& item : read_list(f))
-    faults.guard([&] { spec.effects.push_back(read_effect(item, robot, spec)); });
+  for (const Field& item : read_list(f)) faults.guard([&] { read_effect(item, robot, spec); });
 }
 
 }  // namespace qerr

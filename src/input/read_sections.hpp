@@ -15,17 +15,6 @@ inline Dimension coordinate_dimension(const IndependentJoint& joint) {
   return joint.prismatic() ? dimension::length : dimension::angle;
 }
 
-std::vector<std::string> joint_names(const Chain&);
-
-/// The index of the independent joint of this name.
-/// @throws Error if the name is unknown, or belongs to a fixed joint, a mimic joint (the message names the
-/// joint it mimics) or a joint outside the chain
-std::size_t find_joint(const RobotModel&, const Chain&, const std::string& name, const Place&,
-                       const std::string& path);
-
-/// Whether the joint exists and moves but is not part of the chain: an entry for it is not used.
-bool off_chain(const RobotModel&, const Chain&, const std::string& name);
-
 void read_encoders(const Field&, const RobotModel&, Spec&, Faults&);
 /// Warns of gear ratios that contradict those of the URDF. @pre the encoders are read
 void warn_of_stated_ratios(const RobotModel&, Spec&);

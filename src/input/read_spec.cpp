@@ -1,12 +1,15 @@
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 
 #include "core/sha256.hpp"
 #include "core/text.hpp"
 #include "input/package_path.hpp"
+#include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/read_text.hpp"
 #include "input/spec_format.hpp"
+#include "input/unknown_key.hpp"
 #include "qerr/input/read_urdf.hpp"
 
 namespace qerr {
@@ -50,6 +53,9 @@ class SpecReader {
     section(top, "motion", [&](const Field& f) { read_motion(f, folder_, robot_, spec_, faults_); });
     section(top, "effects", [&](const Field& f) { read_effects(f, robot_, spec_, faults_); });
     section(top, "sweep", [&](const Field& f) { read_sweep(f, spec_, faults_); });
+    if (!spec_.sweep.empty())
+      spec_.warnings.emplace_back(
+          "sweep: is not used by this command: its figures are those of the spec's own values");
     faults_.raise();  // requirements refer to coordinates and filters
     section(top, "requirements", [&](const Field& f) { read_requirements(f, spec_, faults_); });
     faults_.raise();
@@ -63,6 +69,7 @@ class SpecReader {
     const Field field{&root, ""};
     std::vector<Parameter> format = spec_format::top();
     if (!faults_.guard([&] { Object(field, format); })) {
+      raise_if_not_indented(root, format);
       for (const auto& [key, value] : root.entries) format.push_back({.name = key.name, .kind = Kind::any});
       for (Parameter& row : format) {
         if (row.required && !root.find(row.name)) faults_.raise();
@@ -70,8 +77,27 @@ class SpecReader {
       }
     }
     Object top(field, format);
-    faults_.guard([&] { top.number("qerr"); });
+    faults_.guard([&] { check_version(top); });
     return top;
+  }
+
+  static void check_version(const Object& top) {
+    if (!top.has("qerr")) return;
+    try {
+      top.number("qerr");
+    } catch (const Error&) {
+      throw Error(top.at("qerr").fault("is the version of the format, and this program reads version 1",
+                                       "write 'qerr: 1'"));
+    }
+  }
+
+  /// Entries that are not indented below their section leave it empty: one mistake.
+  void raise_if_not_indented(const Node& root, const std::vector<Parameter>& format) {
+    for (const auto& entry : root.entries) {
+      const bool known = std::any_of(format.begin(), format.end(),
+                                     [&](const Parameter& row) { return row.name == entry.key.name; });
+      if (!known && empty_section_before(root, entry)) faults_.raise();
+    }
   }
 
   template <class Read>
@@ -89,7 +115,8 @@ class SpecReader {
       } catch (const Error& e) {
         if (e.trouble() != Trouble::file_system) throw;
         throw Error(Fault{urdf.node->place, urdf.path, e.faults().front().rule, "'" + path + "'",
-                          "give the URDF's path relative to the spec"},
+                          path.find('\\') == std::string::npos ? "give the URDF's path relative to the spec"
+                                                               : "write paths with '/'"},
                     Trouble::file_system);
       }
       spec_.robot_name = robot_.name;

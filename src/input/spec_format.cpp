@@ -34,7 +34,8 @@ const std::vector<Parameter>& top() {
       {.name = "robot", .kind = Kind::object, .meaning = "the kinematic chain", .required = true},
       {.name = "encoders",
        .kind = Kind::map,
-       .meaning = "one encoder per moving joint; '*' means all others",
+       .meaning = "one encoder per moving joint; keys may be patterns: '*' is every joint without an "
+                  "entry of its own",
        .required = true},
       {.name = "coupling",
        .kind = Kind::any,
@@ -130,7 +131,9 @@ const std::vector<Parameter>& configurations() {
        .fallback = 1.0,
        .least = 0,
        .most = 0x1p53},
-      {.name = "limits", .kind = Kind::map, .meaning = "[lower, upper] per joint, within the URDF's"},
+      {.name = "limits",
+       .kind = Kind::map,
+       .meaning = "[lower, upper] per joint or pattern of joints, within the URDF's"},
       {.name = "points",
        .kind = Kind::any,
        .meaning = "of a list: one list of joint values per configuration"},
@@ -257,7 +260,10 @@ const std::vector<Parameter>& sine() {
 const std::vector<Parameter>& effect() {
   static const std::vector<Parameter> rows{
       {.name = "type", .kind = Kind::text, .meaning = "see `qerr list effects`", .required = true},
-      {.name = "joint", .kind = Kind::text, .meaning = "the joint it acts on"},
+      {.name = "joint",
+       .kind = Kind::text,
+       .meaning = "the joint it acts on, or a pattern such as 'left_*'",
+       .required = true},
   };
   return rows;
 }

@@ -136,7 +136,6 @@ Json effect() {
   for (const EffectKind& kind : effect_kinds()) {
     Json s = object_of(joined(spec_format::effect(), kind.parameters));
     s["properties"]["type"] = {{"const", kind.name}, {"description", kind.summary}};
-    s["required"].push_back("joint");
     kinds.push_back(s);
   }
   return {{"oneOf", kinds}};

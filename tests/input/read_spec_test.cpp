@@ -164,7 +164,7 @@ TEST_F(ReadSpec, RejectsInvalidSections) {
       {"threshold: {length: 300}\nthreshold: {length: 1}\n", "duplicate key"},
       {"---\nqerr: 1\n", "a second YAML document"},
       {"robot2: &a {}\n", "anchors are not supported"},
-      {"threshold: {length: 010}\n", "not a finite decimal number"},
+      {"threshold: {length: 010}\n", "a leading zero is ambiguous"},
       {"threshold: {length: '3}\n", "a quotation mark is not closed"},
   };
   for (const auto& c : cases) {
@@ -185,6 +185,202 @@ TEST_F(ReadSpec, AppliesOverridesByDottedPath) {
   EXPECT_EQ(spec.overrides.size(), 2u);
   overrides.values = {{"encoders.elbow.bts", "19"}};
   EXPECT_EQ(refusal(head + encoders, overrides).substr(0, 26), "--set encoders.elbow.bts: ");
+}
+
+/// Resolution of an encoder of 4096 counts behind a gear of 100.
+constexpr double geared = 2 * std::numbers::pi / 409600;
+
+TEST_F(ReadSpec, ANamedEntryBeatsAPatternAndTwoPatternsForAJointAreAnError) {
+  const auto resolution = [](const Spec& s, std::size_t i) {
+    return s.model.transmission.encoders[i].resolution;
+  };
+  for (const char* text :
+       {"encoders:\n  'l*': {resolution: 1 um}\n  '[es]*': {counts_per_rev: 4096, gear_ratio: 100}\n",
+        "encoders:\n  elbow: {counts_per_rev: 4096, gear_ratio: 100}\n  shoulde?: {counts_per_rev: "
+        "4096, gear_ratio: 100}\n  '*ift': {resolution: 1 um}\n"}) {
+    const Spec spec = read(head + text);
+    EXPECT_DOUBLE_EQ(resolution(spec, 0), geared) << text;
+    EXPECT_DOUBLE_EQ(resolution(spec, 1), 1e-6) << text;
+    EXPECT_DOUBLE_EQ(resolution(spec, 2), geared) << text;
+  }
+  EXPECT_EQ(
+      refusal(head + encoders + "  'e*': {bits: 17}\n"),
+      "spec.yaml:6:9: encoders.e*: two patterns fit joint 'elbow', found encoders.* and encoders.e*; write "
+      "the joint's own name, or patterns that exclude each other");
+  // The order of the entries does not matter, and a name that beats both patterns leaves nothing to decide.
+  EXPECT_NE(refusal(head + "encoders:\n  'e*': {bits: 17}\n  lift: {resolution: 1 um}\n  '*': {bits: 12}\n")
+                .find("encoders.e* and encoders.*"),
+            std::string::npos);
+  EXPECT_DOUBLE_EQ(
+      resolution(read(head + encoders + "  'e*': {bits: 12}\n  elbow: {bits: 17, gear_ratio: 1}\n"), 2),
+      2 * std::numbers::pi / 131072);
+}
+
+TEST_F(ReadSpec, APatternThatFitsNoJointIsAnErrorWithTheJoints) {
+  EXPECT_EQ(refusal(head + encoders + "  'left_*': {bits: 17}\n"),
+            "spec.yaml:6:3: encoders.left_*: the pattern fits no joint between base and tip, found 'left_*'; "
+            "known: "
+            "shoulder, lift, elbow");
+  EXPECT_NE(refusal(head + encoders + "configurations: {limits: {'j[1-3]': [0, 1]}}\n")
+                .find("configurations.limits.j[1-3]"),
+            std::string::npos);
+  EXPECT_NE(refusal(head + encoders + "effects: [{type: backlash, joint: 'x*', gap: 1 mrad}]\n")
+                .find("effects[0].joint"),
+            std::string::npos);
+  const Spec spec = read(head + encoders + "  'as*': {bits: 17}\n");
+  ASSERT_EQ(spec.warnings.size(), 1u);
+  EXPECT_NE(spec.warnings[0].find("encoders.as* is not used"), std::string::npos);
+}
+
+TEST_F(ReadSpec, AnEntryThatLosesThePatternsGearIsAnErrorOrAWarning) {
+  EXPECT_EQ(refusal(head + encoders + "  elbow: {counts_per_rev: 8192}\n"),
+            "spec.yaml:6:10: encoders.elbow: the entry states no gear_ratio, but encoders.*, which it "
+            "replaces wholly, "
+            "has gear_ratio: 100, found a mapping; add gear_ratio: 100, or gear_ratio: 1 for an encoder at "
+            "the joint");
+  EXPECT_TRUE(read(head + encoders + "  elbow: {counts_per_rev: 8192, gear_ratio: 1}\n").warnings.empty());
+  const Spec other = read(head + encoders + "  elbow: {bits: 17}\n");
+  ASSERT_EQ(other.warnings.size(), 1u);
+  EXPECT_NE(other.warnings[0].find("encoders.elbow states no gear_ratio: 1 holds, where encoders.*"),
+            std::string::npos);
+  EXPECT_TRUE(read(head + encoders + "  elbow: {bits: 17, gear_ratio: 1}\n").warnings.empty());
+  EXPECT_TRUE(read(head + encoders + "  elbow: {resolution: 1 mrad}\n").warnings.empty());
+}
+
+TEST_F(ReadSpec, AnOverrideChangesOneValueOfWhatHoldsForTheJoint) {
+  const auto elbow = [&](const std::string& text, const std::string& key, const std::string& value) {
+    SpecOverrides overrides;
+    overrides.values = {{key, value}};
+    return read(text, overrides).model.transmission.encoders[2].resolution;
+  };
+  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.counts_per_rev", "8192"), geared / 2);
+  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.gear_ratio", "1/50"), geared * 5000);
+  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.bits", "13"), geared / 2);
+  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.resolution", "1 mrad"), 1e-3);
+  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.*.counts_per_rev", "2048"), 2 * geared);
+  const std::string lines =
+      "encoders:\n  '*': {lines_per_rev: 1024, decoding: x1, gear_ratio: 100}\n  lift: {resolution: 1 um}\n";
+  EXPECT_DOUBLE_EQ(elbow(head + lines, "encoders.elbow.lines_per_rev", "4096"), geared);
+  EXPECT_DOUBLE_EQ(elbow(head + lines, "encoders.elbow.counts_per_rev", "4096"), geared);
+}
+
+TEST_F(ReadSpec, AnOverrideNamesItemsOfListsInTwoWaysAndNeverCreatesWhatIsNotRead) {
+  const std::string text = head + encoders +
+                           "filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}\n"
+                           "requirements: [{quantity: position.x.sigma, statistic: max, at_most: 1 mm}]\n";
+  for (const char* key : {"requirements.0.at_most", "requirements[0].at_most"}) {
+    SpecOverrides overrides;
+    overrides.values = {{key, "2 mm"}};
+    EXPECT_EQ(read(text, overrides).requirements[0].at_most, 2e-3) << key;
+  }
+  const struct {
+    const char* key;
+    const char* message;
+  } cases[] = {
+      {"requirements[1].at_most",
+       "'requirements' is a list of 1 item, counted from 0, found '[1].at_most'; give requirements[0]"},
+      {"filters.velocty.sample_rate",
+       "the spec has no filter of this name, found 'velocty'; did you mean 'velocity'?"},
+      {"encoders.elbw.bits", "encoders.elbw: unknown joint, found 'elbw'; did you mean 'elbow'?"},
+      {"effects[0].gap", "the spec has no effects"},
+      {"robot.urdf.path", "'robot.urdf' is a single value and has no keys"},
+      {"encoders.elbow.gear_ratio", "a ratio is written as a fraction, found '1:50'; write 1/50"},
+  };
+  for (const auto& c : cases) {
+    SpecOverrides overrides;
+    overrides.values = {{c.key, "1:50"}};
+    const std::string message = refusal(text, overrides);
+    EXPECT_EQ(message.find("--set " + std::string(c.key) + ": "), 0u) << message;
+    EXPECT_NE(message.find(c.message), std::string::npos) << message;
+  }
+}
+
+TEST_F(ReadSpec, NamesThePrismaticJointThatAPatternDoesNotDescribe) {
+  EXPECT_NE(refusal(head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n")
+                .find("encoders.*: joint 'lift' is prismatic and needs its travel per revolution, found a "
+                      "mapping; write "
+                      "'lift: {"),
+            std::string::npos);
+  const std::string mixed = refusal(head + encoders + "configurations: {limits: {'*': [0, 10 mm]}}\n");
+  EXPECT_NE(mixed.find("has the wrong kind of unit: this is a length (joints 'shoulder', 'elbow')"),
+            std::string::npos)
+      << mixed;
+  EXPECT_EQ(mixed.find('\n'), std::string::npos) << mixed;
+  // The travel in a pattern is that of its prismatic joints.
+  const Spec spec =
+      read(head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100, travel_per_rev: 5 mm}\n");
+  EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[1].resolution, 5e-3 / 409600);
+  EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[2].resolution, geared);
+}
+
+TEST_F(ReadSpec, AnEffectActsOnEveryJointOfItsPattern) {
+  const Spec spec = read(head + encoders + "effects: [{type: backlash, joint: '[se]*', gap: 1 mrad}]\n");
+  ASSERT_EQ(spec.effects.size(), 2u);
+  EXPECT_EQ(spec.effects[0].joint, "shoulder");
+  EXPECT_EQ(spec.effects[1].joint, "elbow");
+  EXPECT_NE(refusal(head + encoders + "effects: [{type: backlash, joint: '*', gap: 1 mrad}]\n")
+                .find("effects[0].gap: has the wrong kind of unit: this is an angle (joint 'lift')"),
+            std::string::npos);
+}
+
+TEST_F(ReadSpec, BringsTheAccuracyOfTheShaftToTheJoint) {
+  constexpr double arcsec = std::numbers::pi / 648000;
+  const Spec spec = read(
+      head +
+      "encoders:\n  shoulder: {bits: 17, accuracy: 20 arcsec}\n  lift: {counts_per_rev: 4096, gear_ratio: "
+      "-5, travel_per_rev: 10 mm, accuracy: 36 arcsec}\n  elbow: {bits: 17, gear_ratio: 100, "
+      "accuracy: 20 arcsec}\n");
+  const auto& e = spec.model.transmission.encoders;
+  EXPECT_DOUBLE_EQ(e[0].accuracy, 20 * arcsec);
+  EXPECT_DOUBLE_EQ(e[1].accuracy, 0.01 / 5 * 36 / 1296000);  // of a screw that turns five times slower
+  EXPECT_DOUBLE_EQ(e[2].accuracy, 0.2 * arcsec);
+  const Spec scale =
+      read(head +
+           "encoders:\n  '*': {resolution: 1 urad, accuracy: 5 urad}\n  lift: {resolution: 1 um, "
+           "accuracy: 5 um}\n");
+  EXPECT_DOUBLE_EQ(scale.model.transmission.encoders[1].accuracy, 5e-6);
+  EXPECT_DOUBLE_EQ(scale.model.transmission.encoders[2].accuracy, 5e-6);
+}
+
+TEST_F(ReadSpec, WarnsOfWhatIsValidAndProbablyNotMeant) {
+  const struct {
+    const char* text;
+    const char* warning;
+  } cases[] = {
+      {"  elbow: {counts_per_rev: 4096, gear_ratio: 1/100}\n",
+       "encoders.elbow.gear_ratio: 1/100 makes the encoder coarser"},
+      {"filters: {velocity: {sample_rate: 1 kHz, lowpass: {family: first_order, cutoff: 50}}}\n",
+       "filters.velocity has no 'derivative:' and estimates a position"},
+      {"filters: {Joint_Acc: {derivative: 1, sample_rate: 1 kHz}}\n", "its name suggests 2"},
+      {"configurations: {limits: {shoulder: [1, 1], lift: [0, 0], elbow: [1, 1]}}\n",
+       "the range of every joint is empty"},
+      {"sweep: [{key: encoders.elbow.bits, values: [13, 15]}]\n", "sweep: is not used"},
+      {"motion: {sample_rate: 1 kHz, duration: 1 s, joints: {elbow: {sines: [{amplitude: 1 deg, frequency: "
+       "1, phase: 30}]}}}\n",
+       "motion.joints.elbow.sines[0].phase: 30 without a unit is in rad, 4.77 revolutions; degrees need "
+       "their unit"},
+  };
+  for (const auto& c : cases) {
+    const std::vector<std::string> warnings = read(head + encoders + c.text).warnings;
+    ASSERT_EQ(warnings.size(), 1u) << c.text;
+    EXPECT_NE(warnings[0].find(c.warning), std::string::npos) << warnings[0];
+  }
+  EXPECT_TRUE(read(head + encoders +
+                   "filters: {velocity: {derivative: 1, sample_rate: 1 kHz}, speedy_x: "
+                   "{derivative: 0, sample_rate: 1 kHz, lowpass: {family: first_order, cutoff: 9 rad/s}}}\n")
+                  .warnings.empty());
+}
+
+TEST_F(ReadSpec, AFileThatIsNoTableIsRefusedWithoutItsContent) {
+  for (const char* content :
+       {"root:x:0:0:root:/root\n", "secret,words\n1,2\n", "\x80\x81 secret\n", "a\"b secret\n"}) {
+    std::ofstream(folder_ / "points.csv") << content;
+    const std::string message =
+        refusal(head + encoders + "configurations: {method: file, file: points.csv}\n");
+    EXPECT_EQ(message.find("points.csv:1:"), 0u) << message;
+    for (const char* part : {"root", "secret", "words"})
+      EXPECT_EQ(message.find(part), std::string::npos) << message;
+  }
 }
 
 TEST_F(ReadSpec, WarnsOfAnUnusedEncoder) {

@@ -4,6 +4,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "qerr/encoder/encoder.hpp"
+
 namespace qerr {
 
 /// An error other than the quantization of the encoders, estimate - true, and where it enters.
@@ -23,6 +25,12 @@ struct ErrorSource {
   /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.
   std::vector<double> sigma_ratios = {};
 };
+
+/// Slow errors of the encoders within their `accuracy` A, a bound of unknown shape: half width A, and sigma
+/// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)). Their
+/// spectrum, and with it sigma behind a filter, is unknown.
+/// @param filters  number of filters
+std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>&, std::size_t filters);
 
 /// Whether the spectra of all sources are known, and with them sigma behind the filter.
 bool sigma_is_known(const std::vector<ErrorSource>&, std::size_t filter);

@@ -17,6 +17,9 @@ struct Encoder {
   bool zero_known = true;  ///< false: incremental without index, a constant error is not identifiable
   double shaft_ratio = 1;  ///< angle of the encoder shaft per joint coordinate, signed [rad/rad or rad/m]
   double counts_per_period = 4;  ///< counts in one line or signal period
+  /// Bound on the slow error of disc or scale, of unknown shape, in joint coordinates [rad or m]; 0: not
+  /// stated.
+  double accuracy = 0;
 };
 
 /// 1, or -1 where the counter falls while the joint coordinate rises: the sign of the gear ratio.

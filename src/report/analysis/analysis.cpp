@@ -50,7 +50,11 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
   const bool without_sigma = std::any_of(w.derivatives.begin(), w.derivatives.end(),
                                          [](const auto& row) { return !row.empty() && !row[0].sigma; });
   if (without_sigma)
-    warnings.push_back(!spec.motion
+    warnings.push_back(states_accuracy(spec)
+                           ? "sigma behind a filter is not given: the shape of the error within an encoder's "
+                             "`accuracy` is not known; for sigma, state the error as an effect (`qerr list "
+                             "effects`) in place of `accuracy`"
+                       : !spec.motion
                            ? "sigma behind a filter is not given: what the effects add to it depends "
                              "on the motion; add `motion:`"
                        : effects_follow_motion(spec)
@@ -90,8 +94,8 @@ void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise
 
 /// The error sources that the figures do not contain.
 std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<EffectShare>& effects) {
-  const bool any =
-      std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) { return e.included; });
+  const bool any = states_accuracy(spec) || std::any_of(effects.begin(), effects.end(),
+                                                        [](const EffectShare& e) { return e.included; });
   std::vector<std::string> warnings;
   warnings.emplace_back(!any ? "quantization only: backlash, calibration, compliance and noise are not in "
                                "these figures"

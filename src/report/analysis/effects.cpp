@@ -129,7 +129,10 @@ Eigen::VectorXd count_factors(const Spec& spec) {
   return factors;
 }
 
-EffectReport effect_report(const Spec& spec) {
+namespace {
+
+/// The effects of the spec, without the accuracy of its encoders.
+EffectReport effects_in_motion(const Spec& spec) {
   EffectReport report = effects_by_range(spec);
   if (!effects_follow_motion(spec)) return report;
   const std::vector<Filter> filters = designed_filters(spec);
@@ -157,6 +160,20 @@ EffectReport effect_report(const Spec& spec) {
   if (!signals.empty())
     report.along_motion = effects_along_motion(spec.model, signals, *spec.motion, filters, settling);
   return report;
+}
+
+}  // namespace
+
+EffectReport effect_report(const Spec& spec) {
+  EffectReport report = effects_in_motion(spec);
+  for (ErrorSource& source : accuracy_sources(spec.model.transmission.encoders, spec.filters.size()))
+    report.sources.push_back(std::move(source));
+  return report;
+}
+
+bool states_accuracy(const Spec& spec) {
+  const auto& encoders = spec.model.transmission.encoders;
+  return std::any_of(encoders.begin(), encoders.end(), [](const Encoder& e) { return e.accuracy > 0; });
 }
 
 std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {

@@ -13,7 +13,11 @@ namespace qerr {
 /// the URDF's limits of velocity and effort.
 RobotUsage usage_of(const Spec&);
 
-/// The errors that the spec's effects add, for the model of `workspace` and `operational_error`.
+/// Whether an encoder of the spec states its `accuracy`, whose shape no simulation can know.
+bool states_accuracy(const Spec&);
+
+/// The errors that the spec's effects and the accuracy of its encoders add, for the model of `workspace` and
+/// `operational_error`.
 ///
 /// With a motion, what an effect adds along it is a known signal; the sources are then the random effects and
 /// those whose load is not known along the motion.
@@ -30,7 +34,8 @@ bool effects_follow_motion(const Spec&);
 /// [encoder]: factor by which the effects of the spec multiply its rounding error along a motion.
 Eigen::VectorXd count_factors(const Spec&);
 
-/// All effects as sources, by their ranges: for bounds that hold wherever the encoder's zero is.
+/// All effects as sources, by their ranges, without the encoders' accuracy: for bounds that hold wherever the
+/// encoder's zero is.
 EffectReport effects_by_range(const Spec&);
 
 /// One for every effect of unknown size: the missing quantity, and where to state it.

@@ -91,6 +91,8 @@ Json joints(const Analysis& a) {
                     {"worst_case", a.joints.worst_case[row]},
                     {"sigma", a.joints.sigma[row]},
                     {"mean", a.joints.mean[row]}});
+    const double accuracy = spec.model.transmission.encoders[i].accuracy;
+    if (accuracy > 0) list.back()["accuracy"] = accuracy;
   }
   return list;
 }

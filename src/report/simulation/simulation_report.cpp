@@ -89,6 +89,11 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
       spec, simulate(model, designed_filters(spec), filter_norms(spec), *spec.motion, spec.effects, options),
       options.seed, spec.warnings};
   for (std::string& text : effect_warnings(spec, effects.shares)) report.warnings.push_back(std::move(text));
+  if (states_accuracy(spec))
+    report.warnings.emplace_back(
+        "the encoders' `accuracy` is not simulated, and not in the theory beside it: the shape of the error "
+        "is "
+        "not known; an effect such as eccentricity has one");
   for (std::string& text : warnings_of(report)) report.warnings.push_back(std::move(text));
   return report;
 }

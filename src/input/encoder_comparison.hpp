@@ -1,0 +1,19 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "input/joint_entries.hpp"
+
+namespace qerr {
+
+/// Compares a joint's own encoder entry with the patterns that it overrides. An entry inherits nothing, so a
+/// gear that it does not repeat would be lost without a word.
+/// @throws Error (input) if the pattern states a gear ratio other than 1, and the entry, counting in the same
+/// way, none; where it counts in another way, or lacks another key of the pattern, that is a warning
+void compare_with_patterns(const JointEntry&, std::vector<std::string>& warnings);
+
+/// A gear ratio between 0 and 1 makes the encoder coarser at the joint: usually it is inverted.
+void warn_of_gear(const Field& entry, std::vector<std::string>& warnings);
+
+}  // namespace qerr
