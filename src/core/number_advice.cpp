@@ -35,7 +35,8 @@ bool readable_quantity(const std::string& text) {
 }
 
 /// The text of a corrected number, if it is one.
-std::optional<NumberAdvice> corrected(std::string rule, const std::string& text) {
+std::optional<NumberAdvice> corrected(std::string rule, std::string text) {
+  text.erase(0, text.find_first_not_of(' '));
   if (!readable_quantity(text)) return std::nullopt;
   return NumberAdvice{std::move(rule), "write " + text};
 }
@@ -191,6 +192,7 @@ std::optional<NumberAdvice> unknown_unit(std::string_view text, const std::strin
   if (at == std::string_view::npos) return std::nullopt;
   const std::string number(text.substr(0, text.find_last_not_of(' ', at - (at > 0)) + (at > 0)));
   const std::string unit(text.substr(at));
+  if (unit == "k" || unit == "K") return corrected(why, number + "e3");
   if (unit == "x" || unit == "X" || unit == "\u00D7") return NumberAdvice{why, "write " + number};
   std::string symbol = unit_symbol(unit);
   if (symbol.empty()) {
@@ -206,6 +208,8 @@ std::optional<NumberAdvice> unknown_unit(std::string_view text, const std::strin
 /// `pi/2`, `2*pi`, `90*3.14/180`, `${x}`, `1e3*2`.
 bool is_expression(std::string_view text) {
   return text.find("pi") != std::string_view::npos || text.find('*') != std::string_view::npos ||
+         text.find(" x ") != std::string_view::npos ||
+         text.find('^') < text.find_first_of("abcdefghijklmnopqrstuvwxyz") ||
          text.find("${") != std::string_view::npos || text.find("sqrt") != std::string_view::npos;
 }
 
@@ -217,9 +221,12 @@ NumberAdvice advice_on_number(std::string_view text, const std::string& why) {
   if (auto advice = grouped(text)) return *advice;
   if (auto advice = lookalikes(text)) return *advice;
   if (auto advice = unknown_unit(text, why)) return *advice;
-  if (is_expression(text)) return {"an expression is not evaluated", "write its value, such as 90 deg"};
+  if (is_expression(text)) return {"an expression is not evaluated", "write its value"};
   std::string ignored;
   if (!digit(text.front()) && parse_unit(text, ignored)) return {"the number before the unit is missing", ""};
+  if (text.find_first_of("0123456789") == std::string_view::npos &&
+      text.find("inf") == std::string_view::npos && text.find("nan") == std::string_view::npos)
+    return {"must be a number", ""};
   if (text.starts_with("0x") || text.starts_with("0X")) return {"a number must be decimal", ""};
   if (text.size() > 1 && text[0] == '0' && digit(text[1])) {
     const std::string plain(text.substr(std::min(text.find_first_not_of('0'), text.size() - 1)));

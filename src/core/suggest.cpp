@@ -32,8 +32,8 @@ std::size_t distance(std::string_view a, std::string_view b) {
 
 namespace {
 
-/// The known names at the smallest distance, if that is a third of the shorter word at most: `mean` is not
-/// near `median`. Words of one or two letters are near others only in another case.
+/// The known names at the smallest distance, if that is one letter or a third of the shorter word at most:
+/// `mean` is not near `median`.
 std::vector<std::string> all_nearest(std::string_view word, const std::vector<std::string>& known) {
   std::vector<std::string> best;
   if (word.empty() || word.size() > 64) return best;
@@ -41,7 +41,8 @@ std::vector<std::string> all_nearest(std::string_view word, const std::vector<st
   for (const std::string& name : known) {
     const bool begins = word.size() >= 3 && name.starts_with(word);
     const std::size_t d = begins ? std::min<std::size_t>(distance(word, name), 1) : distance(word, name);
-    if (!begins && 3 * d > std::min(word.size(), name.size())) continue;
+    const std::size_t shorter = std::min(word.size(), name.size());
+    if (!begins && (d > std::max<std::size_t>(1, shorter / 3) || d >= shorter)) continue;
     if (d > least) continue;
     if (d < least) best.clear();
     least = d;

@@ -7,7 +7,7 @@
 namespace qerr {
 
 /// The known name with the smallest edit distance to `word`, not case-sensitive, or one that begins with it;
-/// "" if the distance exceeds a third of the shorter of the two.
+/// "" if the distance exceeds one letter and a third of the shorter of the two.
 std::string nearest(std::string_view word, const std::vector<std::string>& known);
 
 /// "did you mean 'X'?" if one or two known names are near, otherwise "known: A, B, C" (at most 12 names).

@@ -31,6 +31,8 @@ std::size_t find_joint(const RobotModel& robot, const Chain& chain, const std::s
       throw Error({place, path, "the joint is fixed", quoted, did_you_mean("", names)});
     throw Error({place, path, "the joint is not between base and tip", quoted, did_you_mean("", names)});
   }
+  if (std::find(robot.links.begin(), robot.links.end(), name) != robot.links.end())
+    throw Error({place, path, "this is a link, not a joint", "'" + name + "'", did_you_mean("", names)});
   throw Error({place, path, "unknown joint", "'" + name + "'", did_you_mean(name, names)});
 }
 
@@ -71,7 +73,9 @@ bool is_joint(const Chain& chain, const std::string& name) {
 Error no_joint(const Chain& chain, const std::string& pattern, const Place& place, const std::string& path) {
   const bool open = pattern.find('[') != std::string::npos && pattern.find(']') == std::string::npos;
   return Error({place, path, "the pattern fits no joint between base and tip", qerr::quoted(pattern),
-                open ? "close the bracket, as in joint[1-3]" : did_you_mean("", joint_names(chain))});
+                open                                      ? "close the bracket, as in joint[1-3]"
+                : pattern.find(".*") != std::string::npos ? "write * for any text, without the point"
+                                                          : did_you_mean("", joint_names(chain))});
 }
 
 /// Whether a key stands for joints that move but are not part of the chain.

@@ -7,42 +7,25 @@
 #include "core/number_advice.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "input/quantity_words.hpp"
 #include "input/unknown_key.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// A kind of quantity as people call it, and units in which it is usually written.
-struct QuantityName {
-  Dimension dimension;
-  std::string_view name, units;
-};
-
-constexpr QuantityName quantity_names[]{
-    {dimension::none, "a plain number", ""},
-    {dimension::angle, "an angle", "rad, mrad, deg, arcmin or arcsec"},
-    {dimension::length, "a length", "m, mm or um"},
-    {dimension::time, "a time", "s, ms or us"},
-    {dimension::frequency, "a frequency", "Hz or kHz"},
-    {dimension::speed, "a speed", "m/s or mm/s"},
-    {dimension::angular_speed, "an angular speed", "rad/s, deg/s or rpm"},
-    {{1, 0, -2}, "an acceleration", "m/s^2 or mm/s^2"},
-    {{0, 1, -2}, "an angular acceleration", "rad/s^2 or deg/s^2"},
-};
-
-std::string name_of(const Dimension& d) {
-  for (const QuantityName& q : quantity_names)
-    if (q.dimension == d) return std::string(q.name);
-  return "a quantity in " + unit_name(d);
+/// "nearest or down", "x4, x2 or x1".
+std::string one_of(const std::vector<std::string>& words) {
+  std::string text;
+  for (std::size_t i = 0; i < words.size(); ++i)
+    text += (i == 0 ? "" : i + 1 == words.size() ? " or " : ", ") + words[i];
+  return text;
 }
 
-/// "give an angle in rad, mrad, ...".
-std::string unit_remedy(const Dimension& d) {
-  for (const QuantityName& q : quantity_names)
-    if (q.dimension == d)
-      return "give " + std::string(q.name) + (q.units.empty() ? "" : " in " + std::string(q.units));
-  return "give a number in " + unit_name(d);
+/// What may stand for a missing value in a remedy.
+std::string placeholder(const Parameter& p) {
+  if (p.kind == Kind::choice) return one_of(choices_of(p));
+  return p.least == p.most ? shortest(p.least) : "...";
 }
 
 /// The value in the unit of the row. @throws Error (input) for a unit of another kind
@@ -54,15 +37,17 @@ double in_dimension(const Field& f, const Quantity& q, const Parameter& p, Dimen
                       unit_remedy(expected) + or_angular));
 }
 
-/// "at least 1", "above 0 and below 500 Hz", ...
-std::string range_text(const Parameter& p) {
-  if (p.least == p.most) return "must be " + shortest(p.least);
-  std::string text;
-  if (std::isfinite(p.least)) text = (p.open_below ? "above " : "at least ") + shortest(p.least);
+/// "give a value of at least 1", "give a value above 0 and below 500 Hz", ...
+std::string range_remedy(const Parameter& p, Dimension expected) {
+  const std::string unit = unit_name(expected).empty() ? "" : ' ' + unit_name(expected);
+  if (p.least == p.most) return "give " + shortest(p.least) + unit;
+  std::string range;
+  if (std::isfinite(p.least)) range = (p.open_below ? "above " : "of at least ") + shortest(p.least);
   if (std::isfinite(p.most))
-    text +=
-        (text.empty() ? "" : " and ") + std::string(p.open_above ? "below " : "at most ") + shortest(p.most);
-  return text;
+    range += (range.empty() ? (p.open_above ? "" : "of ") : " and ") +
+             std::string(p.open_above ? "below " : "at most ") + shortest(p.most);
+  return (p.kind == Kind::integer ? "give a whole number" : "give a value") +
+         (range.empty() ? "" : ' ' + range + unit);
 }
 
 bool in_range(const Parameter& p, double v) {
@@ -98,12 +83,9 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
   if (f.node->quoted && !quantity->dimension)
     throw Error(f.fault("must be a number, not text", "remove the quotation marks"));
   const double value = in_dimension(f, *quantity, p, expected);
-  if (!in_range(p, value))
-    throw Error(f.fault("is out of range",
-                        range_text(p) + (unit_name(expected).empty() ? "" : " " + unit_name(expected))));
+  if (!in_range(p, value)) throw Error(f.fault("is out of range", range_remedy(p, expected)));
   if (p.kind == Kind::integer && value != std::floor(value))
-    throw Error(
-        f.fault("must be an integer", range_text(p).empty() ? "write a whole number" : range_text(p)));
+    throw Error(f.fault("must be an integer", range_remedy(p, expected)));
   return value;
 }
 
@@ -118,10 +100,11 @@ void warn_of_degrees(const Field& f, double turns, std::vector<std::string>& war
 
 std::string read_choice(const Field& f, const Parameter& p) {
   const std::vector<std::string> known = choices_of(p);
+  const std::string near = f.node->type == Node::Type::scalar ? did_you_mean(f.node->text, known) : "";
+  const std::string remedy = near.starts_with("did") ? near : "give " + one_of(known);
   if (f.node->type != Node::Type::scalar ||
       std::find(known.begin(), known.end(), f.node->text) == known.end())
-    throw Error(f.fault("is not one of the choices",
-                        f.node->type == Node::Type::scalar ? did_you_mean(f.node->text, known) : "one word"));
+    throw Error(f.fault("is not one of the choices", remedy));
   return f.node->text;
 }
 
@@ -135,16 +118,16 @@ bool read_boolean(const Field& f) {
 
 std::string read_text_value(const Field& f) {
   if (f.node->type != Node::Type::scalar || f.node->text.empty())
-    throw Error(f.fault("must be text", "a name or path on one line"));
+    throw Error(f.fault("must be text", "give one name or path"));
   if (!f.node->quoted && (f.node->text == "~" || f.node->text == "null"))
     throw Error(f.fault("must be text", "quote it if this is the name"));
   return f.node->text;
 }
 
-std::vector<Field> read_list(const Field& f) {
+std::vector<Field> read_list(const Field& f, const std::string& example) {
   if (f.node->type == Node::Type::null)
-    throw Error(f.fault("must be a list", "write [a, b, ...], or leave the key out"));
-  if (f.node->type != Node::Type::sequence) throw Error(f.fault("must be a list", "write [a, b, ...]"));
+    throw Error(f.fault("must be a list", "write " + example + ", or leave the key out"));
+  if (f.node->type != Node::Type::sequence) throw Error(f.fault("must be a list", "write " + example));
   std::vector<Field> items;
   for (std::size_t i = 0; i < f.node->items.size(); ++i)
     items.push_back({&f.node->items[i], f.path + '[' + std::to_string(i) + ']'});
@@ -192,10 +175,10 @@ Object::Object(const Field& field, const std::vector<Parameter>& format) : field
   std::vector<Fault> missing;
   for (const Parameter& p : format)
     if (p.required && !has(p.name))
-      missing.push_back({field.node->place,
-                         field.path.empty() ? std::string(p.name) : field.path + '.' + std::string(p.name),
-                         "missing key", "",
-                         "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
+      missing.push_back(
+          {field.node->place,
+           field.path.empty() ? std::string(p.name) : field.path + '.' + std::string(p.name), "missing key",
+           "", "add '" + std::string(p.name) + ": " + placeholder(p) + "' (" + std::string(p.meaning) + ")"});
   drop_explained(missing, faults, known);
   faults.insert(faults.end(), missing.begin(), missing.end());
   if (!faults.empty()) throw Error(faults);

@@ -58,7 +58,8 @@ std::string read_choice(const Field&, const Parameter&);
 void warn_of_degrees(const Field&, double turns, std::vector<std::string>& warnings);
 bool read_boolean(const Field&);
 std::string read_text_value(const Field&);
-std::vector<Field> read_list(const Field&);
+/// @param example  of such a list, for the message about another value
+std::vector<Field> read_list(const Field&, const std::string& example = "[a, b, ...]");
 std::vector<std::pair<Node::Key, Field>> read_map(const Field&);
 
 /// A mapping whose keys have been checked against the rows of its format. Borrows the node of the field.

@@ -128,7 +128,7 @@ class Override {
   Node::Entry& added(Node& map, const std::string& passed, const Step& step) const {
     Node node{Node::Type::null, place_, {}, false, {}, {}};
     const bool by_joint = passed == "encoders" || passed == "configurations.limits";
-    if (passed.empty()) refuse_item_of_absent_list(step);
+    if (passed.empty()) refuse_new_section(step);
     if (by_joint && !step.rest.empty() && !is_pattern(step.key))
       if (const Node* pattern = of_pattern(map, passed, step.key)) node = *pattern;
     if (passed == "filters" && !step.rest.empty()) refuse_new_filter(map, step.key);
@@ -136,8 +136,13 @@ class Override {
     return map.entries.back();
   }
 
-  /// `requirements.0.at_most` or `requirements[0].at_most` in a spec without requirements.
-  void refuse_item_of_absent_list(const Step& step) const {
+  /// `requirements.0.at_most` or `requirements[0].at_most` in a spec without requirements,
+  /// `encoders/a2/bits`.
+  void refuse_new_section(const Step& step) const {
+    const std::size_t other = step.key.find_first_of("/:\\");
+    if (other != std::string::npos)
+      refuse("unknown key", qerr::quoted(step.key),
+             "separate the keys of a path by points, as in encoders.elbow.bits");
     for (const Parameter& row : spec_format::top())
       if (row.kind == Kind::objects &&
           (step.key.starts_with(std::string(row.name) + '[') || (step.key == row.name && !step.rest.empty())))
@@ -163,8 +168,7 @@ class Override {
     std::vector<std::string> known;
     for (const Node::Entry& entry : map.entries) known.push_back(entry.key.name);
     refuse("the spec has no filter of this name", qerr::quoted(name),
-           known.empty() ? "set the whole filter: --set 'filters." + name + "={...}'"
-                         : did_you_mean(name, known));
+           known.empty() ? "add the filter to the spec" : did_you_mean(name, known));
   }
 
   /// Removes the keys of other kinds that the kind of this key does not have.
@@ -214,7 +218,11 @@ void apply_override(Node& root, const std::string& path, const std::string& valu
   const Place place{origin, 0, 0};
   if (path.find_first_not_of(' ') == std::string::npos)
     throw Error({place, path, "a key is missing", "", "such as filters.velocity.lowpass.cutoff"});
-  Override(root, path, value_of(value, path, place), origin).apply();
+  const std::size_t first = path.find_first_not_of(' '), last = path.find_last_not_of(' ');
+  const std::string trimmed = path.substr(first, last + 1 - first);
+  if (trimmed.ends_with('.'))
+    throw Error({place, path, "the path ends with a point", "'" + trimmed + "'", "name the key after it"});
+  Override(root, trimmed, value_of(value, trimmed, place), origin).apply();
 }
 
 }  // namespace qerr

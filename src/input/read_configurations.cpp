@@ -18,8 +18,12 @@ constexpr double most_grid_points = 1e12;
 constexpr std::size_t most_named = 6;  // joints in a warning
 
 Limits read_limits(const Field& f, const IndependentJoint& joint) {
-  const std::vector<Field> ends = read_list(f);
-  if (ends.size() != 2) throw Error(f.fault("limits must be two numbers", "write [lower, upper]"));
+  const std::string example = joint.prismatic() ? "[0, 300 mm]" : "[-90 deg, 90 deg]";
+  const std::vector<Field> ends = read_list(f, "[lower, upper], such as " + example);
+  if (ends.size() != 2)
+    throw Error(f.fault("limits must be two numbers",
+                        ends.size() == 4 ? "write " + example + ", with a decimal point in a number"
+                                         : "write [lower, upper], such as " + example));
   const Parameter row{.name = "limits", .coordinate = true};
   const Limits limits{read_number(ends[0], row, coordinate_dimension(joint)),
                       read_number(ends[1], row, coordinate_dimension(joint))};
@@ -30,7 +34,8 @@ Limits read_limits(const Field& f, const IndependentJoint& joint) {
   const bool narrows = joint.limits && joint.limits->lower < joint.limits->upper;
   if (narrows && (!inside(limits.lower, *joint.limits) || !inside(limits.upper, *joint.limits)))
     throw Error({f.node->place, f.path, "the limits exceed those of the URDF", text_of(limits, joint),
-                 "stay within " + text_of(*joint.limits, joint)});
+                 "stay within " + text_of(*joint.limits, joint) +
+                     (joint.prismatic() ? "" : "; degrees need their unit, such as " + example)});
   return limits;
 }
 
@@ -132,11 +137,12 @@ void read_points(const Object& o, Spec& spec) {
         {o.self().node->place, o.self().path + ".points", "missing key", "", "add 'points: [[...], ...]'"});
   const auto n = spec.model.chain.independent.size();
   const Field points = o.at("points");
-  for (const Field& point : read_list(points)) {
+  for (const Field& point : read_list(points, "[[0, 0.1], [0.2, 0.3]]")) {
     const std::vector<Field> values = read_list(point);
     if (values.size() != n)
-      throw Error(point.fault("a point must have one value per joint: " + std::to_string(n),
-                              "in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7)));
+      throw Error(
+          point.fault("a point must have one value per joint: " + std::to_string(n),
+                      "give them in the order " + did_you_mean("", joint_names(spec.model.chain)).substr(7)));
     Eigen::VectorXd q(n);
     for (std::size_t j = 0; j < n; ++j) {
       q[static_cast<Eigen::Index>(j)] = read_number(values[j], {.name = "points", .coordinate = true},
@@ -154,8 +160,10 @@ void read_point_file(const Object& o, const std::string& folder, Spec& spec) {
   if (!name)
     throw Error({o.self().node->place, o.self().path + ".file", "missing key", "", "add 'file: points.csv'"});
   spec.points_file = (std::filesystem::path(folder) / *name).string();
-  const JointTable table =
-      read_joint_table(spec.points_file, spec.model.chain, TimeColumn::none, spec.warnings);
+  JointTable table;
+  read_named_file(o.at("file"), spec.points_file, [&](const std::string& path) {
+    table = read_joint_table(path, spec.model.chain, TimeColumn::none, spec.warnings);
+  });
   for (Eigen::Index i = 0; i < table.positions.cols(); ++i) {
     const Eigen::VectorXd q = table.positions.col(i);
     for (Eigen::Index j = 0; j < q.size(); ++j)

@@ -6,67 +6,13 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/encoder_comparison.hpp"
+#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
-#include "input/unknown_key.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 
 namespace qerr {
 
 namespace {
-
-/// Some vendors count lines in `cpr` and `ppr`, others counts: a factor of 4.
-void refuse_ambiguous_keys(const Field& f) {
-  for (const auto& [key, value] : read_map(f))
-    for (const EncoderKind& kind : encoder_kinds())
-      for (const std::string& ambiguous : words_of(kind.ambiguous_keys))
-        if (key.name == ambiguous)
-          throw Error(
-              {key.place, value.path,
-               "'" + key.name + "' is ambiguous: vendors use it for lines and for counts, 4 times as many",
-               "'" + key.name + "'", std::string(kind.ambiguous_remedy)});
-}
-
-/// The first kind that is stated at the joint, or at the encoder's shaft.
-const EncoderKind& first_kind(bool at_joint) {
-  const auto& kinds = encoder_kinds();
-  return *std::find_if(kinds.begin(), kinds.end(), [&](const EncoderKind& kind) {
-    return (kind.resolution_at_joint != nullptr) == at_joint;
-  });
-}
-
-std::vector<std::string> list_of_kinds() {
-  std::vector<std::string> names;
-  for (const EncoderKind& kind : encoder_kinds()) names.emplace_back(kind.name);
-  return names;
-}
-
-const EncoderKind& kind_of(const Field& f) {
-  const EncoderKind* found = nullptr;
-  for (const EncoderKind& kind : encoder_kinds()) {
-    if (!f.node->find(kind.name)) continue;
-    if (found)
-      throw Error({f.node->place, f.path, "an encoder must be stated in one way",
-                   "'" + std::string(found->name) + "' and '" + std::string(kind.name) + "'",
-                   "keep one of them"});
-    found = &kind;
-  }
-  if (found) return *found;
-  std::vector<std::string> known;
-  for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& row : encoder_parameters(kind))
-      if (std::find(known.begin(), known.end(), row.name) == known.end()) known.emplace_back(row.name);
-  for (const Node::Entry& entry : f.node->entries)
-    if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-      throw Error(unknown_key(f, entry, known));
-  throw Error({f.node->place, f.path, "the encoder's counts are missing", described(*f.node),
-               "give one of " + did_you_mean("", list_of_kinds()).substr(7)});
-}
-
-std::vector<Parameter> format_of(const EncoderKind& kind) {
-  std::vector<Parameter> rows = kind.parameters;
-  for (const Parameter& p : common_encoder_parameters()) rows.push_back(p);
-  return rows;
-}
 
 void refuse_key(const Object& o, std::string_view key, const std::string& why, const std::string& remedy) {
   if (o.has(key)) throw Error(o.at(key).fault(why, remedy));
@@ -102,16 +48,16 @@ double accuracy_at_joint(const Object& o, const IndependentJoint& joint, const s
   const auto written = f.node->type == Node::Type::scalar ? parse_quantity(f.node->text, why) : std::nullopt;
   const bool of_shaft = ratio && (!joint.prismatic() || (written && written->dimension == dimension::angle));
   const double bound = *o.number("accuracy", of_shaft ? dimension::angle : coordinate_dimension(joint));
+  constexpr double half_turn = std::numbers::pi;
+  if ((of_shaft || !joint.prismatic()) && bound > half_turn)
+    throw Error(f.fault("is more than half a revolution",
+                        "without a unit it is in rad: give the unit, such as 20 arcsec"));
   return of_shaft ? bound / std::abs(*ratio) : bound;
 }
 
 std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const IndependentJoint& joint, bool shared) {
-  if (f.node->type == Node::Type::mapping)
-    refuse_ambiguous_keys(f);
-  else
-    throw Error(f.fault("must be a mapping", "write {" + std::string(first_kind(false).example) + "}"));
-  const EncoderKind& kind = kind_of(f);
-  const Object o(f, format_of(kind));
+  const EncoderKind& kind = encoder_kind_of(f);
+  const Object o(f, all_keys_of(kind));
   const auto numbers = o.numbers(kind.parameters, coordinate_dimension(joint));
   Encoder encoder;
   encoder.rounding = o.choice("rounding") == "down" ? Rounding::down : Rounding::nearest;
@@ -121,7 +67,8 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     figures.counts_per_rev = kind.counts_per_rev(numbers, o.choices(kind.parameters));
     figures.gear_ratio = o.number("gear_ratio").value();
     if (figures.gear_ratio == 0)
-      throw Error(o.at("gear_ratio").fault("must not be zero", "encoder revolutions per joint revolution"));
+      throw Error(
+          o.at("gear_ratio").fault("must not be zero", "give encoder revolutions per joint revolution"));
     const double travel = travel_of(o, joint, shared);
     encoder.resolution = travel / (figures.counts_per_rev * std::abs(figures.gear_ratio));
     encoder.shaft_ratio = 2 * std::numbers::pi * figures.gear_ratio / travel;
@@ -142,7 +89,9 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
   if (!joint.prismatic() && encoder.resolution > 2 * std::numbers::pi)
     throw Error({f.node->place, f.path, "the encoder has less than one count per joint revolution",
                  shortest(encoder.resolution) + " rad a count",
-                 "gear_ratio is encoder revolutions per joint revolution: is it inverted?"});
+                 !kind.counts_per_rev
+                     ? "without a unit it is in rad: give the unit, such as 20 arcsec"
+                     : "gear_ratio is encoder revolutions per joint revolution: is it inverted?"});
   return {encoder, figures};
 }
 
@@ -188,6 +137,7 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
   transmission.coupling =
       Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
   spec.encoder_figures.resize(n);
+  refuse_bare_encoder(f, chain);
   const std::vector<JointEntry> entries = joint_entries(f, robot, spec, faults);
   const bool complete = !faults.any();  // a misspelt name leaves its joint without an entry
   EntryFaults of_entries;
@@ -213,8 +163,8 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
 void read_coupling(const Field& f, Spec& spec) {
   const auto n = spec.model.chain.independent.size();
   const std::string shape =
-      std::to_string(n) + " rows of " + std::to_string(n) + " numbers, one a joint in chain order";
-  const std::vector<Field> rows = read_list(f);
+      "give " + std::to_string(n) + " rows of " + std::to_string(n) + " numbers, one a joint in chain order";
+  const std::vector<Field> rows = read_list(f, "[[1, 0], [0, 1]]");
   if (rows.size() != n) throw Error(f.fault("the coupling has the wrong size", shape));
   Eigen::MatrixXd coupling(n, n);
   for (std::size_t i = 0; i < n; ++i) {

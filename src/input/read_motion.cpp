@@ -25,7 +25,8 @@ std::vector<Move> read_moves(const Object& o, Dimension unit) {
       throw Error(
           o.at(key).fault("cannot be combined with moves", "keep the moves, or the sines and velocity"));
   std::vector<Move> moves;
-  for (const Field& item : read_list(o.at("moves"))) {
+  for (const Field& item :
+       read_list(o.at("moves"), "[{to: 30 deg, velocity: 1 rad/s, acceleration: 5 rad/s^2}]")) {
     const Object move(item, spec_format::move());
     moves.push_back({*move.number("to", unit), *move.number("velocity", over_time(unit, 1)),
                      *move.number("acceleration", over_time(unit, 2)),
@@ -45,7 +46,7 @@ JointMotion read_joint_motion(const Field& f, const IndependentJoint& joint,
   motion.velocity = *o.number("velocity", over_time(unit, 1));
   if (o.has("moves")) motion.moves = read_moves(o, unit);
   if (!o.has("sines")) return motion;
-  for (const Field& item : read_list(o.at("sines"))) {
+  for (const Field& item : read_list(o.at("sines"), "[{amplitude: 10 deg, frequency: 1 Hz}]")) {
     const Object sine(item, spec_format::sine());
     motion.sines.push_back(
         {*sine.number("amplitude", unit), *sine.number("frequency"), *sine.number("phase")});
@@ -115,6 +116,9 @@ void read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
   for (const Parameter& row : kind.parameters)
     if (row.dimension == dimension::angle && o.has(row.name))
       warn_of_degrees(o.at(row.name), 1, spec.warnings);
+  if (o.at("joint").node->type != Node::Type::scalar)
+    throw Error(o.at("joint").fault("must be one joint or a pattern of joints",
+                                    "write an entry for each joint, or a pattern such as 'joint[12]'"));
   EntryFaults of_joints;
   for (const std::size_t index :
        find_joints(robot, spec.model.chain, *o.text("joint"), o.at("joint").node->place, o.at("joint").path))
@@ -150,10 +154,12 @@ void check_limits(const Spec& spec, const Motion& motion, const std::vector<Plac
     if (range.rows() == 0) range = extent(motion);
     const auto row = static_cast<Eigen::Index>(i);
     if (inside(range(row, 0), *joints[i].limits) && inside(range(row, 1), *joints[i].limits)) continue;
-    throw Error({places[i], "motion.joints." + joints[i].name,
-                 "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
-                 "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
-                 "shift its center or reduce its amplitude; a joint that is not listed stays at 0"});
+    throw Error(
+        {places[i], "motion.joints." + joints[i].name,
+         "the motion exceeds the limits of the joint " + text_of(*joints[i].limits, joints[i]),
+         "it spans " + text_of({range(row, 0), range(row, 1)}, joints[i]),
+         "shift its center or reduce its amplitude; degrees need their unit; a joint that is not listed "
+         "stays at 0"});
   }
 }
 
@@ -197,7 +203,8 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
                         "give one of joints and file"));
   std::vector<Place> places(spec.model.chain.independent.size(), f.node->place);
   if (const auto file = o.text("file")) {
-    read_table(f, (std::filesystem::path(folder) / *file).string(), spec, motion);
+    read_named_file(o.at("file"), (std::filesystem::path(folder) / *file).string(),
+                    [&](const std::string& path) { read_table(f, path, spec, motion); });
   } else {
     for (const std::string key : {"sample_rate", "duration"})
       if (!o.has(key))
@@ -231,7 +238,8 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
 }
 
 void read_effects(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
-  for (const Field& item : read_list(f)) faults.guard([&] { read_effect(item, robot, spec); });
+  for (const Field& item : read_list(f, "a list: - {type: ..., joint: ...}"))
+    faults.guard([&] { read_effect(item, robot, spec); });
 }
 
 }  // namespace qerr

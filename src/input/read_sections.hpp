@@ -15,6 +15,21 @@ inline Dimension coordinate_dimension(const IndependentJoint& joint) {
   return joint.prismatic() ? dimension::length : dimension::angle;
 }
 
+/// The error of a file that a value of the spec names.
+Error unopened(const Field&, const std::string& path, const Error&);
+
+/// Reads a file that a value of the spec names, relative to the spec's folder.
+/// @throws Error of `read`; where the file cannot be opened, with the place of the value
+template <class Read>
+void read_named_file(const Field& f, const std::string& path, Read read) {
+  try {
+    read(path);
+  } catch (const Error& e) {
+    if (e.trouble() != Trouble::file_system) throw;
+    throw unopened(f, path, e);
+  }
+}
+
 void read_encoders(const Field&, const RobotModel&, Spec&, Faults&);
 /// Warns of gear ratios that contradict those of the URDF. @pre the encoders are read
 void warn_of_stated_ratios(const RobotModel&, Spec&);

@@ -110,15 +110,7 @@ class SpecReader {
       const Object o(f, spec_format::robot());
       const Field urdf = o.at("urdf");
       const std::string path = find_urdf(urdf, *o.text("urdf"));
-      try {
-        robot_ = read_urdf(path);
-      } catch (const Error& e) {
-        if (e.trouble() != Trouble::file_system) throw;
-        throw Error(Fault{urdf.node->place, urdf.path, e.faults().front().rule, "'" + path + "'",
-                          path.find('\\') == std::string::npos ? "give the URDF's path relative to the spec"
-                                                               : "write paths with '/'"},
-                    Trouble::file_system);
-      }
+      read_named_file(urdf, path, [&](const std::string& file) { robot_ = read_urdf(file); });
       spec_.robot_name = robot_.name;
       try {
         spec_.model.chain = make_chain(robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
@@ -208,6 +200,16 @@ void refuse_xml(const std::string& text, const std::string& path) {
 }
 
 }  // namespace
+
+Error unopened(const Field& f, const std::string& path, const Error& e) {
+  const std::string written = f.node->text;
+  const std::string remedy = written.find('\\') != std::string::npos ? "write paths with '/'"
+                             : written.starts_with('~') || written.starts_with('$')
+                                 ? "write the path out: ~ and variables are not expanded"
+                                 : "give the path relative to the spec";
+  return Error(Fault{f.node->place, f.path, e.faults().front().rule, "'" + path + "'", remedy},
+               Trouble::file_system);
+}
 
 Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
   return parse_spec(read_text(path), path, overrides);

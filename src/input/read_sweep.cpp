@@ -49,7 +49,7 @@ std::vector<std::string> range_values(const Object& o) {
 }  // namespace
 
 void read_sweep(const Field& f, Spec& spec, Faults& faults) {
-  for (const Field& item : read_list(f))
+  for (const Field& item : read_list(f, "a list: - {key: ..., values: [...]}"))
     faults.guard([&] {
       const Object o(item, spec_format::sweep());
       SweepAxis axis{*o.text("key"), {}};
@@ -57,7 +57,7 @@ void read_sweep(const Field& f, Spec& spec, Faults& faults) {
         for (const char* key : {"from", "to", "count", "scale"})
           if (o.has(key))
             throw Error(o.at(key).fault("cannot be combined with 'values'", "keep one of the two"));
-        for (const Field& value : read_list(o.at("values"))) {
+        for (const Field& value : read_list(o.at("values"), "[13, 15, 17]")) {
           if (value.node->type != Node::Type::scalar)
             throw Error(value.fault("must be a single value", "a number, word or quantity"));
           axis.values.push_back(value.node->text);

@@ -83,7 +83,7 @@ void read_coordinates(const Field& f, Spec& spec) {
   std::vector<std::string> all;
   for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
   std::vector<Coordinate> named;
-  for (const Field& item : read_list(f)) {
+  for (const Field& item : read_list(f, "[x, y, z]")) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
     if (!coordinate) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
@@ -100,7 +100,7 @@ void read_coordinates(const Field& f, Spec& spec) {
 }
 
 void read_requirements(const Field& f, Spec& spec, Faults& faults) {
-  for (const Field& item : read_list(f))
+  for (const Field& item : read_list(f, "a list: - {quantity: ..., statistic: ..., at_most: ...}"))
     faults.guard([&] {
       const Object o(item, spec_format::requirement());
       Requirement r;

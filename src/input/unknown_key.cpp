@@ -20,24 +20,31 @@ bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
   return std::any_of(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == key; });
 }
 
-/// Where a key belongs that stands in the wrong mapping; "" if no section has it.
+/// Where a key belongs that stands in the wrong mapping; "" if no section has it, or several have.
 std::string home_of(std::string_view key) {
   using namespace spec_format;
-  for (const auto& [rows, home] : {std::pair{&top(), "at the left margin, beside robot and encoders"},
-                                   {&robot(), "in robot: {...}"},
-                                   {&configurations(), "in configurations: {...}"},
-                                   {&threshold(), "in threshold: {...}"},
-                                   {&motion(), "in motion: {...}"},
-                                   {&requirement(), "in an entry of requirements: [...]"},
-                                   {&joint_motion(), "in a joint of motion: {joints: {...}}"},
-                                   {&filter(), "in an entry of filters: {...}"},
-                                   {&sine(), "in an entry of sines: [...]"}})
-    if (has_row(*rows, key)) return home;
+  std::string found;
+  int homes = 0;
+  const auto count = [&](const std::vector<Parameter>& rows, const char* home) {
+    if (has_row(rows, key) && found != home) found = home, ++homes;
+  };
+  count(top(), "at the left margin, beside robot and encoders");
+  count(robot(), "in robot: {...}");
+  count(configurations(), "in configurations: {...}");
+  count(threshold(), "in threshold: {...}");
+  count(motion(), "in motion: {...}");
+  count(requirement(), "in an entry of requirements: [...]");
+  count(joint_motion(), "in a joint of motion: {joints: {...}}");
+  count(filter(), "in an entry of filters: {...}");
+  count(sine(), "in an entry of sines: [...]");
+  count(effect(), "in an entry of effects: [...]");
+  count(sweep(), "in an entry of sweep: [...]");
+  count(lowpass(), "in the filter's lowpass: {...}");
   for (const FilterFamily& family : filter_families())
-    if (key == "family" || has_row(family.parameters, key)) return "in the filter's lowpass: {...}";
+    count(family.parameters, "in the filter's lowpass: {...}");
   for (const EncoderKind& kind : encoder_kinds())
-    if (has_row(encoder_parameters(kind), key)) return "in an entry of encoders: {...}";
-  return "";
+    count(encoder_parameters(kind), "in an entry of encoders: {...}");
+  return homes == 1 ? found : "";
 }
 
 /// `{at_most: 0,02 deg}` has the entries `at_most: 0` and `02 deg`.
@@ -70,7 +77,8 @@ const Node::Entry* empty_section_before(const Node& map, const Node::Entry& entr
 
 std::string with_space_after_colon(const std::string& text) {
   const std::size_t colon = text.find(':');
-  if (colon == 0 || colon + 1 >= text.size() || text[colon + 1] == ' ') return "";
+  if (colon == std::string::npos || colon == 0 || colon + 1 >= text.size() || text[colon + 1] == ' ')
+    return "";
   const std::string key = text.substr(0, colon);
   const bool plain = std::all_of(key.begin(), key.end(), [](char c) {
     return std::isalnum(static_cast<unsigned char>(c)) ||

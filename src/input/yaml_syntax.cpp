@@ -30,6 +30,8 @@ std::string_view content(std::string_view line) {
   return last == std::string_view::npos ? std::string_view() : line.substr(0, last + 1);
 }
 
+std::size_t indentation(std::string_view line) { return std::min(line.find_first_not_of(' '), line.size()); }
+
 /// A tab before the first key of a line, at or before the place.
 std::optional<Fault> indented_by_tab(const Lines& lines, const Place& at) {
   for (int number = 1; number <= at.line; ++number) {
@@ -74,8 +76,6 @@ std::optional<Fault> colon_without_space(const Lines& lines, const Place& at) {
   }
   return std::nullopt;
 }
-
-std::size_t indentation(std::string_view line) { return std::min(line.find_first_not_of(' '), line.size()); }
 
 /// A line that is indented deeper than the value above it, or like no line above it.
 std::optional<Fault> odd_indentation(const Lines& lines, const Place& at) {
@@ -128,7 +128,7 @@ std::optional<Fault> two_values(const Lines& lines, const Place& at) {
   if (second == std::string_view::npos || line.find_first_of("{['\"", first) < second) return std::nullopt;
   return Fault{place_in(at, at.line, second), "", "a line has one key and one value",
                "'" + std::string(line.substr(first + 2, 40)) + "'",
-               "write '" + std::string(line.substr(0, first)) + ": {" +
+               "write '" + std::string(line.substr(indentation(line), first - indentation(line))) + ": {" +
                    std::string(line.substr(first + 2, 40)) + "}', or begin a new line"};
 }
 

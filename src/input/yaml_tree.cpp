@@ -48,6 +48,7 @@ class TreeBuilder : public YAML::EventHandler {
     const bool quoted = tag == "!";
     if (!quoted) refuse_tag(mark, tag);
     if (!quoted) refuse_typographic_quotes(mark, value);
+    refuse_control_characters(mark, value);
     refuse_several_lines(mark, value, quoted);
     add(Node{Node::Type::scalar, place(mark), value, quoted, {}, {}});
   }
@@ -82,6 +83,13 @@ class TreeBuilder : public YAML::EventHandler {
     if (!tag.empty() && tag != "?" && tag != "!")
       throw Error(
           {place(mark), "", "tags are not supported", text_at(lines_, place(mark)), "leave the tag out"});
+  }
+
+  /// An escape such as "\e" or, in the path of another system, "\r": no value of a spec has one.
+  void refuse_control_characters(const YAML::Mark& mark, const std::string& value) const {
+    if (escaped(value, std::string::npos) == value || value.find('\n') != std::string::npos) return;
+    throw Error({place(mark), "", "a text must not contain control characters", "'" + value + "'",
+                 "in double quotation marks a backslash begins an escape: use single ones, or '/' in paths"});
   }
 
   void refuse_typographic_quotes(const YAML::Mark& mark, const std::string& value) const {
@@ -248,7 +256,7 @@ Node parse_yaml(const std::string& text, const std::string& file) {
                  "",
                  "a spec is YAML, and this is XML",
                  "'" + text.substr(first, 20) + "'",
-                 "name the URDF in a spec: robot: {urdf: FILE}"});
+                 "name the URDF in a spec, robot: {urdf: FILE}; `qerr robot FILE` shows what to write"});
   TreeBuilder builder(text, file);
   refuse_odd_lines(builder.lines(), file);
   try {

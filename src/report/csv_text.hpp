@@ -6,7 +6,7 @@
 /// Cells of CSV as RFC 4180 has them; a row ends with "\r\n".
 namespace qerr {
 
-/// The text, quoted if it holds a comma, a quote or a line break.
+/// The text with control characters escaped, quoted if it holds a comma or a quote.
 std::string csv_cell(const std::string& text);
 
 /// The shortest digits that read back as the same double; empty if it is not finite or not known, which

@@ -4,6 +4,8 @@
 #include <nlohmann/json.hpp>
 #include <utility>
 
+#include "core/text.hpp"
+
 namespace qerr {
 
 /// The only place that knows nlohmann-json: it writes the digits and escapes the strings.
@@ -31,8 +33,25 @@ struct JsonText {
     return object;
   }
 
+  /// DEL and the control characters U+0080..U+009F, which a terminal obeys, are valid in JSON: as \u00XX the
+  /// text is the same. They occur in strings only.
+  static std::string terminal_safe(const std::string& text) {
+    std::string out;
+    out.reserve(text.size());
+    for (std::size_t i = 0; i < text.size(); ++i) {
+      const auto byte = static_cast<unsigned char>(text[i]);
+      const bool control =
+          byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
+      if (byte == 0x7F || control)
+        out += "\\u00" + hexadecimal(static_cast<unsigned char>(text[control ? ++i : i]));
+      else
+        out += text[i];
+    }
+    return out;
+  }
+
   static std::string text(const Json& json, int indent) {
-    return converted(json).dump(indent, ' ', false, Library::error_handler_t::replace);
+    return terminal_safe(converted(json).dump(indent, ' ', false, Library::error_handler_t::replace));
   }
 };
 

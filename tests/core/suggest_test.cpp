@@ -18,7 +18,9 @@ TEST(Suggest, FindsTheNearestNameAndNoDistantOne) {
 
 TEST(Suggest, DoesNotGuessAmongManyNamesOrFromAFewLetters) {
   EXPECT_EQ(nearest("median", {"min", "mean", "max"}), "");
-  EXPECT_EQ(did_you_mean("a9", {"a1", "a2"}), "known: a1, a2");
+  EXPECT_EQ(did_you_mean("a9", {"a1", "a2", "a3"}), "known: a1, a2, a3");
+  EXPECT_EQ(did_you_mean("w", {"x"}), "known: x");
+  EXPECT_EQ(did_you_mean("X", {"x", "y"}), "did you mean 'x'?");
   EXPECT_EQ(did_you_mean("p98", {"mean", "p50", "p95", "p99"}), "did you mean 'p95' or 'p99'?");
   EXPECT_EQ(did_you_mean("joint_9", {"joint_1", "joint_2", "joint_3"}), "known: joint_1, joint_2, joint_3");
 }

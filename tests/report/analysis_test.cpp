@@ -2,7 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
@@ -72,6 +74,34 @@ TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {
   EXPECT_FALSE(a.workspace.derivatives[0][0].sigma_in_motion);
   EXPECT_TRUE(std::any_of(a.warnings.begin(), a.warnings.end(), [](const std::string& w) {
     return w.find("only IPQN is given") != std::string::npos;
+  }));
+}
+
+/// By hand: each joint errs by Delta/2 + A at most, and by sqrt(Delta^2/12 + A^2/2) on average.
+TEST(Analysis, AddsTheAccuracyOfAnEncoderLikeASineOfThatAmplitudeAndUnknownPhase) {
+  Spec spec = read_spec(QERR_SOURCE_DIR "/configs/kuka_lwr/spec.yaml");
+  spec.motion.reset();
+  spec.configurations.count = 200;
+  const double delta = 2 * std::numbers::pi / 131072, bound = 20 * std::numbers::pi / 648000;
+  for (Encoder& e : spec.model.transmission.encoders) e.resolution = delta, e.accuracy = 0;
+  const Analysis without = analyze(spec);
+  for (Encoder& e : spec.model.transmission.encoders) e.accuracy = bound;
+  const Analysis with = analyze(spec);
+  const double worst = 1 + bound / (0.5 * delta), sigma = std::sqrt(1 + 6 * std::pow(bound / delta, 2));
+  for (std::size_t c = 0; c < with.workspace.coordinates.size(); ++c) {
+    const auto &has = with.workspace.coordinates[c], &had = without.workspace.coordinates[c];
+    EXPECT_NEAR(has.worst_case.max / had.worst_case.max, worst, 1e-12);
+    EXPECT_NEAR(has.worst_case.p50 / had.worst_case.p50, worst, 1e-12);
+    EXPECT_NEAR(has.sigma.max / had.sigma.max, sigma, 1e-12);
+    EXPECT_GE(has.worst_case_rigorous.max, has.worst_case.max);
+    for (std::size_t f = 0; f < spec.filters.size(); ++f) {
+      const auto &behind = with.workspace.derivatives[f][c], &before = without.workspace.derivatives[f][c];
+      EXPECT_NEAR(behind.worst_case.max / before.worst_case.max, worst, 1e-12);
+      EXPECT_FALSE(behind.sigma);  // its spectrum is not known
+    }
+  }
+  EXPECT_TRUE(std::any_of(with.warnings.begin(), with.warnings.end(), [](const std::string& w) {
+    return w.find("`accuracy` is not known") != std::string::npos;
   }));
 }
 

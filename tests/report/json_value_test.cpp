@@ -25,6 +25,13 @@ TEST(JsonValue, WritesWhatAParserReadsBack) {
   EXPECT_EQ(j.line(), expected.dump());
 }
 
+TEST(JsonValue, EscapesWhatATerminalObeys) {
+  const std::string name = "a\x1b[31m\x7f\u009b31m\u00e9";
+  const std::string line = Json(name).line();
+  EXPECT_EQ(line, "\"a\\u001b[31m\\u007F\\u009B31m\u00e9\"");
+  EXPECT_EQ(Parsed::parse(line), name);
+}
+
 TEST(JsonValue, IsNullWhereANumberIsNotFiniteOrNotKnown) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(Json(infinity).line(), "null");

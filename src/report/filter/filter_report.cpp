@@ -36,6 +36,10 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
   std::vector<std::string> warnings;
   for (const NamedFilter& f : spec.filters) {
     const int d = f.filter.derivative;
+    if (d == 0 && std::abs(f.norms.dc_gain - 1) > 0.01)
+      warnings.push_back("filter '" + f.name +
+                         "' estimates a position, and passes constants scaled by H(1) = " +
+                         significant(f.norms.dc_gain, 4) + ": is its numerator right?");
     if (d == 0) continue;
     const std::string stated =
         "filter '" + f.name + "' is specified to estimate derivative " + std::to_string(d);

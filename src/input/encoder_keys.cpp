@@ -1,0 +1,124 @@
+#include "input/encoder_keys.hpp"
+
+#include <algorithm>
+
+#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/joint_entries.hpp"
+#include "input/unknown_key.hpp"
+
+namespace qerr {
+
+const EncoderKind& first_kind(bool at_joint) {
+  const auto& kinds = encoder_kinds();
+  return *std::find_if(kinds.begin(), kinds.end(), [&](const EncoderKind& kind) {
+    return (kind.resolution_at_joint != nullptr) == at_joint;
+  });
+}
+
+std::vector<Parameter> all_keys_of(const EncoderKind& kind) {
+  std::vector<Parameter> rows = kind.parameters;
+  for (const Parameter& p : common_encoder_parameters()) rows.push_back(p);
+  return rows;
+}
+
+namespace {
+
+/// Some vendors count lines in `cpr` and `ppr`, others counts: a factor of 4.
+void refuse_ambiguous_keys(const Field& f) {
+  for (const auto& [key, value] : read_map(f))
+    for (const EncoderKind& kind : encoder_kinds())
+      for (const std::string& ambiguous : words_of(kind.ambiguous_keys))
+        if (key.name == ambiguous)
+          throw Error(
+              {key.place, value.path,
+               "'" + key.name + "' is ambiguous: vendors use it for lines and for counts, 4 times as many",
+               "'" + key.name + "'", std::string(kind.ambiguous_remedy)});
+}
+
+std::vector<std::string> list_of_kinds() {
+  std::vector<std::string> names;
+  for (const EncoderKind& kind : encoder_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
+  return std::any_of(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == key; });
+}
+
+std::vector<std::string> encoder_keys() {
+  std::vector<std::string> keys;
+  for (const EncoderKind& kind : encoder_kinds())
+    for (const Parameter& row : encoder_parameters(kind))
+      if (std::find(keys.begin(), keys.end(), row.name) == keys.end()) keys.emplace_back(row.name);
+  return keys;
+}
+
+/// @throws Error (input) for keys that no encoder has, and for those that the kind does not have
+void check_keys(const Field& f, const EncoderKind* kind) {
+  const std::vector<std::string> known = encoder_keys();
+  std::vector<Fault> faults;
+  for (const Node::Entry& entry : f.node->entries) {
+    const std::string& key = entry.key.name;
+    if (std::find(known.begin(), known.end(), key) == known.end())
+      faults.push_back(unknown_key(f, entry, known));
+    else if (kind && !has_row(all_keys_of(*kind), key))
+      faults.push_back({entry.key.place, f.path + '.' + key,
+                        "does not belong to an encoder that is stated by " + std::string(kind->name),
+                        quoted(key), "remove it, or state the encoder in the other way"});
+  }
+  if (!faults.empty()) throw Error(faults);
+}
+
+/// `resolution: 17 bits` is another kind, `bits: 17`.
+void refuse_kind_as_unit(const Field& f, const EncoderKind& kind) {
+  const std::string& text = f.node->find(kind.name)->text;
+  const std::size_t at = text.find_first_not_of("0123456789. ");
+  if (at == std::string::npos || at == 0) return;
+  const std::string unit = text.substr(at), number = text.substr(0, text.find_last_not_of(' ', at - 1) + 1);
+  for (const EncoderKind& other : encoder_kinds())
+    if (&other != &kind && (unit == other.name || unit + 's' == other.name))
+      throw Error({f.node->find(kind.name)->place, f.path + '.' + std::string(kind.name),
+                   "has the wrong kind of unit", quoted(text),
+                   "write " + std::string(other.name) + ": " + number});
+}
+
+const EncoderKind& stated_kind(const Field& f) {
+  const EncoderKind* found = nullptr;
+  for (const EncoderKind& kind : encoder_kinds()) {
+    if (!f.node->find(kind.name)) continue;
+    if (found)
+      throw Error({f.node->place, f.path, "an encoder must be stated in one way",
+                   "'" + std::string(found->name) + "' and '" + std::string(kind.name) + "'",
+                   "keep one of them"});
+    found = &kind;
+  }
+  check_keys(f, found);
+  if (found) return *found;
+  throw Error({f.node->place, f.path, "the encoder's counts are missing", described(*f.node),
+               "give one of " + did_you_mean("", list_of_kinds()).substr(7)});
+}
+
+}  // namespace
+
+void refuse_bare_encoder(const Field& f, const Chain& chain) {
+  const std::vector<std::string> keys = encoder_keys(), joints = joint_names(chain);
+  if (f.node->type != Node::Type::mapping) return;
+  for (const Node::Entry& entry : f.node->entries)
+    if (std::find(keys.begin(), keys.end(), entry.key.name) != keys.end() &&
+        std::find(joints.begin(), joints.end(), entry.key.name) == joints.end())
+      throw Error({entry.key.place, f.path + '.' + entry.key.name, "this is a key of an encoder, not a joint",
+                   quoted(entry.key.name),
+                   "name the joints: '*': {" + std::string(first_kind(false).example) + "} for all"});
+}
+
+const EncoderKind& encoder_kind_of(const Field& f) {
+  if (f.node->type != Node::Type::mapping)
+    throw Error(f.fault("must be a mapping", "write {" + std::string(first_kind(false).example) + "}"));
+  refuse_ambiguous_keys(f);
+  const EncoderKind& kind = stated_kind(f);
+  refuse_kind_as_unit(f, kind);
+  return kind;
+}
+
+}  // namespace qerr
