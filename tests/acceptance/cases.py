@@ -156,7 +156,7 @@ def public_cases(robots):
         wam[i][i] = 1.0
     wam[1][1], wam[1][2], wam[2][1], wam[2][2] = 0.5, -0.5, -0.84, -0.84
     wam[4][4], wam[4][5], wam[5][4], wam[5][5] = 0.5, 0.5, -0.5, 0.5
-    leg = {"*": {"bits": 10, "gear_ratio": 2}, "leg_left_4_joint": {"bits": 9, "rounding": "down"},
+    leg = {"*": {"bits": 10, "gear_ratio": 2}, "leg_left_4_joint": {"bits": 9, "gear_ratio": 1, "rounding": "down"},
            "leg_left_5_joint": {"resolution": "4 mrad", "rounding": "down"}}
     return [
         Case("ur5", r / "ur5.urdf", {"*": gear, "elbow_joint": {"lines_per_rev": 1024, "decoding": "x4", "gear_ratio": -101},

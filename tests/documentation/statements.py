@@ -253,6 +253,13 @@ NAMES = {
         r"`bits: 17`",
         r"`periods_per_rev: 512, interpolation_bits: 10`",
         r"`resolution: 0\.125 mrad`",
+        # Examples of how a value is written.
+        r"`requirements\[0\]\.at_most`",
+        r"`--set encoders\.a2\.bits=19`",
+        r"`1/100`",
+        r"`'joint\[1-3\]'`",
+        r"`accuracy: 20 arcsec`",
+        r"A\^2/2 to its variance",
     ],
     "configs/paper/README.md": [
         r"--row 15\b",
