@@ -31,7 +31,8 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .dimension = dimension::length,
        .meaning = "prismatic joints: travel per revolution of screw or pulley, after the gear",
        .least = 0,
-       .open_below = true},
+       .open_below = true,
+       .usual = 1},
       {.name = "rounding",
        .kind = Kind::choice,
        .meaning = "rounding of a position to a count",
@@ -44,7 +45,8 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .meaning = "data sheet's bound on the slow error: an angle of the encoder's shaft, or of the joint "
                   "beside resolution; a length is at the joint",
        .least = 0,
-       .coordinate = true},
+       .coordinate = true,
+       .usual = 0.01},
   };
   return common;
 }

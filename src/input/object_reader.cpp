@@ -89,6 +89,19 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
   return value;
 }
 
+void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>& rows, Dimension coordinate,
+                          std::vector<std::string>& warnings) {
+  for (const Parameter& p : rows) {
+    const Node* value = map.node->find(p.name);
+    const auto number = value && value->type == Node::Type::scalar ? parse_number(value->text) : std::nullopt;
+    if (!number || std::abs(*number) < p.usual) continue;
+    const std::string text = map.path + '.' + std::string(p.name) + ": " + value->text +
+                             " without a unit is in " + unit_name(p.coordinate ? coordinate : p.dimension) +
+                             ", which is much; write the unit that is meant";
+    if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+  }
+}
+
 void warn_of_degrees(const Field& f, double turns, std::vector<std::string>& warnings) {
   const auto number =
       f.node && f.node->type == Node::Type::scalar ? parse_number(f.node->text) : std::nullopt;

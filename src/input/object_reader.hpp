@@ -62,6 +62,10 @@ std::string read_text_value(const Field&);
 std::vector<Field> read_list(const Field&, const std::string& example = "[a, b, ...]");
 std::vector<std::pair<Node::Key, Field>> read_map(const Field&);
 
+/// Warns of numbers without a unit that are larger than usual (`Parameter::usual`).
+void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>&, Dimension coordinate,
+                          std::vector<std::string>& warnings);
+
 /// A mapping whose keys have been checked against the rows of its format. Borrows the node of the field.
 class Object {
  public:

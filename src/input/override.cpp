@@ -213,6 +213,41 @@ Node value_of(const std::string& text, const std::string& path, const Place& pla
 
 }  // namespace
 
+namespace {
+
+/// The part of a path below a section by joints; empty for other paths.
+std::optional<std::string> below_joints(const std::string& path) {
+  for (const std::string section : {"encoders.", "configurations.limits."})
+    if (path.starts_with(section)) return path.substr(section.size());
+  return std::nullopt;
+}
+
+/// Whether the path is that of a pattern's entry; `a1[0]` is an item of a list.
+bool changes_pattern(const std::pair<std::string, std::string>& override) {
+  const auto rest = below_joints(override.first);
+  if (!rest) return false;
+  const std::size_t special = rest->find_first_of("*?[");
+  return special != std::string::npos && !((*rest)[special] == '[' && leading_index(rest->substr(special)));
+}
+
+bool changes_section(const std::pair<std::string, std::string>& override) {
+  const std::string& path = override.first;
+  return path == "encoders" || path == "configurations" || path == "configurations.limits";
+}
+
+}  // namespace
+
+std::vector<std::pair<std::string, std::string>> in_order(
+    std::vector<std::pair<std::string, std::string>> overrides) {
+  auto begin = overrides.begin();
+  while (begin != overrides.end()) {
+    const auto end = std::find_if(begin, overrides.end(), changes_section);
+    std::stable_partition(begin, end, changes_pattern);
+    begin = end == overrides.end() ? end : end + 1;
+  }
+  return overrides;
+}
+
 void apply_override(Node& root, const std::string& path, const std::string& value,
                     const std::string& origin) {
   const Place place{origin, 0, 0};

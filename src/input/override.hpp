@@ -1,6 +1,8 @@
 #pragma once
 
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "input/yaml_tree.hpp"
 
@@ -18,5 +20,11 @@ namespace qerr {
 /// @throws Error (input) if the path passes through a single value or beyond the end of a list, would begin
 /// a new filter with one of its keys, or if the value is not YAML
 void apply_override(Node& root, const std::string& path, const std::string& value, const std::string& origin);
+
+/// The order in which several overrides are applied: changes of a pattern's entry (`encoders.*.gear_ratio`)
+/// before those of single joints, which begin with a copy of it, so that their order on the command line does
+/// not matter. A change of the whole section keeps its place.
+std::vector<std::pair<std::string, std::string>> in_order(
+    std::vector<std::pair<std::string, std::string>> overrides);
 
 }  // namespace qerr

@@ -154,6 +154,7 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
           read_encoder(entry, joint, holds_for_prismatic(entries, chain, entry));
       compare_with_patterns(entries[i], spec.warnings);
       warn_of_gear(entry, spec.warnings);
+      warn_of_bare_numbers(entry, common_encoder_parameters(), coordinate_dimension(joint), spec.warnings);
     });
   }
   faults.guard([&] { of_entries.raise(); });

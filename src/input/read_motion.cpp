@@ -103,6 +103,7 @@ Effect effect_on(const Object& o, const EffectKind& kind, const std::vector<Para
   Effect effect{std::string(kind.name), of.name, {}, {}};
   effect.numbers = typed.numbers(kind.parameters, coordinate_dimension(of));
   effect.choices = typed.choices(kind.parameters);
+  warn_of_bare_numbers(o.self(), rows, coordinate_dimension(of), spec.warnings);
   check_encoder(o, effect, index, spec);
   return effect;
 }

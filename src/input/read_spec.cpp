@@ -219,7 +219,8 @@ Spec parse_spec(const std::string& text, const std::string& path, const SpecOver
   refuse_xml(text, path);
   Node root = parse_yaml(text, path);
   if (root.type == Node::Type::mapping)
-    for (const auto& [key, value] : overrides.values) apply_override(root, key, value, "--set " + key);
+    for (const auto& [key, value] : in_order(overrides.values))
+      apply_override(root, key, value, "--set " + key);
   Spec spec = SpecReader(path).read(root);
   check_sweep(root, spec);
   spec.text = text;

@@ -111,13 +111,17 @@ void read_requirements(const Field& f, Spec& spec, Faults& faults) {
       r.value = find_statistic(r.statistic)->value;
       const Dimension d = dimension_of(r, spec);
       r.unit = unit_name(d);
-      r.at_most = read_number(o.at("at_most"), {.name = "at_most", .dimension = d, .least = 0});
+      // A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly one.
+      const Parameter limit{.name = "at_most", .dimension = d, .least = 0, .usual = d.metre ? 0.01 : 0.1};
+      r.at_most = read_number(o.at("at_most"), limit);
+      if (r.filter < 0) warn_of_bare_numbers(item, {limit}, {}, spec.warnings);
       spec.requirements.push_back(r);
     });
 }
 
 void read_threshold(const Field& f, Spec& spec) {
   spec.threshold_length = Object(f, spec_format::threshold()).number("length");
+  warn_of_bare_numbers(f, spec_format::threshold(), {}, spec.warnings);
 }
 
 }  // namespace qerr

@@ -173,7 +173,8 @@ const std::vector<Parameter>& threshold() {
                                             .meaning = "length l of Table IV",
                                             .required = true,
                                             .least = 0,
-                                            .open_below = true}};
+                                            .open_below = true,
+                                            .usual = 20}};
   return rows;
 }
 

@@ -264,6 +264,21 @@ TEST_F(ReadSpec, AnOverrideChangesOneValueOfWhatHoldsForTheJoint) {
   EXPECT_DOUBLE_EQ(elbow(head + lines, "encoders.elbow.counts_per_rev", "4096"), geared);
 }
 
+TEST_F(ReadSpec, TheOrderOfOverridesOfAPatternAndOfAJointDoesNotMatter) {
+  std::vector<std::pair<std::string, std::string>> values{{"encoders.elbow.counts_per_rev", "8192"},
+                                                          {"coordinates", "[x]"},
+                                                          {"encoders.*.gear_ratio", "50"},
+                                                          {"encoders.elbow.rounding", "down"}};
+  for (int i = 0; i < 4; ++i) {
+    SpecOverrides overrides;
+    overrides.values = values;
+    const Encoder elbow = read(head + encoders, overrides).model.transmission.encoders[2];
+    EXPECT_DOUBLE_EQ(elbow.resolution, geared);
+    EXPECT_EQ(elbow.rounding, Rounding::down);
+    std::rotate(values.begin(), values.begin() + 1, values.end());
+  }
+}
+
 TEST_F(ReadSpec, AnOverrideNamesItemsOfListsInTwoWaysAndNeverCreatesWhatIsNotRead) {
   const std::string text = head + encoders +
                            "filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}\n"
@@ -355,6 +370,10 @@ TEST_F(ReadSpec, WarnsOfWhatIsValidAndProbablyNotMeant) {
       {"configurations: {limits: {shoulder: [1, 1], lift: [0, 0], elbow: [1, 1]}}\n",
        "the range of every joint is empty"},
       {"sweep: [{key: encoders.elbow.bits, values: [13, 15]}]\n", "sweep: is not used"},
+      {"requirements: [{quantity: position.x.sigma, statistic: max, at_most: 0.1}]\n",
+       "requirements[0].at_most: 0.1 without a unit is in m, which is much"},
+      {"threshold: {length: 300}\n", "threshold.length: 300 without a unit is in m"},
+      {"effects: [{type: latency, joint: elbow, delay: 5}]\n", "effects[0].delay: 5 without a unit is in s"},
       {"motion: {sample_rate: 1 kHz, duration: 1 s, joints: {elbow: {sines: [{amplitude: 1 deg, frequency: "
        "1, phase: 30}]}}}\n",
        "motion.joints.elbow.sines[0].phase: 30 without a unit is in rad, 4.77 revolutions; degrees need "

@@ -31,7 +31,10 @@ struct Parameter {
   bool open_above = false;
   std::string_view choices = {};  ///< of a choice: "matched|tustin"; the first one is the default
   bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
-  bool angular = false;           ///< a frequency that may also be written as an angular one, in rad/s
+  /// Largest usual magnitude in SI units: a number beyond it that is written without a unit was probably
+  /// meant in another one (10 for 10 mm), and is warned of.
+  double usual = std::numeric_limits<double>::infinity();
+  bool angular = false;  ///< a frequency that may also be written as an angular one, in rad/s
 };
 
 /// The words of a list such as "matched|tustin".

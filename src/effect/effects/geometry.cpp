@@ -29,7 +29,8 @@ EffectKind geometry_effect() {
                          {.name = "length",
                           .dimension = dimension::length,
                           .meaning = "displacement of the joint's origin",
-                          .required = true}},
+                          .required = true,
+                          .usual = 0.1}},
           // The true joint is displaced from the model's: estimate - true is minus the displacement.
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             return Share{0.0 - e.number("length"), 0, 0};

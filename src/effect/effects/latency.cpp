@@ -20,7 +20,8 @@ EffectKind latency_effect() {
           .parameters = {{.name = "delay",
                           .dimension = dimension::time,
                           .meaning = "age of the reading",
-                          .required = true}},
+                          .required = true,
+                          .usual = 1}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [delay = e.number("delay")](double t, const Moment&) { return t - delay; };
           },
