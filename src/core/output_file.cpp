@@ -10,6 +10,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -52,6 +53,7 @@ void remove_unfinished_outputs() {
 }
 
 OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
+  note_output(path_);
   if (path_ == "-") {
     descriptor_ = STDOUT_FILENO;
     return;

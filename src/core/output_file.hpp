@@ -16,8 +16,9 @@ void remove_unfinished_outputs();
 ///
 /// A regular file is written to a temporary file in the same folder, which close() synchronizes and renames;
 /// without close() it is removed. The constructor opens it, so that a path that is not writable fails before
-/// the computation.
-/// @throws Error (file_system) with the path and the reason given by the system; ClosedPipe
+/// the computation, and notes it as an output of the run (run_files.hpp).
+/// @throws Error (usage) if it is an input or another output of the run; Error (file_system) with the path
+/// and the reason given by the system; ClosedPipe
 class OutputFile {
  public:
   explicit OutputFile(std::string path);  ///< "-": standard output

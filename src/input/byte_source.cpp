@@ -7,6 +7,7 @@
 #include <cerrno>
 #include <system_error>
 
+#include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -21,6 +22,7 @@ namespace {
 std::string reason(int code) { return std::generic_category().message(code); }
 
 int open_input(const std::string& path) {
+  note_input(path);
   if (path == "-") return STDIN_FILENO;
   if (path.find('\0') != std::string::npos) unreadable(path, "a file name cannot contain a NUL byte");
   struct stat status {};

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+namespace qerr {
+
+/// The files of one run of a program: no output may be an input, and no two outputs may be one file.
+///
+/// One file is one device and inode, whatever its names; of an output that does not exist yet, one folder and
+/// name. Only regular files are compared: a device or a pipe may be read and written. While no RunFiles
+/// exists nothing is noted, so that a program that links qerr is free to read what it has written.
+class RunFiles {
+ public:
+  RunFiles();
+  ~RunFiles();
+  RunFiles(const RunFiles&) = delete;
+  RunFiles& operator=(const RunFiles&) = delete;
+};
+
+/// An input of the run; "-" is standard input. Names that do not exist are ignored.
+/// @throws Error (usage) if it is an output of the run
+void note_input(const std::string& path);
+
+/// An output of the run, before it is opened; "-" is standard output, which only one output may have.
+/// @throws Error (usage) if it is an input or another output of the run
+void note_output(const std::string& path);
+
+}  // namespace qerr

@@ -1,0 +1,89 @@
+#include "core/run_files.hpp"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <fstream>
+#include <string>
+
+#include "core/output_file.hpp"
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+namespace {
+
+class FilesOfARun : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = std::filesystem::temp_directory_path() / ("qerr_run_files_" + std::to_string(getpid()));
+    std::filesystem::create_directories(folder_);
+    std::ofstream(file("spec.yaml")) << "qerr: 1\n";
+  }
+  void TearDown() override { std::filesystem::remove_all(folder_); }
+  std::string file(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// The message of the refusal; "" if there is none.
+  template <class Action>
+  std::string refusal(Action action) {
+    try {
+      action();
+    } catch (const Error& e) {
+      EXPECT_EQ(e.trouble(), Trouble::usage);
+      return e.what();
+    }
+    return "";
+  }
+
+  std::filesystem::path folder_;
+  RunFiles run_;
+};
+
+TEST_F(FilesOfARun, RefuseAnOutputThatIsAnInputUnderAnyName) {
+  std::filesystem::create_hard_link(file("spec.yaml"), file("hard.yaml"));
+  std::filesystem::create_symlink(file("spec.yaml"), file("soft.yaml"));
+  note_input(file("spec.yaml"));
+  for (const char* name : {"spec.yaml", "hard.yaml", "soft.yaml", "./spec.yaml"})
+    EXPECT_NE(refusal([&] { OutputFile out(file(name)); }).find(name), std::string::npos) << name;
+  EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder_), {}), 3) << "nothing is written";
+}
+
+TEST_F(FilesOfARun, RefuseAnInputThatIsAnOutput) {
+  note_output(file("spec.yaml"));
+  EXPECT_NE(refusal([&] { note_input(file("spec.yaml")); }).find("spec.yaml"), std::string::npos);
+}
+
+TEST_F(FilesOfARun, RefuseTwoOutputsThatAreOneFile) {
+  note_output(file("new.csv"));
+  EXPECT_NE(refusal([&] { note_output(file("./new.csv")); }), "") << "of a file that does not exist yet";
+  note_output(file("spec.yaml"));
+  EXPECT_NE(refusal([&] { note_output(file("spec.yaml")); }), "");
+  EXPECT_EQ(refusal([&] { note_output(file("other.csv")); }), "");
+}
+
+TEST_F(FilesOfARun, LeaveStandardOutputToOneResult) {
+  note_output("-");
+  EXPECT_NE(refusal([] { note_output("-"); }).find("standard output"), std::string::npos);
+}
+
+TEST_F(FilesOfARun, MayReadAndWriteDevices) {
+  note_input("/dev/null");
+  EXPECT_EQ(refusal([] { note_output("/dev/null"); }), "");
+  EXPECT_EQ(refusal([] { note_output("/dev/null"); }), "");
+}
+
+TEST_F(FilesOfARun, MayBeReadTwice) {
+  note_input(file("spec.yaml"));
+  EXPECT_EQ(refusal([&] { note_input(file("spec.yaml")); }), "");
+}
+
+TEST(FilesWithoutARun, AreFree) {
+  const auto path =
+      (std::filesystem::temp_directory_path() / ("qerr_free_" + std::to_string(getpid()))).string();
+  note_output(path);
+  EXPECT_NO_THROW(note_output(path));
+  EXPECT_NO_THROW(note_input(path));
+}
+
+}  // namespace
+}  // namespace qerr
