@@ -17,7 +17,6 @@ packages=(
   libyaml-cpp-dev       # specs
   libboost-dev          # headers only: Sobol sequence, multiprecision, distributions
   nlohmann-json3-dev    # reports
-  libcli11-dev          # command line
 )
 test_packages=(
   libgtest-dev librapidcheck-dev
@@ -25,7 +24,9 @@ test_packages=(
   libvalijson-dev       # JSON Schema validator
   python3 python3-numpy
   python3-mpmath        # reference for the figures of filters
-  jq python3-pandas     # README.md uses them
+  python3-jsonschema    # reports against their schemas
+  zsh fish groff-base   # completions and man pages
+  jq python3-pandas     # README.md and the help use them
   clang-format
 )
 plot_packages=(
@@ -34,6 +35,7 @@ plot_packages=(
 bench_packages=(
   libbenchmark-dev      # timing
   liborocos-kdl-dev     # scripts/compare_peers.sh
+  libcli11-dev          # command line of compare_peers
   python3-pandas        # bench_read_log
 )
 

@@ -1,8 +1,5 @@
-#include <memory>
-
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
@@ -12,14 +9,14 @@ namespace {
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
+  const auto rows = opened(v.text("per-configuration"));
   WorkspaceOptions options;
   options.threads = threads(v);
-  options.progress = progress(v);
+  options.progress = progress(v, "configurations");
   Analysis analysis;
-  if (v.given("per-configuration")) {
-    OutputFile rows(v.text("per-configuration"));
-    analysis = analyze(spec, options, [&](const std::string& text) { rows.write(text); });
-    rows.close();
+  if (rows) {
+    analysis = analyze(spec, options, [&](const std::string& text) { rows->write(text); });
+    rows->close();
   } else {
     analysis = analyze(spec, options);
   }
@@ -31,14 +28,21 @@ int run(const Values& v) {
 }  // namespace
 
 Command analyze_command() {
-  return {"analyze",
-          "Worst-case and IPQN bounds of position, velocity and acceleration over the configurations",
-          joined({spec_options(),
-                  {{.name = "--per-configuration",
-                    .value = "FILE.csv",
-                    .meaning = "write one CSV row per configuration"}},
-                  output_options()}),
-          run};
+  return {
+      "analyze",
+      "Worst-case and IPQN bounds of position, velocity and acceleration over the configurations",
+      joined({spec_options(),
+              {{.name = "--per-configuration",
+                .value = "FILE.csv",
+                .meaning = "write one CSV row per configuration"}},
+              output_options()}),
+      run,
+      {{"qerr analyze arm.yaml", "how far off the tip can be, and which encoder to upgrade first"},
+       {"qerr analyze arm.yaml --set 'encoders.*.counts_per_rev=8192'",
+        "the same with finer encoders, without changing the file"},
+       {"qerr analyze arm.yaml -o report.json", "everything, for a program; the ending chooses the format"},
+       {"qerr analyze arm.yaml --per-configuration points.csv", "and one row for every configuration"}},
+      {"figures", "spec", "output"}};
 }
 
 }  // namespace qerr::cli

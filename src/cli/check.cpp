@@ -1,8 +1,5 @@
-#include <memory>
-
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
@@ -11,18 +8,16 @@ namespace {
 
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
-  OutputFile out(v.text("output"));
-  std::unique_ptr<OutputFile> verdicts;
-  if (v.given("junit")) verdicts = std::make_unique<OutputFile>(v.text("junit"));
+  const auto verdicts = opened(v.text("junit"));
+  // Verdicts on standard output stand there alone: without -o or --format there is no other report.
+  const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
+  const auto out = opened(only_verdicts ? "" : v.text("output"));
   WorkspaceOptions options;
   options.threads = threads(v);
-  options.progress = progress(v);
+  options.progress = progress(v, "configurations");
   const CheckReport report = check_report(spec, options);
-  if (verdicts) {
-    verdicts->write(junit(report));
-    verdicts->close();
-  }
-  finish(out, report, v);
+  if (verdicts) finish(*verdicts, junit(report));
+  if (out) finish(*out, report, v);
   warn(report.analysis.warnings, v);
   return report.all_met() ? 0 : 1;
 }
@@ -30,11 +25,16 @@ int run(const Values& v) {
 }  // namespace
 
 Command check_command() {
-  return {"check", "Compare the bounds with the spec's requirements; exit code 1 if one is not met",
+  return {"check",
+          "Compare the bounds with the spec's requirements; exit code 1 if one is not met",
           joined({spec_options(),
                   {{.name = "--junit", .value = "FILE", .meaning = "write the verdicts as JUnit XML"}},
                   output_options()}),
-          run};
+          run,
+          {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
+           {"qerr check arm.yaml --junit qerr.xml",
+            "in continuous integration, with verdicts that its pages show"}},
+          {"requirements", "output"}};
 }
 
 }  // namespace qerr::cli

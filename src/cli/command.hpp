@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -7,17 +8,33 @@
 
 namespace qerr::cli {
 
-/// A row: one command, its line in the help, its own options, and its work.
+/// A command line to copy, and what it answers.
+struct Example {
+  std::string_view line;
+  std::string_view answer;
+};
+
+/// A row: one command, its line in the help, its own options, its work, and what its help shows. The parser,
+/// the help, the man pages and the completions read it.
 struct Command {
   std::string_view name;
   std::string_view summary;
   std::vector<Option> options;
-  int (*run)(const Values&);  ///< returns the exit code
+  int (*run)(const Values&);             ///< returns the exit code
+  std::vector<Example> examples = {};    ///< at least one
+  std::vector<std::string> topics = {};  ///< names of help topics to read next
 };
 
-/// Every command, in the order of the help. To add one: a file that defines its row, and a line in
-/// commands.cpp.
+/// Every command, in the order of the help, with the options that all have. To add one: a file that defines
+/// its row, and a line in commands.cpp.
 const std::vector<Command>& commands();
+
+/// The row of this name; null if there is none.
+const Command* command_of(std::string_view name);
+std::vector<std::string> command_names();
+
+/// Options that every command has, and that may also stand before its name.
+const std::vector<Option>& global_options();
 
 Command analyze_command();
 Command check_command();
@@ -28,10 +45,13 @@ Command threshold_command();
 Command robot_command();
 Command list_command();
 Command schema_command();
+Command help_command();
+Command completion_command();
 
 /// Parses the arguments by the rows and runs the command.
+/// @param words  without the name of the program
 /// @returns the exit code
 /// @throws Error (usage) for arguments that do not fit the rows
-int run_command_line(int argc, char** argv);
+int run_command_line(const std::vector<std::string>& words);
 
 }  // namespace qerr::cli

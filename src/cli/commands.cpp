@@ -2,11 +2,51 @@
 
 namespace qerr::cli {
 
+namespace {
+
+std::vector<std::string> color_words() { return {"auto", "always", "never"}; }
+
+std::vector<Command> table() {
+  std::vector<Command> rows{analyze_command(),  check_command(),     filter_command(), simulate_command(),
+                            diagnose_command(), threshold_command(), robot_command(), list_command(),   schema_command(),
+                            help_command(),     completion_command()};
+  for (Command& command : rows)
+    command.options.insert(command.options.end(), global_options().begin(), global_options().end());
+  return rows;
+}
+
+}  // namespace
+
+const std::vector<Option>& global_options() {
+  static const std::vector<Option> rows{
+      {.name = "-q,--quiet", .kind = OptionKind::flag, .meaning = "no warnings, no progress"},
+      {.name = "--color",
+       .value = "WHEN",
+       .meaning = "always, never, or auto: on a terminal, unless NO_COLOR is set",
+       .fallback = "auto",
+       .choices = color_words,
+       .choice = "choice"},
+      {.name = "--no-color", .kind = OptionKind::flag, .meaning = "the same as --color never"},
+      {.name = "-h,--help", .kind = OptionKind::flag, .meaning = "this help"},
+      {.name = "-V,--version", .kind = OptionKind::flag, .meaning = "the version of qerr"}};
+  return rows;
+}
+
 const std::vector<Command>& commands() {
-  static const std::vector<Command> table{analyze_command(),  check_command(),    filter_command(),
-                                          simulate_command(), diagnose_command(), threshold_command(),
-                                          robot_command(),    list_command(),     schema_command()};
-  return table;
+  static const std::vector<Command> rows = table();
+  return rows;
+}
+
+const Command* command_of(std::string_view name) {
+  for (const Command& command : commands())
+    if (command.name == name) return &command;
+  return nullptr;
+}
+
+std::vector<std::string> command_names() {
+  std::vector<std::string> names;
+  for (const Command& command : commands()) names.emplace_back(command.name);
+  return names;
 }
 
 }  // namespace qerr::cli

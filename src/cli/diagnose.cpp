@@ -3,7 +3,7 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
+#include "core/run_files.hpp"
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/plan_report.hpp"
@@ -27,51 +27,22 @@ void require_log_or_plan(const Values& v) {
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
 
-/// At most one of the outputs may be standard output, and at most one of the inputs standard input.
-void refuse_shared_streams(const Values& v) {
+/// Only one of the inputs may be standard input.
+void refuse_shared_input(const Values& v) {
   if (v.text("SPEC") == "-" && v.text("LOG") == "-")
     throw usage("SPEC LOG", "spec and log cannot both come from standard input", "", "name one as a file");
-  const bool model = v.text("write-model") == "-", table = v.text("write-table") == "-";
-  if ((v.text("output") == "-") + model + table > 1)
-    throw usage(model ? "--write-model" : "--write-table", "only one result can go to standard output", "",
-                "add -o FILE for the report, or name a file");
-}
-
-/// No result may overwrite an input or another result.
-void refuse_overwriting(const Values& v) {
-  std::error_code ignored;
-  const std::pair<const char*, const std::string*> results[] = {{"-o", &v.text("output")},
-                                                                {"--write-model", &v.text("write-model")},
-                                                                {"--write-table", &v.text("write-table")}};
-  for (const auto& [name, path] : results) {
-    if (path->empty() || *path == "-") continue;
-    for (const char* input : {"LOG", "SPEC"})
-      if (std::filesystem::equivalent(*path, v.text(input), ignored))
-        throw usage(name, "a result would overwrite an input of this command", "'" + *path + "'",
-                    "give it another name");
-    for (const auto& [other, same] : results)
-      if (name != other && *path == *same)
-        throw usage(name, "two results cannot have the same file", "'" + *path + "'",
-                    "give each its own name");
-  }
-}
-
-/// An output that is opened before the computation, so that a path that cannot be written fails early; null
-/// without a path.
-std::unique_ptr<OutputFile> opened(const std::string& path) {
-  return path.empty() ? nullptr : std::make_unique<OutputFile>(path);
-}
-
-void finish_text(OutputFile& file, const std::string& text) {
-  file.write(text);
-  file.close();
 }
 
 std::string prepared_folder(const std::string& path) {
   std::error_code failure;
   std::filesystem::create_directories(path, failure);
-  if (!std::filesystem::is_directory(path))
-    throw Error({{path, 0, 0}, "--plots", "cannot create the folder: " + failure.message(), "", ""},
+  std::error_code unknown;
+  if (!std::filesystem::is_directory(path, unknown))
+    throw Error({{path, 0, 0},
+                 "--plots",
+                 "cannot create the folder: " + (failure ? failure : unknown).message(),
+                 "",
+                 ""},
                 Trouble::file_system);
   return path;
 }
@@ -89,8 +60,8 @@ int run_plan(const Values& v) {
 
 void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spectrum) {
   const ResidualCurves curves = residual_curves(report);
-  if (!curves.residual.empty()) finish_text(residual, curves.residual);
-  if (!curves.spectrum.empty()) finish_text(spectrum, curves.spectrum);
+  if (!curves.residual.empty()) finish(residual, curves.residual);
+  if (!curves.spectrum.empty()) finish(spectrum, curves.spectrum);
   if (curves.residual.empty())
     report.warnings.emplace_back("--plots: no joint has a reference: no files are written");
   else if (curves.spectrum.empty())
@@ -100,8 +71,8 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
 int run(const Values& v) {
   require_log_or_plan(v);
   if (v.given("plan")) return run_plan(v);
-  refuse_shared_streams(v);
-  refuse_overwriting(v);
+  refuse_shared_input(v);
+  note_input(v.text("LOG"));  // before the outputs are prepared: it is read after them
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
   const auto model = opened(v.text("write-model")), table = opened(v.text("write-table"));
@@ -113,10 +84,10 @@ int run(const Values& v) {
   options.threads = threads(v);
   DiagnosisReport report = diagnosis_report(spec, read_log(v.text("LOG"), spec), options);
   if (model) {
-    finish_text(*model, extended_model(report, v.text("write-model")));
+    finish(*model, extended_model(report, v.text("write-model")));
     report.extended_model = v.text("write-model");
   }
-  if (table) finish_text(*table, correction_table(report));
+  if (table) finish(*table, correction_table(report));
   if (residual) write_plots(report, *residual, *spectrum);
   finish(out, report, v);
   warn(report.warnings, v);
@@ -127,7 +98,8 @@ int run(const Values& v) {
 
 Command diagnose_command() {
   return {
-      "diagnose", "Find the causes of a measured log's errors: effects, an extended model, the gain",
+      "diagnose",
+      "Find the causes of a measured log's errors: effects, an extended model, the gain",
       joined({spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
               {{.name = "LOG", .meaning = "the measured log (CSV); '-' reads standard input"},
                {.name = "--plan",
@@ -151,7 +123,13 @@ Command diagnose_command() {
                 .value = "FOLDER",
                 .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
               output_options()}),
-      run};
+      run,
+      {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
+       {"qerr diagnose arm.yaml log.csv --write-model found.yaml",
+        "and the spec with the effects found, for analyze and check"},
+       {"qerr diagnose arm.yaml --plan",
+        "before anything is recorded: what a record of the spec's motion would show"}},
+      {"diagnosis", "logs", "effects"}};
 }
 
 }  // namespace qerr::cli

@@ -2,7 +2,6 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "qerr/report/filter_report.hpp"
 
 namespace qerr::cli {
@@ -57,12 +56,6 @@ FilterQuestions questions(const Values& v) {
   return q;
 }
 
-void write_file(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.close();
-}
-
 int run(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec = load(v.text("SPEC"), v);
@@ -72,11 +65,13 @@ int run(const Values& v) {
                       "the spec has no filters",
                       "",
                       "add filters: {velocity: {derivative: 1, ...}}"});
-  const FilterReport report = filter_report(spec, asked);
-  if (v.given("response")) write_file(v.text("response"), response_csv(report));
-  if (v.given("transient")) write_file(v.text("transient"), transient_csv(spec));
-  if (v.given("impulse")) write_file(v.text("impulse"), impulse_csv(report));
   OutputFile out(v.text("output"));
+  const auto response = opened(v.text("response")), transient = opened(v.text("transient")),
+             impulse = opened(v.text("impulse"));
+  const FilterReport report = filter_report(spec, asked);
+  if (response) finish(*response, response_csv(report));
+  if (transient) finish(*transient, transient_csv(spec));
+  if (impulse) finish(*impulse, impulse_csv(report));
   finish(out, report, v);
   std::vector<std::string> warnings = spec.warnings;
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
@@ -88,7 +83,8 @@ int run(const Values& v) {
 
 Command filter_command() {
   return {
-      "filter", "Every filter: norms, delay, bandwidth, settling, fidelity, responses",
+      "filter",
+      "Every filter: norms, delay, bandwidth, settling, fidelity, responses",
       joined(
           {spec_options(),
            {{.name = "--at",
@@ -124,7 +120,14 @@ Command filter_command() {
              .meaning = "clock of the time between edges (default: the sample rate)",
              .needs = "--estimators"}},
            output_options()}),
-      run};
+      run,
+      {{"qerr filter arm.yaml", "noise, delay and bandwidth of every filter of the spec"},
+       {"qerr filter arm.yaml --motion-band 0.5Hz 5Hz",
+        "and how well it tracks motion between two frequencies"},
+       {"qerr filter arm.yaml --noise --speed 2rad/s",
+        "its noise at a speed, and from which speed on IPQN is accurate"},
+       {"qerr filter arm.yaml --estimators --clock 1MHz", "counts per time compared with time per count"}},
+      {"filters"}};
 }
 
 }  // namespace qerr::cli

@@ -1,6 +1,7 @@
+#include <algorithm>
+
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 
 namespace qerr::cli {
 
@@ -8,23 +9,41 @@ namespace {
 
 std::vector<std::string> kinds() { return list_kinds(); }
 
+std::vector<std::string> names_of(const std::string& kind) {
+  std::vector<std::string> names;
+  for (const ListReport::Row& row : list_report(kind).rows) names.push_back(row.name);
+  return names;
+}
+
 int run(const Values& v) {
   OutputFile out(v.text("output"));
-  finish(out, list_report(v.text("KIND")), v);
+  ListReport report = list_report(v.text("KIND"));
+  if (v.given("NAME"))
+    std::erase_if(report.rows, [&](const auto& row) { return row.name != v.text("NAME"); });
+  finish(out, report, v);
   return 0;
 }
 
 }  // namespace
 
 Command list_command() {
-  return {"list", "What a spec can contain: effects, filters, encoders, formats, coordinates, statistics",
+  return {"list",
+          "What a spec can contain: effects, filters, encoders, formats, coordinates, statistics",
           joined({{{.name = "KIND",
                     .meaning = "effects, filters, encoders, formats, coordinates or statistics",
                     .required = true,
                     .choices = kinds,
-                    .choice = "kind"}},
+                    .choice = "kind"},
+                   {.name = "NAME",
+                    .meaning = "only this one of them",
+                    .choice = "name",
+                    .choices_behind = names_of}},
                   output_options()}),
-          run};
+          run,
+          {{"qerr list effects", "every deviation of a real robot from the ideal model, with its parameters"},
+           {"qerr list filters kalman", "one filter, with its parameters, units, ranges and defaults"},
+           {"qerr list encoders --format json", "the same for a program"}},
+          {"encoders", "filters", "effects"}};
 }
 
 }  // namespace qerr::cli

@@ -1,5 +1,7 @@
+#include <fcntl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <csignal>
 #include <cstdio>
 #include <exception>
@@ -7,7 +9,9 @@
 #include <string>
 
 #include "cli/command.hpp"
+#include "cli/terminal.hpp"
 #include "core/output_file.hpp"
+#include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
 
 namespace {
@@ -27,9 +31,19 @@ void set_signals() {
   // The process must remove its temporary files when the reader of its pipe has gone: write() then returns
   // EPIPE.
   std::signal(SIGPIPE, SIG_IGN);
+  // A file beyond the limit of the shell (ulimit -f) is an error of write(), too.
+  std::signal(SIGXFSZ, SIG_IGN);
+}
+
+/// Occupies the standard streams that the caller has closed, so that no file is opened as one of them.
+/// Reading from /dev/null that is open for writing fails, and the other way round.
+void occupy_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO})
+    if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
 int report(const std::string& text, qerr::Trouble trouble) {
+  qerr::cli::clear_progress();
   std::fprintf(stderr, "%s\n", text.c_str());
   return static_cast<int>(trouble);
 }
@@ -37,9 +51,11 @@ int report(const std::string& text, qerr::Trouble trouble) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  occupy_standard_streams();
   set_signals();
+  const qerr::RunFiles files;
   try {
-    return qerr::cli::run_command_line(argc, argv);
+    return qerr::cli::run_command_line({argv + std::min(argc, 1), argv + argc});
   } catch (const qerr::Error& e) {
     return report(e.what(), e.trouble());
   } catch (const qerr::ClosedPipe&) {

@@ -3,9 +3,24 @@
 #include <stdexcept>
 #include <utility>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr::cli {
+
+std::string Option::long_name() const { return std::string(name.substr(name.rfind(',') + 1)); }
+
+std::string Option::short_name() const {
+  const std::size_t comma = name.find(',');
+  return comma == std::string_view::npos ? "" : std::string(name.substr(0, comma));
+}
+
+std::string Option::key() const { return long_name().substr(positional() ? 0 : 2); }
+
+std::string Option::range() const {
+  if (kind != OptionKind::number && kind != OptionKind::whole) return "";
+  return significant(least, 9) + " to " + (most == 0x1p53 ? "2^53" : significant(most, 9));
+}
 
 Values::Values(Texts given, Texts fallbacks) : given_(std::move(given)), fallbacks_(std::move(fallbacks)) {}
 

@@ -34,15 +34,25 @@ struct Option {
   /// The permitted words; null: any text.
   std::vector<std::string> (*choices)() = nullptr;
   std::string_view choice = {};  ///< what a word is, in messages: `format`
+  /// The permitted words behind the argument before, where they depend on it; null: they do not.
+  std::vector<std::string> (*choices_behind)(const std::string& before) = nullptr;
+
+  bool positional() const { return !name.starts_with('-'); }
+  bool takes_value() const { return positional() || kind != OptionKind::flag; }
+  bool repeats() const { return kind == OptionKind::repeat || kind == OptionKind::list; }
+  std::string long_name() const;   ///< `--output` of `-o,--output`; `SPEC` of `SPEC`
+  std::string short_name() const;  ///< `-o`; "" if it has none
+  std::string key() const;         ///< `output`: the name by which Values has it
+  std::string range() const;       ///< `1 to 1024` of a number; "" of other kinds
 };
 
-/// Values of the command line, by the long name of an option without its dashes, or the name of an argument.
-/// A name that the command does not have is a logic_error.
+/// Values of the command line, by the key of their rows. A key that the command does not have is a
+/// logic_error.
 class Values {
  public:
   using Texts = std::map<std::string, std::vector<std::string>, std::less<>>;
 
-  /// @param given  every name of the command, with no texts where the command line does not have it
+  /// @param given  every key of the command, with no texts where the command line does not have it
   Values(Texts given, Texts fallbacks);
 
   bool given(std::string_view name) const;                             ///< on the command line

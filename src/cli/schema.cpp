@@ -1,6 +1,5 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 
 namespace qerr::cli {
 
@@ -8,8 +7,7 @@ namespace {
 
 int run(const Values& v) {
   OutputFile out(v.text("output"));
-  out.write(json_schema());
-  out.close();
+  finish(out, json_schema());
   return 0;
 }
 

@@ -1,11 +1,6 @@
 #include "cli/shared.hpp"
 
-#include <unistd.h>
-
-#include <chrono>
 #include <cstdio>
-#include <cstdlib>
-#include <memory>
 
 namespace qerr::cli {
 
@@ -45,12 +40,14 @@ std::vector<Option> output_options() {
            .meaning = "table, json or csv (default: by the output's ending, else table)",
            .choices = format_names,
            .choice = "format"},
-          {.name = "-o,--output",
-           .value = "FILE",
-           .meaning = "write to FILE; '-' is standard output",
-           .fallback = "-"},
-          {.name = "-q,--quiet", .kind = OptionKind::flag, .meaning = "no warnings, no progress"},
-          {.name = "--no-color", .kind = OptionKind::flag, .meaning = "no colours"}};
+          text_output_option()};
+}
+
+Option text_output_option() {
+  return {.name = "-o,--output",
+          .value = "FILE",
+          .meaning = "write to FILE; '-' is standard output",
+          .fallback = "-"};
 }
 
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups) {
@@ -84,37 +81,21 @@ std::string chosen_format(const Values& v) {
   return v.given("format") ? v.text("format") : std::string(format_of(v.text("output")));
 }
 
-Style style(const Values& v) {
-  const char* no_color = std::getenv("NO_COLOR");
-  const char* term = std::getenv("TERM");
-  const bool dumb = term && std::string_view(term) == "dumb";
-  return {v.text("output") == "-" && isatty(STDOUT_FILENO) && !v.given("no-color") &&
-          !(no_color && *no_color) && !dumb};
+Style style(const Values& v) { return terminal_style(v, v.text("output") == "-"); }
+
+std::unique_ptr<OutputFile> opened(const std::string& path) {
+  return path.empty() ? nullptr : std::make_unique<OutputFile>(path);
+}
+
+void finish(OutputFile& file, const std::string& text) {
+  file.write(text);
+  file.close();
 }
 
 void warn(const std::vector<std::string>& warnings, const Values& v) {
   if (v.given("quiet")) return;
+  clear_progress();
   for (const std::string& text : warnings) std::fprintf(stderr, "warning: %s\n", escaped(text, 600).c_str());
-}
-
-std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v) {
-  if (v.given("quiet") || !isatty(STDERR_FILENO)) return {};
-  using Clock = std::chrono::steady_clock;
-  const auto start = Clock::now();
-  auto last_shown = std::make_shared<Clock::time_point>(start);
-  auto visible = std::make_shared<bool>(false);
-  return [=](std::uint64_t done, std::uint64_t total) {
-    const auto now = Clock::now();
-    if (done == total) {
-      if (*visible) std::fputs("\r\x1b[K", stderr);
-    } else if (now - *last_shown > std::chrono::milliseconds(100)) {
-      *last_shown = now;
-      *visible = true;
-      std::fprintf(stderr, "\r%3.0f %% of %llu",
-                   100.0 * static_cast<double>(done) / static_cast<double>(total),
-                   static_cast<unsigned long long>(total));
-    }
-  };
 }
 
 }  // namespace qerr::cli

@@ -1,11 +1,12 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "cli/option.hpp"
+#include "cli/terminal.hpp"
+#include "core/output_file.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/write.hpp"
@@ -16,6 +17,8 @@ namespace qerr::cli {
 /// The argument SPEC, and the options that change a spec and its evaluation.
 std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
 std::vector<Option> output_options();
+/// `-o,--output` of a command whose output has one format.
+Option text_output_option();
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
 
 /// An error in the use of the command line.
@@ -31,17 +34,20 @@ unsigned threads(const Values&);
 std::string chosen_format(const Values&);
 Style style(const Values&);
 
+/// An output that is opened before the computation, so that a path that cannot be written fails early; null
+/// without a path.
+std::unique_ptr<OutputFile> opened(const std::string& path);
+
+/// Writes a text to a file that is already open, and closes it.
+void finish(OutputFile& file, const std::string& text);
+
 /// Writes a report in the chosen format and style to a file that is already open, and closes it.
-template <class Output, class Report>
-void finish(Output& file, const Report& report, const Values& v) {
-  file.write(write(report, chosen_format(v), style(v)));
-  file.close();
+template <class Report>
+void finish(OutputFile& file, const Report& report, const Values& v) {
+  finish(file, write(report, chosen_format(v), style(v)));
 }
 
 /// Warnings to standard error, one line each, unless --quiet.
 void warn(const std::vector<std::string>& warnings, const Values&);
-
-/// Shows the part that is done on a terminal's standard error, at most ten times a second; nothing elsewhere.
-std::function<void(std::uint64_t done, std::uint64_t total)> progress(const Values&);
 
 }  // namespace qerr::cli

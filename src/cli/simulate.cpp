@@ -1,42 +1,23 @@
-#include <filesystem>
-#include <memory>
-
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "qerr/report/simulation_report.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
-bool same_file(const std::string& a, const std::string& b) {
-  std::error_code ignored;
-  return a != "-" && b != "-" && !a.empty() &&
-         (std::filesystem::weakly_canonical(a, ignored) == std::filesystem::weakly_canonical(b, ignored));
-}
-
 int run(const Values& v) {
-  const std::string& log_file = v.text("log");
-  if (log_file == "-" && v.text("output") == "-")
-    throw usage("--log", "log and report cannot both go to standard output", "",
-                "add -o FILE for the report");
-  for (const std::string& other : {v.text("SPEC"), v.text("output")})
-    if (same_file(log_file, other))
-      throw usage("--log", "the log would overwrite another file of this command", "'" + other + "'",
-                  "give the log another name");
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
-  std::unique_ptr<OutputFile> log;
+  const auto log = opened(v.text("log"));
   LogWriter rows(spec);
   SimulationOptions options;
   options.runs = v.whole("runs");
   options.random_phase = v.given("random-phase") || options.runs > 1;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  options.progress = progress(v);
-  if (v.given("log")) {
-    log = std::make_unique<OutputFile>(log_file);
+  options.progress = progress(v, "samples");
+  if (log) {
     log->write(rows.header());
     options.visit = [&](const Reading& reading) { log->write(rows.row(reading)); };
   }
@@ -50,7 +31,8 @@ int run(const Values& v) {
 }  // namespace
 
 Command simulate_command() {
-  return {"simulate", "Simulate the quantizers along the motion: a log, and simulation compared with theory",
+  return {"simulate",
+          "Simulate the quantizers along the motion: a log, and simulation compared with theory",
           joined({spec_options("the spec (YAML) with its motion; '-' reads standard input"),
                   {{.name = "--log",
                     .value = "FILE.csv",
@@ -67,7 +49,11 @@ Command simulate_command() {
                     .meaning =
                         "random sub-count phase of each encoder at its joint's zero, for a single run, too"}},
                   output_options()}),
-          run};
+          run,
+          {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},
+           {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
+           {"qerr simulate arm.yaml --log log.csv", "and the log that a controller would have recorded"}},
+          {"motion", "effects", "logs"}};
 }
 
 }  // namespace qerr::cli

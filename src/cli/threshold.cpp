@@ -1,6 +1,5 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
@@ -8,13 +7,14 @@ namespace qerr::cli {
 namespace {
 
 int run(const Values& v) {
+  std::vector<Spec> specs;
+  for (const std::string& path : v.texts("SPEC")) specs.push_back(load(path, v));
+  OutputFile out(v.text("output"));
   ThresholdReport report;
-  for (const std::string& path : v.texts("SPEC")) {
-    const Spec spec = load(path, v);
+  for (const Spec& spec : specs) {
     warn(spec.warnings, v);
     report.rows.push_back(threshold_row(spec, threads(v)));
   }
-  OutputFile out(v.text("output"));
   finish(out, report, v);
   return 0;
 }
@@ -24,8 +24,13 @@ int run(const Values& v) {
 Command threshold_command() {
   std::vector<Option> options = joined({spec_options("one spec per robot"), output_options()});
   options.front().kind = OptionKind::repeat;
-  return {"threshold", "Resolution and threshold velocity, one row per robot (Table IV)", std::move(options),
-          run};
+  return {"threshold",
+          "Resolution and threshold velocity, one row per robot (Table IV)",
+          std::move(options),
+          run,
+          {{"qerr threshold arm.yaml wrist.yaml",
+            "at which speed of the tip one sample holds one count, one row per robot"}},
+          {"figures"}};
 }
 
 }  // namespace qerr::cli

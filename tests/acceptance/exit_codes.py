@@ -1,11 +1,14 @@
 """Exit codes, outputs that cannot be written, and specs that must be accepted."""
 import json
 import os
+import pathlib
 import shlex
 import signal
 import subprocess
 import time
+import xml.etree.ElementTree
 
+from cases import CORPUS
 from tool import run
 
 
@@ -105,7 +108,61 @@ def check_outputs(t, qerr, folder, spec):
     t.check("the output is independent of the locale", plain["C"] == plain["de"] and plain["C"])
     ran = run(qerr, "analyze", spec, "--no-color")
     t.check("no colour codes unless on a terminal", b"\x1b" not in ran.out)
+    check_files_of_a_run(t, qerr, folder, spec)
+    check_closed_streams(t, qerr, folder, spec)
     check_interrupt(t, qerr, folder, spec)
+
+
+def check_files_of_a_run(t, qerr, folder, spec):
+    """No output may be an input or another output; nothing is written then."""
+    own, urdf = folder / "own.yaml", folder / "own.urdf"
+    urdf.write_bytes((CORPUS / "two_joints.urdf").read_bytes())
+    filters = "filters: {velocity: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, order: 2, cutoff: 50 Hz}}}\n"
+    motion = "motion: {sample_rate: 1 kHz, duration: 1 s, joints: {}}\n"
+    needs = "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 1 m}]\n"
+    own.write_text(spec.read_text().replace(str(CORPUS / "two_joints.urdf"), "own.urdf") + filters + motion + needs)
+    (folder / "alias.yaml").symlink_to(own)
+    os.link(urdf, folder / "hard.urdf")
+    log = folder / "own.csv"
+    run(qerr, "simulate", own, "--log", log, "-o", folder / "simulated.txt")
+    new, other = folder / "same.csv", f"{folder}/./same.csv"
+    before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    for words in (["analyze", own, "-o", own], ["analyze", own, "-o", folder / "alias.yaml"], ["analyze", own, "-o", urdf],
+                  ["analyze", own, "-o", folder / "hard.urdf"], ["analyze", own, "--per-configuration", own],
+                  ["analyze", own, "-o", new, "--per-configuration", other], ["filter", own, "-o", new, "--impulse", other],
+                  ["filter", own, "--response", new, "--transient", other], ["filter", own, "--impulse", urdf],
+                  ["simulate", own, "--log", new, "-o", other], ["simulate", own, "--log", urdf, "-o", new],
+                  ["check", own, "--junit", new, "-o", other], ["check", own, "--junit", own], ["threshold", own, "-o", own],
+                  ["diagnose", own, log, "-o", log], ["diagnose", own, log, "--write-model", own, "-o", new],
+                  ["diagnose", own, log, "--write-table", new, "--write-model", other],
+                  ["check", own, "--junit", "-", "-o", "-"], ["check", own, "--junit", "-", "--format", "json"],
+                  ["simulate", own, "--log", "-"], ["filter", own, "--impulse", "-"]):
+        expect(t, f"{' '.join(pathlib.Path(str(w)).name for w in words)}: 2", run(qerr, *words), 2)
+    kept = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
+    t.check("a refused command line has written nothing", kept == before, str(set(kept) ^ set(before)))
+    code, _, err = shell(f"cd {shlex.quote(str(folder))} && {shlex.quote(str(qerr))} analyze own.yaml -q >> own.yaml")
+    t.check("standard output appended to the spec: 2", code == 2 and own.read_bytes() == before[own], err.decode()[:200])
+    code, _, err = shell(f"{shlex.quote(str(qerr))} analyze {shlex.quote(str(own))} -q -o /dev/null --per-configuration /dev/null")
+    t.check("devices may be given twice", code == 0, err.decode()[:200])
+    ran = run(qerr, "check", own, "-q", "--junit", "-")
+    t.check("--junit - leaves standard output to the XML alone",
+            ran.code == 0 and ran.out.startswith(b"<?xml") and xml.etree.ElementTree.fromstring(ran.out) is not None,
+            ran.out.decode()[:200])
+
+
+def check_closed_streams(t, qerr, folder, spec):
+    program, out = shlex.quote(str(qerr)), folder / "closed.json"
+    for closed in (">&-", "<&-", "2>&-", "<&- >&- 2>&-"):
+        out.unlink(missing_ok=True)
+        code, _, err = shell(f"{program} analyze {shlex.quote(str(spec))} -o {shlex.quote(str(out))} {closed}")
+        whole = out.exists() and bool(json.loads(out.read_text())["position"])
+        t.check(f"-o with {closed}: 0 and a whole file", code == 0 and whole, f"exit {code}, whole: {whole}: {err.decode()[:200]}")
+    code, _, err = shell(f"{program} analyze - <&-")
+    t.check("a closed standard input: 4", code == 4, f"exit {code}: {err.decode()[:200]}")
+    code, _, err = shell(f"ulimit -f 1; {program} analyze {shlex.quote(str(spec))} --set configurations.count=2000 "
+                         f"--per-configuration {shlex.quote(str(folder / 'big.csv'))} -o /dev/null")
+    left = [path.name for path in folder.iterdir() if path.name.startswith("big.csv")]
+    t.check("a file beyond the limit of its size: 4, nothing left", code == 4 and not left, f"exit {code}: {left} {err.decode()[:200]}")
 
 
 def check_interrupt(t, qerr, folder, spec):

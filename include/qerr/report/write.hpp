@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <string_view>
 #include <utility>
@@ -33,7 +34,8 @@ std::string_view format_of(std::string_view path);
 
 /// Appearance of a table.
 struct Style {
-  bool color = false;  ///< ANSI colours
+  bool color = false;      ///< ANSI colours
+  std::size_t width = 80;  ///< columns of the terminal: no line of a table is wider where it can be broken
 };
 
 /// The report as text.

@@ -1,0 +1,91 @@
+#include "cli/terminal.hpp"
+
+#include <sys/ioctl.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <memory>
+#include <string>
+
+#include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+constexpr std::size_t least_width = 40, usual_width = 80, largest_width = 1000;
+
+std::string environment(const char* name) {
+  const char* text = std::getenv(name);
+  return text ? text : "";
+}
+
+std::size_t terminal_width(bool on_terminal) {
+  const auto columns = parse_number(environment("COLUMNS"));
+  if (columns && *columns >= least_width && *columns <= largest_width)
+    return static_cast<std::size_t>(*columns);
+  struct winsize size {};
+  const bool known =
+      on_terminal && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= least_width;
+  return known ? size.ws_col : usual_width;
+}
+
+bool colored(const Values& v, bool on_terminal) {
+  if (v.given("no-color") || v.text("color") == "never") return false;
+  if (v.text("color") == "always") return true;
+  return on_terminal && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
+}
+
+/// `12 s`, `3 min 20 s`, `2 h 5 min`.
+std::string duration(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e15)));
+  const std::uint64_t minutes = whole / 60, hours = minutes / 60;
+  if (minutes == 0) return std::to_string(whole) + " s";
+  if (hours == 0) return std::to_string(minutes) + " min " + std::to_string(whole % 60) + " s";
+  return std::to_string(hours) + " h " + std::to_string(minutes % 60) + " min";
+}
+
+std::atomic<bool> progress_is_visible = false;
+
+}  // namespace
+
+Style terminal_style(const Values& v, bool on_standard_output) {
+  const bool on_terminal = on_standard_output && isatty(STDOUT_FILENO);
+  Style style;
+  style.color = colored(v, on_terminal);
+  style.width = terminal_width(on_terminal);
+  return style;
+}
+
+void clear_progress() {
+  if (progress_is_visible.exchange(false)) std::fputs("\r\x1b[K", stderr);
+}
+
+std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {
+  if (v.given("quiet") || !isatty(STDERR_FILENO)) return {};
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  const auto last_shown = std::make_shared<Clock::time_point>(start);
+  return [=, noun = std::string(noun)](std::uint64_t done, std::uint64_t total) {
+    const auto now = Clock::now();
+    if (done >= total) return clear_progress();
+    if (done == 0 || now - *last_shown < std::chrono::milliseconds(100)) return;
+    *last_shown = now;
+    const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - start).count();
+    const double part = static_cast<double>(done) / static_cast<double>(total);
+    const std::string line = fixed_point(100 * part, 0) + " % of " +
+                             significant(static_cast<double>(total), 6) + (noun.empty() ? "" : ' ' + noun) +
+                             ", " + readable(rate, "/s") + ", " +
+                             duration(static_cast<double>(total - done) / rate) + " left";
+    std::fprintf(stderr, "\r%s\x1b[K", line.c_str());
+    std::fflush(stderr);
+    progress_is_visible = true;
+  };
+}
+
+}  // namespace qerr::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string_view>
+
+#include "cli/option.hpp"
+#include "qerr/report/write.hpp"
+
+/// What depends on the terminal: colours, width, progress.
+namespace qerr::cli {
+
+/// Colours as --color says, and the width of lines: COLUMNS, else the terminal's, else 80.
+/// @param on_standard_output  whether the text goes there; a file has no colours unless they are asked for
+Style terminal_style(const Values&, bool on_standard_output = true);
+
+/// Shows on a terminal's standard error, at most ten times a second, the part that is done, how much is done
+/// in a second and the remaining time; nothing elsewhere, and nothing with --quiet.
+/// @param noun  what is counted: `configurations`
+std::function<void(std::uint64_t done, std::uint64_t total)> progress(const Values&,
+                                                                      std::string_view noun = "");
+
+/// Removes the line of the progress, if there is one, before something else is printed.
+void clear_progress();
+
+}  // namespace qerr::cli

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <string_view>
+#include <vector>
+
+/// Text that fits a terminal.
+namespace qerr {
+
+/// The words of the text in lines of at most `width` columns, each with a line break, behind `indent`; a word
+/// that is longer has a line of its own. The first line starts with `first` in place of the indent.
+std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
+                    const std::string& first);
+std::string wrapped(std::string_view text, std::size_t width, const std::string& indent = "");
+
+/// A term, and behind it, from `column` on, its meaning; on a line of its own where the term is longer.
+std::string defined(const std::string& term, std::string_view meaning, std::size_t width,
+                    std::size_t column = 26);
+
+/// A table whose cells are aligned to the left and wrapped, so that its rows fit the width; the widest
+/// columns give way.
+std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std::size_t width,
+                          const std::string& indent = "  ");
+
+}  // namespace qerr
