@@ -38,6 +38,9 @@ Page command_page(const Command&);
 /// The topics, sorted by name. To add one: a file in src/cli/topics.
 const std::vector<Page>& topics();
 
+/// Every file of src/cli/topics, embedded by the build.
+const std::vector<std::string_view>& topic_texts();
+
 /// The page of a command, or of a topic; the overview for "".
 /// @pre the name is one of page_names(), or ""
 Page page_of(std::string_view name);

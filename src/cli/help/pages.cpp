@@ -8,11 +8,6 @@ namespace qerr::cli {
 
 namespace {
 
-/// Every file of src/cli/topics, embedded by the build.
-constexpr std::string_view topic_texts[] = {
-#include "topics.inc"
-};
-
 Block heading(std::string text) { return {.kind = Block::Kind::heading, .text = std::move(text)}; }
 Block verbatim(std::string text) { return {.kind = Block::Kind::verbatim, .text = std::move(text)}; }
 Block term(std::string term, std::string text) {
@@ -94,7 +89,7 @@ Page overview_page() {
 const std::vector<Page>& topics() {
   static const std::vector<Page> pages = [] {
     std::vector<Page> all;
-    for (const std::string_view text : topic_texts) all.push_back(parse_markdown(text));
+    for (const std::string_view text : topic_texts()) all.push_back(parse_markdown(text));
     std::sort(all.begin(), all.end(), [](const Page& a, const Page& b) { return a.name < b.name; });
     return all;
   }();
