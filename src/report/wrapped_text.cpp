@@ -9,7 +9,7 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t gap = 2;           // between columns
+constexpr std::size_t cell_gap = 2;      // between columns
 constexpr std::size_t least_column = 8;  // a narrower one cuts ordinary words
 
 /// The words of the text in lines of at most `width` columns.
@@ -44,7 +44,7 @@ std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string
       if (widths.size() <= i) widths.push_back(0);
       widths[i] = std::max(widths[i], display_width(row[i]));
     }
-  const std::size_t gaps = widths.empty() ? 0 : gap * (widths.size() - 1);
+  const std::size_t gaps = widths.empty() ? 0 : cell_gap * (widths.size() - 1);
   while (std::accumulate(widths.begin(), widths.end(), gaps) > room) {
     const auto widest = std::max_element(widths.begin(), widths.end());
     if (*widest <= least_column) break;
@@ -54,6 +54,10 @@ std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string
 }
 
 }  // namespace
+
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {
+  return lines_of(text, width, width);
+}
 
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
                     const std::string& first) {
@@ -71,7 +75,7 @@ std::string defined(const std::string& term, std::string_view meaning, std::size
                     std::size_t column) {
   const std::string indent(column, ' ');
   const std::string start = "  " + term;
-  if (display_width(start) + gap > column) return start + '\n' + wrapped(meaning, width, indent);
+  if (display_width(start) + cell_gap > column) return start + '\n' + wrapped(meaning, width, indent);
   return wrapped(meaning, width, indent, start + std::string(column - display_width(start), ' '));
 }
 
@@ -83,7 +87,7 @@ std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std
     std::vector<std::vector<std::string>> cells;
     std::size_t height = 0;
     for (std::size_t i = 0; i < row.size(); ++i) {
-      cells.push_back(lines_of(row[i], widths[i], widths[i]));
+      cells.push_back(wrapped_lines(row[i], widths[i]));
       height = std::max(height, cells.back().size());
     }
     for (std::size_t k = 0; k < height; ++k) {
@@ -91,7 +95,7 @@ std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std
       for (std::size_t i = 0; i < cells.size(); ++i) {
         const std::string part = k < cells[i].size() ? cells[i][k] : "";
         const std::size_t used = display_width(part);
-        line += (i ? std::string(gap, ' ') : "") + part +
+        line += (i ? std::string(cell_gap, ' ') : "") + part +
                 std::string(widths[i] > used ? widths[i] - used : 0, ' ');
       }
       line.erase(line.find_last_not_of(' ') + 1);

@@ -8,8 +8,11 @@
 /// Text that fits a terminal.
 namespace qerr {
 
-/// The words of the text in lines of at most `width` columns, each with a line break, behind `indent`; a word
-/// that is longer has a line of its own. The first line starts with `first` in place of the indent.
+/// The words of the text in lines of at most `width` columns; a longer word has a line of its own.
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
+
+/// The same, each with a line break, behind an indent, which `width` includes. The first line starts with
+/// `first` in place of the indent.
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
                     const std::string& first);
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent = "");

@@ -8,8 +8,8 @@
 namespace qerr {
 
 /// The accuracy of IPQN behind every filter, and the noise in motion; "" if the report has neither.
-std::string noise_table(const FilterReport&);
+std::string noise_table(const FilterReport&, std::size_t width);
 
-std::string estimator_table(const EstimatorReport&);
+std::string estimator_table(const EstimatorReport&, std::size_t width);
 
 }  // namespace qerr

@@ -1,17 +1,20 @@
+#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
 namespace {
 
 /// The rows whose coupling is a factor of the resolution.
-std::string couplings(const ThresholdReport& report) {
+std::string couplings(const ThresholdReport& report, std::size_t width) {
   std::string out;
   for (const ThresholdRow& r : report.rows)
     if (r.coupling != 1)
-      out += "  " + escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
-             ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder\n";
+      out += wrapped(escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
+                         ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder",
+                     width, "  ");
   return out;
 }
 
@@ -26,9 +29,11 @@ std::string to_table(const ThresholdReport& report, const Style& style) {
                      readable(r.threshold_velocity(), "m/s"), readable(r.resolution_as_printed, "m"),
                      readable(r.threshold_velocity_as_printed(), "m/s")});
   return painted("Resolution and threshold velocity (Table IV): one count per sample", Paint::bold, style) +
-         "\n" + aligned(cells) +
-         "  resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint\n" +
-         couplings(report);
+         "\n" + fitted_table(cells, style.width) +
+         wrapped(
+             "resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint",
+             style.width, "  ") +
+         couplings(report, style.width);
 }
 
 }  // namespace qerr
