@@ -25,13 +25,13 @@ if(NOT VALIJSON_INCLUDE_DIR)
   list(APPEND QERR_TESTS_LACK Valijson)
 endif()
 
-# The system's own interpreter: Debian installs numpy for this one only.
+# The system's own interpreter: Debian installs its modules for this one only.
 find_program(QERR_PYTHON NAMES python3 PATHS /usr/bin NO_DEFAULT_PATH)
 if(QERR_PYTHON)
-  execute_process(COMMAND ${QERR_PYTHON} -c "import numpy" RESULT_VARIABLE numpy_status OUTPUT_QUIET ERROR_QUIET)
+  execute_process(COMMAND ${QERR_PYTHON} -c "import numpy, jsonschema" RESULT_VARIABLE modules_status OUTPUT_QUIET ERROR_QUIET)
 endif()
 if(NOT QERR_PYTHON)
   list(APPEND QERR_TESTS_LACK "python3 (in /usr/bin)")
-elseif(NOT numpy_status EQUAL 0)
-  list(APPEND QERR_TESTS_LACK numpy)
+elseif(NOT modules_status EQUAL 0)
+  list(APPEND QERR_TESTS_LACK "numpy or jsonschema")
 endif()

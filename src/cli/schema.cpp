@@ -5,9 +5,11 @@ namespace qerr::cli {
 
 namespace {
 
+std::vector<std::string> reports() { return output_schema_names(); }
+
 int run(const Values& v) {
   OutputFile out(v.text("output"));
-  finish(out, json_schema());
+  finish(out, v.given("output-of") ? output_schema(v.text("output-of")) : json_schema());
   return 0;
 }
 
@@ -15,12 +17,17 @@ int run(const Values& v) {
 
 Command schema_command() {
   return {"schema",
-          "The JSON Schema of the spec, for editors",
-          {{.name = "-o,--output",
-            .value = "FILE",
-            .meaning = "write to FILE; '-' is standard output",
-            .fallback = "-"}},
-          run};
+          "The JSON Schema of the spec, for editors, or of a command's JSON report",
+          {{.name = "--output-of",
+            .value = "REPORT",
+            .meaning = "of the JSON that this command writes; plan is diagnose --plan",
+            .choices = reports,
+            .choice = "report"},
+           text_output_option()},
+          run,
+          {{"qerr schema -o qerr.schema.json", "of the spec, for an editor that completes and checks it"},
+           {"qerr schema --output-of analyze", "of the report of analyze (draft 2020-12)"}},
+          {"spec", "output"}};
 }
 
 }  // namespace qerr::cli

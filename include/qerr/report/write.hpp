@@ -72,6 +72,12 @@ ListReport list_report(std::string_view kind);
 /// The JSON Schema (draft 7) of the spec.
 std::string json_schema();
 
+/// The names of the reports with a JSON form: of a command, and `plan` of `diagnose --plan`.
+std::vector<std::string> output_schema_names();
+
+/// The JSON Schema (draft 2020-12) of a report in JSON. @pre the name is one of output_schema_names()
+std::string output_schema(std::string_view report);
+
 /// The version of qerr, which is part of every report.
 std::string_view version();
 

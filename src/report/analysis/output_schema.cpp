@@ -1,0 +1,110 @@
+#include "qerr/bound/statistic.hpp"
+#include "report/output_schemas.hpp"
+
+namespace qerr {
+
+namespace {
+
+Json schema_of_statistic() {
+  using namespace schema;
+  std::vector<SchemaMember> members;
+  for (const StatisticKind& kind : statistic_kinds())
+    members.push_back({std::string(kind.name), number(), std::string(kind.summary)});
+  members.push_back({"at_max", map(number()), "the joints where the maximum is"});
+  return object(members);
+}
+
+Json schema_of_covariance(const std::vector<SchemaMember>& more = {}) {
+  using namespace schema;
+  const Json matrix = list(list(number()));
+  return object(joined(
+      {{"mean", matrix, "over the configurations"}, {"at_largest", matrix, "where its trace is largest"}},
+      more));
+}
+
+Json schema_of_position() {
+  using namespace schema;
+  return object(
+      {{"coordinate", text()},
+       {"unit", text()},
+       {"worst_case", schema_of_statistic(), "of the linearized kinematics"},
+       {"worst_case_rigorous", or_null(schema_of_statistic()), "of the exact kinematics; null: no bound"},
+       {"sigma", schema_of_statistic(), "IPQN"},
+       {"share", map(number()), "of each encoder in the variance"},
+       {"share_worst_case", map(number())}});
+}
+
+Json schema_of_derivative() {
+  using namespace schema;
+  const Json coordinate =
+      object({{"coordinate", text()},
+              {"unit", text()},
+              {"worst_case", schema_of_statistic()},
+              {"sigma", or_null(schema_of_statistic()), "IPQN; null: it depends on the motion"},
+              {"sigma_in_motion", schema_of_statistic(), "with encoders that move as in `motion:`", true}});
+  return object({{"filter", text()},
+                 {"derivative", number()},
+                 {"h2_norm", number()},
+                 {"l1_norm", interval()},
+                 {"coordinates", list(coordinate)},
+                 {"covariance", or_null(schema_of_covariance())},
+                 {"noise_in_motion_over_ipqn", map(number_or_null()), "per encoder", true}});
+}
+
+Json schema_of_effect() {
+  using namespace schema;
+  const Json value{{"type", Json::array({"number", "string", "null"})}};
+  const Json parameter = object({{"name", text()}, {"value", value}, {"unit", text()}});
+  return object({{"effect", text()},
+                 {"joint", text()},
+                 {"stage", text()},
+                 {"unit", text()},
+                 {"mean", number_or_null()},
+                 {"worst_case", number_or_null()},
+                 {"sigma", number_or_null()},
+                 {"counted", boolean(), "false: it concerns the log or the reference only"},
+                 {"parameters", list(parameter)}});
+}
+
+std::vector<SchemaMember> analysis_header_schema(std::string_view command) {
+  using namespace schema;
+  const Json configurations = object({{"method", text()}, {"count", number()}});
+  return joined(header(command), {{"configurations", configurations}});
+}
+
+}  // namespace
+
+Json analysis_schema() {
+  using namespace schema;
+  const Json joint = object({{"name", text()},
+                             {"unit", text()},
+                             {"resolution", number(), "of the encoder, at the joint side"},
+                             {"worst_case", number(), "of the joint, after the coupling"},
+                             {"sigma", number()},
+                             {"mean", number()}});
+  const Json covariance =
+      schema_of_covariance({{"coordinates", list(text())}, {"largest_at", map(number()), "joints"}});
+  return object(joined(analysis_header_schema("analyze"),
+                       {{"joints", list(joint)},
+                        {"position", list(schema_of_position())},
+                        {"derivatives", list(schema_of_derivative())},
+                        {"covariance", covariance, "of the tip's position"},
+                        {"budget", map(number()), "share of each encoder in the variance of the tip"},
+                        {"effects", list(schema_of_effect())},
+                        {"warnings", warnings()}}));
+}
+
+Json check_schema() {
+  using namespace schema;
+  const Json requirement = object({{"quantity", text()},
+                                   {"statistic", text()},
+                                   {"at_most", number()},
+                                   {"value", number_or_null()},
+                                   {"unit", text()},
+                                   {"met", boolean()}});
+  return object(joined(
+      analysis_header_schema("check"),
+      {{"requirements", list(requirement)}, {"met", boolean(), "all of them"}, {"warnings", warnings()}}));
+}
+
+}  // namespace qerr

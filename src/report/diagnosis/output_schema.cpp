@@ -1,0 +1,88 @@
+#include "qerr/diagnose/diagnosis.hpp"
+#include "report/output_schemas.hpp"
+
+namespace qerr {
+
+namespace {
+
+Json gain_schema() {
+  using namespace schema;
+  return object({{"held_out", boolean(), "measured on blocks of the log that the fit has not seen"},
+                 {"rms_before", number_or_null()},
+                 {"rms_after", number_or_null()},
+                 {"ratio", number_or_null()},
+                 {"lower", number_or_null()},
+                 {"upper", number_or_null()},
+                 {"counts_before", number_or_null()},
+                 {"counts_after", number_or_null()},
+                 {"sigma_ratio", number_or_null()},
+                 {"log_score", number_or_null()},
+                 {"coverage", number_or_null()},
+                 {"unit", text()}});
+}
+
+Json cause_schema() {
+  using namespace schema;
+  const Json parameter = object({{"name", text()},
+                                 {"value", number()},
+                                 {"lower", number_or_null()},
+                                 {"upper", number_or_null()},
+                                 {"unit", text()}});
+  return object({{"effect", text()},
+                 {"joint", text()},
+                 {"p_value", number()},
+                 {"parameters", list(parameter), "with 95 % intervals"},
+                 {"gain", gain_schema(), "of its joint"},
+                 {"rms", number(), "", true},
+                 {"choices", map(text()), "", true}});
+}
+
+Json log_schema() {
+  using namespace schema;
+  const Json unwrapped = object({{"column", text()},
+                                 {"turns_at_start", number()},
+                                 {"wraps", number()},
+                                 {"first_row", number()},
+                                 {"first_time", number_or_null()},
+                                 {"contradicted", number()}});
+  return object({{"file", text()},
+                 {"rows", number()},
+                 {"first_time", number_or_null()},
+                 {"last_time", number_or_null()},
+                 {"unwrapped", list(unwrapped), "columns that wrapped at a full turn"}});
+}
+
+}  // namespace
+
+Json diagnosis_schema() {
+  using namespace schema;
+  const Json comparison = object({{"joint", text()},
+                                  {"statistic", text()},
+                                  {"observed", number_or_null()},
+                                  {"expected", number_or_null()},
+                                  {"p_value", number_or_null()}});
+  const Json alternative =
+      object({{"instead_of", text()}, {"effect", text()}, {"joint", text()}, {"record", text()}});
+  const Json unexplained = object({{"joint", text()},
+                                   {"what", text()},
+                                   {"order", number_or_null()},
+                                   {"frequency", number_or_null()},
+                                   {"amplitude", number_or_null()},
+                                   {"unit", text()}});
+  std::vector<SchemaMember> members = header("diagnose");
+  std::erase_if(members, [](const SchemaMember& member) { return member.name == "robot"; });
+  return object(joined(
+      members, {{"log", log_schema()},
+                {"verdict", one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous",
+                                    "unexplained", "cannot_judge"})},
+                {"reason", text()},
+                {"simulation", list(comparison), "statistics of the log, and of the simulated model"},
+                {"causes", list(cause_schema()), "in the order of the variance that they remove"},
+                {"alternatives", list(alternative), "what explains it as well, and what to record to tell"},
+                {"unexplained", list(unexplained)},
+                {"gain", gain_schema(), "of the extended model, over all judged joints"},
+                {"extended_model", text_or_null(), "its file"},
+                {"warnings", warnings()}}));
+}
+
+}  // namespace qerr

@@ -1,0 +1,213 @@
+#!/usr/bin/env python3
+"""The help, its examples, the man pages and the completions; how wrong command lines are answered.
+
+    check_help.py --qerr build/qerr [--verbose]
+
+Shells and groff that are not installed are reported as skipped.
+"""
+import argparse
+import json
+import os
+import pathlib
+import re
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+
+import zsh_terminal
+from tool import Tally, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+DIAGNOSIS = ROOT / "configs" / "diagnosis"
+
+
+def text_of(ran):
+    return ran.out.decode()
+
+
+def names_under(title, page):
+    """Terms of a section of a page."""
+    section = re.search(rf"^{title}\n((?:  .*\n)+)", page, re.M)
+    return re.findall(r"^  ([a-z]\S*)", section[1], re.M) if section else []
+
+
+def check_pages(t, qerr):
+    overview = text_of(run(qerr, "help"))
+    commands, topics = names_under("Commands", overview), names_under("Topics", overview)
+    t.check("commands and topics are listed", len(commands) >= 10 and len(topics) >= 6, overview[:200])
+    t.check("--help and -h are the same page", overview == text_of(run(qerr, "--help")) == text_of(run(qerr, "-h")))
+    for name in ["", *commands, *topics]:
+        for columns in ("80", "120", "50"):
+            ran = run(qerr, *(["help", name] if name else ["help"]), env=dict(os.environ, COLUMNS=columns))
+            lines = text_of(ran).splitlines()
+            code = [line for line in lines if line.startswith("  ")]
+            wide = [line for line in lines if len(line) > int(columns) and (columns == "80" or line not in code)]
+            t.check(f"help {name} fits {columns} columns", ran.code == 0 and lines and not wide, str(wide[:2]))
+    for name in commands:
+        page = text_of(run(qerr, "help", name))
+        t.check(f"{name} --help is its page, with examples", page == text_of(run(qerr, name, "--help")) and "\nExamples\n" in page)
+        for topic in re.findall(r"`qerr help (\S+)`", page):
+            t.check(f"{name} refers to a topic: {topic}", topic in topics)
+    return commands, topics
+
+
+def examples(qerr, command):
+    section = re.search(r"^Examples\n((?:  .*\n|\n)+)", text_of(run(qerr, "help", command)), re.M)
+    return [line.strip() for line in section[1].splitlines() if line.strip() and not line.strip().startswith("#")]
+
+
+def check_examples(t, qerr, commands):
+    """Every example runs where arm.yaml, wrist.yaml and log.csv exist."""
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        (folder / "bin").mkdir()
+        (folder / "bin" / "qerr").symlink_to(qerr)
+        for path in DIAGNOSIS.iterdir():
+            shutil.copy(path, folder)
+        spec = (folder / "spec.yaml").read_text().replace("../", f"{ROOT}/configs/")
+        spec = spec if "requirements:" in spec else spec + "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 1 m}]\n"
+        for name in ("arm.yaml", "wrist.yaml"):
+            (folder / name).write_text(spec)
+        environment = dict(os.environ, PATH=f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}")
+        made = run(qerr, "simulate", "arm.yaml", "--log", "log.csv", "-o", "simulated.txt", cwd=folder)
+        t.check("the log of the examples", made.code == 0, made.err.decode()[:200])
+        for command in commands:
+            for line in examples(qerr, command):
+                if "| source" in line:
+                    continue  # of fish
+                done = subprocess.run(["bash", "-c", line], cwd=folder, env=environment, capture_output=True, text=True, timeout=120)
+                t.check(f"example: {line}", done.returncode == 0, done.stderr[:300])
+
+
+def check_man_pages(t, qerr, commands, topics):
+    with tempfile.TemporaryDirectory() as folder:
+        ran = run(qerr, "help", "--man", folder)
+        pages = {path.name for path in pathlib.Path(folder).iterdir()}
+        wanted = {"qerr.1", *(f"qerr-{name}.1" for name in commands), *(f"qerr-{name}.7" for name in topics)}
+        t.check("a man page for every command and topic", ran.code == 0 and pages == wanted, str(pages ^ wanted))
+        if not shutil.which("groff"):
+            return print("skip  man pages: no groff", file=sys.stderr)
+        for page in sorted(pages):
+            done = subprocess.run(["groff", "-t", "-man", "-ww", "-Tutf8", "-P-c", pathlib.Path(folder) / page],
+                                  capture_output=True, text=True, env=dict(os.environ, LC_ALL="C.UTF-8"))
+            t.check(f"{page} without a warning of groff", done.returncode == 0 and not done.stderr and len(done.stdout) > 300,
+                    done.stderr[:300])
+
+
+COMPLETIONS = [  # words, the last one to be completed; some that must be offered; some that must not
+    (["qerr", "an"], {"analyze"}, {"check"}),
+    (["qerr", "list", "f"], {"filters", "formats"}, {"effects"}),
+    (["qerr", "list", "filters", "k"], {"kalman"}, {"backlash"}),
+    (["qerr", "list", "effects", "b"], {"backlash"}, {"butterworth"}),
+    (["qerr", "help", "enc"], {"encoders"}, {"analyze"}),
+    (["qerr", "analyze", "--per"], {"--per-configuration"}, {"--log"}),
+    (["qerr", "simulate", "arm.yaml", "--format", "j"], {"json"}, {"csv"}),
+    (["qerr", "check", "--color", "n"], {"never"}, {"always"}),
+    (["qerr", "analyze", "ar"], {"arm.yaml"}, {"analyze"}),
+]
+
+
+def completed_in_bash(script, words, folder):
+    asked = "COMP_WORDS=(" + " ".join(map(shlex.quote, words)) + f"); COMP_CWORD={len(words) - 1}; _qerr; printf '%s\\n' \"${{COMPREPLY[@]}}\""
+    return subprocess.run(["bash", "-c", f"source {script}; {asked}"], cwd=folder, capture_output=True, text=True)
+
+
+def completed_in_fish(script, words, folder):
+    return subprocess.run(["fish", "--no-config", "-c", f"source {script}; complete -C {shlex.quote(' '.join(words))}"],
+                          cwd=folder, capture_output=True, text=True)
+
+
+def offered_by(shell, script, words, folder):
+    """The words that the shell offers; of zsh, all that its terminal shows."""
+    if shell == "zsh":
+        return set(re.findall(r"[\w.-]+", zsh_terminal.completed(script, " ".join(words), folder).replace(" ".join(words[:-1]), "")))
+    done = (completed_in_bash if shell == "bash" else completed_in_fish)(script, words, folder)
+    return {row.split("\t")[0] for row in done.stdout.splitlines()}
+
+
+def check_completions(t, qerr):
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        (folder / "arm.yaml").touch()
+        for shell in ("bash", "fish", "zsh"):
+            if not shutil.which(shell):
+                print(f"skip  completion of {shell}: not installed", file=sys.stderr)
+                continue
+            script = folder / f"complete.{shell}"
+            script.write_bytes(run(qerr, "completion", shell).out)
+            for words, wanted, unwanted in COMPLETIONS:
+                offered = offered_by(shell, script, words, folder)
+                t.check(f"{shell} completes {' '.join(words)}", wanted <= offered and not unwanted & offered, str(offered)[:300])
+
+
+MISTAKES = [  # words; what the message must name
+    ([], ["command", "qerr help"]),
+    (["analyse", "arm.yaml"], ["analyse", "qerr analyze"]),
+    (["arm.yaml"], ["arm.yaml", "qerr analyze arm.yaml"]),
+    (["analyze"], ["SPEC", "e.g. qerr analyze"]),
+    (["analyze", "a.yaml", "b.yaml"], ["b.yaml", "qerr analyze [OPTION...] SPEC"]),
+    (["analyze", "a.yaml", "encoders.a2.bits=19"], ["--set 'encoders.a2.bits=19'"]),
+    (["analyze", "a.yaml", "--sed", "3"], ["--sed", "did you mean '--set'"]),
+    (["analyze", "a.yaml", "-x"], ["-x", "qerr help analyze"]),
+    (["analyze", "a.yaml", "--seed"], ["--seed", "--seed N"]),
+    (["analyze", "a.yaml", "--seed", "--quiet"], ["--seed", "'--quiet'", "--seed N"]),
+    (["analyze", "a.yaml", "--seed", "1", "--seed", "2"], ["--seed", "once", "'1'"]),
+    (["analyze", "a.yaml", "--threads", "two"], ["--threads", "whole number from 1 to 1024", "'two'"]),
+    (["analyze", "a.yaml", "--quiet=yes"], ["--quiet", "'yes'"]),
+    (["analyze", "a.yaml", "--format", "jsn"], ["--format", "'jsn'", "did you mean 'json'"]),
+    (["analyze", "a.yaml", "--color", "no"], ["--color", "'no'", "never"]),
+    (["filter", "a.yaml", "--motion-band", "3Hz"], ["--motion-band", "FROM TO"]),
+    (["filter", "a.yaml", "--clock", "1MHz"], ["--clock", "--estimators"]),
+    (["list"], ["KIND", "e.g. qerr list"]),
+    (["list", "filtrs"], ["'filtrs'", "did you mean 'filters'"]),
+    (["list", "filters", "kalmn"], ["'kalmn'", "did you mean 'kalman'"]),
+    (["help", "encoder"], ["'encoder'", "did you mean 'encoders'"]),
+    (["schema", "--output-of", "analyse"], ["--output-of", "did you mean 'analyze'"]),
+    (["--seed", "3", "analyze", "a.yaml"], ["--seed", "behind a command"]),
+]
+
+
+def check_mistakes(t, qerr):
+    for words, named in MISTAKES:
+        ran = run(qerr, *words)
+        message = ran.err.decode()
+        missing = [name for name in named if name not in message]
+        t.check(f"qerr {' '.join(words)}: 2, one line that helps", ran.code == 2 and not ran.out and message.count("\n") == 1 and not missing,
+                f"exit {ran.code}, lacks {missing}: {message}")
+
+
+def check_globals(t, qerr):
+    for words in (["-V"], ["--version"], ["analyze", "-V"]):
+        t.check(f"qerr {' '.join(words)}", re.fullmatch(r"qerr \d+\.\d+\.\d+\n", text_of(run(qerr, *words))))
+    spec = ROOT / "configs" / "phantom_premium" / "spec.yaml"
+    for words, coloured in ((["--color", "always", "analyze", spec], True), (["analyze", spec, "--color=always"], True),
+                            (["analyze", spec], False), (["--color", "never", "analyze", spec], False),
+                            (["analyze", spec, "--color=always", "--no-color"], False), (["help", "--color", "always"], True)):
+        ran = run(qerr, *words, *(["-q"] if "help" not in words else []), env={**os.environ, "NO_COLOR": "1"})
+        t.check(f"colours of {' '.join(map(str, words[:3]))}", ran.code == 0 and (b"\x1b[" in ran.out) == coloured)
+    one = json.loads(run(qerr, "list", "filters", "kalman", "--format", "json").out)
+    t.check("list filters kalman: one row", [row["name"] for row in one] == ["kalman"])
+    for words in (["help"], ["list", "filters"], ["completion", "bash"], ["schema"]):
+        done = subprocess.run(["bash", "-c", f"{shlex.quote(str(qerr))} {' '.join(words)} | head -1"], capture_output=True, text=True)
+        t.check(f"{' '.join(words)} | head -1 ends quietly", done.stdout and not done.stderr, done.stderr)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    commands, topics = check_pages(t, qerr)
+    check_examples(t, qerr, commands)
+    check_man_pages(t, qerr, commands, topics)
+    check_completions(t, qerr)
+    check_mistakes(t, qerr)
+    check_globals(t, qerr)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

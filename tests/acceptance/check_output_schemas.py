@@ -1,0 +1,110 @@
+#!/usr/bin/env python3
+"""Every JSON report of every command against its schema (`qerr schema --output-of REPORT`, draft 2020-12).
+
+    check_output_schemas.py --qerr build/qerr [--verbose]
+
+The schemas permit further members, as later versions may have them; here members that a schema does not describe are
+faults, so that none is forgotten. A report without some required member, or with a text in place of a number, must be
+rejected.
+"""
+import argparse
+import copy
+import json
+import pathlib
+import sys
+import tempfile
+
+import jsonschema
+
+from tool import Tally, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CONFIGS = ROOT / "configs"
+DIAGNOSIS = CONFIGS / "diagnosis" / "spec.yaml"
+EFFECTS = "effects=[{type: backlash, joint: j2, gap: 0.4 mrad}, {type: eccentricity, joint: j3, amplitude: 0.3 mrad, phase: 40 deg}]"
+SPREAD = "effects=[{type: noise, joint: j1, sigma: 0.1 mrad}, {type: log_rounding, joint: j2, step: 1 urad}]"
+FILTERS = CONFIGS / "filters" / "filters.yaml"
+
+
+def closed(schema):
+    """The schema without permission for members that it does not describe."""
+    if isinstance(schema, list):
+        return [closed(item) for item in schema]
+    if not isinstance(schema, dict):
+        return schema
+    strict = {key: closed(value) for key, value in schema.items()}
+    if isinstance(schema.get("properties"), dict) and schema.get("type") == "object":
+        strict.setdefault("additionalProperties", False)
+    return strict
+
+
+def reports(folder):
+    """(name of the report, words of a command)"""
+    specs = sorted(CONFIGS.glob("*/spec.yaml"))
+    few = ["--set", "configurations.count=50"]
+    for spec in specs:
+        yield "analyze", ["analyze", spec, *few]
+        yield "check", ["check", spec, *few]
+    for effects in (EFFECTS, SPREAD):
+        yield "analyze", ["analyze", DIAGNOSIS, "--set", effects]
+        yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]
+        yield "diagnose", ["diagnose", DIAGNOSIS, folder / "log.csv", "--write-model", folder / "found.yaml"]
+    yield "simulate", ["simulate", DIAGNOSIS, "--runs", "3"]
+    yield "plan", ["diagnose", DIAGNOSIS, "--plan"]
+    yield "filter", ["filter", FILTERS, "--coefficients", "--at", "5,10", "--motion-band", "0.5Hz", "5Hz"]
+    yield "filter", ["filter", CONFIGS / "phantom_premium" / "spec.yaml", "--noise", "--speed", "2rad/s,0.3", "--sine", "40", "3Hz"]
+    yield "filter", ["filter", CONFIGS / "phantom_premium" / "spec.yaml", "--estimators", "--clock", "1MHz"]
+    yield "threshold", ["threshold", *sorted((CONFIGS / "table_iv").glob("*.yaml"))]
+    for kind in ("effects", "filters", "encoders", "formats", "coordinates", "statistics"):
+        yield "list", ["list", kind]
+
+
+def required_members(schema, path=()):
+    """Paths of the members that every report has, through objects."""
+    for name in schema.get("required", []):
+        yield (*path, name)
+        yield from required_members(schema["properties"][name], (*path, name))
+
+
+def without(report, path):
+    changed = copy.deepcopy(report)
+    at = changed
+    for name in path[:-1]:
+        at = at[name]
+    del at[path[-1]]
+    return changed
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    validators, seen = {}, set()
+    with tempfile.TemporaryDirectory() as temporary:
+        for name, words in reports(pathlib.Path(temporary)):
+            if name not in validators:
+                schema = json.loads(run(qerr, "schema", "--output-of", name).out)
+                jsonschema.Draft202012Validator.check_schema(schema)
+                validators[name] = jsonschema.Draft202012Validator(closed(schema))
+            title = " ".join(pathlib.Path(str(w)).name if pathlib.Path(str(w)).is_absolute() else str(w) for w in words)
+            ran = run(qerr, *words, "-q", "--format", "json")
+            if not t.check(f"{title}: runs", ran.code in (0, 1), ran.err.decode()[:300]):
+                continue
+            report = json.loads(ran.out)
+            faults = [f"{error.json_path}: {error.message[:200]}" for error in validators[name].iter_errors(report)]
+            t.check(f"{title}: as its schema says", not faults, "; ".join(faults[:3]))
+            if name in seen or not isinstance(report, dict):
+                continue
+            seen.add(name)
+            for path in required_members(validators[name].schema):
+                t.check(f"{name} without {'.'.join(path)} is rejected", not validators[name].is_valid(without(report, path)))
+    answered = run(qerr, "schema", "--output-of", "nothing").err.decode()
+    t.check("every report has a case here", all(word in answered for word in validators) and answered.count(", ") == len(validators),
+            answered)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
