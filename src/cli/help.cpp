@@ -1,3 +1,5 @@
+#include <filesystem>
+
 #include "cli/command.hpp"
 #include "cli/help/page.hpp"
 #include "cli/shared.hpp"
@@ -6,12 +8,20 @@ namespace qerr::cli {
 
 namespace {
 
+/// As man(1) looks for them: FOLDER/man1 and FOLDER/man7.
 void write_man_pages(const std::string& folder) {
   std::vector<std::string> names = page_names();
   names.emplace_back("");
   for (const std::string& name : names) {
     const Page page = page_of(name);
-    OutputFile file(folder + '/' + man_file(page));
+    const std::string section = folder + "/man" + man_section(page);
+    std::error_code failure;
+    std::filesystem::create_directories(section, failure);
+    if (failure)
+      throw Error(
+          {{section}, "--man", "the folder cannot be created: " + failure.message(), "", "name another one"},
+          Trouble::file_system);
+    OutputFile file(section + '/' + man_file(page));
     finish(file, to_man(page));
   }
 }
@@ -37,7 +47,7 @@ Command help_command() {
             .choice = "command or topic"},
            {.name = "--man",
             .value = "FOLDER",
-            .meaning = "write all pages as man pages there, in place of printing one"}},
+            .meaning = "write all pages as man pages there; man -M FOLDER shows them"}},
           run,
           {{"qerr help", "the commands and the topics"},
            {"qerr help encoders", "how to specify an encoder, with the words of its data sheet"},

@@ -98,15 +98,16 @@ std::string roff_of(const Block& block) {
 }
 
 std::string title_of(const Page& page) { return page.name.empty() ? "qerr" : "qerr-" + page.name; }
-std::string section_of(const Page& page) { return page.name.empty() || command_of(page.name) ? "1" : "7"; }
 
 }  // namespace
 
-std::string man_file(const Page& page) { return title_of(page) + '.' + section_of(page); }
+std::string man_section(const Page& page) { return page.name.empty() || command_of(page.name) ? "1" : "7"; }
+
+std::string man_file(const Page& page) { return title_of(page) + '.' + man_section(page); }
 
 std::string to_man(const Page& page) {
   // The first line asks man(1) to run tbl(1).
-  std::string out = "'\\\" t\n.TH " + escaped_roff(upper(title_of(page))) + ' ' + section_of(page) +
+  std::string out = "'\\\" t\n.TH " + escaped_roff(upper(title_of(page))) + ' ' + man_section(page) +
                     " \"\" \"qerr " + std::string(version()) + "\" \"qerr\"\n.ad l\n.nh\n.SH NAME\n" +
                     escaped_roff(title_of(page)) + " \\- " + escaped_roff(page.summary) + '\n';
   if (!page.blocks.empty() && page.blocks.front().kind != Block::Kind::heading) out += ".SH DESCRIPTION\n";

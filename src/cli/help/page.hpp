@@ -52,8 +52,10 @@ Page parse_markdown(std::string_view text);
 
 std::string to_terminal(const Page&, const Style&);
 
-/// A man page (roff), section 1 of commands and 7 of topics.
+/// A man page (roff).
 std::string to_man(const Page&);
+/// `1` of commands, `7` of topics.
+std::string man_section(const Page&);
 /// `qerr-analyze.1`, `qerr-encoders.7`, `qerr.1`.
 std::string man_file(const Page&);
 
