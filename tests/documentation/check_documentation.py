@@ -1,15 +1,15 @@
 #!/usr/bin/env python3
-"""Checks README.md and configs/paper/README.md against what the program does now.
+"""Checks README.md, CONTRIBUTING.md, the topics of the help and configs/paper/README.md against what the program does now.
 
     check_documentation.py [--qerr PATH]                  compare; one line per difference, exit code 1 if there is any
-    check_documentation.py --update                       renew outputs and figures in both files
-    check_documentation.py --mutations N [--seed SEED]    compare, then change one digit at a time, N times in each file,
-                                                          and verify that each change is found (N = 0: every digit)
+    check_documentation.py --update                       renew outputs and figures in all files
+    check_documentation.py --mutations N [--seed SEED]    compare, then change one digit of the text or of an output at a time,
+                                                          N times in each file, and verify that each change is found (N = 0: all)
 
-README.md: the blocks are run as session.py says, figures in the text are compared with the values of statements.py, and every
-other number must be a name or a formula that statements.py lists. configs/paper/README.md: its tables are computed anew by
-scripts/reproduce_paper; its text is checked like that of README.md. Excepted: the section "Speed" of README.md, commands that
-install or build, workflows of GitHub. Standard library only (scripts/reproduce_paper needs numpy).
+The blocks are run as session.py says, those of each file in a copy of their own; figures in the text are compared with the values of
+statements.py, and every other number must be a name or a formula that statements.py lists. The tables of configs/paper/README.md are
+computed anew by scripts/reproduce_paper. Excepted: the section "Speed" of CONTRIBUTING.md, commands that install or build, workflows
+of GitHub. Standard library only (scripts/reproduce_paper needs numpy).
 """
 import argparse
 import difflib
@@ -39,7 +39,7 @@ class Page:
 
     def __init__(self, name, qerr, keep_states):
         self.name, self.text = name, (ROOT / name).read_text(encoding="utf-8")
-        self.session = Session(ROOT, qerr, keep_states) if name == "README.md" else None
+        self.session = Session(ROOT, qerr, keep_states) if name != statements.PAPER else None
         self.values = statements.Values(ROOT, qerr)
         self.tables = None if self.session else self._new_tables(qerr)
 
@@ -93,9 +93,9 @@ class Page:
             yield document.line_of(text, match.start()), match[0]
 
     def mutable(self):
-        """Places of the digits that must be checked."""
+        """Places of the digits that state something: of the text and of outputs. Another digit in an input is another example."""
         skip = [document.section(self.text, EXCEPTED_SECTION)] if self.session else []
-        skip += [(b.begin, b.end) for b in document.blocks(self.text) if builds(b)]
+        skip += [(b.begin, b.end) for b in document.blocks(self.text) if builds(b) or (b.language and checked_by_running(b))]
         digits = (m.start() for m in re.finditer(r"\d", self.text))
         return [place for place in digits if not any(begin <= place < end for begin, end in skip)]
 
@@ -116,12 +116,12 @@ def mutate(page, count, generator):
 
 
 def main():
-    parser = argparse.ArgumentParser(description="Checks README.md and configs/paper/README.md.")
+    parser = argparse.ArgumentParser(description="Checks the documentation.")
     parser.add_argument("--qerr", default=str(ROOT / "build" / "qerr"), help="the program (default: build/qerr)")
     parser.add_argument("--update", action="store_true", help="renew outputs and figures")
     parser.add_argument("--mutations", type=int, metavar="N", help="digits to change in each file; 0: all")
     parser.add_argument("--seed", type=int, default=1, help="of the choice of digits")
-    parser.add_argument("--only", choices=statements.DOCUMENTS, help="check one file")
+    parser.add_argument("--only", choices=statements.DOCUMENTS, metavar="FILE", help="check one file")
     arguments = parser.parse_args()
     faults = []
     for name in [arguments.only] if arguments.only else statements.DOCUMENTS:

@@ -13,7 +13,10 @@ import signal
 import subprocess
 import tempfile
 
-DOCUMENTS = ["README.md", "configs/paper/README.md"]
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+PAPER = "configs/paper/README.md"
+TOPICS = {path.stem: str(path.relative_to(ROOT)) for path in sorted((ROOT / "src/cli/topics").glob("*.md"))}
+DOCUMENTS = ["README.md", "CONTRIBUTING.md", *TOPICS.values(), PAPER]
 ARM = "configs/kuka_lwr/spec.yaml"  # one encoder for all joints, gear ratio 1, 10000 configurations by default
 EXPERIMENT = "configs/phantom_premium/experiment.yaml"
 
@@ -131,6 +134,27 @@ def experiment(v):
     return amplitude, frequency, rate, f"{samples:g}", duration, str(periods), f"{period:g}", f"{peak:.0f}"
 
 
+def smallest_eccentricity(v):
+    return v.printed(r"eccentricity \(joint\) +([\d.]+) \?", "diagnose", "configs/diagnosis/spec.yaml", "--plan")
+
+
+def first_report(*columns):
+    """Figures of the row of README.md's first report that its text explains: x, worst case."""
+    names = {"50th": 0, "95th": 1, "max": 3}
+
+    def value(v):
+        readme = (v.root / "README.md").read_text(encoding="utf-8")
+        row = re.findall(r"[\d.]+ [num]?m", re.search(r"^  x +worst case .*", readme, re.M)[0])
+        return tuple(row[names[column]] for column in columns)
+
+    return value
+
+
+def largest_share(v):
+    readme = (v.root / "README.md").read_text(encoding="utf-8")
+    return re.search(r"([\d.]+) % .*<- first", readme).groups()
+
+
 def rates_of_table_3(v):
     return v.source("scripts/reproduce_paper/tables.py", r"spaced\((\d+), \d+, \d+\) \+ spaced\(\d+, (\d+)e6, \d+\)")
 
@@ -139,69 +163,13 @@ HISTOGRAM = "src/bound/histogram.hpp"
 STATEMENTS = {
     "README.md": [
         (r"plain CMake \(C\+\+(\d+);", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
-        (r"sampled by (\d+) Sobol points", points),
+        (r"within ([\d.]+ \w+) of where the encoders say", first_report("50th")),
+        (r"at 95 % of them within ([\d.]+ \w+), and at the worst of them ([\d.]+ \w+) off", first_report("95th", "max")),
+        (r"causes ([\d.]+) % of the variance", largest_share),
         (r"exit code (\d) if all are met", exit_code("check", "-q", ARM)),
-        (
-            r"if all are met, (\d) if one is not",
-            exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm"),
-        ),
-        (
-            r"`([\d.]+) \?` means: detectable",
-            lambda v: v.printed(r"eccentricity \(joint\) +([\d.]+) \?", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
-        ),
-        (
-            r"detectable from ([\d.]+) counts, but",
-            lambda v: v.printed(r"eccentricity \(joint\) +([\d.]+) \?", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
-        ),
-        (
-            r"white noise of ([\d.]+) counts \(`--reference-noise",
-            lambda v: v.printed(r"noise of ([\d.]+) counts", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
-        ),
-        (r"\| (\d+) \| success \|", exit_code("schema")),
-        (r"\| (\d+) \| success, but a requirement", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
-        (r"\| (\d+) \| error in the command line", exit_code("analyze", ARM, "--no-such-option")),
-        (r"\| (\d+) \| error in the input", exit_code("analyze", ARM, "--set", "qerr=two")),
-        (r"\| (\d+) \| a file cannot", unwritable),
-        (r"\| (\d+) \| an internal error", lambda v: v.source("include/qerr/core/error.hpp", r"internal = (\d+)")),
-        (
-            r"\| (\d+), (\d+) \| interrupted",
-            lambda v: (str(128 + signal.SIGINT), str(128 + signal.SIGTERM)),
-        ),
-        (r"`counts_per_rev: 4096` \|[^|]*\| (\d+) \|", counts("counts_per_rev: 4096")),
-        (r"`lines_per_rev: 1024, decoding: x4` \|[^|]*\| (\d+) \|", counts("lines_per_rev: 1024, decoding: x4")),
-        (r"incremental; `(x\d)`, `(x\d)`, `(x\d)` \(default\)", decodings),
-        (r"`bits: 17` \|[^|]*\| (\d+) \|", counts("bits: 17")),
-        (
-            r"`periods_per_rev: 512, interpolation_bits: 10` \|[^|]*\| (\d+) \|",
-            counts("periods_per_rev: 512, interpolation_bits: 10"),
-        ),
-        (r"`resolution: 0\.125 mrad` \|[^|]*\| (\d+) \|", counts("resolution: 0.125 mrad")),
-        (
-            r"per joint revolution \(default (\d+)\)",
-            lambda v: v.printed(r'(?s)"gear_ratio".*?"default": (\d+)\.0', "schema"),
-        ),
-        (r"\(median, (p\d+), (p\d+), max\)", statistics),
-        (r"accurate to (\d+) % and (\d+) %, and the noise", percent_names),
-        (
-            r"H2 and l1 norms agree to (\S+) relative",
-            lambda v: v.source("tests/filter/norms_test.cpp", r"n\.l1\.upper - n\.l1\.lower, (\S+) \*"),
-        ),
-        (
-            r"and Jacobians to (\S+) with",
-            lambda v: v.source("tests/kinematics/jacobian_test.cpp", r"gap\.jacobian, (\S+)\)"),
-        ),
-        (
-            r"exact up to ([\d ]+) configurations",
-            percentiles_limit,
-        ),
-        (
-            r"mean is that of (\d+) to (\d+) equally spaced zeros, within (\S+) % of the limit",
-            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r"zeros = (\d+), most_zeros = (\d+);")
-            + (_percent(v.source("tests/simulate/quantization_along_motion_test.cpp", r"expected, 1, (\S+)\)")[0]),),
-        ),
-        (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),
-        (r"agree to (\d+) digits", agreed_digits),
-        (r"to about (\S+)\. On one machine", lambda v: v.source(HISTOGRAM, r"values, (\S+) for millions")),
+        (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
+    ],
+    "CONTRIBUTING.md": [
         (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
         *[
             (rf" (\d) +{re.sub(' ', '  ', modules)} ", floor(modules))
@@ -217,7 +185,71 @@ STATEMENTS = {
         ],
         (r"a statistic \(median, (p\d+)\)", lambda v: (statistics(v)[-1],)),
     ],
-    "configs/paper/README.md": [
+    TOPICS["spec"]: [(r"sampled by (\d+) Sobol points", points)],
+    TOPICS["encoders"]: [
+        (r"`counts_per_rev: 4096` \|[^|]*\| (\d+) \|", counts("counts_per_rev: 4096")),
+        (r"`lines_per_rev: 1024, decoding: x4` \|[^|]*\| (\d+) \|", counts("lines_per_rev: 1024, decoding: x4")),
+        (r"incremental; `(x\d)`, `(x\d)`, `(x\d)` \(default\)", decodings),
+        (r"`bits: 17` \|[^|]*\| (\d+) \|", counts("bits: 17")),
+        (
+            r"`periods_per_rev: 512, interpolation_bits: 10` \|[^|]*\| (\d+) \|",
+            counts("periods_per_rev: 512, interpolation_bits: 10"),
+        ),
+        (r"`resolution: 0\.125 mrad` \|[^|]*\| (\d+) \|", counts("resolution: 0.125 mrad")),
+        (
+            r"per joint revolution \(default (\d+)\)",
+            lambda v: v.printed(r'(?s)"gear_ratio".*?"default": (\d+)\.0', "schema"),
+        ),
+    ],
+    TOPICS["filters"]: [(r"accurate to (\d+) % and (\d+) %, and `--speed`", percent_names)],
+    TOPICS["figures"]: [
+        (r"\(median, (p\d+), (p\d+), max\)", statistics),
+        (r"accurate to (\d+) % and (\d+) %, and the noise", percent_names),
+        (
+            r"H2 and l1 norms agree to (\S+) relative",
+            lambda v: v.source("tests/filter/norms_test.cpp", r"n\.l1\.upper - n\.l1\.lower, (\S+) \*"),
+        ),
+        (
+            r"and Jacobians to (\S+) with",
+            lambda v: v.source("tests/kinematics/jacobian_test.cpp", r"gap\.jacobian, (\S+)\)"),
+        ),
+        (r"exact up to ([\d ]+) configurations", percentiles_limit),
+        (
+            r"mean is that of (\d+) to (\d+) equally spaced zeros, within (\S+) % of the limit",
+            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r"zeros = (\d+), most_zeros = (\d+);")
+            + (_percent(v.source("tests/simulate/quantization_along_motion_test.cpp", r"expected, 1, (\S+)\)")[0]),),
+        ),
+        (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),
+        (r"agree to (\d+) digits", agreed_digits),
+        (r"to about (\S+)\. On one machine", lambda v: v.source(HISTOGRAM, r"values, (\S+) for millions")),
+    ],
+    TOPICS["requirements"]: [
+        (r"exit code is (\d) if all are met", exit_code("check", "-q", ARM)),
+        (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
+    ],
+    TOPICS["diagnosis"]: [
+        (r"`([\d.]+) \?` means: detectable", smallest_eccentricity),
+        (r"detectable from ([\d.]+) counts, but", smallest_eccentricity),
+        (
+            r"white noise of ([\d.]+) counts \(`--reference-noise",
+            lambda v: v.printed(r"noise of ([\d.]+) counts", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
+        ),
+        (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/table.cpp", r"with (\d+) % intervals")),
+    ],
+    TOPICS["output"]: [
+        (r"or (\d+) columns", lambda v: v.source("src/cli/terminal.cpp", r"usual_width = (\d+)")),
+        (r"\| (\d+) \| success \|", exit_code("schema")),
+        (r"\| (\d+) \| success, but a requirement", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
+        (r"\| (\d+) \| error in the command line", exit_code("analyze", ARM, "--no-such-option")),
+        (r"\| (\d+) \| error in the input", exit_code("analyze", ARM, "--set", "qerr=two")),
+        (r"\| (\d+) \| a file cannot", unwritable),
+        (r"\| (\d+) \| an internal error", lambda v: v.source("include/qerr/core/error.hpp", r"internal = (\d+)")),
+        (
+            r"\| (\d+), (\d+) \| interrupted",
+            lambda v: (str(128 + signal.SIGINT), str(128 + signal.SIGTERM)),
+        ),
+    ],
+    PAPER: [
         (r"norms from (\d+) Hz to (\d+) MHz, four", rates_of_table_3),
         (
             r"motion \((\d+) deg, ([\d.]+) Hz, the same sine in all joints\) is sampled at (\d+) kHz, so that every period"
@@ -231,23 +263,27 @@ NAMES = {
     "README.md": [
         r"Debian 12\b",
         r"GCC 12 or Clang 14\b",
-        r"actions/checkout@v4\b",
-        r"actions/upload-artifact@v4\b",
+        r"\bl1\b",
+        r"PUMA 560\b",
+        r"BSD 3-Clause",
+        r"encoder of a2 causes",
+        r"one for a7 would change",
+        r"at 95 % of them",
+    ],
+    "CONTRIBUTING.md": [
         r"\bH2\b",
         r"\bl1\b",
-        r"\|H\(1\)\|",
-        r"\bphase 0\b",
-        r"`chebyshev1`, `chebyshev2`",
-        r"\(1 - z\^-1\)/T",
+        r"AVX-512, AVX2 or",
+        r"`h2_norm`, `l1_norm`",
+    ],
+    TOPICS["spec"]: [
+        # Numbers with units, as examples of writing them.
+        r"`50 Hz`, `0\.1 mm`, `15 deg`, `12 arcmin`, `5 mm/s`",
+    ],
+    TOPICS["encoders"]: [
         r"\(-Delta, 0\]",
         r"-Delta/2\b",
-        r"0\.5 \|J C\| Delta",
-        r"diag\(Delta\^2/12\)",
-        r"PUMA 560\b",
-        r"AVX-512, AVX2 or",
-        r"BSD 3-Clause",
-        r"`h2_norm`, `l1_norm`",
-        # What a row of encoders says is computed in its last column.
+        # What a row says is computed in its last column.
         r"`counts_per_rev: 4096`",
         r"`lines_per_rev: 1024, decoding: x4`",
         r"`bits: 17`",
@@ -261,7 +297,18 @@ NAMES = {
         r"`accuracy: 20 arcsec`",
         r"A\^2/2 to its variance",
     ],
-    "configs/paper/README.md": [
+    TOPICS["filters"]: [r"\(1 - z\^-1\)/T", r"\bH2\b", r"\bl1\b", r"H\(1\)"],
+    TOPICS["figures"]: [
+        r"\bH2\b",
+        r"\bl1\b",
+        r"0\.5 \|J C\| Delta",
+        r"diag\(Delta\^2/12\)",
+    ],
+    TOPICS["requirements"]: [r"actions/checkout@v4\b", r"actions/upload-artifact@v4\b"],
+    TOPICS["motion"]: [r"\bphase 0\b"],
+    TOPICS["effects"]: [r"\bH2\b"],
+    TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`"],
+    PAPER: [
         r"--row 15\b",
         r"# row 15 of the claims",
         r"`python3 scripts",
@@ -297,7 +344,7 @@ class Missing(Exception):
 
 
 def _places(name, text):
-    for pattern, value in STATEMENTS[name]:
+    for pattern, value in STATEMENTS.get(name, []):
         match = _spaced(pattern).search(text)
         if match is None:
             raise Missing(f"the text lacks the statement '{pattern}'")
@@ -315,6 +362,6 @@ def changes(name, text, values):
 def covered(name, text, root):
     """Ranges of figures that are computed, of names, and of files that exist."""
     ranges = [match.span(group + 1) for match, _ in _places(name, text) for group in range(len(match.groups()))]
-    for pattern in NAMES[name]:
+    for pattern in NAMES.get(name, []):
         ranges += [match.span() for match in _spaced(pattern).finditer(text)]
     return ranges + [match.span() for match in _FILE.finditer(text) if (root / match[1]).exists()]
