@@ -82,7 +82,8 @@ int run(const Values& v) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  DiagnosisReport report = diagnosis_report(spec, read_log(v.text("LOG"), spec), options);
+  Log log = read_log(v.text("LOG"), spec, most_log_values, progress(v, "bytes"));
+  DiagnosisReport report = diagnosis_report(spec, std::move(log), options);
   if (model) {
     finish(*model, extended_model(report, v.text("write-model")));
     report.extended_model = v.text("write-model");

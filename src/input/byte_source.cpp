@@ -39,7 +39,11 @@ int open_input(const std::string& path) {
 }  // namespace
 
 ByteSource::ByteSource(const std::string& path)
-    : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {}
+    : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {
+  struct stat status {};
+  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode))
+    size_ = static_cast<std::uint64_t>(status.st_size);
+}
 
 ByteSource::~ByteSource() {
   if (descriptor_ > STDIN_FILENO) ::close(descriptor_);  // standard input stays open
@@ -48,7 +52,10 @@ ByteSource::~ByteSource() {
 std::size_t ByteSource::read(char* buffer, std::size_t most) {
   while (true) {
     const ssize_t count = ::read(descriptor_, buffer, most);
-    if (count >= 0) return static_cast<std::size_t>(count);
+    if (count >= 0) {
+      position_ += static_cast<std::uint64_t>(count);
+      return static_cast<std::size_t>(count);
+    }
     if (errno != EINTR) unreadable(name_, "cannot be read: " + reason(errno));
   }
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <string>
 
 namespace qerr {
@@ -18,12 +19,18 @@ class ByteSource {
   /// @throws Error (file_system) if the system reports an error
   std::size_t read(char* buffer, std::size_t most);
 
+  /// Bytes of a regular file; 0 of a pipe.
+  std::uint64_t size() const { return size_; }
+  /// Bytes read so far.
+  std::uint64_t position() const { return position_; }
+
   /// The name used in messages.
   const std::string& name() const { return name_; }
 
  private:
   std::string name_;
   int descriptor_ = -1;
+  std::uint64_t size_ = 0, position_ = 0;
 };
 
 }  // namespace qerr

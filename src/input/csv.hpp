@@ -39,6 +39,7 @@ class CsvReader {
   explicit CsvReader(const std::string& path, const CsvLimits& = {});
 
   const std::string& file() const { return source_.name(); }
+  const ByteSource& source() const { return source_; }
 
   /// The cells of the header, without leading and trailing blanks.
   const std::vector<std::string>& header() const { return header_; }

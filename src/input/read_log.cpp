@@ -47,7 +47,8 @@ class LogReader::Rows {
   Rows(const std::string& path, const Spec& spec, const LogOptions& options)
       : table_(path, {options.block_bytes, options.longest_row}),
         transmission_(spec.model.transmission),
-        most_(std::max<Eigen::Index>(options.block_rows, 1)) {
+        most_(std::max<Eigen::Index>(options.block_rows, 1)),
+        progress_(options.progress) {
     log.file = table_.file();
     LogColumns found = find_log_columns(table_, spec, log.warnings);
     log.columns = std::move(found.columns);
@@ -79,6 +80,8 @@ class LogReader::Rows {
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = rows(count - 1, *time_);
     for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
+    const ByteSource& source = table_.source();
+    if (progress_ && source.size() > 0) progress_(source.position(), source.size());
     return true;
   }
 
@@ -171,6 +174,7 @@ class LogReader::Rows {
   CsvReader table_;
   Transmission transmission_;
   Eigen::Index most_;
+  std::function<void(std::uint64_t, std::uint64_t)> progress_;
   std::optional<Eigen::Index> time_;
   double last_time_ = 0;
   /// Column of counts, and the direction of the counter.
@@ -246,8 +250,11 @@ class Stretches {
 
 }  // namespace
 
-Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values) {
-  LogReader reader(path, spec, {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows)});
+Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values,
+             std::function<void(std::uint64_t, std::uint64_t)> progress) {
+  LogReader reader(
+      path, spec,
+      {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
   Stretches stretches(most_values);
   for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));
   Log log = reader.log();

@@ -13,6 +13,8 @@ struct LogOptions {
   std::size_t block_bytes = 1 << 18;  ///< bytes of the file per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]
   Eigen::Index block_rows = 4096;     ///< rows per call of `next`
+  /// Called with the bytes that are read and those of the file; not for a pipe.
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
 /// Reads a measured log (CSV) in blocks, in memory that does not grow with the file.
@@ -56,9 +58,14 @@ class LogReader {
   std::unique_ptr<Rows> rows_;
 };
 
+/// Values of a log that read_log keeps, unless it is told otherwise.
+inline constexpr std::uint64_t most_log_values = 32'000'000;
+
 /// A log with its values. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
 /// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
 /// length of the file.
-Log read_log(const std::string& path, const Spec&, std::uint64_t most_values = 32'000'000);
+/// @param progress  as of LogOptions
+Log read_log(const std::string& path, const Spec&, std::uint64_t most_values = most_log_values,
+             std::function<void(std::uint64_t done, std::uint64_t total)> progress = {});
 
 }  // namespace qerr
