@@ -8,6 +8,7 @@ namespace {
 
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
+  limit_configurations(spec, v);
   OutputFile out(v.text("output"));
   const auto rows = opened(v.text("per-configuration"));
   WorkspaceOptions options;
@@ -35,6 +36,7 @@ Command analyze_command() {
               {{.name = "--per-configuration",
                 .value = "FILE.csv",
                 .meaning = "write one CSV row per configuration"}},
+              long_work_option(),
               output_options()}),
       run,
       {{"qerr analyze arm.yaml", "how far off the tip can be, and which encoder to upgrade first"},

@@ -8,6 +8,7 @@ namespace {
 
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
+  limit_configurations(spec, v);
   const auto verdicts = opened(v.text("junit"));
   // Verdicts on standard output stand there alone: without -o or --format there is no other report.
   const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
@@ -29,6 +30,7 @@ Command check_command() {
           "Compare the bounds with the spec's requirements; exit code 1 if one is not met",
           joined({spec_options(),
                   {{.name = "--junit", .value = "FILE", .meaning = "write the verdicts as JUnit XML"}},
+                  long_work_option(),
                   output_options()}),
           run,
           {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},

@@ -2,6 +2,9 @@
 
 #include <cstdio>
 
+#include "core/text.hpp"
+#include "qerr/kinematics/configurations.hpp"
+
 namespace qerr::cli {
 
 namespace {
@@ -41,6 +44,12 @@ std::vector<Option> output_options() {
            .choices = format_names,
            .choice = "format"},
           text_output_option()};
+}
+
+std::vector<Option> long_work_option() {
+  return {{.name = "--allow-long",
+           .kind = OptionKind::flag,
+           .meaning = "permit more than 1e10 configurations or samples, which take hours"}};
 }
 
 Option text_output_option() {
@@ -90,6 +99,25 @@ std::unique_ptr<OutputFile> opened(const std::string& path) {
 void finish(OutputFile& file, const std::string& text) {
   file.write(text);
   file.close();
+}
+
+void limit_work(const Spec& spec, double amount, const std::string& key, const std::string& noun,
+                const Values& v) {
+  constexpr double most = 1e10;
+  constexpr double rate =
+      2e7;  // per second: an arm of 7 joints, 6 coordinates and 2 filters on two cores of 2023
+  if (amount <= most || v.given("allow-long")) return;
+  throw Error(
+      {{spec.file},
+       key,
+       "more than 1e10 " + noun + " need --allow-long",
+       significant(amount, 3) + ", which take about " + duration(amount / rate) + " at 20 million a second",
+       "add --allow-long, or make them fewer"});
+}
+
+void limit_configurations(const Spec& spec, const Values& v) {
+  limit_work(spec, static_cast<double>(size(spec.configurations)), "configurations.count", "configurations",
+             v);
 }
 
 void warn(const std::vector<std::string>& warnings, const Values& v) {

@@ -16,6 +16,8 @@ namespace qerr::cli {
 
 /// The argument SPEC, and the options that change a spec and its evaluation.
 std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
+/// `--allow-long`, of commands that call limit_work.
+std::vector<Option> long_work_option();
 std::vector<Option> output_options();
 /// `-o,--output` of a command whose output has one format.
 Option text_output_option();
@@ -46,6 +48,12 @@ template <class Report>
 void finish(OutputFile& file, const Report& report, const Values& v) {
   finish(file, write(report, chosen_format(v), style(v)));
 }
+
+/// Refuses work that takes hours unless --allow-long permits it: more than 1e10 configurations or samples.
+/// @param key  of the spec, which decides how much it is
+/// @throws Error (input) with the time that it would take
+void limit_work(const Spec&, double amount, const std::string& key, const std::string& noun, const Values&);
+void limit_configurations(const Spec&, const Values&);
 
 /// Warnings to standard error, one line each, unless --quiet.
 void warn(const std::vector<std::string>& warnings, const Values&);

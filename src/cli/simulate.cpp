@@ -8,6 +8,8 @@ namespace {
 
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
+  limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
+             "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
   const auto log = opened(v.text("log"));
   LogWriter rows(spec);
@@ -48,6 +50,7 @@ Command simulate_command() {
                     .kind = OptionKind::flag,
                     .meaning =
                         "random sub-count phase of each encoder at its joint's zero, for a single run, too"}},
+                  long_work_option(),
                   output_options()}),
           run,
           {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},

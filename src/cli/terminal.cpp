@@ -41,18 +41,21 @@ bool colored(const Values& v, bool on_terminal) {
   return on_terminal && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }
 
-/// `12 s`, `3 min 20 s`, `2 h 5 min`.
-std::string duration(double seconds) {
-  const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e15)));
-  const std::uint64_t minutes = whole / 60, hours = minutes / 60;
-  if (minutes == 0) return std::to_string(whole) + " s";
-  if (hours == 0) return std::to_string(minutes) + " min " + std::to_string(whole % 60) + " s";
-  return std::to_string(hours) + " h " + std::to_string(minutes % 60) + " min";
-}
+/// `4000`, `20.0 M`.
+std::string amount(double count) { return count < 1e5 ? significant(count, 6) : readable(count, ""); }
 
 std::atomic<bool> progress_is_visible = false;
 
 }  // namespace
+
+std::string duration(double seconds) {
+  const auto whole = static_cast<std::uint64_t>(std::llround(std::min(seconds, 1e15)));
+  const std::uint64_t minutes = whole / 60, hours = minutes / 60;
+  if (minutes == 0) return std::to_string(whole) + " s";
+  if (hours >= 72) return std::to_string(hours / 24) + " days";
+  if (hours == 0) return std::to_string(minutes) + " min " + std::to_string(whole % 60) + " s";
+  return std::to_string(hours) + " h " + std::to_string(minutes % 60) + " min";
+}
 
 Style terminal_style(const Values& v, bool on_standard_output) {
   const bool on_terminal = on_standard_output && isatty(STDOUT_FILENO);
@@ -74,13 +77,15 @@ std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std:
   return [=, noun = std::string(noun)](std::uint64_t done, std::uint64_t total) {
     const auto now = Clock::now();
     if (done >= total) return clear_progress();
-    if (done == 0 || now - *last_shown < std::chrono::milliseconds(100)) return;
+    // The rate of the first moment misleads.
+    if (done == 0 || now - start < std::chrono::milliseconds(300) ||
+        now - *last_shown < std::chrono::milliseconds(100))
+      return;
     *last_shown = now;
     const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - start).count();
     const double part = static_cast<double>(done) / static_cast<double>(total);
-    const std::string line = fixed_point(100 * part, 0) + " % of " +
-                             significant(static_cast<double>(total), 6) + (noun.empty() ? "" : ' ' + noun) +
-                             ", " + readable(rate, "/s") + ", " +
+    const std::string line = fixed_point(100 * part, 0) + " % of " + amount(static_cast<double>(total)) +
+                             (noun.empty() ? "" : ' ' + noun) + ", " + readable(rate, "/s") + ", " +
                              duration(static_cast<double>(total - done) / rate) + " left";
     std::fprintf(stderr, "\r%s\x1b[K", line.c_str());
     std::fflush(stderr);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <string>
 #include <string_view>
 
 #include "cli/option.hpp"
@@ -19,6 +20,9 @@ Style terminal_style(const Values&, bool on_standard_output = true);
 /// @param noun  what is counted: `configurations`
 std::function<void(std::uint64_t done, std::uint64_t total)> progress(const Values&,
                                                                       std::string_view noun = "");
+
+/// `12 s`, `3 min 20 s`, `2 h 5 min`, `12 days`.
+std::string duration(double seconds);
 
 /// Removes the line of the progress, if there is one, before something else is printed.
 void clear_progress();

@@ -8,7 +8,10 @@ namespace {
 
 int run(const Values& v) {
   std::vector<Spec> specs;
-  for (const std::string& path : v.texts("SPEC")) specs.push_back(load(path, v));
+  for (const std::string& path : v.texts("SPEC")) {
+    specs.push_back(load(path, v));
+    limit_configurations(specs.back(), v);
+  }
   OutputFile out(v.text("output"));
   ThresholdReport report;
   for (const Spec& spec : specs) {
@@ -22,7 +25,8 @@ int run(const Values& v) {
 }  // namespace
 
 Command threshold_command() {
-  std::vector<Option> options = joined({spec_options("one spec per robot"), output_options()});
+  std::vector<Option> options =
+      joined({spec_options("one spec per robot"), long_work_option(), output_options()});
   options.front().kind = OptionKind::repeat;
   return {"threshold",
           "Resolution and threshold velocity, one row per robot (Table IV)",

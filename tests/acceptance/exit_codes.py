@@ -110,6 +110,7 @@ def check_outputs(t, qerr, folder, spec):
     t.check("no colour codes unless on a terminal", b"\x1b" not in ran.out)
     check_files_of_a_run(t, qerr, folder, spec)
     check_closed_streams(t, qerr, folder, spec)
+    check_long_work(t, qerr, folder)
     check_interrupt(t, qerr, folder, spec)
 
 
@@ -165,11 +166,20 @@ def check_closed_streams(t, qerr, folder, spec):
     t.check("a file beyond the limit of its size: 4, nothing left", code == 4 and not left, f"exit {code}: {left} {err.decode()[:200]}")
 
 
+def check_long_work(t, qerr, folder):
+    spec = folder / "own.yaml"  # of check_files_of_a_run
+    for words, named in ((["analyze", spec, "--set", "configurations.count=30000000000"], "configurations.count"),
+                         (["check", spec, "--set", "configurations={method: grid, count: 1000000}"], "configurations.count"),
+                         (["simulate", spec, "--set", "motion.duration=1e12"], "motion.duration"),
+                         (["simulate", spec, "--runs", "1e8", "--set", "motion.duration=1000"], "motion.duration")):
+        expect(t, f"{' '.join(map(str, words[2:]))} without --allow-long: 3", run(qerr, *words), 3, words=["--allow-long", named, "take about"])
+
+
 def check_interrupt(t, qerr, folder, spec):
     long_run = folder / "long.yaml"
     long_run.write_text(spec.read_text().replace("count: 20", "count: 50000000000"))
     for number, wanted in ((signal.SIGINT, 130), (signal.SIGTERM, 143)):
-        process = subprocess.Popen([str(qerr), "analyze", str(long_run), "--format", "json", "-o", str(folder / "long.json")],
+        process = subprocess.Popen([str(qerr), "analyze", str(long_run), "--allow-long", "--format", "json", "-o", str(folder / "long.json")],
                                    stdout=subprocess.PIPE, stderr=subprocess.PIPE, preexec_fn=os.setsid)
         time.sleep(0.5)
         early = process.poll()
