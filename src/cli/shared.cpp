@@ -4,6 +4,7 @@
 
 #include "core/text.hpp"
 #include "qerr/kinematics/configurations.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr::cli {
 
@@ -123,7 +124,11 @@ void limit_configurations(const Spec& spec, const Values& v) {
 void warn(const std::vector<std::string>& warnings, const Values& v) {
   if (v.given("quiet")) return;
   clear_progress();
-  for (const std::string& text : warnings) std::fprintf(stderr, "warning: %s\n", escaped(text, 600).c_str());
+  const std::size_t width = message_width();
+  for (const std::string& warning : warnings) {
+    const std::string text = "warning: " + escaped(warning, 600);
+    std::fputs((width > 0 ? wrapped(text, width, "  ", "") : text + '\n').c_str(), stderr);
+  }
 }
 
 }  // namespace qerr::cli

@@ -25,14 +25,14 @@ std::string environment(const char* name) {
   return text ? text : "";
 }
 
-std::size_t terminal_width(bool on_terminal) {
+/// COLUMNS, else that of the terminal behind the stream, else `otherwise`.
+std::size_t terminal_width(int stream, bool on_terminal, std::size_t otherwise) {
   const auto columns = parse_number(environment("COLUMNS"));
   if (columns && *columns >= least_width && *columns <= largest_width)
     return static_cast<std::size_t>(*columns);
   struct winsize size {};
-  const bool known =
-      on_terminal && ioctl(STDOUT_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col >= least_width;
-  return known ? size.ws_col : usual_width;
+  const bool known = on_terminal && ioctl(stream, TIOCGWINSZ, &size) == 0 && size.ws_col >= least_width;
+  return known ? size.ws_col : otherwise;
 }
 
 bool colored(const Values& v, bool on_terminal) {
@@ -61,9 +61,11 @@ Style terminal_style(const Values& v, bool on_standard_output) {
   const bool on_terminal = on_standard_output && isatty(STDOUT_FILENO);
   Style style;
   style.color = colored(v, on_terminal);
-  style.width = terminal_width(on_terminal);
+  style.width = terminal_width(STDOUT_FILENO, on_terminal, usual_width);
   return style;
 }
+
+std::size_t message_width() { return terminal_width(STDERR_FILENO, isatty(STDERR_FILENO), 0); }
 
 void clear_progress() {
   if (progress_is_visible.exchange(false)) std::fputs("\r\x1b[K", stderr);

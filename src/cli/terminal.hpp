@@ -15,6 +15,9 @@ namespace qerr::cli {
 /// @param on_standard_output  whether the text goes there; a file has no colours unless they are asked for
 Style terminal_style(const Values&, bool on_standard_output = true);
 
+/// The width of messages on standard error; 0 where they are not for a terminal and each has one line.
+std::size_t message_width();
+
 /// Shows on a terminal's standard error, at most ten times a second, the part that is done, how much is done
 /// in a second and the remaining time; nothing elsewhere, and nothing with --quiet.
 /// @param noun  what is counted: `configurations`
