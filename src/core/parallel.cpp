@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -28,7 +29,11 @@ void parallel_for(std::size_t count, unsigned threads, const std::function<void(
     }
   };
   std::vector<std::jthread> pool;
-  for (std::size_t k = 1; k < workers; ++k) pool.emplace_back(work);
+  try {
+    for (std::size_t k = 1; k < workers; ++k) pool.emplace_back(work);
+  } catch (const std::system_error&) {
+    // The system permits no more threads; fewer of them give the same result.
+  }
   work();
   pool.clear();
   if (failure) std::rethrow_exception(failure);

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""What qerr shows on a terminal: lines that fit 80 columns, and the progress of long work.
+
+    check_terminal.py --qerr build/qerr [--verbose]
+"""
+import argparse
+import fcntl
+import os
+import pathlib
+import pty
+import re
+import struct
+import sys
+import tempfile
+import termios
+
+from tool import Tally, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CONFIGS = ROOT / "configs"
+CODES = re.compile(r"\x1b\[[0-9;]*[mK]")
+
+
+def on_terminal(qerr, words, columns):
+    """Everything that is written to a terminal of so many columns, standard error included; and the exit code."""
+    process, terminal = pty.fork()
+    if process == 0:
+        fcntl.ioctl(1, termios.TIOCSWINSZ, struct.pack("HHHH", 50, columns, 0, 0))
+        os.environ.pop("COLUMNS", None)
+        os.environ["TERM"] = "xterm"
+        os.execv(str(qerr), ["qerr", *map(str, words)])
+    read = b""
+    while True:
+        try:
+            part = os.read(terminal, 65536)
+        except OSError:
+            break
+        if not part:
+            break
+        read += part
+    os.close(terminal)
+    return read.decode(), os.waitstatus_to_exitcode(os.waitpid(process, 0)[1])
+
+
+def shown_lines(text):
+    """Lines as they stand on the screen at some time: a carriage return starts one anew."""
+    return [CODES.sub("", line) for line in re.split(r"[\r\n]+", text)]
+
+
+def commands():
+    specs = sorted(CONFIGS.glob("*/*.yaml"))
+    for kind in ("effects", "filters", "encoders", "formats", "coordinates", "statistics"):
+        yield ["list", kind]
+    yield ["threshold", *sorted((CONFIGS / "table_iv").glob("*.yaml"))]
+    for spec in specs:
+        if "filters:" in spec.read_text():
+            yield ["filter", spec]
+            yield ["filter", spec, "--at", "1", "--motion-band", "0.1Hz", "1Hz", "--coefficients", "--noise", "--speed", "0.3", "--estimators"]
+
+
+def check_widths(t, qerr):
+    for columns in (80, 120):
+        for words in commands():
+            text, code = on_terminal(qerr, words, columns)
+            wide = [line for line in shown_lines(text) if len(line) > columns]
+            title = " ".join(pathlib.Path(str(w)).name for w in words)[:70]
+            t.check(f"{title} fits {columns} columns", code == 0 and not wide, f"exit {code}, {len(wide)} wide: {wide[:2]}")
+
+
+def check_progress(t, qerr):
+    with tempfile.TemporaryDirectory() as folder:
+        log, spec = pathlib.Path(folder) / "log.csv", CONFIGS / "diagnosis" / "spec.yaml"
+        few = ["--set", "filters={}", "--set", "motion.duration=1200"]
+        made = run(qerr, "simulate", spec, *few, "--log", log, "-o", "/dev/null")
+        t.check("the log of the progress", made.code == 0, made.err.decode()[:200])
+        arm = CONFIGS / "kuka_lwr" / "spec.yaml"
+        for noun, words in (("configurations", ["analyze", arm, "--set", "configurations.count=20000000"]),
+                            ("samples", ["simulate", spec, "--runs", "1000"]), ("bytes", ["diagnose", spec, log])):
+            text, code = on_terminal(qerr, words, 80)
+            steps = re.findall(rf"\r(\d+) % of [\d.]+ [kMG]? ?{noun}, [\d.]+ [kMG]?/s, [\dhdaysmin ]+ left\x1b\[K", text)
+            quick = "left" not in text  # a machine that is done within the first moment
+            t.check(f"{words[0]} shows how much of its {noun} is done", code == 0 and (steps or (quick and noun == "bytes")), text[:300])
+            t.check(f"{words[0]}: the progress rises, and is removed", steps == sorted(steps, key=int) and (quick or "\r\x1b[K" in text), str(steps))
+            quiet, _ = on_terminal(qerr, [*words, "--quiet"], 80)
+            t.check(f"{words[0]} --quiet shows none", "left" not in quiet)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    check_widths(t, qerr)
+    check_progress(t, qerr)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
