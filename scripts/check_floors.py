@@ -57,6 +57,7 @@ HOMONYMS = {
     ("src/report/simulation/simulation_report.cpp", "correlated_joints"): "factor of a simulated error",
     ("src/report/filter/csv.cpp", "finite_difference"): "estimator of a velocity",
     ("src/report/filter/json.cpp", "finite_difference"): "estimator of a velocity",
+    ("src/report/filter/output_schema.cpp", "finite_difference"): "estimator of a velocity",
     ("src/cli/filter.cpp", "noise"): "option --noise: analysis of an input noise",
     ("src/cli/filter.cpp", "coefficients"): "option --coefficients: print them",
     ("src/input/read_filters.cpp", "first_order"): "example in a message",
