@@ -10,7 +10,7 @@ int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));
-  const auto rows = opened(v.text("per-configuration"));
+  const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options;
   options.threads = threads(v);
   options.progress = progress(v, "configurations");

@@ -9,10 +9,10 @@ namespace {
 int run(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
   limit_configurations(spec, v);
-  const auto verdicts = opened(v.text("junit"));
+  const auto verdicts = opened(v, "junit");
   // Verdicts on standard output stand there alone: without -o or --format there is no other report.
   const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
-  const auto out = opened(only_verdicts ? "" : v.text("output"));
+  const auto out = only_verdicts ? nullptr : opened(v, "output");
   WorkspaceOptions options;
   options.threads = threads(v);
   options.progress = progress(v, "configurations");

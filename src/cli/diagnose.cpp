@@ -75,10 +75,13 @@ int run(const Values& v) {
   note_input(v.text("LOG"));  // before the outputs are prepared: it is read after them
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
-  const auto model = opened(v.text("write-model")), table = opened(v.text("write-table"));
+  const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
-  const auto residual = opened(folder.empty() ? "" : folder + "/residual.csv"),
-             spectrum = opened(folder.empty() ? "" : folder + "/spectrum.csv");
+  std::unique_ptr<OutputFile> residual, spectrum;
+  if (!folder.empty()) {
+    residual = std::make_unique<OutputFile>(folder + "/residual.csv", "--plots");
+    spectrum = std::make_unique<OutputFile>(folder + "/spectrum.csv", "--plots");
+  }
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);

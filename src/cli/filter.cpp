@@ -66,8 +66,8 @@ int run(const Values& v) {
                       "",
                       "add filters: {velocity: {derivative: 1, ...}}"});
   OutputFile out(v.text("output"));
-  const auto response = opened(v.text("response")), transient = opened(v.text("transient")),
-             impulse = opened(v.text("impulse"));
+  const auto response = opened(v, "response"), transient = opened(v, "transient"),
+             impulse = opened(v, "impulse");
   const FilterReport report = filter_report(spec, asked);
   if (response) finish(*response, response_csv(report));
   if (transient) finish(*transient, transient_csv(spec));

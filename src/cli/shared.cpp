@@ -93,8 +93,9 @@ std::string chosen_format(const Values& v) {
 
 Style style(const Values& v) { return terminal_style(v, v.text("output") == "-"); }
 
-std::unique_ptr<OutputFile> opened(const std::string& path) {
-  return path.empty() ? nullptr : std::make_unique<OutputFile>(path);
+std::unique_ptr<OutputFile> opened(const Values& v, const std::string& option) {
+  const std::string& path = v.text(option);
+  return path.empty() ? nullptr : std::make_unique<OutputFile>(path, "--" + option);
 }
 
 void finish(OutputFile& file, const std::string& text) {

@@ -36,9 +36,9 @@ unsigned threads(const Values&);
 std::string chosen_format(const Values&);
 Style style(const Values&);
 
-/// An output that is opened before the computation, so that a path that cannot be written fails early; null
-/// without a path.
-std::unique_ptr<OutputFile> opened(const std::string& path);
+/// The output of an option, opened before the computation, so that a path that cannot be written fails early;
+/// null if the option is absent and has no fallback.
+std::unique_ptr<OutputFile> opened(const Values&, const std::string& option);
 
 /// Writes a text to a file that is already open, and closes it.
 void finish(OutputFile& file, const std::string& text);

@@ -11,7 +11,7 @@ int run(const Values& v) {
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
-  const auto log = opened(v.text("log"));
+  const auto log = opened(v, "log");
   LogWriter rows(spec);
   SimulationOptions options;
   options.runs = v.whole("runs");

@@ -52,8 +52,8 @@ void remove_unfinished_outputs() {
     if (output.used) unlink(output.path);
 }
 
-OutputFile::OutputFile(std::string path) : path_(std::move(path)) {
-  note_output(path_);
+OutputFile::OutputFile(std::string path, const std::string& option) : path_(std::move(path)) {
+  note_output(path_, option);
   if (path_ == "-") {
     descriptor_ = STDOUT_FILENO;
     return;

@@ -21,7 +21,9 @@ void remove_unfinished_outputs();
 /// and the reason given by the system; ClosedPipe
 class OutputFile {
  public:
-  explicit OutputFile(std::string path);  ///< "-": standard output
+  /// @param path    "-" is standard output
+  /// @param option  of the command line that names it, for messages; may be empty
+  explicit OutputFile(std::string path, const std::string& option = {});
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;

@@ -41,10 +41,10 @@ std::optional<Identity> identity_of(const std::string& path, int stream) {
   return Identity{status.st_dev, status.st_ino, file.filename().string()};
 }
 
-[[noreturn]] void refuse(const std::string& path, const std::string& rule, const std::string& other,
-                         const std::string& remedy) {
+[[noreturn]] void refuse(const std::string& path, const std::string& option, const std::string& rule,
+                         const std::string& other, const std::string& remedy) {
   const std::string found = other.empty() || other == path ? "" : "'" + other + "', which is the same file";
-  throw Error(Fault{{path}, "", rule, found, remedy}, Trouble::usage);
+  throw Error(Fault{{path}, option, rule, found, remedy}, Trouble::usage);
 }
 
 constexpr const char* overwriting = "an output must not be an input of the same command";
@@ -68,23 +68,24 @@ void note_input(const std::string& path) {
   if (!identity) return;
   const std::string name = path == "-" ? "(standard input)" : path;
   if (const auto output = noted->outputs.find(*identity); output != noted->outputs.end())
-    refuse(output->second, overwriting, name, rename_it);
+    refuse(output->second, "", overwriting, name, rename_it);
   noted->inputs.emplace(*identity, name);
 }
 
-void note_output(const std::string& path) {
+void note_output(const std::string& path, const std::string& option) {
   const std::lock_guard lock(guard);
   if (!noted) return;
   const std::string name = path == "-" ? "standard output" : path;
   if (path == "-" && std::exchange(noted->standard_output, true))
-    refuse(name, "only one result can go to standard output", "",
+    refuse(name, option, "only one result can go to standard output", "",
            "name a file for the others, such as -o FILE");
   const auto identity = identity_of(path, STDOUT_FILENO);
   if (!identity) return;
   if (const auto input = noted->inputs.find(*identity); input != noted->inputs.end())
-    refuse(name, overwriting, input->second, rename_it);
+    refuse(name, option, overwriting, input->second, rename_it);
   const auto [other, is_new] = noted->outputs.emplace(*identity, name);
-  if (!is_new) refuse(name, "two outputs must not be one file", other->second, "give each its own name");
+  if (!is_new)
+    refuse(name, option, "two outputs must not be one file", other->second, "give each its own name");
 }
 
 }  // namespace qerr

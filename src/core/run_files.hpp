@@ -22,7 +22,8 @@ class RunFiles {
 void note_input(const std::string& path);
 
 /// An output of the run, before it is opened; "-" is standard output, which only one output may have.
+/// @param option  of the command line that names it, for the message; may be empty
 /// @throws Error (usage) if it is an input or another output of the run
-void note_output(const std::string& path);
+void note_output(const std::string& path, const std::string& option = {});
 
 }  // namespace qerr
