@@ -3,7 +3,6 @@
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "core/output_file.hpp"
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -15,12 +14,6 @@ namespace qerr::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-bool one_file(const std::string& a, const std::string& b) {
-  std::error_code none;
-  return a != "-" && b != "-" &&
-         (fs::equivalent(a, b, none) || fs::weakly_canonical(a, none) == fs::weakly_canonical(b, none));
-}
 
 /// A URDF from a pipe is kept beside the spec, which needs it: `arm.yaml` has `arm.stdin.urdf`.
 std::string kept_urdf(const std::string& spec) {
@@ -40,53 +33,49 @@ std::string relative_path(const std::string& urdf, const std::string& spec) {
   return fs::weakly_canonical(urdf).lexically_proximate(fs::weakly_canonical(folder)).string();
 }
 
-void check_files(const Values& v) {
-  const std::string &urdf = v.text("URDF"), &spec = v.text("write-spec"), &output = v.text("output");
-  if (spec == "-" && urdf == "-")
+void check_streams(const Values& v) {
+  if (v.text("write-spec") == "-" && v.text("URDF") == "-")
     throw usage("--write-spec", "a URDF from standard input is kept beside the spec, which then needs a file",
                 "", "give it a name, e.g. --write-spec spec.yaml");
-  if (spec == "-" && output == "-")
-    throw usage("--write-spec", "spec and report cannot both go to standard output", "",
-                "add -o FILE for the report");
-  for (const std::string& written : {spec, output})
-    if (!written.empty() && one_file(written, urdf))
-      throw usage(written == spec ? "--write-spec" : "-o", "the output would overwrite the URDF",
-                  quoted(urdf), "give the output another name");
-  if (!spec.empty() && (one_file(spec, output) || (urdf == "-" && one_file(kept_urdf(spec), output))))
-    throw usage("--write-spec", "spec and report must be two files", quoted(spec), "give one another name");
 }
 
-void write_file(const std::string& path, const std::string& text) {
-  OutputFile file(path);
-  file.write(text);
-  file.close();
+/// The files that `--write-spec` asks for, opened before anything is written.
+struct SpecFiles {
+  std::unique_ptr<OutputFile> spec, urdf;  ///< urdf: of one from standard input
+};
+
+SpecFiles opened_files(const Values& v) {
+  SpecFiles files{opened(v, "write-spec"), nullptr};
+  if (files.spec && v.text("URDF") == "-")
+    files.urdf = std::make_unique<OutputFile>(kept_urdf(v.text("write-spec")), "--write-spec");
+  return files;
 }
 
-void write_spec(const RobotReport& report, const std::string& text, const Values& v) {
+void write_spec(const RobotReport& report, const std::string& text, SpecFiles& files, const Values& v) {
   const std::string& spec = v.text("write-spec");
   const Chain chain = first_chain(report.robot, v.text("base"), v.text("tip"));
-  std::string urdf = v.text("URDF");
-  if (urdf == "-") {
-    urdf = kept_urdf(spec);
-    write_file(urdf, text);
+  const std::string urdf = files.urdf ? kept_urdf(spec) : v.text("URDF");
+  if (files.urdf) {
+    finish(*files.urdf, text);
     if (!v.given("quiet"))
       std::fprintf(stderr, "the URDF from standard input is kept in %s, which the spec names\n",
                    escaped(urdf).c_str());
   }
-  write_file(spec, first_spec(report.robot, chain, relative_path(urdf, spec)));
+  finish(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)));
 }
 
 int run(const Values& v) {
-  check_files(v);
+  check_streams(v);
   const std::string& path = v.text("URDF");
   const std::string text = read_text(path);
   RobotReport report = robot_report(parse_urdf(text, path == "-" ? "(standard input)" : path), text,
                                     v.text("base"), v.text("tip"));
-  if (v.given("write-spec")) {
-    write_spec(report, text, v);
+  OutputFile out(v.text("output"));
+  SpecFiles files = opened_files(v);
+  if (files.spec) {
+    write_spec(report, text, files, v);
     report.spec_file = v.text("write-spec");
   }
-  OutputFile out(v.text("output"));
   finish(out, report, v);
   return 0;
 }
@@ -95,7 +84,8 @@ int run(const Values& v) {
 
 Command robot_command() {
   return {
-      "robot", "What a URDF holds: tree, joints, limits, ratios, possible tips; writes a first spec",
+      "robot",
+      "What a URDF holds: tree, joints, limits, ratios, possible tips; writes a first spec",
       joined({{{.name = "URDF",
                 .meaning = "the URDF; '-' reads standard input (xacro FILE | qerr robot -)",
                 .required = true},
@@ -105,7 +95,12 @@ Command robot_command() {
                 .value = "FILE",
                 .meaning = "write a commented spec that can be analyzed as it is; '-' is standard output"}},
               output_options()}),
-      run};
+      run,
+      {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
+       {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},
+       {"cat arm.urdf | qerr robot - --write-spec piped.yaml",
+        "the same from a pipe, such as that of xacro"}},
+      {"urdf", "spec"}};
 }
 
 }  // namespace qerr::cli

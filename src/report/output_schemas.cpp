@@ -23,6 +23,7 @@ constexpr OutputSchema output_schemas[] = {
     {"diagnose", "qerr diagnose --format json", diagnosis_schema},
     {"plan", "qerr diagnose --plan --format json", plan_schema},
     {"threshold", "qerr threshold --format json", threshold_schema},
+    {"robot", "qerr robot --format json", robot_schema},
     {"list", "qerr list --format json", list_schema},
 };
 

@@ -46,6 +46,7 @@ Json diagnosis_schema();
 Json filter_schema();
 Json list_schema();
 Json plan_schema();
+Json robot_schema();
 Json simulation_schema();
 Json threshold_schema();
 

@@ -66,6 +66,7 @@ def check_examples(t, qerr, commands):
         (folder / "bin" / "qerr").symlink_to(qerr)
         for path in DIAGNOSIS.iterdir():
             shutil.copy(path, folder)
+        shutil.copy(ROOT / "configs" / "puma560" / "puma560.urdf", folder / "arm.urdf")
         spec = (folder / "spec.yaml").read_text().replace("../", f"{ROOT}/configs/")
         spec = spec if "requirements:" in spec else spec + "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 1 m}]\n"
         for name in ("arm.yaml", "wrist.yaml"):

@@ -55,6 +55,8 @@ def reports(folder):
     yield "filter", ["filter", CONFIGS / "phantom_premium" / "spec.yaml", "--noise", "--speed", "2rad/s,0.3", "--sine", "40", "3Hz"]
     yield "filter", ["filter", CONFIGS / "phantom_premium" / "spec.yaml", "--estimators", "--clock", "1MHz"]
     yield "threshold", ["threshold", *sorted((CONFIGS / "table_iv").glob("*.yaml"))]
+    for urdf in sorted(CONFIGS.glob("*/*.urdf")):
+        yield "robot", ["robot", urdf]
     for kind in ("effects", "filters", "encoders", "formats", "coordinates", "statistics"):
         yield "list", ["list", kind]
 

@@ -277,10 +277,16 @@ NAMES = {
         r"`h2_norm`, `l1_norm`",
     ],
     TOPICS["spec"]: [
+        r"`requirements\.0\.at_most` or `requirements\[0\]\.at_most`",
+        r"`--set encoders\.a2\.bits=19`",
         # Numbers with units, as examples of writing them.
         r"`50 Hz`, `0\.1 mm`, `15 deg`, `12 arcmin`, `5 mm/s`",
     ],
     TOPICS["encoders"]: [
+        r"such as `1/100` are",
+        r"`'joint\[1-3\]'`",
+        r"`accuracy: 20 arcsec`",
+        r"A\^2/2",
         r"\(-Delta, 0\]",
         r"-Delta/2\b",
         # What a row says is computed in its last column.
