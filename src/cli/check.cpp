@@ -1,3 +1,6 @@
+#include <cstdio>
+#include <ctime>
+
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/analysis.hpp"
@@ -6,36 +9,84 @@ namespace qerr::cli {
 
 namespace {
 
+std::vector<std::string> annotation_forms() { return {"github"}; }
+
+std::string now() {
+  const std::time_t seconds = std::time(nullptr);
+  std::tm utc{};
+  gmtime_r(&seconds, &utc);
+  char text[32];
+  const std::size_t length = std::strftime(text, sizeof text, "%Y-%m-%dT%H:%M:%S", &utc);
+  return {text, length};
+}
+
+/// Annotations stand below a table; any other text on standard output stands there alone.
+void annotate(const std::string& text, bool below_table) {
+  std::FILE* const to = below_table ? stdout : stderr;
+  std::fputs(text.c_str(), to);
+  std::fflush(to);
+}
+
+CheckReport checked(const std::vector<Spec>& specs, const Values& v) {
+  WorkspaceOptions options;
+  options.threads = threads(v);
+  options.progress = progress(v, "configurations");
+  CheckReport report;
+  for (const Spec& spec : specs) report.specs.push_back(check(spec, options));
+  return report;
+}
+
+/// @param annotated  whether annotations are asked for
+CheckReport read_and_check(const Values& v, bool annotated) {
+  try {
+    std::vector<Spec> specs;
+    for (const std::string& path : v.texts("SPEC")) {
+      specs.push_back(load(path, v));
+      limit_configurations(specs.back(), v);
+    }
+    return checked(specs, v);
+  } catch (const Error& e) {
+    if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
+    throw;
+  }
+}
+
 int run(const Values& v) {
-  const Spec spec = load(v.text("SPEC"), v);
-  limit_configurations(spec, v);
   const auto verdicts = opened(v, "junit");
   // Verdicts on standard output stand there alone: without -o or --format there is no other report.
   const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
   const auto out = only_verdicts ? nullptr : opened(v, "output");
-  WorkspaceOptions options;
-  options.threads = threads(v);
-  options.progress = progress(v, "configurations");
-  const CheckReport report = check_report(spec, options);
-  if (verdicts) finish(*verdicts, junit(report));
+  const bool annotated = v.given("annotations");
+  const CheckReport report = read_and_check(v, annotated);
+  if (verdicts) finish(*verdicts, junit(report, now()));
   if (out) finish(*out, report, v);
-  warn(report.analysis.warnings, v);
+  const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
+  if (annotated) annotate(github_annotations(report), table);
+  for (const SpecCheck& check : report.specs) warn(check.analysis.warnings, v);
   return report.all_met() ? 0 : 1;
 }
 
 }  // namespace
 
 Command check_command() {
+  std::vector<Option> options =
+      joined({spec_options("the specs (YAML); '-' reads standard input"),
+              {{.name = "--junit", .value = "FILE", .meaning = "write the verdicts as JUnit XML"},
+               {.name = "--annotations",
+                .value = "FORM",
+                .meaning = "github: `::error file=,line=` for each requirement that is not met",
+                .choices = annotation_forms,
+                .choice = "form"}},
+              long_work_option(),
+              output_options()});
+  options.front().kind = OptionKind::repeat;
   return {"check",
-          "Compare the bounds with the spec's requirements; exit code 1 if one is not met",
-          joined({spec_options(),
-                  {{.name = "--junit", .value = "FILE", .meaning = "write the verdicts as JUnit XML"}},
-                  long_work_option(),
-                  output_options()}),
+          "Compare the bounds with the requirements of specs; exit code 1 if one is not met",
+          std::move(options),
           run,
           {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
-           {"qerr check arm.yaml --junit qerr.xml",
-            "in continuous integration, with verdicts that its pages show"}},
+           {"qerr check *.yaml --annotations github --junit qerr.xml",
+            "in continuous integration, with verdicts that its pages show at the lines of the specs"}},
           {"requirements", "output"}};
 }
 

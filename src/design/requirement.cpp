@@ -2,32 +2,56 @@
 
 namespace qerr {
 
-RequirementResult evaluate(const Requirement& r, const Workspace& w) {
+namespace {
+
+Error undecided(const Requirement& r, const std::string& reason, const std::string& remedy) {
+  return Error(Fault{r.place, "requirements", reason, "'" + r.quantity + "'", remedy});
+}
+
+const Statistic& statistic_behind(const Requirement& r, const DerivativeStatistics& d) {
   using Bound = Requirement::Bound;
-  const auto& position = w.coordinates[r.coordinate];
-  const Statistic* statistic = nullptr;
-  if (r.filter >= 0) {
-    const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
-    if (r.bound == Bound::sigma_in_motion && !d.sigma_in_motion)
-      throw Error(
-          Fault{r.place, "requirements", "sigma in motion is not computed", "'" + r.quantity + "'", ""});
-    if (r.bound == Bound::sigma && !d.sigma)
-      throw Error(
-          Fault{r.place, "requirements",
-                "cannot be decided: what an effect of the spec, or the accuracy of an encoder, adds behind a "
-                "filter is not known",
-                "'" + r.quantity + "'",
-                "add `motion:`, state effects in place of `accuracy`, or ask for worst_case"});
-    statistic = r.bound == Bound::sigma             ? &*d.sigma
-                : r.bound == Bound::sigma_in_motion ? &*d.sigma_in_motion
-                                                    : &d.worst_case;
-  } else if (r.bound == Bound::worst_case_rigorous) {
-    statistic = &position.worst_case_rigorous;
-  } else {
-    statistic = r.bound == Bound::sigma ? &position.sigma : &position.worst_case;
+  if (r.bound == Bound::worst_case) return d.worst_case;
+  if (r.bound == Bound::sigma_in_motion) {
+    if (!d.sigma_in_motion) throw undecided(r, "sigma in motion is not computed", "");
+    return *d.sigma_in_motion;
   }
-  const double value = statistic->*r.value;
-  return {value, value <= r.at_most};
+  if (!d.sigma)
+    throw undecided(r,
+                    "sigma behind a filter is not known: an effect depends on the motion, or an encoder "
+                    "states its accuracy",
+                    "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
+  return *d.sigma;
+}
+
+const Statistic& statistic_of(const Requirement& r, const Workspace& w) {
+  using Bound = Requirement::Bound;
+  if (r.filter >= 0)
+    return statistic_behind(r, w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate]);
+  const CoordinateStatistics& position = w.coordinates[r.coordinate];
+  return r.bound == Bound::sigma        ? position.sigma
+         : r.bound == Bound::worst_case ? position.worst_case
+                                        : position.worst_case_rigorous;
+}
+
+}  // namespace
+
+RequirementResult evaluate(const Requirement& r, const Workspace& w, const std::vector<Filter>& filters,
+                           const std::vector<Norms>& norms) {
+  RequirementResult result;
+  if (r.figure) {
+    const auto f = static_cast<std::size_t>(r.filter);
+    const std::optional<double> value = r.figure->value(filters[f], norms[f]);
+    if (!value)
+      throw undecided(r, "the filter has no " + std::string(r.figure->name),
+                      "see `qerr filter`; ask for another figure");
+    result.value = *value;
+  } else {
+    const Statistic& statistic = statistic_of(r, w);
+    result.value = statistic.*r.value;
+    result.at_max = statistic.at_max;
+  }
+  result.met = r.at_least ? result.value >= r.limit : result.value <= r.limit;
+  return result;
 }
 
 }  // namespace qerr

@@ -181,14 +181,6 @@ void refuse_for(const Object& o, const std::string& method, const std::vector<st
           o.at(key).fault("cannot be combined with method: " + method, "leave it out, or change the method"));
 }
 
-void warn_if_nothing_moves(Spec& spec) {
-  const auto& ranges = spec.configurations.ranges;
-  if (std::all_of(ranges.begin(), ranges.end(), [](const Limits& l) { return l.lower == l.upper; }))
-    spec.warnings.emplace_back(
-        "configurations: the range of every joint is empty: all configurations are the same one; give limits "
-        "in the URDF or in configurations.limits");
-}
-
 }  // namespace
 
 void read_configurations(const Field& f, const std::string& folder, const RobotModel& robot, Spec& spec,
@@ -214,7 +206,6 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
       throw Error(o.at(key).fault(std::string("needs 'method: ") + needed + "' beside it",
                                   std::string("add 'method: ") + needed + "'"));
   refuse_for(o, method, {"points", "file"});
-  warn_if_nothing_moves(spec);
   c.method = method == "sobol"    ? SamplingMethod::sobol
              : method == "random" ? SamplingMethod::random
                                   : SamplingMethod::grid;

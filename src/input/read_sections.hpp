@@ -36,6 +36,8 @@ void warn_of_stated_ratios(const RobotModel&, Spec&);
 void read_coupling(const Field&, Spec&);
 /// The pose of the tool in the tip link.
 Eigen::Isometry3d read_tool(const Field&);
+/// Adds a length, and those of its components that are missing.
+void add_length(Coordinate, OperationalModel&);
 void read_coordinates(const Field&, Spec&);
 void read_filters(const Field&, Spec&, Faults&);
 /// @param field  its node is null if the section is absent; the defaults are then checked

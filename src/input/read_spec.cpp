@@ -4,8 +4,8 @@
 
 #include "core/sha256.hpp"
 #include "core/text.hpp"
-#include "input/package_path.hpp"
 #include "input/override.hpp"
+#include "input/package_path.hpp"
 #include "input/read_sections.hpp"
 #include "input/read_text.hpp"
 #include "input/spec_format.hpp"

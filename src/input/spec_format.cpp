@@ -147,22 +147,22 @@ const std::vector<Parameter>& requirement() {
     std::string names;
     for (const StatisticKind& s : statistic_kinds())
       names += (names.empty() ? "" : "|") + std::string(s.name);
-    return names;
+    return names + "|median";
   }();
   static const std::vector<Parameter> rows{
       {.name = "quantity",
        .kind = Kind::text,
-       .meaning = "position.COORDINATE.BOUND or FILTER.COORDINATE.BOUND, such as velocity.x.sigma",
+       .meaning = "position.COORDINATE.BOUND or FILTER.COORDINATE.BOUND, such as velocity.x.sigma; or "
+                  "FILTER.FIGURE: h2_norm, l1_norm, delay, bandwidth, settling",
        .required = true},
       {.name = "statistic",
        .kind = Kind::choice,
-       .meaning = "over the configurations",
-       .required = true,
+       .meaning = "of a bound over the configurations",
        .choices = statistics},
       {.name = "at_most",
        .kind = Kind::any,
-       .meaning = "the limit, in the quantity's unit",
-       .required = true},
+       .meaning = "the highest permitted value, in the quantity's unit"},
+      {.name = "at_least", .kind = Kind::any, .meaning = "the lowest permitted value"},
   };
   return rows;
 }

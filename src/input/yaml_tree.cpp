@@ -251,12 +251,6 @@ std::string described(const Node& node) {
 }
 
 Node parse_yaml(const std::string& text, const std::string& file) {
-  if (const std::size_t first = text.find_first_not_of(" \t\r\n"); first < text.size() && text[first] == '<')
-    throw Error({{file, 1, 1},
-                 "",
-                 "a spec is YAML, and this is XML",
-                 "'" + text.substr(first, 20) + "'",
-                 "name the URDF in a spec, robot: {urdf: FILE}; `qerr robot FILE` shows what to write"});
   TreeBuilder builder(text, file);
   refuse_odd_lines(builder.lines(), file);
   try {

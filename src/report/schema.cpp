@@ -192,7 +192,8 @@ std::string json_schema() {
   p["filters"] = map_of(filter());
   p["configurations"] = configurations();
   Json requirement = object_of(spec_format::requirement());
-  requirement["properties"]["at_most"] = number_or_quantity();
+  for (const char* key : {"at_most", "at_least"}) requirement["properties"][key] = number_or_quantity();
+  requirement["oneOf"] = Json::array({required({"at_most"}), required({"at_least"})});
   p["requirements"] = list_of(requirement);
   p["threshold"] = object_of(spec_format::threshold());
   p["motion"] = motion();

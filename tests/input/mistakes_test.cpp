@@ -75,8 +75,8 @@ TEST(Mistakes, OfXmlEmptyFilesAndLineEndsAreNamed) {
     }
     return std::string("accepted");
   };
-  EXPECT_EQ(
-      said("<?xml version=\"1.0\"?>\n<robot/>\n").find("spec.yaml:1:1: a spec is YAML, and this is XML"), 0u);
+  EXPECT_EQ(said("<?xml version=\"1.0\"?>\n<robot/>\n").find("spec.yaml:1:1: this is a URDF, not a spec"),
+            0u);
   EXPECT_EQ(said(""), "spec.yaml:1:1: the file is empty; a spec begins with 'qerr: 1'");
   EXPECT_EQ(said("# nothing\n"), "spec.yaml:1:1: the file is empty; a spec begins with 'qerr: 1'");
   EXPECT_EQ(said("qerr: 1\rrobot: {}\r").find("spec.yaml:1:8: a carriage return without a line feed"), 0u);

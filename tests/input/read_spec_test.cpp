@@ -286,7 +286,7 @@ TEST_F(ReadSpec, AnOverrideNamesItemsOfListsInTwoWaysAndNeverCreatesWhatIsNotRea
   for (const char* key : {"requirements.0.at_most", "requirements[0].at_most"}) {
     SpecOverrides overrides;
     overrides.values = {{key, "2 mm"}};
-    EXPECT_EQ(read(text, overrides).requirements[0].at_most, 2e-3) << key;
+    EXPECT_EQ(read(text, overrides).requirements[0].limit, 2e-3) << key;
   }
   const struct {
     const char* key;

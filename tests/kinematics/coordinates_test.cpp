@@ -81,9 +81,9 @@ TEST(Coordinates, NamesAreFoundAndUnknownOnesAreNot) {
   for (const CoordinateInfo& row : coordinate_list()) {
     EXPECT_EQ(find_coordinate(row.name), row.coordinate);
     EXPECT_EQ(info(row.coordinate).name, row.name);
-    EXPECT_EQ(row.unit, is_position(row.coordinate) ? "m" : "rad");
+    EXPECT_EQ(row.unit, is_position(row.coordinate) || row.coordinate == Coordinate::xyz ? "m" : "rad");
   }
-  EXPECT_EQ(coordinate_list().size(), 9u);
+  EXPECT_EQ(coordinate_list().size(), 11u);
   EXPECT_FALSE(find_coordinate("X"));
 }
 

@@ -1,36 +1,64 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <cstddef>
+#include <optional>
+#include <span>
 #include <string>
+#include <vector>
 
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 
-/// An entry of `requirements:` in a spec: the upper limit of a statistic of a bound.
+/// A figure of a filter itself that may be required: `velocity.delay`.
+struct FilterFigure {
+  std::string_view name;
+  std::string_view summary;
+  Dimension (*dimension)(const Filter&);
+  std::optional<double> (*value)(const Filter&, const Norms&);  ///< empty: the filter has none
+};
+
+std::span<const FilterFigure> filter_figures();
+
+/// The figure of a name; null: unknown.
+const FilterFigure* find_filter_figure(std::string_view name);
+
+/// An entry of `requirements:` in a spec: a limit of a statistic of a bound, or of a figure of a filter.
 struct Requirement {
   enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
 
-  std::string quantity;        ///< as in the spec: `velocity.x.sigma`
-  std::string statistic;       ///< as in the spec: `p99`
-  std::size_t coordinate = 0;  ///< index into the coordinates of the model
-  std::ptrdiff_t filter = -1;  ///< index into the filters; -1: the unfiltered position
+  std::string quantity;                  ///< as in the spec: `velocity.x.sigma`, `velocity.delay`
+  std::string statistic;                 ///< as in the spec: `p99`; "" for a figure of a filter
+  std::size_t coordinate = 0;            ///< index into coordinates_and_lengths of the model
+  std::ptrdiff_t filter = -1;            ///< index into the filters; -1: the unfiltered position
+  const FilterFigure* figure = nullptr;  ///< of `filter`; null: a bound of a coordinate
   Bound bound = Bound::sigma;
   double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`
-  double at_most = 0;                          ///< limit in `unit` [SI]
+  bool at_least = false;                       ///< the limit is the lowest value; else the highest
+  double limit = 0;                            ///< in `unit` [SI]
   std::string unit;
   Place place;
+
+  /// `velocity.x.sigma p99`, `velocity.delay`.
+  std::string name() const { return statistic.empty() ? quantity : quantity + ' ' + statistic; }
+  std::string_view relation() const { return at_least ? "at_least" : "at_most"; }
 };
 
 /// Evaluation of a requirement.
 struct RequirementResult {
   double value = 0;  ///< +inf if the quantity is unbounded
-  bool met = false;  ///< value <= at_most
+  bool met = false;
+  Eigen::VectorXd at_max = {};  ///< where the quantity is largest [rad or m]; empty for a filter
 };
 
-/// Compares a statistic over the configurations with the limit.
-/// @throws Error (input) if sigma in motion is required but not computed
-RequirementResult evaluate(const Requirement&, const Workspace&);
+/// Compares a statistic over the configurations, or a figure of a filter, with the limit.
+/// @param filters, norms  of the spec, in its order
+/// @throws Error (input) if the figure is not known: sigma in motion without a motion, the bandwidth of a
+/// filter that has none
+RequirementResult evaluate(const Requirement&, const Workspace&, const std::vector<Filter>& filters,
+                           const std::vector<Norms>& norms);
 
 }  // namespace qerr

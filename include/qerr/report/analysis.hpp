@@ -34,20 +34,34 @@ Analysis analyze(const Spec&, const WorkspaceOptions& = {});
 /// @param csv  is called with the header, and then with the rows in the order of the configurations
 Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv);
 
-/// The result of `qerr check`: the requirements of a spec, evaluated with its bounds.
-struct CheckReport {
+/// The requirements of a spec, evaluated with its bounds.
+struct SpecCheck {
   Analysis analysis;
   std::vector<RequirementResult> results;  ///< one for each requirement of the spec
 
   bool all_met() const;
 };
 
-/// @throws Error (input; key `requirements`) for an effect of unknown size, as a requirement cannot be
-/// decided then
-CheckReport check_report(const Spec&, const WorkspaceOptions& = {});
+/// @throws Error (input; key `requirements`) if the spec has none, and for an effect of unknown size, as a
+/// requirement cannot be decided then
+SpecCheck check(const Spec&, const WorkspaceOptions& = {});
 
-/// JUnit XML: one test case per requirement, with value and limit in the failure message.
-std::string junit(const CheckReport&);
+/// The result of `qerr check`.
+struct CheckReport {
+  std::vector<SpecCheck> specs;
+
+  bool all_met() const;
+};
+
+/// JUnit XML: a test suite for each spec, one test case per requirement, with value and limit in the failure
+/// message. Valid in the schemas of Ant's JUnit task and of Jenkins.
+/// @param time  of the run, `2026-01-31T12:00:00`
+std::string junit(const CheckReport&, const std::string& time);
+
+/// Workflow commands of GitHub Actions: an error at the line of each requirement that is not met.
+std::string github_annotations(const CheckReport&);
+/// The same for what is wrong with a spec that cannot be checked.
+std::string github_annotations(const Error&);
 
 /// The result of `qerr threshold`: Table IV of the paper.
 struct ThresholdReport {

@@ -4,13 +4,16 @@
 namespace qerr {
 
 std::string to_csv(const CheckReport& report, const Style&) {
-  std::string out = "quantity,statistic,at_most,value,unit,met\r\n";
-  for (std::size_t i = 0; i < report.results.size(); ++i) {
-    const Requirement& r = report.analysis.spec.requirements[i];
-    out += csv_cell(r.quantity) + ',' + r.statistic + ',' + csv_number(r.at_most) + ',' +
-           csv_number(report.results[i].value) + ',' + r.unit + ',' +
-           (report.results[i].met ? "true" : "false") + "\r\n";
-  }
+  std::string out = "quantity,statistic,at_most,value,unit,met,at_least,spec\r\n";
+  for (const SpecCheck& check : report.specs)
+    for (std::size_t i = 0; i < check.results.size(); ++i) {
+      const Requirement& r = check.analysis.spec.requirements[i];
+      const auto limit = [&](bool wanted) { return wanted ? csv_number(r.limit) : std::string(); };
+      out += csv_cell(r.quantity) + ',' + r.statistic + ',' + limit(!r.at_least) + ',' +
+             csv_number(check.results[i].value) + ',' + r.unit + ',' +
+             (check.results[i].met ? "true" : "false") + ',' + limit(r.at_least) + ',' +
+             csv_cell(check.analysis.spec.file) + "\r\n";
+    }
   return out;
 }
 

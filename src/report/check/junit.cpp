@@ -1,5 +1,5 @@
-#include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/check/parts.hpp"
 
 namespace qerr {
 
@@ -29,29 +29,36 @@ std::string xml(const std::string& text) {
   return out;
 }
 
-}  // namespace
-
-std::string junit(const CheckReport& report) {
-  const Spec& spec = report.analysis.spec;
+/// Ant's schema requires all these attributes and elements, and permits no place of a test case.
+std::string suite_of(const SpecCheck& check, std::size_t id, const std::string& time) {
+  const Spec& spec = check.analysis.spec;
   std::size_t failed = 0;
   std::string cases;
-  for (std::size_t i = 0; i < report.results.size(); ++i) {
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = spec.requirements[i];
-    cases += "  <testcase classname=\"qerr\" name=\"" + xml(r.quantity + ' ' + r.statistic) + "\" file=\"" +
-             xml(r.place.file) + "\" line=\"" + std::to_string(r.place.line) + "\"";
-    if (report.results[i].met) {
+    cases += "    <testcase classname=\"qerr.check\" name=\"" + xml(r.name()) + "\" time=\"0\"";
+    if (check.results[i].met) {
       cases += "/>\n";
       continue;
     }
     ++failed;
-    cases += ">\n    <failure message=\"" +
-             xml(r.quantity + ' ' + r.statistic + " is " + readable(report.results[i].value, r.unit) +
-                 ", at most " + readable(r.at_most, r.unit) + " is required") +
-             "\"/>\n  </testcase>\n";
+    const std::string message = verdict(r, check.results[i]);
+    cases += ">\n      <failure type=\"requirement\" message=\"" + xml(message) + "\">" + xml(r.place.file) +
+             ":" + std::to_string(r.place.line) + ": " + xml(message) + "</failure>\n    </testcase>\n";
   }
-  return "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuite name=\"" + xml(spec.file) + "\" tests=\"" +
-         std::to_string(report.results.size()) + "\" failures=\"" + std::to_string(failed) + "\">\n" + cases +
-         "</testsuite>\n";
+  return "  <testsuite name=\"" + xml(spec.file) + "\" package=\"qerr\" id=\"" + std::to_string(id) +
+         "\" timestamp=\"" + time + "\" hostname=\"localhost\" tests=\"" +
+         std::to_string(check.results.size()) + "\" failures=\"" + std::to_string(failed) +
+         "\" errors=\"0\" time=\"0\">\n    <properties/>\n" + cases +
+         "    <system-out/>\n    <system-err/>\n  </testsuite>\n";
+}
+
+}  // namespace
+
+std::string junit(const CheckReport& report, const std::string& time) {
+  std::string out = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<testsuites>\n";
+  for (std::size_t i = 0; i < report.specs.size(); ++i) out += suite_of(report.specs[i], i, time);
+  return out + "</testsuites>\n";
 }
 
 }  // namespace qerr

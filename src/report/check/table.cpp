@@ -1,23 +1,63 @@
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
-std::string to_table(const CheckReport& report, const Style& style) {
-  std::vector<std::vector<std::string>> rows;
-  std::size_t failed = 0;
-  for (std::size_t i = 0; i < report.results.size(); ++i) {
-    const Requirement& r = report.analysis.spec.requirements[i];
-    const auto [value, met] = report.results[i];
-    failed += !met;
-    rows.push_back({shown(r.quantity) + " " + r.statistic, readable(value, r.unit), met ? "<=" : ">",
-                    readable(r.at_most, r.unit), met ? "met" : "NOT MET"});
+namespace {
+
+/// `largest at j1 0.12 rad, j2 -1.5 rad`.
+std::string place_of(const Analysis& a, const Eigen::VectorXd& q) {
+  std::vector<std::string> joints;
+  for (Eigen::Index i = 0; i < q.size(); ++i) {
+    const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
+    joints.push_back(shown(joint.name) + ' ' + readable(q[i], joint.prismatic() ? "m" : "rad"));
   }
-  const std::string all = counted(rows.size(), "requirement");
-  return (rows.empty() ? "  the spec has no requirements\n" : aligned(rows)) +
+  std::string out = "largest at ";
+  for (std::size_t i = 0; i < joints.size(); ++i) out += (i ? ", " : "") + joints[i];
+  return out;
+}
+
+std::string table_of(const SpecCheck& check, const Style& style) {
+  std::vector<std::vector<std::string>> rows;
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const Requirement& r = check.analysis.spec.requirements[i];
+    const RequirementResult& result = check.results[i];
+    const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
+    rows.push_back({shown(r.quantity) + (r.statistic.empty() ? "" : ' ' + r.statistic),
+                    readable(result.value, r.unit), relation, readable(r.limit, r.unit),
+                    result.met ? "met" : "NOT MET"});
+  }
+  const std::string text = aligned(rows);
+  std::string out;
+  std::size_t at = 0;
+  for (const RequirementResult& result : check.results) {
+    const std::size_t end = text.find('\n', at);
+    const std::string line = text.substr(at, end - at);
+    at = end + 1;
+    out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
+    if (!result.met && result.at_max.size() > 0)
+      out += wrapped(place_of(check.analysis, result.at_max), style.width, "      ");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_table(const CheckReport& report, const Style& style) {
+  std::string out;
+  std::size_t failed = 0, count = 0;
+  for (const SpecCheck& check : report.specs) {
+    if (report.specs.size() > 1) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
+    out += table_of(check, style);
+    for (const RequirementResult& result : check.results) failed += !result.met;
+    count += check.results.size();
+  }
+  const std::string all = counted(count, "requirement");
+  return out +
          (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)
                  : painted(all + " met", Paint::green, style)) +
-         "\n";
+         '\n';
 }
 
 }  // namespace qerr

@@ -1,0 +1,133 @@
+#include <algorithm>
+
+#include "core/suggest.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
+
+/// Reads the section `requirements` of a spec.
+namespace qerr {
+
+namespace {
+
+template <class Value>
+using Words = std::vector<std::pair<std::string, Value>>;
+
+template <class Value>
+const Value* find(const Words<Value>& words, const std::string& word) {
+  const auto at = std::find_if(words.begin(), words.end(), [&](const auto& w) { return w.first == word; });
+  return at == words.end() ? nullptr : &at->second;
+}
+
+template <class Value>
+Value pick(const Field& f, const std::string& word, const std::string& what, const Words<Value>& known) {
+  if (const Value* value = find(known, word)) return *value;
+  std::vector<std::string> names;
+  for (const auto& [name, value] : known) names.push_back(name);
+  throw Error(f.fault("no such " + what + " '" + word + "'", did_you_mean(word, names)));
+}
+
+Words<std::ptrdiff_t> signals_of(const Spec& spec) {
+  Words<std::ptrdiff_t> signals{{"position", -1}};
+  for (std::size_t i = 0; i < spec.filters.size(); ++i)
+    signals.emplace_back(spec.filters[i].name, static_cast<std::ptrdiff_t>(i));
+  return signals;
+}
+
+/// The coordinates and lengths of the spec; lengths that it does not list are added where they are required.
+std::size_t read_coordinate(const Field& f, const std::string& word, Spec& spec) {
+  Words<Coordinate> known;
+  for (const Coordinate c : spec.model.coordinates) known.emplace_back(info(c).name, c);
+  for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name, c);
+  if (find_coordinate(word) && !find(known, word))
+    throw Error(f.fault("'" + word + "' is not among the spec's coordinates",
+                        "add it to 'coordinates', which are x, y, z by default"));
+  const Coordinate wanted = pick(f, word, "coordinate", known);
+  if (is_length(wanted)) add_length(wanted, spec.model);
+  const std::vector<Coordinate> all = coordinates_and_lengths(spec.model);
+  return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
+}
+
+/// The names of CSV: `position.x.worst_case`, `velocity.x.sigma`, `velocity.delay`; `x.worst_case` is an
+/// older name of the first. A filter's name may contain dots.
+void read_quantity(const Field& f, Spec& spec, Requirement& r) {
+  using Bound = Requirement::Bound;
+  const std::size_t last = r.quantity.rfind('.');
+  const std::string before = last == std::string::npos ? "" : r.quantity.substr(0, last);
+  const std::string end = last == std::string::npos ? r.quantity : r.quantity.substr(last + 1);
+  const Words<std::ptrdiff_t> signals = signals_of(spec);
+  if (const std::ptrdiff_t* filter = find(signals, before); filter && *filter >= 0) {
+    Words<const FilterFigure*> figures;
+    for (const FilterFigure& figure : filter_figures()) figures.emplace_back(figure.name, &figure);
+    r.filter = *filter;
+    r.figure = pick(f, end, "figure of a filter", figures);
+    return;
+  }
+  if (before.empty())
+    throw Error(f.fault("a quantity names a signal, a coordinate and a bound",
+                        "write position.x.worst_case, FILTER.x.sigma or FILTER.delay"));
+  const std::size_t middle = before.rfind('.');
+  const std::string signal = middle == std::string::npos ? "position" : before.substr(0, middle);
+  r.filter = pick(f, signal, "filter", signals);
+  r.coordinate = read_coordinate(f, middle == std::string::npos ? before : before.substr(middle + 1), spec);
+  Words<Bound> bounds{{"worst_case", Bound::worst_case}, {"sigma", Bound::sigma}};
+  if (r.filter < 0)
+    bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
+  else
+    bounds.emplace_back("sigma_in_motion", Bound::sigma_in_motion);
+  r.bound = pick(f, end, "bound", bounds);
+  if (r.bound == Bound::sigma_in_motion && !spec.motion)
+    throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
+}
+
+Dimension dimension_of(const Requirement& r, const Spec& spec) {
+  if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  const bool length = info(coordinates_and_lengths(spec.model)[r.coordinate]).unit == "m";
+  Dimension d = length ? dimension::length : dimension::angle;
+  if (r.filter >= 0) d.second = -spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
+  return d;
+}
+
+void read_statistic(const Object& o, Requirement& r) {
+  if (r.figure) {
+    if (o.has("statistic"))
+      throw Error(o.at("statistic").fault("a figure of a filter has no statistic", "leave the key out"));
+    return;
+  }
+  if (!o.has("statistic"))
+    throw Error(o.self().fault("missing key 'statistic'",
+                               "add 'statistic: max', or another one of `qerr list statistics`"));
+  r.statistic = o.choice("statistic");
+  r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
+}
+
+void read_limit(const Object& o, Spec& spec, Requirement& r) {
+  if (o.has("at_most") == o.has("at_least"))
+    throw Error(o.self().fault(o.has("at_most") ? "has two limits" : "has no limit",
+                               "write either 'at_most' or 'at_least'"));
+  r.at_least = o.has("at_least");
+  const Dimension d = dimension_of(r, spec);
+  r.unit = unit_name(d);
+  const std::string_view key = r.relation();
+  // A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly one.
+  const Parameter limit{.name = key, .dimension = d, .least = 0, .usual = d.metre ? 0.01 : 0.1};
+  r.limit = read_number(o.at(key), limit);
+  if (r.filter < 0) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
+}
+
+}  // namespace
+
+void read_requirements(const Field& f, Spec& spec, Faults& faults) {
+  for (const Field& item : read_list(f, "a list: - {quantity: ..., statistic: ..., at_most: ...}"))
+    faults.guard([&] {
+      const Object o(item, spec_format::requirement());
+      Requirement r;
+      r.place = item.node->place;
+      r.quantity = *o.text("quantity");
+      read_quantity(o.at("quantity"), spec, r);
+      read_statistic(o, r);
+      read_limit(o, spec, r);
+      spec.requirements.push_back(r);
+    });
+}
+
+}  // namespace qerr
