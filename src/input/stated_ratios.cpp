@@ -8,8 +8,8 @@ namespace qerr {
 
 namespace {
 
-constexpr double rounding = 1e-3;      // data sheets round: 36.17 is 36.167452
-constexpr std::size_t most_named = 6;  // joints in the warning
+constexpr double ratio_rounding = 1e-3;         // data sheets round: 36.17 is 36.167452
+constexpr std::size_t most_contradictions = 6;  // joints in the warning
 
 /// `'lift' -52143.3 (spec: 628.3 rad/m)`; "" where the two agree, or one of them is not stated.
 std::string contradiction(const Joint& in_urdf, const Encoder& encoder, const EncoderFigures& figures,
@@ -18,7 +18,7 @@ std::string contradiction(const Joint& in_urdf, const Encoder& encoder, const En
   if (!in_urdf.stated_ratio || std::abs(*in_urdf.stated_ratio) == 1) return "";
   if (!encoder_kind(figures.kind).counts_per_rev) return "";
   const double stated = *in_urdf.stated_ratio, used = encoder.shaft_ratio;
-  if (std::abs(used - stated) <= rounding * std::abs(stated)) return "";
+  if (std::abs(used - stated) <= ratio_rounding * std::abs(stated)) return "";
   return "'" + in_urdf.name + "' " + shortest(stated) + " (spec: " +
          (prismatic ? shortest(used) + " rad of the encoder per metre" : "gear_ratio " + shortest(used)) +
          ")";
@@ -36,9 +36,9 @@ void warn_of_stated_ratios(const RobotModel& robot, Spec& spec) {
     const std::string found = contradiction(*in_urdf, spec.model.transmission.encoders[i],
                                             spec.encoder_figures[i], joint.prismatic());
     if (found.empty()) continue;
-    if (++count <= most_named) text += (text.empty() ? "" : ", ") + found;
+    if (++count <= most_contradictions) text += (text.empty() ? "" : ", ") + found;
   }
-  if (count > most_named) text += " and " + std::to_string(count - most_named) + " more";
+  if (count > most_contradictions) text += " and " + std::to_string(count - most_contradictions) + " more";
   if (count > 0)
     spec.warnings.push_back("the URDF states other ratios (mechanical reduction) than the spec: " + text +
                             "; the spec's are used: check which is right, and on which side of the gear the "
