@@ -50,6 +50,7 @@ HOMONYMS = {
     ("src/input/read_sweep.cpp", "scale"): "spacing of a sweep: linear or log",
     ("src/input/spec_format.cpp", "scale"): "spacing of a sweep: linear or log",
     ("src/input/read_urdf.cpp", "offset"): "attribute of <mimic>",
+    ("src/report/robot/output_schema.cpp", "offset"): "offset of a mimic joint",
     ("src/input/urdf_joint.cpp", "offset"): "attribute of <mimic>",
     ("src/input/urdf_vocabulary.cpp", "offset"): "attribute of <mimic>",
     ("src/report/robot/json.cpp", "offset"): "attribute of <mimic>",

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Checks README.md, CONTRIBUTING.md, the topics of the help and configs/paper/README.md against what the program does now.
+"""Checks README.md, .github/CONTRIBUTING.md, the topics of the help and configs/paper/README.md against what the program does now.
 
     check_documentation.py [--qerr PATH]                  compare; one line per difference, exit code 1 if there is any
     check_documentation.py --update                       renew outputs and figures in all files
@@ -8,7 +8,7 @@
 
 The blocks are run as session.py says, those of each file in a copy of their own; figures in the text are compared with the values of
 statements.py, and every other number must be a name or a formula that statements.py lists. The tables of configs/paper/README.md are
-computed anew by scripts/reproduce_paper. Excepted: the section "Speed" of CONTRIBUTING.md, commands that install or build, workflows
+computed anew by scripts/reproduce_paper. Excepted: the section "Speed" of .github/CONTRIBUTING.md, commands that install or build, workflows
 of GitHub. Standard library only (scripts/reproduce_paper needs numpy).
 """
 import argparse

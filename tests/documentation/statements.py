@@ -16,7 +16,7 @@ import tempfile
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 PAPER = "configs/paper/README.md"
 TOPICS = {path.stem: str(path.relative_to(ROOT)) for path in sorted((ROOT / "src/cli/topics").glob("*.md"))}
-DOCUMENTS = ["README.md", "CONTRIBUTING.md", *TOPICS.values(), PAPER]
+DOCUMENTS = ["README.md", ".github/CONTRIBUTING.md", *TOPICS.values(), PAPER]
 ARM = "configs/kuka_lwr/spec.yaml"  # one encoder for all joints, gear ratio 1, 10000 configurations by default
 EXPERIMENT = "configs/phantom_premium/experiment.yaml"
 
@@ -169,7 +169,7 @@ STATEMENTS = {
         (r"exit code (\d) if all are met", exit_code("check", "-q", ARM)),
         (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
     ],
-    "CONTRIBUTING.md": [
+    ".github/CONTRIBUTING.md": [
         (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
         *[
             (rf" (\d) +{re.sub(' ', '  ', modules)} ", floor(modules))
@@ -270,7 +270,7 @@ NAMES = {
         r"one for a7 would change",
         r"at 95 % of them",
     ],
-    "CONTRIBUTING.md": [
+    ".github/CONTRIBUTING.md": [
         r"\bH2\b",
         r"\bl1\b",
         r"AVX-512, AVX2 or",
