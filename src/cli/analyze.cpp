@@ -21,7 +21,9 @@ int run(const Values& v) {
   } else {
     analysis = analyze(spec, options);
   }
-  finish(out, analysis, v);
+  Style shown = style(v);
+  shown.details = v.given("details");
+  finish(out, write(analysis, chosen_format(v), shown));
   warn(analysis.warnings, v);
   return 0;
 }
@@ -35,7 +37,10 @@ Command analyze_command() {
       joined({spec_options(),
               {{.name = "--per-configuration",
                 .value = "FILE.csv",
-                .meaning = "write one CSV row per configuration"}},
+                .meaning = "write one CSV row per configuration"},
+               {.name = "--details",
+                .kind = OptionKind::flag,
+                .meaning = "in the table all statistics, in place of median and maximum"}},
               long_work_option(),
               output_options()}),
       run,

@@ -85,8 +85,8 @@ Command check_command() {
           std::move(options),
           run,
           {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
-           {"qerr check *.yaml --annotations github --junit qerr.xml",
-            "in continuous integration, with verdicts that its pages show at the lines of the specs"}},
+           {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
+            "in continuous integration, which shows verdicts at their lines"}},
           {"requirements", "output"}};
 }
 

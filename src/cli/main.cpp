@@ -13,6 +13,7 @@
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace {
 
@@ -44,7 +45,8 @@ void occupy_standard_streams() {
 
 int report(const std::string& text, qerr::Trouble trouble) {
   qerr::cli::clear_progress();
-  std::fprintf(stderr, "%s\n", text.c_str());
+  const std::size_t width = qerr::cli::message_width();
+  std::fputs((width > 0 ? qerr::within(text, width) : text + '\n').c_str(), stderr);
   return static_cast<int>(trouble);
 }
 

@@ -95,20 +95,35 @@ std::string hexadecimal(unsigned char byte) {
   return {digits[byte >> 4], digits[byte & 0xF]};
 }
 
-std::string readable(double value, const std::string& unit) {
-  if (std::isnan(value)) return "not known";
-  if (std::isinf(value)) return "unbounded";
-  if (value == 0) return "0 " + unit;
+namespace {
+
+/// Decimal exponent of a number other than 0.
+int magnitude(double value) { return static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-12)); }
+
+}  // namespace
+
+PrefixedUnit prefixed(double value, const std::string& unit) {
+  if (value == 0 || !std::isfinite(value)) return {1, unit};
   static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
   // The prefix is that of the rounded value: 999.96 u is 1.00 m.
+  const int thousand = std::clamp(static_cast<int>(std::floor(magnitude(rounded_to(value, 3)) / 3.0)), -4, 3);
+  return {std::pow(1000.0, thousand), prefixes[static_cast<std::size_t>(thousand + 4)] + unit};
+}
+
+std::string readable_number(double value) {
+  if (std::isnan(value)) return "not known";
+  if (std::isinf(value)) return "unbounded";
+  if (value == 0) return "0";
   const double rounded = rounded_to(value, 3);
-  const int exponent = static_cast<int>(std::floor(std::log10(std::abs(rounded)) + 1e-12));
-  const int thousand = std::clamp(static_cast<int>(std::floor(exponent / 3.0)), -4, 3);
-  const double scaled = rounded / std::pow(1000.0, thousand);
-  const std::string figure = std::abs(scaled) >= 1e4 || std::abs(scaled) < 1e-3
-                                 ? printed(scaled, std::chars_format::scientific, 2)
-                                 : fixed_point(scaled, std::clamp(2 - exponent + 3 * thousand, 0, 2));
-  return figure + ' ' + prefixes[static_cast<std::size_t>(thousand + 4)] + unit;
+  return std::abs(rounded) >= 1e4 || std::abs(rounded) < 1e-3
+             ? printed(rounded, std::chars_format::scientific, 2)
+             : fixed_point(rounded, std::max(2 - magnitude(rounded), 0));
+}
+
+std::string readable(double value, const std::string& unit) {
+  if (!std::isfinite(value)) return readable_number(value);
+  const PrefixedUnit prefix = prefixed(value, unit);
+  return readable_number(rounded_to(value, 3) / prefix.factor) + ' ' + prefix.unit;
 }
 
 }  // namespace qerr

@@ -29,6 +29,19 @@ std::string significant(double value, int digits);
 /// `value` rounded to `decimals` decimals, as printf's %f does in the C locale, in every locale.
 std::string fixed_point(double value, int decimals);
 
+/// A unit with an SI prefix from p to G, and its factor.
+struct PrefixedUnit {
+  double factor = 1;
+  std::string unit;
+};
+
+/// The prefix with which a value, rounded to three digits, lies between 1 and 1000.
+PrefixedUnit prefixed(double value, const std::string& unit);
+
+/// A number for people, with three significant digits: `12.3`, `1.23e+06`; infinity is `unbounded`, NaN `not
+/// known`.
+std::string readable_number(double value);
+
 /// A quantity for people: three significant digits and an SI prefix from p to G, such as `12.3 um`,
 /// `4.56 mrad/s`, `0 m`; infinity is `unbounded`, NaN `not known`.
 std::string readable(double value, const std::string& unit);

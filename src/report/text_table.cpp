@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "qerr/core/error.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -53,7 +54,10 @@ std::string painted(const std::string& text, Paint paint, const Style& style) {
 }
 
 std::string heading(const std::string& text, const Style& style) {
-  return '\n' + painted(text, Paint::bold, style) + '\n';
+  std::string out = "\n";
+  for (const std::string& line : wrapped_lines(text, style.width))
+    out += painted(line, Paint::bold, style) + '\n';
+  return out;
 }
 
 std::string shown(const std::string& name) { return escaped(name, 60); }

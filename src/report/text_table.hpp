@@ -25,7 +25,7 @@ enum class Paint { bold, red, green, yellow };
 /// The text in bold, and in the colour if one is given, if the style has colours.
 std::string painted(const std::string& text, Paint, const Style&);
 
-/// The title of a section: an empty line, and the text in bold.
+/// The title of a section: an empty line, and the text in bold, in lines of the style's width.
 std::string heading(const std::string& text, const Style&);
 
 /// A name of the user's, safe for a terminal and not wider than a column should be.

@@ -32,6 +32,18 @@ std::vector<std::string> lines_of(std::string_view text, std::size_t width, std:
   return lines;
 }
 
+/// Columns of a text without the codes of its colours.
+std::size_t shown_width(const std::string& text) {
+  std::size_t width = display_width(text);
+  for (std::size_t at = 0; (at = text.find("\x1b[", at)) != std::string::npos;) {
+    const std::size_t end = text.find('m', at);
+    if (end == std::string::npos) break;
+    width -= end + 1 - at;
+    at = end;
+  }
+  return width;
+}
+
 std::size_t room_behind(std::size_t width, const std::string& indent) {
   const std::size_t used = display_width(indent);
   return width > used ? width - used : 1;
@@ -69,6 +81,21 @@ std::string wrapped(std::string_view text, std::size_t width, const std::string&
 
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent) {
   return wrapped(text, width, indent, indent);
+}
+
+std::string within(const std::string& text, std::size_t width) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    at = end + 1;
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string::npos || shown_width(line) <= width)
+      out += line + '\n';
+    else
+      out += wrapped(line.substr(begin), width, std::string(begin + 2, ' '), std::string(begin, ' '));
+  }
+  return out;
 }
 
 std::string defined(const std::string& term, std::string_view meaning, std::size_t width,

@@ -17,6 +17,9 @@ std::string wrapped(std::string_view text, std::size_t width, const std::string&
                     const std::string& first);
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent = "");
 
+/// A text whose wider lines are broken at words, with their indent and two columns more.
+std::string within(const std::string& text, std::size_t width);
+
 /// A term, and behind it, from `column` on, its meaning; on a line of its own where the term is longer.
 std::string defined(const std::string& term, std::string_view meaning, std::size_t width,
                     std::size_t column = 26);

@@ -52,7 +52,14 @@ def commands():
     for kind in ("effects", "filters", "encoders", "formats", "coordinates", "statistics"):
         yield ["list", kind]
     yield ["threshold", *sorted((CONFIGS / "table_iv").glob("*.yaml"))]
+    for urdf in sorted(CONFIGS.glob("*/*.urdf")):
+        yield ["robot", urdf]
     for spec in specs:
+        yield ["analyze", spec]
+        yield ["analyze", spec, "--details"]
+        for key, words in (("requirements:", ["check"]), ("motion:", ["simulate"]), ("motion:", ["diagnose", "--plan"])):
+            if re.search(rf"^{key}", spec.read_text(), re.M):
+                yield [*words, spec]
         if "filters:" in spec.read_text():
             yield ["filter", spec]
             yield ["filter", spec, "--at", "1", "--motion-band", "0.1Hz", "1Hz", "--coefficients", "--noise", "--speed", "0.3", "--estimators"]
@@ -75,7 +82,7 @@ def check_progress(t, qerr):
         t.check("the log of the progress", made.code == 0, made.err.decode()[:200])
         arm = CONFIGS / "kuka_lwr" / "spec.yaml"
         for noun, words in (("configurations", ["analyze", arm, "--set", "configurations.count=20000000"]),
-                            ("samples", ["simulate", spec, "--runs", "1000"]), ("bytes", ["diagnose", spec, log])):
+                            ("samples", ["simulate", spec, "--runs", "20000"]), ("bytes", ["diagnose", spec, log])):
             text, code = on_terminal(qerr, words, 80)
             steps = re.findall(rf"\r(\d+) % of [\d.]+ [kMG]? ?{noun}, [\d.]+ [kMG]?/s, [\dhdaysmin ]+ left\x1b\[K", text)
             quick = "left" not in text  # a machine that is done within the first moment

@@ -139,13 +139,13 @@ def smallest_eccentricity(v):
 
 
 def first_report(*columns):
-    """Figures of the row of README.md's first report that its text explains: x, worst case."""
-    names = {"50th": 0, "95th": 1, "max": 3}
+    """Figures of the row of README.md's first report that its text explains: x of the position."""
+    names = {"sigma": 0, "worst": 2, "max": 3}
 
     def value(v):
         readme = (v.root / "README.md").read_text(encoding="utf-8")
-        row = re.findall(r"[\d.]+ [num]?m", re.search(r"^  x +worst case .*", readme, re.M)[0])
-        return tuple(row[names[column]] for column in columns)
+        unit, *row = re.search(r"^    x +([num]?m) +(.*)", readme, re.M)[0].split()[1:]
+        return tuple(f"{row[names[column]]} {unit}" for column in columns)
 
     return value
 
@@ -163,8 +163,9 @@ HISTOGRAM = "src/bound/histogram.hpp"
 STATEMENTS = {
     "README.md": [
         (r"plain CMake \(C\+\+(\d+);", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
-        (r"within ([\d.]+ \w+) of where the encoders say", first_report("50th")),
-        (r"at 95 % of them within ([\d.]+ \w+), and at the worst of them ([\d.]+ \w+) off", first_report("95th", "max")),
+        (r"within ([\d.]+ \w+) of where the encoders say", first_report("worst")),
+        (r"at the worst of them ([\d.]+ \w+) off", first_report("max")),
+        (r"Sigma, ([\d.]+ \w+) at half of them", first_report("sigma")),
         (r"causes ([\d.]+) % of the variance", largest_share),
         (r"exit code (\d) if all are met", exit_code("check", "-q", ARM)),
         (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),

@@ -7,7 +7,6 @@
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "report/text_table.hpp"
 #include "simulate/effects_along_motion.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/settling.hpp"
@@ -51,39 +50,12 @@ std::pair<const char*, const char*> lack(Need need, bool has_motion) {
   return {"", ""};
 }
 
-std::string parameters_text(const Spec& spec, const Effect& effect) {
-  std::string text;
-  for (const EffectParameter& p : effect_parameters(spec, effect)) {
-    if (p.usual) continue;
-    text += (text.empty() ? "" : ", ") + p.name + ' ' +
-            (p.unit.empty() ? significant(p.value, 4) : readable(p.value, p.unit));
-  }
-  for (const Parameter& row : effect_kind(effect.type).parameters) {
-    const auto choice = effect.choices.find(std::string(row.name));
-    if (choice != effect.choices.end())
-      text += (text.empty() ? "" : ", ") + choice->first + ' ' + choice->second;
-  }
-  return text;
-}
-
 /// What the rounding error behind a decoder may exceed that of quantization by.
 ErrorSource excess_of(const CountError& error, std::size_t encoder, const Spec& spec) {
   return {.where = ErrorSource::Where::encoder,
           .owner = encoder,
           .half_width = error.excess * spec.model.transmission.encoders[encoder].resolution,
           .sigma_ratios = std::vector<double>(spec.filters.size(), 0.0)};
-}
-
-/// The lines, each with its text at the end.
-std::string with_texts(const std::string& lines, const std::vector<std::string>& texts) {
-  std::string out;
-  std::size_t at = 0;
-  for (const std::string& text : texts) {
-    const std::size_t end = lines.find('\n', at);
-    out += lines.substr(at, end - at) + (text.empty() ? "" : "  " + text) + '\n';
-    at = end + 1;
-  }
-  return out;
 }
 
 }  // namespace
@@ -131,6 +103,9 @@ Eigen::VectorXd count_factors(const Spec& spec) {
 
 namespace {
 
+/// Part of a constant error that its standard deviation may be by rounding.
+constexpr double constant_spread = 1e-12;
+
 /// The effects of the spec, without the accuracy of its encoders.
 EffectReport effects_in_motion(const Spec& spec) {
   EffectReport report = effects_by_range(spec);
@@ -153,7 +128,8 @@ EffectReport effects_in_motion(const Spec& spec) {
     const SignalMoments alone = effect_along_motion(spec.model, s.effect, *spec.motion, settling);
     s.share->mean = alone.mean[0];
     s.share->half_width = std::max(0.0, alone.peak[0] - std::abs(alone.mean[0]));
-    s.share->sigma = std::sqrt(std::max(0.0, alone.covariance(0, 0)));
+    const double sigma = std::sqrt(std::max(0.0, alone.covariance(0, 0)));
+    s.share->sigma = sigma > constant_spread * alone.peak[0] ? sigma : 0;
   }
   report.sources = error_sources(spec.model, others, filter_norms(spec));
   report.sources.insert(report.sources.end(), excess.begin(), excess.end());
@@ -210,36 +186,6 @@ std::vector<EffectParameter> effect_parameters(const Spec& spec, const Effect& e
                     row.fallback && *row.fallback == number->second});
   }
   return list;
-}
-
-std::string effect_table(const Spec& spec, const std::vector<EffectShare>& shares) {
-  std::vector<std::vector<std::string>> rows{{"effect", "joint", "mean", "worst case", "sigma"}};
-  std::vector<std::string> parameters{"parameters"};
-  bool unknown = false, elsewhere = false;
-  for (const EffectShare& s : shares) {
-    const std::string unit = effect_unit(spec, s);
-    std::vector<std::string> row{s.effect.type, escaped(s.effect.joint, 40)};
-    if (!s.share) {
-      row.insert(row.end(), {"?", "?", "?"});
-      unknown = true;
-    } else if (!s.included) {
-      row.insert(row.end(), {"-", "-", "-"});
-      elsewhere = true;
-    } else {
-      row.insert(row.end(), {readable(s.share->mean, unit),
-                             readable(std::abs(s.share->mean) + s.share->half_width, unit),
-                             readable(s.share->sigma, unit)});
-    }
-    parameters.push_back(parameters_text(spec, s.effect));
-    rows.push_back(std::move(row));
-  }
-  return with_texts(aligned(rows), parameters) +
-         (unknown ? "  ?: not known, and not in the figures below\n" : "") +
-         (elsewhere ? "  -: affects the log or the reference only, not the robot\n" : "") +
-         (!spec.motion ? "  positions over the sampled ranges, speeds and loads up to the URDF's limits\n"
-          : has_masses(spec.model.chain)
-              ? "  what each adds alone along `motion:`\n"
-              : "  what each adds alone along `motion:`, loads up to the URDF's limits: it has no masses\n");
 }
 
 }  // namespace qerr

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/write.hpp"
 
 namespace qerr {
 
@@ -60,7 +61,7 @@ struct EffectParameter {
 std::vector<EffectParameter> effect_parameters(const Spec&, const Effect&);
 
 /// The section of `analyze`: every effect, the errors that it adds at its joint, and its parameters.
-std::string effect_table(const Spec&, const std::vector<EffectShare>&);
+std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Style&);
 
 /// `analyze` with effects that are already evaluated.
 /// @param effects  of `effect_report` for this spec

@@ -97,14 +97,20 @@ Json analysis_schema() {
 Json check_schema() {
   using namespace schema;
   const Json requirement = object({{"quantity", text()},
-                                   {"statistic", text()},
-                                   {"at_most", number()},
+                                   {"statistic", text(), "absent for a figure of a filter", true},
+                                   {"at_most", number(), "either this or at_least", true},
+                                   {"at_least", number(), "", true},
                                    {"value", number_or_null()},
                                    {"unit", text()},
                                    {"met", boolean()}});
-  return object(joined(
+  const Json of_spec = object(joined(
       analysis_header_schema("check"),
       {{"requirements", list(requirement)}, {"met", boolean(), "all of them"}, {"warnings", warnings()}}));
+  const Json of_specs = object({{"qerr", text()},
+                                {"command", constant("check")},
+                                {"reports", list(of_spec), "one for each spec, if there are several"},
+                                {"met", boolean(), "all of all"}});
+  return {{"anyOf", Json::array({of_spec, of_specs})}};
 }
 
 }  // namespace qerr

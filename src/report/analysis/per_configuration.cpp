@@ -20,13 +20,16 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
     out += (out.empty() ? "" : ",") + csv_cell(joint.name + unit_in_brackets(joint));
   for (const Coordinate c : coordinates)
     for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
-      out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
+      out += ",position." + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
   for (std::size_t f = 0; f < spec.filters.size(); ++f)
     for (const Coordinate c : coordinates)
       for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
         if (bound != std::string("sigma_in_motion") || is_known(noise, f))
           out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +
                                 derivative_unit(c, spec.filters[f].filter.derivative) + ']');
+  for (const Coordinate c : coordinates)  // the names before version 2
+    for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
+      out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
   return out + "\r\n";
 }
 
@@ -39,9 +42,11 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
     const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
     for (std::size_t j = 0; j < spec.model.chain.independent.size(); ++j)
       out += (j ? "," : "") + csv_number(batch.q[j * batch_size + i]);
+    std::string positions;
     for (std::size_t c = 0; c < at.coordinates; ++c)
       for (const std::size_t of : {at.worst_case, at.rigorous, at.sigma})
-        out += ',' + csv_number(figure(of + c));
+        positions += ',' + csv_number(figure(of + c));
+    out += positions;
     for (std::size_t f = 0; f < spec.filters.size(); ++f)
       for (std::size_t c = 0; c < at.coordinates; ++c) {
         const Norms& norms = spec.filters[f].norms;
@@ -55,7 +60,7 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
               csv_number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
         if (is_known(noise, f)) out += ',' + (known ? csv_number(figure(at.in_motion + filtered)) : "");
       }
-    out += "\r\n";
+    out += positions + "\r\n";
   }
   return out;
 }

@@ -4,14 +4,14 @@
 #include "qerr/core/error.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
 namespace {
-
-constexpr int bar_width = 12;
 
 std::string name_of(SamplingMethod m) {
   switch (m) {
@@ -27,30 +27,45 @@ std::string name_of(SamplingMethod m) {
   return {};
 }
 
+/// Whether the encoder's share is the largest, or equal to it in what is printed.
+std::vector<bool> largest_of(const std::vector<double>& shares) {
+  const double largest = *std::max_element(shares.begin(), shares.end());
+  std::vector<bool> all;
+  for (const double share : shares) all.push_back(share > 0 && percent(share) == percent(largest));
+  return all;
+}
+
 /// Every encoder with its share as a bar; the largest is marked.
 std::string encoder_table(const Analysis& a, const Style& style) {
   const std::vector<double> budget = encoder_budget(a);
-  const auto largest =
-      static_cast<std::size_t>(std::max_element(budget.begin(), budget.end()) - budget.begin());
+  const std::vector<bool> largest = largest_of(budget);
+  const auto first = std::count(largest.begin(), largest.end(), true);
   std::vector<std::vector<std::string>> rows{{"encoder", "resolution", "worst case", "sigma", "share"}};
   for (std::size_t i = 0; i < budget.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
     const auto row = static_cast<Eigen::Index>(i);
-    rows.push_back({escaped(joint.name, 40), readable(a.resolutions[static_cast<Eigen::Index>(i)], unit),
+    rows.push_back({escaped(joint.name, 28), readable(a.resolutions[row], unit),
                     readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit),
                     percent(budget[i])});
   }
-  const std::string text = aligned(rows);
+  const std::string text = aligned(rows), mark = first == 1 ? "  <- first" : "  <- equal";
+  std::size_t table_width = 0;
+  for (std::size_t at = 0, end; at < text.size(); at = end + 1) {
+    end = text.find('\n', at);
+    table_width = std::max(table_width, display_width(text.substr(at, end - at)));
+  }
+  const std::size_t beside = table_width + 2 + mark.size();
+  const int bar_width = beside + 3 > style.width ? 0 : std::min(12, static_cast<int>(style.width - beside));
   std::string out;
   std::size_t at = 0;
   for (std::size_t i = 0; at < text.size(); ++i) {
     const std::size_t end = text.find('\n', at);
     std::string line = text.substr(at, end - at);
     at = end + 1;
-    if (i > 0) line += "  " + bar(budget[i - 1], bar_width);
-    if (i == largest + 1 && budget[largest] > 0 && budget.size() > 1)
-      line = painted(line + "  <- first", Paint::yellow, style);
+    const std::string share = i > 0 && bar_width > 0 ? bar(budget[i - 1], bar_width) : "";
+    if (!share.empty()) line += "  " + share;
+    if (i > 0 && largest[i - 1] && budget.size() > 1) line = painted(line + mark, Paint::yellow, style);
     out += line + '\n';
   }
   return out;
@@ -126,14 +141,116 @@ std::string norm_text(const NamedFilter& f) {
          unit + ", " + readable(1 / f.filter.sample_rate, "s") + " a sample";
 }
 
+std::string of_filter(const NamedFilter& f) { return escaped(f.name, 40) + ": " + norm_text(f); }
+
+/// A statistic in the unit of the row.
+std::vector<std::string> cells(const Statistic& s, const PrefixedUnit& unit) {
+  return {readable_number(cleaned(s.p50) / unit.factor), readable_number(cleaned(s.max) / unit.factor)};
+}
+
+/// A coordinate: its unit, and median and maximum of sigma, of sigma in motion, of the worst case.
+std::vector<std::string> summary_row(Coordinate c, const std::string& si, const Statistic* sigma,
+                                     const Statistic* in_motion, bool motion_column, const Statistic& worst) {
+  const PrefixedUnit unit = prefixed(worst.max, si);
+  std::vector<std::string> row{std::string(info(c).name), unit.unit};
+  const auto add = [&](const Statistic* s) {
+    const std::vector<std::string> two = s ? cells(*s, unit) : std::vector<std::string>{"-", "-"};
+    row.insert(row.end(), two.begin(), two.end());
+  };
+  add(sigma);
+  if (motion_column) add(in_motion);
+  add(&worst);
+  return row;
+}
+
+/// The largest rigorous bounds that differ in print from the largest linear ones.
+std::string rigorous_note(const Analysis& a, const Style& style) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  std::vector<std::string> differing;
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const std::string unit(info(coordinates[i]).unit);
+    const std::string text = readable(cleaned(c.worst_case_rigorous.max), unit);
+    if (std::isfinite(c.worst_case_rigorous.max) && text != readable(cleaned(c.worst_case.max), unit))
+      differing.push_back(std::string(info(coordinates[i]).name) + ' ' + text);
+  }
+  if (differing.empty()) return "";
+  return wrapped("with the linearization remainder (rigorous) at most " + listed(differing), style.width,
+                 "  ");
+}
+
+/// Median and maximum of every signal: one row a coordinate, one block a signal.
+std::string summary_table(const Analysis& a, const Style& style) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const Workspace& w = a.workspace;
+  bool motion = false;
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f) motion = motion || is_known(a.noise_in_motion, f);
+  std::vector<std::string> header{"", "", "sigma median", "sigma max"};
+  if (motion) header.insert(header.end(), {"in motion median", "in motion max"});
+  header.insert(header.end(), {"worst median", "worst max"});
+  std::vector<std::vector<std::string>> rows{header};
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    rows.push_back(summary_row(coordinates[i], std::string(info(coordinates[i]).unit),
+                               &w.coordinates[i].sigma, nullptr, motion, w.coordinates[i].worst_case));
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      const DerivativeStatistics& d = w.derivatives[f][i];
+      rows.push_back(summary_row(coordinates[i],
+                                 derivative_unit(coordinates[i], a.spec.filters[f].filter.derivative),
+                                 d.sigma ? &*d.sigma : nullptr,
+                                 d.sigma_in_motion ? &*d.sigma_in_motion : nullptr, motion, d.worst_case));
+    }
+  const std::string text = fitted_table(rows, style.width, "    ");
+  std::string out;
+  std::size_t at = 0, line = 0;
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  const std::size_t titles = lines - (rows.size() - 1);
+  for (; at < text.size(); ++line) {
+    if (line >= titles && (line - titles) % coordinates.size() == 0) {
+      const std::size_t block = (line - titles) / coordinates.size();
+      out +=
+          wrapped(block == 0 ? "position" : of_filter(a.spec.filters[block - 1]), style.width, "    ", "  ");
+    }
+    const std::size_t end = text.find('\n', at);
+    out += text.substr(at, end - at + 1);
+    at = end + 1;
+  }
+  return out;
+}
+
+std::string summary(const Analysis& a, const Style& style) {
+  std::string notes = "sigma: independent pseudo-quantization noise (IPQN)";
+  if (has_effects(a)) notes += " and effects";
+  if (a.spec.motion && !a.spec.filters.empty()) notes += "; in motion: encoders move as in `motion:`";
+  return heading("Tip, estimate minus true, over the configurations", style) + summary_table(a, style) +
+         rigorous_note(a, style) + wrapped(notes + "; all statistics: --details", style.width, "  ");
+}
+
+std::string details(const Analysis& a, const Style& style) {
+  std::string out =
+      heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    out += heading("Filter '" + escaped(a.spec.filters[f].name, 40) + "': " + norm_text(a.spec.filters[f]),
+                   style) +
+           derivative_table(a, f);
+  if (a.spec.motion && !a.spec.filters.empty())
+    out += '\n' + wrapped(
+                      "sigma in motion: encoders move as in `motion:`, Jacobians are those of the "
+                      "configurations",
+                      style.width, "  ");
+  return out;
+}
+
 }  // namespace
 
 std::string to_table(const Analysis& a, const Style& style) {
   const Chain& chain = a.spec.model.chain;
-  std::string out = painted("qerr analyze", Paint::bold, style) + "  robot '" +
-                    escaped(a.spec.robot_name, 60) + "', " + escaped(chain.base, 60) + " -> " +
-                    escaped(chain.tip, 60) + "\n" + counted(chain.independent.size(), "encoder") + ", " +
-                    std::to_string(a.workspace.count) + " " + name_of(a.spec.configurations.method) +
+  const std::string robot = "robot '" + escaped(a.spec.robot_name, 60) + "', " + escaped(chain.base, 60) +
+                            " -> " + escaped(chain.tip, 60);
+  std::string out = painted("qerr analyze", Paint::bold, style) +
+                    wrapped("qerr analyze " + robot, style.width, "  ", "").substr(12) +
+                    counted(chain.independent.size(), "encoder") + ", " + std::to_string(a.workspace.count) +
+                    ' ' + name_of(a.spec.configurations.method) +
                     (a.workspace.count == 1 ? " configuration\n" : " configurations\n");
   out += heading(
              a.spec.model.along_motion
@@ -143,16 +260,9 @@ std::string to_table(const Analysis& a, const Style& style) {
              style) +
          encoder_table(a, style);
   if (!a.effects.empty())
-    out += heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects);
-  out +=
-      heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
-  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
-    out += heading("Filter '" + escaped(a.spec.filters[f].name, 60) + "': " + norm_text(a.spec.filters[f]),
-                   style) +
-           derivative_table(a, f);
-  if (a.spec.motion && !a.spec.filters.empty())
-    out += "\n  sigma in motion: encoders move as in `motion:`, Jacobians are those of the configurations\n";
-  return out;
+    out +=
+        heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);
+  return out + (style.details ? details(a, style) : summary(a, style));
 }
 
 }  // namespace qerr

@@ -13,7 +13,7 @@ bool SpecCheck::all_met() const {
 
 SpecCheck check(const Spec& spec, const WorkspaceOptions& options) {
   if (spec.requirements.empty())
-    throw Error(Fault{{spec.file, 0, 0},
+    throw Error(Fault{{spec.file, 1, 1},
                       "requirements",
                       "the spec has none: there is nothing to check",
                       "",

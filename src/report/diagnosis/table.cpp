@@ -7,6 +7,7 @@
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -161,7 +162,7 @@ std::string compensation(const DiagnosisReport& r) {
       continue;
     }
     out += "  A compensation in the controller would reduce the rms error at " + place + " from " +
-           readable(c.gain.rms_before, c.gain.unit) + "\n  to " + readable(c.gain.rms_after, c.gain.unit);
+           readable(c.gain.rms_before, c.gain.unit) + " to " + readable(c.gain.rms_after, c.gain.unit);
     // At the tip the quantization of all encoders adds up: see `qerr analyze`.
     if (!c.gain.of_tip) out += "; quantization alone causes " + readable(sigma(*encoder), c.gain.unit);
     out += ".\n";
@@ -190,11 +191,11 @@ std::string to_table(const DiagnosisReport& r, const Style& style) {
   if (!d.causes.empty()) out += heading("Causes, with 95 % intervals", style) + causes_table(r, style);
   if (!d.alternatives.empty()) out += heading("Possible alternatives", style) + alternatives_list(d);
   if (!d.unexplained.empty()) out += heading("Significant, unidentified", style) + unexplained_list(r);
-  if (d.verdict == Verdict::cannot_judge) return out;
+  if (d.verdict == Verdict::cannot_judge) return within(out, style.width);
   out += heading(d.causes.empty() ? "Residual" : "Improvement with the extended model", style) +
          gain_table(d) + compensation(r);
   if (!r.extended_model.empty()) out += "\nExtended model: " + escaped(r.extended_model) + '\n';
-  return out;
+  return within(out, style.width);
 }
 
 }  // namespace qerr

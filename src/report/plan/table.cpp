@@ -7,6 +7,7 @@
 #include "report/formats.hpp"
 #include "report/plan/parts.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -151,7 +152,9 @@ std::string assumptions(const Plan& p) {
 
 }  // namespace
 
-std::string to_table(const PlanReport& r, const Style& style) {
+namespace {
+
+std::string full_table(const PlanReport& r, const Style& style) {
   const Plan& p = r.plan;
   std::string out = painted("qerr diagnose --plan", Paint::bold, style) + "  robot '" +
                     shown(r.spec.robot_name) + "', " + significant(r.spec.motion->duration, 6) + " s at " +
@@ -167,13 +170,19 @@ std::string to_table(const PlanReport& r, const Style& style) {
   }
   if (!p.better) return out + "\nNone of the motions tried identifies clearly more.\n";
   out += heading(
-             "With a better motion (same length and rate; only the joints' limits are known:\n"
-             "check it for collisions)",
+             "With a better motion (same length and rate; only the joints' limits are known: check it for "
+             "collisions)",
              style) +
          matrix(p.joints_better);
   if (const std::string list = twins(p.joints_better); !list.empty())
     out += heading("Still not distinguishable", style) + list;
   return out + heading("The better motion, for the spec", style) + motion_text(*p.better, r.spec.model.chain);
+}
+
+}  // namespace
+
+std::string to_table(const PlanReport& r, const Style& style) {
+  return within(full_table(r, style), style.width);
 }
 
 }  // namespace qerr

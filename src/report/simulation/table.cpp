@@ -4,9 +4,11 @@
 
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/simulation/signals.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -34,7 +36,7 @@ std::string factor(double value, int digits) {
 
 std::string label_of(const NamedSignal& s) { return escaped(s.filter, 40) + ' ' + s.coordinate; }
 
-std::string sigma_table(const SimulationReport& r) {
+std::string sigma_table(const SimulationReport& r, const Style& style) {
   std::vector<std::vector<std::string>> rows{
       {"", "simulated", "interval", "IPQN", "sim/IPQN", "sim/path", "sim/exact"}};
   for (const NamedSignal& named : signals_of(r)) {
@@ -45,12 +47,13 @@ std::string sigma_table(const SimulationReport& r) {
                     readable(s.sigma_ipqn, named.unit), ratio(sigma, s.sigma_ipqn),
                     ratio(sigma, s.sigma_ipqn_path), ratio(sigma, s.sigma_exact)});
   }
-  return aligned(rows) + (r.simulation.runs > 1 ? "  interval: 95 %, over the runs\n"
+  return fitted_table(rows, style.width) + (r.simulation.runs > 1
+                                                ? "  interval: 95 %, over the runs\n"
                                                 : "  interval: single-run interval, 95 %\n");
 }
 
 /// Means are shown if one of them is not small compared with its sigma.
-std::string peak_table(const SimulationReport& r) {
+std::string peak_table(const SimulationReport& r, const Style& style) {
   const std::vector<NamedSignal> signals = signals_of(r);
   const bool has_means = std::any_of(signals.begin(), signals.end(), [](const NamedSignal& named) {
     const SimulatedSignal& s = named.signal;
@@ -69,12 +72,12 @@ std::string peak_table(const SimulationReport& r) {
   const bool gaussian = std::any_of(r.spec.effects.begin(), r.spec.effects.end(), [](const Effect& e) {
     return effect_kind(e.type).random() && has_size(e);
   });
-  return aligned(rows) +
+  return fitted_table(rows, style.width) +
          (gaussian ? "  (the worst case of noise and jitter is four sigma, which they exceed occasionally)\n"
                    : "");
 }
 
-std::string ladder_table(const SimulationReport& r) {
+std::string ladder_table(const SimulationReport& r, const Style& style) {
   std::vector<std::vector<std::string>> rows{
       {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
@@ -83,7 +86,7 @@ std::string ladder_table(const SimulationReport& r) {
                     factor(s.ladder.varying_jacobian, 4), factor(s.ladder.joint_error, 4),
                     factor(s.ladder.correlated_joints, 4), factor(s.ladder.nonlinear, 5)});
   }
-  return aligned(rows);
+  return fitted_table(rows, style.width);
 }
 
 /// The signals whose sigma IPQN misses by more than 5 %, grouped by the factor that deviates most from 1.
@@ -137,15 +140,22 @@ std::string causes(const SimulationReport& r) {
 
 }  // namespace
 
-std::string to_table(const SimulationReport& r, const Style&) {
+std::string to_table(const SimulationReport& r, const Style& style) {
   const Simulation& s = r.simulation;
-  return "qerr simulate  robot '" + escaped(r.spec.robot_name, 60) + "', " + std::to_string(s.runs) +
-         (s.runs == 1 ? " run of " : " runs of ") + std::to_string(s.samples) + " samples, the first " +
-         std::to_string(s.settling) + " discarded\n\n" +
-         "Sigma: simulation compared with theory (IPQN at the centre of the motion, along its path,\n"
-         "and exact at its speeds)\n" +
-         sigma_table(r) + "\nPeak compared with the worst case along the path\n" + peak_table(r) +
-         "\nFactors from IPQN to the simulation\n" + ladder_table(r) + causes(r);
+  const std::string exact =
+      r.spec.effects.empty() ? "exact at its speeds" : "exact at its speeds for quantization alone";
+  return within(
+      painted("qerr simulate", Paint::bold, style) + "  robot '" + escaped(r.spec.robot_name, 60) + "', " +
+          std::to_string(s.runs) + (s.runs == 1 ? " run of " : " runs of ") + std::to_string(s.samples) +
+          " samples, the first " + std::to_string(s.settling) + " discarded\n" +
+          heading("Sigma: simulation compared with theory (IPQN at the centre of the motion, along its path, "
+                  "and " +
+                      exact + ")",
+                  style) +
+          sigma_table(r, style) + heading("Peak compared with the worst case along the path", style) +
+          peak_table(r, style) + heading("Factors from IPQN to the simulation", style) +
+          ladder_table(r, style) + causes(r),
+      style.width);
 }
 
 }  // namespace qerr
