@@ -17,9 +17,9 @@ Dimension of_frequency(const Filter&) { return dimension::frequency; }
 
 constexpr FilterFigure figures[] = {
     {"h2_norm", "sigma of the output for white input of unit sigma", per_sample_power,
-     [](const Filter&, const Norms& n) -> std::optional<double> { return n.h2; }},
+     [](const Filter&, const Norms& n) -> std::optional<double> { return n.h2; }, true},
     {"l1_norm", "peak of the output for input bounded by 1", per_sample_power,
-     [](const Filter&, const Norms& n) -> std::optional<double> { return n.l1.upper; }},
+     [](const Filter&, const Norms& n) -> std::optional<double> { return n.l1.upper; }, true},
     {"delay", "group delay at 0 Hz", of_time,
      [](const Filter& f, const Norms&) -> std::optional<double> { return group_delay(f); }},
     {"bandwidth", "frequency at which the estimate falls to 1/sqrt(2)", of_frequency,

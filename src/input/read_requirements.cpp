@@ -100,13 +100,21 @@ void read_statistic(const Object& o, Requirement& r) {
   r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
 }
 
+std::string unit_of(const Requirement& r, const Spec& spec) {
+  if (!r.figure || !r.figure->norm) return unit_name(dimension_of(r, spec));
+  const int derivative = spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
+  return derivative == 0   ? ""
+         : derivative == 1 ? "1/s"
+                           : "1/s^" + std::to_string(derivative);  // no frequency
+}
+
 void read_limit(const Object& o, Spec& spec, Requirement& r) {
   if (o.has("at_most") == o.has("at_least"))
     throw Error(o.self().fault(o.has("at_most") ? "has two limits" : "has no limit",
                                "write either 'at_most' or 'at_least'"));
   r.at_least = o.has("at_least");
   const Dimension d = dimension_of(r, spec);
-  r.unit = unit_name(d);
+  r.unit = unit_of(r, spec);
   const std::string_view key = r.relation();
   // A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly one.
   const Parameter limit{.name = key, .dimension = d, .least = 0, .usual = d.metre ? 0.01 : 0.1};

@@ -19,6 +19,7 @@ struct FilterFigure {
   std::string_view summary;
   Dimension (*dimension)(const Filter&);
   std::optional<double> (*value)(const Filter&, const Norms&);  ///< empty: the filter has none
+  bool norm = false;                                            ///< in 1/s^derivative
 };
 
 std::span<const FilterFigure> filter_figures();
