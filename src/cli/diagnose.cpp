@@ -22,7 +22,7 @@ void require_log_or_plan(const Values& v) {
   if (v.given("LOG"))
     throw usage("--plan", "a plan is made without a log", "'" + v.text("LOG") + "'",
                 "leave out the log, or --plan");
-  for (const char* output : {"write-model", "write-table", "plots"})
+  for (const char* output : {"write-model", "write-table", "plots", "check"})
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
@@ -95,7 +95,7 @@ int run(const Values& v) {
   if (residual) write_plots(report, *residual, *spectrum);
   finish(out, report, v);
   warn(report.warnings, v);
-  return 0;
+  return v.given("check") && report.diagnosis.verdict != Verdict::nothing_wrong ? 1 : 0;
 }
 
 }  // namespace
@@ -117,6 +117,9 @@ Command diagnose_command() {
                 .fallback = "0.05",
                 .least = 1e-3,
                 .most = 10},
+               {.name = "--check",
+                .kind = OptionKind::flag,
+                .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
                {.name = "--write-model",
                 .value = "FILE.yaml",
                 .meaning = "write the spec with the effects found; '-' is standard output"},

@@ -38,6 +38,10 @@ std::string to_csv(const Analysis& a, const Style&) {
       if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
         add_statistic(out, prefix + "sigma_in_motion", *moving);
     }
+  const std::vector<double> budget = encoder_budget(a);
+  for (std::size_t i = 0; i < budget.size(); ++i)
+    out += "budget,," + csv_cell(a.spec.model.chain.independent[i].name) + ",,share,mean," +
+           csv_number(budget[i]) + "\r\n";
   return out;
 }
 
