@@ -1,0 +1,88 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/tables.hpp"
+#include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// The statistics that tables show: percentiles, then the maximum.
+std::vector<StatisticKind> columns() {
+  std::vector<StatisticKind> list;
+  for (const StatisticKind& kind : statistic_kinds())
+    if (!kind.heading.empty()) list.push_back(kind);
+  std::stable_partition(list.begin(), list.end(), [](const auto& kind) { return kind.percentile >= 0; });
+  return list;
+}
+
+std::vector<std::string> headings() {
+  std::vector<std::string> row{""};
+  for (const StatisticKind& kind : columns()) row.emplace_back(kind.heading);
+  return row;
+}
+
+std::vector<std::string> figures(const std::string& label, const Statistic& s, const std::string& unit) {
+  std::vector<std::string> row{label};
+  for (const StatisticKind& kind : columns()) row.push_back(readable(cleaned(s.*kind.value), unit));
+  return row;
+}
+
+const char* sigma_label(const Analysis& a) {
+  return has_effects(a) ? "  sigma (IPQN, effects)" : "  sigma (IPQN)";
+}
+
+std::string position_table(const Analysis& a) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  std::vector<std::vector<std::string>> rows{headings()};
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const std::string name(info(coordinates[i]).name), unit(info(coordinates[i]).unit);
+    rows.push_back(figures(name + sigma_label(a), c.sigma, unit));
+    rows.push_back(figures(name + "  worst case", c.worst_case, unit));
+    if (std::isfinite(c.worst_case_rigorous.min))
+      rows.push_back(figures(name + "  worst case, rigorous", c.worst_case_rigorous, unit));
+  }
+  return aligned(rows);
+}
+
+std::string derivative_table(const Analysis& a, std::size_t f) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  std::vector<std::vector<std::string>> rows{headings()};
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const Coordinate c = coordinates[i];
+    const std::string unit = derivative_unit(c, a.spec.filters[f].filter.derivative);
+    if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
+      rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));
+    else
+      rows.push_back({std::string(info(c).name) + "  sigma: not known"});
+    if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
+      rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
+    rows.push_back(
+        figures(std::string(info(c).name) + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
+  }
+  return aligned(rows);
+}
+
+}  // namespace
+
+std::string detail_tables(const Analysis& a, const Style& style) {
+  std::string out =
+      heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    out += heading("Filter '" + escaped(a.spec.filters[f].name, 40) + "': " + norm_text(a.spec.filters[f]),
+                   style) +
+           derivative_table(a, f);
+  if (a.spec.motion && !a.spec.filters.empty())
+    out += '\n' + wrapped(
+                      "sigma in motion: encoders move as in `motion:`, Jacobians are those of the "
+                      "configurations",
+                      style.width, "  ");
+  return out;
+}
+
+}  // namespace qerr

@@ -1,0 +1,102 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/tables.hpp"
+#include "report/fitted_table.hpp"
+#include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string of_filter(const NamedFilter& f) { return escaped(f.name, 40) + ": " + norm_text(f); }
+
+/// A statistic in the unit of the row.
+std::vector<std::string> cells(const Statistic& s, const PrefixedUnit& unit) {
+  return {readable_number(cleaned(s.p50) / unit.factor), readable_number(cleaned(s.max) / unit.factor)};
+}
+
+/// A coordinate: its unit, and median and maximum of sigma, of sigma in motion, of the worst case.
+std::vector<std::string> summary_row(Coordinate c, const std::string& si, const Statistic* sigma,
+                                     const Statistic* in_motion, bool motion_column, const Statistic& worst) {
+  const PrefixedUnit unit = prefixed(worst.max, si);
+  std::vector<std::string> row{std::string(info(c).name), unit.unit};
+  const auto add = [&](const Statistic* s) {
+    const std::vector<std::string> two = s ? cells(*s, unit) : std::vector<std::string>{"-", "-"};
+    row.insert(row.end(), two.begin(), two.end());
+  };
+  add(sigma);
+  if (motion_column) add(in_motion);
+  add(&worst);
+  return row;
+}
+
+/// The largest rigorous bounds that differ in print from the largest linear ones.
+std::string rigorous_note(const Analysis& a, const Style& style) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  std::vector<std::string> differing;
+  for (std::size_t i = 0; i < coordinates.size(); ++i) {
+    const CoordinateStatistics& c = a.workspace.coordinates[i];
+    const std::string unit(info(coordinates[i]).unit);
+    const std::string text = readable(cleaned(c.worst_case_rigorous.max), unit);
+    if (std::isfinite(c.worst_case_rigorous.max) && text != readable(cleaned(c.worst_case.max), unit))
+      differing.push_back(std::string(info(coordinates[i]).name) + ' ' + text);
+  }
+  if (differing.empty()) return "";
+  return wrapped("with the linearization remainder (rigorous) at most " + listed(differing), style.width,
+                 "  ");
+}
+
+/// Median and maximum of every signal: one row a coordinate, one block a signal.
+std::string table_of_rows(const Analysis& a, const Style& style) {
+  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const Workspace& w = a.workspace;
+  bool motion = false;
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f) motion = motion || is_known(a.noise_in_motion, f);
+  std::vector<std::string> header{"", "", "sigma median", "sigma max"};
+  if (motion) header.insert(header.end(), {"in motion median", "in motion max"});
+  header.insert(header.end(), {"worst median", "worst max"});
+  std::vector<std::vector<std::string>> rows{header};
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    rows.push_back(summary_row(coordinates[i], std::string(info(coordinates[i]).unit),
+                               &w.coordinates[i].sigma, nullptr, motion, w.coordinates[i].worst_case));
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      const DerivativeStatistics& d = w.derivatives[f][i];
+      rows.push_back(summary_row(coordinates[i],
+                                 derivative_unit(coordinates[i], a.spec.filters[f].filter.derivative),
+                                 d.sigma ? &*d.sigma : nullptr,
+                                 d.sigma_in_motion ? &*d.sigma_in_motion : nullptr, motion, d.worst_case));
+    }
+  const std::string text = fitted_table(rows, style.width, "    ");
+  std::string out;
+  std::size_t at = 0, line = 0;
+  const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+  const std::size_t titles = lines - (rows.size() - 1);
+  for (; at < text.size(); ++line) {
+    if (line >= titles && (line - titles) % coordinates.size() == 0) {
+      const std::size_t block = (line - titles) / coordinates.size();
+      out +=
+          wrapped(block == 0 ? "position" : of_filter(a.spec.filters[block - 1]), style.width, "    ", "  ");
+    }
+    const std::size_t end = text.find('\n', at);
+    out += text.substr(at, end - at + 1);
+    at = end + 1;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string summary_table(const Analysis& a, const Style& style) {
+  std::string notes = "sigma: independent pseudo-quantization noise (IPQN)";
+  if (has_effects(a)) notes += " and effects";
+  if (a.spec.motion && !a.spec.filters.empty()) notes += "; in motion: encoders move as in `motion:`";
+  return heading("Tip, estimate minus true, over the configurations", style) + table_of_rows(a, style) +
+         rigorous_note(a, style) + wrapped(notes + "; all statistics: --details", style.width, "  ");
+}
+
+}  // namespace qerr

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+
+#include "qerr/report/analysis.hpp"
+#include "qerr/report/write.hpp"
+
+/// Parts of the table of `analyze`.
+namespace qerr {
+
+/// Every encoder with its share as a bar; the largest is marked.
+std::string encoder_table(const Analysis&, const Style&);
+
+/// Median and maximum of every signal: one row a coordinate, one block a signal.
+std::string summary_table(const Analysis&, const Style&);
+
+/// All statistics that tables show, one table a signal.
+std::string detail_tables(const Analysis&, const Style&);
+
+bool has_effects(const Analysis&);
+
+/// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.
+std::string norm_text(const NamedFilter&);
+
+/// 0 for rounding errors of sines and cosines: no length, angle or derivative of one is this small.
+double cleaned(double value);
+
+}  // namespace qerr
