@@ -16,7 +16,10 @@ std::string of_filter(const NamedFilter& f) { return escaped(f.name, 40) + ": " 
 
 /// A statistic in the unit of the row.
 std::vector<std::string> cells(const Statistic& s, const PrefixedUnit& unit) {
-  return {readable_number(cleaned(s.p50) / unit.factor), readable_number(cleaned(s.max) / unit.factor)};
+  const auto cell = [&](double value) {
+    return std::isinf(value) ? "inf" : readable_number(cleaned(value) / unit.factor);
+  };
+  return {cell(s.p50), cell(s.max)};
 }
 
 /// A coordinate: its unit, and median and maximum of sigma, of sigma in motion, of the worst case.
@@ -50,38 +53,58 @@ std::string rigorous_note(const Analysis& a, const Style& style) {
                  "  ");
 }
 
-/// Median and maximum of every signal: one row a coordinate, one block a signal.
-std::string table_of_rows(const Analysis& a, const Style& style) {
+using Rows = std::vector<std::vector<std::string>>;
+
+/// The rows of the position, then those of each filter.
+std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
   const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   const Workspace& w = a.workspace;
+  std::vector<Rows> blocks(1 + a.spec.filters.size());
+  for (std::size_t i = 0; i < coordinates.size(); ++i)
+    blocks[0].push_back(summary_row(coordinates[i], std::string(info(coordinates[i]).unit),
+                                    &w.coordinates[i].sigma, nullptr, motion, w.coordinates[i].worst_case));
+  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
+    for (std::size_t i = 0; i < coordinates.size(); ++i) {
+      const DerivativeStatistics& d = w.derivatives[f][i];
+      blocks[f + 1].push_back(
+          summary_row(coordinates[i], derivative_unit(coordinates[i], a.spec.filters[f].filter.derivative),
+                      d.sigma ? &*d.sigma : nullptr, d.sigma_in_motion ? &*d.sigma_in_motion : nullptr,
+                      motion, d.worst_case));
+    }
+  return blocks;
+}
+
+std::string title_of(const Analysis& a, std::size_t block, const Style& style) {
+  return wrapped(block == 0 ? "position" : of_filter(a.spec.filters[block - 1]), style.width, "    ", "  ");
+}
+
+/// Median and maximum of every signal: one row a coordinate, one block a signal.
+std::string table_of_rows(const Analysis& a, const Style& style) {
   bool motion = false;
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f) motion = motion || is_known(a.noise_in_motion, f);
   std::vector<std::string> header{"", "", "sigma median", "sigma max"};
   if (motion) header.insert(header.end(), {"in motion median", "in motion max"});
   header.insert(header.end(), {"worst median", "worst max"});
-  std::vector<std::vector<std::string>> rows{header};
-  for (std::size_t i = 0; i < coordinates.size(); ++i)
-    rows.push_back(summary_row(coordinates[i], std::string(info(coordinates[i]).unit),
-                               &w.coordinates[i].sigma, nullptr, motion, w.coordinates[i].worst_case));
-  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
-    for (std::size_t i = 0; i < coordinates.size(); ++i) {
-      const DerivativeStatistics& d = w.derivatives[f][i];
-      rows.push_back(summary_row(coordinates[i],
-                                 derivative_unit(coordinates[i], a.spec.filters[f].filter.derivative),
-                                 d.sigma ? &*d.sigma : nullptr,
-                                 d.sigma_in_motion ? &*d.sigma_in_motion : nullptr, motion, d.worst_case));
-    }
-  const std::string text = fitted_table(rows, style.width, "    ");
-  std::string out;
-  std::size_t at = 0, line = 0;
+  const std::vector<Rows> blocks = blocks_of(a, motion);
+  Rows all{header};
+  for (const Rows& block : blocks) all.insert(all.end(), block.begin(), block.end());
+  const std::string text = fitted_table(all, style.width, "    ");
+  constexpr std::size_t tallest_header = 3;
   const auto lines = static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
-  const std::size_t titles = lines - (rows.size() - 1);
-  for (; at < text.size(); ++line) {
-    if (line >= titles && (line - titles) % coordinates.size() == 0) {
-      const std::size_t block = (line - titles) / coordinates.size();
-      out +=
-          wrapped(block == 0 ? "position" : of_filter(a.spec.filters[block - 1]), style.width, "    ", "  ");
+  const std::size_t above = lines - (all.size() - 1);
+  std::string out;
+  if (above > tallest_header) {  // a narrow terminal: the columns are in several tables
+    for (std::size_t i = 0; i < blocks.size(); ++i) {
+      Rows rows{header};
+      rows.insert(rows.end(), blocks[i].begin(), blocks[i].end());
+      out += title_of(a, i, style) + fitted_table(rows, style.width, "    ");
     }
+    return out;
+  }
+  std::size_t at = 0;
+  for (std::size_t line = 0; at < text.size(); ++line) {
+    const std::size_t row = line - std::min(line, above), each = blocks[0].size();
+    if (line >= above && row % each == 0) out += title_of(a, row / each, style);
     const std::size_t end = text.find('\n', at);
     out += text.substr(at, end - at + 1);
     at = end + 1;
