@@ -25,7 +25,7 @@ std::vector<std::string> cells(const Statistic& s, const PrefixedUnit& unit) {
 /// A coordinate: its unit, and median and maximum of sigma, of sigma in motion, of the worst case.
 std::vector<std::string> summary_row(Coordinate c, const std::string& si, const Statistic* sigma,
                                      const Statistic* in_motion, bool motion_column, const Statistic& worst) {
-  const PrefixedUnit unit = prefixed(worst.max, si);
+  const PrefixedUnit unit = prefixed(cleaned(worst.max), si);
   std::vector<std::string> row{std::string(info(c).name), unit.unit};
   const auto add = [&](const Statistic* s) {
     const std::vector<std::string> two = s ? cells(*s, unit) : std::vector<std::string>{"-", "-"};
