@@ -68,10 +68,30 @@ TreeEnd end_of(const RobotModel& robot, const std::string& tip, const std::strin
   return end;
 }
 
-auto order(const TreeEnd& end) {
-  const bool moves = !end.joints.empty();
-  return std::tuple(!moves, end.kind == EndKind::sensor, -static_cast<std::ptrdiff_t>(end.joints.size()),
-                    rank_in(tools, words_of_name(end.tip)));
+/// Number of joints up to the last tool on the way to an end, whose further joints are those of a gripper;
+/// all of them if there is none.
+std::size_t joints_to_tool(const TreeEnd& end, const std::vector<TreeEnd>& ends) {
+  std::size_t most = 0;
+  for (const TreeEnd& tool : ends)
+    if (tool.kind == EndKind::tool && tool.joints.size() < end.joints.size() &&
+        std::equal(tool.joints.begin(), tool.joints.end(), end.joints.begin()))
+      most = std::max(most, tool.joints.size());
+  return most > 0 ? most : end.joints.size();
+}
+
+/// Sorts ends by what people mean with a tip: the end of the longest chain, at its tool rather than at the
+/// fingers beyond, and sensors last.
+void sort_ends(std::vector<TreeEnd>& ends) {
+  const auto order = [&](const TreeEnd& end) {
+    const std::size_t joints = joints_to_tool(end, ends);
+    return std::tuple(joints == 0, end.kind == EndKind::sensor, -static_cast<std::ptrdiff_t>(joints),
+                      joints < end.joints.size(), rank_in(tools, words_of_name(end.tip)));
+  };
+  std::vector<std::pair<decltype(order(ends.front())), TreeEnd>> keyed;
+  for (const TreeEnd& end : ends) keyed.emplace_back(order(end), end);
+  std::stable_sort(keyed.begin(), keyed.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (std::size_t i = 0; i < ends.size(); ++i) ends[i] = std::move(keyed[i].second);
 }
 
 }  // namespace
@@ -103,8 +123,7 @@ std::vector<TreeEnd> tree_ends(const RobotModel& robot, const std::string& base)
     const std::string root = path.empty() ? link : robot.joints[path.front()].parent;
     ends.push_back(end_of(robot, link, root, path));
   }
-  std::stable_sort(ends.begin(), ends.end(),
-                   [](const TreeEnd& a, const TreeEnd& b) { return order(a) < order(b); });
+  sort_ends(ends);
   return ends;
 }
 
