@@ -38,4 +38,11 @@ const FilterFigure* find_filter_figure(std::string_view name) {
   return row == std::end(figures) ? nullptr : row;
 }
 
+std::string figure_unit(const FilterFigure& figure, const Filter& filter) {
+  if (!figure.norm) return unit_name(figure.dimension(filter));
+  return filter.derivative == 0   ? ""
+         : filter.derivative == 1 ? "1/s"
+                                  : "1/s^" + std::to_string(filter.derivative);  // no frequency
+}
+
 }  // namespace qerr

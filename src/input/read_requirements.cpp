@@ -101,11 +101,8 @@ void read_statistic(const Object& o, Requirement& r) {
 }
 
 std::string unit_of(const Requirement& r, const Spec& spec) {
-  if (!r.figure || !r.figure->norm) return unit_name(dimension_of(r, spec));
-  const int derivative = spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
-  return derivative == 0   ? ""
-         : derivative == 1 ? "1/s"
-                           : "1/s^" + std::to_string(derivative);  // no frequency
+  if (r.figure) return figure_unit(*r.figure, spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  return unit_name(dimension_of(r, spec));
 }
 
 void read_limit(const Object& o, Spec& spec, Requirement& r) {

@@ -10,8 +10,9 @@ namespace {
 
 constexpr std::size_t most_bytes = 16'000'000;
 
-/// The place of a byte that follows well-formed UTF-8.
-Place place_of(const std::string& text, std::size_t byte, const std::string& file) {
+}  // namespace
+
+Place place_of_byte(const std::string& text, std::size_t byte, const std::string& file) {
   Place place{file, 1, 1};
   for (std::size_t i = 0; i < byte; ++i) {
     if (text[i] == '\n') {
@@ -23,8 +24,6 @@ Place place_of(const std::string& text, std::size_t byte, const std::string& fil
   }
   return place;
 }
-
-}  // namespace
 
 std::string read_text(const std::string& path) {
   ByteSource source(path);
@@ -48,12 +47,12 @@ void check_text(const std::string& text, const std::string& file) {
   for (std::size_t i = 0; i < text.size();) {
     const std::size_t length = utf8_length(text, i);
     if (length == 0) {
-      throw Error(Fault{place_of(text, i, file), "", "the text must be UTF-8",
+      throw Error(Fault{place_of_byte(text, i, file), "", "the text must be UTF-8",
                         "byte 0x" + hexadecimal(static_cast<unsigned char>(text[i])),
                         utf16 ? "this looks like UTF-16: save the file as UTF-8" : "save the file as UTF-8"});
     }
     if (text[i] == '\0') {
-      throw Error(Fault{place_of(text, i, file), "", "the text must not contain a NUL byte", "",
+      throw Error(Fault{place_of_byte(text, i, file), "", "the text must not contain a NUL byte", "",
                         "is this a text file?"});
     }
     i += length;

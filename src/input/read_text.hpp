@@ -1,6 +1,9 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
+
+#include "qerr/core/error.hpp"
 
 namespace qerr {
 
@@ -12,5 +15,9 @@ std::string read_text(const std::string& path);
 /// Checks size and encoding of a text.
 /// @throws Error (input), with line and column of the first invalid byte
 void check_text(const std::string& text, const std::string& file);
+
+/// The place of a byte that follows well-formed UTF-8; a column is a code point.
+/// @pre byte <= text.size()
+Place place_of_byte(const std::string& text, std::size_t byte, const std::string& file);
 
 }  // namespace qerr

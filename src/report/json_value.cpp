@@ -5,12 +5,55 @@
 #include <utility>
 
 #include "core/text.hpp"
+#include "input/read_text.hpp"
+#include "qerr/core/error.hpp"
 
 namespace qerr {
 
-/// The only place that knows nlohmann-json: it writes the digits and escapes the strings.
+/// The only place that knows nlohmann-json: it reads texts, writes the digits and escapes the strings.
 struct JsonText {
   using Library = nlohmann::ordered_json;
+
+  static Error no_json(const std::string& text, std::size_t byte, const std::string& file,
+                       const std::string& rule) {
+    const std::string rest =
+        text.substr(byte, std::min(text.find_first_of("\r\n", byte) - byte, std::size_t{30}));
+    return Error(Fault{place_of_byte(text, byte, file), "", rule, rest.empty() ? "its end" : quoted(rest),
+                       "write the file anew with --format json"});
+  }
+
+  static Library read(const std::string& text, const std::string& file) {
+    constexpr int most_levels = 64;  // the conversion calls itself for each
+    if (text.find_first_not_of(" \t\r\n") == std::string::npos)
+      throw Error(Fault{{file, 1, 1}, "", "the file is empty", "", "write it anew with --format json"});
+    const auto limited = [&](int depth, Library::parse_event_t, const Library&) {
+      if (depth > most_levels) throw no_json(text, 0, file, "has more than 64 levels: this is no report");
+      return true;
+    };
+    try {
+      return Library::parse(text, limited);
+    } catch (const nlohmann::json::parse_error& e) {
+      throw no_json(text, std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0), file,
+                    "the text is no valid JSON");
+    }
+  }
+
+  static Json value(const Library& read) {
+    if (read.is_boolean()) return read.get<bool>();
+    if (read.is_number_unsigned()) return read.get<std::uint64_t>();
+    if (read.is_number_integer()) return read.get<std::int64_t>();
+    if (read.is_number()) return read.get<double>();
+    if (read.is_string()) return read.get<std::string>();
+    Json json;
+    if (read.is_array()) json = Json::array();
+    if (read.is_object()) json = Json::object();
+    for (const auto& [name, member] : read.items())
+      if (read.is_array())
+        json.push_back(value(member));
+      else
+        std::get<Json::Members>(json.value_).push_back({name, value(member)});
+    return json;
+  }
 
   static Library converted(const Json& json) {
     return std::visit([](const auto& value) { return converted(value); }, json.value_);
@@ -109,6 +152,33 @@ Json& Json::back() { return std::get<Items>(value_).back(); }
 void Json::append(Json members) {
   for (JsonMember& member : std::get<Members>(members.value_))
     std::get<Members>(value_).push_back(std::move(member));
+}
+
+Json Json::parse(const std::string& text, const std::string& file) {
+  return JsonText::value(JsonText::read(text, file));
+}
+
+std::optional<double> Json::number() const {
+  if (const auto* real = std::get_if<double>(&value_)) return *real;
+  if (const auto* natural = std::get_if<std::uint64_t>(&value_)) return static_cast<double>(*natural);
+  if (const auto* whole = std::get_if<std::int64_t>(&value_)) return static_cast<double>(*whole);
+  return {};
+}
+
+std::optional<bool> Json::boolean() const {
+  const bool* value = std::get_if<bool>(&value_);
+  return value ? std::optional(*value) : std::nullopt;
+}
+
+std::span<const JsonMember> Json::members() const {
+  const Members* members = std::get_if<Members>(&value_);
+  return members ? std::span<const JsonMember>(*members) : std::span<const JsonMember>();
+}
+
+const Json* Json::find(std::string_view name) const {
+  for (const JsonMember& member : members())
+    if (member.name == name) return &member.value;
+  return nullptr;
 }
 
 std::string Json::document() const { return JsonText::text(*this, 2) + '\n'; }

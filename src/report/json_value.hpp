@@ -6,6 +6,7 @@
 #include <map>
 #include <optional>
 #include <ranges>
+#include <span>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -77,6 +78,20 @@ class Json {
   Json& back();
   /// Appends the members of another object, whose names must be new. @pre both are objects
   void append(Json members);
+
+  /// The value that a text holds (RFC 8259), with at most 64 levels.
+  /// @param file  that has the text, for messages
+  /// @throws Error (input) with line and column where it is no JSON
+  static Json parse(const std::string& text, const std::string& file);
+
+  bool is_null() const { return std::holds_alternative<std::nullptr_t>(value_); }
+  bool is_object() const { return std::holds_alternative<Members>(value_); }
+  std::optional<double> number() const;                                           ///< empty if it is none
+  std::optional<bool> boolean() const;                                            ///< empty if it is none
+  const std::string* text() const { return std::get_if<std::string>(&value_); }   ///< null if it is none
+  const std::vector<Json>* items() const { return std::get_if<Items>(&value_); }  ///< null: no array
+  std::span<const JsonMember> members() const;                                    ///< of an object, else none
+  const Json* find(std::string_view name) const;                                  ///< null if it is missing
 
   /// The document: indented by two blanks a level, with a line break at its end. Doubles are written with as
   /// many digits as read back as the same double; bytes that are not UTF-8 are replaced by U+FFFD.

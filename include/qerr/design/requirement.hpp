@@ -27,6 +27,9 @@ std::span<const FilterFigure> filter_figures();
 /// The figure of a name; null: unknown.
 const FilterFigure* find_filter_figure(std::string_view name);
 
+/// Its SI unit: of a norm `1/s`, which `Hz` would hide.
+std::string figure_unit(const FilterFigure&, const Filter&);
+
 /// An entry of `requirements:` in a spec: a limit of a statistic of a bound, or of a figure of a filter.
 struct Requirement {
   enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
