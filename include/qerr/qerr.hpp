@@ -68,8 +68,10 @@
 #include "qerr/input/spec.hpp"
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/comparison.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "qerr/report/named_figures.hpp"
 #include "qerr/report/plan_report.hpp"
 #include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"

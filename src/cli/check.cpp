@@ -1,8 +1,12 @@
 #include <cstdio>
 #include <ctime>
+#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/text.hpp"
+#include "input/read_text.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
 
 namespace qerr::cli {
@@ -27,24 +31,48 @@ void annotate(const std::string& text, bool below_table) {
   std::fflush(to);
 }
 
-CheckReport checked(const std::vector<Spec>& specs, const Values& v) {
+/// 0.02 of `2%` and of `0.02`.
+double tolerance_of(const Values& v) {
+  std::string why;
+  const auto value = parse_quantity(v.text("tolerance"), why);
+  if (value && value->value >= 0 && value->dimension.value_or(dimension::none) == dimension::none)
+    return value->value;
+  throw usage("--tolerance", "must be a part of the baseline's figures, at least 0",
+              quoted(v.text("tolerance")), "e.g. --tolerance 2%, or 0.02");
+}
+
+/// Read before the spec, so that a wrong file fails early.
+std::optional<Baseline> baseline_of(const Values& v) {
+  if (!v.given("baseline")) return {};
+  const std::string& file = v.text("baseline");
+  const double tolerance = tolerance_of(v);
+  if (v.texts("SPEC").size() > 1)
+    throw usage("--baseline", "is a report of one spec", counted(v.texts("SPEC").size(), "spec"),
+                "check each spec against a baseline of its own");
+  if (file == "-" && v.text("SPEC") == "-")
+    throw usage("--baseline", "only one input can be standard input", "'-'", "name a file");
+  return read_baseline(read_text(file), file, tolerance);
+}
+
+CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const Values& v) {
   WorkspaceOptions options;
   options.threads = threads(v);
   options.progress = progress(v, "configurations");
   CheckReport report;
-  for (const Spec& spec : specs) report.specs.push_back(check(spec, options));
+  for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline));
   return report;
 }
 
 /// @param annotated  whether annotations are asked for
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
+    const std::optional<Baseline> baseline = baseline_of(v);
     std::vector<Spec> specs;
     for (const std::string& path : v.texts("SPEC")) {
       specs.push_back(load(path, v));
       limit_configurations(specs.back(), v);
     }
-    return checked(specs, v);
+    return checked(specs, baseline ? &*baseline : nullptr, v);
   } catch (const Error& e) {
     if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
     throw;
@@ -77,6 +105,14 @@ Command check_command() {
                 .meaning = "github: `::error file=,line=` for each requirement that is not met",
                 .choices = annotation_forms,
                 .choice = "form"}},
+              {{.name = "--baseline",
+                .value = "OLD.json",
+                .meaning = "an earlier report of check or analyze: no figure may be worse than there"},
+               {.name = "--tolerance",
+                .value = "PART",
+                .meaning = "how much worse a figure may be, such as 2% or 0.02 (default: 0)",
+                .fallback = "0",
+                .needs = "--baseline"}},
               long_work_option(),
               output_options()});
   options.front().kind = OptionKind::repeat;
@@ -86,7 +122,10 @@ Command check_command() {
           run,
           {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
            {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
-            "in continuous integration, which shows verdicts at their lines"}},
+            "in continuous integration, which shows verdicts at their lines"},
+           {"qerr analyze arm.yaml -o old.json", "today's figures, to be a baseline"},
+           {"qerr check arm.yaml --baseline old.json --tolerance 2%",
+            "has any figure become worse since, by more than 2 %?"}},
           {"requirements", "output"}};
 }
 

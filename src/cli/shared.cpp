@@ -71,17 +71,19 @@ Error usage(const std::string& option, const std::string& rule, const std::strin
   return Error({{}, option, rule, found, remedy}, Trouble::usage);
 }
 
-Spec load(const std::string& path, const Values& v) {
-  SpecOverrides overrides;
+SpecOverrides overrides(const Values& v) {
+  SpecOverrides changes;
   for (const std::string& text : v.texts("set")) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
       throw usage("--set", "must be KEY=VALUE", "'" + text + "'", "e.g. --set encoders.elbow.bits=19");
-    overrides.values.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    changes.values.emplace_back(text.substr(0, equals), text.substr(equals + 1));
   }
-  if (v.given("seed")) overrides.seed = v.whole("seed");
-  return read_spec(path, overrides);
+  if (v.given("seed")) changes.seed = v.whole("seed");
+  return changes;
 }
+
+Spec load(const std::string& path, const Values& v) { return read_spec(path, overrides(v)); }
 
 unsigned threads(const Values& v) {
   return v.given("threads") ? static_cast<unsigned>(v.whole("threads")) : 0;

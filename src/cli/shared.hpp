@@ -27,6 +27,9 @@ std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
 Error usage(const std::string& option, const std::string& rule, const std::string& found,
             const std::string& remedy);
 
+/// The changes of --set and --seed.
+SpecOverrides overrides(const Values&);
+
 /// The spec with the changes of --set and --seed.
 Spec load(const std::string& path, const Values&);
 

@@ -18,6 +18,7 @@ struct OutputSchema {
 constexpr OutputSchema output_schemas[] = {
     {"analyze", "qerr analyze --format json", analysis_schema},
     {"check", "qerr check --format json", check_schema},
+    {"compare", "qerr compare --format json", comparison_schema},
     {"filter", "qerr filter --format json", filter_schema},
     {"simulate", "qerr simulate --format json", simulation_schema},
     {"diagnose", "qerr diagnose --format json", diagnosis_schema},

@@ -72,6 +72,7 @@ def check_examples(t, qerr, commands):
         for name in ("arm.yaml", "wrist.yaml"):
             (folder / name).write_text(spec)
         environment = dict(os.environ, PATH=f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}")
+        (folder / "spec.yaml").unlink()  # its robot is elsewhere
         made = run(qerr, "simulate", "arm.yaml", "--log", "log.csv", "-o", "simulated.txt", cwd=folder)
         t.check("the log of the examples", made.code == 0, made.err.decode()[:200])
         for command in commands:
@@ -161,6 +162,10 @@ MISTAKES = [  # words; what the message must name
     (["analyze", "a.yaml", "--color", "no"], ["--color", "'no'", "never"]),
     (["filter", "a.yaml", "--motion-band", "3Hz"], ["--motion-band", "FROM TO"]),
     (["filter", "a.yaml", "--clock", "1MHz"], ["--clock", "--estimators"]),
+    (["compare", "a.yaml"], ["B", "the other report or spec", "e.g. qerr compare"]),
+    (["compare", "-", "-"], ["standard input"]),
+    (["check", "a.yaml", "--tolerance", "2%"], ["--tolerance", "--baseline"]),
+    (["check", "a.yaml", "--baseline", "b.json", "--tolerance", "2 mm"], ["--tolerance", "'2 mm'", "2%"]),
     (["list"], ["KIND", "e.g. qerr list"]),
     (["list", "filtrs"], ["'filtrs'", "did you mean 'filters'"]),
     (["list", "filters", "kalmn"], ["'kalmn'", "did you mean 'kalman'"]),

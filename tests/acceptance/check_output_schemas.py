@@ -38,7 +38,7 @@ def closed(schema):
     return strict
 
 
-def reports(folder):
+def reports(qerr, folder):
     """(name of the report, words of a command)"""
     specs = sorted(CONFIGS.glob("*/spec.yaml"))
     few = ["--set", "configurations.count=50"]
@@ -46,6 +46,13 @@ def reports(folder):
         yield "analyze", ["analyze", spec, *few]
         if "requirements:" in spec.read_text():
             yield "check", ["check", spec, *few]
+    arm = CONFIGS / "kuka_lwr" / "spec.yaml"
+    old = folder / "old.json"
+    run(qerr, "analyze", arm, *few, "-q", "-o", old)
+    yield "check", ["check", arm, *few, "--baseline", old, "--tolerance", "2%", "--set", "encoders.*.counts_per_rev=300"]
+    yield "compare", ["compare", old, arm, *few]
+    yield "compare", ["compare", arm, arm, *few, "--set", "filters={}", "--set", "requirements=[]"]
+    yield "compare", ["compare", CONFIGS / "planar_prr" / "spec.yaml", arm, *few, "--set", "encoders.*.counts_per_rev=300"]
     for effects in (EFFECTS, SPREAD):
         yield "analyze", ["analyze", DIAGNOSIS, "--set", effects]
         yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]
@@ -86,7 +93,7 @@ def main():
     qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
     validators, seen = {}, set()
     with tempfile.TemporaryDirectory() as temporary:
-        for name, words in reports(pathlib.Path(temporary)):
+        for name, words in reports(qerr, pathlib.Path(temporary)):
             if name not in validators:
                 schema = json.loads(run(qerr, "schema", "--output-of", name).out)
                 jsonschema.Draft202012Validator.check_schema(schema)

@@ -54,6 +54,10 @@ def commands():
     yield ["threshold", *sorted((CONFIGS / "table_iv").glob("*.yaml"))]
     for urdf in sorted(CONFIGS.glob("*/*.urdf")):
         yield ["robot", urdf]
+    reports = [spec for spec in specs if "filters:" in spec.read_text()]
+    for one, other in zip(reports, reports[1:]):
+        yield ["compare", one, other]
+        yield ["compare", one, other, "--details"]
     for spec in specs:
         yield ["analyze", spec]
         yield ["analyze", spec, "--details"]

@@ -109,6 +109,7 @@ def check_outputs(t, qerr, folder, spec):
     ran = run(qerr, "analyze", spec, "--no-color")
     t.check("no colour codes unless on a terminal", b"\x1b" not in ran.out)
     check_files_of_a_run(t, qerr, folder, spec)
+    check_comparison(t, qerr, folder)
     check_closed_streams(t, qerr, folder, spec)
     check_long_work(t, qerr, folder)
     check_interrupt(t, qerr, folder, spec)
@@ -126,6 +127,8 @@ def check_files_of_a_run(t, qerr, folder, spec):
     os.link(urdf, folder / "hard.urdf")
     log = folder / "own.csv"
     run(qerr, "simulate", own, "--log", log, "-o", folder / "simulated.txt")
+    old = folder / "old.json"
+    run(qerr, "check", own, "-q", "-o", old)
     new, other = folder / "same.csv", f"{folder}/./same.csv"
     before = {path: path.read_bytes() for path in folder.iterdir() if path.is_file()}
     for words in (["analyze", own, "-o", own], ["analyze", own, "-o", folder / "alias.yaml"], ["analyze", own, "-o", urdf],
@@ -134,6 +137,7 @@ def check_files_of_a_run(t, qerr, folder, spec):
                   ["filter", own, "--response", new, "--transient", other], ["filter", own, "--impulse", urdf],
                   ["simulate", own, "--log", new, "-o", other], ["simulate", own, "--log", urdf, "-o", new],
                   ["check", own, "--junit", new, "-o", other], ["check", own, "--junit", own], ["threshold", own, "-o", own],
+                  ["compare", own, own, "-o", own], ["check", own, "--baseline", old, "-o", old],
                   ["diagnose", own, log, "-o", log], ["diagnose", own, log, "--write-model", own, "-o", new],
                   ["diagnose", own, log, "--write-table", new, "--write-model", other],
                   ["check", own, "--junit", "-", "-o", "-"], ["check", own, "--junit", "-", "--format", "json"],
@@ -149,6 +153,27 @@ def check_files_of_a_run(t, qerr, folder, spec):
     t.check("--junit - leaves standard output to the XML alone",
             ran.code == 0 and ran.out.startswith(b"<?xml") and xml.etree.ElementTree.fromstring(ran.out) is not None,
             ran.out.decode()[:200])
+
+
+def check_comparison(t, qerr, folder):
+    """Differences are no failure of compare; a figure that is worse than in the baseline is one of check."""
+    own, old = folder / "own.yaml", folder / "old.json"
+    coarser = ["-q", "--set", "encoders.*.counts_per_rev=1000"]
+    expect(t, "compare with differences: 0", run(qerr, "compare", old, own, *coarser), 0)
+    expect(t, "check of the same spec as the baseline: 0", run(qerr, "check", own, "-q", "--baseline", old), 0)
+    ran = run(qerr, "check", own, *coarser, "--baseline", old, "--tolerance", "2%", "--format", "json")
+    worse = json.loads(ran.out)["regressions"] if ran.out else []
+    t.check("check of a coarser encoder against the baseline: 1", ran.code == 1 and worse and all(r["change"] > 0.02 for r in worse), str(worse))
+    bare = ["--set", "requirements=[]"]
+    expect(t, "check without requirements: 3", run(qerr, "check", own, "-q", *bare), 3)
+    expect(t, "check without requirements, with a baseline: 0", run(qerr, "check", own, "-q", *bare, "--baseline", old), 0)
+    for text in ("", "{}", '{"qerr": "0", "command": "simulate"}', "[" * 100000, "quantity,statistic\n", '{"qerr": "0", "command": "check"}'):
+        wrong = folder / "wrong.json"
+        wrong.write_text(text)
+        for words in (["compare", wrong, own], ["compare", old, wrong], ["check", own, "--baseline", wrong]):
+            ran = run(qerr, *words)
+            t.check(f"{words[0]} with {text[:30]!r} as a report: 3, one line, nothing on standard output",
+                    ran.code == 3 and not ran.out and ran.err.count(b"\n") == 1, f"exit {ran.code}: {ran.err.decode()[:200]}")
 
 
 def check_closed_streams(t, qerr, folder, spec):

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,7 @@
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/report/named_figures.hpp"
 
 namespace qerr {
 
@@ -38,13 +40,25 @@ Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(
 struct SpecCheck {
   Analysis analysis;
   std::vector<RequirementResult> results;  ///< one for each requirement of the spec
+  std::optional<BaselineCheck> baseline = {};
 
+  /// Also that no figure is worse than in the baseline, if there is one.
   bool all_met() const;
 };
 
-/// @throws Error (input; key `requirements`) if the spec has none, and for an effect of unknown size, as a
-/// requirement cannot be decided then
-SpecCheck check(const Spec&, const WorkspaceOptions& = {});
+/// The bounds of a spec, and its requirements, if it has any.
+/// @throws Error (input; key `requirements`) if there are requirements and an effect of unknown size, as they
+/// cannot be decided then
+SpecCheck evaluate(const Spec&, const WorkspaceOptions& = {});
+
+/// The same, of a spec that has requirements or is checked against a baseline.
+/// @param baseline  a report of check or analyze; may be null
+/// @throws Error (input; key `requirements`) if there is nothing to check
+SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* baseline = nullptr);
+
+/// The baseline that a file holds.
+/// @throws Error (input) if it is no report of check or analyze
+Baseline read_baseline(const std::string& text, const std::string& file, double tolerance);
 
 /// The result of `qerr check`.
 struct CheckReport {

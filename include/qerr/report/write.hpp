@@ -12,6 +12,7 @@ namespace qerr {
 
 struct Analysis;
 struct CheckReport;
+struct ReportComparison;
 struct ThresholdReport;
 struct FilterReport;
 struct SimulationReport;
@@ -44,6 +45,7 @@ struct Style {
 /// @throws Error (usage) for an unknown format
 std::string write(const Analysis&, std::string_view format, const Style& = {});
 std::string write(const CheckReport&, std::string_view format, const Style& = {});
+std::string write(const ReportComparison&, std::string_view format, const Style& = {});
 std::string write(const ThresholdReport&, std::string_view format, const Style& = {});
 std::string write(const FilterReport&, std::string_view format, const Style& = {});
 std::string write(const SimulationReport&, std::string_view format, const Style& = {});

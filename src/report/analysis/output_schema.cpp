@@ -103,9 +103,25 @@ Json check_schema() {
                                    {"value", number_or_null()},
                                    {"unit", text()},
                                    {"met", boolean()}});
-  const Json of_spec = object(joined(
-      analysis_header_schema("check"),
-      {{"requirements", list(requirement)}, {"met", boolean(), "all of them"}, {"warnings", warnings()}}));
+  const Json regression =
+      object({{"quantity", text()},
+              {"statistic", text(), "empty: a figure of a filter"},
+              {"unit", text()},
+              {"baseline", number_or_null(), "null: unbounded"},
+              {"value", number_or_null(), "null: unbounded"},
+              {"change", number_or_null(), "relative; null: from zero, or to unbounded"}});
+  const Json baseline = object({{"file", text()},
+                                {"tolerance", number(), "relative"},
+                                {"compared", number(), "figures that both have"},
+                                {"missing", list(text()), "figures that only the baseline has"},
+                                {"dropped_requirements", list(text()), "that only the baseline has"}});
+  const Json of_spec =
+      object(joined(analysis_header_schema("check"),
+                    {{"requirements", list(requirement)},
+                     {"baseline", baseline, "with --baseline", true},
+                     {"regressions", list(regression), "with --baseline: figures that are worse", true},
+                     {"met", boolean(), "all requirements, and no figure is worse"},
+                     {"warnings", warnings()}}));
   const Json of_specs = object({{"qerr", text()},
                                 {"command", constant("check")},
                                 {"reports", list(of_spec), "one for each spec, if there are several"},

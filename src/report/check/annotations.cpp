@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "report/check/parts.hpp"
 
 /// Workflow commands of GitHub Actions.
@@ -34,6 +36,24 @@ std::string command(const Place& place, const std::string& message) {
   return "::error" + properties + "::" + escaped_command(message, false) + "\n";
 }
 
+/// At the requirement on the quantity, or else at the spec.
+Place place_of_quantity(const Spec& spec, const std::string& quantity) {
+  for (const Requirement& r : spec.requirements)
+    if (r.quantity == quantity) return r.place;
+  return {spec.file, 0, 0};
+}
+
+std::string regression_commands(const SpecCheck& check) {
+  const Spec& spec = check.analysis.spec;
+  const std::vector<FigureChange> worst = check.baseline->worst_by_quantity();
+  std::string out;
+  for (std::size_t i = 0; i < std::min(worst.size(), most_regressions); ++i)
+    out += command(place_of_quantity(spec, worst[i].figure.quantity),
+                   verdict(worst[i]) + ", worse than in " + check.baseline->file);
+  if (worst.size() > most_regressions) out += command({spec.file, 0, 0}, verdict(*check.baseline));
+  return out;
+}
+
 }  // namespace
 
 std::string github_annotations(const CheckReport& report) {
@@ -43,6 +63,8 @@ std::string github_annotations(const CheckReport& report) {
       const Requirement& r = check.analysis.spec.requirements[i];
       if (!check.results[i].met) out += command(r.place, verdict(r, check.results[i]));
     }
+  for (const SpecCheck& check : report.specs)
+    if (check.baseline) out += regression_commands(check);
   return out;
 }
 

@@ -1,29 +1,42 @@
 #include <algorithm>
 
 #include "core/text.hpp"
-#include "qerr/report/analysis.hpp"
+#include "qerr/report/comparison.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/check/parts.hpp"
+#include "report/compare/parts.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
 bool SpecCheck::all_met() const {
-  return std::all_of(results.begin(), results.end(), [](const RequirementResult& r) { return r.met; });
+  return std::all_of(results.begin(), results.end(), [](const RequirementResult& r) { return r.met; }) &&
+         (!baseline || baseline->regressions.empty());
 }
 
-SpecCheck check(const Spec& spec, const WorkspaceOptions& options) {
-  if (spec.requirements.empty())
-    throw Error(Fault{{spec.file, 1, 1},
-                      "requirements",
-                      "the spec has none: there is nothing to check",
-                      "",
-                      "add `requirements:` (see `qerr schema` and `qerr list statistics`)"});
+SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options) {
   EffectReport effects = effect_report(spec);
   require_known(spec, effects.shares);
   SpecCheck report{analyze(spec, std::move(effects), options), {}};
   for (const Requirement& r : spec.requirements)
     report.results.push_back(
         evaluate(r, report.analysis.workspace, designed_filters(spec), filter_norms(spec)));
+  return report;
+}
+
+SpecCheck check(const Spec& spec, const WorkspaceOptions& options, const Baseline* baseline) {
+  if (spec.requirements.empty() && !baseline)
+    throw Error(
+        Fault{{spec.file, 1, 1},
+              "requirements",
+              "the spec has none: there is nothing to check",
+              "",
+              "add `requirements:` (see `qerr schema` and `qerr list statistics`), or compare with an "
+              "earlier report: --baseline OLD.json"});
+  SpecCheck report = evaluate(spec, options);
+  if (!baseline) return report;
+  report.baseline = against(*baseline, named_figures(report));
+  for (const std::string& warning : report.baseline->warnings) report.analysis.warnings.push_back(warning);
   return report;
 }
 
@@ -34,6 +47,17 @@ bool CheckReport::all_met() const {
 std::string verdict(const Requirement& r, const RequirementResult& result) {
   return r.name() + " is " + readable(result.value, r.unit) + ", " + (r.at_least ? "at least " : "at most ") +
          readable(r.limit, r.unit) + " is required";
+}
+
+std::string verdict(const BaselineCheck& b) {
+  const std::string tolerance = b.tolerance > 0 ? " by more than " + percent(b.tolerance) : "";
+  return (b.regressions.empty() ? "none" : std::to_string(b.regressions.size())) + " of " +
+         counted(b.compared, "figure") + " worse than in " + b.file + tolerance;
+}
+
+std::string verdict(const FigureChange& c) {
+  return c.figure.name() + " was " + readable(*c.a, c.figure.unit) + " and is " +
+         readable(*c.b, c.figure.unit) + " (" + change_text(c) + ")";
 }
 
 }  // namespace qerr

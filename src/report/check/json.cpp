@@ -1,11 +1,31 @@
 #include "report/analysis/json_header.hpp"
+#include "report/check/parts.hpp"
 #include "report/formats.hpp"
 
 namespace qerr {
 
 namespace {
 
-Json of_spec(const SpecCheck& check) {
+void add_baseline(const BaselineCheck& b, Json& to) {
+  Json missing = Json::array(), dropped = Json::array(), regressions = Json::array();
+  for (const NamedFigure& f : b.missing) missing.push_back(f.name());
+  for (const JudgedRequirement& r : b.dropped_requirements) dropped.push_back(r.figure.name());
+  for (const FigureChange& c : b.regressions)
+    regressions.push_back({{"quantity", c.figure.quantity},
+                           {"statistic", c.figure.statistic},
+                           {"unit", c.figure.unit},
+                           {"baseline", c.a},
+                           {"value", c.b},
+                           {"change", c.relative}});
+  to["baseline"] = {{"file", b.file}, {"tolerance", b.tolerance}, {"compared", b.compared}};
+  to["baseline"]["missing"] = missing;
+  to["baseline"]["dropped_requirements"] = dropped;
+  to["regressions"] = regressions;
+}
+
+}  // namespace
+
+Json check_json(const SpecCheck& check) {
   Json list = Json::array();
   for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = check.analysis.spec.requirements[i];
@@ -19,18 +39,17 @@ Json of_spec(const SpecCheck& check) {
   }
   Json j = analysis_header(check.analysis, "check");
   j["requirements"] = list;
+  if (check.baseline) add_baseline(*check.baseline, j);
   j["met"] = check.all_met();
   j["warnings"] = check.analysis.warnings;
   return j;
 }
 
-}  // namespace
-
 /// Of one spec its report; of several a list of such reports.
 std::string to_json(const CheckReport& report, const Style&) {
-  if (report.specs.size() == 1) return of_spec(report.specs.front()).document();
+  if (report.specs.size() == 1) return check_json(report.specs.front()).document();
   Json list = Json::array();
-  for (const SpecCheck& check : report.specs) list.push_back(of_spec(check));
+  for (const SpecCheck& check : report.specs) list.push_back(check_json(check));
   Json j = {{"qerr", version()}, {"command", "check"}};
   j["reports"] = list;
   j["met"] = report.all_met();

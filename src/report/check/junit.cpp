@@ -29,6 +29,16 @@ std::string xml(const std::string& text) {
   return out;
 }
 
+std::string baseline_case(const BaselineCheck& b) {
+  const std::string begin =
+      "    <testcase classname=\"qerr.check\" name=\"" + xml("baseline " + b.file) + "\" time=\"0\"";
+  if (b.regressions.empty()) return begin + "/>\n";
+  std::string all;
+  for (const FigureChange& c : b.regressions) all += xml(verdict(c)) + '\n';
+  return begin + ">\n      <failure type=\"regression\" message=\"" + xml(verdict(b)) + "\">" + all +
+         "</failure>\n    </testcase>\n";
+}
+
 /// Ant's schema requires all these attributes and elements, and permits no place of a test case.
 std::string suite_of(const SpecCheck& check, std::size_t id, const std::string& time) {
   const Spec& spec = check.analysis.spec;
@@ -46,11 +56,16 @@ std::string suite_of(const SpecCheck& check, std::size_t id, const std::string& 
     cases += ">\n      <failure type=\"requirement\" message=\"" + xml(message) + "\">" + xml(r.place.file) +
              ":" + std::to_string(r.place.line) + ": " + xml(message) + "</failure>\n    </testcase>\n";
   }
+  std::size_t tests = check.results.size();
+  if (check.baseline) {
+    cases += baseline_case(*check.baseline);
+    failed += !check.baseline->regressions.empty();
+    ++tests;
+  }
   return "  <testsuite name=\"" + xml(spec.file) + "\" package=\"qerr\" id=\"" + std::to_string(id) +
-         "\" timestamp=\"" + time + "\" hostname=\"localhost\" tests=\"" +
-         std::to_string(check.results.size()) + "\" failures=\"" + std::to_string(failed) +
-         "\" errors=\"0\" time=\"0\">\n    <properties/>\n" + cases +
-         "    <system-out/>\n    <system-err/>\n  </testsuite>\n";
+         "\" timestamp=\"" + time + "\" hostname=\"localhost\" tests=\"" + std::to_string(tests) +
+         "\" failures=\"" + std::to_string(failed) + "\" errors=\"0\" time=\"0\">\n    <properties/>\n" +
+         cases + "    <system-out/>\n    <system-err/>\n  </testsuite>\n";
 }
 
 }  // namespace

@@ -3,10 +3,23 @@
 #include <string>
 
 #include "qerr/report/analysis.hpp"
+#include "report/json_value.hpp"
 
 namespace qerr {
 
 /// `velocity.x.sigma p99 is 1.20 mm/s, at most 1.00 mm/s is required`.
 std::string verdict(const Requirement&, const RequirementResult&);
+
+/// `3 of 120 figures worse than in old.json by more than 2 %`, or `none of ...`.
+std::string verdict(const BaselineCheck&);
+
+/// `velocity.x.sigma max was 1.00 mm/s and is 1.20 mm/s (+20 %)`.
+std::string verdict(const FigureChange& regression);
+
+/// Quantities that a person is told of; the others are counted.
+inline constexpr std::size_t most_regressions = 10;
+
+/// The report of one spec.
+Json check_json(const SpecCheck&);
 
 }  // namespace qerr

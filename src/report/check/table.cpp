@@ -1,3 +1,8 @@
+#include <algorithm>
+
+#include "report/check/parts.hpp"
+#include "report/compare/parts.hpp"
+#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 #include "report/wrapped_text.hpp"
@@ -42,17 +47,46 @@ std::string table_of(const SpecCheck& check, const Style& style) {
   return out;
 }
 
+std::string baseline_table(const BaselineCheck& b, const Style& style) {
+  const std::vector<FigureChange> worst = b.worst_by_quantity();
+  const std::size_t shown_rows = std::min(worst.size(), most_regressions);
+  std::string out = wrapped("Baseline: " + verdict(b), style.width);
+  std::vector<std::vector<std::string>> rows{{"figure", "baseline", "now", "change"}};
+  for (std::size_t i = 0; i < shown_rows; ++i)
+    rows.push_back({shown(worst[i].figure.name()), readable(*worst[i].a, worst[i].figure.unit),
+                    readable(*worst[i].b, worst[i].figure.unit), change_text(worst[i])});
+  if (shown_rows > 0) out += fitted_table(rows, style.width);
+  if (shown_rows < b.regressions.size())
+    out += wrapped("and " + counted(b.regressions.size() - shown_rows, "more figure") + ": --format json",
+                   style.width, "  ");
+  for (const JudgedRequirement& r : b.dropped_requirements)
+    out += wrapped("the baseline requires " + shown(r.figure.name()) + ", which the spec does not",
+                   style.width, "  ");
+  if (!b.missing.empty())
+    out += wrapped("the spec lacks " + counted(b.missing.size(), "figure") + " of the baseline, such as " +
+                       shown(b.missing.front().name()),
+                   style.width, "  ");
+  return out;
+}
+
 }  // namespace
 
 std::string to_table(const CheckReport& report, const Style& style) {
   std::string out;
-  std::size_t failed = 0, count = 0;
+  std::size_t failed = 0, count = 0, worse = 0;
   for (const SpecCheck& check : report.specs) {
     if (report.specs.size() > 1) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
     out += table_of(check, style);
+    if (check.baseline) {
+      out += baseline_table(*check.baseline, style);
+      worse += check.baseline->regressions.size();
+    }
     for (const RequirementResult& result : check.results) failed += !result.met;
     count += check.results.size();
   }
+  if (worse > 0)
+    out += painted(counted(worse, "figure") + " worse than in the baseline", Paint::red, style) + '\n';
+  if (count == 0) return out;
   const std::string all = counted(count, "requirement");
   return out +
          (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)

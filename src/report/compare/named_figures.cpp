@@ -1,0 +1,195 @@
+#include <algorithm>
+#include <limits>
+
+#include "core/text.hpp"
+#include "qerr/bound/statistic.hpp"
+#include "qerr/report/comparison.hpp"
+#include "qerr/report/filter_report.hpp"
+#include "report/check/parts.hpp"
+#include "report/compare/report_member.hpp"
+#include "report/formats.hpp"
+
+/// Reads reports as lists of named figures.
+namespace qerr {
+
+namespace {
+
+/// What null stands for where a figure always exists.
+constexpr double unbounded = std::numeric_limits<double>::infinity();
+
+void add_figure(NamedFigure figure, NamedFigures& to) {
+  const auto known = std::find_if(to.figures.begin(), to.figures.end(), [&](const NamedFigure& f) {
+    return f.quantity == figure.quantity && f.statistic == figure.statistic;
+  });
+  if (known == to.figures.end()) to.figures.push_back(std::move(figure));
+}
+
+/// The bounds of each coordinate; nothing of one that is null, which is not known.
+void add_bounds(const std::string& signal, const ReportMember& rows, NamedFigures& to) {
+  for (const ReportMember& row : rows.items())
+    for (const std::string bound : {"worst_case", "worst_case_rigorous", "sigma", "sigma_in_motion"}) {
+      const auto statistic = row.find(bound);
+      if (!statistic || statistic->is_null()) continue;
+      for (const StatisticKind& kind : statistic_kinds())
+        add_figure({signal + '.' + row.at("coordinate").text() + '.' + bound, std::string(kind.name),
+                    row.at("unit").text(), statistic->at(kind.name).number_or(unbounded)},
+                   to);
+    }
+}
+
+/// A figure of a filter: its path in a report, and its name, which is that of requirements where they know
+/// it.
+struct FilterMember {
+  std::string_view member, part, name;
+  Dimension (*dimension)(int derivative);  ///< where it is no figure of requirements
+};
+
+constexpr FilterMember filter_members[] = {
+    {"h2_norm", "", "h2_norm", nullptr},
+    {"l1_norm", "upper", "l1_norm", nullptr},
+    {"group_delay_s", "", "delay", nullptr},
+    {"bandwidth_hz", "", "bandwidth", nullptr},
+    {"settling_time_s", "", "settling", nullptr},
+    {"noise_bandwidth_hz", "", "noise_bandwidth", [](int) { return dimension::frequency; }},
+    {"motion_band", "largest", "motion_band.largest", [](int) { return dimension::none; }},
+    {"motion_band", "rms", "motion_band.rms", [](int) { return dimension::none; }},
+};
+
+std::string member_unit(const FilterMember& row, int derivative) {
+  if (row.dimension) return unit_name(row.dimension(derivative));
+  Filter filter;
+  filter.derivative = derivative;
+  return figure_unit(*find_filter_figure(row.name), filter);
+}
+
+/// Norms exist always, and null is infinite; null is not known elsewhere.
+void add_filter(const std::string& name, const ReportMember& filter, NamedFigures& to) {
+  const int derivative = static_cast<int>(filter.at("derivative").number());
+  for (const FilterMember& row : filter_members) {
+    auto value = filter.find(row.member);
+    if (value && !row.part.empty()) value = value->at(row.part);
+    const bool norm = row.member.ends_with("norm");
+    if (!value || (value->is_null() && !norm)) continue;
+    add_figure(
+        {name + '.' + std::string(row.name), "", member_unit(row, derivative), value->number_or(unbounded)},
+        to);
+  }
+}
+
+/// `x.worst_case` is an older name of `position.x.worst_case`, and median of p50.
+NamedFigure required_figure(const ReportMember& r) {
+  NamedFigure f;
+  f.quantity = r.at("quantity").text();
+  if (const auto statistic = r.find("statistic")) f.statistic = statistic->text();
+  if (f.statistic == "median") f.statistic = "p50";
+  if (!f.statistic.empty() && std::count(f.quantity.begin(), f.quantity.end(), '.') == 1)
+    f.quantity = "position." + f.quantity;
+  f.unit = r.at("unit").text();
+  f.value = r.at("value").number_or(unbounded);
+  return f;
+}
+
+void add_requirements(const ReportMember& list, NamedFigures& to) {
+  for (const ReportMember& r : list.items()) {
+    const auto lowest = r.find("at_least");
+    to.requirements.push_back({required_figure(r), lowest.has_value(),
+                               (lowest ? *lowest : r.at("at_most")).number(), r.at("met").boolean()});
+    add_figure(to.requirements.back().figure, to);
+  }
+}
+
+void read_analyze(const ReportMember& report, NamedFigures& to) {
+  add_bounds("position", report.at("position"), to);
+  for (const ReportMember& filter : report.at("derivatives").items()) {
+    const std::string& name = filter.at("filter").text();
+    add_filter(name, filter, to);
+    add_bounds(name, filter.at("coordinates"), to);
+  }
+  for (const auto& [encoder, share] : report.at("budget").members())
+    to.shares.push_back({encoder, share.number()});
+}
+
+void read_check(const ReportMember& report, NamedFigures& to) {
+  if (report.find("reports"))
+    throw report.fault("a report of several specs cannot be compared", "",
+                       "check each spec into a file of its own");
+  add_requirements(report.at("requirements"), to);
+}
+
+void read_filter(const ReportMember& report, NamedFigures& to) {
+  for (const ReportMember& filter : report.at("filters").items())
+    add_filter(filter.at("name").text(), filter, to);
+}
+
+/// A command whose reports can be compared.
+struct ComparableCommand {
+  std::string_view name;
+  void (*read)(const ReportMember&, NamedFigures&);
+  Json (*report)(const SpecCheck&);
+};
+
+Json analysis_document(const SpecCheck& s) {
+  return Json::parse(to_json(s.analysis, {}), s.analysis.spec.file);
+}
+Json filter_document(const SpecCheck& s) {
+  return Json::parse(to_json(filter_report(s.analysis.spec, {}), {}), s.analysis.spec.file);
+}
+
+constexpr ComparableCommand comparable_commands[] = {
+    {"analyze", read_analyze, analysis_document},
+    {"check", read_check, check_json},
+    {"filter", read_filter, filter_document},
+};
+
+/// What the figures belong to, in reports of a robot.
+void read_origin(const ReportMember& report, NamedFigures& to) {
+  if (const auto set = report.at("spec").find("set"); set && to.changes.empty())
+    for (const ReportMember& change : set->items())
+      to.changes.push_back(change.at("key").text() + '=' + change.at("value").text());
+  if (const auto robot = report.find("robot"))
+    to.robot = robot->at("name").text() + ", " + robot->at("base").text() + " -> " + robot->at("tip").text();
+  if (const auto sample = report.find("configurations"))
+    to.sample = sample->at("method").text() + ", " + significant(sample->at("count").number(), 12) +
+                " configurations, seed " + significant(report.at("seed").number(), 12);
+}
+
+void read_report(const Json& json, const std::string& command, NamedFigures& to) {
+  const ReportMember report(json, to.file);
+  const auto row = std::find_if(std::begin(comparable_commands), std::end(comparable_commands),
+                                [&](const ComparableCommand& c) { return c.name == command; });
+  if (row == std::end(comparable_commands))
+    throw report.at("command").fault("only reports of analyze, check and filter can be compared",
+                                     quoted(command), "write one with: qerr analyze SPEC -o FILE.json");
+  read_origin(report, to);
+  row->read(report, to);
+}
+
+}  // namespace
+
+NamedFigures read_named_figures(const std::string& text, const std::string& file) {
+  const Json json = Json::parse(text, file);
+  const Json *version = json.find("qerr"), *command = json.find("command");
+  if (!version || !version->text() || !command || !command->text())
+    throw Error(Fault{{file, 1, 1},
+                      "",
+                      "this is no report of qerr, which begins with its version and command",
+                      "",
+                      "write one with: qerr analyze SPEC -o FILE.json"});
+  NamedFigures figures;
+  figures.file = file;
+  figures.command = *command->text();
+  read_report(json, figures.command, figures);
+  return figures;
+}
+
+NamedFigures named_figures(const SpecCheck& check, const std::string& command) {
+  NamedFigures figures;
+  figures.file = check.analysis.spec.file;
+  figures.command = command;
+  for (const ComparableCommand& row : comparable_commands)
+    if (command == "spec" || command == row.name)
+      read_report(row.report(check), std::string(row.name), figures);
+  return figures;
+}
+
+}  // namespace qerr
