@@ -159,14 +159,14 @@ def check_comparison(t, qerr, folder):
     """Differences are no failure of compare; a figure that is worse than in the baseline is one of check."""
     own, old = folder / "own.yaml", folder / "old.json"
     coarser = ["-q", "--set", "encoders.*.counts_per_rev=1000"]
-    expect(t, "compare with differences: 0", run(qerr, "compare", old, own, *coarser), 0)
-    expect(t, "check of the same spec as the baseline: 0", run(qerr, "check", own, "-q", "--baseline", old), 0)
+    expect(t, "compare with differences: 0", run(qerr, "compare", old, own, *coarser), 0, quiet_stdout=False)
+    expect(t, "check of the same spec as the baseline: 0", run(qerr, "check", own, "-q", "--baseline", old), 0, quiet_stdout=False)
     ran = run(qerr, "check", own, *coarser, "--baseline", old, "--tolerance", "2%", "--format", "json")
     worse = json.loads(ran.out)["regressions"] if ran.out else []
     t.check("check of a coarser encoder against the baseline: 1", ran.code == 1 and worse and all(r["change"] > 0.02 for r in worse), str(worse))
     bare = ["--set", "requirements=[]"]
     expect(t, "check without requirements: 3", run(qerr, "check", own, "-q", *bare), 3)
-    expect(t, "check without requirements, with a baseline: 0", run(qerr, "check", own, "-q", *bare, "--baseline", old), 0)
+    expect(t, "check without requirements, with a baseline: 0", run(qerr, "check", own, "-q", *bare, "--baseline", old), 0, quiet_stdout=False)
     for text in ("", "{}", '{"qerr": "0", "command": "simulate"}', "[" * 100000, "quantity,statistic\n", '{"qerr": "0", "command": "check"}'):
         wrong = folder / "wrong.json"
         wrong.write_text(text)
