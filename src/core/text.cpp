@@ -103,7 +103,7 @@ int magnitude(double value) { return static_cast<int>(std::floor(std::log10(std:
 }  // namespace
 
 PrefixedUnit prefixed(double value, const std::string& unit) {
-  if (value == 0 || !std::isfinite(value)) return {1, unit};
+  if (value == 0 || !std::isfinite(value) || unit.starts_with("1/")) return {1, unit};  // no k1/s
   static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
   // The prefix is that of the rounded value: 999.96 u is 1.00 m.
   const int thousand = std::clamp(static_cast<int>(std::floor(magnitude(rounded_to(value, 3)) / 3.0)), -4, 3);

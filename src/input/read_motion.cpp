@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
+#include <set>
 
 #include "core/suggest.hpp"
 #include "input/joint_entries.hpp"
@@ -108,8 +109,23 @@ Effect effect_on(const Object& o, const EffectKind& kind, const std::vector<Para
   return effect;
 }
 
-/// An entry of `effects`: an effect for each joint that its `joint` names.
-void read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
+using NamedEffects = std::set<std::pair<std::string, std::string>>;
+
+/// Type and joint of the entries that name their joint, which beat patterns.
+NamedEffects named_effects(const std::vector<Field>& entries) {
+  NamedEffects named;
+  for (const Field& entry : entries) {
+    const Node* const type = entry.node->find("type");
+    const Node* const joint = entry.node->find("joint");
+    if (type && joint && joint->text.find_first_of("*?[") == std::string::npos)
+      named.emplace(type->text, joint->text);
+  }
+  return named;
+}
+
+/// An entry of `effects`: an effect for each joint that its `joint` names, or whose pattern it fits and that
+/// no entry of the same type names.
+void read_effect(const Field& f, const NamedEffects& named, const RobotModel& robot, Spec& spec) {
   const EffectKind& kind = effect_kind_of(f);
   std::vector<Parameter> format = spec_format::effect();
   format.insert(format.end(), kind.parameters.begin(), kind.parameters.end());
@@ -121,10 +137,13 @@ void read_effect(const Field& f, const RobotModel& robot, Spec& spec) {
     throw Error(o.at("joint").fault("must be one joint or a pattern of joints",
                                     "write an entry for each joint, or a pattern such as 'joint[12]'"));
   EntryFaults of_joints;
-  for (const std::size_t index :
-       find_joints(robot, spec.model.chain, *o.text("joint"), o.at("joint").node->place, o.at("joint").path))
+  for (const std::size_t index : find_joints(robot, spec.model.chain, *o.text("joint"),
+                                             o.at("joint").node->place, o.at("joint").path)) {
+    const std::string& name = spec.model.chain.independent[index].name;
+    if (*o.text("joint") != name && named.contains({std::string(kind.name), name})) continue;
     of_joints.guard(spec.model.chain.independent[index], f,
                     [&] { spec.effects.push_back(effect_on(o, kind, format, index, spec)); });
+  }
   of_joints.raise();
 }
 
@@ -239,8 +258,9 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
 }
 
 void read_effects(const Field& f, const RobotModel& robot, Spec& spec, Faults& faults) {
-  for (const Field& item : read_list(f, "a list: - {type: ..., joint: ...}"))
-    faults.guard([&] { read_effect(item, robot, spec); });
+  const std::vector<Field> entries = read_list(f, "a list: - {type: ..., joint: ...}");
+  const NamedEffects named = named_effects(entries);
+  for (const Field& entry : entries) faults.guard([&] { read_effect(entry, named, robot, spec); });
 }
 
 }  // namespace qerr

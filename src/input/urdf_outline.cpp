@@ -188,7 +188,10 @@ void Outliner::malformed() {
       fail("unexpected end of the document", "", open);
     case XML_ERROR_SYNTAX:
       if (open_.empty() && !root_) fail("this is not a URDF: a URDF is XML and begins with <robot>", "", "");
-      fail(std::string("the XML is malformed: ") + XML_ErrorString(code), "", "");
+      fail("the XML is malformed here", "", "write tags as <name ...> or <name .../>");
+    case XML_ERROR_INVALID_TOKEN:
+      fail("the XML is malformed here", "",
+           "put the value of every attribute in quotation marks, and write &amp; for &, &lt; for <");
     case XML_ERROR_TAG_MISMATCH:
       fail("the closing tag does not match", "", open);
     case XML_ERROR_JUNK_AFTER_DOC_ELEMENT:

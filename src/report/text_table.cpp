@@ -60,6 +60,21 @@ std::string heading(const std::string& text, const Style& style) {
   return out;
 }
 
+std::string shortened(const std::string& text, std::size_t width) {
+  if (display_width(text) <= width) return text;
+  std::vector<std::string> letters;  // of one or more bytes
+  for (const char c : text) {
+    if ((static_cast<unsigned char>(c) & 0xC0u) != 0x80u) letters.emplace_back();
+    letters.back() += c;
+  }
+  const std::size_t kept = width - 2, front = kept / 2, back = kept - front;
+  std::string out;
+  for (std::size_t i = 0; i < front; ++i) out += letters[i];
+  out += "..";
+  for (std::size_t i = letters.size() - back; i < letters.size(); ++i) out += letters[i];
+  return out;
+}
+
 std::string shown(const std::string& name) { return escaped(name, 60); }
 
 std::string listed(const std::vector<std::string>& items) {

@@ -183,7 +183,7 @@ void Sensing::count_shaft(std::size_t encoder, const double* shaft, std::size_t 
   const Actions& a = actions_[encoder];
   double* const counts = counts_.data() + encoder * batch_size;
   double* const measured = measured_.data() + encoder * batch_size;
-  if (rounds_ && a.encoder.empty() && a.decoder.empty()) {
+  if (rounds_ && a.encoder.empty() && a.decoder.empty() && below_reading(e) < 1) {
     const Quantizer quantizer{e.resolution, e.rounding == Rounding::down};
     if (select_kernels<SimulationKernels>(set_).quantize(quantizer, shaft, counts, measured)) return;
   }

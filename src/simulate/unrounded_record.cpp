@@ -11,8 +11,9 @@ UnroundedRecord::UnroundedRecord(const Motion& motion, double rate, double settl
     every_ = static_cast<std::uint64_t>(whole);
   else
     motion_.sample_rate = rate;
-  samples_ =
-      static_cast<std::uint64_t>(std::max(1.0, std::floor(motion.duration * motion_.sample_rate + 0.5)));
+  constexpr double most = 0x1p53;
+  samples_ = static_cast<std::uint64_t>(
+      std::clamp(std::floor(motion.duration * motion_.sample_rate + 0.5), 1.0, most));
   const std::uint64_t last = (samples_ - 1) / every_ * every_;
   settled_ =
       std::min(static_cast<std::uint64_t>(std::ceil(settling * motion_.sample_rate * (1 - 1e-12))), last);

@@ -25,5 +25,16 @@ TEST(Encoder, ErrorOfQuantizingStaysInItsRangeAndHasItsMeanAndSigma) {
   }
 }
 
+TEST(Encoder, ACounterThatRoundsDownShowsNoMoreThanThePositionInItsOwnDirection) {
+  for (const double ratio : {10.0, -10.0}) {
+    const Encoder encoder{.resolution = 0.01, .rounding = Rounding::down, .shaft_ratio = ratio};
+    EXPECT_DOUBLE_EQ(mean_error(encoder), ratio > 0 ? -0.005 : 0.005);
+    for (double position = -1.0003; position < 1; position += 0.00713) {
+      const double counter = std::floor(position * (ratio > 0 ? 1 : -1) / 0.01);  // what it shows
+      EXPECT_NEAR(quantize(encoder, position), (ratio > 0 ? 1 : -1) * counter * 0.01, 1e-15) << position;
+    }
+  }
+}
+
 }  // namespace
 }  // namespace qerr

@@ -76,6 +76,16 @@ TEST_F(ReadSpec, AToolMovesTheTip) {
   EXPECT_EQ(bare.model.frame, CoordinateFrame::base);
 }
 
+TEST_F(ReadSpec, ANamedEffectBeatsThePatternOfItsType) {
+  const Spec spec = read(head + encoders +
+                         "effects:\n  - {type: backlash, joint: '[se]*', gap: 0.1 mrad}\n"
+                         "  - {type: backlash, joint: elbow, gap: 0.3 mrad}\n");
+  std::map<std::string, std::vector<double>> gaps;
+  for (const Effect& e : spec.effects) gaps[e.joint].push_back(e.number("gap"));
+  EXPECT_EQ(gaps["elbow"], std::vector<double>{0.3e-3});
+  EXPECT_EQ(gaps["shoulder"], std::vector<double>{0.1e-3});
+}
+
 TEST_F(ReadSpec, ALengthBringsItsComponents) {
   const Spec spec = read(head + encoders + "coordinates: [rxyz, z]\n");
   EXPECT_EQ(spec.model.coordinates,

@@ -7,7 +7,7 @@ namespace qerr {
 /// Rounding of a position to a count.
 enum class Rounding {
   nearest,  ///< error in [-Delta/2, Delta/2]
-  down      ///< error in (-Delta, 0]: counters that truncate
+  down      ///< of the counter: its error is in (-1, 0] counts
 };
 
 /// An ideal encoder, in joint coordinates (after its gear).
@@ -25,10 +25,16 @@ struct Encoder {
 /// 1, or -1 where the counter falls while the joint coordinate rises: the sign of the gear ratio.
 inline double direction(const Encoder& e) { return e.shaft_ratio < 0 ? -1 : 1; }
 
-/// Mean of the quantization error, estimate - true [rad or m]: 0, or -Delta/2 for `down`.
-inline double mean_error(const Encoder& e) {
-  return e.rounding == Rounding::down ? -0.5 * e.resolution : 0.0;
+/// How far a position may lie below its reading, in intervals: 1/2. A counter that rounds down shows no more
+/// than the position: 0, or 1 where it falls while the joint coordinate rises.
+inline double below_reading(const Encoder& e) {
+  if (e.rounding == Rounding::nearest) return 0.5;
+  return direction(e) < 0 ? 1 : 0;
 }
+
+/// Mean of the quantization error, estimate - true [rad or m]: 0; of a counter that rounds down -Delta/2, or
+/// Delta/2 with a negative gear ratio.
+inline double mean_error(const Encoder& e) { return (below_reading(e) - 0.5) * e.resolution; }
 
 /// Standard deviation of the pseudo-quantization noise, Delta/sqrt(12) (paper, Eq. 6) [rad or m].
 inline double sigma(const Encoder& e) { return e.resolution / std::sqrt(12.0); }
@@ -36,7 +42,8 @@ inline double sigma(const Encoder& e) { return e.resolution / std::sqrt(12.0); }
 /// The quantized position (paper, Eq. 1 with the sign of Eq. 10) [rad or m].
 inline double quantize(const Encoder& e, double position) {
   const double counts = position / e.resolution;
-  return e.resolution * (e.rounding == Rounding::down ? std::floor(counts) : std::floor(counts + 0.5));
+  const double below = below_reading(e);
+  return e.resolution * (below == 1 ? std::ceil(counts) : std::floor(counts + below));
 }
 
 }  // namespace qerr

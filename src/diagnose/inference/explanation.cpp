@@ -14,7 +14,7 @@ constexpr Eigen::Index most_blocks = 64;  ///< of the variance inflation (conven
 }  // namespace
 
 Explanation::Explanation(const Evidence& e) : evidence_(&e) {
-  const double below = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
+  const double below = below_reading(e.encoder);
   intervals_.lower = e.measured - below * e.step() - e.path;
   intervals_.upper = intervals_.lower + e.step();
   base_.resize(e.rows(), e.encoder.zero_known ? 0 : 1);

@@ -85,7 +85,7 @@ SurrogatePlan surrogate_plan(const Evidence& e, const std::vector<RowRange>& ran
   using Standstill = SurrogateRow::Standstill;
   Eigen::ArrayXd path = undistorted(e);
   const double variance = remaining_variance(e, path), noise = e.noise / e.step();
-  const double below = e.encoder.rounding == Rounding::down ? 0.5 : 0.0;
+  const double below = 0.5 - below_reading(e.encoder);
   const Eigen::ArrayXi standstill = e.ordered ? average_standstills(path, 4 * noise * std::sqrt(variance))
                                               : Eigen::ArrayXi::Zero(path.size());
   SurrogatePlan plan{{}, {pole_of(variance), noise, e.random_sigma.size() > 0}, e.encoder.zero_known};

@@ -55,11 +55,11 @@ Prediction predict(const Evidence& e, const Explanation& model, const std::vecto
 /// @param position, noise  in counts
 double expected_square(const Encoder& encoder, double position, double noise) {
   if (noise > 1) return 1.0 / 12 + noise * noise + (encoder.rounding == Rounding::down ? 0.25 : 0);
-  const double below_reading = encoder.rounding == Rounding::down ? 0.0 : 0.5;
-  const double first = std::floor(position + below_reading - 6 * noise);
+  const double below = below_reading(encoder);
+  const double first = std::floor(position + below - 6 * noise);
   double sum = 0;
-  for (double count = first; count <= position + below_reading + 6 * noise; ++count) {
-    const double edge = count - below_reading - position;
+  for (double count = first; count <= position + below + 6 * noise; ++count) {
+    const double edge = count - below - position;
     sum +=
         (count - position) * (count - position) * (normal_cdf((edge + 1) / noise) - normal_cdf(edge / noise));
   }
@@ -74,7 +74,7 @@ double part_inside(double low, double high) {
 }
 
 void judge(const Evidence& e, const std::vector<Eigen::Index>& rows, const Prediction& p, HeldOut& h) {
-  const double under = e.encoder.rounding == Rounding::down ? 0.0 : 0.5;
+  const double under = below_reading(e.encoder);
   const Evidence part = rows_of(e, rows);
   const Eigen::ArrayXd lower = part.measured - under * e.step() - part.path;
   const Intervals edges{lower, lower + e.step()};

@@ -16,7 +16,7 @@ std::vector<Term> terms(const RecordSignals& s) {
 
 /// A counter that rounds down has the same error: minus half a count.
 bool is_half_a_count(const Effect& e, const RecordSignals& s) {
-  return std::abs(e.number("offset") + 0.5 * s.step()) < 0.1 * s.step() &&
+  return std::abs(e.number("offset") + 0.5 * direction(s.encoder) * s.step()) < 0.1 * s.step() &&
          s.encoder.rounding == Rounding::nearest;
 }
 

@@ -18,7 +18,7 @@ double displacement(const Effect& e, const Encoder& encoder) {
 Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   const double step = encoder.resolution, shift = displacement(e, encoder) / step;
   if (shift == 0) return [](double x, const Moment&) { return x; };
-  const double edge = encoder.rounding == Rounding::down ? 0 : 0.5;
+  const double edge = below_reading(encoder);
   return [=](double x, const Moment&) {
     // Two counts make a period of the pattern: an edge of the first channel at 0, of the second at 1 + shift,
     // in units of the step.

@@ -13,7 +13,9 @@ EffectKind truncation_effect() {
         return [](double x, const Moment&) { return x; };
       },
       .share = [](const Effect&, const Encoder& encoder, const Usage&) -> std::optional<Share> {
-        return Share{encoder.rounding == Rounding::nearest ? -0.5 * encoder.resolution : 0.0, 0, 0};
+        return Share{
+            encoder.rounding == Rounding::nearest ? -0.5 * direction(encoder) * encoder.resolution : 0.0, 0,
+            0};
       },
       .modify_encoder = [](Encoder& encoder) { encoder.rounding = Rounding::down; },
       .remedy = {true, "add half a count to every reading, or write `rounding: down` into the spec"}};

@@ -30,8 +30,8 @@ Json schema_of_position() {
        {"worst_case", schema_of_statistic(), "of the linearized kinematics"},
        {"worst_case_rigorous", or_null(schema_of_statistic()), "of the exact kinematics; null: no bound"},
        {"sigma", schema_of_statistic(), "IPQN"},
-       {"share", map(number()), "of each encoder in the variance"},
-       {"share_worst_case", map(number())}});
+       {"share", map(number()), "of each encoder in the variance; not of a length", true},
+       {"share_worst_case", map(number()), "", true}});
 }
 
 Json schema_of_derivative() {

@@ -29,19 +29,20 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     const Requirement& r = check.analysis.spec.requirements[i];
     const RequirementResult& result = check.results[i];
     const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
-    rows.push_back({shown(r.quantity) + (r.statistic.empty() ? "" : ' ' + r.statistic),
+    rows.push_back({shortened(escaped(r.quantity), 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
                     readable(result.value, r.unit), relation, readable(r.limit, r.unit),
                     result.met ? "met" : "NOT MET"});
   }
   const std::string text = aligned(rows);
   std::string out;
   std::size_t at = 0;
-  for (const RequirementResult& result : check.results) {
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const RequirementResult& result = check.results[i];
     const std::size_t end = text.find('\n', at);
     const std::string line = text.substr(at, end - at);
     at = end + 1;
     out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
-    if (!result.met && result.at_max.size() > 0)
+    if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
       out += wrapped(place_of(check.analysis, result.at_max), style.width, "      ");
   }
   return out;

@@ -5,6 +5,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis/parts.hpp"
 #include "report/diagnosis/sentences.hpp"
+#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
 #include "report/wrapped_text.hpp"
@@ -130,7 +131,7 @@ std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
           g.upper > 0 ? significant(g.lower, 3) + " .. " + significant(g.upper, 3) : ""};
 }
 
-std::string gain_table(const Diagnosis& d) {
+std::string gain_table(const Diagnosis& d, const Style& style) {
   std::vector<std::vector<std::string>> rows{
       {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
   std::vector<std::string> seen;
@@ -142,7 +143,8 @@ std::string gain_table(const Diagnosis& d) {
   // The total of a single place would repeat its row.
   if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
     rows.push_back(gain_row("all joints", d.gain));
-  return aligned(rows) + (d.gain.held_out ? "  after: on held-out blocks of the log\n" : "");
+  return fitted_table(rows, style.width) +
+         (d.gain.held_out ? "  after: on held-out blocks of the log\n" : "");
 }
 
 /// The error that remains at each place after a compensation, and the quantization that no compensation
@@ -193,7 +195,7 @@ std::string to_table(const DiagnosisReport& r, const Style& style) {
   if (!d.unexplained.empty()) out += heading("Significant, unidentified", style) + unexplained_list(r);
   if (d.verdict == Verdict::cannot_judge) return within(out, style.width);
   out += heading(d.causes.empty() ? "Residual" : "Improvement with the extended model", style) +
-         gain_table(d) + compensation(r);
+         gain_table(d, style) + compensation(r);
   if (!r.extended_model.empty()) out += "\nExtended model: " + escaped(r.extended_model) + '\n';
   return within(out, style.width);
 }

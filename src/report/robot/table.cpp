@@ -93,6 +93,13 @@ std::string flaw_text(const RobotReport& report) {
   return text;
 }
 
+/// The options that lead to the chain of the report, if it is not that of the first end.
+std::string chosen_ends(const RobotReport& report) {
+  const TreeEnd& first = report.ends.front();
+  return (report.base == first.base ? "" : " --base " + escaped(report.base)) +
+         (report.tip == first.tip ? "" : " --tip " + escaped(report.tip));
+}
+
 /// What to type next.
 std::string next_step(const RobotReport& report) {
   if (report.tip.empty())
@@ -109,7 +116,7 @@ std::string next_step(const RobotReport& report) {
          (!from_file ? "-"
           : whole    ? shown(report.robot.file)
                      : "URDF") +
-         " --write-spec spec.yaml\n  qerr analyze spec.yaml\n";
+         chosen_ends(report) + " --write-spec spec.yaml\n  qerr analyze spec.yaml\n";
 }
 
 }  // namespace

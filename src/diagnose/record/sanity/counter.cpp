@@ -176,7 +176,7 @@ double decode(Sanity& s, RecordedCounts read, std::size_t encoder, double factor
   Eigen::ArrayXd counts = read.counts / factor;
   if (divisor == 1) counts += centre_of_reading(factor, model.rounding);
   if (divisor == 1 && reference.size() > 0 && model.zero_known) {
-    const double mean = model.rounding == Rounding::down ? -0.5 * true_per_reading : 0;
+    const double mean = (below_reading(model) - 0.5) * true_per_reading;
     const double edges = std::round((reference / model.resolution - counts).mean() + mean);
     if (std::abs(edges) <= 0.5 * true_per_reading) counts += edges;
   }

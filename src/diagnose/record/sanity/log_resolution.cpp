@@ -66,7 +66,7 @@ void coarsen_model(Sanity& s, RecordedCounts& read, std::size_t encoder, double 
                                   ? sigma(model)
                                   : 0.5 * rms(highest + 1 - lowest - step) * model.resolution;
   if (model.zero_known)
-    read.counts = 0.5 * (lowest + highest) + (model.rounding == Rounding::down ? 0.5 - 0.5 * step : 0.0);
+    read.counts = 0.5 * (lowest + highest) + (1 - 2 * below_reading(model)) * (0.5 - 0.5 * step);
   read.counts /= step;
   model.resolution *= step;
   write_back(s, read, encoder);
