@@ -41,32 +41,45 @@ std::size_t display_width(std::string_view text) {
   return width;
 }
 
-std::string folded(std::string_view text, std::size_t width, std::string_view first, std::string_view next) {
-  std::string out, line(first);
-  bool empty = true;
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width, std::size_t first_width,
+                                       LongWords long_words) {
+  std::vector<std::string> lines{""};
   const auto add = [&](std::string_view word) {
-    if (!empty && display_width(line) + 1 + display_width(word) > width) {
-      out += line + '\n';
-      line = next;
-      empty = true;
-    }
-    line += (empty ? "" : " ") + std::string(word);
-    empty = false;
+    const std::size_t room = lines.size() == 1 ? first_width : width;
+    if (lines.back().empty())
+      lines.back() = word;
+    else if (display_width(lines.back()) + 1 + display_width(word) <= room)
+      lines.back() += ' ' + std::string(word);
+    else
+      lines.emplace_back(word);
   };
-  const std::size_t room = width - std::min(width - 1, std::max(display_width(first), display_width(next)));
+  const std::size_t longest = std::max<std::size_t>(1, std::min(width, first_width));
   for (std::size_t at = 0; at < text.size();) {
-    const std::size_t end = std::min(text.find_first_of(" \n", at), text.size());
-    std::string_view word = text.substr(at, end - at);
-    while (display_width(word) > room) {  // bytes are at least as many as columns
-      std::size_t cut = room;
-      while (cut > 1 && (static_cast<unsigned char>(word[cut]) & 0xC0u) == 0x80u) --cut;
+    const std::size_t begin = text.find_first_not_of(" \n", at);
+    if (begin == std::string_view::npos) break;
+    at = std::min(text.find_first_of(" \n", begin), text.size());
+    std::string_view word = text.substr(begin, at - begin);
+    while (long_words == LongWords::cut && display_width(word) > longest) {
+      std::size_t cut = longest;  // bytes, of which there may be more than columns
+      while (display_width(word.substr(0, cut + 1)) <= longest) ++cut;
       add(word.substr(0, cut));
       word.remove_prefix(cut);
     }
-    if (!word.empty()) add(word);
-    at = end + 1;
+    add(word);
   }
-  return out + line + '\n';
+  return lines;
+}
+
+std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
+                    const std::string& first, LongWords long_words) {
+  const auto room = [&](const std::string& before) {
+    const std::size_t used = display_width(before);
+    return width > used ? width - used : 1;
+  };
+  std::string out;
+  for (const std::string& line : wrapped_lines(text, room(indent), room(first), long_words))
+    out += (out.empty() ? first : indent) + line + '\n';
+  return out;
 }
 
 std::string quoted(const std::string& text) { return "'" + text + "'"; }

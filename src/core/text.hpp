@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <string>
 #include <string_view>
+#include <vector>
 
 namespace qerr {
 
@@ -13,9 +14,20 @@ std::size_t utf8_length(std::string_view text, std::size_t at);
 /// Width of the text on a terminal, counted as one column per code point.
 std::size_t display_width(std::string_view text);
 
-/// The text in lines of at most `width` columns, broken at blanks and in words longer than a line, the
-/// first line after `first`, the others after `next`; each ends with a line break.
-std::string folded(std::string_view text, std::size_t width, std::string_view first, std::string_view next);
+/// What becomes of a word that is longer than a line.
+enum class LongWords {
+  whole,  ///< it has a line of its own, which is wider
+  cut
+};
+
+/// The words of the text in lines of at most `width` columns, the first one of `first_width`.
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width, std::size_t first_width,
+                                       LongWords = LongWords::whole);
+
+/// The same, each with a line break, behind an indent, which `width` includes. The first line starts with
+/// `first` in place of the indent.
+std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
+                    const std::string& first, LongWords = LongWords::whole);
 
 /// Count and noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);

@@ -25,14 +25,14 @@ constexpr std::size_t most_panels = 20000;  // about 1 s for a filter of order 2
 constexpr double promising = 0.8;  // of the largest value at a node; a resolved peak rises less between nodes
 
 /// A tracking error at a frequency.
-struct Reading {
+struct BandSample {
   double frequency, error;
 };
 
 /// A part of the band, and the integral of the squared error over it.
 struct Panel {
   double from = 0, to = 0, integral = 0, uncertainty = 0;
-  std::array<Reading, 15> readings{};  // in the order of frequency
+  std::array<BandSample, 15> readings{};  // in the order of frequency
 };
 
 Panel panel(const TrackingError& tracking, double from, double to) {
@@ -121,13 +121,13 @@ double peak(const TrackingError& tracking, double low, double high) {
 }
 
 double largest_error(const TrackingError& tracking, const std::vector<Panel>& panels) {
-  std::vector<Reading> all{{panels.front().from, tracking(panels.front().from)}};
+  std::vector<BandSample> all{{panels.front().from, tracking(panels.front().from)}};
   for (const Panel& p : panels) {
     all.insert(all.end(), p.readings.begin(), p.readings.end());
     all.push_back({p.to, tracking(p.to)});
   }
   double largest = 0;
-  for (const Reading& r : all) largest = std::max(largest, r.error);
+  for (const BandSample& r : all) largest = std::max(largest, r.error);
   const double candidate = promising * largest;
   for (std::size_t i = 1; i + 1 < all.size(); ++i)
     if (all[i].error >= candidate && all[i].error >= all[i - 1].error && all[i].error >= all[i + 1].error)

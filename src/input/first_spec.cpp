@@ -115,9 +115,9 @@ std::string robot_section(const RobotModel& robot, const Chain& chain, const std
   const std::string others = other_ends(robot, chain);
   return "qerr: 1\nrobot:\n  urdf: " + yaml_text(urdf) + "\n  base: " + yaml_text(chain.base) +
          "\n  tip: " + yaml_text(chain.tip) + "  # " + counted(chain.joints.size(), "moving joint") + '\n' +
-         (others.empty()
-              ? ""
-              : folded("other tips (and their moving joints): " + others, comment_width, "  # ", "  #   "));
+         (others.empty() ? ""
+                         : wrapped("other tips (and their moving joints): " + others, comment_width, "  #   ",
+                                   "  # ", LongWords::cut));
 }
 
 std::string encoder_section(const RobotModel& robot, const Chain& chain) {

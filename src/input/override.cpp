@@ -15,7 +15,7 @@ namespace qerr {
 namespace {
 
 /// The first key of a path, and what follows it.
-struct Step {
+struct PathStep {
   std::string key, rest;
 };
 
@@ -86,7 +86,7 @@ class Override {
 
   Node& child(Node& map, std::string& passed, std::string& rest) const {
     Node::Entry* found = longest_match(map, rest);
-    const Step step = found ? split_at(rest, found->key.name.size()) : new_key(passed, rest);
+    const PathStep step = found ? split_at(rest, found->key.name.size()) : new_key(passed, rest);
     if (step.key.empty())
       refuse("a key of the path is empty", qerr::quoted(path_),
              "name a key, such as filters.velocity.lowpass.cutoff");
@@ -109,14 +109,14 @@ class Override {
     return found;
   }
 
-  static Step split_at(const std::string& path, std::size_t length) {
+  static PathStep split_at(const std::string& path, std::size_t length) {
     const bool dot = length < path.size() && path[length] == '.';
     return {path.substr(0, length), path.substr(std::min(path.size(), length + (dot ? 1 : 0)))};
   }
 
   /// A key that the mapping lacks. A joint's name may contain dots: it ends before a key of an encoder, or at
   /// the end of the path.
-  Step new_key(const std::string& passed, const std::string& rest) const {
+  PathStep new_key(const std::string& passed, const std::string& rest) const {
     if (passed == "encoders") {
       const std::size_t last = rest.rfind('.');
       if (last != std::string::npos && is_encoder_key(rest.substr(last + 1))) return split_at(rest, last);
@@ -125,7 +125,7 @@ class Override {
     return split_at(rest, std::min(rest.find('.'), rest.size()));
   }
 
-  Node::Entry& added(Node& map, const std::string& passed, const Step& step) const {
+  Node::Entry& added(Node& map, const std::string& passed, const PathStep& step) const {
     Node node{Node::Type::null, place_, {}, false, {}, {}};
     const bool by_joint = passed == "encoders" || passed == "configurations.limits";
     if (passed.empty()) refuse_new_section(step);
@@ -138,7 +138,7 @@ class Override {
 
   /// `requirements.0.at_most` or `requirements[0].at_most` in a spec without requirements,
   /// `encoders/a2/bits`.
-  void refuse_new_section(const Step& step) const {
+  void refuse_new_section(const PathStep& step) const {
     const std::size_t other = step.key.find_first_of("/:\\");
     if (other != std::string::npos)
       refuse("unknown key", qerr::quoted(step.key),

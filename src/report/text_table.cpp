@@ -60,7 +60,8 @@ std::string heading(const std::string& text, const Style& style) {
   return out;
 }
 
-std::string shortened(const std::string& text, std::size_t width) {
+std::string shortened(const std::string& name, std::size_t width) {
+  const std::string text = escaped(name, 4096);
   if (display_width(text) <= width) return text;
   std::vector<std::string> letters;  // of one or more bytes
   for (const char c : text) {

@@ -31,9 +31,9 @@ std::string heading(const std::string& text, const Style&);
 /// A name of the user's, safe for a terminal and not wider than a column should be.
 std::string shown(const std::string& name);
 
-/// A text of at most `width` columns: the middle of a longer one gives way to `..`, as names often differ in
-/// their last digits.
-std::string shortened(const std::string& text, std::size_t width);
+/// A name of the user's, safe for a terminal and of at most `width` columns: the middle of a longer one gives
+/// way to `..`, as names often differ in their last digits.
+std::string shortened(const std::string& name, std::size_t width);
 
 /// `a, b and c`.
 std::string listed(const std::vector<std::string>& items);

@@ -12,26 +12,6 @@ namespace {
 constexpr std::size_t cell_gap = 2;      // between columns
 constexpr std::size_t least_column = 8;  // a narrower one cuts ordinary words
 
-/// The words of the text in lines of at most `width` columns.
-std::vector<std::string> lines_of(std::string_view text, std::size_t width, std::size_t first_width) {
-  std::vector<std::string> lines{""};
-  for (std::size_t at = 0; at < text.size();) {
-    const std::size_t begin = text.find_first_not_of(" \n", at);
-    if (begin == std::string_view::npos) break;
-    const std::size_t end = std::min(text.find_first_of(" \n", begin), text.size());
-    const std::string word(text.substr(begin, end - begin));
-    at = end;
-    const std::size_t room = lines.size() == 1 ? first_width : width;
-    if (lines.back().empty())
-      lines.back() = word;
-    else if (display_width(lines.back()) + 1 + display_width(word) <= room)
-      lines.back() += ' ' + word;
-    else
-      lines.push_back(word);
-  }
-  return lines;
-}
-
 /// Columns of a text without the codes of its colours.
 std::size_t shown_width(const std::string& text) {
   std::size_t width = display_width(text);
@@ -68,15 +48,7 @@ std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string
 }  // namespace
 
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {
-  return lines_of(text, width, width);
-}
-
-std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
-                    const std::string& first) {
-  std::string out;
-  for (const std::string& line : lines_of(text, room_behind(width, indent), room_behind(width, first)))
-    out += (out.empty() ? first : indent) + line + '\n';
-  return out;
+  return wrapped_lines(text, width, width);
 }
 
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent) {

@@ -5,16 +5,13 @@
 #include <string_view>
 #include <vector>
 
+#include "core/text.hpp"
+
 /// Text that fits a terminal.
 namespace qerr {
 
-/// The words of the text in lines of at most `width` columns; a longer word has a line of its own.
+/// `wrapped_lines` and `wrapped` of core/text.hpp with the same width, or indent, for all lines.
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width);
-
-/// The same, each with a line break, behind an indent, which `width` includes. The first line starts with
-/// `first` in place of the indent.
-std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
-                    const std::string& first);
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent = "");
 
 /// A text whose wider lines are broken at words, with their indent and two columns more.

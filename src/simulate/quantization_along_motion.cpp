@@ -7,6 +7,7 @@
 
 #include "filter/run/row_filter.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "simulate/decoder.hpp"
 
 namespace qerr {
 
@@ -50,23 +51,6 @@ struct Zeros {
   }
 };
 
-/// Effects of a decoder on the counts of one encoder.
-struct Decoder {
-  std::vector<Action> actions;
-  double sign = 1;  ///< of the counter
-
-  double operator()(double count, const Moment& m) const {
-    double x = sign * count;
-    for (const Action& action : actions) x = action(x, m);
-    return sign * x;
-  }
-  /// Mean over the zero of the encoder.
-  double mean(double position, const Moment& m) const {
-    const double below = std::floor(position), part = position - below, decoded = (*this)(below, m);
-    return part == 0 ? decoded : decoded + part * ((*this)(below + 1, m) - decoded);
-  }
-};
-
 Decoder decoder_of(const OperationalModel& model, const std::vector<Effect>& effects, std::size_t encoder) {
   const Encoder& e = model.transmission.encoders[encoder];
   Decoder decoder{{}, direction(e)};
@@ -96,7 +80,7 @@ class FilteredZeros {
     const std::size_t count = zeros_.positions.size();
     for (std::size_t i = 0; i < x.size(); ++i) {
       double* const errors = errors_.data() + i * count;
-      decoder_.actions.empty() ? set_errors(x[i], errors) : set_decoded_errors(x[i], moments[i], errors);
+      decoder_.empty() ? set_errors(x[i], errors) : set_decoded_errors(x[i], moments[i], errors);
     }
     if (!started_) filter_.settle(errors_.data());
     started_ = true;
@@ -189,7 +173,7 @@ std::optional<Eigen::VectorXd> sigma_along_motion(const OperationalModel& model,
   std::vector<std::optional<FilteredZeros>> moving(encoders.size());
   for (std::size_t e = 0; e < encoders.size(); ++e) {
     const Decoder decoder = decoder_of(model, effects, e);
-    const bool decoded = !decoder.actions.empty();
+    const bool decoded = !decoder.empty();
     if (travelled[e].range() == 0 && !decoded) continue;
     moving[e].emplace(filter, Zeros(travelled[e], static_cast<double>(record.filter_samples()), decoded),
                       decoder);

@@ -50,6 +50,8 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       rounds_(options.rounds),
       mean_rounding_(mean_errors(model.transmission)),
       set_(set) {
+  for (std::size_t e = 0; e < actions_.size(); ++e)
+    actions_[e].decoder.sign = direction(transmission_.encoders[e]);
   for (const Effect& effect : effects)
     if (const auto modify = effect_kind(effect.type).modify_encoder)
       modify(transmission_.encoders[independent_index(model.chain, effect.joint)]);
@@ -62,7 +64,7 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       Actions& a = actions_[joint];
       auto& list = kind.stage == Stage::clock                               ? a.clock
                    : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
-                   : kind.stage == Stage::decoder                           ? a.decoder
+                   : kind.stage == Stage::decoder                           ? a.decoder.actions
                    : kind.stage == Stage::log                               ? a.log
                    : kind.stage == Stage::reference                         ? a.reference
                                                                             : a.encoder;
@@ -145,15 +147,8 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
   Moment m = moment(encoder, i);
   m.effort = 0;
   const double distorted = through(a.encoder, shaft, m);
-  const double sign = direction(transmission_.encoders[encoder]);
   double count = count_of(encoder, distorted);
-  if (!a.decoder.empty()) {
-    // Without rounding a decoder, which is defined for integers, is interpolated between the two next: the
-    // mean over the encoder's zero.
-    const double below = std::floor(sign * count), part = sign * count - below;
-    const double decoded = through(a.decoder, below, m);
-    count = sign * (part == 0 ? decoded : decoded + part * (through(a.decoder, below + 1, m) - decoded));
-  }
+  if (!a.decoder.empty()) count = a.decoder.mean(count, m);
   if (!(std::abs(count) <= 0x1p53)) fail_to_count(encoder, i);
   return count;
 }

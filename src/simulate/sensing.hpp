@@ -10,6 +10,7 @@
 #include "qerr/core/instruction_set.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/simulate/simulate.hpp"
+#include "simulate/decoder.hpp"
 #include "simulate/motion_path.hpp"
 
 namespace qerr {
@@ -99,7 +100,8 @@ class Sensing {
 
  private:
   struct Actions {
-    std::vector<Action> clock, motion, encoder, decoder, log, reference;
+    std::vector<Action> clock, motion, encoder, log, reference;
+    Decoder decoder;
   };
   double position(std::size_t joint, double time) const;
   Eigen::VectorXd effort(double time) const;

@@ -3,7 +3,6 @@
 
     check_bad_input.py --qerr build/qerr [--verbose]
 """
-import argparse
 import csv
 import pathlib
 import re
@@ -12,7 +11,7 @@ import tempfile
 
 import exit_codes
 from cases import CORPUS
-from tool import Tally, run
+from tool import program_and_tally, run
 
 SHAPE = re.compile(r"^(?P<file>.+?):(?P<line>\d+):(?P<column>\d+): \S")
 CONTROL = re.compile(r"[\x00-\x08\x0b-\x1f\x7f\x80-\x9f]")
@@ -137,11 +136,7 @@ def grown_specs(folder):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
-    arguments = parser.parse_args()
-    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    qerr, t = program_and_tally()
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         check_specs(t, qerr)

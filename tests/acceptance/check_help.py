@@ -5,7 +5,6 @@
 
 Shells and groff that are not installed are reported as skipped.
 """
-import argparse
 import json
 import os
 import pathlib
@@ -17,7 +16,7 @@ import sys
 import tempfile
 
 import zsh_terminal
-from tool import Tally, run
+from tool import program_and_tally, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 DIAGNOSIS = ROOT / "configs" / "diagnosis"
@@ -201,11 +200,7 @@ def check_globals(t, qerr):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
-    arguments = parser.parse_args()
-    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    qerr, t = program_and_tally()
     commands, topics = check_pages(t, qerr)
     check_examples(t, qerr, commands)
     check_man_pages(t, qerr, commands, topics)

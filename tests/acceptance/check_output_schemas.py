@@ -7,7 +7,6 @@ The schemas permit further members, as later versions may have them; here member
 faults, so that none is forgotten. A report without some required member, or with a text in place of a number, must be
 rejected.
 """
-import argparse
 import copy
 import json
 import pathlib
@@ -16,7 +15,7 @@ import tempfile
 
 import jsonschema
 
-from tool import Tally, run
+from tool import program_and_tally, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONFIGS = ROOT / "configs"
@@ -86,11 +85,7 @@ def without(report, path):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
-    arguments = parser.parse_args()
-    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    qerr, t = program_and_tally()
     validators, seen = {}, set()
     with tempfile.TemporaryDirectory() as temporary:
         for name, words in reports(qerr, pathlib.Path(temporary)):

@@ -3,7 +3,6 @@
 
     check_terminal.py --qerr build/qerr [--verbose]
 """
-import argparse
 import fcntl
 import os
 import pathlib
@@ -14,7 +13,7 @@ import sys
 import tempfile
 import termios
 
-from tool import Tally, run
+from tool import program_and_tally, run
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 CONFIGS = ROOT / "configs"
@@ -97,11 +96,7 @@ def check_progress(t, qerr):
 
 
 def main():
-    parser = argparse.ArgumentParser()
-    parser.add_argument("--qerr", required=True)
-    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
-    arguments = parser.parse_args()
-    qerr, t = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
+    qerr, t = program_and_tally()
     check_widths(t, qerr)
     check_progress(t, qerr)
     return t.close()

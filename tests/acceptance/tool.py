@@ -1,4 +1,6 @@
 """Runs qerr, and counts checks."""
+import argparse
+import pathlib
 import subprocess
 import time
 
@@ -16,6 +18,15 @@ def run(qerr, *arguments, limit=60, **more):
         return Ran(done.returncode, done.stdout, done.stderr, time.monotonic() - start)
     except subprocess.TimeoutExpired as stopped:
         return Ran("timeout", stopped.stdout or b"", stopped.stderr or b"", limit)
+
+
+def program_and_tally():
+    """The program of --qerr, and a tally that prints passed checks with --verbose."""
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    arguments = parser.parse_args()
+    return pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose)
 
 
 class Tally:

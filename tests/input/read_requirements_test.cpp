@@ -105,8 +105,8 @@ TEST_F(Requirements, SayWhatIsWrong) {
       {"{quantity: v.x.delay, statistic: max, at_most: 1}", "has no statistic"},
       {"{quantity: position.x.sigma, statistic: max}", "has no limit"},
       {"{quantity: position.x.sigma, statistic: max, at_most: 1 mm, at_least: 1 mm}", "has two limits"},
-      {"{quantity: position.x.sigma, statistic: max, at_most: 1 Hz}", "m"},
-      {"{quantity: v.x.delay, at_most: 1 mm}", "s"},
+      {"{quantity: position.x.sigma, statistic: max, at_most: 1 Hz}", "found '1 Hz'"},
+      {"{quantity: v.x.delay, at_most: 1 mm}", "found '1 mm'"},
       {"{quantity: position.rx.sigma, statistic: max, at_most: 1 mrad}", "add it to 'coordinates'"},
       {"{quantity: velocity.x.sigma, statistic: max, at_most: 1 mm}", "no such filter 'velocity'"},
       {"{quantity: v.x.dela, at_most: 1 ms}", "did you mean 'delay'"},
@@ -142,6 +142,8 @@ TEST_F(Requirements, OfSeveralSpecsAreSuitesOfOneDocument) {
   EXPECT_NE(text.find("id=\"1\""), std::string::npos);
   EXPECT_NE(text.find("failures=\"1\""), std::string::npos);
   EXPECT_NE(text.find("failures=\"0\""), std::string::npos);
+  report.specs.front().seconds = 1.25;
+  EXPECT_NE(junit(report, "").find("time=\"1.250\""), std::string::npos);
   EXPECT_NE(qerr::write(report, "json").find("\"reports\""), std::string::npos);
   EXPECT_EQ(qerr::write(report_of(spec), "json").find("\"reports\""), std::string::npos);
 }

@@ -30,6 +30,11 @@ TEST(WrappedText, KeepsEveryWordAndTheWidth) {
   EXPECT_EQ(wrapped("\u00b5m \u00b5m", 5), "\u00b5m \u00b5m\n") << "columns, not bytes";
 }
 
+TEST(WrappedText, CutsLongWordsWhereItMay) {
+  EXPECT_EQ(wrapped("a incomprehensible b", 7, "", "", LongWords::cut), "a\nincompr\nehensib\nle b\n");
+  EXPECT_EQ(wrapped("\u00b5\u00b5\u00b5\u00b5", 3, "", "", LongWords::cut), "\u00b5\u00b5\u00b5\n\u00b5\n");
+}
+
 TEST(WrappedText, PutsTheMeaningBehindItsTermOrBelowIt) {
   EXPECT_EQ(defined("-o", "to a file", 40, 8), "  -o    to a file\n");
   EXPECT_EQ(defined("--output", "to a file", 40, 8), "  --output\n        to a file\n");
@@ -60,7 +65,6 @@ TEST(FittedTable, ContinuesBelowBehindTheSameFirstColumn) {
   for (const auto& row : figures)
     for (const std::string& cell : std::vector(row.begin() + 1, row.end()))
       EXPECT_NE(table.find(cell.substr(0, cell.find(' '))), std::string::npos) << cell;
-  EXPECT_EQ(table.find("velocity"), table.find("velocity", 0));
   EXPECT_NE(table.find("velocity"), table.rfind("velocity"));
 }
 

@@ -41,6 +41,7 @@ struct SpecCheck {
   Analysis analysis;
   std::vector<RequirementResult> results;  ///< one for each requirement of the spec
   std::optional<BaselineCheck> baseline = {};
+  double seconds = 0;  ///< that the evaluation took
 
   /// Also that no figure is worse than in the baseline, if there is one.
   bool all_met() const;

@@ -70,7 +70,7 @@ double farthest(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& a
   return (off > possible).any() ? off.maxCoeff() : 0;
 }
 
-struct Candidate {
+struct ScatterCandidate {
   Effect effect;
   double value = 0;
   double relative_error = 0;
@@ -133,8 +133,8 @@ class Trials {
   }
 
   /// In descending order of likelihood.
-  std::vector<Candidate> candidates() const {
-    std::vector<Candidate> found;
+  std::vector<ScatterCandidate> candidates() const {
+    std::vector<ScatterCandidate> found;
     for (const EffectKind& kind : effect_kinds()) {
       if (!kind.scattering || (kind.scattering->possible && !kind.scattering->possible(e_))) continue;
       if (kind.random())
@@ -143,7 +143,7 @@ class Trials {
         for (const double sign : {-1.0, 1.0}) found.push_back(displaced_edges(kind, sign));
     }
     std::sort(found.begin(), found.end(),
-              [](const Candidate& a, const Candidate& b) { return a.value > b.value; });
+              [](const ScatterCandidate& a, const ScatterCandidate& b) { return a.value > b.value; });
     return found;
   }
 
@@ -152,7 +152,7 @@ class Trials {
     return {std::string(kind.name), e_.joint, {{std::string(kind.scattering->parameter), size}}, {}};
   }
 
-  Candidate random(const EffectKind& kind) const {
+  ScatterCandidate random(const EffectKind& kind) const {
     const Eigen::ArrayXd deviation = kind.scattering->deviation(e_);
     const auto with = [&](double x) {
       return value(m_.intervals(), m_.addition(), (known_ + (x * deviation).square()).sqrt(), range_);
@@ -165,7 +165,7 @@ class Trials {
   }
 
   /// @param sign  direction in which every second edge is displaced
-  Candidate displaced_edges(const EffectKind& kind, double sign) const {
+  ScatterCandidate displaced_edges(const EffectKind& kind, double sign) const {
     const auto with = [&](double x) {
       // The mean of displaced edges is -shift/2, which an offset term may include.
       const Eigen::ArrayXd centred = m_.addition() - m_.mean_offset();
@@ -184,7 +184,8 @@ class Trials {
 };
 
 /// Whether the residual scatters differently from a candidate's variance over the position or over time.
-bool is_uneven(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known, const Candidate& c) {
+bool is_uneven(const Evidence& e, const Explanation& m, const Eigen::ArrayXd& known,
+               const ScatterCandidate& c) {
   const Eigen::ArrayXd squares = (e.measured - e.reference - m.addition()).square();
   const Eigen::ArrayXd variance = e.step() * e.step() / 12 + known + c.added;
   return is_uneven(squares, variance, e.path) || (e.ordered && is_uneven(squares, variance, e.time));
@@ -207,8 +208,8 @@ bool has_outliers(const Evidence& e, const Explanation& m, const Eigen::ArrayXd&
 /// other structure.
 void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials, Scatter& s) {
   const IntervalLikelihood without = trials.without();
-  const std::vector<Candidate> found = trials.candidates();
-  const Candidate& best = found[0];
+  const std::vector<ScatterCandidate> found = trials.candidates();
+  const ScatterCandidate& best = found[0];
   const double ratio = 2 * (best.value - without.log_likelihood);
   if (ratio <= 0) {
     if (without.outliers > many_outliers * static_cast<double>(e.rows())) s.structure = part_far_off;
@@ -225,7 +226,7 @@ void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials,
   }
   s.effect = best.effect;
   s.relative_error = best.relative_error;
-  for (const Candidate& other : found)
+  for (const ScatterCandidate& other : found)
     if (other.effect.type != s.effect->type && best.value - other.value < indistinguishable_loss) {
       s.alternative = other.effect;
       break;

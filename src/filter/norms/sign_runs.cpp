@@ -14,9 +14,9 @@ constexpr double cancelled = 0.01;
 ///
 /// sum s_k x_k <= sum |x_k| for all signs s_k: a wrong sign of a value near 0 does not affect the lower
 /// bound, and the upper bound by twice that value.
-class Runs {
+class SignRuns {
  public:
-  Runs(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
+  SignRuns(const Sequence& x, const Powers& powers, double scale, std::int64_t visits)
       : x_(x),
         sum_(x.transient_of_sum()),
         differences_(x),
@@ -144,7 +144,7 @@ class Runs {
 
 RunsSum sum_of_runs(const Sequence& x, const Powers& powers, double scale, std::int64_t first,
                     std::int64_t end, std::int64_t visits) {
-  Runs runs(x, powers, scale, visits);
+  SignRuns runs(x, powers, scale, visits);
   runs.cover(first, end);
   return runs.result();
 }

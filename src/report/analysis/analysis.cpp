@@ -75,7 +75,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
   if (spec.motion && dithered)
     warnings.emplace_back(
         "sigma in motion adds random effects to the quantization as if they were independent: with a noise "
-        "between 0.02 and 0.5 counts it may be wrong by a factor of two; `simulate` is not");
+        "of less than a count it is too low near standstill, where noise moves the count; `simulate` is not");
   warnings.push_back(
       "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   return warnings;

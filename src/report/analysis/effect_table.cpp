@@ -50,7 +50,7 @@ std::string effect_table(const Spec& spec, const std::vector<EffectShare>& share
   bool unknown = false, elsewhere = false;
   for (const EffectShare& s : shares) {
     const std::string unit = effect_unit(spec, s);
-    std::vector<std::string> row{s.effect.type, shortened(escaped(s.effect.joint), 24)};
+    std::vector<std::string> row{s.effect.type, shortened(s.effect.joint, 24)};
     if (!s.share) {
       row.insert(row.end(), {"?", "?", "?"});
       unknown = true;

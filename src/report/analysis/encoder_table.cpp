@@ -27,7 +27,7 @@ std::string encoder_table(const Analysis& a, const Style& style) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
     const auto row = static_cast<Eigen::Index>(i);
-    rows.push_back({shortened(escaped(joint.name), 22), readable(a.resolutions[row], unit),
+    rows.push_back({shortened(joint.name, 22), readable(a.resolutions[row], unit),
                     readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit),
                     percent(budget[i])});
   }

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <chrono>
 
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
@@ -15,12 +16,16 @@ bool SpecCheck::all_met() const {
 }
 
 SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
   EffectReport effects = effect_report(spec);
   require_known(spec, effects.shares);
   SpecCheck report{analyze(spec, std::move(effects), options), {}};
+  const std::vector<Filter> filters = designed_filters(spec);
+  const std::vector<Norms> norms = filter_norms(spec);
   for (const Requirement& r : spec.requirements)
-    report.results.push_back(
-        evaluate(r, report.analysis.workspace, designed_filters(spec), filter_norms(spec)));
+    report.results.push_back(evaluate(r, report.analysis.workspace, filters, norms));
+  report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return report;
 }
 

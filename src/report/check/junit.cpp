@@ -1,3 +1,4 @@
+#include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/check/parts.hpp"
 
@@ -64,8 +65,9 @@ std::string suite_of(const SpecCheck& check, std::size_t id, const std::string& 
   }
   return "  <testsuite name=\"" + xml(spec.file) + "\" package=\"qerr\" id=\"" + std::to_string(id) +
          "\" timestamp=\"" + time + "\" hostname=\"localhost\" tests=\"" + std::to_string(tests) +
-         "\" failures=\"" + std::to_string(failed) + "\" errors=\"0\" time=\"0\">\n    <properties/>\n" +
-         cases + "    <system-out/>\n    <system-err/>\n  </testsuite>\n";
+         "\" failures=\"" + std::to_string(failed) + "\" errors=\"0\" time=\"" +
+         fixed_point(check.seconds, 3) + "\">\n    <properties/>\n" + cases +
+         "    <system-out/>\n    <system-err/>\n  </testsuite>\n";
 }
 
 }  // namespace

@@ -29,7 +29,7 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     const Requirement& r = check.analysis.spec.requirements[i];
     const RequirementResult& result = check.results[i];
     const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
-    rows.push_back({shortened(escaped(r.quantity), 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
+    rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
                     readable(result.value, r.unit), relation, readable(r.limit, r.unit),
                     result.met ? "met" : "NOT MET"});
   }

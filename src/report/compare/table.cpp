@@ -138,7 +138,7 @@ std::string side_line(const char* side, const NamedFigures& f, const Style& styl
   std::string text = escaped(f.file, 200);
   for (std::size_t i = 0; i < f.changes.size(); ++i)
     text += (i ? ", " : " with ") + escaped(f.changes[i], 200);
-  return folded(text, style.width, side, "   ");
+  return wrapped(text, style.width, "   ", side, LongWords::cut);
 }
 
 std::string flips_sentence(const ReportComparison& c) {

@@ -57,16 +57,16 @@ std::size_t width_beside_names(const std::vector<std::vector<std::string>>& rows
 
 std::string mimic_text(const Joint& joint) {
   const Mimic& law = *joint.mimic;
-  std::string text = fitted(joint.name, 30) + " = " +
+  std::string text = shortened(joint.name, 30) + " = " +
                      (law.multiplier == 1 ? "" : significant(law.multiplier, 4) + " * ") +
-                     fitted(law.joint, 30);
+                     shortened(law.joint, 30);
   if (law.offset != 0) text += (law.offset < 0 ? " - " : " + ") + significant(std::abs(law.offset), 4);
   return "  " + text + '\n';
 }
 
 }  // namespace
 
-std::string joint_text(const RobotReport& report) {
+std::string joint_text(const RobotReport& report, std::size_t width) {
   std::vector<std::vector<std::string>> rows{
       {"joint", "type", "axis", "lower", "upper", "effort", "speed", "ratio"}};
   std::string mimics;
@@ -82,13 +82,13 @@ std::string joint_text(const RobotReport& report) {
   if (!ratio)
     for (auto& row : rows) row.pop_back();
   std::size_t others = width_beside_names(rows);
-  if (others + least_name > robot_table_width) {
+  if (others + least_name > width) {
     for (auto& row : rows)
       if (row[2].find(' ') != std::string::npos) row[2] = "skew";
     others = width_beside_names(rows);
   }
-  const std::size_t width = std::max(least_name, robot_table_width - others);
-  for (auto& row : rows) row[0] = fitted(row[0], width);
+  const std::size_t room = std::max(least_name, width - std::min(width, others));
+  for (auto& row : rows) row[0] = shortened(row[0], room);
   const std::string units = std::string(revolute ? "deg, N m, deg/s" : "") +
                             (revolute && prismatic ? "; prismatic: " : "") + (prismatic ? "mm, N, mm/s" : "");
   return aligned(rows) + "  " + units + (ratio ? "; ratio of motor to joint" : "") + '\n' +

@@ -39,7 +39,7 @@ bool one_base(const RobotReport& report) {
 }
 
 /// Ends moved by the same joints are one row: the likeliest tip and the number of the others.
-std::string end_text(const RobotReport& report) {
+std::string end_text(const RobotReport& report, std::size_t width) {
   std::vector<std::vector<std::string>> rows{{"tip", "moving joints", "last joint", "base"}};
   std::map<std::vector<std::size_t>, std::size_t> row_of;
   std::map<std::size_t, std::size_t> beside;
@@ -51,7 +51,7 @@ std::string end_text(const RobotReport& report) {
       continue;
     }
     rows.push_back({escaped(end.tip, 4096), std::to_string(end.joints.size()),
-                    report.robot.joints[end.joints.back()].name, fitted(end.base, 14)});
+                    report.robot.joints[end.joints.back()].name, shortened(end.base, 14)});
   }
   for (const auto& [row, count] : beside) rows[row][0] += " +" + std::to_string(count);
   const std::size_t all = rows.size() - 1;
@@ -60,13 +60,13 @@ std::string end_text(const RobotReport& report) {
   if (one_base(report))
     for (auto& row : rows) row.pop_back();
   // A tip is typed, hence shown whole wherever it fits; the joint has what is left.
-  const std::size_t room = robot_table_width - (one_base(report) ? 2 + 2 + 13 + 2 : 2 + 2 + 13 + 2 + 2 + 14);
+  const std::size_t room = width - (one_base(report) ? 2 + 2 + 13 + 2 : 2 + 2 + 13 + 2 + 2 + 14);
   std::size_t widest = 0;
   for (auto& row : rows) {
-    row[0] = fitted(row[0], room - least_joint);
+    row[0] = shortened(row[0], room - least_joint);
     widest = std::max(widest, display_width(row[0]));
   }
-  for (auto& row : rows) row[2] = fitted(row[2], room - widest);
+  for (auto& row : rows) row[2] = shortened(row[2], room - widest);
   std::string text = aligned(rows);
   if (all > most_ends) text += "  and " + std::to_string(all - most_ends) + " more (--format json has all)\n";
   if (!beside.empty()) text += "  +n: as many more ends that the same joints move\n";
@@ -74,7 +74,7 @@ std::string end_text(const RobotReport& report) {
 }
 
 /// `line 12: joint 'a': RULE, found ...`, folded; flaws of one kind are one entry.
-std::string flaw_text(const RobotReport& report) {
+std::string flaw_text(const RobotReport& report, std::size_t width) {
   std::map<std::string, std::size_t> alike;
   for (const Flaw& flaw : report.robot.flaws) ++alike[flaw.fault.rule];
   std::string text;
@@ -85,9 +85,9 @@ std::string flaw_text(const RobotReport& report) {
     Fault fault = flaw.fault;
     fault.place.file = "line " + std::to_string(fault.place.line);
     fault.place.line = 0;
-    text += folded((flaw.spoils ? "error: " : "") + format({fault}) +
-                       (count > 1 ? " (and " + std::to_string(count - 1) + " more of this kind" + ")" : ""),
-                   robot_table_width, "  ", "    ");
+    text += wrapped((flaw.spoils ? "error: " : "") + format({fault}) +
+                        (count > 1 ? " (and " + std::to_string(count - 1) + " more of this kind" + ")" : ""),
+                    width, "    ", "  ", LongWords::cut);
   }
   if (kinds > most_flaws) text += "  and others (--format json has all)\n";
   return text;
@@ -101,18 +101,18 @@ std::string chosen_ends(const RobotReport& report) {
 }
 
 /// What to type next.
-std::string next_step(const RobotReport& report) {
+std::string next_step(const RobotReport& report, std::size_t width) {
   if (report.tip.empty())
-    return folded("No chain can be analyzed: " + report.obstacle, robot_table_width, "", "  ");
+    return wrapped("No chain can be analyzed: " + report.obstacle, width, "  ", "", LongWords::cut);
   const std::string chain =
       "from '" + escaped(report.base) + "' to '" + escaped(report.tip) + "' (--base and --tip choose others)";
   if (!report.spec_file.empty())
-    return folded("The first spec, " + chain + ", is in " + escaped(report.spec_file) +
-                      "; fill in what is marked ASSUMED in it, then qerr analyze that file",
-                  robot_table_width, "", "  ");
+    return wrapped("The first spec, " + chain + ", is in " + escaped(report.spec_file) +
+                       "; fill in what is marked ASSUMED in it, then qerr analyze that file",
+                   width, "  ", "", LongWords::cut);
   const bool from_file = report.robot.file.front() != '(';
   const bool whole = report.robot.file.size() <= 44;  // the line then has 80 columns
-  return folded("A first spec, " + chain + ":", robot_table_width, "", "  ") + "  qerr robot " +
+  return wrapped("A first spec, " + chain + ":", width, "  ", "", LongWords::cut) + "  qerr robot " +
          (!from_file ? "-"
           : whole    ? shown(report.robot.file)
                      : "URDF") +
@@ -122,17 +122,20 @@ std::string next_step(const RobotReport& report) {
 }  // namespace
 
 std::string to_table(const RobotReport& report, const Style& style) {
+  constexpr std::size_t least_width = 60;  // narrower tables show no names
+  const std::size_t width = std::max(style.width, least_width);
   const std::string name = report.robot.name.empty() ? "(no name)" : shown(report.robot.name);
   std::string out = painted(name, Paint::bold, style) +
-                    folded(summary(report), robot_table_width, name + ": ", "  ").substr(name.size());
-  out += heading("Tree: joint: link that it moves + links fixed to that link", style) + tree_text(report);
-  if (const std::string joints = joint_text(report); !joints.empty())
+                    wrapped(summary(report), width, "  ", name + ": ", LongWords::cut).substr(name.size());
+  out +=
+      heading("Tree: joint: link that it moves + links fixed to that link", style) + tree_text(report, width);
+  if (const std::string joints = joint_text(report, width); !joints.empty())
     out += heading("Moving joints", style) + joints;
-  if (const std::string ends = end_text(report); !ends.empty())
+  if (const std::string ends = end_text(report, width); !ends.empty())
     out += heading("Ends of the tree, the likeliest tips first", style) + ends;
-  if (const std::string flaws = flaw_text(report); !flaws.empty())
+  if (const std::string flaws = flaw_text(report, width); !flaws.empty())
     out += heading("Flaws of the URDF", style) + flaws;
-  return out + '\n' + next_step(report);
+  return out + '\n' + next_step(report, width);
 }
 
 }  // namespace qerr

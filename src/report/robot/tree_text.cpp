@@ -34,9 +34,9 @@ Body body_of(const RobotModel& robot, const Tree& tree, const std::string& link)
 /// `base_link + camera, imu and 3 more`, as many names as fit.
 std::string named(const std::vector<std::string>& links, std::size_t width) {
   const std::size_t for_others = links.size() > 1 ? 6 : 0;  // `+ 12`
-  std::string text = fitted(links.front(), std::clamp<std::size_t>(width - for_others, 8, longest_name));
+  std::string text = shortened(links.front(), std::clamp<std::size_t>(width - for_others, 8, longest_name));
   for (std::size_t i = 1; i < links.size(); ++i) {
-    const std::string next = (i == 1 ? " + " : ", ") + fitted(links[i], longest_name);
+    const std::string next = (i == 1 ? " + " : ", ") + shortened(links[i], longest_name);
     const std::string rest = " and " + std::to_string(links.size() - i) + " more";
     const bool last = i + 1 == links.size();
     if (display_width(text) + display_width(next) + (last ? 0 : rest.size()) > width)
@@ -48,22 +48,7 @@ std::string named(const std::vector<std::string>& links, std::size_t width) {
 
 }  // namespace
 
-std::string fitted(const std::string& name, std::size_t width) {
-  const std::string text = escaped(name, 4096);
-  const std::size_t all = display_width(text);
-  if (all <= width) return text;
-  const std::size_t head = (width - 2) / 2, tail = width - 2 - head;
-  std::string out;
-  std::size_t column = 0;
-  for (const char c : text) {
-    column += (static_cast<unsigned char>(c) & 0xC0u) != 0x80u;
-    if (column == head + 1 && !out.ends_with("..")) out += "..";
-    if (column <= head || column > all - tail) out += c;
-  }
-  return out;
-}
-
-std::string tree_text(const RobotReport& report) {
+std::string tree_text(const RobotReport& report, std::size_t width) {
   const RobotModel& robot = report.robot;
   const Tree tree(robot);
   std::string out;
@@ -78,9 +63,9 @@ std::string tree_text(const RobotReport& report) {
     open.pop_back();
     const Body body = body_of(robot, tree, line.link);
     const std::string begin =
-        line.indent + line.mark + (line.joint.empty() ? "" : fitted(line.joint, longest_name) + ": ");
+        line.indent + line.mark + (line.joint.empty() ? "" : shortened(line.joint, longest_name) + ": ");
     const std::size_t used = display_width(begin);
-    out += begin + named(body.links, robot_table_width - std::min(used, robot_table_width - 8)) + '\n';
+    out += begin + named(body.links, width - std::min(used, width - 8)) + '\n';
     std::string below = line.indent;
     if (!line.mark.empty() && display_width(below) < deepest_indent) below += line.mark == "└ " ? "  " : "│ ";
     const bool branches = body.joints.size() > 1;

@@ -14,13 +14,13 @@ namespace {
 
 constexpr int most_tip_fits = 6;
 
-struct Step {
+struct TipStep {
   TipTerm term;
   Eigen::VectorXd theta;  // of the term
   double log_likelihood = 0, cost = 0, correlated = 1;
 };
 
-std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& options) {
+std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& options) {
   std::vector<TipTerm> all = tip_candidates(model);
   std::vector<std::pair<double, std::size_t>> passing;
   std::vector<Eigen::MatrixXd> columns;
@@ -31,7 +31,7 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
   }
   std::sort(passing.rbegin(), passing.rend());
   if (passing.size() > most_tip_fits) passing.resize(most_tip_fits);
-  std::optional<Step> best;
+  std::optional<TipStep> best;
   for (const auto& [gain, i] : passing) {
     const Eigen::Index size = columns[i].cols();
     const TipSolution s = model.trial({}, columns[i]);
@@ -52,7 +52,7 @@ std::optional<Step> next_step(const TipModel& model, const TipSelectOptions& opt
     if (best && (s.log_likelihood - best->log_likelihood) / std::min(correlated, best->correlated) <
                     cost - best->cost)
       continue;
-    best = Step{std::move(all[i]), theta, s.log_likelihood, cost, correlated};
+    best = TipStep{std::move(all[i]), theta, s.log_likelihood, cost, correlated};
   }
   return best;
 }
@@ -103,7 +103,7 @@ void prune(TipModel& model) {
 /// Forward selection.
 TipModel grown(TipModel model, const TipSelectOptions& options) {
   while (model.terms().size() < options.most_terms) {
-    std::optional<Step> step = next_step(model, options);
+    std::optional<TipStep> step = next_step(model, options);
     if (!step) break;
     TipModel next = model;
     next.add(std::move(step->term), step->theta);

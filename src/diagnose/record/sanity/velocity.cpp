@@ -43,7 +43,7 @@ double misfit(const RecordedVelocity& r, const Filter& filter, Eigen::Index dela
   return rms(r.velocity.tail(velocity.size()) - velocity);
 }
 
-struct Candidate {
+struct FilterCandidate {
   const FilterFamily* family = nullptr;
   int order = 0;
   double cutoff = 0;  ///< [Hz]
@@ -51,7 +51,7 @@ struct Candidate {
   double misfit = 1e300;
 };
 
-Filter design(const Candidate& c, double rate) {
+Filter design(const FilterCandidate& c, double rate) {
   FilterDesign d{1, rate, {{"order", c.order}, {"cutoff", c.cutoff}}, {}, {}};
   for (const Parameter& p : c.family->parameters)
     if (p.kind == Kind::choice && !p.choices.empty()) d.choices[std::string(p.name)] = choices_of(p)[0];
@@ -61,7 +61,7 @@ Filter design(const Candidate& c, double rate) {
 /// Logarithm of the highest cut-off that is tried: just below half the sampling rate.
 double highest(const RecordedVelocity& r) { return std::log(0.45 / r.interval); }
 
-Candidate with_cutoff(const RecordedVelocity& r, Candidate c, double log_cutoff) {
+FilterCandidate with_cutoff(const RecordedVelocity& r, FilterCandidate c, double log_cutoff) {
   c.cutoff = std::exp(log_cutoff);
   c.misfit = misfit(r, design(c, 1 / r.interval), c.delay);
   return c;
@@ -69,27 +69,28 @@ Candidate with_cutoff(const RecordedVelocity& r, Candidate c, double log_cutoff)
 
 /// Local search for the best cut-off, with relative steps that are halved from `first_step` down to
 /// `last_step`.
-Candidate refined(const RecordedVelocity& r, Candidate best, double first_step, double last_step) {
+FilterCandidate refined(const RecordedVelocity& r, FilterCandidate best, double first_step,
+                        double last_step) {
   for (double step = first_step; step > last_step; step /= 2)
     for (const double change : {-step, step})
       if (const double x = std::log(best.cutoff) + change; x <= highest(r))
-        if (const Candidate next = with_cutoff(r, best, x); next.misfit < best.misfit) best = next;
+        if (const FilterCandidate next = with_cutoff(r, best, x); next.misfit < best.misfit) best = next;
   return best;
 }
 
 /// The best cut-off of one family, order and delay: on a coarse grid, then by local search.
-Candidate best_cutoff(const RecordedVelocity& r, const Candidate& c) {
+FilterCandidate best_cutoff(const RecordedVelocity& r, const FilterCandidate& c) {
   const double low = std::log(1 / (2000 * r.interval)), step = (highest(r) - low) / 14;
-  Candidate best;
+  FilterCandidate best;
   for (double x = low; x <= highest(r) + 1e-9; x += step)
-    if (const Candidate next = with_cutoff(r, c, x); next.misfit < best.misfit) best = next;
+    if (const FilterCandidate next = with_cutoff(r, c, x); next.misfit < best.misfit) best = next;
   return refined(r, best, step / 2, 1e-3);
 }
 
 /// The cut-off with its 95 % interval: residual rms over the sensitivity of the filtered velocity to the
 /// cut-off. Both are correlated over the filter's memory, 1/(2 pi cutoff).
-FoundParameter cutoff_parameter(const RecordedVelocity& r, const Candidate& c) {
-  Candidate other = c;
+FoundParameter cutoff_parameter(const RecordedVelocity& r, const FilterCandidate& c) {
+  FilterCandidate other = c;
   other.cutoff *= 1 - 1e-4;
   const double rate = 1 / r.interval;
   const Eigen::ArrayXd best = filtered(r, design(c, rate), c.delay);
@@ -102,12 +103,13 @@ FoundParameter cutoff_parameter(const RecordedVelocity& r, const Candidate& c) {
   return {"cutoff", c.cutoff, c.cutoff - half_width, c.cutoff + half_width};
 }
 
-Candidate best_filter(const RecordedVelocity& r) {
-  Candidate best;
+FilterCandidate best_filter(const RecordedVelocity& r) {
+  FilterCandidate best;
   for (const FilterFamily& family : filter_families())
     for (const int order : family.velocity_orders)
       for (const Eigen::Index delay : {0, 1, 2})
-        if (const Candidate c = best_cutoff(r, {&family, order, 0, delay, 1e300}); c.misfit < best.misfit)
+        if (const FilterCandidate c = best_cutoff(r, {&family, order, 0, delay, 1e300});
+            c.misfit < best.misfit)
           best = c;
   return best.misfit < 1e300 ? refined(r, best, 1e-3, 1e-8) : best;
 }
@@ -168,7 +170,7 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
                            " Hz, the log at " + significant(1 / r.interval, 6) + " Hz: not compared");
     return;
   }
-  const Candidate best = best_filter(r);
+  const FilterCandidate best = best_filter(r);
   if (best.misfit > 0.3 * specified || best.misfit > 0.3 * rms(r.velocity)) return;
   std::map<std::string, double> numbers{{"order", best.order}, {"cutoff", best.cutoff}};
   if (best.delay > 0) numbers["delay"] = static_cast<double>(best.delay) * r.interval;
