@@ -11,9 +11,7 @@ int run(const Values& v) {
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
-  WorkspaceOptions options;
-  options.threads = threads(v);
-  options.progress = progress(v, "configurations");
+  const WorkspaceOptions options = workspace_options(v);
   Analysis analysis;
   if (rows) {
     analysis = analyze(spec, options, [&](const std::string& text) { rows->write(text); });

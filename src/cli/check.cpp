@@ -49,15 +49,12 @@ std::optional<Baseline> baseline_of(const Values& v) {
   if (v.texts("SPEC").size() > 1)
     throw usage("--baseline", "is a report of one spec", counted(v.texts("SPEC").size(), "spec"),
                 "check each spec against a baseline of its own");
-  if (file == "-" && v.text("SPEC") == "-")
-    throw usage("--baseline", "only one input can be standard input", "'-'", "name a file");
+  refuse_shared_input({v.text("SPEC"), file}, "--baseline");
   return read_baseline(read_text(file), file, tolerance);
 }
 
 CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const Values& v) {
-  WorkspaceOptions options;
-  options.threads = threads(v);
-  options.progress = progress(v, "configurations");
+  const WorkspaceOptions options = workspace_options(v);
   CheckReport report;
   for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline));
   return report;
@@ -67,6 +64,7 @@ CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, co
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
     const std::optional<Baseline> baseline = baseline_of(v);
+    refuse_shared_input(v.texts("SPEC"), "SPEC");
     std::vector<Spec> specs;
     for (const std::string& path : v.texts("SPEC")) {
       specs.push_back(load(path, v));

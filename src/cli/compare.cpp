@@ -45,9 +45,7 @@ SpecCheck computed(const Side& side, bool with_overrides, const Values& v) {
   if (!with_overrides) changes.values.clear();
   const Spec spec = parse_spec(side.text, side.file, changes);
   limit_configurations(spec, v);
-  WorkspaceOptions options;
-  options.threads = threads(v);
-  options.progress = progress(v, "configurations");
+  const WorkspaceOptions options = workspace_options(v);
   return evaluate(spec, options);
 }
 
@@ -68,8 +66,7 @@ ReportComparison compared(const Side& a, const Side& b, const Values& v) {
 }
 
 int run(const Values& v) {
-  if (v.text("A") == "-" && v.text("B") == "-")
-    throw usage("B", "only one input can be standard input", "'-'", "name a file");
+  refuse_shared_input({v.text("A"), v.text("B")}, "B");
   const Side a(v.text("A")), b(v.text("B"));
   if (b.report && v.given("set"))
     throw usage("--set", "changes the spec B, and B is a report", quoted(b.file), "name the report first");

@@ -27,12 +27,6 @@ void require_log_or_plan(const Values& v) {
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
 
-/// Only one of the inputs may be standard input.
-void refuse_shared_input(const Values& v) {
-  if (v.text("SPEC") == "-" && v.text("LOG") == "-")
-    throw usage("SPEC LOG", "spec and log cannot both come from standard input", "", "name one as a file");
-}
-
 std::string prepared_folder(const std::string& path) {
   std::error_code failure;
   std::filesystem::create_directories(path, failure);
@@ -71,7 +65,7 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
 int run(const Values& v) {
   require_log_or_plan(v);
   if (v.given("plan")) return run_plan(v);
-  refuse_shared_input(v);
+  refuse_shared_input({v.text("SPEC"), v.text("LOG")}, "LOG");
   note_input(v.text("LOG"));  // before the outputs are prepared: it is read after them
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));

@@ -1,5 +1,6 @@
 #include "cli/shared.hpp"
 
+#include <algorithm>
 #include <cstdio>
 
 #include "core/text.hpp"
@@ -84,6 +85,18 @@ SpecOverrides overrides(const Values& v) {
 }
 
 Spec load(const std::string& path, const Values& v) { return read_spec(path, overrides(v)); }
+
+void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option) {
+  if (std::count(paths.begin(), paths.end(), "-") > 1)
+    throw usage(option, "only one input can be standard input", "'-'", "name the others as files");
+}
+
+WorkspaceOptions workspace_options(const Values& v) {
+  WorkspaceOptions options;
+  options.threads = threads(v);
+  options.progress = progress(v, "configurations");
+  return options;
+}
 
 unsigned threads(const Values& v) {
   return v.given("threads") ? static_cast<unsigned>(v.whole("threads")) : 0;

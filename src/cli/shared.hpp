@@ -7,6 +7,7 @@
 #include "cli/option.hpp"
 #include "cli/terminal.hpp"
 #include "core/output_file.hpp"
+#include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/write.hpp"
@@ -33,7 +34,14 @@ SpecOverrides overrides(const Values&);
 /// The spec with the changes of --set and --seed.
 Spec load(const std::string& path, const Values&);
 
+/// Only one of the inputs of a run may be standard input.
+/// @param option  that names the second one, for the message
+/// @throws Error (usage)
+void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option);
+
 unsigned threads(const Values&);
+/// Threads and progress of an evaluation of configurations.
+WorkspaceOptions workspace_options(const Values&);
 
 /// The format of --format, else the one of the output's ending.
 std::string chosen_format(const Values&);

@@ -7,6 +7,7 @@ namespace qerr::cli {
 namespace {
 
 int run(const Values& v) {
+  refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {
     specs.push_back(load(path, v));

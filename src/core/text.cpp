@@ -82,6 +82,18 @@ std::string wrapped(std::string_view text, std::size_t width, const std::string&
   return out;
 }
 
+std::string shell_word(const std::string& text) {
+  constexpr std::string_view plain =
+      "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789-+.,:/@%=_";
+  return !text.empty() && text.find_first_not_of(plain) == std::string::npos ? text : shell_quoted(text);
+}
+
+std::string shell_quoted(const std::string& text) {
+  std::string out = "'";
+  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return out + '\'';
+}
+
 std::string quoted(const std::string& text) { return "'" + text + "'"; }
 
 std::string counted(std::size_t count, std::string_view noun) {

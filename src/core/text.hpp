@@ -29,6 +29,13 @@ std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width,
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
                     const std::string& first, LongWords = LongWords::whole);
 
+/// The text in single quotes for a shell.
+std::string shell_quoted(const std::string& text);
+
+/// A word of a shell's command line: in single quotes if it has other characters than letters, digits and
+/// -+.,:/@%=_
+std::string shell_word(const std::string& text);
+
 /// Count and noun: "1 joint", "3 joints".
 std::string counted(std::size_t count, std::string_view noun);
 

@@ -8,12 +8,6 @@ std::string spaced(const std::vector<std::string>& words) {
   return text;
 }
 
-std::string shell_quoted(const std::string& text) {
-  std::string out = "'";
-  for (const char c : text) out += c == '\'' ? std::string("'\\''") : std::string(1, c);
-  return out + '\'';
-}
-
 std::vector<const Option*> arguments_of(const Command& command) {
   std::vector<const Option*> rows;
   for (const Option& row : command.options)

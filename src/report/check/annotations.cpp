@@ -29,7 +29,7 @@ std::string escaped_command(const std::string& text, bool property) {
 
 std::string command(const Place& place, const std::string& message) {
   std::string properties;
-  if (!place.file.empty() && !place.file.starts_with('-')) {  // no standard input, no --set
+  if (!place.file.empty() && place.file != "-" && !place.file.starts_with("--set ")) {
     properties = " file=" + escaped_command(place.file, true);
     if (place.line > 0) properties += ",line=" + std::to_string(place.line);
   }

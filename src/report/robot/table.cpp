@@ -96,8 +96,8 @@ std::string flaw_text(const RobotReport& report, std::size_t width) {
 /// The options that lead to the chain of the report, if it is not that of the first end.
 std::string chosen_ends(const RobotReport& report) {
   const TreeEnd& first = report.ends.front();
-  return (report.base == first.base ? "" : " --base " + escaped(report.base)) +
-         (report.tip == first.tip ? "" : " --tip " + escaped(report.tip));
+  return (report.base == first.base ? "" : " --base " + shell_word(escaped(report.base))) +
+         (report.tip == first.tip ? "" : " --tip " + shell_word(escaped(report.tip)));
 }
 
 /// What to type next.
@@ -110,13 +110,14 @@ std::string next_step(const RobotReport& report, std::size_t width) {
     return wrapped("The first spec, " + chain + ", is in " + escaped(report.spec_file) +
                        "; fill in what is marked ASSUMED in it, then qerr analyze that file",
                    width, "  ", "", LongWords::cut);
-  const bool from_file = report.robot.file.front() != '(';
-  const bool whole = report.robot.file.size() <= 44;  // the line then has 80 columns
-  return wrapped("A first spec, " + chain + ":", width, "  ", "", LongWords::cut) + "  qerr robot " +
-         (!from_file ? "-"
-          : whole    ? shown(report.robot.file)
-                     : "URDF") +
-         chosen_ends(report) + " --write-spec spec.yaml\n  qerr analyze spec.yaml\n";
+  const std::string& file = report.robot.file;
+  const auto command = [&](const std::string& urdf) {
+    return "  qerr robot " + urdf + chosen_ends(report) + " --write-spec spec.yaml\n";
+  };
+  std::string line = command(file == "(standard input)" ? "-" : shell_word(escaped(file)));
+  if (display_width(line) > width + 1) line = command("URDF");  // with its line break
+  return wrapped("A first spec, " + chain + ":", width, "  ", "", LongWords::cut) + line +
+         "  qerr analyze spec.yaml\n";
 }
 
 }  // namespace
