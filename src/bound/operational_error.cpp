@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "bound/error_column.hpp"
 #include "bound/linearization_remainder.hpp"
 
 namespace qerr {
@@ -16,36 +17,6 @@ double rigorous_bound(Coordinate c, double linear, const LinearizationRemainder&
   return std::numeric_limits<double>::infinity();
 }
 
-/// Rotation of the parent link's frame of a joint of the chain in the base frame.
-Eigen::Matrix3d parent_axes(const Chain& chain, const Eigen::VectorXd& q, std::size_t link) {
-  Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
-  for (std::size_t k = 0; k < link; ++k) {
-    const ChainJoint& joint = chain.joints[k];
-    axes = axes * joint.origin.linear();
-    if (joint.prismatic) continue;
-    const double angle = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
-    axes = axes * Eigen::AngleAxisd(angle, joint.axis);
-  }
-  return axes * chain.joints[link].parent_axes;
-}
-
-/// Derivative of the coordinates with respect to a source.
-Eigen::VectorXd column_of(const ErrorSource& s, const OperationalModel& model, const Eigen::VectorXd& q,
-                          const Eigen::Matrix3d& tip_rotation, const Eigen::MatrixXd& joint_rows,
-                          const Eigen::MatrixXd& encoder_rows) {
-  const auto i = static_cast<Eigen::Index>(s.owner);
-  if (s.where == ErrorSource::Where::joint) return joint_rows.col(i);
-  if (s.where == ErrorSource::Where::encoder) return encoder_rows.col(i);
-  Eigen::Vector3d shift = parent_axes(model.chain, q, s.link) * s.direction;
-  if (model.frame == CoordinateFrame::tip) shift = tip_rotation.transpose() * shift;
-  Eigen::VectorXd column = Eigen::VectorXd::Zero(joint_rows.rows());
-  for (Eigen::Index c = 0; c < column.size(); ++c) {
-    const Coordinate coordinate = model.coordinates[static_cast<std::size_t>(c)];
-    if (is_position(coordinate)) column[c] = shift[static_cast<Eigen::Index>(coordinate)];
-  }
-  return column;
-}
-
 void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const Eigen::Matrix3d& tip_rotation,
                  const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows,
                  OperationalError& e) {
@@ -53,7 +24,7 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
   e.added_worst.resizeLike(e.added_sigma);
   for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
     const ErrorSource& s = model.sources[static_cast<std::size_t>(i)];
-    const Eigen::VectorXd column = column_of(s, model, q, tip_rotation, joint_rows, encoder_rows);
+    const Eigen::VectorXd column = error_column(s, model, q, tip_rotation, joint_rows, encoder_rows);
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
     e.added_sigma.col(i) = column * s.sigma;

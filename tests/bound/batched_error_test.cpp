@@ -8,60 +8,14 @@
 #include "lanes/aligned.hpp"
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/filter/family.hpp"
-#include "support/random_chain.hpp"
+#include "support/random_model.hpp"
 
 namespace qerr {
 namespace {
 
-using testing::ChainMix;
+using testing::all_coordinates;
 using testing::Dice;
-
-constexpr Coordinate all_coordinates[] = {Coordinate::x,   Coordinate::y,    Coordinate::z,
-                                          Coordinate::rx,  Coordinate::ry,   Coordinate::rz,
-                                          Coordinate::yaw, Coordinate::roll, Coordinate::pitch};
-
-ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t filters) {
-  ErrorSource s;
-  s.where = static_cast<ErrorSource::Where>(dice.below(3));
-  s.owner = dice.below(chain.independent.size());
-  if (s.where == ErrorSource::Where::origin) {
-    s.link = dice.below(chain.joints.size());
-    s.owner = chain.joints[s.link].coordinate;
-    s.direction = dice.direction();
-  }
-  s.mean = dice.chance(0.5) ? dice.between(-1e-3, 1e-3) : 0;
-  s.half_width = dice.chance(0.7) ? dice.between(0, 1e-3) : 0;
-  s.sigma = dice.chance(0.7) ? dice.between(0, 1e-3) : 0;
-  for (std::size_t f = 0; f < filters && dice.chance(0.7); ++f)
-    s.sigma_ratios.push_back(dice.between(0, 1e3));
-  return s;
-}
-
-/// A random robot with random encoders, coordinates and sources; or one of the two specialized cases.
-/// @param square  fraction of frames at right angles, for which the kernel is specialized, too
-OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
-  ChainMix mix{1 + dice.below(9)};
-  mix.square = square;
-  const bool plain = dice.chance(0.5);
-  if (plain && dice.chance(0.5)) mix.mimic = 0;
-  OperationalModel m{make_chain(testing::random_robot(dice, mix), "", ""), {}, {}};
-  m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-2, !plain || dice.chance(0.3));
-  if (dice.chance(0.3)) m.frame = CoordinateFrame::tip;
-  if (plain) {
-    const bool equal = dice.chance(0.5);  // all columns have one scale
-    for (Encoder& e : m.transmission.encoders) {
-      e.rounding = Rounding::nearest;
-      if (equal) e.resolution = m.transmission.encoders[0].resolution;
-    }
-    m.coordinates.assign(all_coordinates, all_coordinates + (dice.chance(0.5) ? 3 : 6));
-    return m;
-  }
-  for (const Coordinate c : all_coordinates)
-    if (dice.chance(0.5)) m.coordinates.push_back(c);
-  if (m.coordinates.empty()) m.coordinates.push_back(Coordinate::ry);
-  for (std::size_t i = dice.below(4); i > 0; --i) m.sources.push_back(random_source(dice, m.chain, filters));
-  return m;
-}
+using testing::random_model;
 
 /// sqrt(sum_i (J C Delta)_ji^2 noise_i^2), plus the contributions of the sources, scaled by their ratios.
 double sigma_in_motion(const OperationalError& e, Eigen::Index row, const Eigen::VectorXd& noise,

@@ -1,0 +1,166 @@
+#include "bound/error_columns.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "bound/error_column.hpp"
+#include "core/parallel.hpp"
+#include "kinematics/batched_jacobian.hpp"
+#include "kinematics/sampler.hpp"
+#include "lanes/batch.hpp"
+#include "qerr/bound/workspace.hpp"
+
+namespace qerr {
+
+namespace {
+
+bool same_place(const ErrorSource& a, const ErrorSource& b) {
+  if (a.where != b.where) return false;
+  if (a.where != ErrorSource::Where::origin) return a.owner == b.owner;
+  return a.link == b.link && a.direction == b.direction;
+}
+
+bool needs_rotation(const OperationalModel& model) {
+  return model.frame == CoordinateFrame::tip ||
+         std::any_of(model.coordinates.begin(), model.coordinates.end(), is_euler_angle);
+}
+
+}  // namespace
+
+ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<ErrorSource>& sources,
+                           const Configurations& configurations, unsigned threads, InstructionSet set)
+    : count_(size(configurations)),
+      padded_((count_ + batch_size - 1) / batch_size * batch_size),
+      coordinates_(model.coordinates.size()),
+      joints_(model.chain.joints.size()),
+      coupled_(!model.transmission.coupling.isIdentity(0)) {
+  const std::size_t encoders = model.transmission.encoders.size();
+  for (std::size_t e = 0; e < encoders; ++e) places_.push_back({ErrorSource::Where::encoder, e});
+  for (ErrorSource s : sources) {
+    if (!coupled_ && s.where == ErrorSource::Where::joint) continue;
+    if (std::none_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); }))
+      places_.push_back(std::move(s));
+  }
+  values_ = AlignedNumbers(coordinates_ * columns() * padded_);
+  norms_ = AlignedNumbers(joints_ * padded_);
+  constexpr std::size_t batches_per_task = 16;
+  const std::size_t batches = padded_ / batch_size;
+  parallel_for((batches + batches_per_task - 1) / batches_per_task, threads, [&](std::size_t task) {
+    Sampler sampler(configurations, set);
+    BatchedJacobian jacobian(model.chain, set);
+    AlignedNumbers q(encoders * batch_size), to(6 * joints_ * batch_size);
+    const std::size_t end = std::min(batches, (task + 1) * batches_per_task);
+    for (std::size_t b = task * batches_per_task; b < end; ++b) {
+      sampler(b * batch_size, q.data());
+      jacobian(q.data(), to.data());
+      compute_batch(model, b * batch_size, q.data(), to.data());
+    }
+  });
+}
+
+void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t first, const double* q,
+                                 const double* jacobians) {
+  const bool rotated = needs_rotation(model);
+  const std::size_t encoders = model.transmission.encoders.size();
+  Jacobian joints(6, static_cast<Eigen::Index>(joints_));
+  Eigen::VectorXd at(static_cast<Eigen::Index>(encoders));
+  Eigen::Matrix3d rotation = Eigen::Matrix3d::Identity();
+  for (std::size_t i = 0; i < std::min(batch_size, count_ - first); ++i) {
+    for (std::size_t e = 0; e < 6 * joints_; ++e)
+      joints.data()[e] = jacobians[e * batch_size + i];  // column-major
+    for (std::size_t j = 0; j < encoders; ++j) at[static_cast<Eigen::Index>(j)] = q[j * batch_size + i];
+    if (rotated) rotation = forward_kinematics(model.chain, at).linear();
+    Eigen::MatrixXd rows = coordinate_rows(model.coordinates, joints, rotation, model.frame);
+    const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
+    for (Eigen::Index c = 0; c < rows.rows(); ++c)
+      if (unbounded[c]) rows.row(c).setZero();
+    const Eigen::MatrixXd joint_rows = to_independent(model.chain, rows);
+    const Eigen::MatrixXd encoder_rows = joint_rows * model.transmission.coupling;
+    for (std::size_t k = 0; k < columns(); ++k) {
+      const Eigen::VectorXd column = error_column(places_[k], model, at, rotation, joint_rows, encoder_rows);
+      for (std::size_t c = 0; c < coordinates_; ++c)
+        values_[(c * columns() + k) * padded_ + first + i] =
+            k < encoders && unbounded[static_cast<Eigen::Index>(c)] ? std::numeric_limits<double>::infinity()
+                                                                    : column[static_cast<Eigen::Index>(c)];
+    }
+    for (std::size_t j = 0; j < joints_; ++j)
+      norms_[j * padded_ + first + i] = joints.col(static_cast<Eigen::Index>(j)).head<3>().norm();
+  }
+}
+
+std::size_t ErrorColumns::column_of(const ErrorSource& s) const {
+  if (!coupled_ && s.where == ErrorSource::Where::joint) return s.owner;
+  const auto found =
+      std::find_if(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
+  if (found == places_.end()) throw std::logic_error("no column for this error source");
+  return static_cast<std::size_t>(found - places_.begin());
+}
+
+namespace {
+
+Eigen::VectorXd zeros(std::size_t count) { return Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count)); }
+
+/// @param noise  of the filter in a motion [quantization intervals]; null: not known
+ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const OperationalModel& model,
+                                        std::size_t filter, const Norms& norms,
+                                        const Eigen::VectorXd* noise) {
+  ErrorWeights::Filtered w{norms.l1.upper,
+                           std::abs(norms.dc_gain),
+                           {},
+                           {},
+                           zeros(columns.coordinates()),
+                           zeros(columns.coordinates())};
+  if (model.along_motion) {
+    w.added_worst = model.along_motion->filtered[filter].peak;
+    w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
+  }
+  if (!sigma_is_known(model.sources, filter)) return w;
+  Eigen::VectorXd sources = zeros(columns.columns());
+  const Eigen::VectorXd ratios = sigma_ratios(model.sources, filter, norms.h2);
+  for (std::size_t s = 0; s < model.sources.size(); ++s)
+    sources[static_cast<Eigen::Index>(columns.column_of(model.sources[s]))] +=
+        std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
+  const Eigen::VectorXd delta = resolutions(model.transmission);
+  w.variance = sources;
+  w.variance.head(delta.size()) += (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
+  if (!noise) return w;
+  w.variance_in_motion = sources;
+  w.variance_in_motion.head(delta.size()) += noise->cwiseProduct(delta).cwiseAbs2();
+  return w;
+}
+
+}  // namespace
+
+ErrorWeights error_weights(const ErrorColumns& columns, const OperationalModel& model,
+                           const std::vector<Norms>& filters,
+                           const std::vector<Eigen::VectorXd>& noise_in_motion) {
+  const Eigen::VectorXd delta = resolutions(model.transmission);
+  ErrorWeights w{zeros(columns.columns()),
+                 zeros(columns.columns()),
+                 zeros(columns.columns()),
+                 zeros(columns.coordinates()),
+                 zeros(columns.coordinates()),
+                 linearization_remainder(model.chain, joint_error(model).worst_case),
+                 {}};
+  w.half_width.head(delta.size()) = 0.5 * delta;
+  w.mean.head(delta.size()) = mean_errors(model.transmission);
+  w.variance.head(delta.size()) = delta.cwiseAbs2() / 12;
+  for (const ErrorSource& s : model.sources) {
+    const auto k = static_cast<Eigen::Index>(columns.column_of(s));
+    w.half_width[k] += s.half_width;
+    w.mean[k] += s.mean;
+    w.variance[k] += s.sigma * s.sigma;
+  }
+  if (model.along_motion) {
+    w.added_worst = model.along_motion->tip.peak;
+    w.added_variance = model.along_motion->tip.covariance.diagonal();
+  }
+  for (std::size_t f = 0; f < filters.size(); ++f)
+    w.filtered.push_back(filtered_weights(columns, model, f, filters[f],
+                                          is_known(noise_in_motion, f) ? &noise_in_motion[f] : nullptr));
+  return w;
+}
+
+}  // namespace qerr

@@ -1,0 +1,90 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstddef>
+#include <vector>
+
+#include "bound/linearization_remainder.hpp"
+#include "lanes/aligned.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/core/instruction_set.hpp"
+#include "qerr/filter/norms.hpp"
+#include "qerr/kinematics/configurations.hpp"
+
+namespace qerr {
+
+/// Derivatives of the tip's coordinates with respect to errors at the encoders, joints and joint origins, at
+/// all sampled configurations: what models have in common that differ in their encoders, error sources and
+/// filters only.
+///
+/// With the columns A of a coordinate (1 x columns, at one configuration) and the weights of a model
+/// (ErrorWeights), the figures of `operational_error` are
+///   worst case  |A| half_width + |A mean| + added_worst
+///   sigma^2     A^2 variance + added_variance
+/// where |A| and A^2 are taken by entry. Beside them, the norms of the position columns of the joint Jacobian
+/// give the second-order remainder (LinearizationRemainder).
+class ErrorColumns {
+ public:
+  /// @param model    chain, coupling, coordinates and frame are used; its encoders are not
+  /// @param sources  of all models to be evaluated: their places get columns
+  /// @param threads  0: one per core
+  /// @pre size(configurations) numbers for each column and coordinate fit in memory; angles are within 2^20
+  /// rad (`workspace`)
+  ErrorColumns(const OperationalModel& model, const std::vector<ErrorSource>& sources,
+               const Configurations& configurations, unsigned threads = 0,
+               InstructionSet = instruction_set());
+
+  std::size_t configurations() const { return count_; }
+  /// Of the model; lengths have no columns, but follow from those of their components.
+  std::size_t coordinates() const { return coordinates_; }
+  std::size_t columns() const { return places_.size(); }
+  std::size_t joints() const { return joints_; }
+
+  /// Column k of coordinate c, one number per configuration; aligned to 64 bytes, padded with zeros to a
+  /// multiple of batch_size. Where roll and yaw are unbounded, infinite at the encoders and 0 elsewhere.
+  const double* column(std::size_t c, std::size_t k) const {
+    return values_.data() + (c * columns() + k) * padded_;
+  }
+  /// Norm of the position rows of moving joint j's column of the joint Jacobian [m/rad, or 1]; laid out like
+  /// `column`.
+  const double* norms(std::size_t j) const { return norms_.data() + j * padded_; }
+
+  /// The column at which a source enters. @pre its place was among those of the constructor
+  std::size_t column_of(const ErrorSource&) const;
+  /// The column of an encoder: its index.
+  static std::size_t column_of_encoder(std::size_t encoder) { return encoder; }
+
+ private:
+  void compute_batch(const OperationalModel&, std::size_t first, const double* q, const double* jacobians);
+
+  std::size_t count_, padded_, coordinates_, joints_;
+  std::vector<ErrorSource> places_;  // one per column; only where, owner, link and direction count
+  bool coupled_;                     // else an error at a joint enters like one at its encoder
+  AlignedNumbers values_, norms_;
+};
+
+/// How a model weights the columns of its coordinates.
+struct ErrorWeights {
+  Eigen::VectorXd half_width, mean, variance;   ///< [column] about the mean [rad or m, and squares]
+  Eigen::VectorXd added_worst, added_variance;  ///< [coordinate] of the error along a motion
+  LinearizationRemainder remainder;
+
+  /// Of a coordinate behind a filter: |A| half_width ||H||_1 + |A mean| |H(1)| + added_worst, and sigma^2.
+  struct Filtered {
+    double l1 = 0, dc_gain = 0;
+    Eigen::VectorXd variance;            ///< [column]; empty: not known
+    Eigen::VectorXd variance_in_motion;  ///< [column]; empty: not known
+    Eigen::VectorXd added_worst, added_variance;
+  };
+  std::vector<Filtered> filtered;
+
+  /// Whether the model's errors have a mean: else |A mean| is 0.
+  bool biased() const { return !mean.isZero(0); }
+};
+
+/// @param noise_in_motion  as in WorkspaceOptions
+/// @pre the model has the chain, coupling and coordinates of the columns, and sources at their places
+ErrorWeights error_weights(const ErrorColumns&, const OperationalModel&, const std::vector<Norms>& filters,
+                           const std::vector<Eigen::VectorXd>& noise_in_motion = {});
+
+}  // namespace qerr
