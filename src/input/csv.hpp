@@ -54,6 +54,13 @@ class CsvReader {
   /// number, an unclosed quotation mark, or a row that is too long
   bool next(double* values, std::ptrdiff_t stride = 1);
 
+  /// Reads the next row as texts, one per column of the header, without surrounding blanks and quotation
+  /// marks.
+  /// @param places  receives the place of each cell
+  /// @returns false at the end
+  /// @throws Error (input) like the above, but for numbers
+  bool next_texts(std::vector<std::string>& cells, std::vector<Place>& places);
+
   /// Line of the last row that was read, from 1.
   int line() const;
   /// Place and text of the cell of a chosen column in the last row that was read.
@@ -79,7 +86,9 @@ class CsvReader {
   void read_header();
   const char* record_end(const char* begin);
   const char* fast_row(double* values, std::ptrdiff_t stride);
+  bool next_record();
   bool general_row(double* values, std::ptrdiff_t stride);
+  std::vector<Cell> cells_of_row() const;
   void general_cell(const Cell&, std::size_t chosen, double& value);
   std::vector<Cell> cells_of(const char* begin, const char* end) const;
   [[noreturn]] void ragged(std::size_t cells) const;

@@ -104,21 +104,38 @@ const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
 }
 
 bool CsvReader::next(double* values, std::ptrdiff_t stride) {
+  row_ = next_;
+  line_ = next_line_;
+  if (const char* const end = fast_row(values, stride)) {
+    next_ = static_cast<std::size_t>(end - buffer_.data());
+    ++next_line_;
+    return true;
+  }
+  return next_record() && general_row(values, stride);
+}
+
+bool CsvReader::next_texts(std::vector<std::string>& cells, std::vector<Place>& places) {
+  if (!next_record()) return false;
+  cells.clear();
+  places.clear();
+  for (Cell& cell : cells_of_row()) {
+    places.push_back(place_at(cell.begin));
+    cells.push_back(std::move(cell.text));
+  }
+  return true;
+}
+
+/// Advances to the next record that is not blank. @returns false at the end
+bool CsvReader::next_record() {
   while (true) {
     row_ = next_;
     line_ = next_line_;
-    if (const char* const end = fast_row(values, stride)) {
-      next_ = static_cast<std::size_t>(end - buffer_.data());
-      ++next_line_;
-      return true;
-    }
     if (next_ == end_ && !fill()) return false;
     const char* const end = record_end(buffer_.data() + row_);
     const char* const begin = buffer_.data() + row_;
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     next_line_ += 1 + std::count(begin, end, '\n');
-    if (std::all_of(begin, end, is_blank)) continue;
-    return general_row(values, stride);
+    if (!std::all_of(begin, end, is_blank)) return true;
   }
 }
 
@@ -213,9 +230,14 @@ void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value
                cell.text.empty() ? "" : "'" + cell.text + "'", "write a plain number, or leave the row out"});
 }
 
-bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
-  const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
+std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {
+  std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
   if (cells.size() != header_.size()) ragged(cells.size());
+  return cells;
+}
+
+bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
+  const std::vector<Cell> cells = cells_of_row();
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     general_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
   return true;

@@ -16,6 +16,14 @@ const EncoderKind& first_kind(bool at_joint) {
   });
 }
 
+std::vector<std::string> encoder_keys() {
+  std::vector<std::string> keys;
+  for (const EncoderKind& kind : encoder_kinds())
+    for (const Parameter& row : encoder_parameters(kind))
+      if (std::find(keys.begin(), keys.end(), row.name) == keys.end()) keys.emplace_back(row.name);
+  return keys;
+}
+
 std::vector<Parameter> all_keys_of(const EncoderKind& kind) {
   std::vector<Parameter> rows = kind.parameters;
   for (const Parameter& p : common_encoder_parameters()) rows.push_back(p);
@@ -44,14 +52,6 @@ std::vector<std::string> list_of_kinds() {
 
 bool has_row(const std::vector<Parameter>& rows, std::string_view key) {
   return std::any_of(rows.begin(), rows.end(), [&](const Parameter& p) { return p.name == key; });
-}
-
-std::vector<std::string> encoder_keys() {
-  std::vector<std::string> keys;
-  for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& row : encoder_parameters(kind))
-      if (std::find(keys.begin(), keys.end(), row.name) == keys.end()) keys.emplace_back(row.name);
-  return keys;
 }
 
 /// @throws Error (input) for keys that no encoder has, and for those that the kind does not have

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "input/read_sections.hpp"
@@ -9,6 +10,9 @@ namespace qerr {
 
 /// The first kind that is stated at the joint, or at the encoder's shaft: of examples in messages.
 const EncoderKind& first_kind(bool at_joint);
+
+/// The keys of all kinds, each once.
+std::vector<std::string> encoder_keys();
 
 /// The keys of a kind and all common ones, also those that it has no use for.
 std::vector<Parameter> all_keys_of(const EncoderKind&);

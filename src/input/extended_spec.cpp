@@ -150,8 +150,7 @@ class Extension {
 
   std::string written(const std::vector<AddedEffect>& effects) const {
     Node root = parse_yaml(spec_.text, spec_.file);
-    for (const auto& [key, value] : in_order(spec_.overrides))
-      apply_override(root, key, value, "--set " + key);
+    for (const SpecChange& change : in_order(spec_changes(spec_.overrides))) apply_override(root, change);
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
     if (!effects.empty()) {

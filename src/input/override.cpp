@@ -6,6 +6,7 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -33,17 +34,15 @@ std::optional<std::pair<std::size_t, std::string>> leading_index(const std::stri
 }
 
 bool is_encoder_key(const std::string& word) {
-  for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& p : encoder_parameters(kind))
-      if (p.name == word) return true;
-  return false;
+  const std::vector<std::string> keys = encoder_keys();
+  return std::find(keys.begin(), keys.end(), word) != keys.end();
 }
 
 /// One change of a tree.
 class Override {
  public:
-  Override(Node& root, std::string path, Node value, std::string origin)
-      : root_(root), path_(std::move(path)), value_(std::move(value)), place_{std::move(origin), 0, 0} {}
+  Override(Node& root, std::string path, const Node& value)
+      : root_(root), path_(std::move(path)), value_(value), place_(value.place) {}
 
   void apply() {
     Node* node = &root_;
@@ -185,7 +184,7 @@ class Override {
 
   Node& root_;
   std::string path_;
-  Node value_;
+  const Node& value_;
   Place place_;
 };
 
@@ -223,33 +222,35 @@ std::optional<std::string> below_joints(const std::string& path) {
 }
 
 /// Whether the path is that of a pattern's entry; `a1[0]` is an item of a list.
-bool changes_pattern(const std::pair<std::string, std::string>& override) {
-  const auto rest = below_joints(override.first);
+bool changes_pattern(const SpecChange& change) {
+  const auto rest = below_joints(change.first);
   if (!rest) return false;
   const std::size_t special = rest->find_first_of("*?[");
   return special != std::string::npos && !((*rest)[special] == '[' && leading_index(rest->substr(special)));
 }
 
-bool changes_section(const std::pair<std::string, std::string>& override) {
-  const std::string& path = override.first;
+bool changes_section(const SpecChange& change) {
+  const std::string& path = change.first;
   return path == "encoders" || path == "configurations" || path == "configurations.limits";
 }
 
 }  // namespace
 
-std::vector<std::pair<std::string, std::string>> in_order(
-    std::vector<std::pair<std::string, std::string>> overrides) {
-  auto begin = overrides.begin();
-  while (begin != overrides.end()) {
-    const auto end = std::find_if(begin, overrides.end(), changes_section);
+std::vector<SpecChange> in_order(std::vector<SpecChange> changes) {
+  auto begin = changes.begin();
+  while (begin != changes.end()) {
+    const auto end = std::find_if(begin, changes.end(), changes_section);
     std::stable_partition(begin, end, changes_pattern);
-    begin = end == overrides.end() ? end : end + 1;
+    begin = end == changes.end() ? end : end + 1;
   }
-  return overrides;
+  return changes;
 }
 
-void apply_override(Node& root, const std::string& path, const std::string& value,
-                    const std::string& origin) {
+void apply_override(Node& root, const SpecChange& change) {
+  Override(root, change.first, change.second).apply();
+}
+
+SpecChange spec_change(const std::string& path, const std::string& text, const std::string& origin) {
   const Place place{origin, 0, 0};
   if (path.find_first_not_of(' ') == std::string::npos)
     throw Error({place, path, "a key is missing", "", "such as filters.velocity.lowpass.cutoff"});
@@ -257,7 +258,13 @@ void apply_override(Node& root, const std::string& path, const std::string& valu
   const std::string trimmed = path.substr(first, last + 1 - first);
   if (trimmed.ends_with('.'))
     throw Error({place, path, "the path ends with a point", "'" + trimmed + "'", "name the key after it"});
-  Override(root, trimmed, value_of(value, trimmed, place), origin).apply();
+  return {trimmed, value_of(text, trimmed, place)};
+}
+
+std::vector<SpecChange> spec_changes(const std::vector<std::pair<std::string, std::string>>& set) {
+  std::vector<SpecChange> changes;
+  for (const auto& [key, value] : set) changes.push_back(spec_change(key, value, "--set " + key));
+  return changes;
 }
 
 }  // namespace qerr

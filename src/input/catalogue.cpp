@@ -1,0 +1,215 @@
+#include "input/catalogue.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/csv.hpp"
+#include "input/encoder_keys.hpp"
+#include "input/joint_entries.hpp"
+#include "qerr/core/quantity.hpp"
+#include "qerr/effect/effect_kind.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// What a column of the table states.
+struct CatalogueColumn {
+  enum class Role { name, price, encoder, effect, description };
+  Role role = Role::description;
+  std::string key;     ///< of the encoder's entry; name of the effect
+  std::string detail;  ///< the effect's parameter
+  std::string unit;    ///< of cells without one
+};
+
+/// The kind that refuses a key because vendors mean different things by it; null if none does.
+const EncoderKind* refusing_kind(const std::string& key) {
+  for (const EncoderKind& kind : encoder_kinds()) {
+    const std::vector<std::string> words = words_of(kind.ambiguous_keys);
+    if (std::find(words.begin(), words.end(), key) != words.end()) return &kind;
+  }
+  return nullptr;
+}
+
+std::vector<std::string> effect_names() {
+  std::vector<std::string> names;
+  for (const EffectKind& kind : effect_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+bool has(const std::vector<std::string>& words, const std::string& word) {
+  return std::find(words.begin(), words.end(), word) != words.end();
+}
+
+/// The parameter that is the size of an effect: the only number that it requires; null if there are more.
+const Parameter* size_of(const EffectKind& kind) {
+  const Parameter* found = nullptr;
+  for (const Parameter& row : kind.parameters) {
+    if (!row.required) continue;
+    if (found) return nullptr;
+    found = &row;
+  }
+  return found;
+}
+
+CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, const Place& place) {
+  const std::size_t point = name.find('.');
+  const EffectKind& kind = effect_kind(name.substr(0, point));
+  CatalogueColumn column{CatalogueColumn::Role::effect, std::string(kind.name), {}, cell.unit};
+  if (point == std::string::npos) {
+    const Parameter* size = size_of(kind);
+    if (!size)
+      throw Error({place, name, "the effect has several parameters", quoted(name),
+                   "name one a column: " + name + '.' + std::string(kind.parameters.front().name)});
+    column.detail = size->name;
+    return column;
+  }
+  column.detail = name.substr(point + 1);
+  std::vector<std::string> known;
+  for (const Parameter& row : kind.parameters) known.emplace_back(row.name);
+  if (!has(known, column.detail))
+    throw Error({place, name, "the effect has no such parameter", quoted(column.detail),
+                 did_you_mean(column.detail, known)});
+  return column;
+}
+
+CatalogueColumn column_of(const std::string& header, const Place& place) {
+  const ColumnName cell = column_name(header);
+  const std::string& name = cell.name;
+  using Role = CatalogueColumn::Role;
+  if (name == "name") return {Role::name, {}, {}, {}};
+  if (name == "price") return {Role::price, {}, {}, cell.unit};
+  if (has(encoder_keys(), name)) return {Role::encoder, name, {}, cell.unit};
+  if (has(effect_names(), name.substr(0, name.find('.')))) return effect_column(name, cell, place);
+  if (const EncoderKind* kind = refusing_kind(name))
+    throw Error({place, name, "is ambiguous: vendors use it for lines and for counts, 4 times as many",
+                 quoted(name), std::string(kind->ambiguous_remedy)});
+  std::vector<std::string> known = encoder_keys();
+  known.insert(known.end(), {"name", "price"});
+  for (const std::string& effect : effect_names()) known.push_back(effect);
+  // A slip of the keyboard rarely hits the first letter; `mounting` is not meant to be `rounding`.
+  if (const std::string near = nearest(name, known); !near.empty() && near.front() == name.front())
+    throw Error({place, name, "unknown column, and nearly one that is known", quoted(name),
+                 "did you mean '" + near + "'? Name a column of descriptions differently"});
+  return {Role::description, {}, {}, {}};
+}
+
+/// A cell with its unit: its own, else that of the header.
+Node cell_value(const std::string& text, const std::string& unit, const Place& place) {
+  Node node = scalar_node(unit.empty() || !parse_number(text) ? text : text + ' ' + unit);
+  node.place = place;
+  return node;
+}
+
+Node mapping_at(const Place& place) {
+  Node node = mapping_node({});
+  node.place = place;
+  return node;
+}
+
+void add_entry(Node& mapping, const std::string& key, Node value, const Place& place) {
+  mapping.entries.push_back({{key, place}, std::move(value)});
+}
+
+double price_of(const std::string& text, const Place& place) {
+  const auto price = parse_number(text);
+  if (price && *price >= 0) return *price;
+  throw Error({place, "price", "must be a number, at least 0", quoted(text),
+               "write the number alone; its currency may stand in the header, price [EUR]"});
+}
+
+void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, const Place& place) {
+  auto effect = std::find_if(row.effects.begin(), row.effects.end(),
+                             [&](const Node& e) { return e.find("type")->text == column.key; });
+  if (effect == row.effects.end()) {
+    effect = row.effects.insert(effect, mapping_at(place));
+    add_entry(*effect, "type", cell_value(column.key, "", place), place);
+  }
+  add_entry(*effect, column.detail, std::move(value), place);
+}
+
+CatalogueRow row_of(const std::vector<CatalogueColumn>& columns, const std::vector<std::string>& cells,
+                    const std::vector<Place>& places) {
+  CatalogueRow row{{}, {}, mapping_at(places.front()), {}, places.front()};
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const CatalogueColumn& column = columns[i];
+    if (cells[i].empty()) continue;
+    switch (column.role) {
+      case CatalogueColumn::Role::name:
+        row.name = cells[i];
+        break;
+      case CatalogueColumn::Role::price:
+        row.price = price_of(cells[i], places[i]);
+        break;
+      case CatalogueColumn::Role::encoder:
+        add_entry(row.entry, column.key, cell_value(cells[i], column.unit, places[i]), places[i]);
+        break;
+      case CatalogueColumn::Role::effect:
+        add_effect(row, column, cell_value(cells[i], column.unit, places[i]), places[i]);
+        break;
+      case CatalogueColumn::Role::description:
+        break;
+    }
+  }
+  if (row.name.empty())
+    throw Error({row.place, "name", "the row has no name", "", "give each row a name of its own"});
+  return row;
+}
+
+std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
+  std::vector<CatalogueColumn> columns(csv.header().size());
+  std::set<std::string> seen;
+  for (std::size_t i = 0; i < columns.size(); ++i)
+    faults.guard([&] {
+      columns[i] = column_of(csv.header()[i], csv.header_place(i));
+      const std::string name = column_name(csv.header()[i]).name;
+      if (!seen.insert(name).second)
+        throw Error({csv.header_place(i), name, "duplicate column", quoted(name), "keep one of the two"});
+    });
+  if (!seen.contains("name"))
+    faults.guard([&] {
+      throw Error({csv.header_place(0), "name", "the catalogue has no column of this name",
+                   list_of_names(csv.header()), "add it: it names the rows in reports"});
+    });
+  return columns;
+}
+
+}  // namespace
+
+Catalogue read_catalogue(const std::string& path) {
+  CsvReader csv(path);
+  Catalogue catalogue{csv.file(), {}, {}};
+  Faults faults;
+  const std::vector<CatalogueColumn> columns = columns_of(csv, faults);
+  faults.raise();
+  for (const CatalogueColumn& column : columns)
+    if (column.role == CatalogueColumn::Role::price) catalogue.price_unit = column.unit;
+  std::vector<std::string> cells;
+  std::vector<Place> places;
+  while (csv.next_texts(cells, places))
+    faults.guard([&] {
+      CatalogueRow row = row_of(columns, cells, places);
+      for (const CatalogueRow& other : catalogue.rows)
+        if (other.name == row.name)
+          throw Error({row.place, "name", "duplicate name, as in line " + std::to_string(other.place.line),
+                       quoted(row.name), "give each row a name of its own"});
+      catalogue.rows.push_back(std::move(row));
+    });
+  faults.raise();
+  if (catalogue.rows.empty())
+    throw Error({{csv.file(), 1, 1}, "", "the catalogue has no rows", "", "add a row for each encoder"});
+  return catalogue;
+}
+
+Node on_joint(const Node& effect, const std::string& joint) {
+  Node node = effect;
+  node.entries.insert(node.entries.begin() + 1,
+                      {{"joint", effect.place}, cell_value(joint, "", effect.place)});
+  return node;
+}
+
+}  // namespace qerr

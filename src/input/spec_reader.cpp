@@ -1,0 +1,276 @@
+#include "input/spec_reader.hpp"
+
+#include <algorithm>
+#include <filesystem>
+#include <utility>
+
+#include "core/text.hpp"
+#include "input/package_path.hpp"
+#include "input/read_sections.hpp"
+#include "input/spec_format.hpp"
+#include "input/unknown_key.hpp"
+#include "qerr/input/read_urdf.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// A longer link suggests a URDF in millimetres: no robot has a link of 20 m, and few have one below 20 mm.
+constexpr double longest_link = 20;  // [m]
+
+void warn_about_units(const Chain& chain, std::vector<std::string>& warnings) {
+  double longest = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) longest = std::max(longest, joint.origin.translation().norm());
+  if (longest > longest_link)
+    warnings.push_back("a link is " + shortest(longest) + " m long: is the URDF in millimetres?");
+}
+
+void check_version(const Object& top) {
+  if (!top.has("qerr")) return;
+  try {
+    top.number("qerr");
+  } catch (const Error&) {
+    throw Error(top.at("qerr").fault("is the version of the format, and this program reads version 1",
+                                     "write 'qerr: 1'"));
+  }
+}
+
+/// Entries that are not indented below their section leave it empty: one mistake.
+void raise_if_not_indented(const Node& root, const std::vector<Parameter>& format, const Faults& faults) {
+  for (const auto& entry : root.entries) {
+    const bool known = std::any_of(format.begin(), format.end(),
+                                   [&](const Parameter& row) { return row.name == entry.key.name; });
+    if (!known && empty_section_before(root, entry)) faults.raise();
+  }
+}
+
+/// Gives faults about `robot.base` and `robot.tip` their place in the spec instead of the URDF.
+Error placed_in_spec(const Error& e, const Field& robot) {
+  std::vector<Fault> faults = e.faults();
+  for (Fault& fault : faults) {
+    if (!fault.key.starts_with("robot.")) continue;
+    const Node* value = robot.node->find(std::string_view(fault.key).substr(6));
+    fault.place = value ? value->place : robot.node->place;
+  }
+  return Error(faults, e.trouble());
+}
+
+}  // namespace
+
+/// A part of reading: one section, or two that are read as one.
+struct SpecReader::Stage {
+  std::vector<std::string> sections;
+  std::vector<std::string> refers_to;  ///< further sections that it depends on, besides the robot
+  void (*reset)(Spec&);                ///< to what a spec without the section has
+  void (*read)(SpecReader&, const Object& top);
+};
+
+namespace {
+
+/// Runs the reader of a section, if the spec has it.
+template <class Read>
+void section(const Object& top, std::string_view key, Faults& faults, Read read) {
+  if (top.has(key)) faults.guard([&] { read(top.at(key)); });
+}
+
+}  // namespace
+
+const std::vector<SpecReader::Stage>& SpecReader::stages() {
+  static const std::vector<Stage> all{
+      {{"encoders", "coupling"},
+       {},
+       [](Spec& spec) {
+         spec.model.transmission = {};
+         spec.encoder_figures.clear();
+       },
+       [](SpecReader& r, const Object& top) {
+         section(top, "encoders", r.faults_,
+                 [&](const Field& f) { read_encoders(f, *r.robot_, r.spec_, r.faults_); });
+         if (!r.faults_.any()) warn_of_stated_ratios(*r.robot_, r.spec_);
+         section(top, "coupling", r.faults_, [&](const Field& f) { read_coupling(f, r.spec_); });
+       }},
+      {{"coordinates", "frame"},
+       {"requirements"},  // which may add lengths
+       [](Spec& spec) {
+         spec.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
+         spec.model.lengths.clear();
+         spec.model.frame = CoordinateFrame::base;
+       },
+       [](SpecReader& r, const Object& top) {
+         section(top, "coordinates", r.faults_, [&](const Field& f) { read_coordinates(f, r.spec_); });
+         r.faults_.guard([&] {
+           if (top.choice("frame") == "tip") r.spec_.model.frame = CoordinateFrame::tip;
+         });
+       }},
+      {{"filters"},
+       {},
+       [](Spec& spec) { spec.filters.clear(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "filters", r.faults_, [&](const Field& f) { read_filters(f, r.spec_, r.faults_); });
+       }},
+      {{"configurations"},
+       {},
+       [](Spec& spec) {
+         spec.configurations = {};
+         spec.points_file.clear();
+       },
+       [](SpecReader& r, const Object& top) {
+         r.faults_.guard([&] {
+           read_configurations(top.at("configurations"), r.folder_, *r.robot_, r.spec_, r.faults_);
+         });
+       }},
+      {{"threshold"},
+       {},
+       [](Spec& spec) { spec.threshold_length.reset(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "threshold", r.faults_, [&](const Field& f) { read_threshold(f, r.spec_); });
+       }},
+      {{"motion"},
+       {},
+       [](Spec& spec) { spec.motion.reset(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "motion", r.faults_,
+                 [&](const Field& f) { read_motion(f, r.folder_, *r.robot_, r.spec_, r.faults_); });
+       }},
+      {{"effects"},
+       {"encoders"},
+       [](Spec& spec) { spec.effects.clear(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "effects", r.faults_,
+                 [&](const Field& f) { read_effects(f, *r.robot_, r.spec_, r.faults_); });
+       }},
+      {{"sweep"},
+       {},
+       [](Spec& spec) { spec.sweep.clear(); },
+       [](SpecReader& r, const Object& top) {
+         section(top, "sweep", r.faults_, [&](const Field& f) { read_sweep(f, r.spec_, r.faults_); });
+         if (!r.spec_.sweep.empty())
+           r.spec_.warnings.emplace_back(
+               "sweep: is not used by this command: its figures are those of the spec's own values");
+       }},
+      {{"requirements"},
+       {"coordinates", "frame", "filters", "motion"},
+       [](Spec& spec) { spec.requirements.clear(); },
+       [](SpecReader& r, const Object& top) {
+         r.faults_.raise();  // requirements refer to coordinates and filters
+         section(top, "requirements", r.faults_,
+                 [&](const Field& f) { read_requirements(f, r.spec_, r.faults_); });
+       }},
+  };
+  return all;
+}
+
+SpecReader::SpecReader(const std::string& path)
+    : folder_(path == "-" ? "." : std::filesystem::path(path).parent_path().string()),
+      warnings_(1 + stages().size()) {
+  spec_.file = path;
+}
+
+Spec SpecReader::read(const Node& root) {
+  if (root.type != Node::Type::mapping)
+    throw Error({root.place, "", "a spec must be a mapping", described(root), "begin with 'qerr: 1'"});
+  const Object top = checked_top(root);
+  read_chain(top.at("robot"));
+  faults_.raise();  // all further sections refer to the joints of the chain
+  warnings_[0] = std::exchange(spec_.warnings, {});
+  for (std::size_t i = 0; i < stages().size(); ++i) run(stages()[i], top, i);
+  faults_.raise();
+  return finished();
+}
+
+bool SpecReader::reads_again(const Stage& stage, const std::vector<std::string>& changed) {
+  const auto any = [&](const std::vector<std::string>& sections) {
+    return std::any_of(sections.begin(), sections.end(), [&](const std::string& section) {
+      return std::find(changed.begin(), changed.end(), section) != changed.end();
+    });
+  };
+  return any(stage.sections) || any(stage.refers_to);
+}
+
+bool SpecReader::reads_again(const std::string& section, const std::vector<std::string>& changed) {
+  return std::any_of(stages().begin(), stages().end(), [&](const Stage& stage) {
+    return std::find(stage.sections.begin(), stage.sections.end(), section) != stage.sections.end() &&
+           reads_again(stage, changed);
+  });
+}
+
+bool SpecReader::can_change(const std::string& section) {
+  return std::any_of(stages().begin(), stages().end(), [&](const Stage& stage) {
+    return std::find(stage.sections.begin(), stage.sections.end(), section) != stage.sections.end();
+  });
+}
+
+Spec SpecReader::reread(const Node& root, const std::vector<std::string>& changed) const {
+  SpecReader again(*this);
+  std::vector<Parameter> format = spec_format::top();
+  for (Parameter& row : format) row.required = false;
+  const Object top(Field{&root, ""}, format);
+  for (std::size_t i = 0; i < stages().size(); ++i)
+    if (reads_again(stages()[i], changed)) again.run(stages()[i], top, i);
+  again.faults_.raise();
+  return again.finished();
+}
+
+void SpecReader::run(const Stage& stage, const Object& top, std::size_t index) {
+  stage.reset(spec_);
+  stage.read(*this, top);
+  warnings_[1 + index] = std::exchange(spec_.warnings, {});
+}
+
+Spec SpecReader::finished() const {
+  Spec spec = spec_;
+  for (const std::vector<std::string>& some : warnings_)
+    spec.warnings.insert(spec.warnings.end(), some.begin(), some.end());
+  return spec;
+}
+
+/// Unknown keys are reported together with the faults of the known sections, unless a required section is
+/// missing.
+Object SpecReader::checked_top(const Node& root) {
+  const Field field{&root, ""};
+  std::vector<Parameter> format = spec_format::top();
+  if (!faults_.guard([&] { Object(field, format); })) {
+    raise_if_not_indented(root, format, faults_);
+    for (const auto& [key, value] : root.entries) format.push_back({.name = key.name, .kind = Kind::any});
+    for (Parameter& row : format) {
+      if (row.required && !root.find(row.name)) faults_.raise();
+      row.required = false;
+    }
+  }
+  Object top(field, format);
+  faults_.guard([&] { check_version(top); });
+  return top;
+}
+
+void SpecReader::read_chain(const Field& f) {
+  faults_.guard([&] {
+    const Object o(f, spec_format::robot());
+    const Field urdf = o.at("urdf");
+    const std::string path = find_urdf(urdf, *o.text("urdf"));
+    read_named_file(urdf, path, [&](const std::string& file) {
+      robot_ = std::make_shared<const RobotModel>(read_urdf(file));
+    });
+    spec_.robot_name = robot_->name;
+    try {
+      spec_.model.chain = make_chain(*robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
+      spec_.warnings = warnings_about(*robot_, spec_.model.chain);
+    } catch (const Error& e) {
+      throw placed_in_spec(e, f);
+    }
+    if (o.has("tool")) spec_.model.chain.tip_offset = spec_.model.chain.tip_offset * read_tool(o.at("tool"));
+    warn_about_units(spec_.model.chain, spec_.warnings);
+  });
+}
+
+std::string SpecReader::find_urdf(const Field& urdf, const std::string& given) const {
+  try {
+    return urdf_path(given, folder_);
+  } catch (const Error& e) {
+    Fault fault = e.faults().front();
+    fault.place = urdf.node->place;
+    fault.key = urdf.path;
+    throw Error(fault);
+  }
+}
+
+}  // namespace qerr

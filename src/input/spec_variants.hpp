@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "input/override.hpp"
+#include "input/spec_reader.hpp"
+
+namespace qerr {
+
+/// A spec with values replaced, many times: the robot is read once, and of a variant only the sections that
+/// change.
+class SpecVariants {
+ public:
+  /// @param overrides  of the command line: every variant has them, too
+  /// @throws Error like `parse_spec`, whose spec is `base`
+  SpecVariants(const std::string& text, const std::string& path, const SpecOverrides& overrides = {});
+
+  /// The spec without a change.
+  const Spec& base() const { return base_; }
+
+  /// The spec with further changes, made like those of --set, together with these; its `sweep` and `design`
+  /// sections are left out.
+  ///
+  /// Equals parse_spec with all overrides, but for `sweep` and warnings about it. May be called from several
+  /// threads.
+  /// @param effects  entries that are added to `effects:`; one of the same type and joint is replaced
+  /// @throws Error (input) with the places of the changes and of the spec
+  Spec variant(const std::vector<SpecChange>& changes, const std::vector<Node>& effects = {}) const;
+
+ private:
+  Node root_;                          // as in the file, without `sweep` and `design`
+  std::vector<SpecChange> overrides_;  // of the command line, in its order
+  std::optional<std::uint64_t> seed_;
+  SpecReader reader_;  // has read root_ with the overrides
+  Spec base_;
+};
+
+}  // namespace qerr
