@@ -209,6 +209,11 @@ void read_configurations(const Field& f, const std::string& folder, const RobotM
   c.method = method == "sobol"    ? SamplingMethod::sobol
              : method == "random" ? SamplingMethod::random
                                   : SamplingMethod::grid;
+  if (method == "sobol" && c.ranges.size() > most_sobol_joints) {
+    c.method = SamplingMethod::random;
+    spec.warnings.push_back("configurations: method random in place of sobol, whose sequence has at most " +
+                            counted(most_sobol_joints, "joint"));
+  }
   c.count = static_cast<std::uint64_t>(o.number("count").value_or(method == "grid" ? 10 : 10000));
   if (static_cast<double>(size(c)) > most_grid_points)
     throw Error({o.self().node->place, "configurations.count", "the grid has too many points",

@@ -9,6 +9,8 @@ namespace qerr {
 
 namespace {
 
+static_assert(boost::random::detail::qrng_tables::sobol::max_dimension == most_sobol_joints);
+
 double between(const Limits& range, double fraction) {
   const double value = range.lower + fraction * (range.upper - range.lower);
   return std::min(std::max(value, range.lower), range.upper);

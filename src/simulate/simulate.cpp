@@ -20,9 +20,12 @@ namespace {
 // Longer runs are distributed to threads one by one.
 constexpr std::uint64_t most_samples_together = std::uint64_t{1} << 15;
 
+/// The largest whole number to which a double has all neighbours.
+constexpr double most_exact_whole = 9007199254740992;  // 2^53
+
 std::uint64_t divisor(const Filter& filter, const Motion& motion) {
   const double ratio = motion.sample_rate / filter.sample_rate, whole = std::round(ratio);
-  if (whole < 1 || std::abs(ratio - whole) > 1e-9 * whole)
+  if (whole < 1 || whole > most_exact_whole || std::abs(ratio - whole) > 1e-9 * whole)
     throw Error({{},
                  "motion.sample_rate",
                  "the rate of a filter must divide the rate of the motion",

@@ -109,6 +109,25 @@ TEST_F(ReadSpec, ConvertsEveryEncoderKindToTheJointSide) {
   EXPECT_EQ(spec.encoder_figures[0].gear_ratio, -80);
 }
 
+// Sobol's sequence is tabulated for 3667 dimensions.
+TEST_F(ReadSpec, SamplesRobotsOfThousandsOfJointsAtRandom) {
+  const auto method_of = [&](int joints) {
+    std::string urdf = "<robot name='long'><link name='l0'/>";
+    for (int j = 1; j <= joints; ++j) {
+      const std::string n = std::to_string(j);
+      urdf += "<link name='l" + n + "'/><joint name='j" + n + "' type='revolute'><parent link='l" +
+              std::to_string(j - 1) + "'/><child link='l" + n +
+              "'/><axis xyz='0 0 1'/><limit lower='-1' upper='1' effort='1' velocity='1'/></joint>";
+    }
+    std::ofstream(folder_ / "long.urdf") << urdf << "</robot>";
+    const Spec spec = read("qerr: 1\nrobot: {urdf: long.urdf}\nencoders: {'*': {bits: 12}}\n");
+    EXPECT_EQ(spec.warnings.size(), joints > 3667 ? 1u : 0u);
+    return spec.configurations.method;
+  };
+  EXPECT_EQ(method_of(3667), SamplingMethod::sobol);
+  EXPECT_EQ(method_of(3668), SamplingMethod::random);
+}
+
 TEST_F(ReadSpec, DefaultsToPositionsAndTenThousandSobolPoints) {
   const Spec spec = read(head + encoders);
   EXPECT_EQ(spec.model.coordinates, (std::vector{Coordinate::x, Coordinate::y, Coordinate::z}));

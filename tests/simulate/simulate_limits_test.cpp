@@ -92,5 +92,15 @@ TEST(Simulate, HasTheExactSigmaOfAFilterWithALongMemory) {
   EXPECT_TRUE(std::isfinite(slow.ladder.nonlinear));
 }
 
+// The ratio of the rates counts samples: beyond 2^53 it is no longer a count.
+TEST(Simulate, RefusesRatesWhoseRatioIsNoExactCount) {
+  Experiment e = wrist(0);
+  for (const double rate : {1e22, 1e300}) {
+    e.motion.sample_rate = rate;
+    e.motion.duration = 1 / rate;
+    EXPECT_EQ(refusal([&] { run(e); }).key, "motion.sample_rate") << rate;
+  }
+}
+
 }  // namespace
 }  // namespace qerr

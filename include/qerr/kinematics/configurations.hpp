@@ -25,6 +25,9 @@ struct Configurations {
   std::vector<Eigen::VectorXd> points = {};  ///< of method list
 };
 
+/// Joints for which Sobol's sequence is tabulated (Joe and Kuo, in Boost).
+inline constexpr std::size_t most_sobol_joints = 3667;
+
 /// Number of configurations; count^joints for a grid. Saturates at 2^63 - 1.
 std::uint64_t size(const Configurations&);
 
