@@ -82,6 +82,7 @@ BatchedError::~BatchedError() = default;
 const FigureLayout& BatchedError::figures() const { return plan_->error.plan().figures; }
 const SumLayout& BatchedError::sums() const { return plan_->error.plan().sums; }
 bool BatchedError::own_worst_case() const { return plan_->error.plan().filtered_worst; }
+bool BatchedError::has_sources() const { return plan_->error.plan().quantization_parts; }
 bool BatchedError::own_sigma() const { return plan_->error.plan().filtered_sigma; }
 
 void BatchedError::operator()(const double* q, double* figures) {

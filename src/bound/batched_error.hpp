@@ -40,6 +40,8 @@ class BatchedError {
   /// sigmas rather than the position's times ||H||_2.
   bool own_worst_case() const;
   bool own_sigma() const;
+  /// Whether contributions of quantization are separate sums (SumLayout::quantization_parts).
+  bool has_sources() const;
 
   /// Computes the figures of a batch and adds to the sums.
   /// @param q        configuration c of independent joint i at q[i * batch_size + c]; aligned to 64 bytes

@@ -211,6 +211,8 @@ void PlannedError::set_layout(const ErrorFigures& requested, std::size_t lengths
   sums.variance_parts = place(sums.count, requested.shares, m * plan_.encoders);
   sums.share = place(sums.count, requested.shares, m * plan_.encoders);
   sums.worst_share = place(sums.count, requested.shares, m * plan_.encoders);
+  plan_.quantization_parts = requested.shares && !plan_.plain;
+  sums.quantization_parts = place(sums.count, plan_.quantization_parts, m * plan_.encoders);
   sums.arms = place(sums.count, requested.shares, plan_.encoders);
   sums.pitch = place(sums.count, plan_.any_euler, 1);
 }

@@ -20,6 +20,7 @@ struct SumLayout {
   std::size_t covariance = 0;                                  ///< [row][column <= row]
   std::size_t filtered = 0;                                    ///< the same behind every filter
   std::size_t variance_parts = 0, share = 0, worst_share = 0;  ///< [coordinate][encoder]
+  std::size_t quantization_parts = 0;                          ///< [coordinate][encoder]; only beside sources
   std::size_t arms = 0;   ///< [encoder]: largest |dp/dx| of one axis [m/rad or 1]
   std::size_t pitch = 0;  ///< one: 1 - cos(pitch)
   std::size_t count = 0;

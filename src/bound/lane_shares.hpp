@@ -45,6 +45,8 @@ template <class L, std::size_t fixed>
       const L square = fixed > 0 ? u[c] * u[c] : (part.sigma * part.sigma) * (u[c] * u[c]);
       add_to(of_owner + plan.sums.variance_parts * lane_count<L> + c * row, square);
       add_to(of_owner + plan.sums.share * lane_count<L> + c * row, square * over[c]);
+      if (fixed == 0 && plan.quantization_parts && !part.source)
+        add_to(of_owner + plan.sums.quantization_parts * lane_count<L> + c * row, square);
       add_to(of_owner + plan.sums.worst_share * lane_count<L> + c * row,
              magnitude * (part.width * over_worst[c]));
       if (fixed > 0 ? c < 3 : plan.coordinate[c] < 3) arm = max(arm, magnitude);

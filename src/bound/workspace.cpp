@@ -107,6 +107,8 @@ class Summary {
 
   void add_details(Workspace& w) const {
     w.mean_variance_parts = matrix(sums_.variance_parts);
+    w.mean_quantization_parts =
+        job_.errors().has_sources() ? matrix(sums_.quantization_parts) : w.mean_variance_parts;
     w.largest_arms.resize(static_cast<Eigen::Index>(encoders_));
     for (std::size_t i = 0; i < encoders_; ++i)
       w.largest_arms[static_cast<Eigen::Index>(i)] = job_.maximum(sums_.arms + i);

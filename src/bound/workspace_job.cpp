@@ -134,8 +134,8 @@ void WorkspaceJob::take_sample() {
     const SampledBins sample(w.counts.list(f), w.counts.lists()[f].next);
     lowest_bins_[f] = Histogram::lowest_bin(sample[BlockCounts::block_size * 95 / 100]);
     if (std::isfinite(tallies[f].max)) sampled_largest_[f] = clearly_smaller * tallies[f].max;
-    // Texts are written once: a second sweep is not possible.
-    if (!options_.text) counted_[f] = sample.near_percentiles();
+    // Batches are seen once: a second sweep is not possible.
+    if (!options_.text && !options_.visit) counted_[f] = sample.near_percentiles();
     usual_[f] = sample.usual();
   }
 }
@@ -171,8 +171,9 @@ void WorkspaceJob::block(Worker& w, std::uint64_t first, BlockResult& result) {
     if (count < batch_size) surplus = pad(w, count);
     w.errors(w.q.data(), w.figures.data());
     keep(w, first + done, count, result.tallies);
-    if (options_.text)
-      result.text += options_.text({first + done, count, w.q.data(), w.figures.data(), errors_.figures()});
+    const ConfigurationBatch batch{first + done, count, w.q.data(), w.figures.data(), errors_.figures()};
+    if (options_.text) result.text += options_.text(batch);
+    if (options_.visit) options_.visit(batch);
   }
   w.counts.end_of_block(result.count / batch_size * batch_size);
   result.sums = w.errors.take_sums();

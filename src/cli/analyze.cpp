@@ -1,17 +1,22 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "input/read_limits.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/analysis/exceedance.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
 int run(const Values& v) {
-  const Spec spec = load(v.text("SPEC"), v);
+  Spec spec = load(v.text("SPEC"), v);
+  const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
-  const WorkspaceOptions options = workspace_options(v);
+  WorkspaceOptions options = workspace_options(v);
+  ExceedanceCounter counter(spec, limits);
+  if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;
   if (rows) {
     analysis = analyze(spec, options, [&](const std::string& text) { rows->write(text); });
@@ -19,6 +24,7 @@ int run(const Values& v) {
   } else {
     analysis = analyze(spec, options);
   }
+  analysis.exceedances = counter.result(analysis);
   Style shown = style(v);
   shown.details = v.given("details");
   finish(out, write(analysis, chosen_format(v), shown));
@@ -36,6 +42,10 @@ Command analyze_command() {
               {{.name = "--per-configuration",
                 .value = "FILE.csv",
                 .meaning = "write one CSV row per configuration"},
+               {.name = "--above",
+                .value = "QUANTITY=LIMIT",
+                .kind = OptionKind::repeat,
+                .meaning = "count the configurations above a limit, e.g. position.xyz.worst_case='50 um'"},
                {.name = "--details",
                 .kind = OptionKind::flag,
                 .meaning = "in the table all statistics, in place of median and maximum"}},
@@ -46,6 +56,8 @@ Command analyze_command() {
        {"qerr analyze arm.yaml --set 'encoders.*.counts_per_rev=8192'",
         "the same with finer encoders, without changing the file"},
        {"qerr analyze arm.yaml -o report.json", "everything, for a program; the ending chooses the format"},
+       {"qerr analyze arm.yaml --above position.xyz.worst_case='50 um'",
+        "in what share of the workspace 50 um are exceeded, and where"},
        {"qerr analyze arm.yaml --per-configuration points.csv", "and one row for every configuration"}},
       {"figures", "spec", "output"}};
 }

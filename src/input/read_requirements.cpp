@@ -1,6 +1,8 @@
 #include <algorithm>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/read_limits.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 
@@ -120,6 +122,36 @@ void read_limit(const Object& o, Spec& spec, Requirement& r) {
 }
 
 }  // namespace
+
+std::vector<Requirement> read_limits(const std::string& option, const std::vector<std::string>& texts,
+                                     Spec& spec) {
+  std::vector<Requirement> limits;
+  for (const std::string& text : texts) {
+    const std::size_t equals = text.find('=');
+    if (equals == std::string::npos || equals == 0)
+      throw Error(
+          {{}, option, "must be QUANTITY=LIMIT", quoted(text), "as in position.xyz.worst_case='50 um'"},
+          Trouble::usage);
+    const Node node = mapping_node({{"quantity", scalar_node(text.substr(0, equals))},
+                                    {"at_most", scalar_node(text.substr(equals + 1))},
+                                    {"statistic", scalar_node("max")}});
+    try {
+      const Object o({&node, option}, spec_format::requirement());
+      Requirement r;
+      r.quantity = *o.text("quantity");
+      read_quantity(o.at("quantity"), spec, r);
+      if (r.figure)
+        throw Error(o.at("quantity")
+                        .fault("a figure of a filter is the same at all configurations",
+                               "name a bound of a coordinate, as position.xyz.worst_case"));
+      read_limit(o, spec, r);
+      limits.push_back(r);
+    } catch (const Error& e) {
+      throw Error(e.faults(), Trouble::usage);
+    }
+  }
+  return limits;
+}
 
 void read_requirements(const Field& f, Spec& spec, Faults& faults) {
   for (const Field& item : read_list(f, "a list: - {quantity: ..., statistic: ..., at_most: ...}"))

@@ -35,7 +35,9 @@ struct Workspace {
   std::uint64_t count = 0;
   std::vector<CoordinateStatistics> coordinates;               ///< of coordinates_and_lengths
   std::vector<std::vector<DerivativeStatistics>> derivatives;  ///< [filter][coordinate]
-  Eigen::MatrixXd mean_variance_parts;    ///< coordinates x encoders: mean variance due to each encoder
+  Eigen::MatrixXd mean_variance_parts;  ///< coordinates x encoders: mean variance due to each encoder
+  /// The same of quantization alone, without the sources attributed to the encoder.
+  Eigen::MatrixXd mean_quantization_parts;
   Eigen::MatrixXd mean_covariance;        ///< of all coordinates, mean over the configurations
   Eigen::MatrixXd covariance_at_largest;  ///< where the trace of the position's covariance is largest
   Eigen::VectorXd largest_at;             ///< that configuration [rad or m]
@@ -59,6 +61,8 @@ struct WorkspaceOptions {
   std::function<std::string(const ConfigurationBatch&)> text = {};
   /// Receives the texts in the order of the configurations.
   std::function<void(const std::string&)> write = {};
+  /// Sees every batch of configurations once; called on any thread.
+  std::function<void(const ConfigurationBatch&)> visit = {};
   /// [filter]: sigma of each encoder's error behind the filter in a motion, in quantization intervals
   /// (quantization_along_motion.hpp); empty: unknown.
   std::vector<Eigen::VectorXd> noise_in_motion = {};

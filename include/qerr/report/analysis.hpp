@@ -1,6 +1,7 @@
 #pragma once
 
 #include <functional>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,24 @@
 
 namespace qerr {
 
+/// How often a bound exceeds a limit over the configurations, and where the tip is there.
+struct Exceedance {
+  /// Configurations with the tip at a distance of from <= d < to from the origin of the base [m].
+  struct Shell {
+    double from = 0, to = 0;
+    std::uint64_t count = 0, above = 0;
+  };
+
+  std::string quantity;  ///< as in requirements: `position.xyz.worst_case`
+  double limit = 0;      ///< in `unit` [SI]
+  std::string unit;
+  std::uint64_t count = 0, above = 0;  ///< configurations, and those above the limit
+  std::vector<Shell> by_distance;      ///< of equal widths, from 0 to the reach
+  /// The box of the tip's positions above the limit, in the base frame [m]; infinite without any.
+  Eigen::Vector3d lowest = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
+  Eigen::Vector3d highest = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
+};
+
 /// The result of `qerr analyze`: the bounds of a spec over its configurations.
 struct Analysis {
   Spec spec;  ///< its model contains the effects
@@ -25,6 +44,7 @@ struct Analysis {
   std::vector<EffectShare> effects = {};  ///< in the order of the spec
   Eigen::VectorXd resolutions = {};       ///< of the encoders as in the spec; effects on a decoder multiply
                                           ///< those in the model
+  std::vector<Exceedance> exceedances = {};  ///< that were asked for
 };
 
 /// Every bound of the spec over its configurations, with the effects of the spec.
@@ -101,5 +121,14 @@ std::string derivative_unit(Coordinate, int derivative);
 /// Each encoder's share of the mean variance of the tip's position (of all coordinates if no position is
 /// analysed); sums to 1, or is 0 if no encoder moves the tip.
 std::vector<double> encoder_budget(const Analysis&);
+
+/// What an encoder's share in the budget consists of: the shares of its quantization, of its `accuracy` (a
+/// sine of that amplitude) and of the effects that are attributed to it.
+struct BudgetParts {
+  double quantization = 0, accuracy = 0, effects = 0;
+};
+
+/// The parts of `encoder_budget`, of every encoder.
+std::vector<BudgetParts> budget_parts(const Analysis&);
 
 }  // namespace qerr

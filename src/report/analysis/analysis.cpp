@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 #include "bound/noise_in_motion.hpp"
 #include "core/parallel.hpp"
@@ -197,23 +198,51 @@ std::string derivative_unit(Coordinate c, int derivative) {
   return unit_name(d);
 }
 
-std::vector<double> encoder_budget(const Analysis& a) {
+namespace {
+
+/// Sum over the position's coordinates (over all, if no position is analysed) of the contributions of each
+/// encoder to the mean variance.
+/// @param parts  coordinates x encoders
+std::vector<double> by_encoder(const Analysis& a, const Eigen::MatrixXd& parts) {
   const auto& coordinates = a.spec.model.coordinates;
   const bool positions = std::any_of(coordinates.begin(), coordinates.end(), is_position);
-  std::vector<double> parts(a.spec.model.transmission.encoders.size());
-  double total = 0;
+  std::vector<double> sums(static_cast<std::size_t>(parts.cols()));
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     if (is_position(coordinates[i]) != positions) continue;
-    for (std::size_t e = 0; e < parts.size(); ++e) {
-      const double part =
-          a.workspace.mean_variance_parts(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(e));
-      if (!std::isfinite(part)) continue;
-      parts[e] += part;
-      total += part;
+    for (std::size_t e = 0; e < sums.size(); ++e) {
+      const double part = parts(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(e));
+      if (std::isfinite(part)) sums[e] += part;
     }
   }
+  return sums;
+}
+
+}  // namespace
+
+std::vector<double> encoder_budget(const Analysis& a) {
+  std::vector<double> parts = by_encoder(a, a.workspace.mean_variance_parts);
+  const double total = std::accumulate(parts.begin(), parts.end(), 0.0);
   if (total > 0)
     for (double& part : parts) part = part > rounding * total ? part / total : 0;
+  return parts;
+}
+
+std::vector<BudgetParts> budget_parts(const Analysis& a) {
+  const std::vector<double> shares = encoder_budget(a);
+  const std::vector<double> all = by_encoder(a, a.workspace.mean_variance_parts);
+  const std::vector<double> quantization = by_encoder(a, a.workspace.mean_quantization_parts);
+  std::vector<BudgetParts> parts(shares.size());
+  for (std::size_t e = 0; e < parts.size(); ++e) {
+    if (!(shares[e] > 0)) continue;
+    const Encoder& encoder = a.spec.model.transmission.encoders[e];
+    const double over = shares[e] / all[e];
+    // Both enter by the same column: their variances are in the ratio of A^2/2 to Delta^2/12.
+    parts[e].quantization = over * quantization[e];
+    parts[e].accuracy = 6 * std::pow(encoder.accuracy / encoder.resolution, 2) * parts[e].quantization;
+    const double rest = shares[e] - parts[e].quantization - parts[e].accuracy;
+    constexpr double cancelled = 1e-12;  // differences of sums of 1e4 and more terms
+    parts[e].effects = rest > cancelled * shares[e] ? rest : 0;
+  }
   return parts;
 }
 

@@ -73,6 +73,7 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
 std::string detail_tables(const Analysis& a, const Style& style) {
   std::string out =
       heading("Position of the tip, estimate minus true, over the configurations", style) + position_table(a);
+  out += ellipsoid_tables(a, style);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     out += heading("Filter '" + escaped(a.spec.filters[f].name, 40) + "': " + norm_text(a.spec.filters[f]),
                    style) +

@@ -3,6 +3,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/ellipsoids.hpp"
 #include "report/analysis/json_header.hpp"
 #include "report/formats.hpp"
 
@@ -142,6 +143,50 @@ Json derivatives(const Analysis& a) {
   return list;
 }
 
+Json parts_of_budget(const Analysis& a) {
+  Json object = Json::object();
+  const std::vector<BudgetParts> parts = budget_parts(a);
+  for (std::size_t e = 0; e < parts.size(); ++e)
+    object[a.spec.model.chain.independent[e].name] = {{"quantization", parts[e].quantization},
+                                                      {"accuracy", parts[e].accuracy},
+                                                      {"effects", parts[e].effects}};
+  return object;
+}
+
+Json ellipsoid(const ErrorEllipsoid& e) {
+  return {{"semi_axes", e.semi_axes}, {"directions", matrix(e.directions.transpose())}};
+}
+
+Json ellipsoids(const Analysis& a) {
+  Json list = Json::array();
+  for (const TipEllipsoids& tip : tip_ellipsoids(a))
+    list.push_back({{"of", tip.of},
+                    {"unit", tip.unit},
+                    {"frame", a.spec.model.frame == CoordinateFrame::tip ? "tip" : "base"},
+                    {"mean", ellipsoid(tip.mean)},
+                    {"at_largest", ellipsoid(tip.at_largest)}});
+  return list;
+}
+
+Json exceedances(const Analysis& a) {
+  Json list = Json::array();
+  for (const Exceedance& e : a.exceedances) {
+    Json shells = Json::array();
+    for (const Exceedance::Shell& s : e.by_distance)
+      shells.push_back({{"from", s.from}, {"to", s.to}, {"count", s.count}, {"above", s.above}});
+    list.push_back({{"quantity", e.quantity},
+                    {"limit", e.limit},
+                    {"unit", e.unit},
+                    {"count", e.count},
+                    {"above", e.above},
+                    {"share", static_cast<double>(e.above) / static_cast<double>(e.count)},
+                    {"by_distance", shells},
+                    {"lowest", e.lowest},
+                    {"highest", e.highest}});
+  }
+  return list;
+}
+
 }  // namespace
 
 std::string to_json(const Analysis& a, const Style&) {
@@ -157,6 +202,9 @@ std::string to_json(const Analysis& a, const Style&) {
   const std::vector<double> budget = encoder_budget(a);
   j["budget"] = by_joint(
       a.spec, Eigen::Map<const Eigen::VectorXd>(budget.data(), static_cast<Eigen::Index>(budget.size())));
+  if (states_accuracy(a.spec)) j["budget_parts"] = parts_of_budget(a);
+  j["ellipsoids"] = ellipsoids(a);
+  if (!a.exceedances.empty()) j["exceedances"] = exceedances(a);
   j["effects"] = effects(a);
   j["warnings"] = a.warnings;
   return j.document();

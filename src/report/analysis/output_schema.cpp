@@ -66,6 +66,34 @@ Json schema_of_effect() {
                  {"parameters", list(parameter)}});
 }
 
+Json schema_of_ellipsoids() {
+  using namespace schema;
+  const Json ellipsoid = object({{"semi_axes", list(number()), "of one sigma, the largest first"},
+                                 {"directions", list(list(number())), "unit vectors along them"}});
+  return object({{"of", one_of({"position", "rotation"})},
+                 {"unit", text()},
+                 {"frame", one_of({"base", "tip"}), "in whose axes the directions are"},
+                 {"mean", ellipsoid, "of the mean covariance"},
+                 {"at_largest", ellipsoid, "where the trace of the position's covariance is largest"}});
+}
+
+Json schema_of_exceedance() {
+  using namespace schema;
+  const Json shell = object({{"from", number()},
+                             {"to", number()},
+                             {"count", number(), "configurations"},
+                             {"above", number(), "of these, above the limit"}});
+  return object({{"quantity", text(), "as in requirements"},
+                 {"limit", number()},
+                 {"unit", text()},
+                 {"count", number(), "configurations"},
+                 {"above", number(), "of these, above the limit"},
+                 {"share", number()},
+                 {"by_distance", list(shell), "distances of the tip from the origin of the base"},
+                 {"lowest", list(number_or_null()), "x y z of the tip above the limit; null without any"},
+                 {"highest", list(number_or_null())}});
+}
+
 std::vector<SchemaMember> analysis_header_schema(std::string_view command) {
   using namespace schema;
   const Json configurations = object({{"method", text()}, {"count", number()}});
@@ -82,16 +110,23 @@ Json analysis_schema() {
                              {"worst_case", number(), "of the joint, after the coupling"},
                              {"sigma", number()},
                              {"mean", number()}});
+  const Json parts = object({{"quantization", number()},
+                             {"accuracy", number(), "as a sine of that amplitude"},
+                             {"effects", number(), "attributed to the encoder"}});
   const Json covariance =
       schema_of_covariance({{"coordinates", list(text())}, {"largest_at", map(number()), "joints"}});
-  return object(joined(analysis_header_schema("analyze"),
-                       {{"joints", list(joint)},
-                        {"position", list(schema_of_position())},
-                        {"derivatives", list(schema_of_derivative())},
-                        {"covariance", covariance, "of the tip's position"},
-                        {"budget", map(number()), "share of each encoder in the variance of the tip"},
-                        {"effects", list(schema_of_effect())},
-                        {"warnings", warnings()}}));
+  return object(joined(
+      analysis_header_schema("analyze"),
+      {{"joints", list(joint)},
+       {"position", list(schema_of_position())},
+       {"derivatives", list(schema_of_derivative())},
+       {"covariance", covariance, "of the tip's position"},
+       {"budget", map(number()), "share of each encoder in the variance of the tip"},
+       {"budget_parts", map(parts), "of each encoder's share; beside an `accuracy`", true},
+       {"ellipsoids", list(schema_of_ellipsoids()), "of x y z and of rx ry rz, if all three are given"},
+       {"exceedances", list(schema_of_exceedance()), "with --above", true},
+       {"effects", list(schema_of_effect())},
+       {"warnings", warnings()}}));
 }
 
 Json check_schema() {

@@ -30,7 +30,7 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
   for (const Coordinate c : coordinates)  // the names before version 2
     for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
       out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';
-  return out + "\r\n";
+  return out + ",tip.x [m],tip.y [m],tip.z [m]\r\n";
 }
 
 std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::VectorXd>& noise,
@@ -38,6 +38,7 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
   const FigureLayout& at = batch.layout;
   const bool own_worst = at.filtered_sigma > at.filtered_worst, own_sigma = at.in_motion > at.filtered_sigma;
   std::string out;
+  Eigen::VectorXd q(static_cast<Eigen::Index>(spec.model.chain.independent.size()));
   for (std::size_t i = 0; i < batch.count; ++i) {
     const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
     for (std::size_t j = 0; j < spec.model.chain.independent.size(); ++j)
@@ -60,7 +61,10 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
               csv_number(own_sigma ? figure(at.filtered_sigma + filtered) : norms.h2 * figure(at.sigma + c));
         if (is_known(noise, f)) out += ',' + (known ? csv_number(figure(at.in_motion + filtered)) : "");
       }
-    out += positions + "\r\n";
+    out += positions;
+    for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
+    for (const double x : forward_kinematics(spec.model.chain, q).translation()) out += ',' + csv_number(x);
+    out += "\r\n";
   }
   return out;
 }

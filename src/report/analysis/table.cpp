@@ -55,10 +55,12 @@ std::string to_table(const Analysis& a, const Style& style) {
                               : "Encoders: error at the joint, share of the tip's variance, first to upgrade",
              style) +
          encoder_table(a, style);
+  out += accuracy_table(a, style);
   if (!a.effects.empty())
     out +=
         heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);
-  return out + (style.details ? detail_tables(a, style) : summary_table(a, style));
+  return out + (style.details ? detail_tables(a, style) : summary_table(a, style)) +
+         exceedance_tables(a, style);
 }
 
 }  // namespace qerr

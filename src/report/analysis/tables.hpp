@@ -17,6 +17,16 @@ std::string summary_table(const Analysis&, const Style&);
 /// All statistics that tables show, one table a signal.
 std::string detail_tables(const Analysis&, const Style&);
 
+/// Of every encoder, what its resolution and its accuracy contribute to the tip's variance; "" if no encoder
+/// states an accuracy.
+std::string accuracy_table(const Analysis&, const Style&);
+
+/// The ellipsoids of one sigma, in the axes of the analysis; "" without three coordinates of a kind.
+std::string ellipsoid_tables(const Analysis&, const Style&);
+
+/// Shares of the configurations above the limits that were asked for, by the distance of the tip.
+std::string exceedance_tables(const Analysis&, const Style&);
+
 bool has_effects(const Analysis&);
 
 /// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.

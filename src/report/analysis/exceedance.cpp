@@ -1,0 +1,148 @@
+#include "report/analysis/exceedance.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <mutex>
+
+#include "bound/configuration_batch.hpp"
+#include "core/text.hpp"
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Bound of the distance of the tip from the origin of the base, over the given ranges of the joints [m].
+double reach(const Chain& chain, const Configurations& configurations) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    sum += joint.origin.translation().norm();
+    if (!joint.prismatic) continue;
+    double farthest = 0;
+    const auto include = [&](double q) {
+      farthest = std::max(farthest, std::abs(joint.multiplier * q + joint.offset));
+    };
+    if (configurations.method == SamplingMethod::list)
+      for (const Eigen::VectorXd& q : configurations.points)
+        include(q[static_cast<Eigen::Index>(joint.coordinate)]);
+    else
+      for (const double q :
+           {configurations.ranges[joint.coordinate].lower, configurations.ranges[joint.coordinate].upper})
+        include(q);
+    sum += farthest;
+  }
+  return sum;
+}
+
+/// The smallest of 1, 2, 5 times a power of ten that is at least `least`.
+double round_step(double least) {
+  const double power = std::pow(10, std::floor(std::log10(least)));
+  for (const double factor : {1.0, 2.0, 5.0})
+    if (factor * power >= least) return factor * power;
+  return 10 * power;
+}
+
+constexpr double most_shells = 10;  // that fit on a terminal beside the other tables
+
+/// The bound that a requirement limits, at configuration i of a batch.
+double bound_at(const Requirement& r, const std::vector<NamedFilter>& filters, const ConfigurationBatch& b,
+                std::size_t i) {
+  using Bound = Requirement::Bound;
+  const FigureLayout& at = b.layout;
+  const auto figure = [&](std::size_t f) { return b.figures[f * batch_size + i]; };
+  if (r.filter < 0)
+    return figure((r.bound == Bound::worst_case            ? at.worst_case
+                   : r.bound == Bound::worst_case_rigorous ? at.rigorous
+                                                           : at.sigma) +
+                  r.coordinate);
+  const auto filter = static_cast<std::size_t>(r.filter);
+  const std::size_t behind = filter * at.coordinates + r.coordinate;
+  const Norms& norms = filters[filter].norms;
+  const bool own_worst = at.filtered_sigma > at.filtered_worst, own_sigma = at.in_motion > at.filtered_sigma;
+  if (r.bound == Bound::sigma_in_motion) return figure(at.in_motion + behind);
+  if (r.bound == Bound::worst_case)
+    return own_worst ? figure(at.filtered_worst + behind)
+                     : norms.l1.upper * figure(at.worst_case + r.coordinate);
+  return own_sigma ? figure(at.filtered_sigma + behind) : norms.h2 * figure(at.sigma + r.coordinate);
+}
+
+}  // namespace
+
+struct ExceedanceCounter::Job {
+  Chain chain;
+  std::vector<NamedFilter> filters;
+  std::vector<Requirement> limits;
+  double step;
+  std::mutex guard;
+  std::vector<Exceedance> counts;  // [limit]; sums and extremes do not depend on the order of the batches
+
+  void count(const ConfigurationBatch& batch) {
+    Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
+    std::vector<Eigen::Vector3d> tips;
+    for (std::size_t i = 0; i < batch.count; ++i) {
+      for (Eigen::Index j = 0; j < q.size(); ++j)
+        q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
+      tips.push_back(forward_kinematics(chain, q).translation());
+    }
+    const std::lock_guard lock(guard);
+    for (std::size_t l = 0; l < limits.size(); ++l)
+      for (std::size_t i = 0; i < batch.count; ++i)
+        add(counts[l], tips[i], bound_at(limits[l], filters, batch, i) > limits[l].limit);
+  }
+
+  void add(Exceedance& e, const Eigen::Vector3d& tip, bool above) const {
+    const auto shell = std::min(static_cast<std::size_t>(tip.norm() / step), e.by_distance.size() - 1);
+    ++e.count;
+    ++e.by_distance[shell].count;
+    if (!above) return;
+    ++e.above;
+    ++e.by_distance[shell].above;
+    e.lowest = e.lowest.cwiseMin(tip);
+    e.highest = e.highest.cwiseMax(tip);
+  }
+};
+
+ExceedanceCounter::ExceedanceCounter(const Spec& spec, std::vector<Requirement> limits) {
+  const double farthest = reach(spec.model.chain, spec.configurations);
+  const double step = farthest > 0 ? round_step(farthest / most_shells) : 1;
+  Exceedance empty;
+  for (double from = 0; from == 0 || from < farthest * (1 - 1e-9); from += step)
+    empty.by_distance.push_back({from, from + step, 0, 0});
+  job_ = std::make_unique<Job>();
+  job_->chain = spec.model.chain;
+  job_->filters = spec.filters;
+  job_->step = step;
+  for (const Requirement& r : limits) {
+    job_->counts.push_back(empty);
+    job_->counts.back().quantity = r.quantity;
+    job_->counts.back().limit = r.limit;
+    job_->counts.back().unit = r.unit;
+  }
+  job_->limits = std::move(limits);
+}
+
+ExceedanceCounter::~ExceedanceCounter() = default;
+
+std::function<void(const ConfigurationBatch&)> ExceedanceCounter::visitor() {
+  return [this](const ConfigurationBatch& batch) { job_->count(batch); };
+}
+
+std::vector<Exceedance> ExceedanceCounter::result(const Analysis& a) const {
+  for (const Requirement& r : job_->limits) {
+    if (r.filter < 0) continue;
+    const DerivativeStatistics& d = a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
+    const bool known =
+        r.bound == Requirement::Bound::worst_case ||
+        (r.bound == Requirement::Bound::sigma ? d.sigma.has_value() : d.sigma_in_motion.has_value());
+    if (!known)
+      throw Error({{},
+                   "--above",
+                   "the bound is not known at the configurations",
+                   quoted(r.quantity),
+                   "the warnings of `qerr analyze` without the option say why; name another bound"},
+                  Trouble::usage);
+  }
+  return job_->counts;
+}
+
+}  // namespace qerr
