@@ -58,6 +58,41 @@ TEST(ReportComparison, RoundingIsNoChange) {
   EXPECT_NE(change_of(1e-3, 1e-3 * (1 + 1e-6)), 0);
 }
 
+TEST(ReportComparison, RequirementsFlipInTheOrderOfTheirMargins) {
+  const auto named = [](const char* quantity, double value) {
+    return NamedFigure{quantity, "max", "m", value};
+  };
+  NamedFigures a = figures({}), b = figures({});
+  a.requirements = {{named("wide", 1), false, 10, true},   {named("last", 1), false, 3, true},
+                    {named("first", 1), false, 1.5, true}, {named("mended", 4), false, 2, false},
+                    {named("narrow", 9), false, 10, true}, {named("least", 9), true, 5, true}};
+  b.requirements = {{named("wide", 2), false, 10, true},     {named("last", 5), false, 3, false},
+                    {named("first", 6), false, 1.5, false},  {named("mended", 0), false, 2, true},
+                    {named("narrow", 9.5), false, 10, true}, {named("least", 6), true, 5, true}};
+  const ReportComparison c = compare(a, b);
+  std::vector<std::string> order;
+  for (const RequirementChange& r : c.requirements) order.push_back(r.any().figure.quantity);
+  EXPECT_EQ(order, (std::vector<std::string>{"first", "last", "mended", "narrow", "least", "wide"}));
+  EXPECT_DOUBLE_EQ(*c.requirements[0].flips_after(), 0.1);
+  EXPECT_DOUBLE_EQ(*c.requirements[1].flips_after(), 0.5);
+  EXPECT_DOUBLE_EQ(*c.requirements[2].flips_after(), 0.5);
+  EXPECT_FALSE(c.requirements[3].flips_after());
+  EXPECT_DOUBLE_EQ(margin(*c.requirements[3].b), 0.05);
+  EXPECT_DOUBLE_EQ(margin(*c.requirements[4].b), 0.2);
+  EXPECT_LT(margin(*c.requirements[0].b), 0);
+  const std::string table = write(c, "table");
+  EXPECT_NE(table.find("flips after 10 % of the change"), std::string::npos) << table;
+  EXPECT_NE(table.find("next to flip: narrow max, margin 10 % in A, 5 % in B"), std::string::npos) << table;
+}
+
+TEST(ReportComparison, AnUnboundedFigureFlipsAtOnce) {
+  NamedFigures a = figures({}), b = figures({});
+  a.requirements = {{x_sigma(1), false, 2, true}};
+  b.requirements = {{x_sigma(infinity), false, 2, false}};
+  EXPECT_EQ(*compare(a, b).requirements[0].flips_after(), 0);
+  EXPECT_EQ(*compare(b, a).requirements[0].flips_after(), 1);
+}
+
 TEST(ReportComparison, SortsByWhatAPersonWantsToSeeFirst) {
   NamedFigures a = figures({x_sigma(1), {"velocity.y.sigma", "max", "m/s", 1}, {"only.a", "", "s", 1}});
   NamedFigures b = figures({x_sigma(1.1), {"velocity.y.sigma", "max", "m/s", 0.5}, {"only.b", "", "s", 1}});

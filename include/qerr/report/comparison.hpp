@@ -22,7 +22,14 @@ struct RequirementChange {
 
   const JudgedRequirement& any() const { return b ? *b : *a; }
   bool flipped() const { return a && b && a->met != b->met; }
+  /// Of a flipped requirement: the part of the way from A to B after which its value passes the limit, if the
+  /// value changes evenly.
+  std::optional<double> flips_after() const;
 };
+
+/// How far a value is from its limit, relative to it: negative if the requirement is not met. NaN for a limit
+/// of 0.
+double margin(const JudgedRequirement&);
 
 /// The result of `qerr compare`.
 struct ReportComparison {
@@ -30,7 +37,8 @@ struct ReportComparison {
   bool details = false;               ///< its table shows every figure
   std::vector<FigureChange> figures;  ///< the largest relative changes first, then those of one report
   std::vector<ShareChange> shares;    ///< the largest differences first
-  std::vector<RequirementChange> requirements;  ///< flipped ones first
+  std::vector<RequirementChange> requirements;  ///< flipped ones in the order in which they
+                                                ///< flip, then those with the smallest margin in B
   std::vector<std::string> warnings;            ///< of what makes figures hard to compare
 };
 

@@ -118,13 +118,33 @@ std::vector<RequirementChange> requirement_changes(const NamedFigures& a, const 
     else
       known->b = r;
   }
+  // A limit of 0 has no margin; requirements of one report only are last.
+  const auto order = [](const RequirementChange& r) {
+    if (r.flipped()) return std::pair(0, *r.flips_after());
+    const double in_b = r.b ? margin(*r.b) : std::numeric_limits<double>::quiet_NaN();
+    return std::pair(r.a && r.b ? 1 : 2, std::isnan(in_b) ? std::numeric_limits<double>::infinity() : in_b);
+  };
   std::stable_sort(
       changes.begin(), changes.end(),
-      [](const RequirementChange& x, const RequirementChange& y) { return x.flipped() > y.flipped(); });
+      [&](const RequirementChange& x, const RequirementChange& y) { return order(x) < order(y); });
   return changes;
 }
 
 }  // namespace
+
+double margin(const JudgedRequirement& r) {
+  const double distance = r.at_least ? r.figure.value - r.limit : r.limit - r.figure.value;
+  return r.limit != 0 ? distance / std::abs(r.limit) : std::numeric_limits<double>::quiet_NaN();
+}
+
+std::optional<double> RequirementChange::flips_after() const {
+  if (!flipped()) return std::nullopt;
+  // The limit is B's: where both differ, the requirement that A's figure is compared with changes at once.
+  const double from = a->figure.value, to = b->figure.value, limit = b->limit;
+  if (!std::isfinite(from)) return 1;  // of what was unbounded, only B is below the limit
+  if (!std::isfinite(to) || from == to) return 0;
+  return std::clamp((limit - from) / (to - from), 0.0, 1.0);
+}
 
 std::vector<std::string> comparison_warnings(const NamedFigures& a, const NamedFigures& b) {
   std::vector<std::string> warnings;

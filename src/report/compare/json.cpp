@@ -13,6 +13,7 @@ Json judged_json(const std::optional<JudgedRequirement>& r) {
   Json json = {{r->at_least ? "at_least" : "at_most", r->limit}};
   json["value"] = r->figure.value;
   json["met"] = r->met;
+  json["margin"] = margin(*r);
   return json;
 }
 
@@ -43,7 +44,8 @@ std::string to_json(const ReportComparison& c, const Style&) {
                             {"unit", r.any().figure.unit},
                             {"a", judged_json(r.a)},
                             {"b", judged_json(r.b)},
-                            {"flipped", r.flipped()}});
+                            {"flipped", r.flipped()},
+                            {"flips_after", r.flips_after()}});
   Json j = {{"qerr", version()}, {"command", "compare"}, {"a", source_json(c.a)}, {"b", source_json(c.b)}};
   j["figures"] = figures;
   j["shares"] = shares;

@@ -16,7 +16,8 @@ Json judged_schema() {
   return or_null(object({{"at_most", number(), "", true},
                          {"at_least", number(), "", true},
                          {"value", number_or_null(), "null: unbounded"},
-                         {"met", boolean()}}));
+                         {"met", boolean()},
+                         {"margin", number_or_null(), "distance from the limit over the limit"}}));
 }
 
 }  // namespace
@@ -40,14 +41,16 @@ Json comparison_schema() {
                                    {"unit", text()},
                                    {"a", judged_schema(), "null: only B has it"},
                                    {"b", judged_schema(), "null: only A has it"},
-                                   {"flipped", boolean()}});
+                                   {"flipped", boolean()},
+                                   {"flips_after", number_or_null(), "part of the way from A to B"}});
   return object({{"qerr", text(), "the version that wrote the report"},
                  {"command", constant("compare")},
                  {"a", source_schema()},
                  {"b", source_schema()},
                  {"figures", list(figure), "the largest changes first"},
                  {"shares", list(share), "of each encoder in the variance of the tip"},
-                 {"requirements", list(requirement), "flipped ones first"},
+                 {"requirements", list(requirement),
+                  "flipped ones first, in their order; then the smallest margins in B"},
                  {"warnings", warnings()}});
 }
 

@@ -66,6 +66,18 @@ std::string flip_text(const RequirementChange& r) {
   return r.b->met ? "met in both" : "NOT MET in both";
 }
 
+/// The requirement that is met in both and has the smallest margin in B.
+std::string next_to_flip(const ReportComparison& c, const Style& style) {
+  for (const RequirementChange& r : c.requirements) {
+    if (!r.a || !r.b || r.flipped() || !r.b->met || std::isnan(margin(*r.b))) continue;
+    const auto text = [](const JudgedRequirement& j) { return percent(margin(j)); };
+    return wrapped("next to flip: " + shown(r.any().figure.name()) + ", margin " + text(*r.a) + " in A, " +
+                       text(*r.b) + " in B",
+                   style.width, "  ");
+  }
+  return "";
+}
+
 std::string requirements_section(const ReportComparison& c, const Style& style) {
   if (c.requirements.empty()) return "";
   std::string out = heading("Requirements", style);
@@ -83,10 +95,12 @@ std::string requirements_section(const ReportComparison& c, const Style& style) 
     else if (r.flipped())
       title = painted(title, Paint::green, style);
     out += title + '\n';
-    out += wrapped("A " + requirement_text(r.a) + "; B " + requirement_text(r.b), style.width, "      ");
+    std::string values = "A " + requirement_text(r.a) + "; B " + requirement_text(r.b);
+    if (const auto after = r.flips_after()) values += "; flips after " + percent(*after) + " of the change";
+    out += wrapped(values, style.width, "      ");
   }
   if (same > 0) out += "  " + counted(same, "requirement") + " met in both\n";
-  return out;
+  return out + next_to_flip(c, style);
 }
 
 std::string figures_section(const ReportComparison& c, const Style& style) {
