@@ -1,13 +1,75 @@
+#include <algorithm>
+#include <optional>
+
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "input/read_text.hpp"
+#include "input/spec_variants.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"
+#include "report/simulation/cutoffs.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
+constexpr std::size_t cutoffs_of_a_search = 25;  // 10 % to 25 % apart over one to two decades
+
+Error wrong_cutoffs(const std::string& rule, const std::string& found) {
+  return usage("--cutoffs", rule, quoted(found), "e.g. --cutoffs velocity=5Hz..200Hz");
+}
+
+/// `velocity=5Hz..200Hz`.
+CutoffSearch search_of(const std::string& text) {
+  const std::size_t equals = text.rfind('='),
+                    dots = text.find("..", equals == std::string::npos ? 0 : equals);
+  if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
+    throw wrong_cutoffs("must be FILTER=FROM..TO", text);
+  const auto frequency = [&](const std::string& number) {
+    std::string why = "must be a frequency above 0";
+    const auto quantity = parse_quantity(number, why);
+    if (!quantity || (quantity->dimension && *quantity->dimension != dimension::frequency) ||
+        !(quantity->value > 0))
+      throw wrong_cutoffs(why, number);
+    return quantity->value;
+  };
+  const double from = frequency(text.substr(equals + 1, dots - equals - 1)),
+               to = frequency(text.substr(dots + 2));
+  if (!(from < to)) throw wrong_cutoffs("the first cut-off must be the lower one", text);
+  return {text.substr(0, equals), cutoffs_between(from, to, cutoffs_of_a_search)};
+}
+
+/// The spec with the filter at every cut-off as its only filters.
+Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
+  const SpecVariants variants(read_text(v.text("SPEC")), v.text("SPEC"), overrides(v));
+  Spec spec = variants.base();
+  const auto named = [&](const NamedFilter& f) { return f.name == search.filter; };
+  if (std::none_of(spec.filters.begin(), spec.filters.end(), named)) {
+    std::vector<std::string> known;
+    for (const NamedFilter& f : spec.filters) known.push_back(f.name);
+    throw usage("--cutoffs", "the spec has no such filter", quoted(search.filter),
+                did_you_mean(search.filter, known));
+  }
+  if (std::none_of(spec.model.coordinates.begin(), spec.model.coordinates.end(), is_position))
+    throw usage("--cutoffs", "tracking errors are those of x, y and z", "none of them in the spec",
+                "add one to 'coordinates'");
+  spec.filters.clear();
+  for (const double cutoff : search.values) {
+    const std::string value = shortest(cutoff) + " Hz";
+    const Spec one =
+        variants.variant(spec_changes({{"filters." + search.filter + ".lowpass.cutoff", value}}));
+    spec.filters.push_back(*std::find_if(one.filters.begin(), one.filters.end(), named));
+    spec.filters.back().name += ' ' + value;
+  }
+  return spec;
+}
+
 int run(const Values& v) {
-  const Spec spec = load(v.text("SPEC"), v);
+  std::optional<CutoffSearch> search;
+  if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
+  const Spec spec = search ? with_cutoffs(*search, v) : load(v.text("SPEC"), v);
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
@@ -16,6 +78,8 @@ int run(const Values& v) {
   SimulationOptions options;
   options.runs = v.whole("runs");
   options.random_phase = v.given("random-phase") || options.runs > 1;
+  options.tracking = v.given("tracking") || search;
+  options.exact = !search;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
   options.progress = progress(v, "samples");
@@ -23,7 +87,8 @@ int run(const Values& v) {
     log->write(rows.header());
     options.visit = [&](const Reading& reading) { log->write(rows.row(reading)); };
   }
-  const SimulationReport report = simulation_report(spec, options);
+  SimulationReport report = simulation_report(spec, options);
+  report.cutoffs = search;
   if (log) log->close();
   finish(out, report, v);
   warn(report.warnings, v);
@@ -33,30 +98,40 @@ int run(const Values& v) {
 }  // namespace
 
 Command simulate_command() {
-  return {"simulate",
-          "Simulate the quantizers along the motion: a log, and simulation compared with theory",
-          joined({spec_options("the spec (YAML) with its motion; '-' reads standard input"),
-                  {{.name = "--log",
-                    .value = "FILE.csv",
-                    .meaning = "write the first run's log as CSV; '-' is standard output"},
-                   {.name = "--runs",
-                    .value = "N",
-                    .kind = OptionKind::whole,
-                    .meaning = "Monte-Carlo runs; several have random sub-count phases, a single one phase 0",
-                    .fallback = "1",
-                    .least = 1,
-                    .most = 1e8},
-                   {.name = "--random-phase",
-                    .kind = OptionKind::flag,
-                    .meaning =
-                        "random sub-count phase of each encoder at its joint's zero, for a single run, too"}},
-                  long_work_option(),
-                  output_options()}),
-          run,
-          {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},
-           {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
-           {"qerr simulate arm.yaml --log log.csv", "and the log that a controller would have recorded"}},
-          {"motion", "effects", "logs"}};
+  return {
+      "simulate",
+      "Simulate the quantizers along the motion: a log, and simulation compared with theory",
+      joined(
+          {spec_options("the spec (YAML) with its motion; '-' reads standard input"),
+           {{.name = "--log",
+             .value = "FILE.csv",
+             .meaning = "write the first run's log as CSV; '-' is standard output"},
+            {.name = "--runs",
+             .value = "N",
+             .kind = OptionKind::whole,
+             .meaning = "Monte-Carlo runs; several have random sub-count phases, a single one phase 0",
+             .fallback = "1",
+             .least = 1,
+             .most = 1e8},
+            {.name = "--tracking",
+             .kind = OptionKind::flag,
+             .meaning = "also the errors that the filters make by lag and ripple, and the total"},
+            {.name = "--cutoffs",
+             .value = "FILTER=FROM..TO",
+             .meaning = "compare cut-offs of a filter: the least noise plus tracking error along the motion, "
+                        "e.g. velocity=5Hz..200Hz"},
+            {.name = "--random-phase",
+             .kind = OptionKind::flag,
+             .meaning = "random sub-count phase of each encoder at its joint's zero, for a single run, too"}},
+           long_work_option(),
+           output_options()}),
+      run,
+      {{"qerr simulate arm.yaml", "theory beside simulation along the spec's motion"},
+       {"qerr simulate arm.yaml --runs 16", "with narrower confidence intervals"},
+       {"qerr simulate arm.yaml --cutoffs velocity=5Hz..200Hz",
+        "which cut-off has the least noise plus tracking error"},
+       {"qerr simulate arm.yaml --log log.csv", "and the log that a controller would have recorded"}},
+      {"motion", "effects", "logs"}};
 }
 
 }  // namespace qerr::cli

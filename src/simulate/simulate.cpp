@@ -12,6 +12,7 @@
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/run.hpp"
 #include "simulate/settling.hpp"
+#include "simulate/tracking_along_motion.hpp"
 
 namespace qerr {
 
@@ -104,6 +105,30 @@ AllRuns run_all(const Job& job, const std::function<void()>& tick) {
   return all;
 }
 
+/// Root mean square of a signal.
+double rms(double mean, double variance) { return std::sqrt(mean * mean + variance); }
+
+/// Adds the tracking errors of the filters. The position itself has none.
+void add_tracking(const Job& job, Simulation& s) {
+  const double settling = static_cast<double>(job.settling) / job.motion.sample_rate;
+  for (std::size_t c = 0; c < s.results[0].size(); ++c) {
+    SimulatedSignal& position = s.results[0][c];
+    position.tracking_rms = position.tracking_peak = 0;
+    position.total_rms = rms(position.mean_simulated, std::pow(position.sigma_simulated, 2));
+  }
+  parallel_for(job.filters.size(), job.options.threads, [&](std::size_t f) {
+    const auto moments = tracking_along_motion(job.model, job.effects, job.motion, job.filters[f], settling);
+    for (std::size_t c = 0; c < moments.size(); ++c) {
+      const TrackingMoments& t = moments[c];
+      SimulatedSignal& signal = s.results[f + 1][c];
+      signal.tracking_rms = rms(t.mean, t.variance);
+      signal.tracking_peak = t.peak;
+      const double variance = std::pow(signal.sigma_simulated, 2) + t.variance + 2 * t.with_effects;
+      signal.total_rms = rms(signal.mean_simulated + t.mean, std::max(0.0, variance));
+    }
+  });
+}
+
 }  // namespace
 
 Simulation simulate(const OperationalModel& model, const std::vector<Filter>& filters,
@@ -129,7 +154,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   const std::vector<Effect> none;
   SimulationOptions of_zeros = options;
   of_zeros.runs =
-      filters.empty()
+      filters.empty() || !options.exact
           ? 0
           : zeros_of_simulation(travels(nearest, none, UnroundedRecord(motion, motion.sample_rate, 0)),
                                 job.samples);
@@ -174,6 +199,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
           signal_of(all.outputs[f], theory[f][static_cast<std::size_t>(c)], exact_variance, c, channels));
     }
   }
+  if (options.tracking) add_tracking(job, result);
   return result;
 }
 

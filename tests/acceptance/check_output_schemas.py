@@ -57,6 +57,12 @@ def reports(qerr, folder):
         yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]
         yield "diagnose", ["diagnose", DIAGNOSIS, folder / "log.csv", "--write-model", folder / "found.yaml"]
     yield "simulate", ["simulate", DIAGNOSIS, "--runs", "3"]
+    moving = CONFIGS / "phantom_premium" / "experiment.yaml"
+    yield "simulate", ["simulate", moving, "--tracking"]
+    yield "simulate", ["simulate", moving, "--cutoffs", "velocity_1=10Hz..100Hz"]
+    yield "analyze", ["analyze", arm, *few, "--above", "position.xyz.worst_case=50um", "--above", "position.x.sigma=1 m"]
+    yield "analyze", ["analyze", arm, *few, "--set", "encoders={'*': {bits: 17, accuracy: 20 arcsec}}", "--set", "frame=tip",
+                      "--set", "coordinates=[x, y, z, rx, ry, rz]"]
     yield "plan", ["diagnose", DIAGNOSIS, "--plan"]
     yield "filter", ["filter", FILTERS, "--coefficients", "--at", "5,10", "--motion-band", "0.5Hz", "5Hz"]
     yield "filter", ["filter", CONFIGS / "phantom_premium" / "spec.yaml", "--noise", "--speed", "2rad/s,0.3", "--sine", "40", "3Hz"]

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -9,12 +10,19 @@
 
 namespace qerr {
 
+/// The same filter with several cut-offs: the filters of a spec, in this order.
+struct CutoffSearch {
+  std::string filter;          ///< its name in the spec of the user
+  std::vector<double> values;  ///< [Hz]
+};
+
 /// The result of `qerr simulate`.
 struct SimulationReport {
   Spec spec;
   Simulation simulation;
   std::uint64_t seed = 1;
   std::vector<std::string> warnings;
+  std::optional<CutoffSearch> cutoffs = {};
 };
 
 /// Simulates the spec's motion.

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
@@ -41,6 +42,13 @@ struct SimulatedSignal {
   double worst_case_path =
       0;  ///< largest along the path, with the linearization remainder; only Gaussian effects can exceed it
   Ladder ladder;
+  /// What the filter does to the true signal (SimulationOptions::tracking): root mean square and peak of the
+  /// filtered true position minus its true derivative; NaN if not asked for, and for rotations and third
+  /// derivatives.
+  double tracking_rms = std::numeric_limits<double>::quiet_NaN();
+  double tracking_peak = std::numeric_limits<double>::quiet_NaN();
+  /// Root mean square of the estimate minus the true derivative: errors of the encoders and of the filter.
+  double total_rms = std::numeric_limits<double>::quiet_NaN();
 };
 
 struct Simulation {
@@ -68,6 +76,8 @@ struct Reading {
 
 struct SimulationOptions {
   std::uint64_t runs = 1;
+  bool tracking = false;      ///< also the errors that the filters make without any of the encoders
+  bool exact = true;          ///< compute sigma_exact, which takes runs of its own; else it is NaN
   bool random_phase = false;  ///< every run is displaced by a random fraction of a count of each encoder
   std::uint64_t seed = 1;
   unsigned threads = 0;

@@ -7,6 +7,7 @@
 #include "report/analysis/tables.hpp"
 #include "report/fitted_table.hpp"
 #include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -68,7 +69,9 @@ std::string ellipsoid_tables(const Analysis& a, const Style& style) {
            fitted_table(rows, style.width);
   }
   if (!out.empty())
-    out += "  mean: root mean square over the configurations; largest: where the position's is\n";
+    out += wrapped(
+        "mean: root mean square over the configurations; largest: where that of the position is largest",
+        style.width, "  ");
   return out;
 }
 

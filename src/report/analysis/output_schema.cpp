@@ -109,7 +109,8 @@ Json analysis_schema() {
                              {"resolution", number(), "of the encoder, at the joint side"},
                              {"worst_case", number(), "of the joint, after the coupling"},
                              {"sigma", number()},
-                             {"mean", number()}});
+                             {"mean", number()},
+                             {"accuracy", number(), "of the encoder, at the joint side", true}});
   const Json parts = object({{"quantization", number()},
                              {"accuracy", number(), "as a sine of that amplitude"},
                              {"effects", number(), "attributed to the encoder"}});

@@ -23,11 +23,20 @@ Json simulation_schema() {
           {{"filter", text(), "\"position\" or the filter's name"}, {"coordinate", text()}, {"unit", text()}},
           figures_schema(figures_of({}))),
       {{"ladder", object(figures_schema(factors_of({}))), "factors from sigma_ipqn to sigma_simulated"}}));
+  const Json choice = object({{"cutoff", number(), "[Hz]"},
+                              {"encoder_rms", number(), "by the errors of the encoders"},
+                              {"tracking_rms", number(), "by the filter"},
+                              {"total_rms", number()}});
+  const Json cutoffs = object({{"filter", text()},
+                               {"unit", text(), "of the errors"},
+                               {"best", number(), "the cut-off with the least total [Hz]"},
+                               {"choices", list(choice), "of the vector of the position's coordinates"}});
   return object(joined(header("simulate"), {{"effects", list(effect)},
                                             {"runs", number()},
                                             {"samples", number(), "of a run"},
                                             {"settling_samples", number(), "discarded at the start"},
                                             {"results", list(result)},
+                                            {"cutoffs", cutoffs, "with --cutoffs", true},
                                             {"warnings", warnings()}}));
 }
 

@@ -13,11 +13,19 @@
 namespace qerr {
 
 Figures figures_of(const SimulatedSignal& s) {
-  return {{"sigma_simulated", s.sigma_simulated}, {"sigma_lower", s.sigma_lower},
-          {"sigma_upper", s.sigma_upper},         {"mean_simulated", s.mean_simulated},
-          {"peak_simulated", s.peak_simulated},   {"sigma_ipqn", s.sigma_ipqn},
-          {"sigma_ipqn_path", s.sigma_ipqn_path}, {"sigma_exact", s.sigma_exact},
-          {"worst_case", s.worst_case},           {"worst_case_path", s.worst_case_path}};
+  return {{"sigma_simulated", s.sigma_simulated},
+          {"sigma_lower", s.sigma_lower},
+          {"sigma_upper", s.sigma_upper},
+          {"mean_simulated", s.mean_simulated},
+          {"peak_simulated", s.peak_simulated},
+          {"sigma_ipqn", s.sigma_ipqn},
+          {"sigma_ipqn_path", s.sigma_ipqn_path},
+          {"sigma_exact", s.sigma_exact},
+          {"worst_case", s.worst_case},
+          {"worst_case_path", s.worst_case_path},
+          {"tracking_rms", s.tracking_rms},
+          {"tracking_peak", s.tracking_peak},
+          {"total_rms", s.total_rms}};
 }
 
 Figures factors_of(const Ladder& l) {
@@ -44,14 +52,14 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
 namespace {
 
 /// The figures that are missing from the report, with the reason.
-std::vector<std::string> warnings_of(const SimulationReport& r) {
+std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
   std::vector<std::string> warnings;
   const bool without_exact = std::any_of(
       r.simulation.results.begin(), r.simulation.results.end(), [](const std::vector<SimulatedSignal>& row) {
         return std::any_of(row.begin(), row.end(),
                            [](const SimulatedSignal& s) { return std::isnan(s.sigma_exact); });
       });
-  if (without_exact)
+  if (exact && without_exact)
     warnings.emplace_back(
         "sigma at the speeds of the motion is not given: an encoder moves by less than a quarter of a count; "
         "`analyze` has it, as sigma in motion");
@@ -94,7 +102,7 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
         "the encoders' `accuracy` is not simulated, and not in the theory beside it: the shape of the error "
         "is "
         "not known; an effect such as eccentricity has one");
-  for (std::string& text : warnings_of(report)) report.warnings.push_back(std::move(text));
+  for (std::string& text : warnings_of(report, options.exact)) report.warnings.push_back(std::move(text));
   return report;
 }
 

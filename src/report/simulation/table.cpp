@@ -6,6 +6,7 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "report/fitted_table.hpp"
 #include "report/formats.hpp"
+#include "report/simulation/cutoffs.hpp"
 #include "report/simulation/signals.hpp"
 #include "report/text_table.hpp"
 #include "report/wrapped_text.hpp"
@@ -77,6 +78,21 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
                    : "");
 }
 
+/// Noise and tracking errors, where these were asked for.
+std::string tracking_table(const SimulationReport& r, const Style& style) {
+  std::vector<std::vector<std::string>> rows{{"", "encoder error", "tracking error", "its peak", "total"}};
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
+    rows.push_back({label_of(named), readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.unit),
+                    readable(s.tracking_rms, named.unit), readable(s.tracking_peak, named.unit),
+                    readable(s.total_rms, named.unit)});
+  }
+  if (rows.size() == 1) return "";
+  return heading("Root mean square errors of the estimates: by the encoders and by the filter", style) +
+         fitted_table(rows, style.width);
+}
+
 std::string ladder_table(const SimulationReport& r, const Style& style) {
   std::vector<std::vector<std::string>> rows{
       {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
@@ -142,19 +158,22 @@ std::string causes(const SimulationReport& r) {
 
 std::string to_table(const SimulationReport& r, const Style& style) {
   const Simulation& s = r.simulation;
+  const std::string title = painted("qerr simulate", Paint::bold, style) + "  robot '" +
+                            escaped(r.spec.robot_name, 60) + "', " + std::to_string(s.runs) +
+                            (s.runs == 1 ? " run of " : " runs of ") + std::to_string(s.samples) +
+                            " samples, the first " + std::to_string(s.settling) + " discarded\n";
+  if (r.cutoffs) return within(title + cutoff_table(r, style), style.width);
   const std::string exact =
       r.spec.effects.empty() ? "exact at its speeds" : "exact at its speeds for quantization alone";
   return within(
-      painted("qerr simulate", Paint::bold, style) + "  robot '" + escaped(r.spec.robot_name, 60) + "', " +
-          std::to_string(s.runs) + (s.runs == 1 ? " run of " : " runs of ") + std::to_string(s.samples) +
-          " samples, the first " + std::to_string(s.settling) + " discarded\n" +
+      title +
           heading("Sigma: simulation compared with theory (IPQN at the centre of the motion, along its path, "
                   "and " +
                       exact + ")",
                   style) +
           sigma_table(r, style) + heading("Peak compared with the worst case along the path", style) +
-          peak_table(r, style) + heading("Factors from IPQN to the simulation", style) +
-          ladder_table(r, style) + causes(r),
+          peak_table(r, style) + tracking_table(r, style) +
+          heading("Factors from IPQN to the simulation", style) + ladder_table(r, style) + causes(r),
       style.width);
 }
 
