@@ -42,6 +42,8 @@ Command compare_command();
 Command filter_command();
 Command simulate_command();
 Command diagnose_command();
+Command sweep_command();
+Command merge_command();
 Command threshold_command();
 Command robot_command();
 Command list_command();

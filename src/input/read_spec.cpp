@@ -11,13 +11,14 @@ namespace qerr {
 
 namespace {
 
-/// Reads the spec with one value of a sweep. @returns its first fault, if any
-std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepAxis& axis,
-                                      const std::string& value) {
+/// Reads the spec with one step of a sweep. @returns its first fault, if any
+std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepStep& step) {
   Node variant = root;
   std::erase_if(variant.entries, [](const auto& entry) { return entry.key.name == "sweep"; });
   try {
-    apply_override(variant, spec_change(axis.key, value, file));
+    std::vector<SpecChange> changes;
+    for (const auto& [key, value] : step.changes) changes.push_back(spec_change(key, value, file));
+    for (const SpecChange& change : in_order(std::move(changes))) apply_override(variant, change);
     SpecReader(file).read(variant);
   } catch (const Error& e) {
     return e.faults().front();
@@ -25,17 +26,18 @@ std::optional<Fault> fault_of_variant(const Node& root, const std::string& file,
   return std::nullopt;
 }
 
-/// Rejects a sweep whose first and last value both give a faulty spec: its key is wrong. A single faulty
-/// value, such as a cut-off that reaches half the sample rate at the end of a range, is reported by the sweep
-/// itself.
+/// Rejects a sweep of which the first and the last step of an axis both give a faulty spec: its key is wrong.
+/// A single faulty value, such as a cut-off that reaches half the sample rate at the end of a range, is
+/// reported by the sweep itself.
 void check_sweep(const Node& root, const Spec& spec) {
   const Node* section = root.find("sweep");
   for (std::size_t i = 0; i < spec.sweep.size(); ++i) {
     const SweepAxis& axis = spec.sweep[i];
-    const auto first = fault_of_variant(root, spec.file, axis, axis.values.front());
-    if (!first || !fault_of_variant(root, spec.file, axis, axis.values.back())) continue;
+    const SweepStep& step = axis.steps.front();
+    const auto first = fault_of_variant(root, spec.file, step);
+    if (!first || !fault_of_variant(root, spec.file, axis.steps.back())) continue;
     throw Error({section->items[i].place, "sweep[" + std::to_string(i) + "]", first->key + ": " + first->rule,
-                 axis.key + " = '" + axis.values.front() + "'", first->remedy});
+                 axis.keys.front() + " = '" + step.names.front() + "'", first->remedy});
   }
 }
 

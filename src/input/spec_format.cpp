@@ -271,11 +271,12 @@ const std::vector<Parameter>& effect() {
 
 const std::vector<Parameter>& sweep() {
   static const std::vector<Parameter> rows{
-      {.name = "key",
+      {.name = "key", .kind = Kind::text, .meaning = "dotted path of the value that varies"},
+      {.name = "keys", .kind = Kind::any, .meaning = "dotted paths of values that vary together"},
+      {.name = "values", .kind = Kind::any, .meaning = "the values; of `keys` lists with a value for each"},
+      {.name = "catalogue",
        .kind = Kind::text,
-       .meaning = "dotted path of the value that varies",
-       .required = true},
-      {.name = "values", .kind = Kind::any, .meaning = "its values"},
+       .meaning = "CSV file, relative to this file: its rows are entries of encoders"},
       {.name = "from", .kind = Kind::any, .meaning = "first value of a range"},
       {.name = "to", .kind = Kind::any, .meaning = "last value of a range"},
       {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e6},

@@ -163,8 +163,11 @@ Json motion() {
 Json sweep() {
   Json s = object_of(spec_format::sweep());
   for (const char* key : {"from", "to"}) s["properties"][key] = number_or_quantity();
-  s["properties"]["values"] = non_empty_list_of({{"type", Json::array({"number", "string", "boolean"})}});
-  s["oneOf"] = Json::array({required({"values"}), required({"from", "to", "count"})});
+  s["properties"]["keys"] = non_empty_list_of({{"type", "string"}});
+  s["properties"]["values"] =
+      non_empty_list_of({{"type", Json::array({"number", "string", "boolean", "array", "object"})}});
+  s["oneOf"] = Json::array({required({"key", "values"}), required({"key", "from", "to", "count"}),
+                            required({"keys", "values"}), required({"key", "catalogue"})});
   return s;
 }
 

@@ -476,9 +476,9 @@ TEST_F(ReadSpec, ReadsTheSectionsOfLaterCommands) {
   EXPECT_DOUBLE_EQ(spec.motion->joints[2].sines[0].amplitude, std::numbers::pi / 12);
   EXPECT_EQ(spec.effects[0].numbers.at("amplitude"), 4e-4);
   EXPECT_EQ(spec.effects[0].choices.at("shaft"), "encoder");
-  EXPECT_EQ(spec.sweep[1].values.size(), 4u);
-  EXPECT_EQ(spec.sweep[1].values.front(), "0.001 m");
-  EXPECT_EQ(spec.sweep[1].values.back(), "1 m");
+  EXPECT_EQ(spec.sweep[1].steps.size(), 4u);
+  EXPECT_EQ(spec.sweep[1].steps.front().names[0], "0.001 m");
+  EXPECT_EQ(spec.sweep[1].steps.back().changes[0].second, "1 m");
 }
 
 }  // namespace

@@ -31,10 +31,18 @@ struct EncoderFigures {
   double gear_ratio = 1;      ///< with its sign
 };
 
-/// One axis of `sweep:`: a dotted path and its values as YAML texts.
+/// One step of an axis of a sweep: changes of the spec that are made together.
+struct SweepStep {
+  std::vector<std::string> names;                            ///< in reports, one for each key of the axis
+  std::vector<std::pair<std::string, std::string>> changes;  ///< dotted path, YAML text
+  std::vector<std::string> effects;                          ///< YAML texts of entries to add to `effects`
+};
+
+/// One axis of `sweep:`: dotted paths, and the values that they take together. Axes cross: the first one
+/// varies slowest.
 struct SweepAxis {
-  std::string key;
-  std::vector<std::string> values;
+  std::vector<std::string> keys;
+  std::vector<SweepStep> steps;
 };
 
 /// A spec, read and checked: everything in SI units, every name resolved.

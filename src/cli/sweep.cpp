@@ -1,0 +1,164 @@
+#include <unistd.h>
+
+#include <algorithm>
+
+#include "cli/command.hpp"
+#include "cli/shared.hpp"
+#include "core/text.hpp"
+#include "input/read_text.hpp"
+#include "qerr/core/quantity.hpp"
+#include "report/analysis/figure_names.hpp"
+#include "report/sweep/rows.hpp"
+#include "report/sweep/run_sweep.hpp"
+#include "report/sweep/shard_file.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+std::vector<std::string> statistic_names() {
+  std::vector<std::string> names;
+  for (const StatisticKind& kind : statistic_kinds()) names.emplace_back(kind.name);
+  return names;
+}
+
+/// In the order of the reports, whatever that of the option.
+std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
+  if (!v.given("statistics")) return all_statistics();
+  std::vector<const StatisticKind*> chosen;
+  for (const StatisticKind* kind : all_statistics()) {
+    const auto& names = v.texts("statistics");
+    if (std::find(names.begin(), names.end(), kind->name) != names.end()) chosen.push_back(kind);
+  }
+  return chosen;
+}
+
+/// `2/5`.
+Shard chosen_shard(const Values& v) {
+  if (!v.given("shard")) return {};
+  const std::string& text = v.text("shard");
+  const std::size_t slash = text.find('/');
+  const auto number = slash == std::string::npos ? std::nullopt : parse_number(text.substr(0, slash));
+  const auto total = slash == std::string::npos ? std::nullopt : parse_number(text.substr(slash + 1));
+  const auto whole = [](double x) {
+    return x >= 1 && x <= 0x1p53 && x == static_cast<double>(static_cast<std::uint64_t>(x));
+  };
+  if (!number || !total || !whole(*total) || !whole(*number) || *number > *total)
+    throw usage("--shard", "must be K/N with whole numbers 1 <= K <= N", quoted(text), "e.g. --shard 2/5");
+  return {static_cast<std::uint64_t>(*number) - 1, static_cast<std::uint64_t>(*total)};
+}
+
+/// A terminal shows a table; what is read by programs is CSV.
+std::string format_of_sweep(const Values& v) {
+  const bool csv = v.given("shard") || v.given("wide") || v.given("resume");
+  const std::string format = v.given("format")               ? v.text("format")
+                             : v.text("output") != "-"       ? chosen_format(v)
+                             : csv || !isatty(STDOUT_FILENO) ? "csv"
+                                                             : "table";
+  for (const char* option : {"shard", "wide", "resume"})
+    if (v.given(option) && format != "csv")
+      throw usage(std::string("--") + option, "needs CSV", quoted(format),
+                  "write CSV: -o FILE.csv, or --format csv");
+  if (v.given("resume") && v.text("output") == "-")
+    throw usage("--resume", "needs a file to go on with", "standard output", "name it: -o FILE.csv");
+  return format;
+}
+
+/// The configurations of all variants of the shard, as far as they are known without reading each of them.
+double work(const SweepJob& job) {
+  double work =
+      static_cast<double>(job.size()) * static_cast<double>(size(job.variants.base().configurations));
+  std::vector<std::size_t> steps(job.grid.axes().size());
+  const double usual =
+      static_cast<double>(std::max<std::uint64_t>(1, size(job.variants.base().configurations)));
+  for (std::size_t a = 0; a < steps.size(); ++a) {
+    const SweepAxis& axis = job.grid.axes()[a];
+    if (std::none_of(axis.keys.begin(), axis.keys.end(),
+                     [](const std::string& key) { return key.starts_with("configurations"); }))
+      continue;
+    double sum = 0;
+    for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a]) try {
+        sum += static_cast<double>(size(job.grid.spec(job.variants, steps).configurations));
+      } catch (const Error& e) {
+        if (e.trouble() != Trouble::input) throw;  // a variant that fails takes no time
+      }
+    steps[a] = 0;
+    work *= sum / (usual * static_cast<double>(axis.steps.size()));
+  }
+  return work;
+}
+
+void warn_of(const FailedVariants& failed, const Values& v) {
+  if (failed.count == 0) return;
+  std::vector<std::string> warnings = failed.first;
+  if (failed.count > warnings.size())
+    warnings.push_back(std::to_string(failed.count) +
+                       " variants cannot be computed; the others are complete");
+  warn(warnings, v);
+}
+
+int write_csv(SweepJob job, const Values& v) {
+  const std::vector<const StatisticKind*> statistics = chosen_statistics(v);
+  const SweepRows rows =
+      v.given("wide") ? wide_rows(job.grid, job.variants, statistics) : tidy_rows(job.grid, statistics);
+  job.text = rows.lines;
+  job.judged = v.given("wide");
+  ShardFile file(v.text("output"), "--output", rows.header, v.given("resume"));
+  std::uint64_t begin = 0;
+  if (v.given("resume"))
+    begin = file.resume(
+        job.size(), [&](std::uint64_t i) { return cells_of_variant(job.grid, job.shard.variant(i)); },
+        [&](std::uint64_t i) { return text_of(job, i); });
+  const FailedVariants failed = run_sweep(
+      job, begin, [&](const std::string& lines) { file.write(lines); }, progress(v, "variants"));
+  file.close();
+  warn_of(failed, v);
+  return 0;
+}
+
+int run(const Values& v) {
+  const std::string format = format_of_sweep(v);
+  const Shard shard = chosen_shard(v);
+  const std::string& path = v.text("SPEC");
+  const SpecVariants variants(read_text(path), path, overrides(v));
+  const SweepGrid grid(variants.base());
+  const SweepJob job{.variants = variants, .grid = grid, .shard = shard, .threads = threads(v), .text = {}};
+  limit_work(variants.base(), work(job), "sweep", "configurations", v);
+  return write_csv(job, v);
+}
+
+}  // namespace
+
+Command sweep_command() {
+  return {"sweep",
+          "Figures of every variant of a spec: the grid of its `sweep:` section",
+          joined({spec_options(),
+                  {{.name = "--statistics",
+                    .value = "NAME,...",
+                    .kind = OptionKind::list,
+                    .meaning = "write these statistics only, e.g. max,p99 (qerr list statistics)",
+                    .choices = statistic_names,
+                    .choice = "statistic"},
+                   {.name = "--wide",
+                    .kind = OptionKind::flag,
+                    .meaning = "CSV with one row a variant: figures, filters, requirements"},
+                   {.name = "--shard",
+                    .value = "K/N",
+                    .meaning = "compute part K of N parts; qerr merge joins their files"},
+                   {.name = "--resume",
+                    .kind = OptionKind::flag,
+                    .meaning = "go on after what is whole in the output's file"}},
+                  long_work_option(),
+                  output_options()}),
+          run,
+          {{"qerr sweep arm.yaml", "every variant of the grid, one line each"},
+           {"qerr sweep arm.yaml -o sweep.csv", "every figure of every variant, one a row"},
+           {"qerr sweep arm.yaml -o sweep.csv --resume", "go on after an interruption"},
+           {"qerr sweep arm.yaml --wide --statistics max,p99 -o wide.csv",
+            "one row a variant, with its requirements"},
+           {"qerr sweep arm.yaml --shard 2/5 -o 2.csv", "the second of five parts, for a cluster"},
+           {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv -o sweep.csv", "and all of them in one file"}},
+          {"sweep", "spec", "output"}};
+}
+
+}  // namespace qerr::cli

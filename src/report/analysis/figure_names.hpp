@@ -1,0 +1,38 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "qerr/report/analysis.hpp"
+
+namespace qerr {
+
+/// What a figure of an analysis belongs to: the columns of its rows in CSV.
+struct FigureName {
+  std::string_view signal;  ///< `position` or `derivative`
+  std::string filter;       ///< "" of the position
+  std::string_view coordinate;
+  std::string unit;
+  std::string_view bound;
+
+  /// `position.x.worst_case`, `velocity.x.sigma`: as requirements name it.
+  std::string quantity() const;
+};
+
+/// Calls `see` with every figure that the analysis has, in the order of its CSV.
+void for_each_figure(const Analysis&, const std::function<void(const FigureName&, const Statistic&)>& see);
+
+/// The header of the analysis in CSV.
+inline constexpr std::string_view analysis_csv_header = "signal,filter,coordinate,unit,bound,statistic,value";
+
+/// Every kind, in the order of reports.
+std::vector<const StatisticKind*> all_statistics();
+
+/// The rows of the analysis in CSV, without the header.
+/// @param before  cells at the begin of each row, with their commas
+std::string analysis_csv_rows(const Analysis&, const std::string& before,
+                              const std::vector<const StatisticKind*>& statistics);
+
+}  // namespace qerr

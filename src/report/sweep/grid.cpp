@@ -1,0 +1,78 @@
+#include "report/sweep/grid.hpp"
+
+#include "core/text.hpp"
+
+namespace qerr {
+
+SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
+  if (axes_.empty())
+    throw Error({{spec.file, 1, 1},
+                 "sweep",
+                 "the spec has none: there is nothing to vary",
+                 "",
+                 "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help sweep)"});
+  double total = 1;
+  for (const SweepAxis& axis : axes_) {
+    total *= static_cast<double>(axis.steps.size());
+    count_ *= axis.steps.size();
+    std::vector<Changes>& steps = changes_.emplace_back();
+    for (const SweepStep& step : axis.steps) {
+      Changes& changes = steps.emplace_back();
+      for (const auto& [key, value] : step.changes)
+        changes.values.push_back(spec_change(key, value, "sweep"));
+      for (const std::string& effect : step.effects) changes.effects.push_back(parse_yaml(effect, "sweep"));
+    }
+    if (total > 0x1p53)
+      throw Error({{spec.file, 1, 1},
+                   "sweep",
+                   "has more than 2^53 variants",
+                   "",
+                   "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values"});
+  }
+}
+
+std::vector<std::string> SweepGrid::keys() const {
+  std::vector<std::string> keys;
+  for (const SweepAxis& axis : axes_) keys.insert(keys.end(), axis.keys.begin(), axis.keys.end());
+  return keys;
+}
+
+std::vector<std::size_t> SweepGrid::steps(std::uint64_t variant) const {
+  std::vector<std::size_t> steps(axes_.size());
+  for (std::size_t a = axes_.size(); a-- > 0;) {
+    steps[a] = variant % axes_[a].steps.size();
+    variant /= axes_[a].steps.size();
+  }
+  return steps;
+}
+
+std::vector<std::string> SweepGrid::names(std::uint64_t variant) const {
+  std::vector<std::string> names;
+  const std::vector<std::size_t> chosen = steps(variant);
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    const SweepStep& step = axes_[a].steps[chosen[a]];
+    names.insert(names.end(), step.names.begin(), step.names.end());
+  }
+  return names;
+}
+
+std::string SweepGrid::description(std::uint64_t variant) const {
+  const std::vector<std::string> all_keys = keys(), values = names(variant);
+  std::string text;
+  for (std::size_t k = 0; k < all_keys.size(); ++k)
+    text += (k > 0 ? ", " : "") + all_keys[k] + " = " + values[k];
+  return text;
+}
+
+Spec SweepGrid::spec(const SpecVariants& variants, const std::vector<std::size_t>& steps) const {
+  std::vector<SpecChange> values;
+  std::vector<Node> effects;
+  for (std::size_t a = 0; a < axes_.size(); ++a) {
+    const Changes& step = changes_[a][steps[a]];
+    values.insert(values.end(), step.values.begin(), step.values.end());
+    effects.insert(effects.end(), step.effects.begin(), step.effects.end());
+  }
+  return variants.variant(values, effects);
+}
+
+}  // namespace qerr

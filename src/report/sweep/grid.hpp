@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "input/spec_variants.hpp"
+#include "qerr/input/spec.hpp"
+
+namespace qerr {
+
+/// Variants whose number is `first` modulo `stride`: shard K of N has first K - 1 and stride N, so that each
+/// has its share of every part of the grid.
+struct Shard {
+  std::uint64_t first = 0, stride = 1;
+
+  std::uint64_t variant(std::uint64_t index) const { return first + index * stride; }
+  /// How many of `total` variants it has.
+  std::uint64_t size(std::uint64_t total) const {
+    return total > first ? (total - first - 1) / stride + 1 : 0;
+  }
+};
+
+/// The variants of a sweep, numbered from 0: all combinations of the steps of its axes, of which the first
+/// one varies slowest.
+class SweepGrid {
+ public:
+  /// @throws Error (input; key `sweep`) if there is no axis, or more than 2^53 variants
+  explicit SweepGrid(const Spec&);
+
+  std::uint64_t count() const { return count_; }
+  const std::vector<SweepAxis>& axes() const { return axes_; }
+
+  /// The keys that vary, in the order of the axes.
+  std::vector<std::string> keys() const;
+  /// The values of the keys, as reports name them.
+  std::vector<std::string> names(std::uint64_t variant) const;
+  /// `KEY = VALUE, KEY = VALUE` for messages.
+  std::string description(std::uint64_t variant) const;
+
+  /// The step of each axis in a variant.
+  std::vector<std::size_t> steps(std::uint64_t variant) const;
+  /// The spec with the chosen steps of the axes. @param steps  as of `steps`
+  Spec spec(const SpecVariants&, const std::vector<std::size_t>& steps) const;
+
+ private:
+  /// A step as changes of the tree.
+  struct Changes {
+    std::vector<SpecChange> values;
+    std::vector<Node> effects;
+  };
+
+  std::vector<SweepAxis> axes_;
+  std::vector<std::vector<Changes>> changes_;  // [axis][step]
+  std::uint64_t count_ = 1;
+};
+
+}  // namespace qerr

@@ -1,0 +1,169 @@
+#include "report/sweep/merge.hpp"
+
+#include <charconv>
+#include <cstdint>
+#include <deque>
+#include <map>
+#include <optional>
+
+#include "core/text.hpp"
+#include "input/byte_source.hpp"
+#include "qerr/core/error.hpp"
+#include "report/sweep/csv_lines.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// The file of a shard, read variant by variant.
+class ShardReader {
+ public:
+  explicit ShardReader(const std::string& path)
+      : path_(path), source_(path), lines_([this](std::uint64_t, std::size_t most) {
+          std::string text(most, '\0');
+          text.resize(source_.read(text.data(), most));
+          return text;
+        }) {
+    if (!lines_.next() || !lines_.line().starts_with("variant,"))
+      refuse("is no CSV of qerr sweep", quoted(std::string(lines_.line().substr(0, 60))),
+             "give the files that qerr sweep --shard wrote");
+    header_ = lines_.line();
+    require_break();
+    more_ = lines_.next();
+    read_number();
+  }
+
+  const std::string& path() const { return path_; }
+  const std::string& header() const { return header_; }
+  /// The variant that `take` returns next; empty at the end.
+  std::optional<std::uint64_t> variant() const { return variant_; }
+
+  /// The lines of the next variant.
+  std::string take() {
+    std::string text;
+    const std::uint64_t taken = *variant_;
+    while (variant_ == taken) {
+      text.append(lines_.line()).append(csv_line_break);
+      require_break();
+      more_ = lines_.next();
+      read_number();
+    }
+    return text;
+  }
+
+  [[noreturn]] void refuse(const std::string& rule, const std::string& found,
+                           const std::string& remedy) const {
+    throw Error(Fault{{path_, static_cast<int>(lines_.number()), 0}, "", rule, found, remedy});
+  }
+
+ private:
+  void require_break() const {
+    if (!lines_.ended())
+      refuse("the file is not complete", "",
+             "complete it: qerr sweep ... -o " + shell_word(path_) + " --resume");
+  }
+
+  void read_number() {
+    variant_.reset();
+    if (!more_) return;
+    const std::string_view line = lines_.line();
+    std::uint64_t number = 0;
+    const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), number);
+    if (failure == std::errc{} && end != line.data() + line.size() && *end == ',')
+      variant_ = number;
+    else if (lines_.ended())
+      refuse("a line does not begin with the number of a variant", quoted(std::string(line.substr(0, 60))),
+             "give the files that qerr sweep --shard wrote");
+    else
+      require_break();
+  }
+
+  std::string path_;
+  ByteSource source_;
+  CsvLines lines_;
+  std::string header_;
+  bool more_ = false;
+  std::optional<std::uint64_t> variant_;
+};
+
+/// All shards, of which the variants are numbered 0, 1, 2, ...
+class Merge {
+ public:
+  explicit Merge(const std::vector<std::string>& files) {
+    for (const std::string& file : files) {
+      ShardReader& shard = shards_.emplace_back(file);
+      if (shard.header() != shards_.front().header())
+        shard.refuse("has other columns than " + quoted(shards_.front().path()) + ": it is of another sweep",
+                     "", "merge the shards of one sweep, written with the same options");
+      put_back(shard);
+    }
+  }
+
+  const std::string& header() const { return shards_.front().header(); }
+
+  /// The lines of the next variant; empty at the end.
+  std::optional<std::string> next() {
+    if (waiting_.empty()) return std::nullopt;
+    ShardReader& shard = *waiting_.begin()->second;
+    if (*shard.variant() != variant_) refuse_gap();
+    waiting_.erase(waiting_.begin());
+    std::string lines = shard.take();
+    check_stride(shard);
+    put_back(shard);
+    ++variant_;
+    return lines;
+  }
+
+ private:
+  void put_back(ShardReader& shard) {
+    const auto variant = shard.variant();
+    if (!variant) return;
+    const auto [same, is_new] = waiting_.emplace(*variant, &shard);
+    if (!is_new)
+      shard.refuse(
+          "has variant " + std::to_string(*variant) + ", which " + quoted(same->second->path()) + " has, too",
+          "", "give each shard once");
+    if (*variant < variant_)
+      shard.refuse("has variant " + std::to_string(*variant) + " once more", "", "compute this shard anew");
+  }
+
+  /// Shard K of N has every N-th variant.
+  void check_stride(const ShardReader& shard) {
+    if (!shard.variant()) return;
+    const std::uint64_t step = *shard.variant() - variant_;
+    if (*shard.variant() > variant_ && stride_ == 0) stride_ = step;
+    if (step == stride_) return;
+    shard.refuse("has variant " + std::to_string(*shard.variant()) + " after variant " +
+                     std::to_string(variant_) + ", where one of " + counted(stride_, "shard") + " has " +
+                     std::to_string(variant_ + stride_),
+                 "", "merge the shards of one sweep, divided into the same number of shards");
+  }
+
+  [[noreturn]] void refuse_gap() const {
+    const std::string missing = "variant " + std::to_string(variant_);
+    std::string which = "the shard that has it";
+    if (stride_ > 0)
+      which = "shard " + std::to_string(variant_ % stride_ + 1) + '/' + std::to_string(stride_);
+    throw Error(
+        Fault{{waiting_.begin()->second->path()},
+              "",
+              missing + " is missing, and this file has variant " + std::to_string(waiting_.begin()->first),
+              "",
+              "give " + which + ", too, and complete"});
+  }
+
+  std::deque<ShardReader> shards_;                 // at fixed addresses
+  std::map<std::uint64_t, ShardReader*> waiting_;  // by their next variant
+  std::uint64_t variant_ = 0, stride_ = 0;
+};
+
+}  // namespace
+
+void merge_shards(const std::vector<std::string>& files,
+                  const std::function<void(const std::string&)>& write) {
+  Merge merge(files);
+  write(merge.header() + std::string(csv_line_break));
+  while (const auto lines = merge.next()) write(*lines);
+}
+
+}  // namespace qerr

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "qerr/bound/statistic.hpp"
+#include "report/sweep/swept_variant.hpp"
+
+namespace qerr {
+
+/// How a sweep is written as CSV: a header, and the lines of each variant, which depend on nothing else.
+struct SweepRows {
+  std::string header;  ///< without the end of the line
+  /// Lines, each with its "\r\n".
+  std::function<std::string(const SweptVariant&)> lines;
+};
+
+/// The number of a variant and the values of its keys: the cells at the begin of its lines, with their
+/// commas.
+std::string cells_of_variant(const SweepGrid&, std::uint64_t variant);
+
+/// One row a figure: the variant, its keys, and the columns of an analysis in CSV. A variant that cannot be
+/// computed has one row with the signal `error` and the fault in the column `bound`.
+/// @param grid  must outlive the rows, as in all functions below
+SweepRows tidy_rows(const SweepGrid& grid, std::vector<const StatisticKind*> statistics);
+
+/// One row a variant: its keys, every figure, the norms and other figures of its filters, its requirements
+/// with their verdict, and its fault.
+///
+/// The columns are those of the first variant that can be read, and of the variants that differ from it in
+/// one step. @throws Error (input; key `sweep`) from `lines` for a variant with further columns
+SweepRows wide_rows(const SweepGrid& grid, const SpecVariants&, std::vector<const StatisticKind*> statistics);
+
+}  // namespace qerr
