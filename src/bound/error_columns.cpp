@@ -90,6 +90,11 @@ void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t firs
   }
 }
 
+bool ErrorColumns::has_column(const ErrorSource& s) const {
+  return (!coupled_ && s.where == ErrorSource::Where::joint) ||
+         std::any_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
+}
+
 std::size_t ErrorColumns::column_of(const ErrorSource& s) const {
   if (!coupled_ && s.where == ErrorSource::Where::joint) return s.owner;
   const auto found =

@@ -51,6 +51,7 @@ class ErrorColumns {
 
   /// The column at which a source enters. @pre its place was among those of the constructor
   std::size_t column_of(const ErrorSource&) const;
+  bool has_column(const ErrorSource&) const;
   /// The column of an encoder: its index.
   static std::size_t column_of_encoder(std::size_t encoder) { return encoder; }
 

@@ -36,6 +36,10 @@ std::vector<std::uint64_t> percentile_ranks(std::uint64_t count);
 /// The value of a rank; 0: the smallest.
 using OrderStatistic = std::function<double(std::uint64_t rank)>;
 
+/// The same of one percentile, and its value.
+std::vector<std::uint64_t> percentile_ranks(double fraction, std::uint64_t count);
+double percentile(double fraction, std::uint64_t count, const OrderStatistic&);
+
 /// Statistic without `at_max`. Ranks are requested in descending order.
 Statistic statistic(const JoinedTally&, const OrderStatistic&);
 

@@ -57,13 +57,6 @@ struct Rank {
   }
 };
 
-double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
-  const Rank rank(fraction, count);
-  const double high = rank.part > 0 ? order(rank.below + 1) : 0, low = order(rank.below);
-  if (rank.part == 0) return low;
-  return std::isinf(high) ? high : low + rank.part * (high - low);
-}
-
 /// Rows of percentiles, the largest first.
 std::vector<const StatisticKind*> percentiles() {
   std::vector<const StatisticKind*> rows;
@@ -89,13 +82,23 @@ Statistic scaled(const Statistic& s, double factor) {
   return product;
 }
 
+double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
+  const Rank rank(fraction, count);
+  const double high = rank.part > 0 ? order(rank.below + 1) : 0, low = order(rank.below);
+  if (rank.part == 0) return low;
+  return std::isinf(high) ? high : low + rank.part * (high - low);
+}
+
+std::vector<std::uint64_t> percentile_ranks(double fraction, std::uint64_t count) {
+  const Rank rank(fraction, count);
+  if (rank.part > 0) return {rank.below, rank.below + 1};
+  return {rank.below};
+}
+
 std::vector<std::uint64_t> percentile_ranks(std::uint64_t count) {
   std::vector<std::uint64_t> ranks;
-  for (const StatisticKind* kind : percentiles()) {
-    const Rank rank(kind->percentile, count);
-    ranks.push_back(rank.below);
-    if (rank.part > 0) ranks.push_back(rank.below + 1);
-  }
+  for (const StatisticKind* kind : percentiles())
+    for (const std::uint64_t rank : percentile_ranks(kind->percentile, count)) ranks.push_back(rank);
   return ranks;
 }
 

@@ -98,19 +98,21 @@ void warn_of(const FailedVariants& failed, const Values& v) {
 }
 
 int write_csv(SweepJob job, const Values& v) {
-  const std::vector<const StatisticKind*> statistics = chosen_statistics(v);
-  const SweepRows rows =
-      v.given("wide") ? wide_rows(job.grid, job.variants, statistics) : tidy_rows(job.grid, statistics);
+  const SweepRows rows = v.given("wide") ? wide_rows(job.grid, job.variants, job.statistics)
+                                         : tidy_rows(job.grid, job.statistics);
   job.text = rows.lines;
   job.judged = v.given("wide");
+  const SweepGrid& grid = job.grid;
+  const Shard shard = job.shard;
+  const SweepRun sweep(std::move(job));
   ShardFile file(v.text("output"), "--output", rows.header, v.given("resume"));
   std::uint64_t begin = 0;
   if (v.given("resume"))
     begin = file.resume(
-        job.size(), [&](std::uint64_t i) { return cells_of_variant(job.grid, job.shard.variant(i)); },
-        [&](std::uint64_t i) { return text_of(job, i); });
-  const FailedVariants failed = run_sweep(
-      job, begin, [&](const std::string& lines) { file.write(lines); }, progress(v, "variants"));
+        sweep.job().size(), [&](std::uint64_t i) { return cells_of_variant(grid, shard.variant(i)); },
+        [&](std::uint64_t i) { return sweep.text(i); });
+  const FailedVariants failed = sweep.run(
+      begin, [&](const std::string& lines) { file.write(lines); }, progress(v, "variants"));
   file.close();
   warn_of(failed, v);
   return 0;
@@ -122,7 +124,12 @@ int run(const Values& v) {
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
   const SweepGrid grid(variants.base());
-  const SweepJob job{.variants = variants, .grid = grid, .shard = shard, .threads = threads(v), .text = {}};
+  const SweepJob job{.variants = variants,
+                     .grid = grid,
+                     .shard = shard,
+                     .statistics = chosen_statistics(v),
+                     .threads = threads(v),
+                     .text = {}};
   limit_work(variants.base(), work(job), "sweep", "configurations", v);
   return write_csv(job, v);
 }

@@ -160,14 +160,20 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
   return analyze(spec, std::move(effects), with_rows);
 }
 
-Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
-  WorkspaceOptions all = options;
-  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
-  require_answers(spec, all.noise_in_motion);
-  Analysis a{spec, {}, {}, all.noise_in_motion, {}, std::move(effects.shares)};
+Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
+                            std::vector<Eigen::VectorXd> noise_in_motion) {
+  require_answers(spec, noise_in_motion);
+  Analysis a{spec, {}, {}, std::move(noise_in_motion), {}, std::move(effects.shares)};
   a.resolutions = resolutions(spec.model.transmission);
   add_effects(effects, a.spec);
   a.joints = joint_error(a.spec.model);
+  return a;
+}
+
+Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
+  WorkspaceOptions all = options;
+  if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
+  Analysis a = unbounded_analysis(spec, std::move(effects), all.noise_in_motion);
   a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   return a;

@@ -15,16 +15,22 @@ bool SpecCheck::all_met() const {
          (!baseline || baseline->regressions.empty());
 }
 
+std::vector<RequirementResult> requirement_results(const Analysis& a) {
+  const std::vector<Filter> filters = designed_filters(a.spec);
+  const std::vector<Norms> norms = filter_norms(a.spec);
+  std::vector<RequirementResult> results;
+  for (const Requirement& r : a.spec.requirements)
+    results.push_back(evaluate(r, a.workspace, filters, norms));
+  return results;
+}
+
 SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options) {
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   EffectReport effects = effect_report(spec);
   require_known(spec, effects.shares);
   SpecCheck report{analyze(spec, std::move(effects), options), {}};
-  const std::vector<Filter> filters = designed_filters(spec);
-  const std::vector<Norms> norms = filter_norms(spec);
-  for (const Requirement& r : spec.requirements)
-    report.results.push_back(evaluate(r, report.analysis.workspace, filters, norms));
+  report.results = requirement_results(report.analysis);
   report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return report;
 }

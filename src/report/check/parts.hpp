@@ -22,4 +22,8 @@ inline constexpr std::size_t most_regressions = 10;
 /// The report of one spec.
 Json check_json(const SpecCheck&);
 
+/// The requirements of an analysis whose bounds are computed.
+/// @throws Error (input) like `evaluate`
+std::vector<RequirementResult> requirement_results(const Analysis&);
+
 }  // namespace qerr

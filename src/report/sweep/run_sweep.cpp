@@ -42,35 +42,41 @@ class Failures {
 
 }  // namespace
 
-FailedVariants run_sweep(const SweepJob& job, std::uint64_t begin,
-                         const std::function<void(const std::string&)>& write,
-                         const std::function<void(std::uint64_t, std::uint64_t)>& progress) {
-  const std::uint64_t total = job.size(), count = total > begin ? total - begin : 0;
-  const unsigned threads = thread_count(job.threads);
-  Failures failures(job.grid);
-  WorkspaceOptions options;
-  // The last of few variants have a thread each, at most.
-  options.threads =
-      static_cast<unsigned>(std::max<std::uint64_t>(1, threads / std::max<std::uint64_t>(1, count)));
+SweepRun::SweepRun(SweepJob job)
+    : job_(std::move(job)), engine_(job_.variants, job_.grid, job_.judged, job_.statistics, job_.threads) {}
+
+FailedVariants SweepRun::run(std::uint64_t begin, const std::function<void(const std::string&)>& write,
+                             const std::function<void(std::uint64_t, std::uint64_t)>& progress) const {
+  const std::uint64_t total = job_.size(), count = total > begin ? total - begin : 0;
+  const std::uint64_t threads = thread_count(job_.threads);
+  // The variants of a batch are spread over all threads where they are few.
+  const std::uint64_t batch = std::clamp<std::uint64_t>(count / threads, 1, engine_.batch());
+  const std::uint64_t batches = (count + batch - 1) / batch;
+  Failures failures(job_.grid);
+  const auto inner_threads = static_cast<unsigned>(threads / std::clamp<std::uint64_t>(batches, 1, threads));
   texts_in_order(
-      count, threads,
+      batches, static_cast<unsigned>(threads),
       [&](std::uint64_t i) {
-        const SweptVariant v =
-            evaluate_variant(job.variants, job.grid, job.shard.variant(begin + i), job.judged, options);
-        if (!v.check) failures.add(v);
-        return job.text(v);
+        std::vector<std::uint64_t> variants;
+        for (std::uint64_t v = i * batch; v < std::min(count, (i + 1) * batch); ++v)
+          variants.push_back(job_.shard.variant(begin + v));
+        std::string text;
+        for (const SweptVariant& v : engine_.evaluate(variants, inner_threads)) {
+          if (!v.check) failures.add(v);
+          text += job_.text(v);
+        }
+        return text;
       },
       [&](std::uint64_t i, const std::string& text) {
         write(text);
-        if (progress) progress(begin + i + 1, total);
+        if (progress) progress(std::min(total, begin + (i + 1) * batch), total);
       });
   return failures.all();
 }
 
-std::string text_of(const SweepJob& job, std::uint64_t index) {
-  WorkspaceOptions options;
-  options.threads = job.threads;
-  return job.text(evaluate_variant(job.variants, job.grid, job.shard.variant(index), job.judged, options));
+std::string SweepRun::text(std::uint64_t index) const {
+  const std::uint64_t variant = job_.shard.variant(index);
+  return job_.text(engine_.evaluate({&variant, 1}, job_.threads).front());
 }
 
 }  // namespace qerr

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -17,13 +18,19 @@ struct SweptVariant {
   std::string fault;
 };
 
-/// The first fault of an error, without its place, as the reports of a sweep have it.
-std::string fault_text(const Error&);
-
 /// Reads a variant and evaluates it, as `analyze` and `check` do.
 /// @param judged  evaluate its requirements; else only its figures
-/// @throws Error (file_system)
+/// @throws Error (file_system), naming the variant
 SweptVariant evaluate_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
                               const WorkspaceOptions&);
+
+/// The same, but where `without_workspace` says so, the bounds over the configurations are left out, and the
+/// requirements with them.
+SweptVariant prepared_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
+                              const WorkspaceOptions&,
+                              const std::function<bool(const Analysis&)>& without_workspace);
+
+/// Evaluates the requirements of a variant whose bounds are computed.
+void judge(SweptVariant&, bool judged);
 
 }  // namespace qerr
