@@ -74,21 +74,32 @@ void values(const float* columns, std::size_t blocks, std::size_t count, const f
   }
   band.count += static_cast<std::uint32_t>(__builtin_popcount(within));
 #else
+  // Bit i: lane i is at least the lower limit; is in the band.
+  unsigned above = 0, within;
 #if defined(__AVX2__)
-  const auto limit = _mm256_set1_ps(band.lower);
-  if (only_top && _mm256_movemask_ps(_mm256_cmp_ps(reinterpret_cast<__m256>(x), limit, _CMP_GE_OQ)) == 0)
-    return;
+  const auto value = reinterpret_cast<__m256>(x);
+  above =
+      static_cast<unsigned>(_mm256_movemask_ps(_mm256_cmp_ps(value, _mm256_set1_ps(band.lower), _CMP_GE_OQ)));
+  within = above;
+  if (!only_top)
+    within &= static_cast<unsigned>(
+        _mm256_movemask_ps(_mm256_cmp_ps(value, _mm256_set1_ps(band.upper), _CMP_LT_OQ)));
+#else
+  for (std::size_t i = 0; i < float_lanes; ++i) above |= static_cast<unsigned>(x[i] >= band.lower) << i;
+  within = above;
+  for (std::size_t i = 0; i < float_lanes && !only_top; ++i)
+    within &= ~(static_cast<unsigned>(x[i] >= band.upper) << i);
 #endif
-  for (std::size_t i = 0; i < float_lanes; ++i) {
-    if (x[i] < band.lower) {
-      band.below += !only_top;
-    } else if (only_top || x[i] < band.upper) {
-      if (band.count <= band.most) {
-        band.values[band.count] = x[i];
-        band.at[band.count] = at + static_cast<std::int32_t>(i);
-      }
-      ++band.count;
+  if (!only_top)
+    band.below +=
+        static_cast<std::uint32_t>(float_lanes) - static_cast<std::uint32_t>(__builtin_popcount(above));
+  for (; within != 0; within &= within - 1) {
+    const int i = __builtin_ctz(within);
+    if (band.count <= band.most) {
+      band.values[band.count] = x[i];
+      band.at[band.count] = at + i;
     }
+    ++band.count;
   }
 #endif
 }

@@ -11,6 +11,7 @@
 #include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
+#include "report/sweep/sweep_report.hpp"
 
 namespace qerr::cli {
 
@@ -93,7 +94,7 @@ void warn_of(const FailedVariants& failed, const Values& v) {
   std::vector<std::string> warnings = failed.first;
   if (failed.count > warnings.size())
     warnings.push_back(std::to_string(failed.count) +
-                       " variants cannot be computed; the others are complete");
+                       " variants cannot be computed, and have a row that says why");
   warn(warnings, v);
 }
 
@@ -118,6 +119,40 @@ int write_csv(SweepJob job, const Values& v) {
   return 0;
 }
 
+int write_json(SweepJob job, const Values& v) {
+  OutputFile out(v.text("output"), "--output");
+  const SweepJson text = sweep_json(job.variants, job.grid);
+  job.judged = true;
+  // Variants are evaluated in batches: the separators stand before all but the first of the sweep.
+  const SweepGrid& grid = job.grid;
+  job.text = [&, statistics = job.statistics](const SweptVariant& variant) {
+    return (variant.variant > 0 ? text.separator : "") + SweepJson::variant(variant, grid, statistics);
+  };
+  out.write(text.begin);
+  const FailedVariants failed =
+      SweepRun(std::move(job))
+          .run(
+              0, [&](const std::string& variants) { out.write(variants); }, progress(v, "variants"));
+  finish(out, text.end);
+  warn_of(failed, v);
+  return 0;
+}
+
+int write_table(SweepJob job, const Values& v) {
+  OutputFile out(v.text("output"), "--output");
+  SweepTable table(job.variants, job.grid);
+  job.judged = true;
+  job.statistics = {find_statistic("max")};
+  job.text = [&](const SweptVariant& variant) { return table.row(variant); };
+  const FailedVariants failed =
+      SweepRun(std::move(job))
+          .run(
+              0, [&](const std::string& rows) { table.add(rows); }, progress(v, "variants"));
+  finish(out, table.text(style(v)));
+  warn_of(failed, v);
+  return 0;
+}
+
 int run(const Values& v) {
   const std::string format = format_of_sweep(v);
   const Shard shard = chosen_shard(v);
@@ -131,7 +166,7 @@ int run(const Values& v) {
                      .threads = threads(v),
                      .text = {}};
   limit_work(variants.base(), work(job), "sweep", "configurations", v);
-  return write_csv(job, v);
+  return format == "csv" ? write_csv(job, v) : format == "json" ? write_json(job, v) : write_table(job, v);
 }
 
 }  // namespace

@@ -23,6 +23,7 @@ constexpr OutputSchema output_schemas[] = {
     {"simulate", "qerr simulate --format json", simulation_schema},
     {"diagnose", "qerr diagnose --format json", diagnosis_schema},
     {"plan", "qerr diagnose --plan --format json", plan_schema},
+    {"sweep", "qerr sweep --format json", sweep_schema},
     {"threshold", "qerr threshold --format json", threshold_schema},
     {"robot", "qerr robot --format json", robot_schema},
     {"list", "qerr list --format json", list_schema},

@@ -49,6 +49,7 @@ Json list_schema();
 Json plan_schema();
 Json robot_schema();
 Json simulation_schema();
+Json sweep_schema();
 Json threshold_schema();
 
 }  // namespace qerr

@@ -11,9 +11,9 @@ namespace qerr {
 
 namespace {
 
-constexpr std::size_t named_failures = 5;
+constexpr std::size_t named_faults = 3, most_faults = 1000;
 
-/// Faults by variant, of which the first ones are kept, whatever the order in which threads meet them.
+/// Faults, each with the first variant that has it, whatever the order in which threads meet them.
 class Failures {
  public:
   explicit Failures(const SweepGrid& grid) : grid_(grid) {}
@@ -21,15 +21,21 @@ class Failures {
   void add(const SweptVariant& v) {
     const std::lock_guard lock(mutex_);
     ++count_;
-    first_[v.variant] = v.fault;
-    if (first_.size() > named_failures) first_.erase(std::prev(first_.end()));
+    const auto known = first_.find(v.fault);
+    if (known != first_.end())
+      known->second = std::min(known->second, v.variant);
+    else if (first_.size() < most_faults)
+      first_.emplace(v.fault, v.variant);
   }
 
   FailedVariants all() const {
     FailedVariants all{count_, {}};
-    for (const auto& [variant, fault] : first_)
-      all.first.push_back("variant " + std::to_string(variant) + " (" + grid_.description(variant) +
-                          "): " + fault);
+    std::map<std::uint64_t, std::string> by_variant;
+    for (const auto& [fault, variant] : first_) by_variant.emplace(variant, fault);
+    for (const auto& [variant, fault] : by_variant)
+      if (all.first.size() < named_faults)
+        all.first.push_back("variant " + std::to_string(variant) + " (" + grid_.description(variant) +
+                            "): " + fault);
     return all;
   }
 
@@ -37,7 +43,7 @@ class Failures {
   const SweepGrid& grid_;
   std::mutex mutex_;
   std::uint64_t count_ = 0;
-  std::map<std::uint64_t, std::string> first_;
+  std::map<std::string, std::uint64_t> first_;
 };
 
 }  // namespace

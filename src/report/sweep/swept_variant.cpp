@@ -11,7 +11,9 @@ namespace {
 std::string fault_text(const Error& error) {
   Fault fault = error.faults().front();
   fault.place = {};
-  return format({fault});
+  const std::string text = format({fault});
+  constexpr std::string_view program = "qerr: ";  // in place of a place
+  return text.starts_with(program) ? text.substr(program.size()) : text;
 }
 
 /// @param evaluate  what can fail
