@@ -69,6 +69,7 @@
 
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/comparison.hpp"
+#include "qerr/report/design_report.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/named_figures.hpp"

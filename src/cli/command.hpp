@@ -39,6 +39,7 @@ const std::vector<Option>& global_options();
 Command analyze_command();
 Command check_command();
 Command compare_command();
+Command design_command();
 Command filter_command();
 Command simulate_command();
 Command diagnose_command();

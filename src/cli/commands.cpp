@@ -7,10 +7,10 @@ namespace {
 std::vector<std::string> color_words() { return {"auto", "always", "never"}; }
 
 std::vector<Command> table() {
-  std::vector<Command> rows{analyze_command(),   check_command(),     compare_command(), filter_command(),
-                            simulate_command(),  diagnose_command(),  sweep_command(),   merge_command(),
-                            threshold_command(), robot_command(),     list_command(),    schema_command(),
-                            help_command(),      completion_command()};
+  std::vector<Command> rows{analyze_command(),  check_command(),     compare_command(),   sweep_command(),
+                            merge_command(),    design_command(),    filter_command(),    simulate_command(),
+                            diagnose_command(), threshold_command(), robot_command(),     list_command(),
+                            schema_command(),   help_command(),      completion_command()};
   for (Command& command : rows)
     command.options.insert(command.options.end(), global_options().begin(), global_options().end());
   return rows;

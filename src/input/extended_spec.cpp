@@ -2,9 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <filesystem>
 
 #include "input/extended_filters.hpp"
+#include "input/moved_paths.hpp"
 #include "input/override.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -12,8 +12,6 @@
 namespace qerr {
 
 namespace {
-
-namespace fs = std::filesystem;
 
 const EffectKind* find_kind(const std::string& type) {
   const auto& kinds = effect_kinds();
@@ -46,34 +44,6 @@ std::string obstacle(const Effect& effect) {
   for (const auto& [name, value] : effect.numbers)
     if (!std::isfinite(value)) return name + " is not known";
   return "";
-}
-
-fs::path folder_of(const std::string& file) {
-  const fs::path parent = file == "-" ? fs::path() : fs::path(file).parent_path();
-  return parent.empty() ? fs::path(".") : parent;
-}
-
-/// The path of the same file relative to the folder `to` of the new spec. Symbolic links are resolved, since
-/// `..` after a link refers to the link's target.
-std::string moved(const std::string& path, const fs::path& from, const fs::path& to) {
-  if (fs::path(path).is_absolute()) return path;
-  std::error_code wrong;
-  const fs::path old_folder = fs::canonical(from, wrong);
-  const fs::path new_folder = wrong ? fs::path() : fs::canonical(to, wrong);
-  if (wrong || old_folder == new_folder) return path;
-  const fs::path file = old_folder / path;
-  const fs::path folder = fs::canonical(file.parent_path(), wrong);
-  return wrong ? path : (folder / file.filename()).lexically_relative(new_folder).generic_string();
-}
-
-void move_paths(Node& root, const std::string& from, const std::string& to) {
-  for (const auto& [section, key] :
-       {std::pair{"robot", "urdf"}, {"motion", "file"}, {"configurations", "file"}}) {
-    Node* place = root.find(section);
-    Node* path = place ? place->find(key) : nullptr;
-    if (path && path->type == Node::Type::scalar)
-      path->text = moved(path->text, folder_of(from), folder_of(to));
-  }
 }
 
 std::string comment_lines(const std::string& text) {

@@ -47,5 +47,7 @@ void read_threshold(const Field&, Spec&);
 void read_motion(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 void read_effects(const Field&, const RobotModel&, Spec&, Faults&);
 void read_sweep(const Field&, Spec&, Faults&);
+/// @pre filters and requirements are read
+void read_design(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 
 }  // namespace qerr

@@ -58,6 +58,7 @@ const std::vector<Parameter>& top() {
       {.name = "motion", .kind = Kind::object, .meaning = "for `qerr simulate`"},
       {.name = "effects", .kind = Kind::objects, .meaning = "what the real robot adds to the ideal model"},
       {.name = "sweep", .kind = Kind::objects, .meaning = "axes of the grid of `qerr sweep`"},
+      {.name = "design", .kind = Kind::object, .meaning = "what `qerr design` may choose, and by what"},
   };
   return rows;
 }
@@ -281,6 +282,61 @@ const std::vector<Parameter>& sweep() {
       {.name = "to", .kind = Kind::any, .meaning = "last value of a range"},
       {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e6},
       {.name = "scale", .kind = Kind::choice, .meaning = "spacing of the range", .choices = "linear|log"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& design() {
+  static const std::vector<Parameter> rows{
+      {.name = "minimize",
+       .kind = Kind::text,
+       .meaning = "price (default), resolution (the coarsest encoders), or a quantity of requirements"},
+      {.name = "statistic",
+       .kind = Kind::text,
+       .meaning = "of a quantity that is minimized; default: that of its requirement, else max"},
+      {.name = "budget", .kind = Kind::any, .meaning = "highest price, where a quantity is minimized"},
+      {.name = "encoders",
+       .kind = Kind::map,
+       .meaning = "options by joint or pattern: a catalogue, or keys of an encoder with lists and ranges"},
+      {.name = "filters", .kind = Kind::map, .meaning = "families, orders and cut-offs by filter"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& design_filter() {
+  static const std::vector<Parameter> rows{
+      {.name = "families",
+       .kind = Kind::any,
+       .meaning = "list of families; default: all that order and cutoff determine"},
+      {.name = "orders", .kind = Kind::any, .meaning = "such as 1..4 (default) or [2, 4]"},
+      {.name = "cutoff",
+       .kind = Kind::any,
+       .meaning = "[lowest, highest], or one; default: 0.001 to 0.4 of the sample rate"},
+      {.name = "delay",
+       .dimension = dimension::time,
+       .meaning = "highest group delay at 0 Hz",
+       .least = 0,
+       .open_below = true},
+      {.name = "tracking", .kind = Kind::object, .meaning = "highest tracking error of a motion"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& design_tracking() {
+  static const std::vector<Parameter> rows{
+      {.name = "band",
+       .dimension = dimension::frequency,
+       .meaning = "highest frequency of the motion",
+       .required = true,
+       .least = 0,
+       .open_below = true},
+      {.name = "at_most",
+       .meaning = "largest part of the true derivative, such as 2 %",
+       .required = true,
+       .least = 0,
+       .most = 1,
+       .open_below = true,
+       .open_above = true},
   };
   return rows;
 }

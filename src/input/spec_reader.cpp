@@ -156,6 +156,15 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          section(top, "requirements", r.faults_,
                  [&](const Field& f) { read_requirements(f, r.spec_, r.faults_); });
        }},
+      {{"design"},
+       {"encoders", "coupling", "coordinates", "filters", "requirements"},
+       [](Spec& spec) { spec.design.reset(); },
+       [](SpecReader& r, const Object& top) {
+         if (!top.has("design")) return;
+         r.faults_.raise();  // it refers to filters and requirements
+         section(top, "design", r.faults_,
+                 [&](const Field& f) { read_design(f, r.folder_, *r.robot_, r.spec_, r.faults_); });
+       }},
   };
   return all;
 }

@@ -17,6 +17,11 @@ bool contains(const std::vector<std::string>& words, const std::string& word) {
   return std::find(words.begin(), words.end(), word) != words.end();
 }
 
+/// Sections that say how designs are found, not what they are.
+bool is_search(const std::string& section) { return section == "sweep" || section == "design"; }
+
+}  // namespace
+
 void add_effect(Node& root, const Node& effect) {
   Node* list = root.find("effects");
   if (!list) {
@@ -37,11 +42,6 @@ void add_effect(Node& root, const Node& effect) {
   else
     *found = effect;
 }
-
-/// Sections that say how designs are found, not what they are.
-bool is_search(const std::string& section) { return section == "sweep" || section == "design"; }
-
-}  // namespace
 
 SpecVariants::SpecVariants(const std::string& text, const std::string& path, const SpecOverrides& overrides)
     : overrides_(spec_changes(overrides.values)),

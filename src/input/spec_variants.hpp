@@ -38,4 +38,7 @@ class SpecVariants {
   Spec base_;
 };
 
+/// Adds an entry to `effects:` of a spec's tree; one of the same type and joint is replaced.
+void add_effect(Node& root, const Node& effect);
+
 }  // namespace qerr

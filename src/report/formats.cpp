@@ -65,6 +65,9 @@ std::string write(const CheckReport& r, std::string_view format, const Style& st
 std::string write(const ReportComparison& r, std::string_view format, const Style& style) {
   return written(r, format, style);
 }
+std::string write(const DesignReport& r, std::string_view format, const Style& style) {
+  return written(r, format, style);
+}
 std::string write(const ThresholdReport& r, std::string_view format, const Style& style) {
   return written(r, format, style);
 }

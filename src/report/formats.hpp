@@ -2,6 +2,7 @@
 
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/comparison.hpp"
+#include "qerr/report/design_report.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/filter_report.hpp"
 #include "qerr/report/plan_report.hpp"
@@ -21,6 +22,7 @@ using Writer = std::string(const Report&, const Style&);
 Writer<Analysis> to_table, to_json, to_csv;
 Writer<CheckReport> to_table, to_json, to_csv;
 Writer<ReportComparison> to_table, to_json, to_csv;
+Writer<DesignReport> to_table, to_json, to_csv;
 Writer<ThresholdReport> to_table, to_json, to_csv;
 Writer<FilterReport> to_table, to_json, to_csv;
 Writer<SimulationReport> to_table, to_json, to_csv;

@@ -19,6 +19,7 @@ constexpr OutputSchema output_schemas[] = {
     {"analyze", "qerr analyze --format json", analysis_schema},
     {"check", "qerr check --format json", check_schema},
     {"compare", "qerr compare --format json", comparison_schema},
+    {"design", "qerr design --format json", design_schema},
     {"filter", "qerr filter --format json", filter_schema},
     {"simulate", "qerr simulate --format json", simulation_schema},
     {"diagnose", "qerr diagnose --format json", diagnosis_schema},

@@ -43,6 +43,7 @@ std::vector<SchemaMember> joined(std::vector<SchemaMember> members, const std::v
 Json analysis_schema();
 Json check_schema();
 Json comparison_schema();
+Json design_schema();
 Json diagnosis_schema();
 Json filter_schema();
 Json list_schema();

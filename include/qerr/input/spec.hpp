@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <map>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -45,6 +46,8 @@ struct SweepAxis {
   std::vector<SweepStep> steps;
 };
 
+struct DesignRequest;  // src/input/design_request.hpp
+
 /// A spec, read and checked: everything in SI units, every name resolved.
 struct Spec {
   std::string file;
@@ -62,6 +65,7 @@ struct Spec {
   std::optional<Motion> motion;
   std::vector<Effect> effects;
   std::vector<SweepAxis> sweep;
+  std::shared_ptr<const DesignRequest> design;  ///< null without a section `design`
   std::vector<std::string> warnings;
 };
 

@@ -13,6 +13,7 @@ namespace qerr {
 struct Analysis;
 struct CheckReport;
 struct ReportComparison;
+struct DesignReport;
 struct ThresholdReport;
 struct FilterReport;
 struct SimulationReport;
@@ -46,6 +47,7 @@ struct Style {
 std::string write(const Analysis&, std::string_view format, const Style& = {});
 std::string write(const CheckReport&, std::string_view format, const Style& = {});
 std::string write(const ReportComparison&, std::string_view format, const Style& = {});
+std::string write(const DesignReport&, std::string_view format, const Style& = {});
 std::string write(const ThresholdReport&, std::string_view format, const Style& = {});
 std::string write(const FilterReport&, std::string_view format, const Style& = {});
 std::string write(const SimulationReport&, std::string_view format, const Style& = {});

@@ -130,6 +130,8 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   return warnings;
 }
 
+}  // namespace
+
 void add_effects(const EffectReport& effects, Spec& spec) {
   OperationalModel& model = spec.model;
   model.sources = effects.sources;
@@ -138,8 +140,6 @@ void add_effects(const EffectReport& effects, Spec& spec) {
   for (Eigen::Index i = 0; i < factors.size(); ++i)
     model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
 }
-
-}  // namespace
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
   return analyze(spec, effect_report(spec), options);

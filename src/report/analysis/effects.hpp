@@ -29,6 +29,9 @@ struct EffectReport {
 };
 EffectReport effect_report(const Spec&);
 
+/// Puts the errors of the spec's effects into its model.
+void add_effects(const EffectReport&, Spec&);
+
 /// Whether effects are signals along the spec's motion; not if its record is longer than `longest_record`.
 bool effects_follow_motion(const Spec&);
 

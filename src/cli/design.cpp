@@ -1,0 +1,56 @@
+#include "cli/command.hpp"
+#include "cli/shared.hpp"
+#include "input/read_text.hpp"
+#include "input/spec_variants.hpp"
+#include "qerr/report/design_report.hpp"
+
+namespace qerr::cli {
+
+namespace {
+
+int run(const Values& v) {
+  const std::string& path = v.text("SPEC");
+  const SpecVariants variants(read_text(path), path, overrides(v));
+  limit_configurations(variants.base(), v);
+  OutputFile out(v.text("output"));
+  const auto written = opened(v, "write-spec");
+  DesignOptions options;
+  options.workspace.threads = threads(v);
+  options.pareto = v.text("pareto");
+  options.alternatives = !v.given("only-optimum");
+  options.target = v.text("write-spec");
+  const DesignReport report = design(variants, options);
+  finish(out, report, v);
+  if (written && report.optimal) finish(*written, report.written);
+  warn(report.warnings, v);
+  return report.optimal ? 0 : 1;
+}
+
+}  // namespace
+
+Command design_command() {
+  return {
+      "design",
+      "The cheapest or coarsest encoders, gears and filters that meet the requirements",
+      joined({spec_options(),
+              {{.name = "--write-spec",
+                .value = "FILE",
+                .meaning = "write the spec with the choice in it, which `qerr check` passes"},
+               {.name = "--pareto",
+                .value = "QUANTITY",
+                .meaning = "figure of the front of prices, e.g. position.xyz.sigma or 'position.x.sigma p99' "
+                           "(default: the tightest requirement's)"},
+               {.name = "--only-optimum",
+                .kind = OptionKind::flag,
+                .meaning = "neither the prices of requirements nor the front"}},
+              long_work_option(),
+              output_options()}),
+      run,
+      {{"qerr design arm.yaml", "which encoders to buy: what `design:` of the spec permits, at least price"},
+       {"qerr design arm.yaml --write-spec chosen.yaml", "and write the spec that `qerr check` passes"},
+       {"qerr design arm.yaml --set design.minimize=resolution", "the coarsest encoders that still pass"},
+       {"qerr design arm.yaml --pareto position.xyz.sigma", "what each step of accuracy costs"}},
+      {"design", "requirements", "encoders"}};
+}
+
+}  // namespace qerr::cli

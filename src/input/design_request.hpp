@@ -1,0 +1,60 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "input/object_reader.hpp"
+
+namespace qerr {
+
+/// One option of a joint: an encoder, the gear that it is sold with, and their price.
+struct EncoderOption {
+  std::string name;
+  Node entry;                 ///< of the encoder in a spec
+  std::vector<Node> effects;  ///< that come with it, without a joint (`on_joint`)
+  double price = 0;           ///< without what is paid by the bit
+  double price_per_bit = 0;   ///< of log2(counts per revolution)
+};
+
+/// The options of one joint.
+struct JointOptions {
+  std::size_t joint = 0;  ///< independent joint, in chain order
+  std::vector<EncoderOption> options;
+};
+
+/// What a filter of the spec may become: its low-pass is replaced.
+struct FilterOptions {
+  std::size_t filter = 0;  ///< of the spec
+  std::vector<std::string> families;
+  std::vector<int> orders;
+  double least_cutoff = 0, most_cutoff = 0;  ///< [Hz]
+  std::optional<double> delay;               ///< highest group delay at 0 Hz [s]
+  /// Largest tracking error |H/(j 2 pi f)^d - 1| for motion up to `band` [Hz].
+  struct Tracking {
+    double band = 0, at_most = 0;
+  };
+  std::optional<Tracking> tracking;
+  Place place;
+};
+
+/// The section `design:` of a spec: what is minimized, and what may be chosen.
+struct DesignRequest {
+  enum class Minimize { price, resolution, figure };
+  Minimize minimize = Minimize::price;
+  Node figure;                   ///< of `figure_entry`, if a figure is minimized
+  std::optional<double> budget;  ///< highest price
+  std::vector<JointOptions> encoders;
+  std::vector<FilterOptions> filters;
+  std::string price_unit;  ///< of the catalogues; "" if they state none
+  Place place;
+};
+
+struct Spec;
+
+/// A quantity as an entry of `requirements:` without a limit to speak of (1e300), with the statistic that is
+/// given, else that of its first requirement, else `max`.
+/// @throws Error (input) if it is no quantity of the spec
+Node figure_entry(const Field& quantity, const Node* statistic, const Spec&);
+
+}  // namespace qerr

@@ -1,0 +1,351 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/text.hpp"
+#include "input/changed_spec.hpp"
+#include "input/yaml_text.hpp"
+#include "report/design/design_solver.hpp"
+#include "report/design/filter_sets.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double relaxed = 0.1;   ///< part of a limit, for the prices of requirements
+constexpr int front_points = 12;  ///< searches for the Pareto front
+constexpr double work_of_alternative = 1.5e9;
+constexpr double none = std::numeric_limits<double>::infinity();
+constexpr double millionth = 1e-6;
+
+/// The work of `qerr design` on one spec.
+class DesignJob {
+ public:
+  DesignJob(const SpecVariants& variants, const DesignOptions& options)
+      : variants_(variants), options_(options), request_(*variants.base().design) {
+    stated_ = variants.base().requirements.size();
+    std::vector<Node> more;
+    if (request_.minimize == DesignRequest::Minimize::figure) {
+      goal_ = stated_ + more.size();
+      more.push_back(request_.figure);
+    }
+    if (!options.pareto.empty()) {
+      pareto_ = stated_ + more.size();
+      more.push_back(pareto_entry());
+    }
+    refuse_motion_of_chosen_filters();
+    problem_ = std::make_unique<DesignProblem>(variants, request_, more, options.workspace);
+    solver_ = std::make_unique<DesignSolver>(*problem_, filter_sets(problem_->base(), request_, goal_));
+  }
+
+  DesignReport report() {
+    begin();
+    DesignQuery query;
+    query.limits = stated_limits(problem_->base(), stated_);
+    if (request_.budget)
+      query.most = static_cast<std::int64_t>(std::floor(*request_.budget / millionth + 0.5));
+    const DesignFindings found = goal_ ? solver_->minimize(*goal_, query) : solver_->find(query);
+    report_.proven = found.proven;
+    if (!found.proven && !goal_ && found.bound < std::numeric_limits<std::int64_t>::max())
+      report_.bound = millionth * static_cast<double>(found.bound);
+    if (found.best.empty()) {
+      explain_infeasible(query);
+      return std::move(report_);
+    }
+    report_.optimal = design_of(found.best[0]);
+    if (found.best.size() > 1) report_.runner_up = design_of(found.best[1]);
+    report_.written = written(found.best[0]);
+    find_influences(found.best[0]);
+    if (!options_.alternatives) return std::move(report_);
+    if (!goal_) price_requirements(query, found.best[0]);
+    make_front(query, found.best[0]);
+    return std::move(report_);
+  }
+
+ private:
+  void begin() {
+    report_.spec = variants_.base();
+    report_.price_unit = request_.price_unit;
+    report_.budget = request_.budget;
+    report_.goal = request_.minimize == DesignRequest::Minimize::price        ? "price"
+                   : request_.minimize == DesignRequest::Minimize::resolution ? "resolution"
+                                                                              : requirement(*goal_).name();
+    if (goal_) report_.goal_unit = requirement(*goal_).unit;
+    report_.warnings = report_.spec.warnings;
+    std::erase_if(report_.warnings, [](const std::string& w) { return w.starts_with("sweep:"); });
+    if (problem_->base().configurations.method != SamplingMethod::list &&
+        size(problem_->base().configurations) > exact_percentiles_limit)
+      report_.warnings.emplace_back("percentiles are counted in bins: right to 1e-3 relative");
+  }
+
+  const Requirement& requirement(std::size_t i) const { return problem_->base().requirements[i]; }
+
+  Node pareto_entry() const {
+    // A quantity, and perhaps its statistic behind a blank.
+    const std::size_t blank = options_.pareto.find(' ');
+    Node quantity = scalar_node(options_.pareto.substr(0, blank));
+    quantity.place = {"--pareto", 0, 0};
+    if (blank == std::string::npos) return figure_entry({&quantity, "--pareto"}, nullptr, variants_.base());
+    Node statistic = scalar_node(options_.pareto.substr(blank + 1));
+    statistic.place = quantity.place;
+    return figure_entry({&quantity, "--pareto"}, &statistic, variants_.base());
+  }
+
+  void refuse_motion_of_chosen_filters() const {
+    for (const Requirement& r : variants_.base().requirements)
+      for (const FilterOptions& f : request_.filters)
+        if (!r.figure && r.bound == Requirement::Bound::sigma_in_motion &&
+            static_cast<std::size_t>(r.filter) == f.filter)
+          throw Error(Fault{r.place, "requirements",
+                            "sigma_in_motion behind a filter that is itself chosen is not supported",
+                            quoted(r.name()), "require sigma, or choose the filter first"});
+  }
+
+  std::vector<DesignedEncoder> encoders_of(const OptionChoice& choice) const {
+    std::vector<DesignedEncoder> list;
+    for (std::size_t j = 0; j < choice.size(); ++j) {
+      const PricedOption& o = problem_->options()[j][choice[j]];
+      if (problem_->chosen(j))
+        list.push_back({problem_->base().model.chain.independent[j].name, o.option.name, o.price, o.bits});
+    }
+    return list;
+  }
+
+  Design design_of(const FoundDesign& found) const {
+    Design d;
+    d.encoders = encoders_of(found.choice);
+    for (const DesignedEncoder& e : d.encoders) {
+      d.price += e.price;
+      d.bits += e.bits;
+    }
+    d.price = std::round(d.price / millionth) * millionth;
+    d.filters = solver_->set(found).designed;
+    d.results = problem_->results(found.choice, solver_->set(found).filters);
+    if (goal_) d.minimized = d.results[*goal_].value;
+    d.results.resize(stated_);
+    for (const SpecChange& change : changes(found))
+      d.changes_by_set.push_back(change.first + '=' + flow(change.second));
+    return d;
+  }
+
+  std::vector<SpecChange> changes(const FoundDesign& found) const {
+    std::vector<SpecChange> all = problem_->changes(found.choice);
+    for (const DesignedFilter& f : solver_->set(found).designed) all.push_back(lowpass_change(f));
+    return all;
+  }
+
+  std::string written(const FoundDesign& found) const {
+    const std::string target = options_.target.empty() ? report_.spec.file : options_.target;
+    std::string remark = "chosen by qerr design, minimize: " + report_.goal;
+    for (const DesignedEncoder& e : report_.optimal->encoders) remark += "\n  " + e.joint + ": " + e.name;
+    return changed_spec(report_.spec, changes(found), problem_->effects(found.choice), escaped_lines(remark),
+                        target);
+  }
+
+  static std::string escaped_lines(const std::string& text) {
+    std::string out;
+    for (std::size_t begin = 0; begin <= text.size();) {
+      const std::size_t end = std::min(text.find('\n', begin), text.size());
+      out += (begin ? "\n" : "") + escaped(text.substr(begin, end - begin));
+      begin = end + 1;
+    }
+    return out;
+  }
+
+  /// Nothing feasible: the finest of everything, and what is in the way.
+  void explain_infeasible(const DesignQuery& query) {
+    if (!report_.proven) {
+      report_.obstacles.push_back("no design was found within the work of a search, and none is excluded");
+      return;
+    }
+    if (request_.budget) {
+      DesignQuery unlimited = query;
+      unlimited.most = std::int64_t{1} << 62;
+      unlimited.wanted = 1;
+      const DesignFindings found = solver_->find(unlimited);
+      if (!found.best.empty()) {
+        report_.obstacles.push_back("the requirements cost at least " +
+                                    significant(millionth * static_cast<double>(found.best[0].cost), 6) +
+                                    ", the budget is " + significant(*request_.budget, 6));
+        return;
+      }
+    }
+    FoundDesign finest = finest_design();
+    report_.finest = design_of(finest);
+    for (std::size_t i = 0; i < stated_; ++i)
+      if (!report_.finest->results[i].met) obstacle(i, finest.set);
+    if (report_.obstacles.empty())
+      report_.obstacles.push_back("each requirement can be met, but no design meets all of them");
+  }
+
+  void obstacle(std::size_t i, std::size_t set) {
+    const Requirement& r = requirement(i);
+    const double value = report_.finest->results[i].value;
+    double least = value;
+    if (!r.figure && !solver_->problem(set).figures[i].sums.empty() &&
+        !solver_->problem(set).figures[i].bound) {
+      const ChoiceProblem& problem = solver_->problem(set);
+      const PermittedOptions all(option_offsets(problem).back(), 1);
+      least =
+          figure_value(problem.figures[i], least_weights(problem.figures[i], option_offsets(problem), all),
+                       problem.configurations);
+    }
+    std::string text = r.name() + " is " + readable(value, r.unit) + " with the finest of everything, " +
+                       (r.at_least ? "at least " : "at most ") + readable(r.limit, r.unit) + " is required";
+    if (!r.at_least && least <= r.limit && least < value)
+      text += "; no option is finest in all respects, and none alone excludes it";
+    report_.obstacles.push_back(text);
+  }
+
+  /// The options of the smallest interval at the joint, and the set of filters with the least noise of those
+  /// that meet the requirements on filters.
+  FoundDesign finest_design() {
+    FoundDesign d;
+    const std::vector<double> limits = stated_limits(problem_->base(), stated_);
+    for (std::size_t s = solver_->sets().size(); s-- > 0;)
+      if (solver_->filters_meet(s, limits)) d.set = s;
+    for (const auto& options : problem_->options()) {
+      const auto finest = std::max_element(options.begin(), options.end(),
+                                           [](const auto& a, const auto& b) { return a.bits < b.bits; });
+      d.choice.push_back(static_cast<std::size_t>(finest - options.begin()));
+    }
+    return d;
+  }
+
+  void find_influences(const FoundDesign& best) {
+    const ChoiceProblem& problem = solver_->problem(best.set);
+    const auto filter_chosen = [&](std::ptrdiff_t filter) {
+      return std::any_of(request_.filters.begin(), request_.filters.end(), [&](const FilterOptions& f) {
+        return static_cast<std::ptrdiff_t>(f.filter) == filter;
+      });
+    };
+    for (std::size_t i = 0; i < stated_; ++i) {
+      const ChoiceFigure& figure = problem.figures[i];
+      const bool varies = std::any_of(figure.sums.begin(), figure.sums.end(), [&](const WeightedSum& sum) {
+        return std::any_of(sum.columns.begin(), sum.columns.end(), [&](const WeightedColumn& c) {
+          const bool moves = std::any_of(c.coefficients, c.coefficients + problem.configurations,
+                                         [](double a) { return a > 1e-12; });
+          return moves && std::any_of(c.weights.begin(), c.weights.end(),
+                                      [&](double w) { return w != c.weights.front(); });
+        });
+      });
+      if (!varies && !filter_chosen(requirement(i).filter)) report_.without_influence.push_back(i);
+    }
+  }
+
+  void price_requirements(const DesignQuery& query, const FoundDesign& best) {
+    for (std::size_t i = 0; i < stated_; ++i) {
+      DesignQuery looser = query;
+      looser.limits[i] *= requirement(i).at_least ? 1 - relaxed : 1 + relaxed;
+      looser.wanted = 1;
+      looser.known = {best};
+      looser.work = work_of_alternative;
+      const DesignFindings found = solver_->find(looser);
+      RequirementPrice price{i, relaxed, {}, {}, found.proven};
+      if (!found.best.empty()) std::tie(price.price, price.bits) = costs(found.best[0]);
+      report_.requirement_prices.push_back(price);
+    }
+  }
+
+  std::pair<double, double> costs(const FoundDesign& found) const {
+    double price = 0, bits = 0;
+    for (const DesignedEncoder& e : encoders_of(found.choice)) {
+      price += e.price;
+      bits += e.bits;
+    }
+    return {std::round(price / millionth) * millionth, bits};
+  }
+
+  /// The requirement on encoders whose limit is used most.
+  std::optional<std::size_t> tightest() const {
+    std::optional<std::size_t> best;
+    double most = -1;
+    for (std::size_t i = 0; i < stated_; ++i) {
+      const Requirement& r = requirement(i);
+      const double usage = r.figure ? -1 : report_.optimal->results[i].value / r.limit;
+      if (usage > most) {
+        most = usage;
+        best = i;
+      }
+    }
+    return best;
+  }
+
+  /// Costs as a function of a figure's limit, from the cheapest design without it to the finest one.
+  void make_front(const DesignQuery& query, const FoundDesign& best) {
+    const auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
+    if (!p || requirement(*p).figure || encoders_of(best.choice).empty()) return;
+    report_.pareto_figure = requirement(*p).name();
+    report_.pareto_unit = requirement(*p).unit;
+    DesignQuery free = query;
+    free.wanted = 1;
+    free.work = work_of_alternative;
+    for (std::size_t i = 0; i < stated_; ++i)
+      if (requirement(i).name() == report_.pareto_figure) free.limits[i] = none;
+    free.limits[*p] = none;
+    const DesignFindings cheapest = solver_->find(free);
+    if (cheapest.best.empty()) return;
+    add_point(cheapest, *p);
+    const double most = report_.pareto.front().value, least = least_value(*p, most);
+    for (int i = 1; i <= front_points && least > 0 && most > least; ++i) {
+      const double fraction = static_cast<double>(i) / front_points;
+      free.limits[*p] = most * std::pow(least / most, fraction) * (i == front_points ? 1 + 1e-9 : 1);
+      if (free.limits[*p] >= report_.pareto.back().value) continue;  // that design meets it as well
+      const DesignFindings found = solver_->find(free);
+      if (found.best.empty()) break;
+      add_point(found, *p);
+    }
+  }
+
+  double least_value(std::size_t p, double otherwise) {
+    double least = otherwise;
+    for (std::size_t s = 0; s < solver_->sets().size(); ++s) {
+      const ChoiceProblem& problem = solver_->problem(s);
+      const PermittedOptions all(option_offsets(problem).back(), 1);
+      if (!problem.figures[p].sums.empty())
+        least = std::min(least, figure_value(problem.figures[p],
+                                             least_weights(problem.figures[p], option_offsets(problem), all),
+                                             problem.configurations));
+    }
+    return least;
+  }
+
+  void add_point(const DesignFindings& found, std::size_t p) {
+    const FoundDesign& d = found.best[0];
+    ParetoPoint point{costs(d).first, solver_->value(d, p), encoders_of(d.choice), found.proven};
+    // A finer design at the same cost replaces the one before.
+    if (!report_.pareto.empty() && report_.pareto.back().price >= point.price) report_.pareto.pop_back();
+    report_.pareto.push_back(std::move(point));
+  }
+
+  const SpecVariants& variants_;
+  const DesignOptions& options_;
+  const DesignRequest& request_;
+  std::size_t stated_ = 0;
+  std::optional<std::size_t> goal_, pareto_;
+  std::unique_ptr<DesignProblem> problem_;
+  std::unique_ptr<DesignSolver> solver_;
+  DesignReport report_;
+};
+
+}  // namespace
+
+DesignReport design(const SpecVariants& variants, const DesignOptions& options) {
+  if (!variants.base().design)
+    throw Error(Fault{{variants.base().file, 1, 1},
+                      "design",
+                      "the spec has no section of this name: nothing is to be chosen",
+                      "",
+                      "add design: {encoders: {'*': {bits: 12..23}}} (`qerr help design`)"});
+  const DesignRequest& request = *variants.base().design;
+  if (variants.base().requirements.empty() && request.minimize != DesignRequest::Minimize::figure)
+    throw Error(Fault{{variants.base().file, 1, 1},
+                      "requirements",
+                      "the spec has none: the coarsest encoders would do",
+                      "",
+                      "add limits, as for `qerr check`"});
+  return DesignJob(variants, options).report();
+}
+
+}  // namespace qerr

@@ -1,0 +1,151 @@
+#include <algorithm>
+#include <cmath>
+
+#include "report/fitted_table.hpp"
+#include "report/formats.hpp"
+#include "report/text_table.hpp"
+#include "report/wrapped_text.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string priced(double price, const std::string& unit) {
+  const double cents = std::round(100 * price);
+  const bool whole = std::fmod(cents, 100) == 0;
+  return (whole ? fixed_point(price, 0) : fixed_point(price, 2)) + (unit.empty() ? "" : ' ' + shown(unit));
+}
+
+std::string bits_text(double bits) { return fixed_point(bits, 2) + " bits"; }
+
+/// What the design costs: its price, or the sum of its bits.
+std::string cost_of(const DesignReport& r, double price, double bits) {
+  return r.goal == "resolution" ? bits_text(bits) : priced(price, r.price_unit);
+}
+
+std::string filter_line(const DesignedFilter& f) {
+  const std::string unit = f.filter.filter.derivative == 0 ? "" : "1/s";
+  std::string text = shown(f.name) + ": " + f.family + ", order " + std::to_string(f.order) + ", " +
+                     readable(f.cutoff, "Hz") + "; noise " + significant(f.filter.norms.h2, 4) +
+                     (unit.empty() ? "" : ' ' + unit) + ", delay " + readable(f.delay, "s");
+  if (f.tracking) text += ", tracking error " + percent(*f.tracking) + " up to " + readable(f.band, "Hz");
+  return text;
+}
+
+std::string best_linear_line(const DesignedFilter& f) {
+  if (!f.best_linear) return "";
+  const auto& b = *f.best_linear;
+  const double memory = static_cast<double>(b.taps) / f.filter.filter.sample_rate;
+  return "the quietest linear filter of that tracking error with a memory of " + readable(memory, "s") +
+         " (" + std::to_string(b.taps) + " taps): " + significant(b.h2, 4) + "; the chosen one has " +
+         percent(f.filter.norms.h2 / b.h2 - 1) + " more noise";
+}
+
+std::string margin(const Requirement& r, const RequirementResult& result) {
+  if (!(r.limit > 0)) return "";
+  return percent(r.at_least ? result.value / r.limit - 1 : 1 - result.value / r.limit);
+}
+
+std::string requirement_table(const DesignReport& report, const Design& d, const Style& style) {
+  std::vector<std::vector<std::string>> rows{
+      {"requirement", "value", "", "limit", "margin", "if 10 % looser"}};
+  for (std::size_t i = 0; i < d.results.size(); ++i) {
+    const Requirement& r = report.spec.requirements[i];
+    std::string looser;
+    for (const RequirementPrice& p : report.requirement_prices)
+      if (p.requirement == i && p.price)
+        looser = cost_of(report, *p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less");
+    const char* const relation =
+        r.at_least ? (d.results[i].met ? ">=" : "<") : (d.results[i].met ? "<=" : ">");
+    rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
+                    readable(d.results[i].value, r.unit), relation, readable(r.limit, r.unit),
+                    d.results[i].met ? margin(r, d.results[i]) : "NOT MET", looser});
+  }
+  if (report.requirement_prices.empty())
+    for (auto& row : rows) row.pop_back();
+  return rows.size() > 1 ? fitted_table(rows, style.width) : "";
+}
+
+std::string choices(const DesignReport& report, const Design& d, const Style& style) {
+  std::string out;
+  if (!d.encoders.empty()) {
+    std::vector<std::vector<std::string>> rows{{"joint", "encoder", "price", "bits at the joint"}};
+    for (const DesignedEncoder& e : d.encoders)
+      rows.push_back({shown(e.joint), shortened(e.name, 32), priced(e.price, report.price_unit),
+                      fixed_point(e.bits, 2)});
+    out += fitted_table(rows, style.width);
+  }
+  for (const DesignedFilter& f : d.filters) {
+    out += wrapped(filter_line(f), style.width, "  ");
+    const std::string best = best_linear_line(f);
+    if (!best.empty()) out += wrapped(best, style.width, "    ");
+  }
+  return out;
+}
+
+std::string answer(const DesignReport& report, const Design& d) {
+  std::string text = report.goal == "price" ? "cheapest: " + priced(d.price, report.price_unit)
+                     : report.goal == "resolution"
+                         ? "coarsest: " + bits_text(d.bits)
+                         : "least " + report.goal + ": " + readable(*d.minimized, report.goal_unit) +
+                               (d.encoders.empty() ? "" : " for " + priced(d.price, report.price_unit));
+  if (report.proven) return text + ", proven";
+  text += ", NOT proven";
+  if (report.bound)
+    text +=
+        ": the optimum is at least " +
+        (report.goal == "resolution" ? bits_text(*report.bound) : priced(*report.bound, report.price_unit));
+  return text;
+}
+
+/// What the runner-up changes.
+std::string runner_up_line(const DesignReport& report) {
+  const Design &a = *report.optimal, &b = *report.runner_up;
+  std::vector<std::string> changes;
+  for (std::size_t i = 0; i < a.encoders.size(); ++i)
+    if (a.encoders[i].name != b.encoders[i].name)
+      changes.push_back(shown(b.encoders[i].joint) + ' ' + shown(b.encoders[i].name));
+  if (changes.empty())
+    for (const DesignedFilter& f : b.filters) changes.push_back(filter_line(f));
+  const std::string cost =
+      b.minimized ? readable(*b.minimized, report.goal_unit) + " for " + priced(b.price, report.price_unit)
+                  : cost_of(report, b.price, b.bits);
+  return "runner-up: " + cost + ", with " + listed(changes);
+}
+
+std::string front_table(const DesignReport& report, const Style& style) {
+  if (report.pareto.size() < 2) return "";
+  std::vector<std::vector<std::string>> rows{{"price", report.pareto_figure}};
+  for (const ParetoPoint& p : report.pareto)
+    rows.push_back({priced(p.price, report.price_unit), readable(p.value, report.pareto_unit)});
+  return heading("Price against " + report.pareto_figure, style) + fitted_table(rows, style.width);
+}
+
+std::string infeasible(const DesignReport& report, const Style& style) {
+  std::string out =
+      painted(report.proven ? "no design meets the requirements" : "no design found", Paint::red, style) +
+      '\n';
+  for (const std::string& text : report.obstacles) out += wrapped(text, style.width, "  ");
+  if (report.finest) {
+    out += heading("With the finest of everything", style) + choices(report, *report.finest, style) +
+           requirement_table(report, *report.finest, style);
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string to_table(const DesignReport& report, const Style& style) {
+  if (!report.optimal) return infeasible(report, style);
+  std::string out =
+      painted(answer(report, *report.optimal), report.proven ? Paint::bold : Paint::yellow, style) + '\n';
+  out += choices(report, *report.optimal, style);
+  const std::string requirements = requirement_table(report, *report.optimal, style);
+  if (!requirements.empty()) out += '\n' + requirements;
+  for (const std::size_t i : report.without_influence)
+    out += wrapped("no option changes " + shown(report.spec.requirements[i].name()), style.width, "  ");
+  if (report.runner_up) out += wrapped(runner_up_line(report), style.width);
+  return out + front_table(report, style);
+}
+
+}  // namespace qerr
