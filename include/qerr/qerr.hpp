@@ -46,6 +46,7 @@
 #include "qerr/bound/error_source.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/proven_maximum.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/bound/velocity_estimators.hpp"
