@@ -1,0 +1,29 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/kinematics/robot_model.hpp"
+
+namespace qerr {
+
+/// A figure of one coordinate or length of a model.
+struct ChainBoundRequest {
+  enum class Figure { worst_case, sigma };
+  std::size_t coordinate = 0;  ///< index into coordinates_and_lengths(model)
+  Figure figure = Figure::worst_case;
+};
+
+/// Upper bound of a figure of the model over the box of the joint ranges: never exceeded, rounding included.
+///
+/// @param ranges       one per independent joint [rad or m]
+/// @param known_lower  a value of the figure that is reached in the box
+/// @param gap          the grid is refined until bound <= known_lower (1 + gap), or to a finest grid that
+///   depends on `gap` only
+/// @returns empty where the method does not apply (Euler angles, infinite ranges of prismatic joints)
+std::optional<double> chain_upper_bound(const OperationalModel&, const std::vector<Limits>& ranges,
+                                        const ChainBoundRequest&, double known_lower, double gap);
+
+}  // namespace qerr
