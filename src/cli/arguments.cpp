@@ -90,6 +90,8 @@ class Parser {
     if (!texts.empty() && !row.repeats())
       refuse(row.long_name(), "can be given once", quoted(texts.front()) + " before",
              "leave out one of the two");
+    if (row.kind == OptionKind::optional && !first && (at_ == end_ || !row.is_value(*at_)))
+      return add_value(row, std::string(row.implied));
     const std::size_t values = row.kind == OptionKind::pair ? 2 : 1;
     for (std::size_t i = 0; i < values; ++i) {
       if (!first && (at_ == end_ || is_option(command_, *at_)))

@@ -1,5 +1,6 @@
 #include <cstdio>
 #include <ctime>
+#include <limits>
 #include <optional>
 
 #include "cli/command.hpp"
@@ -33,12 +34,8 @@ void annotate(const std::string& text, bool below_table) {
 
 /// 0.02 of `2%` and of `0.02`.
 double tolerance_of(const Values& v) {
-  std::string why;
-  const auto value = parse_quantity(v.text("tolerance"), why);
-  if (value && value->value >= 0 && value->dimension.value_or(dimension::none) == dimension::none)
-    return value->value;
-  throw usage("--tolerance", "must be a part of the baseline's figures, at least 0",
-              quoted(v.text("tolerance")), "e.g. --tolerance 2%, or 0.02");
+  return part_of(v, "tolerance", 0, std::numeric_limits<double>::infinity(),
+                 "must be a part of the baseline's figures, at least 0", "e.g. --tolerance 2%, or 0.02");
 }
 
 /// Read before the spec, so that a wrong file fails early.
@@ -55,8 +52,9 @@ std::optional<Baseline> baseline_of(const Values& v) {
 
 CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const Values& v) {
   const WorkspaceOptions options = workspace_options(v);
+  const ProofRequest proofs = proof_request(v);
   CheckReport report;
-  for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline));
+  for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline, proofs));
   return report;
 }
 
@@ -111,6 +109,7 @@ Command check_command() {
                 .meaning = "how much worse a figure may be, such as 2% or 0.02 (default: 0)",
                 .fallback = "0",
                 .needs = "--baseline"}},
+              {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},
               long_work_option(),
               output_options()});
   options.front().kind = OptionKind::repeat;

@@ -24,7 +24,7 @@ Words::const_iterator command_place(const Words& words) {
   while (at != words.end() && at->starts_with('-')) {
     const Option* row = global_option(*at);
     if (!row) throw usage(*at, "options stand behind a command", "", "e.g. qerr analyze SPEC " + *at);
-    const bool value_follows = row->takes_value() && at->find('=') == std::string::npos;
+    const bool value_follows = row->needs_value() && at->find('=') == std::string::npos;
     at += value_follows && at + 1 != words.end() ? 2 : 1;
   }
   return at;

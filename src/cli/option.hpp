@@ -11,13 +11,14 @@ namespace qerr::cli {
 
 /// How an option is written, and how its text is checked.
 enum class OptionKind {
-  flag,    ///< without a value
-  text,    ///< one value
-  repeat,  ///< one value each time the option is given
-  list,    ///< as `repeat`, and values may be separated by commas
-  pair,    ///< two values
-  number,  ///< a number between `least` and `most`
-  whole,   ///< a whole number between `least` and `most`
+  flag,      ///< without a value
+  text,      ///< one value
+  repeat,    ///< one value each time the option is given
+  list,      ///< as `repeat`, and values may be separated by commas
+  pair,      ///< two values
+  optional,  ///< one value or none: the next word is its value if `is_value` says so
+  number,    ///< a number between `least` and `most`
+  whole,     ///< a whole number between `least` and `most`
 };
 
 /// A row: one option or argument of a command.
@@ -31,6 +32,9 @@ struct Option {
   double most = std::numeric_limits<double>::infinity();
   bool required = false;
   std::string_view needs = {};  ///< another option that must be given, too
+  /// Of `optional`: what can be a value, and no argument or option; and the value where there is none.
+  bool (*is_value)(const std::string&) = nullptr;
+  std::string_view implied = {};
   /// The permitted words; null: any text.
   std::vector<std::string> (*choices)() = nullptr;
   std::string_view choice = {};  ///< what a word is, in messages: `format`
@@ -39,6 +43,7 @@ struct Option {
 
   bool positional() const { return !name.starts_with('-'); }
   bool takes_value() const { return positional() || kind != OptionKind::flag; }
+  bool needs_value() const { return takes_value() && kind != OptionKind::optional; }
   bool repeats() const { return kind == OptionKind::repeat || kind == OptionKind::list; }
   std::string long_name() const;   ///< `--output` of `-o,--output`; `SPEC` of `SPEC`
   std::string short_name() const;  ///< `-o`; "" if it has none

@@ -4,6 +4,7 @@
 #include <cstdio>
 
 #include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "report/wrapped_text.hpp"
 
@@ -52,6 +53,39 @@ std::vector<Option> long_work_option() {
   return {{.name = "--allow-long",
            .kind = OptionKind::flag,
            .meaning = "permit more than 1e10 configurations or samples, which take hours"}};
+}
+
+Option prove_option(std::string_view meaning) {
+  return {.name = "--prove",
+          .value = "[GAP]",
+          .kind = OptionKind::optional,
+          .meaning = meaning,
+          .is_value =
+              [](const std::string& word) {
+                std::string why;
+                return parse_quantity(word, why).has_value();
+              },
+          .implied = "1%"};
+}
+
+double part_of(const Values& v, const std::string& option, double least, double most, const std::string& rule,
+               const std::string& remedy) {
+  std::string why;
+  const auto value = parse_quantity(v.text(option), why);
+  if (value && value->value >= least && value->value <= most &&
+      value->dimension.value_or(dimension::none) == dimension::none)
+    return value->value;
+  throw usage("--" + option, rule, quoted(v.text(option)), remedy);
+}
+
+ProofRequest proof_request(const Values& v) {
+  ProofRequest request;
+  request.progress = progress(v, "proofs");
+  constexpr double finest = 1e-5, coarsest = 1;
+  if (v.given("prove"))
+    request.gap = part_of(v, "prove", finest, coarsest, "the gap must be a part from 0.001% to 100%",
+                          "e.g. --prove 0.5%, or 0.005");
+  return request;
 }
 
 Option text_output_option() {

@@ -10,6 +10,7 @@
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
+#include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 
 /// What several commands share: options, the spec, the form of results and messages.
@@ -42,6 +43,17 @@ void refuse_shared_input(const std::vector<std::string>& paths, const std::strin
 unsigned threads(const Values&);
 /// Threads and progress of an evaluation of configurations.
 WorkspaceOptions workspace_options(const Values&);
+
+/// `--prove [GAP]`.
+Option prove_option(std::string_view meaning);
+/// The gap of --prove, 1 % if it is absent; `all` is not set.
+/// @throws Error (usage) for a gap that is none
+ProofRequest proof_request(const Values&);
+
+/// A part such as `2%` or `0.02` that an option gives.
+/// @throws Error (usage) with the rule if it is not between `least` and `most`
+double part_of(const Values&, const std::string& option, double least, double most, const std::string& rule,
+               const std::string& remedy);
 
 /// The format of --format, else the one of the output's ending.
 std::string chosen_format(const Values&);

@@ -1,11 +1,20 @@
 #include "qerr/design/requirement.hpp"
 
+#include <algorithm>
+
 namespace qerr {
 
 namespace {
 
 Error undecided(const Requirement& r, const std::string& reason, const std::string& remedy) {
   return Error(Fault{r.place, "requirements", reason, "'" + r.quantity + "'", remedy});
+}
+
+Error unknown_sigma(const Requirement& r) {
+  return undecided(r,
+                   "sigma behind a filter is not known: an effect depends on the motion, or an encoder "
+                   "states its accuracy",
+                   "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
 }
 
 const Statistic& statistic_behind(const Requirement& r, const DerivativeStatistics& d) {
@@ -15,11 +24,7 @@ const Statistic& statistic_behind(const Requirement& r, const DerivativeStatisti
     if (!d.sigma_in_motion) throw undecided(r, "sigma in motion is not computed", "");
     return *d.sigma_in_motion;
   }
-  if (!d.sigma)
-    throw undecided(r,
-                    "sigma behind a filter is not known: an effect depends on the motion, or an encoder "
-                    "states its accuracy",
-                    "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
+  if (!d.sigma) throw unknown_sigma(r);
   return *d.sigma;
 }
 
@@ -52,6 +57,34 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w, const std::
   }
   result.met = r.at_least ? result.value >= r.limit : result.value <= r.limit;
   return result;
+}
+
+ProvenFigure proven_figure(const Requirement& r, const OperationalModel& model) {
+  using Of = Requirement::Bound;
+  using Bound = ProvenFigure::Bound;
+  const Bound bound = r.bound == Of::worst_case            ? Bound::worst_case
+                      : r.bound == Of::worst_case_rigorous ? Bound::worst_case_rigorous
+                      : r.bound == Of::sigma               ? Bound::sigma
+                                                           : Bound::sigma_in_motion;
+  const bool sigma = bound == Bound::sigma || bound == Bound::sigma_in_motion;
+  if (r.filter >= 0 && sigma && !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
+    throw unknown_sigma(r);
+  return {r.coordinate, r.filter, bound};
+}
+
+RequirementResult evaluate(const Requirement& r, const ProvenMaximum& proven) {
+  RequirementResult result;
+  result.proven = proven;
+  result.value = r.at_least ? proven.lower : proven.upper;
+  result.at_max = proven.at;
+  result.met = r.at_least ? result.value >= r.limit : result.value <= r.limit;
+  result.undecided = !result.met && (r.at_least ? proven.upper >= r.limit : proven.lower <= r.limit);
+  return result;
+}
+
+double deciding_gap(const Requirement& r, const ProvenMaximum& proven, double gap) {
+  constexpr double finest = 0.1;
+  return proven.lower > 0 ? std::clamp(r.limit / proven.lower - 1, finest * gap, gap) : finest * gap;
 }
 
 }  // namespace qerr

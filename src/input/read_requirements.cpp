@@ -99,7 +99,8 @@ void read_statistic(const Object& o, Requirement& r) {
     throw Error(o.self().fault("missing key 'statistic'",
                                "add 'statistic: max', or another one of `qerr list statistics`"));
   r.statistic = o.choice("statistic");
-  r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
+  r.proven = r.statistic == proven_statistic;
+  if (!r.proven) r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
 }
 
 std::string unit_of(const Requirement& r, const Spec& spec) {

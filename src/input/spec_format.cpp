@@ -148,7 +148,7 @@ const std::vector<Parameter>& requirement() {
     std::string names;
     for (const StatisticKind& s : statistic_kinds())
       names += (names.empty() ? "" : "|") + std::string(s.name);
-    return names + "|median";
+    return names + "|median|" + std::string(proven_statistic);
   }();
   static const std::vector<Parameter> rows{
       {.name = "quantity",

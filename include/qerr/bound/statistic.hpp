@@ -23,6 +23,10 @@ struct StatisticKind {
   double percentile = -1;  ///< fraction of the values below it; negative: not a percentile
 };
 
+/// The statistic that is a bound of the maximum over the whole joint ranges (proven_maximum.hpp) in place of
+/// one over the configurations: no member of Statistic.
+inline constexpr std::string_view proven_statistic = "proven_max";
+
 /// All of them, in the order of the reports.
 std::span<const StatisticKind> statistic_kinds();
 

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "qerr/bound/proven_maximum.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -40,7 +41,8 @@ struct Requirement {
   std::ptrdiff_t filter = -1;            ///< index into the filters; -1: the unfiltered position
   const FilterFigure* figure = nullptr;  ///< of `filter`; null: a bound of a coordinate
   Bound bound = Bound::sigma;
-  double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`
+  double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`, unless `proven`
+  bool proven = false;                         ///< `statistic` is the proven maximum
   bool at_least = false;                       ///< the limit is the lowest value; else the highest
   double limit = 0;                            ///< in `unit` [SI]
   std::string unit;
@@ -55,14 +57,34 @@ struct Requirement {
 struct RequirementResult {
   double value = 0;  ///< +inf if the quantity is unbounded
   bool met = false;
-  Eigen::VectorXd at_max = {};  ///< where the quantity is largest [rad or m]; empty for a filter
+  Eigen::VectorXd at_max = {};               ///< where the quantity is largest [rad or m]; empty for a filter
+  std::optional<ProvenMaximum> proven = {};  ///< of a requirement on the proven maximum
+
+  /// Whether the limit lies between what is reached and what is proven: neither holds nor fails for certain.
+  bool undecided = false;
 };
 
 /// Compares a statistic over the configurations, or a figure of a filter, with the limit.
 /// @param filters, norms  of the spec, in its order
+/// @pre not r.proven
 /// @throws Error (input) if the figure is not known: sigma in motion without a motion, the bandwidth of a
 /// filter that has none
 RequirementResult evaluate(const Requirement&, const Workspace&, const std::vector<Filter>& filters,
                            const std::vector<Norms>& norms);
+
+/// The figure whose maximum a requirement on the proven maximum limits.
+/// @pre r.proven
+/// @throws Error (input; key `requirements`) if the figure is not known: sigma behind a filter, with sources
+/// of unknown spectrum
+ProvenFigure proven_figure(const Requirement& r, const OperationalModel&);
+
+/// Compares a proven maximum with the limit. `at_most` is judged by `upper`, which no configuration exceeds,
+/// and `at_least` by `lower`, which one reaches: what is met is proven. Where the limit lies between the two
+/// the requirement is not met, and undecided.
+RequirementResult evaluate(const Requirement&, const ProvenMaximum&);
+
+/// The gap at which the proof of an undecided requirement is repeated: that at which the limit decides, but
+/// no less than a tenth of the first one.
+double deciding_gap(const Requirement&, const ProvenMaximum&, double gap);
 
 }  // namespace qerr

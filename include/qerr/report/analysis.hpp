@@ -8,6 +8,7 @@
 
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/proven_maximum.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/design/requirement.hpp"
 #include "qerr/design/threshold.hpp"
@@ -34,6 +35,21 @@ struct Exceedance {
   Eigen::Vector3d highest = Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity());
 };
 
+/// Which maxima are proven over the whole joint ranges, which are those of the configurations' limits, also
+/// where the configurations are listed.
+struct ProofRequest {
+  double gap = 0.01;  ///< between what is reached and what is proven
+  bool all = false;   ///< every worst case and sigma; else the figures of requirements on the proven maximum
+  std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
+};
+
+/// The proven maximum of a figure.
+struct ProvenResult {
+  ProvenFigure figure;
+  ProvenMaximum maximum;
+  double gap = 0;  ///< that was asked for
+};
+
 /// The result of `qerr analyze`: the bounds of a spec over its configurations.
 struct Analysis {
   Spec spec;  ///< its model contains the effects
@@ -45,16 +61,25 @@ struct Analysis {
   Eigen::VectorXd resolutions = {};       ///< of the encoders as in the spec; effects on a decoder multiply
                                           ///< those in the model
   std::vector<Exceedance> exceedances = {};  ///< that were asked for
+  std::vector<ProvenResult> proofs = {};
 };
 
-/// Every bound of the spec over its configurations, with the effects of the spec.
+/// The proof of a figure; null if there is none.
+const ProvenMaximum* find_proof(const Analysis&, const ProvenFigure&);
+
+/// Every bound of the spec over its configurations, with the effects of the spec, and the proofs that are
+/// asked for or required.
+///
+/// Where a requirement's limit lies between what is reached and what is proven, the proof is repeated once
+/// with a smaller gap (`deciding_gap`).
 /// @throws Error (input; key `requirements`) for a requirement on sigma_in_motion whose filter has too long a
 /// memory
-Analysis analyze(const Spec&, const WorkspaceOptions& = {});
+Analysis analyze(const Spec&, const WorkspaceOptions& = {}, const ProofRequest& = {});
 
 /// The same, and one CSV row per configuration: its joint coordinates and its bounds.
 /// @param csv  is called with the header, and then with the rows in the order of the configurations
-Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv);
+Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv,
+                 const ProofRequest& = {});
 
 /// The requirements of a spec, evaluated with its bounds.
 struct SpecCheck {
@@ -70,12 +95,13 @@ struct SpecCheck {
 /// The bounds of a spec, and its requirements, if it has any.
 /// @throws Error (input; key `requirements`) if there are requirements and an effect of unknown size, as they
 /// cannot be decided then
-SpecCheck evaluate(const Spec&, const WorkspaceOptions& = {});
+SpecCheck evaluate(const Spec&, const WorkspaceOptions& = {}, const ProofRequest& = {});
 
 /// The same, of a spec that has requirements or is checked against a baseline.
 /// @param baseline  a report of check or analyze; may be null
 /// @throws Error (input; key `requirements`) if there is nothing to check
-SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* baseline = nullptr);
+SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* baseline = nullptr,
+                const ProofRequest& = {});
 
 /// The baseline that a file holds.
 /// @throws Error (input) if it is no report of check or analyze

@@ -27,7 +27,7 @@ std::string option(const std::string& command, const Option& row) {
   rest += "-l " + row.key();
   if (row.choices)
     rest += " -x -a " + fish_quoted(spaced(row.choices()));
-  else if (row.takes_value())
+  else if (row.needs_value())
     rest += " -r";
   return line({command}, rest + " -d " + fish_quoted(row.meaning));
 }

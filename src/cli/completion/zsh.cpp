@@ -20,7 +20,8 @@ std::string action(const Option& row) { return row.choices ? "(" + spaced(row.ch
 std::string option(const Option& row) {
   std::string rest = "[" + plain(row.meaning) + "]";
   const std::string value(row.value.empty() ? row.key() : row.value);
-  if (row.takes_value()) rest += ":" + plain(value) + ":" + action(row);
+  if (row.needs_value()) rest += ":" + plain(value) + ":" + action(row);
+  if (row.kind == OptionKind::optional) rest += "::" + plain(value) + ":";
   if (row.kind == OptionKind::pair) rest += ":" + plain(value) + ":";
   if (row.repeats()) return "        " + shell_quoted("*" + row.long_name() + rest);
   if (row.short_name().empty()) return "        " + shell_quoted(row.long_name() + rest);

@@ -12,6 +12,7 @@
 #include "qerr/report/filter_report.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/per_configuration.hpp"
+#include "report/analysis/proofs.hpp"
 #include "report/text_table.hpp"
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/settling.hpp"
@@ -141,12 +142,12 @@ void add_effects(const EffectReport& effects, Spec& spec) {
     model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
 }
 
-Analysis analyze(const Spec& spec, const WorkspaceOptions& options) {
-  return analyze(spec, effect_report(spec), options);
+Analysis analyze(const Spec& spec, const WorkspaceOptions& options, const ProofRequest& proofs) {
+  return analyze(spec, effect_report(spec), options, proofs);
 }
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
-                 const std::function<void(const std::string&)>& csv) {
+                 const std::function<void(const std::string&)>& csv, const ProofRequest& proofs) {
   EffectReport effects = effect_report(spec);
   Spec with_effects = spec;
   add_effects(effects, with_effects);
@@ -157,7 +158,7 @@ Analysis analyze(const Spec& spec, const WorkspaceOptions& options,
     return per_configuration_rows(with_effects, with_rows.noise_in_motion, batch);
   };
   with_rows.write = csv;
-  return analyze(spec, std::move(effects), with_rows);
+  return analyze(spec, std::move(effects), with_rows, proofs);
 }
 
 Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
@@ -170,12 +171,14 @@ Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
   return a;
 }
 
-Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
+Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options,
+                 const ProofRequest& proofs) {
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
   Analysis a = unbounded_analysis(spec, std::move(effects), all.noise_in_motion);
   a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
+  add_proofs(a, proofs, options.threads);
   return a;
 }
 

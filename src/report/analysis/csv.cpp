@@ -23,6 +23,10 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
                                std::string(name.bound) + ',';
     for (const StatisticKind* kind : statistics)
       out += prefix + std::string(kind->name) + ',' + csv_number(s.*kind->value) + "\r\n";
+    const ProvenMaximum* const proven = find_proof(a, name.figure);
+    if (!proven) return;
+    out += prefix + "proven_lower," + csv_number(proven->lower) + "\r\n";
+    out += prefix + std::string(proven_statistic) + ',' + csv_number(proven->upper) + "\r\n";
   });
   for (const StatisticKind* kind : statistics) {
     if (kind->name != "mean") continue;  // the encoders' parts of the mean variance

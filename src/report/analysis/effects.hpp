@@ -68,7 +68,7 @@ std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Sty
 
 /// `analyze` with effects that are already evaluated.
 /// @param effects  of `effect_report` for this spec
-Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&);
+Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&, const ProofRequest&);
 
 /// The same without the bounds over the configurations and without warnings.
 /// @param noise_in_motion  of the spec

@@ -16,6 +16,7 @@ struct FigureName {
   std::string_view coordinate;
   std::string unit;
   std::string_view bound;
+  ProvenFigure figure;  ///< the same by indices
 
   /// `position.x.worst_case`, `velocity.x.sigma`: as requirements name it.
   std::string quantity() const;

@@ -11,23 +11,19 @@ namespace qerr {
 
 namespace {
 
-Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
-  Json object = Json::object();
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = values[i];
-  return object;
-}
+using Bound = ProvenFigure::Bound;
 
-Json statistic(const Spec& spec, const Statistic& s) {
+Json statistic(const Analysis& a, const Statistic& s, const ProvenFigure& figure) {
   Json object;
   for (const StatisticKind& kind : statistic_kinds()) object[kind.name] = s.*kind.value;
-  object["at_max"] = by_joint(spec, s.at_max);
+  object["at_max"] = by_joint(a.spec, s.at_max);
+  if (const ProvenMaximum* proven = find_proof(a, figure)) object["proven"] = proven_json(a.spec, *proven);
   return object;
 }
 
 /// Null for a quantity without a bound.
-Json statistic_or_null(const Spec& spec, const Statistic& s) {
-  return std::isfinite(s.min) ? statistic(spec, s) : Json(nullptr);
+Json statistic_or_null(const Analysis& a, const Statistic& s, const ProvenFigure& figure) {
+  return std::isfinite(s.min) ? statistic(a, s, figure) : Json(nullptr);
 }
 
 Json matrix(const Eigen::MatrixXd& m) {
@@ -106,9 +102,10 @@ Json position(const Analysis& a) {
     const CoordinateInfo& row = info(coordinates[i]);
     list.push_back({{"coordinate", row.name},
                     {"unit", row.unit},
-                    {"worst_case", statistic(a.spec, c.worst_case)},
-                    {"worst_case_rigorous", statistic_or_null(a.spec, c.worst_case_rigorous)},
-                    {"sigma", statistic(a.spec, c.sigma)}});
+                    {"worst_case", statistic(a, c.worst_case, {i, -1, Bound::worst_case})},
+                    {"worst_case_rigorous",
+                     statistic_or_null(a, c.worst_case_rigorous, {i, -1, Bound::worst_case_rigorous})},
+                    {"sigma", statistic(a, c.sigma, {i, -1, Bound::sigma})}});
     if (is_length(row.coordinate)) continue;
     list.back()["share"] = by_joint(a.spec, c.share);
     list.back()["share_worst_case"] = by_joint(a.spec, c.share_worst_case);
@@ -121,14 +118,16 @@ Json derivatives(const Analysis& a) {
   const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f) {
     const NamedFilter& filter = a.spec.filters[f];
+    const auto index = static_cast<std::ptrdiff_t>(f);
     Json rows = Json::array();
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = a.workspace.derivatives[f][i];
       rows.push_back({{"coordinate", info(coordinates[i]).name},
                       {"unit", derivative_unit(coordinates[i], filter.filter.derivative)},
-                      {"worst_case", statistic(a.spec, d.worst_case)},
-                      {"sigma", d.sigma ? statistic(a.spec, *d.sigma) : Json()}});
-      if (d.sigma_in_motion) rows.back()["sigma_in_motion"] = statistic(a.spec, *d.sigma_in_motion);
+                      {"worst_case", statistic(a, d.worst_case, {i, index, Bound::worst_case})},
+                      {"sigma", d.sigma ? statistic(a, *d.sigma, {i, index, Bound::sigma}) : Json()}});
+      if (d.sigma_in_motion)
+        rows.back()["sigma_in_motion"] = statistic(a, *d.sigma_in_motion, {i, index, Bound::sigma_in_motion});
     }
     list.push_back({{"filter", filter.name},
                     {"derivative", filter.filter.derivative},

@@ -9,4 +9,10 @@ namespace qerr {
 /// `configurations`.
 Json analysis_header(const Analysis&, const char* command);
 
+/// Values of the independent joints by their names.
+Json by_joint(const Spec&, const Eigen::VectorXd& values);
+
+/// `{"lower", "upper", "gap", "at"}`; null is unbounded.
+Json proven_json(const Spec&, const ProvenMaximum&);
+
 }  // namespace qerr

@@ -5,12 +5,22 @@ namespace qerr {
 
 namespace {
 
+Json schema_of_proof() {
+  using namespace schema;
+  return object({{"lower", number_or_null(), "reached at `at`"},
+                 {"upper", number_or_null(), "never exceeded, rounding included; null: no bound is known"},
+                 {"gap", number_or_null(), "upper/lower - 1; null: unbounded"},
+                 {"at", map(number()), "joints"}});
+}
+
 Json schema_of_statistic() {
   using namespace schema;
   std::vector<SchemaMember> members;
   for (const StatisticKind& kind : statistic_kinds())
     members.push_back({std::string(kind.name), number(), std::string(kind.summary)});
   members.push_back({"at_max", map(number()), "the joints where the maximum is"});
+  members.push_back(
+      {"proven", schema_of_proof(), "the maximum over the whole joint ranges; with --prove", true});
   return object(members);
 }
 
@@ -138,7 +148,8 @@ Json check_schema() {
                                    {"at_least", number(), "", true},
                                    {"value", number_or_null()},
                                    {"unit", text()},
-                                   {"met", boolean()}});
+                                   {"met", boolean()},
+                                   {"proven", schema_of_proof(), "of the statistic proven_max", true}});
   const Json regression =
       object({{"quantity", text()},
               {"statistic", text(), "empty: a figure of a filter"},

@@ -2,6 +2,7 @@
 
 #include "core/text.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/proofs.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
@@ -60,7 +61,7 @@ std::string to_table(const Analysis& a, const Style& style) {
     out +=
         heading("Effects: errors that they add at the joint", style) + effect_table(a.spec, a.effects, style);
   return out + (style.details ? detail_tables(a, style) : summary_table(a, style)) +
-         exceedance_tables(a, style);
+         exceedance_tables(a, style) + proof_table(a, style);
 }
 
 }  // namespace qerr

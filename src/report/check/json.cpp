@@ -35,6 +35,7 @@ Json check_json(const SpecCheck& check) {
     row["value"] = check.results[i].value;
     row["unit"] = r.unit;
     row["met"] = check.results[i].met;
+    if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
     list.push_back(row);
   }
   Json j = analysis_header(check.analysis, "check");

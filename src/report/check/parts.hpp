@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 
 #include "qerr/report/analysis.hpp"
 #include "report/json_value.hpp"
@@ -9,6 +10,9 @@ namespace qerr {
 
 /// `velocity.x.sigma p99 is 1.20 mm/s, at most 1.00 mm/s is required`.
 std::string verdict(const Requirement&, const RequirementResult&);
+
+/// What may decide a requirement whose limit lies between what is reached and what is proven.
+inline constexpr std::string_view undecided_remedy = "a smaller gap may decide: --prove GAP";
 
 /// `3 of 120 figures worse than in old.json by more than 2 %`, or `none of ...`.
 std::string verdict(const BaselineCheck&);

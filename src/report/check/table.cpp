@@ -31,7 +31,9 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     const char* const relation = r.at_least ? (result.met ? ">=" : "<") : (result.met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
                     readable(result.value, r.unit), relation, readable(r.limit, r.unit),
-                    result.met ? "met" : "NOT MET"});
+                    result.met         ? "met"
+                    : result.undecided ? "NOT PROVEN"
+                                       : "NOT MET"});
   }
   const std::string text = aligned(rows);
   std::string out;
@@ -44,6 +46,10 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
     if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
       out += wrapped(place_of(check.analysis, result.at_max), style.width, "      ");
+    if (result.undecided)
+      out += wrapped("between " + readable(result.proven->lower, check.analysis.spec.requirements[i].unit) +
+                         ", which is reached, and the proven bound: " + std::string(undecided_remedy),
+                     style.width, "      ");
   }
   return out;
 }

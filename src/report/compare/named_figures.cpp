@@ -34,6 +34,10 @@ void add_bounds(const std::string& signal, const ReportMember& rows, NamedFigure
         add_figure({signal + '.' + row.at("coordinate").text() + '.' + bound, std::string(kind.name),
                     row.at("unit").text(), statistic->at(kind.name).number_or(unbounded)},
                    to);
+      if (const auto proven = statistic->find("proven"))
+        add_figure({signal + '.' + row.at("coordinate").text() + '.' + bound, std::string(proven_statistic),
+                    row.at("unit").text(), proven->at("upper").number_or(unbounded)},
+                   to);
     }
 }
 

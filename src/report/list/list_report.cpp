@@ -40,6 +40,9 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
   if (kind == "statistics")
     for (const StatisticKind& row : statistic_kinds())
       rows.push_back({std::string(row.name), std::string(row.summary)});
+  if (kind == "statistics")
+    rows.push_back(
+        {std::string(proven_statistic), "proven bound of the maximum over the whole joint ranges"});
   return rows;
 }
 

@@ -1,6 +1,8 @@
 #include "report/sweep/swept_variant.hpp"
 
 #include "report/analysis/effects.hpp"
+#include "report/analysis/proofs.hpp"
+#include "report/analysis/proofs.hpp"
 #include "report/check/parts.hpp"
 
 namespace qerr {
@@ -51,7 +53,11 @@ SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& gri
 }
 
 void judge(SweptVariant& v, bool judged) {
-  if (judged) guard(v, [&] { v.check->results = requirement_results(v.check->analysis); });
+  guard(v, [&] {
+    Analysis& a = v.check->analysis;
+    add_proofs(a, {}, 1);  // of requirements; variants are evaluated on all threads
+    if (judged) v.check->results = requirement_results(a);
+  });
 }
 
 SweptVariant evaluate_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,

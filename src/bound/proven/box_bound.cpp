@@ -1,0 +1,292 @@
+#include "bound/proven/box_bound.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace qerr {
+
+namespace {
+
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// a + slope g >= |g| over [low, high].
+struct Chord {
+  double slope, constant;
+};
+
+Chord chord_of_magnitude(double low, double high) {
+  if (low >= 0) return {1, 0};
+  if (high <= 0) return {-1, 0};
+  return {(high + low) / (high - low), -2 * high * low / (high - low)};
+}
+
+Chord chord_of_square(double low, double high) { return {low + high, -low * high}; }
+
+double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
+
+}  // namespace
+
+BoxBound::BoxBound(const ErrorTerms& terms, const std::vector<Limits>& ranges)
+    : terms_(terms), count_(terms.axes().size()), joints_(ranges.size()) {
+  for (std::size_t k = 0; k < count_; ++k)
+    if (terms.axes()[k].coordinate >= 0 && terms.axes()[k].multiplier != 0) movers_.push_back(k);
+  set_parts();
+  length_ = terms.longest_columns(ranges);
+  set_rounding(ranges);
+  set_influence(ranges);
+  const auto n = static_cast<Eigen::Index>(count_);
+  radius_.resize(n);
+  reach_.resize(n);
+  derivative_.assign(joints_, Columns::Zero(3, n));
+}
+
+/// The magnitude of the mean is that of one more term.
+void BoxBound::set_parts() {
+  Part mean{Eigen::VectorXd::Zero(static_cast<Eigen::Index>(count_)), 1};
+  for (const ErrorTerm& term : terms_.terms()) {
+    const double size = terms_.sigma() ? term.sigma : term.half_width;
+    if (size > 0) parts_.push_back({term.weights, size});
+    mean.weights += term.mean * term.weights;
+  }
+  if (!terms_.sigma() && !mean.weights.isZero(0)) parts_.push_back(std::move(mean));
+}
+
+void BoxBound::set_rounding(const std::vector<Limits>& ranges) {
+  double largest_angle = 0, size = 0;
+  for (const TermAxis& axis : terms_.axes())
+    if (axis.turns) largest_angle = std::max(largest_angle, terms_.largest_motion(axis, ranges));
+  for (const Part& part : parts_) {
+    const double full = part.size * part.weights.cwiseAbs().dot(length_);
+    size = terms_.sigma() ? std::hypot(size, full) : size + full;
+  }
+  const double operations = static_cast<double>(count_ + parts_.size() + 2) * (64 + 2 * largest_angle);
+  rounding_ = epsilon * (operations * size + 4 * terms_.added());
+}
+
+void BoxBound::set_influence(const std::vector<Limits>& ranges) {
+  Eigen::VectorXd middle(static_cast<Eigen::Index>(joints_));
+  for (std::size_t j = 0; j < joints_; ++j)
+    middle[static_cast<Eigen::Index>(j)] = 0.5 * (ranges[j].lower + ranges[j].upper);
+  const TermColumns at = terms_.columns(middle);
+  std::vector<bool> idle(count_, false);
+  bool virtual_base = false;  // of along_any_direction: its joints are the last ones
+  for (std::size_t k = 0; k < count_ && !terms_.in_tip_frame(); ++k) {
+    const TermAxis& axis = terms_.axes()[k];
+    const auto column = static_cast<Eigen::Index>(k);
+    if (k < 2 && terms_.turned_base()) {
+      virtual_base = true;
+      continue;
+    }
+    idle[k] = true;
+    if (!axis.turns) continue;
+    if (terms_.length() || virtual_base)
+      break;  // the first axis that turns has no influence, the next may have
+    if (Eigen::Vector3d::Unit(terms_.row()).cross(at.turning.col(column)).norm() > 4 * epsilon) {
+      idle[k] = false;
+      break;
+    }
+  }
+  matters_.assign(joints_, false);
+  for (const std::size_t k : movers_)
+    if (!idle[k]) matters_[static_cast<std::size_t>(terms_.axes()[k].coordinate)] = true;
+}
+
+void BoxBound::set_reach(const Eigen::VectorXd& half) {
+  double carried = 0;
+  for (std::size_t k = count_; k-- > 0;) {
+    const TermAxis& axis = terms_.axes()[k];
+    const auto i = static_cast<Eigen::Index>(k);
+    radius_[i] = axis.coordinate < 0 ? 0 : std::abs(axis.multiplier) * half[axis.coordinate];
+    reach_[i] = !axis.turns ? 1 : std::min(length_[i], at_.columns.col(i).norm() + carried);
+    if (terms_.in_tip_frame()) reach_[i] = length_[i];
+    carried += radius_[i] * reach_[i];
+  }
+}
+
+Eigen::Vector3d BoxBound::first(std::size_t motion, std::size_t column) const {
+  const auto i = static_cast<Eigen::Index>(motion), k = static_cast<Eigen::Index>(column);
+  const Eigen::Vector3d zi = at_.turning.col(i), zk = at_.turning.col(k), ji = at_.columns.col(i),
+                        jk = at_.columns.col(k);
+  if (terms_.in_tip_frame())
+    return k < i ? Eigen::Vector3d(zk.cross(ji) + jk.cross(zi)) : Eigen::Vector3d::Zero();
+  return i <= k ? zi.cross(jk) : zk.cross(ji);
+}
+
+/// @pre i <= j
+Eigen::Vector3d BoxBound::second(std::size_t i, std::size_t j, std::size_t column) const {
+  const auto z = [&](std::size_t k) -> Eigen::Vector3d {
+    return at_.turning.col(static_cast<Eigen::Index>(k));
+  };
+  const auto v = [&](std::size_t k) -> Eigen::Vector3d {
+    return at_.columns.col(static_cast<Eigen::Index>(k));
+  };
+  if (terms_.in_tip_frame()) {  // [[twist_k, twist_i], twist_j]
+    if (column >= i) return Eigen::Vector3d::Zero();
+    const Eigen::Vector3d turning = z(column).cross(z(i)),
+                          moving = z(column).cross(v(i)) + v(column).cross(z(i));
+    return turning.cross(v(j)) + moving.cross(z(j));
+  }
+  const std::size_t a = std::min(i, column), c = std::max(j, column),
+                    b = column < i ? i : std::min(column, j);
+  return z(a).cross(z(b).cross(v(c)));
+}
+
+/// sum over all tuples of `order` motions of their half widths times the bound of the derivative of
+/// sum_k C_k . column_k, over order!, with |C_k| = magnitudes.
+double BoxBound::remainder(int order, const Eigen::VectorXd& magnitudes) const {
+  return (terms_.in_tip_frame() ? remainder_in_tip(order, magnitudes)
+                                : remainder_in_base(order, magnitudes)) /
+         factorial(order);
+}
+
+/// A derivative is z x (... x J_m) with the outermost axis m of the tuple; axes before it that do not turn
+/// make it zero.
+double BoxBound::remainder_in_base(int order, const Eigen::VectorXd& magnitudes) const {
+  double sum = 0, motions = 0, columns = 0;  // of the axes before m that turn
+  for (std::size_t m = 0; m < count_; ++m) {
+    const auto i = static_cast<Eigen::Index>(m);
+    if (terms_.axes()[m].turns) {
+      const double with = motions + radius_[i], all = columns + magnitudes[i];
+      sum += reach_[i] * (std::pow(with, order) * all - std::pow(motions, order) * columns);
+      motions = with;
+      columns = all;
+    } else {
+      sum += std::pow(motions, order) * magnitudes[i] +
+             order * radius_[i] * std::pow(motions, order - 1) * columns;
+    }
+  }
+  return sum;
+}
+
+/// Column k changes with the axes beyond it only: each term of z_k x sum of links, turned as a whole or in
+/// its first factor, keeps its length.
+double BoxBound::remainder_in_tip(int order, const Eigen::VectorXd& magnitudes) const {
+  double sum = 0, turning = 0, sliding = 0;  // of the axes beyond k
+  for (std::size_t m = count_; m-- > 0;) {
+    const auto i = static_cast<Eigen::Index>(m);
+    const bool turns = terms_.axes()[m].turns;
+    sum += magnitudes[i] * (length_[i] * std::pow(turning, order) +
+                            (turns ? order * std::pow(turning, order - 1) * sliding : 0));
+    (turns ? turning : sliding) += radius_[i];
+  }
+  return sum;
+}
+
+void BoxBound::set_first(const Eigen::VectorXd& half) {
+  for (std::size_t j = 0; j < joints_; ++j)
+    if (half[static_cast<Eigen::Index>(j)] > 0) derivative_[j].setZero();
+  for (const std::size_t i : movers_) {
+    const TermAxis& axis = terms_.axes()[i];
+    if (!(half[axis.coordinate] > 0)) continue;
+    Columns& of_joint = derivative_[static_cast<std::size_t>(axis.coordinate)];
+    for (std::size_t k = 0; k < count_; ++k)
+      of_joint.col(static_cast<Eigen::Index>(k)) += axis.multiplier * first(i, k);
+  }
+}
+
+/// Step 1, and the chords of step 2.
+/// @param slopes  receives C_k of L = sum_k C_k . column_k
+/// @param blame   receives what each joint's range adds
+/// @param plain   receives the bound that takes every term at its largest
+/// @returns the constant of the chords
+double BoxBound::chords(const Eigen::VectorXd& half, Columns& slopes, Eigen::VectorXd& blame,
+                        double& plain) const {
+  const Eigen::Index from = terms_.length() ? 0 : terms_.row(), to = terms_.length() ? 3 : terms_.row() + 1;
+  double constant = 0;
+  plain = 0;
+  for (const Part& part : parts_) {
+    const Eigen::VectorXd magnitudes = part.weights.cwiseAbs();
+    const double most = magnitudes.dot(reach_), curved = remainder(2, magnitudes);
+    const Eigen::Vector3d value = at_.columns * part.weights;
+    for (Eigen::Index row = from; row < to; ++row) {
+      double width = curved;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        const double side = half[static_cast<Eigen::Index>(j)];
+        if (side > 0) width += side * std::abs(derivative_[j].row(row).dot(part.weights));
+      }
+      const double low = std::max(value[row] - width, -most), high = std::min(value[row] + width, most);
+      const double largest = std::max(std::abs(low), std::abs(high)) * part.size;
+      const double factor = terms_.sigma() ? part.size * part.size : part.size;
+      const Chord chord = terms_.sigma() ? chord_of_square(low, high) : chord_of_magnitude(low, high);
+      plain += terms_.sigma() ? largest * largest : largest;
+      constant += factor * chord.constant;
+      slopes.row(row) += factor * chord.slope * part.weights.transpose();
+      const double bent = terms_.sigma() ? factor * (high - low) : low < 0 && high > 0 ? factor : 0;
+      if (!(bent > 0)) continue;
+      for (std::size_t j = 0; j < joints_; ++j) {
+        const double side = half[static_cast<Eigen::Index>(j)];
+        if (side > 0)
+          blame[static_cast<Eigen::Index>(j)] +=
+              bent * side * (std::abs(derivative_[j].row(row).dot(part.weights)) + curved / radius_.sum());
+      }
+    }
+  }
+  return constant;
+}
+
+/// The largest L over the box, less its value at the center.
+double BoxBound::combined(const Eigen::VectorXd& half, const Columns& slopes, Eigen::VectorXd& blame) const {
+  const auto n = static_cast<Eigen::Index>(joints_);
+  Eigen::VectorXd gradient = Eigen::VectorXd::Zero(n);
+  for (Eigen::Index j = 0; j < n; ++j)
+    if (half[j] > 0) gradient[j] = derivative_[static_cast<std::size_t>(j)].cwiseProduct(slopes).sum();
+  Eigen::MatrixXd hessian = Eigen::MatrixXd::Zero(n, n);
+  for (std::size_t a = 0; a < movers_.size(); ++a) {
+    const TermAxis& inner = terms_.axes()[movers_[a]];
+    if (!(half[inner.coordinate] > 0)) continue;
+    for (std::size_t b = a; b < movers_.size(); ++b) {
+      const TermAxis& outer = terms_.axes()[movers_[b]];
+      if (!(half[outer.coordinate] > 0)) continue;
+      double entry = 0;
+      for (std::size_t k = 0; k < count_; ++k) {
+        const Eigen::Vector3d slope = slopes.col(static_cast<Eigen::Index>(k));
+        if (slope != Eigen::Vector3d::Zero()) entry += slope.dot(second(movers_[a], movers_[b], k));
+      }
+      entry *= inner.multiplier * outer.multiplier;
+      hessian(inner.coordinate, outer.coordinate) += entry;
+      if (a != b) hessian(outer.coordinate, inner.coordinate) += entry;
+    }
+  }
+  const double third = remainder(3, slopes.colwise().norm().transpose());
+  double sum = third;
+  const double radius = radius_.sum();
+  for (Eigen::Index j = 0; j < n; ++j) {
+    if (!(half[j] > 0)) continue;
+    const double slope = std::abs(gradient[j]), bend = hessian(j, j);
+    const bool inside = bend < 0 && slope < -bend * half[j];
+    const double along = inside ? -0.5 * slope * slope / bend : (slope + 0.5 * bend * half[j]) * half[j];
+    double across = 0;
+    for (Eigen::Index other = 0; other < n; ++other)
+      if (other != j) across += 0.5 * std::abs(hessian(j, other)) * half[j] * half[other];
+    sum += along + across;
+    blame[j] += std::max(along, 0.0) + across + (radius > 0 ? third * half[j] / radius : 0);
+  }
+  return sum;
+}
+
+BoxBound::Result BoxBound::operator()(const Eigen::VectorXd& center, const Eigen::VectorXd& half) {
+  at_ = terms_.columns(center);
+  set_reach(half);
+  set_first(half);
+  Columns slopes = Columns::Zero(3, static_cast<Eigen::Index>(count_));
+  Eigen::VectorXd blame = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(joints_));
+  double plain = 0;
+  const double constant = chords(half, slopes, blame, plain);
+  const double linear = constant + at_.columns.cwiseProduct(slopes).sum() + combined(half, slopes, blame);
+  Result result;
+  blame.maxCoeff(&result.widest);
+  result.at_center = terms_.value(terms_.vectors(at_));
+  const double added = terms_.added(), radius = 1 + radius_.sum(), rounding = rounding_ * radius * radius;
+  if (!terms_.sigma()) {
+    result.upper = std::min(plain, linear) + added + rounding;
+  } else {
+    // The sum of the chords loses digits where it is much less than its parts: the allowance is of the
+    // square, 2 g dg of each term and epsilon of each part.
+    const double squares = std::max(linear, 0.0) + 8 * rounding * (std::sqrt(plain) + rounding);
+    result.upper = std::hypot(std::sqrt(std::min(plain, squares)), added) + rounding;
+  }
+  return result;
+}
+
+}  // namespace qerr

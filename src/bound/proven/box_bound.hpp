@@ -1,0 +1,81 @@
+#pragma once
+
+#include <vector>
+
+#include "bound/proven/error_terms.hpp"
+#include "qerr/kinematics/robot_model.hpp"
+
+namespace qerr {
+
+/// Upper bound of a figure over a box of joint coordinates, from one configuration, its center.
+///
+/// Every term g(q) is a component of a derivative of a position (or, in the frame of the tip, of a twist), so
+/// that its partial derivatives are, too: with axes a <= b <= c of the chain,
+/// d2 p/(da db) = z_a x J_b and d3 p/(da db dc) = z_a x (z_b x J_c), and |J_c| over the box is at most |J_c|
+/// at the center plus sum_{l > c} r_l |J_l| (r: half widths of the box). The bound has two steps:
+/// 1. lower <= g <= upper of each term, from its value and gradient at the center and the bound of its second
+///    derivatives.
+/// 2. |g| and g^2 are convex: they lie below the chord over [lower, upper]. The sum of the chords is one
+///    combination L of the columns, with L(center) + max over the box of its gradient and Hessian at the
+///    center, joint by joint, + the off-diagonal part of the Hessian + the bound of its third derivatives.
+/// A term of constant sign has |g| for its chord, so that near a maximum the bound is of third order.
+///
+/// Rounding: a pose is a product of n transforms, each with an error of less than 16 epsilon, and epsilon per
+/// radian of its angle (relative to the length of the chain); columns, sums over axes and terms, and the
+/// bound itself add less than 48 epsilon per axis and term. This times the figure's size with all axes at the
+/// full length of the chain is added, and times (1 + the summed half widths)^2, as gradient and Hessian are
+/// multiplied by these.
+class BoxBound {
+ public:
+  BoxBound(const ErrorTerms&, const std::vector<Limits>& ranges);
+  BoxBound(const BoxBound&) = delete;
+  BoxBound& operator=(const BoxBound&) = delete;
+
+  struct Result {
+    double upper = 0;        ///< of the figure in the box
+    double at_center = 0;    ///< the figure there
+    std::size_t widest = 0;  ///< joint whose range contributes most to the bound
+  };
+  /// @param half  half widths of the box [rad or m], 0 of a joint without influence
+  Result operator()(const Eigen::VectorXd& center, const Eigen::VectorXd& half);
+
+  /// Whether the figure depends on the joint: it does not on those that only turn the base about the figure's
+  /// direction, or before a length.
+  bool matters(std::size_t joint) const { return matters_[joint]; }
+
+  /// Allowance for rounding in the bound of a small box.
+  double rounding() const { return rounding_; }
+
+ private:
+  using Columns = Eigen::Matrix3Xd;
+  struct Part {  // of a figure: size |g| or (size g)^2
+    Eigen::VectorXd weights;
+    double size;
+  };
+
+  void set_parts();
+  void set_rounding(const std::vector<Limits>& ranges);
+  void set_influence(const std::vector<Limits>& ranges);
+  void set_reach(const Eigen::VectorXd& half);
+  void set_first(const Eigen::VectorXd& half);
+  Eigen::Vector3d first(std::size_t motion, std::size_t column) const;
+  Eigen::Vector3d second(std::size_t i, std::size_t j, std::size_t column) const;
+  double remainder(int order, const Eigen::VectorXd& magnitudes) const;
+  double remainder_in_base(int order, const Eigen::VectorXd& magnitudes) const;
+  double remainder_in_tip(int order, const Eigen::VectorXd& magnitudes) const;
+  double chords(const Eigen::VectorXd& half, Columns& slopes, Eigen::VectorXd& blame, double& plain) const;
+  double combined(const Eigen::VectorXd& half, const Columns& slopes, Eigen::VectorXd& blame) const;
+
+  const ErrorTerms& terms_;
+  std::size_t count_, joints_;
+  std::vector<std::size_t> movers_;  // axes that joints move
+  std::vector<Part> parts_;
+  std::vector<bool> matters_;
+  Eigen::VectorXd length_;  // [axis]: bound of its column over all ranges
+  double rounding_ = 0;     // allowance for a small box
+  TermColumns at_;
+  Eigen::VectorXd radius_, reach_;   // [axis]: half width of its motion; bound of its column over the box
+  std::vector<Columns> derivative_;  // [joint]: of the columns, 3 x axes
+};
+
+}  // namespace qerr

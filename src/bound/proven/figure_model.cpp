@@ -1,0 +1,70 @@
+#include "bound/proven/figure_model.hpp"
+
+#include <cmath>
+
+#include "qerr/bound/workspace.hpp"
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+namespace {
+
+Error not_known(const std::string& what, const std::string& remedy) {
+  return Error(Fault{{}, "requirements", what + ": its maximum cannot be proven", "", remedy});
+}
+
+/// Encoders of the resolutions times a factor each, that round to nearest.
+void scale_encoders(OperationalModel& model, const Eigen::VectorXd& factors) {
+  for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i) {
+    Encoder& encoder = model.transmission.encoders[i];
+    encoder.resolution *= factors[static_cast<Eigen::Index>(i)];
+    encoder.rounding = Rounding::nearest;
+  }
+}
+
+void set_worst_case(OperationalModel& model, const Norms& norms) {
+  const Eigen::VectorXd means = mean_errors(model.transmission);
+  scale_encoders(model, Eigen::VectorXd::Constant(means.size(), norms.l1.upper));
+  for (ErrorSource& s : model.sources) {
+    s.half_width *= norms.l1.upper;
+    s.mean *= norms.dc_gain;
+  }
+  for (Eigen::Index i = 0; i < means.size(); ++i) {
+    if (means[i] == 0 || norms.dc_gain == 0) continue;
+    ErrorSource bias{ErrorSource::Where::encoder, static_cast<std::size_t>(i)};
+    bias.mean = norms.dc_gain * means[i];
+    model.sources.push_back(std::move(bias));
+  }
+}
+
+}  // namespace
+
+OperationalModel figure_model(const OperationalModel& position, const std::vector<Norms>& filters,
+                              const std::vector<Eigen::VectorXd>& noise_in_motion,
+                              const ProvenFigure& figure) {
+  OperationalModel model = position;
+  if (figure.filter < 0) return model;
+  const auto f = static_cast<std::size_t>(figure.filter);
+  if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
+  if (!is_sigma(figure)) {
+    set_worst_case(model, filters[f]);
+    return model;
+  }
+  if (!sigma_is_known(model.sources, f))
+    throw not_known(
+        "sigma behind a filter is not known: an effect depends on the motion, or an encoder states its "
+        "accuracy",
+        "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
+  const bool in_motion = figure.bound == ProvenFigure::Bound::sigma_in_motion;
+  if (in_motion && !is_known(noise_in_motion, f))
+    throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
+  const auto count = static_cast<Eigen::Index>(model.transmission.encoders.size());
+  const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2);
+  for (std::size_t i = 0; i < model.sources.size(); ++i)
+    model.sources[i].sigma *= ratios[static_cast<Eigen::Index>(i)];
+  scale_encoders(model, in_motion ? Eigen::VectorXd(std::sqrt(12.0) * noise_in_motion[f])
+                                  : Eigen::VectorXd::Constant(count, filters[f].h2));
+  return model;
+}
+
+}  // namespace qerr

@@ -1,0 +1,247 @@
+#include "qerr/bound/proven_maximum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <mutex>
+#include <numbers>
+
+#include "bound/linearization_remainder.hpp"
+#include "bound/proven/ascent.hpp"
+#include "bound/proven/branch_and_bound.hpp"
+#include "bound/proven/chain_bound.hpp"
+#include "bound/proven/figure_model.hpp"
+#include "bound/proven/line_maximum.hpp"
+#include "bound/proven/sampled_starts.hpp"
+#include "core/parallel.hpp"
+#include "core/text.hpp"
+#include "qerr/core/error.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double infinity = std::numeric_limits<double>::infinity();
+constexpr double epsilon = std::numeric_limits<double>::epsilon();
+
+/// A finite range with the same configurations: joints whose axes all turn by whole multiples of its angle
+/// repeat after one revolution.
+Limits bounded_range(const Chain& chain, std::size_t joint, const Limits& range) {
+  constexpr double pi = std::numbers::pi;
+  if (range.upper - range.lower <= 2 * pi) return range;
+  const bool periodic = std::all_of(chain.joints.begin(), chain.joints.end(), [&](const ChainJoint& j) {
+    return j.coordinate != joint || (!j.prismatic && j.multiplier == std::round(j.multiplier));
+  });
+  if (periodic) {
+    const double lower = std::clamp(-pi, range.lower, range.upper - 2 * pi);
+    return {std::isfinite(lower) ? lower : -pi, (std::isfinite(lower) ? lower : -pi) + 2 * pi};
+  }
+  if (std::isfinite(range.upper - range.lower)) return range;
+  const std::string& name = chain.independent[joint].name;
+  throw Error(Fault{{},
+                    "configurations.limits." + name,
+                    "a proof over the joint's whole range needs its limits",
+                    "unlimited",
+                    "add configurations: {limits: {" + name + ": [-180 deg, 180 deg]}}"});
+}
+
+/// What is proven of the position: its maximum times `factor` is that of the figure.
+struct Proportional {
+  ProvenFigure figure;
+  double factor = 1, error = 0;  ///< of the factor, relative
+};
+
+Proportional proportional(const OperationalModel& model, const std::vector<Norms>& filters,
+                          ProvenFigure figure) {
+  using Bound = ProvenFigure::Bound;
+  if (figure.bound == Bound::worst_case_rigorous) figure.bound = Bound::worst_case;
+  const bool ideal = model.sources.empty() && !model.along_motion;
+  if (figure.filter < 0 || !ideal || figure.bound == Bound::sigma_in_motion) return {figure};
+  const Norms& norms = filters[static_cast<std::size_t>(figure.filter)];
+  const ProvenFigure of_position{figure.coordinate, -1, figure.bound};
+  if (figure.bound == Bound::sigma)
+    return {of_position, norms.h2, norms.h2 > 0 ? norms.h2_error / norms.h2 : 0};
+  return mean_errors(model.transmission).isZero(0) ? Proportional{of_position, norms.l1.upper}
+                                                   : Proportional{figure};
+}
+
+/// The largest linearization remainder over the ranges, and the bound of the whole rotation.
+struct LargestRemainder {
+  double added, most;
+};
+
+LargestRemainder largest_remainder(const OperationalModel& model, const ErrorTerms& terms, Coordinate c,
+                                   const std::vector<Limits>& ranges) {
+  const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
+  if (!is_position(c) && c != Coordinate::xyz) return {r.rotation, r.rotation_angle + terms.added()};
+  const Eigen::VectorXd longest = terms.longest_columns(ranges);
+  double sum = r.position;
+  Eigen::Index joint = 0;
+  for (std::size_t k = 0; k < terms.axes().size(); ++k)
+    if (terms.axes()[k].of_joint) sum += longest[static_cast<Eigen::Index>(k)] * r.per_column[joint++];
+  return {sum * (1 + 64 * epsilon), infinity};
+}
+
+/// Local maximum of any function of the configuration, by searches along the joints.
+Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorXd&)>& f,
+                                 const std::vector<Limits>& ranges, Eigen::VectorXd q) {
+  for (double before = -1, now = f(q); now > (1 + 1e-12) * before && std::isfinite(now); now = f(q)) {
+    before = now;
+    for (Eigen::Index j = 0; j < q.size(); ++j) {
+      Eigen::VectorXd moved = q;
+      moved[j] = argmax_by_search(
+          [&](double at) {
+            Eigen::VectorXd there = q;
+            there[j] = at;
+            return f(there);
+          },
+          ranges[static_cast<std::size_t>(j)], 32);
+      if (f(moved) > f(q)) q = moved;
+    }
+  }
+  return q;
+}
+
+/// Proof of one figure, with its own model.
+class Proof {
+ public:
+  Proof(OperationalModel model, const ProvenFigure& figure, const std::vector<Limits>& ranges, double gap)
+      : model_(std::move(model)), figure_(figure), ranges_(ranges), gap_(gap) {}
+
+  ProvenMaximum run(const std::vector<Eigen::VectorXd>& starts) {
+    const Coordinate c = coordinates_and_lengths(model_)[figure_.coordinate];
+    if (is_euler_angle(c)) return search_only(starts);
+    const ErrorTerms terms(model_, figure_.coordinate, is_sigma(figure_));
+    if (terms.terms().empty()) return {terms.added(), terms.added() * (1 + 4 * epsilon), starts.front()};
+    for (const Eigen::VectorXd& start : starts) consider(terms, start);
+    result_.upper = infinity;
+    const std::size_t joints = influential_joints(terms, ranges_);
+    constexpr std::size_t few = 4,
+                          many = 6;  // boxes fill their space: beyond, the chain's bound is always lower
+    if (joints <= few) search_boxes(terms);
+    if (!reached()) along_chain();
+    if (!reached() && joints > few && (joints < many || result_.upper == infinity)) search_boxes(terms);
+    return result_;
+  }
+
+ private:
+  bool reached() const { return result_.upper <= result_.lower * (1 + gap_); }
+
+  void consider(const ErrorTerms& terms, const Eigen::VectorXd& start) {
+    const Eigen::VectorXd q = ascend(terms, ranges_, start);
+    const double value = terms.value(q);
+    if (result_.at.size() > 0 && !(value > result_.lower)) return;
+    result_.lower = value;
+    result_.at = q;
+  }
+
+  void search_boxes(const ErrorTerms& terms) {
+    const SearchedMaximum found = branch_and_bound(terms, ranges_, result_.lower, gap_, boxes_of_gap(gap_));
+    result_.upper = std::min(result_.upper, found.upper);
+    consider(terms, found.at);
+  }
+
+  void along_chain() {
+    const ChainBoundRequest request{figure_.coordinate, is_sigma(figure_)
+                                                            ? ChainBoundRequest::Figure::sigma
+                                                            : ChainBoundRequest::Figure::worst_case};
+    const auto upper = chain_upper_bound(model_, ranges_, request, result_.lower, gap_);
+    if (upper) result_.upper = std::min(result_.upper, *upper);
+  }
+
+  ProvenMaximum search_only(const std::vector<Eigen::VectorXd>& starts) {
+    constexpr std::size_t few = 8;
+    const auto row = static_cast<Eigen::Index>(figure_.coordinate);
+    const auto value = [&](const Eigen::VectorXd& q) {
+      const OperationalError e = operational_error(model_, q);
+      return is_sigma(figure_) ? e.sigma[row] : e.worst_case[row];
+    };
+    std::vector<Eigen::VectorXd> best = starts;
+    std::stable_sort(best.begin(), best.end(),
+                     [&](const auto& a, const auto& b) { return value(a) > value(b); });
+    best.resize(std::min(best.size(), few));
+    result_.lower = -1;
+    for (const Eigen::VectorXd& start : best) {
+      const Eigen::VectorXd q = ascend_by_search(value, ranges_, start);
+      if (value(q) > result_.lower) result_.lower = value(q), result_.at = q;
+    }
+    result_.upper = infinity;
+    return result_;
+  }
+
+  OperationalModel model_;
+  ProvenFigure figure_;
+  const std::vector<Limits>& ranges_;
+  double gap_;
+  ProvenMaximum result_;
+};
+
+/// Tells of the proofs that are done, from any thread.
+class DoneProofs {
+ public:
+  DoneProofs(const ProofOptions& options, std::size_t total) : options_(options), total_(total) {}
+
+  void add() {
+    const std::lock_guard lock(mutex_);
+    ++done_;
+    if (options_.progress) options_.progress(done_, total_);
+  }
+
+ private:
+  const ProofOptions& options_;
+  std::uint64_t done_ = 0, total_;
+  std::mutex mutex_;
+};
+
+}  // namespace
+
+double ProvenMaximum::gap() const { return lower == upper ? 0 : upper / lower - 1; }
+
+std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
+                                         const std::vector<Limits>& given_ranges,
+                                         const std::vector<ProvenFigure>& figures,
+                                         const ProofOptions& options) {
+  if (figures.empty()) return {};
+  std::vector<Limits> ranges;
+  for (std::size_t j = 0; j < given_ranges.size(); ++j)
+    ranges.push_back(bounded_range(model.chain, j, given_ranges[j]));
+  std::vector<ProvenFigure> jobs;  // without duplicates
+  for (const ProvenFigure& figure : figures) jobs.push_back(proportional(model, filters, figure).figure);
+  std::sort(jobs.begin(), jobs.end());
+  jobs.erase(std::unique(jobs.begin(), jobs.end()), jobs.end());
+  std::vector<OperationalModel> models;
+  for (const ProvenFigure& job : jobs)
+    models.push_back(figure_model(model, filters, options.noise_in_motion, job));
+
+  FigureValues values(model, filters, options.noise_in_motion);
+  std::vector<std::vector<Eigen::VectorXd>> starts = values.best_samples(jobs, ranges);
+  std::vector<ProvenMaximum> proven(jobs.size());
+  DoneProofs done(options, jobs.size());
+  parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
+    starts[i].insert(starts[i].end(), options.starts.begin(), options.starts.end());
+    proven[i] = Proof(models[i], jobs[i], ranges, options.gap).run(starts[i]);
+    done.add();
+  });
+
+  std::vector<ProvenMaximum> results;
+  for (const ProvenFigure& figure : figures) {
+    const Proportional of = proportional(model, filters, figure);
+    ProvenMaximum result = proven[static_cast<std::size_t>(
+        std::lower_bound(jobs.begin(), jobs.end(), of.figure) - jobs.begin())];
+    if (figure.bound == ProvenFigure::Bound::worst_case_rigorous) {
+      const Coordinate c = coordinates_and_lengths(model)[figure.coordinate];
+      if (!is_euler_angle(c)) {
+        const ErrorTerms terms(model, figure.coordinate, false);
+        const LargestRemainder r = largest_remainder(model, terms, c, ranges);
+        result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * epsilon);
+      }
+    }
+    result.upper *= of.factor * (1 + of.error) * (1 + 4 * epsilon);
+    result.lower = values({figure}, {result.at})[0][0];
+    result.upper = std::max(result.upper, result.lower);
+    results.push_back(std::move(result));
+  }
+  return results;
+}
+
+}  // namespace qerr
