@@ -1,0 +1,106 @@
+#include "bound/proven/chain_form.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace qerr {
+
+namespace {
+
+/// A rotation whose third column is the unit vector along `axis`.
+Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis) {
+  return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
+}
+
+void add_error(ChainForm& form, const OperationalModel& model, const Eigen::VectorXd& of_independent,
+               double half_width, double mean, double variance) {
+  DirectedError e;
+  e.of_joints.resize(static_cast<Eigen::Index>(form.size()));
+  e.first = e.of_joints.size();
+  double scale = 0;
+  for (Eigen::Index k = 0; k < e.of_joints.size(); ++k) {
+    const ChainJoint& joint = model.chain.joints[static_cast<std::size_t>(k)];
+    e.of_joints[k] = joint.multiplier * of_independent[static_cast<Eigen::Index>(joint.coordinate)];
+    if (e.of_joints[k] == 0) continue;
+    if (scale == 0) scale = e.of_joints[k], e.first = k;
+    e.last = k;
+  }
+  if (scale == 0) return;
+  e.of_joints /= scale;
+  e.half_width = half_width * std::abs(scale);
+  e.mean = mean * scale;
+  e.variance = variance * scale * scale;
+  for (DirectedError& other : form.errors)
+    if (other.of_joints == e.of_joints) {
+      other.half_width += e.half_width;
+      other.mean += e.mean;
+      other.variance += e.variance;
+      return;
+    }
+  form.errors.push_back(std::move(e));
+}
+
+void add_errors(ChainForm& form, const OperationalModel& model, const std::vector<Eigen::Matrix3d>& axes) {
+  const Eigen::VectorXd mean = mean_errors(model.transmission), delta = resolutions(model.transmission);
+  for (Eigen::Index e = 0; e < delta.size(); ++e)
+    add_error(form, model, model.transmission.coupling.col(e), 0.5 * delta[e], mean[e],
+              delta[e] * delta[e] / 12);
+  for (const ErrorSource& s : model.sources) {
+    const auto i = static_cast<Eigen::Index>(s.owner);
+    if (s.where == ErrorSource::Where::origin) {
+      const Eigen::Vector3d in_parent = model.chain.joints[s.link].parent_axes * s.direction;
+      form.origins.push_back({s.link, s.link == 0 ? in_parent : axes[s.link - 1].transpose() * in_parent,
+                              s.half_width, s.mean, s.sigma * s.sigma});
+    } else {
+      const bool encoder = s.where == ErrorSource::Where::encoder;
+      add_error(form, model,
+                encoder ? Eigen::VectorXd(model.transmission.coupling.col(i))
+                        : Eigen::VectorXd(Eigen::VectorXd::Unit(delta.size(), i)),
+                s.half_width, s.mean, s.sigma * s.sigma);
+    }
+  }
+}
+
+}  // namespace
+
+ChainForm chain_form(const OperationalModel& model, const std::vector<Limits>& ranges) {
+  ChainForm form;
+  std::vector<Eigen::Matrix3d> axes;
+  Eigen::Matrix3d last = Eigen::Matrix3d::Identity();
+  for (const ChainJoint& joint : model.chain.joints) {
+    axes.push_back(frame_of_axis(joint.axis));
+    ChainStep step;
+    step.rotation = last.transpose() * joint.origin.linear() * axes.back();
+    step.translation = last.transpose() * joint.origin.translation();
+    step.prismatic = joint.prismatic;
+    step.coordinate = joint.coordinate;
+    const double a = joint.multiplier * ranges[joint.coordinate].lower + joint.offset,
+                 b = joint.multiplier * ranges[joint.coordinate].upper + joint.offset;
+    step.lower = std::min(a, b);
+    step.upper = std::max(a, b);
+    form.steps.push_back(step);
+    last = axes.back();
+  }
+  form.tip.linear() = last.transpose() * model.chain.tip_offset.linear();
+  form.tip.translation() = last.transpose() * model.chain.tip_offset.translation();
+  form.tip.makeAffine();
+  add_errors(form, model, axes);
+  return form;
+}
+
+std::vector<double> ChainForm::reaches() const {
+  std::vector<double> reach(size() + 1);
+  reach[size()] = tip.translation().norm();
+  for (std::size_t k = size(); k-- > 0;) {
+    const ChainStep& s = steps[k];
+    // Of the fixed transform and a prismatic motion together; both ends, as the distance is convex.
+    double offset = s.translation.norm();
+    if (s.prismatic)
+      for (const double motion : {s.lower, s.upper})
+        offset = std::max(offset, (s.translation + motion * s.rotation.col(2)).norm());
+    reach[k] = (offset + reach[k + 1]) * (1 + 1e-14);
+  }
+  return reach;
+}
+
+}  // namespace qerr
