@@ -9,16 +9,20 @@ namespace qerr {
 
 namespace {
 
-constexpr double turn = 2 * std::numbers::pi;
+constexpr double whole_turn = 2 * std::numbers::pi;
 
 /// The first value of t + k turns that is not below the range, if it is in the range.
 template <class Use>
 void for_each_inside(double t, const Limits& range, Use use) {
-  for (double at = t + turn * std::ceil((range.lower - t) / turn); at <= range.upper; at += turn) use(at);
+  for (double at = t + whole_turn * std::ceil((range.lower - t) / whole_turn); at <= range.upper;
+       at += whole_turn)
+    use(at);
 }
 
 /// Maxima do not repeat beyond one turn.
-Limits within_a_turn(const Limits& range) { return {range.lower, std::min(range.upper, range.lower + turn)}; }
+Limits within_a_turn(const Limits& range) {
+  return {range.lower, std::min(range.upper, range.lower + whole_turn)};
+}
 
 double sum_of_magnitudes(const Harmonics& h, double t) {
   const double c = std::cos(t), s = std::sin(t);

@@ -22,7 +22,7 @@ namespace qerr {
 namespace {
 
 constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double relative_spacing = std::numeric_limits<double>::epsilon();
 
 /// A finite range with the same configurations: joints whose axes all turn by whole multiples of its angle
 /// repeat after one revolution.
@@ -79,7 +79,7 @@ LargestRemainder largest_remainder(const OperationalModel& model, const ErrorTer
   Eigen::Index joint = 0;
   for (std::size_t k = 0; k < terms.axes().size(); ++k)
     if (terms.axes()[k].of_joint) sum += longest[static_cast<Eigen::Index>(k)] * r.per_column[joint++];
-  return {sum * (1 + 64 * epsilon), infinity};
+  return {sum * (1 + 64 * relative_spacing), infinity};
 }
 
 /// Local maximum of any function of the configuration, by searches along the joints.
@@ -112,7 +112,8 @@ class Proof {
     const Coordinate c = coordinates_and_lengths(model_)[figure_.coordinate];
     if (is_euler_angle(c)) return search_only(starts);
     const ErrorTerms terms(model_, figure_.coordinate, is_sigma(figure_));
-    if (terms.terms().empty()) return {terms.added(), terms.added() * (1 + 4 * epsilon), starts.front()};
+    if (terms.terms().empty())
+      return {terms.added(), terms.added() * (1 + 4 * relative_spacing), starts.front()};
     for (const Eigen::VectorXd& start : starts) consider(terms, start);
     result_.upper = infinity;
     const std::size_t joints = influential_joints(terms, ranges_);
@@ -233,10 +234,10 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
       if (!is_euler_angle(c)) {
         const ErrorTerms terms(model, figure.coordinate, false);
         const LargestRemainder r = largest_remainder(model, terms, c, ranges);
-        result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * epsilon);
+        result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * relative_spacing);
       }
     }
-    result.upper *= of.factor * (1 + of.error) * (1 + 4 * epsilon);
+    result.upper *= of.factor * (1 + of.error) * (1 + 4 * relative_spacing);
     result.lower = values({figure}, {result.at})[0][0];
     result.upper = std::max(result.upper, result.lower);
     results.push_back(std::move(result));
