@@ -5,6 +5,7 @@
 #   scripts/setup.sh --tests   and for the tests
 #   scripts/setup.sh --plots   and for the figures of the paper
 #   scripts/setup.sh --bench   and for the benchmarks
+#   scripts/setup.sh --slurm   and for the test of scripts/slurm_sweep.sh, which is skipped without them
 #
 # The only list of packages (Debian 12 or later).
 set -euo pipefail
@@ -27,6 +28,7 @@ test_packages=(
   python3-jsonschema    # reports against their schemas
   zsh fish groff-base   # completions and man pages
   jq python3-pandas     # README.md and the help use them
+  parallel              # scripts/parallel_sweep.sh
   clang-format
 )
 plot_packages=(
@@ -38,13 +40,17 @@ bench_packages=(
   libcli11-dev          # command line of compare_peers
   python3-pandas        # bench_read_log
 )
+slurm_packages=(
+  slurm-wlm munge       # 14 MB; apart from the tests', as they bring daemons that start with the machine
+)
 
 case "${1-}" in
   "") ;;
   --tests) packages+=("${test_packages[@]}") ;;
   --plots) packages+=("${plot_packages[@]}") ;;
   --bench) packages+=("${bench_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--plots|--bench]" >&2; exit 2 ;;
+  --slurm) packages+=("${slurm_packages[@]}") ;;
+  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--slurm]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

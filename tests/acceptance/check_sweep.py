@@ -1,0 +1,286 @@
+#!/usr/bin/env python3
+"""qerr sweep and qerr merge: the same bytes whatever kills, divides or parallelizes them, and the figures of analyze.
+
+    check_sweep.py --qerr build/qerr [--verbose] [--rounds 4] [--rows 12]
+"""
+import argparse
+import csv
+import filecmp
+import io
+import json
+import os
+import pathlib
+import random
+import subprocess
+import sys
+import tempfile
+import time
+
+from exit_codes import expect
+from tool import Tally, Worst, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+CONFIGS = ROOT / "configs"
+
+CATALOGUE = """name,price [EUR],counts_per_rev,gear_ratio,bits,backlash [arcmin]
+coarse,100,1024,100,,
+"fine, with play",250,4096,100,,0.5
+direct,900,,,20,
+"""
+HEAD = f"""qerr: 1
+robot: {{urdf: {CONFIGS}/kuka_lwr/kuka_lwr.urdf}}
+encoders:
+  '*': {{counts_per_rev: 4096, gear_ratio: 100}}
+filters:
+  velocity: {{derivative: 1, sample_rate: 1 kHz, lowpass: {{family: first_order, order: 2, cutoff: 50 Hz}}}}
+requirements:
+  - {{quantity: position.x.worst_case, statistic: max, at_most: 20 um}}
+  - {{quantity: velocity.delay, at_most: 7 ms}}
+"""
+# 200 variants whose Jacobians are shared, of which some cannot be computed; and 200 that are analyzed one by one.
+SHARED = HEAD + """configurations: {count: 5000}
+sweep:
+  - {key: encoders.a2, catalogue: encoders.csv}
+  - {keys: [encoders.a1.counts_per_rev, encoders.a1.gear_ratio], values: [[1000, 80], [2000, 50]]}
+  - {key: filters.velocity.lowpass.cutoff, from: 20 Hz, to: 700 Hz, count: 7, scale: log}
+  - {key: encoders.a3.gear_ratio, values: [30, 50, 80, 100, 160]}
+"""
+SINGLE = HEAD + """configurations: {count: 300}
+sweep:
+  - {key: encoders.*.counts_per_rev, values: [1000, 2000, 4000, 5000, 8000, 10000, 16000, 20000, 30000, 40000]}
+  - {keys: [robot.tool, coordinates], values: [[{xyz: [0, 0, 0.1]}, [x, y, z]], [{xyz: [0.1, 0, 0]}, [z, rx]]]}
+  - {key: filters.velocity.lowpass.order, values: [1, 2, 3, 4, 5]}
+  - {key: configurations.seed, values: [1, 2]}
+"""
+
+
+def rows_of(path):
+    with open(path, newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return header, rows
+
+
+def check_figures(t, qerr, spec, table, few, rng):
+    """Rows of some variants against analyze --set."""
+    header, rows = rows_of(table)
+    keys = header[1:header.index("signal")]
+    t.check(f"{spec.name}: header", header == ["variant", *keys, *"signal,filter,coordinate,unit,bound,statistic,value".split(",")])
+    by_variant = {}
+    for row in rows:
+        by_variant.setdefault(int(row[0]), []).append(row[1:])
+    t.check(f"{spec.name}: variants are numbered from 0", sorted(by_variant) == list(range(len(by_variant))), str(len(by_variant)))
+    worst, failed = Worst(1e-12), 0
+    for variant in rng.sample(sorted(by_variant), few):
+        own = by_variant[variant]
+        changes = []
+        for key, value in zip(keys, own[0]):
+            if key == "encoders.a2":  # a row of the catalogue
+                cells = next(r for r in csv.DictReader(io.StringIO(CATALOGUE)) if r["name"] == value)
+                entry = ", ".join(f"{k}: {cells[k]}" for k in ("counts_per_rev", "gear_ratio", "bits") if cells[k])
+                changes += ["--set", f"encoders.a2={{{entry}}}"]
+                if cells["backlash [arcmin]"]:
+                    changes += ["--set", f"effects=[{{type: backlash, joint: a2, gap: {cells['backlash [arcmin]']} arcmin}}]"]
+            else:
+                changes += ["--set", f"{key}={value}"]
+        ran = run(qerr, "analyze", "-q", spec, "--format", "csv", "--set", "sweep=[]", *changes)
+        if ran.code == 3:
+            failed += 1
+            message = own[0][len(keys) + 4]
+            t.check(f"variant {variant}: its row says why it cannot be computed",
+                    len(own) == 1 and own[0][len(keys)] == "error" and own[0][-1] == "" and message.split(":")[0] in ran.err.decode(), str(own))
+            continue
+        expected = list(csv.reader(io.StringIO(ran.out.decode())))[1:]
+        largest = {}
+        for row in expected:
+            largest[row[3]] = max(largest.get(row[3], 0), float(row[-1] or 0))
+        same = [row[len(keys):-1] for row in own] == [row[:-1] for row in expected]
+        t.check(f"variant {variant}: the rows of analyze", same)
+        for found, wanted in zip(own, expected) if same else ():
+            worst.add(f"variant {variant}, {wanted[:-1]}", float(found[-1] or 0), float(wanted[-1] or 0), 1e-12 * largest[wanted[3]])
+    t.check(f"{spec.name}: figures of analyze --set to 1e-12", worst.holds(), worst.detail())
+
+
+def same(a, b):
+    return filecmp.cmp(a, b, shallow=False)
+
+
+def check_killed(t, qerr, spec, whole, folder, options, rounds, rng):
+    """kill -9 at random times, then --resume, until it is complete."""
+    target, started = folder / "killed.csv", time.monotonic()
+    run(qerr, "sweep", "-q", spec, *options, "-o", folder / "timed.csv")
+    duration = time.monotonic() - started
+    for round_ in range(rounds):
+        target.unlink(missing_ok=True)
+        for kills in range(30):
+            process = subprocess.Popen([str(qerr), "sweep", "-q", str(spec), *options, "-o", str(target), "--resume"], stdin=subprocess.DEVNULL)
+            try:
+                code = process.wait(timeout=rng.uniform(0, duration) if kills < 4 else 60)
+                break
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        t.check(f"{spec.name} {' '.join(options)}: round {round_}, killed {kills} times", code == 0 and same(whole, target))
+
+
+def check_torn(t, qerr, spec, whole, folder, options, rng):
+    data = whole.read_bytes()
+    for size in [0, 1, data.index(b"\r") - 3, data.index(b"\r"), data.index(b"\r") + 2, len(data) - 1, len(data),
+                 *(rng.randrange(len(data)) for _ in range(4))]:
+        target = folder / "torn.csv"
+        target.write_bytes(data[:size])
+        ran = run(qerr, "sweep", "-q", spec, *options, "-o", target, "--resume")
+        t.check(f"{spec.name}: resumed from {size} bytes of {len(data)}", ran.code == 0 and same(whole, target), ran.err.decode()[:200])
+
+
+def check_shards(t, qerr, spec, whole, folder, options, rng):
+    for count in (1, 2, 5, 13):
+        shards = [folder / f"{k}of{count}.csv" for k in range(1, count + 1)]
+        for k, shard in enumerate(shards, 1):
+            run(qerr, "sweep", "-q", spec, *options, "--shard", f"{k}/{count}", "-o", shard, "--threads", rng.choice("12"))
+        rng.shuffle(shards)
+        merged = folder / "merged.csv"
+        ran = run(qerr, "merge", *shards, "-o", merged)
+        t.check(f"{spec.name} {' '.join(options)}: {count} shards", ran.code == 0 and same(whole, merged), ran.err.decode()[:200])
+    t.check("merge to standard output", run(qerr, "merge", *shards).out == whole.read_bytes())
+
+
+def check_wide(t, qerr, spec, folder):
+    wide, tidy = folder / "wide.csv", folder / "tidy.csv"
+    run(qerr, "sweep", "-q", spec, "--wide", "-o", wide)
+    run(qerr, "sweep", "-q", spec, "-o", tidy)
+    header, rows = rows_of(wide)
+    expected = {}
+    for variant, *cells in rows_of(tidy)[1]:
+        signal, filter_, coordinate, unit, bound, statistic, value = cells[-7:]
+        if signal == "budget":
+            expected[variant, f"budget.{coordinate}.share"] = value
+        elif signal != "error":
+            expected[variant, f"{filter_ or signal}.{coordinate}.{bound}.{statistic} [{unit}]"] = value
+    found = {(row[0], name): cell for row in rows for name, cell in zip(header, row)}
+    t.check(f"{spec.name}: --wide has every figure of the tidy form", all(found.get(key) == value for key, value in expected.items()))
+    t.check("one row a variant", len(rows) == len({row[0] for row in rows}) > 0)
+    met = [row for row in rows if not row[-1]]
+    place = {name: i for i, name in enumerate(header)}
+    verdicts = all((row[place["met"]] == "true") == (row[place["requirements[0].met"]] == row[place["requirements[1].met"]] == "true")
+                   and (float(row[place["requirements[0].value [m]"]]) <= 2e-5) == (row[place["requirements[0].met"]] == "true")
+                   and row[place["requirements[1].value [s]"]] == row[place["velocity.delay [s]"]] for row in met)
+    t.check("--wide: requirements and their verdicts", verdicts and len({row[place["met"]] for row in met}) == 2)
+    report = json.loads(run(qerr, "sweep", "-q", spec, "--format", "json", "--statistics", "max").out)
+    values = {(str(v["variant"]), f'{f["quantity"]}.max [{f["unit"]}]'): f["max"] for v in report["variants"] for f in v.get("figures", [])}
+    t.check("JSON has the same figures", values and all(float(found[key]) == value for key, value in values.items()))
+
+
+def check_errors(t, qerr, spec, whole, folder):
+    def with_sweep(text):
+        file = folder / "wrong.yaml"
+        file.write_text(HEAD + "configurations: {count: 50}\n" + text)
+        return run(qerr, "sweep", "-q", file, "-o", folder / "none.csv")
+
+    for text, words in (("", ["sweep", "nothing to vary"]),
+                        ("sweep: [{key: encoders.a1.bitz, values: [1, 2]}]\n", ["bitz", "bits"]),
+                        ("sweep: [{key: encoders.a1.bits, values: []}]\n", ["values", "empty"]),
+                        ("sweep: [{keys: [encoders.a1.bits, encoders.a2.bits], values: [[13, 14], [15]]}]\n", ["values[1]", "2 keys"]),
+                        ("sweep: [{keys: [encoders.a1.bits, encoders.a2.bits], values: [13, 14]}]\n", ["values[0]", "list"]),
+                        ("sweep: [{keys: [], values: []}]\n", ["keys", "empty"]),
+                        ("sweep: [{key: encoders.a1.bits, keys: [encoders.a2.bits], values: [1]}]\n", ["keys"]),
+                        ("sweep: [{key: encoders.a1.bits, values: [12]}, {key: encoders.a1.bits, values: [13]}]\n", ["encoders.a1.bits", "twice"]),
+                        ("sweep: [{key: filters.velocity, catalogue: encoders.csv}]\n", ["catalogue", "encoders"]),
+                        ("sweep: [{key: encoders.a1, catalogue: nowhere.csv}]\n", ["nowhere.csv"]),
+                        ("sweep: [{key: encoders.a1, catalogue: encoders.csv, values: [1]}]\n", ["values", "catalogue"])):
+        ran = with_sweep(text)
+        expect(t, f"refused: {text.strip() or 'a spec without sweep'}", ran, (3, 4), words=words)
+    many = "sweep:\n" + "".join(f"  - {{key: encoders.a{i}.counts_per_rev, from: 100, to: 1e6, count: 1e5}}\n" for i in range(1, 4))
+    expect(t, "1e15 variants need --allow-long", with_sweep(many), 3, words=["--allow-long", "1e10"])
+    many += "".join(f"  - {{key: encoders.a{i}.counts_per_rev, from: 100, to: 1e6, count: 1e5}}\n" for i in range(4, 8))
+    expect(t, "more than 2^53 variants", with_sweep(many), 3, words=["2^53"])
+    t.check("nothing is written", not (folder / "none.csv").exists())
+
+    for shard in ("0/3", "4/3", "1.5/3", "x/3", "3", "1/0", "-1/3"):
+        expect(t, f"--shard {shard}", run(qerr, "sweep", "-q", spec, "--shard", shard, "-o", folder / "none.csv"), 2, words=["--shard", "K/N"])
+    expect(t, "--statistics of an unknown one", run(qerr, "sweep", spec, "--statistics", "max,p98"), 2, words=["p98"])
+    expect(t, "--resume without a file", run(qerr, "sweep", spec, "--resume"), 2, words=["--resume", "-o"])
+    expect(t, "--wide in JSON", run(qerr, "sweep", spec, "--wide", "--format", "json"), 2, words=["--wide", "CSV"])
+
+    target = folder / "resumed.csv"
+    part = whole.read_bytes()[: whole.stat().st_size // 2]
+    other = spec.with_name("other.yaml")
+    other.write_text(spec.read_text().replace("values: [30, 50, 80, 100, 160]", "values: [30, 50, 80, 100, 161]"))
+    for name, words in (("another seed", [spec, "--seed", "7"]), ("other statistics", [spec, "--statistics", "max"]), ("another shard", [spec, "--shard", "2/3"]),
+                        ("other values", [other]), ("--wide", [spec, "--wide"]), ("another count", [spec, "--set", "configurations.count=4999"])):
+        target.write_bytes(part)
+        ran = run(qerr, "sweep", "-q", *words, "-o", target, "--resume")
+        expect(t, f"resume with {name}", ran, 3, words=["resumed.csv", "--resume"])
+        t.check(f"resume with {name}: the file is as before", target.read_bytes() == part)
+    target.write_text("name,price\nx,3\n")
+    expect(t, "resume of a file that is no sweep", run(qerr, "sweep", "-q", spec, "-o", target, "--resume"), 3, words=["resumed.csv"])
+    expect(t, "an output that is the spec", run(qerr, "sweep", "-q", spec, "-o", spec), 2)
+
+    a, b, c = (folder / f"{k}of5.csv" for k in (1, 2, 3))
+    shards = [folder / f"{k}of5.csv" for k in range(1, 6)]
+    expect(t, "merge without one shard", run(qerr, "merge", *shards[:1], *shards[2:]), 3, words=["variant 1", "shard 2/5"])
+    expect(t, "merge with a shard twice", run(qerr, "merge", *shards, b), 3, words=[b.name])
+    copy = folder / "copy.csv"
+    copy.write_bytes(c.read_bytes())
+    expect(t, "merge with a copy of a shard", run(qerr, "merge", *shards, copy), 3, words=[c.name, copy.name])
+    copy.write_bytes(c.read_bytes()[:-3000])
+    expect(t, "merge with a torn shard", run(qerr, "merge", a, b, copy, *shards[3:]), 3, words=[copy.name, "not complete"])
+    expect(t, "merge with a shard of another division", run(qerr, "merge", a, b, folder / "3of13.csv", *shards[3:]), 3, words=["shard"])
+    run(qerr, "sweep", "-q", CONFIGS / "scara" / "spec.yaml", "--set", "configurations.count=10", "--shard", "3/5", "-o", copy)
+    expect(t, "merge with a shard of another sweep", run(qerr, "merge", a, b, copy, *shards[3:]), 3, words=[copy.name, "another sweep"])
+    expect(t, "merge of a spec", run(qerr, "merge", spec), 3, words=[spec.name])
+    expect(t, "merge of nothing", run(qerr, "merge"), 2, words=["FILE"])
+    expect(t, "merge into a shard", run(qerr, "merge", *shards, "-o", a), 2, words=[a.name])
+
+
+def check_output(t, qerr, spec, whole, folder):
+    t.check("standard output has the bytes of a file", run(qerr, "sweep", "-q", spec).out == whole.read_bytes())
+    for threads in ("1", "3"):
+        run(qerr, "sweep", "-q", spec, "--threads", threads, "-o", folder / "threads.csv")
+        t.check(f"{threads} threads: the same bytes", same(whole, folder / "threads.csv"))
+    done = subprocess.run(["bash", "-c", f"'{qerr}' sweep -q '{spec}' | head -1"], capture_output=True, text=True)
+    t.check("sweep | head ends quietly", done.stdout.startswith("variant,") and not done.stderr, done.stderr)
+    t.check("a table on demand", b"variant" in run(qerr, "sweep", "-q", spec, "--format", "table").out)
+    run(qerr, "sweep", "-q", spec, "--statistics", "p99,max", "-o", folder / "few.csv")
+    header, rows = rows_of(folder / "few.csv")
+    everything = [row for row in rows_of(whole)[1] if row[-2] in ("max", "p99", "")]
+    t.check("--statistics narrows the rows", rows == everything)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--qerr", required=True)
+    parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
+    parser.add_argument("--rounds", type=int, default=2, help="sweeps that are killed, of each kind")
+    parser.add_argument("--rows", type=int, default=8, help="variants compared with analyze, of each kind")
+    arguments = parser.parse_args()
+    qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), random.Random(1)
+    with tempfile.TemporaryDirectory() as temporary:
+        folder = pathlib.Path(temporary)
+        (folder / "encoders.csv").write_text(CATALOGUE)
+        for name, text in (("single.yaml", SINGLE), ("shared.yaml", SHARED)):
+            spec, whole = folder / name, folder / "whole.csv"
+            spec.write_text(text)
+            ran = run(qerr, "sweep", spec, "-o", whole)
+            t.check(f"{name}: 0, with a warning about variants that cannot be computed",
+                    ran.code == 0 and (b"cannot be computed" in ran.err) == (name == "shared.yaml"), ran.err.decode()[:300])
+            check_figures(t, qerr, spec, whole, arguments.rows, rng)
+            for options in ([], ["--wide", "--statistics", "max"]):
+                if options:
+                    whole = folder / "wide_whole.csv"
+                    run(qerr, "sweep", "-q", spec, *options, "-o", whole)
+                check_killed(t, qerr, spec, whole, folder, options, arguments.rounds, rng)
+                if name == "shared.yaml" or options:
+                    check_torn(t, qerr, spec, whole, folder, options, rng)
+                check_shards(t, qerr, spec, whole, folder, options, rng)
+        whole = folder / "whole.csv"
+        check_wide(t, qerr, spec, folder)
+        check_output(t, qerr, spec, whole, folder)
+        for k in range(1, 6):
+            run(qerr, "sweep", "-q", spec, "--shard", f"{k}/5", "-o", folder / f"{k}of5.csv")
+        run(qerr, "sweep", "-q", spec, "--shard", "3/13", "-o", folder / "3of13.csv")
+        check_errors(t, qerr, spec, whole, folder)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
