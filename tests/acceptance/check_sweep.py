@@ -34,7 +34,7 @@ encoders:
 filters:
   velocity: {{derivative: 1, sample_rate: 1 kHz, lowpass: {{family: first_order, order: 2, cutoff: 50 Hz}}}}
 requirements:
-  - {{quantity: position.x.worst_case, statistic: max, at_most: 20 um}}
+  - {{quantity: position.x.worst_case, statistic: max, at_most: 40 um}}
   - {{quantity: velocity.delay, at_most: 7 ms}}
 """
 # 200 variants whose Jacobians are shared, of which some cannot be computed; and 200 that are analyzed one by one.
@@ -48,7 +48,7 @@ sweep:
 SINGLE = HEAD + """configurations: {count: 300}
 sweep:
   - {key: encoders.*.counts_per_rev, values: [1000, 2000, 4000, 5000, 8000, 10000, 16000, 20000, 30000, 40000]}
-  - {keys: [robot.tool, coordinates], values: [[{xyz: [0, 0, 0.1]}, [x, y, z]], [{xyz: [0.1, 0, 0]}, [z, rx]]]}
+  - {keys: [robot.tool, coordinates], values: [[{xyz: [0, 0, 0.1]}, [x, y, z]], [{xyz: [0.1, 0, 0]}, [x, rx]]]}
   - {key: filters.velocity.lowpass.order, values: [1, 2, 3, 4, 5]}
   - {key: configurations.seed, values: [1, 2]}
 """
@@ -162,7 +162,7 @@ def check_wide(t, qerr, spec, folder):
     met = [row for row in rows if not row[-1]]
     place = {name: i for i, name in enumerate(header)}
     verdicts = all((row[place["met"]] == "true") == (row[place["requirements[0].met"]] == row[place["requirements[1].met"]] == "true")
-                   and (float(row[place["requirements[0].value [m]"]]) <= 2e-5) == (row[place["requirements[0].met"]] == "true")
+                   and (float(row[place["requirements[0].value [m]"]]) <= 4e-5) == (row[place["requirements[0].met"]] == "true")
                    and row[place["requirements[1].value [s]"]] == row[place["velocity.delay [s]"]] for row in met)
     t.check("--wide: requirements and their verdicts", verdicts and len({row[place["met"]] for row in met}) == 2)
     report = json.loads(run(qerr, "sweep", "-q", spec, "--format", "json", "--statistics", "max").out)
@@ -251,7 +251,7 @@ def main():
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
     parser.add_argument("--rounds", type=int, default=2, help="sweeps that are killed, of each kind")
-    parser.add_argument("--rows", type=int, default=8, help="variants compared with analyze, of each kind")
+    parser.add_argument("--rows", type=int, default=6, help="variants compared with analyze, of each kind")
     arguments = parser.parse_args()
     qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), random.Random(1)
     with tempfile.TemporaryDirectory() as temporary:

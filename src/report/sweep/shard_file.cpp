@@ -20,7 +20,8 @@ class HeldVariants {
   /// @returns whether the file has a header: else nothing of it is whole
   bool read_header(const std::string& header) {
     if (!lines_.next()) return false;
-    if (!lines_.ended() && header.starts_with(lines_.line())) return false;
+    const std::string line = header + std::string(csv_line_break);
+    if (!lines_.ended() && line.starts_with(lines_.line())) return false;
     if (lines_.ended() && lines_.line() == header) return true;
     refuse("has other columns than this sweep", shown(lines_.line()));
   }
