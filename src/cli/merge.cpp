@@ -34,9 +34,9 @@ Command merge_command() {
             .required = true},
            text_output_option()},
           run,
-          {{"qerr merge 1.csv 2.csv 3.csv -o sweep.csv", "one file of all variants"},
+          {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv -o sweep.csv", "one file of all variants"},
            {"qerr merge shards/*.csv -o sweep.csv", "missing, doubled and torn shards are an error"}},
-          {"sweep"}};
+          {"variants"}};
 }
 
 }  // namespace qerr::cli

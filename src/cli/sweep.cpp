@@ -94,7 +94,7 @@ void warn_of(const FailedVariants& failed, const Values& v) {
   std::vector<std::string> warnings = failed.first;
   if (failed.count > warnings.size())
     warnings.push_back(std::to_string(failed.count) +
-                       " variants cannot be computed, and have a row that says why");
+                       " variants cannot be computed or judged: their rows say why");
   warn(warnings, v);
 }
 
@@ -200,7 +200,7 @@ Command sweep_command() {
             "one row a variant, with its requirements"},
            {"qerr sweep arm.yaml --shard 2/5 -o 2.csv", "the second of five parts, for a cluster"},
            {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv -o sweep.csv", "and all of them in one file"}},
-          {"sweep", "spec", "output"}};
+          {"variants", "spec", "output"}};
 }
 
 }  // namespace qerr::cli

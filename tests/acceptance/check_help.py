@@ -68,12 +68,17 @@ def check_examples(t, qerr, commands):
         shutil.copy(ROOT / "configs" / "puma560" / "puma560.urdf", folder / "arm.urdf")
         spec = (folder / "spec.yaml").read_text().replace("../", f"{ROOT}/configs/")
         spec = spec if "requirements:" in spec else spec + "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 1 m}]\n"
+        spec += "sweep: [{key: configurations.seed, values: [1, 2, 3, 4, 5]}]\n"
         for name in ("arm.yaml", "wrist.yaml"):
             (folder / name).write_text(spec)
         environment = dict(os.environ, PATH=f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}")
         (folder / "spec.yaml").unlink()  # its robot is elsewhere
         made = run(qerr, "simulate", "arm.yaml", "--log", "log.csv", "-o", "simulated.txt", cwd=folder)
         t.check("the log of the examples", made.code == 0, made.err.decode()[:200])
+        (folder / "shards").mkdir()
+        for k in range(1, 6):
+            for shard in (f"{k}.csv", f"shards/{k}.csv"):
+                run(qerr, "sweep", "-q", "arm.yaml", "--shard", f"{k}/5", "-o", shard, cwd=folder)
         for command in commands:
             for line in examples(qerr, command):
                 if "| source" in line:
@@ -106,6 +111,7 @@ COMPLETIONS = [  # words, the last one to be completed; some that must be offere
     (["qerr", "analyze", "--per"], {"--per-configuration"}, {"--log"}),
     (["qerr", "simulate", "arm.yaml", "--format", "j"], {"json"}, {"csv"}),
     (["qerr", "check", "--color", "n"], {"never"}, {"always"}),
+    (["qerr", "sweep", "arm.yaml", "--statistics", "p"], {"p99"}, {"max"}),
     (["qerr", "analyze", "ar"], {"arm.yaml"}, {"analyze"}),
 ]
 
@@ -163,6 +169,13 @@ MISTAKES = [  # words; what the message must name
     (["filter", "a.yaml", "--clock", "1MHz"], ["--clock", "--estimators"]),
     (["compare", "a.yaml"], ["B", "the other report or spec", "e.g. qerr compare"]),
     (["compare", "-", "-"], ["standard input"]),
+    (["sweep"], ["SPEC", "e.g. qerr sweep"]),
+    (["sweep", "a.yaml", "--shard", "0/3"], ["--shard", "K/N", "'0/3'", "2/5"]),
+    (["sweep", "a.yaml", "--statistics", "max,p98"], ["--statistics", "'p98'", "did you mean"]),
+    (["sweep", "a.yaml", "--resume"], ["--resume", "-o FILE.csv"]),
+    (["sweep", "a.yaml", "--wide", "--format", "json"], ["--wide", "CSV"]),
+    (["merge"], ["FILE", "e.g. qerr merge"]),
+    (["merge", "-", "-"], ["standard input"]),
     (["check", "a.yaml", "--tolerance", "2%"], ["--tolerance", "--baseline"]),
     (["check", "a.yaml", "--baseline", "b.json", "--tolerance", "2 mm"], ["--tolerance", "'2 mm'", "2%"]),
     (["list"], ["KIND", "e.g. qerr list"]),

@@ -52,6 +52,10 @@ def reports(qerr, folder):
     yield "compare", ["compare", old, arm, *few]
     yield "compare", ["compare", arm, arm, *few, "--set", "filters={}", "--set", "requirements=[]"]
     yield "compare", ["compare", CONFIGS / "planar_prr" / "spec.yaml", arm, *few, "--set", "encoders.*.counts_per_rev=300"]
+    for spec in specs:
+        if "sweep:" in spec.read_text():
+            yield "sweep", ["sweep", spec, *few]
+    yield "sweep", ["sweep", arm, *few, "--set", "sweep=[{key: filters.velocity.lowpass.cutoff, values: [50, 1e5]}]", "--statistics", "max"]
     for effects in (EFFECTS, SPREAD):
         yield "analyze", ["analyze", DIAGNOSIS, "--set", effects]
         yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]

@@ -60,6 +60,8 @@ def commands():
     for spec in specs:
         yield ["analyze", spec]
         yield ["analyze", spec, "--details"]
+        if "sweep:" in spec.read_text():
+            yield ["sweep", spec]
         for key, words in (("requirements:", ["check"]), ("motion:", ["simulate"]), ("motion:", ["diagnose", "--plan"])):
             if re.search(rf"^{key}", spec.read_text(), re.M):
                 yield [*words, spec]
@@ -85,6 +87,7 @@ def check_progress(t, qerr):
         t.check("the log of the progress", made.code == 0, made.err.decode()[:200])
         arm = CONFIGS / "kuka_lwr" / "spec.yaml"
         for noun, words in (("configurations", ["analyze", arm, "--set", "configurations.count=20000000"]),
+                            ("variants", ["sweep", arm, "--set", "sweep=[{key: configurations.seed, from: 1, to: 4000, count: 4000}]"]),
                             ("samples", ["simulate", spec, "--runs", "20000"]), ("bytes", ["diagnose", spec, log])):
             text, code = on_terminal(qerr, words, 80)
             steps = re.findall(rf"\r(\d+) % of [\d.]+ [kMG]? ?{noun}, [\d.]+ [kMG]?/s, [\dhdaysmin ]+ left\x1b\[K", text)

@@ -224,6 +224,12 @@ STATEMENTS = {
         (r"agree to (\d+) digits", agreed_digits),
         (r"to about (\S+)\. On one machine", lambda v: v.source(HISTOGRAM, r"values, (\S+) for millions")),
     ],
+    TOPICS["variants"]: [
+        (
+            r"make at least (\d+) variants",
+            lambda v: v.source("src/report/sweep/column_sweep.cpp", r"fewest_sharing = (\d+);"),
+        ),
+    ],
     TOPICS["requirements"]: [
         (r"exit code is (\d) if all are met", exit_code("check", "-q", ARM)),
         (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
@@ -270,6 +276,8 @@ NAMES = {
         r"encoder of a2 causes",
         r"one for a7 would change",
         r"at 95 % of them",
+        r"`--shard 2/5` computes",
+        r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
     ],
     ".github/CONTRIBUTING.md": [
         r"\bH2\b",
@@ -313,6 +321,14 @@ NAMES = {
     ],
     TOPICS["requirements"]: [r"actions/checkout@v4\b", r"actions/upload-artifact@v4\b"],
     TOPICS["motion"]: [r"\bphase 0\b"],
+    TOPICS["variants"]: [
+        # Examples of the forms of an entry.
+        r"\{key: K, values: \[1, 2, 3\]\}",
+        r"\{key: K, from: 5 Hz, to: 80 Hz, count: 9, scale: log\}",
+        r"\{keys: \[K, L\], values: \[\[1, 2\], \[3, 4\]\]\}",
+        r"`\{key: encoders\.a2, catalogue: encoders\.csv\}`",
+        r"`--statistics max,p99`",
+    ],
     TOPICS["effects"]: [r"\bH2\b"],
     TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`"],
     PAPER: [

@@ -10,7 +10,7 @@ SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
                  "sweep",
                  "the spec has none: there is nothing to vary",
                  "",
-                 "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help sweep)"});
+                 "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help variants)"});
   double total = 1;
   for (const SweepAxis& axis : axes_) {
     total *= static_cast<double>(axis.steps.size());

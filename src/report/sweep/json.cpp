@@ -51,10 +51,8 @@ std::string SweepJson::variant(const SweptVariant& v, const SweepGrid& grid,
   const std::vector<std::string> keys = grid.keys(), names = grid.names(v.variant);
   for (std::size_t k = 0; k < keys.size(); ++k) values[keys[k]] = names[k];
   Json j{{"variant", v.variant}, {"values", values}};
-  if (!v.check) {
-    j["error"] = v.fault;
-    return j.line();
-  }
+  if (!v.fault.empty()) j["error"] = v.fault;
+  if (!v.check) return j.line();
   const Analysis& a = v.check->analysis;
   j["figures"] = figures(a, statistics);
   Json budget = Json::object();
@@ -95,7 +93,7 @@ Json sweep_schema() {
   const Json variant =
       object({{"variant", number(), "its number, from 0"},
               {"values", map(text()), "of the keys that vary"},
-              {"error", text(), "why it cannot be computed; then it has no figures", true},
+              {"error", text(), "why it cannot be computed, or a requirement not decided", true},
               {"figures", list(object(figure)), "", true},
               {"budget", map(number()), "each encoder's share of the mean variance of the position", true},
               {"filters", list(object(filter)), "", true},

@@ -68,7 +68,7 @@ FailedVariants SweepRun::run(std::uint64_t begin, const std::function<void(const
           variants.push_back(job_.shard.variant(begin + v));
         std::string text;
         for (const SweptVariant& v : engine_.evaluate(variants, inner_threads)) {
-          if (!v.check) failures.add(v);
+          if (!v.fault.empty()) failures.add(v);
           text += job_.text(v);
         }
         return text;

@@ -24,7 +24,7 @@ struct SweepJob {
   std::uint64_t size() const { return shard.size(grid.count()); }
 };
 
-/// Variants that could not be computed.
+/// Variants that could not be computed, or have a requirement that cannot be decided.
 struct FailedVariants {
   std::uint64_t count = 0;
   std::vector<std::string> first;  ///< of some of them: number, values and fault

@@ -19,14 +19,16 @@ std::string fault_text(const Error& error) {
 }
 
 /// @param evaluate  what can fail
+/// @returns whether it failed, because of the input
 template <class Evaluate>
-void guard(SweptVariant& v, Evaluate evaluate) {
+bool failed(SweptVariant& v, Evaluate evaluate) {
   try {
     evaluate();
+    return false;
   } catch (const Error& e) {
     if (e.trouble() != Trouble::input) throw;
-    v.check.reset();
     v.fault = fault_text(e);
+    return true;
   }
 }
 
@@ -36,10 +38,9 @@ SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& gri
                               bool judged, const WorkspaceOptions& options,
                               const std::function<bool(const Analysis&)>& without_workspace) {
   SweptVariant v{variant, {}, {}};
-  guard(v, [&] {
+  const bool no_figures = failed(v, [&] {
     const Spec spec = grid.spec(variants, grid.steps(variant));
     EffectReport effects = effect_report(spec);
-    if (judged) require_known(spec, effects.shares);
     v.check.emplace(
         SpecCheck{unbounded_analysis(spec, std::move(effects), noise_in_motion(spec, options.threads)), {}});
     Analysis& a = v.check->analysis;
@@ -48,16 +49,20 @@ SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& gri
     all.noise_in_motion = a.noise_in_motion;
     a.workspace = workspace(a.spec.model, filter_norms(a.spec), a.spec.configurations, all);
   });
+  if (no_figures) v.check.reset();
   if (v.check && v.check->analysis.workspace.count > 0) judge(v, judged);
   return v;
 }
 
 void judge(SweptVariant& v, bool judged) {
-  guard(v, [&] {
+  if (!judged) return;
+  const bool undecided = failed(v, [&] {
     Analysis& a = v.check->analysis;
-    add_proofs(a, {}, 1);  // of requirements; variants are evaluated on all threads
-    if (judged) v.check->results = requirement_results(a);
+    require_known(a.spec, a.effects);
+    add_proofs(a, {}, 1);  // variants are evaluated on all threads
+    v.check->results = requirement_results(a);
   });
+  if (undecided) v.check->results.clear();
 }
 
 SweptVariant evaluate_variant(const SpecVariants& variants, const SweepGrid& grid, std::uint64_t variant,

@@ -14,8 +14,10 @@ namespace qerr {
 /// A variant of a sweep with its figures; or what is wrong with it, in one line.
 struct SweptVariant {
   std::uint64_t variant = 0;
-  std::optional<SpecCheck> check;  ///< empty: there is a fault. Statistics that were not asked for are unset
-  std::string fault;
+  /// Empty: it cannot be computed. Without results if a requirement cannot be decided. Statistics that were
+  /// not asked for are unset.
+  std::optional<SpecCheck> check;
+  std::string fault;  ///< "" if there is none
 };
 
 /// Reads a variant and evaluates it, as `analyze` and `check` do.
