@@ -89,6 +89,13 @@ double work(const SweepJob& job) {
   return work;
 }
 
+/// What the spec itself is warned of, but that its sweep is not used.
+void warn_of(const Spec& spec, const Values& v) {
+  std::vector<std::string> warnings = spec.warnings;
+  std::erase_if(warnings, [](const std::string& warning) { return warning.starts_with("sweep: "); });
+  warn(warnings, v);
+}
+
 void warn_of(const FailedVariants& failed, const Values& v) {
   if (failed.count == 0) return;
   std::vector<std::string> warnings = failed.first;
@@ -166,6 +173,7 @@ int run(const Values& v) {
                      .threads = threads(v),
                      .text = {}};
   limit_work(variants.base(), work(job), "sweep", "configurations", v);
+  warn_of(variants.base(), v);
   return format == "csv" ? write_csv(job, v) : format == "json" ? write_json(job, v) : write_table(job, v);
 }
 
