@@ -50,8 +50,8 @@ constexpr std::size_t block_size = 1024;
 using Block = Eigen::Array<double, block_size, 1>;
 
 /// The largest of the sums at configurations first .. first + count - 1, before the root.
-void evaluate_block(const ChoiceFigure& figure, const SumWeights& weights, std::size_t first, std::size_t count,
-                    Block& to) {
+void evaluate_block(const ChoiceFigure& figure, const SumWeights& weights, std::size_t first,
+                    std::size_t count, Block& to) {
   Block other;
   for (std::size_t s = 0; s < figure.sums.size(); ++s) {
     Block& sum = s == 0 ? to : other;
@@ -59,15 +59,14 @@ void evaluate_block(const ChoiceFigure& figure, const SumWeights& weights, std::
     sum.head(n).setConstant(figure.sums[s].added);
     for (std::size_t k = 0; k < weights[s].size(); ++k)
       if (weights[s][k] != 0)
-        sum.head(n) +=
-            weights[s][k] *
-            Eigen::Map<const Eigen::ArrayXd>(figure.sums[s].columns[k].coefficients + first, n);
+        sum.head(n) += weights[s][k] *
+                       Eigen::Map<const Eigen::ArrayXd>(figure.sums[s].columns[k].coefficients + first, n);
     if (s > 0) to.head(n) = to.head(n).max(other.head(n));
   }
 }
 
-/// Calls use(first, count, values) for blocks of configurations until it returns false. Begins at the block of
-/// `start` and wraps around.
+/// Calls use(first, count, values) for blocks of configurations until it returns false. Begins at the block
+/// of `start` and wraps around.
 template <class Use>
 void for_blocks(const ChoiceFigure& figure, const SumWeights& weights, std::size_t configurations,
                 std::size_t start, Use use) {
@@ -94,18 +93,19 @@ double interpolated(std::vector<double>& values, double fraction) {
 LimitTest largest_test(const ChoiceFigure& figure, const SumWeights& weights, double limit,
                        std::size_t configurations, std::size_t start) {
   LimitTest test;
-  for_blocks(figure, weights, configurations, start, [&](std::size_t first, std::size_t count, const Block& v) {
-    Eigen::Index at = 0;
-    if (!(v.head(static_cast<Eigen::Index>(count)).maxCoeff(&at) > limit)) return true;
-    test.met = false;
-    test.worst = first + static_cast<std::size_t>(at);
-    return false;
-  });
+  for_blocks(figure, weights, configurations, start,
+             [&](std::size_t first, std::size_t count, const Block& v) {
+               Eigen::Index at = 0;
+               if (!(v.head(static_cast<Eigen::Index>(count)).maxCoeff(&at) > limit)) return true;
+               test.met = false;
+               test.worst = first + static_cast<std::size_t>(at);
+               return false;
+             });
   return test;
 }
 
-/// Of the configurations beyond the limit those that exceed it most are kept: a few more than are permitted, so
-/// that neighbouring choices fail by them, too.
+/// Of the configurations beyond the limit those that exceed it most are kept: a few more than are permitted,
+/// so that neighbouring choices fail by them, too.
 void keep_most_excessive(std::vector<std::pair<double, std::uint32_t>>& beyond, std::size_t permitted,
                          std::vector<std::uint32_t>& kept) {
   const std::size_t count = std::min(beyond.size(), permitted + permitted / 2 + 8);

@@ -24,7 +24,8 @@ double figure_value(const ChoiceFigure&, const SumWeights&, std::size_t configur
 struct LimitTest {
   bool met = true;
   std::size_t worst = 0;  ///< not met: a configuration beyond the limit; of a percentile, the one at its rank
-  std::vector<std::uint32_t> beyond = {};  ///< percentile, not met: more configurations beyond it than permitted
+  std::vector<std::uint32_t> beyond =
+      {};  ///< percentile, not met: more configurations beyond it than permitted
 };
 
 /// Whether the figure's value is at most the limit, decided as early as possible.
@@ -37,8 +38,8 @@ LimitTest compare_with_limit(const ChoiceFigure&, const SumWeights&, double limi
 ChoiceCut tangent_of_mean(const ChoiceFigure&, std::size_t index, const ChoiceProblem&, const SumWeights&);
 
 /// The figure's sum at one configuration: its largest one there for the weights.
-ChoiceCut cut_at_configuration(const ChoiceFigure&, std::size_t index, const ChoiceProblem&, const SumWeights&,
-                               std::size_t configuration);
+ChoiceCut cut_at_configuration(const ChoiceFigure&, std::size_t index, const ChoiceProblem&,
+                               const SumWeights&, std::size_t configuration);
 
 /// Rank and interpolation of a percentile: (1 - part) v[below] + part v[below + 1] of sorted values v.
 struct PercentileRank {

@@ -57,7 +57,9 @@ void least_per_joint(const std::vector<std::size_t>& offsets, const PermittedOpt
       if (permitted[o]) least[j] = std::min(least[j], value(o));
 }
 
-double sum_of(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+double sum_of(const std::vector<double>& values) {
+  return std::accumulate(values.begin(), values.end(), 0.0);
+}
 
 /// Part of a cut's scale that rounding of its sums may be.
 constexpr double rounding_of_cuts = 1e-12;
@@ -68,7 +70,8 @@ bool CutPool::remove_by_cuts(PermittedOptions& permitted, bool& changed, double&
   std::vector<double> least;
   for (const Row& row : cuts_) {
     if (row.guide || !std::isfinite(row.room)) continue;
-    least_per_joint(offsets_, permitted, [&](std::size_t o) { return row.cut.parts[o]; }, least);
+    least_per_joint(
+        offsets_, permitted, [&](std::size_t o) { return row.cut.parts[o]; }, least);
     const double slack = row.room - sum_of(least) + rounding_of_cuts * row.scale;
     if (!(slack >= 0)) return false;
     for (std::size_t j = 0; j < least.size(); ++j)
@@ -110,7 +113,8 @@ bool CutPool::remove_by_price(PermittedOptions& permitted, std::int64_t most, st
   return true;
 }
 
-bool CutPool::restrict(PermittedOptions& permitted, std::int64_t most, std::int64_t& bound, double& work) const {
+bool CutPool::restrict(PermittedOptions& permitted, std::int64_t most, std::int64_t& bound,
+                       double& work) const {
   constexpr int most_rounds = 4;  // each is valid by itself
   for (int round = 0; round < most_rounds; ++round) {
     bool changed = false;
@@ -171,10 +175,11 @@ void CutPool::improve_multipliers(const PermittedOptions& permitted, std::option
       square += gradient[r] * gradient[r];
     }
     if (!(square > 0)) break;
-    const double aim =
-        target ? static_cast<double>(*target) : best_bound + 0.05 * std::abs(best_bound) + static_cast<double>(step_);
+    const double aim = target ? static_cast<double>(*target)
+                              : best_bound + 0.05 * std::abs(best_bound) + static_cast<double>(step_);
     const double step = step_part * std::max(aim - bound, static_cast<double>(step_)) / square;
-    for (std::size_t r = 0; r < cuts_.size(); ++r) current[r] = std::max(0.0, current[r] + step * gradient[r]);
+    for (std::size_t r = 0; r < cuts_.size(); ++r)
+      current[r] = std::max(0.0, current[r] + step * gradient[r]);
   }
   multipliers_ = best;
   std::fill(reduction_.begin(), reduction_.end(), 0);
@@ -193,7 +198,7 @@ double CutPool::usage(const OptionChoice& choice) const {
     if (!std::isfinite(row.room)) continue;
     double sum = 0;
     for (std::size_t j = 0; j < choice.size(); ++j) sum += row.cut.parts[offsets_[j] + choice[j]];
-    largest = std::max(largest, row.room > 0 ? sum / row.room
+    largest = std::max(largest, row.room > 0     ? sum / row.room
                                 : sum > row.room ? std::numeric_limits<double>::infinity()
                                                  : 0);
   }

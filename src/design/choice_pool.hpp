@@ -9,8 +9,9 @@ namespace qerr {
 /// The options that a search still permits: [options of all joints].
 using PermittedOptions = std::vector<char>;
 
-/// Configurations of a figure of a percentile at which choices have failed, and its columns there. More of them
-/// beyond the limit than the percentile permits exclude a choice; they are far fewer than all configurations.
+/// Configurations of a figure of a percentile at which choices have failed, and its columns there. More of
+/// them beyond the limit than the percentile permits exclude a choice; they are far fewer than all
+/// configurations.
 class FailureSample {
  public:
   FailureSample(const ChoiceFigure&, std::size_t configurations);
@@ -31,8 +32,8 @@ class FailureSample {
 
   const ChoiceFigure* figure_;
   std::size_t permitted_;
-  std::vector<std::uint32_t> members_;                        // ascending
-  std::vector<std::vector<std::vector<double>>> columns_;     // [sum][column][member]
+  std::vector<std::uint32_t> members_;                     // ascending
+  std::vector<std::vector<std::vector<double>>> columns_;  // [sum][column][member]
 };
 
 /// Cuts, the Lagrangian bound of the price that follows from them, and the removal of options by both.
@@ -73,13 +74,13 @@ class CutPool {
   bool remove_by_price(PermittedOptions&, std::int64_t most, std::int64_t& bound, bool& changed) const;
 
   std::vector<std::size_t> offsets_;
-  std::vector<double> price_;              // [option]
-  std::int64_t base_ = 0, step_ = 1;       // every price of a choice is base + k step
+  std::vector<double> price_;         // [option]
+  std::int64_t base_ = 0, step_ = 1;  // every price of a choice is base + k step
   std::vector<double> limits_;
   std::vector<double> tolerances_;
   std::vector<Row> cuts_;
-  std::vector<double> multipliers_;        // [cut]
-  std::vector<double> reduction_;          // [option]: sum of multiplier * part / scale
+  std::vector<double> multipliers_;  // [cut]
+  std::vector<double> reduction_;    // [option]: sum of multiplier * part / scale
   double reduction_of_rooms_ = 0;
 };
 

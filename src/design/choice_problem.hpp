@@ -27,10 +27,10 @@ struct WeightedSum {
 /// A figure of the requirements, as a function of the options of all joints: the statistic, over the
 /// configurations, of the largest of its sums or, with `root`, of its square root.
 ///
-/// As all coefficients are non-negative, the figure never grows when weights shrink: its value for the smallest
-/// weight of each column is a lower bound of all choices. A worst case |A| h + |A m| of signed columns A is the
-/// larger of two sums, with the weights h + m at A > 0 and h - m at A < 0, or these exchanged; sigma is the
-/// root of one sum, with the coefficients A^2.
+/// As all coefficients are non-negative, the figure never grows when weights shrink: its value for the
+/// smallest weight of each column is a lower bound of all choices. A worst case |A| h + |A m| of signed
+/// columns A is the larger of two sums, with the weights h + m at A > 0 and h - m at A < 0, or these
+/// exchanged; sigma is the root of one sum, with the coefficients A^2.
 struct ChoiceFigure {
   enum class Over { least, mean, largest, percentile };
   Over over = Over::largest;
@@ -43,8 +43,8 @@ struct ChoiceFigure {
   double tolerance = 1e-9;
 };
 
-/// A linear inequality that every choice meeting a limit fulfills: constant + sum_j parts[offset_j + option] <=
-/// the limit (its square, if `squared`).
+/// A linear inequality that every choice meeting a limit fulfills: constant + sum_j parts[offset_j + option]
+/// <= the limit (its square, if `squared`).
 struct ChoiceCut {
   std::size_t figure = 0;
   std::vector<double> parts;  ///< [options of all joints, one joint after the other]

@@ -28,7 +28,10 @@ std::size_t permitted_count(const std::vector<std::size_t>& offsets, const Permi
 }  // namespace
 
 EncoderSearch::EncoderSearch(const ChoiceProblem& problem)
-    : problem_(problem), offsets_(option_offsets(problem)), cuts_(problem), last_failure_(problem.figures.size()) {
+    : problem_(problem),
+      offsets_(option_offsets(problem)),
+      cuts_(problem),
+      last_failure_(problem.figures.size()) {
   for (const ChoiceFigure& f : problem.figures) samples_.emplace_back(f, problem.configurations);
   cuts_.set_limits(std::vector<double>(problem.figures.size(), std::numeric_limits<double>::infinity()));
 }
@@ -109,9 +112,9 @@ void EncoderSearch::learn(std::size_t f, const SumWeights& weights, const LimitT
 bool EncoderSearch::meets(std::size_t f, const OptionChoice& choice, double limit) {
   const ChoiceFigure& figure = problem_.figures[f];
   const SumWeights weights = weights_of(figure, choice);
-  for (const auto& of_sum : weights)
-    work_ += static_cast<double>(problem_.configurations * of_sum.size());
-  const LimitTest test = compare_with_limit(figure, weights, limit, problem_.configurations, last_failure_[f]);
+  for (const auto& of_sum : weights) work_ += static_cast<double>(problem_.configurations * of_sum.size());
+  const LimitTest test =
+      compare_with_limit(figure, weights, limit, problem_.configurations, last_failure_[f]);
   if (!test.met) learn(f, weights, test);
   return test.met;
 }
@@ -166,8 +169,7 @@ bool EncoderSearch::cannot_precede(const PermittedOptions& permitted, std::int64
 void EncoderSearch::refresh_multipliers() {
   if (cuts_.size() < cuts_at_refresh_ + std::max<std::size_t>(10, cuts_at_refresh_ / 4)) return;
   cuts_at_refresh_ = cuts_.size();
-  cuts_.improve_multipliers(
-      all_, best_.empty() ? std::nullopt : std::optional(best_.back().first), work_);
+  cuts_.improve_multipliers(all_, best_.empty() ? std::nullopt : std::optional(best_.back().first), work_);
 }
 
 void EncoderSearch::explore(PermittedOptions permitted) {
@@ -194,8 +196,8 @@ void EncoderSearch::explore(PermittedOptions permitted) {
   }
 }
 
-/// From the finest permitted options, the cheapest steps that cuts and guides allow, most saving for its usage
-/// first. Empty if even the finest options are beyond a cut.
+/// From the finest permitted options, the cheapest steps that cuts and guides allow, most saving for its
+/// usage first. Empty if even the finest options are beyond a cut.
 std::optional<OptionChoice> EncoderSearch::guided_choice(const PermittedOptions& permitted) const {
   OptionChoice choice;
   for (std::size_t j = 0; j < problem_.joints(); ++j) {
@@ -280,13 +282,14 @@ ChoiceResult EncoderSearch::find(const ChoiceRequest& request) {
   for (const Priced& p : best_) result.best.push_back(p.second);
   result.proven = !ended_;
   result.work = work_;
-  result.bound = result.proven ? (best_.empty() ? 0 : best_.front().first)
+  result.bound = result.proven   ? (best_.empty() ? 0 : best_.front().first)
                  : best_.empty() ? open_bound_
                                  : std::min(open_bound_, best_.front().first);
   return result;
 }
 
-std::vector<std::size_t> unreachable_figures(const ChoiceProblem& problem, const std::vector<double>& limits) {
+std::vector<std::size_t> unreachable_figures(const ChoiceProblem& problem,
+                                             const std::vector<double>& limits) {
   const std::vector<std::size_t> offsets = option_offsets(problem);
   const PermittedOptions all(offsets.back(), 1);
   std::vector<std::size_t> list;

@@ -6,7 +6,7 @@ namespace qerr {
 
 /// What a search looks for.
 struct ChoiceRequest {
-  std::vector<double> limits;  ///< [figure]; +infinity: none
+  std::vector<double> limits;                 ///< [figure]; +infinity: none
   std::int64_t most = std::int64_t{1} << 62;  ///< highest price
   std::size_t wanted = 2;                     ///< how many choices, 1 or 2
   std::vector<OptionChoice> known = {};       ///< to begin with, if they meet the limits
@@ -17,21 +17,21 @@ struct ChoiceRequest {
 /// The choices found, least price first.
 struct ChoiceResult {
   std::vector<OptionChoice> best;
-  bool proven = true;       ///< no other choice precedes them
-  std::int64_t bound = 0;   ///< lower bound of the price of all choices that meet the limits, if not proven
+  bool proven = true;      ///< no other choice precedes them
+  std::int64_t bound = 0;  ///< lower bound of the price of all choices that meet the limits, if not proven
   double work = 0;
 };
 
 /// Least-price choice of an option for every joint, by branch and bound, with proof.
 ///
-/// Joints are decided in their order, options by ascending price, depth first. Choices are ordered by price and,
-/// at equal prices, by the indices of their options, the first joint's first: the result is the beginning of the
-/// list of all choices that meet the limits, and depends on nothing else.
+/// Joints are decided in their order, options by ascending price, depth first. Choices are ordered by price
+/// and, at equal prices, by the indices of their options, the first joint's first: the result is the
+/// beginning of the list of all choices that meet the limits, and depends on nothing else.
 ///
 /// A node is bounded by linear cuts (`CutPool`): a choice that fails a limit leaves the inequality of the
-/// configuration at which it fails, or the tangent of the mean; by samples of configurations (`FailureSample`)
-/// for percentiles; and by the Lagrangian of the cuts for the price. All of them hold for every choice of the
-/// node. All configurations are evaluated only where every joint is decided.
+/// configuration at which it fails, or the tangent of the mean; by samples of configurations
+/// (`FailureSample`) for percentiles; and by the Lagrangian of the cuts for the price. All of them hold for
+/// every choice of the node. All configurations are evaluated only where every joint is decided.
 ///
 /// Cuts and samples are kept from one search to the next, which may have other limits.
 class EncoderSearch {
@@ -66,8 +66,8 @@ class EncoderSearch {
   const ChoiceProblem& problem_;
   std::vector<std::size_t> offsets_;
   CutPool cuts_;
-  std::vector<FailureSample> samples_;        // [figure]
-  std::vector<std::size_t> last_failure_;     // [figure]: configuration
+  std::vector<FailureSample> samples_;     // [figure]
+  std::vector<std::size_t> last_failure_;  // [figure]: configuration
   ChoiceRequest request_;
   PermittedOptions all_;
   std::vector<Priced> best_;

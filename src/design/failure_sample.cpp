@@ -11,7 +11,8 @@ struct FailureSample::Values {
 };
 
 FailureSample::FailureSample(const ChoiceFigure& figure, std::size_t configurations)
-    : figure_(&figure), permitted_(PercentileRank(figure.percentile, configurations).permitted(configurations)) {
+    : figure_(&figure),
+      permitted_(PercentileRank(figure.percentile, configurations).permitted(configurations)) {
   for (const WeightedSum& sum : figure.sums) columns_.emplace_back(sum.columns.size());
 }
 
@@ -57,8 +58,8 @@ void FailureSample::restrict_joint(std::size_t joint, const Values& least, const
         const WeightedColumn& c = figure_->sums[s].columns[k];
         const double more = c.joint == joint ? c.weights[option] - weights[s][k] : 0;
         if (more == 0) continue;
-        values.sums[s] += more * Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(),
-                                                                  static_cast<Eigen::Index>(size()));
+        values.sums[s] +=
+            more * Eigen::Map<const Eigen::ArrayXd>(columns_[s][k].data(), static_cast<Eigen::Index>(size()));
       }
     work += 3 * static_cast<double>(size() * columns);
     return fails(values, limit);
@@ -76,8 +77,8 @@ void FailureSample::restrict_joint(std::size_t joint, const Values& least, const
   for (auto o = options.begin(); o != first_good; ++o) permitted[offsets[joint] + *o] = 0;
 }
 
-bool FailureSample::restrict(double limit, const std::vector<std::size_t>& offsets, PermittedOptions& permitted,
-                             double& work) const {
+bool FailureSample::restrict(double limit, const std::vector<std::size_t>& offsets,
+                             PermittedOptions& permitted, double& work) const {
   if (size() <= permitted_ || !(limit < std::numeric_limits<double>::infinity())) return true;
   limit *= 1 + 2 * figure_->tolerance;
   if (figure_->root) limit *= limit;

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "design/filter_choice.hpp"
 #include "input/object_reader.hpp"
 
 namespace qerr {
@@ -26,15 +27,7 @@ struct JointOptions {
 /// What a filter of the spec may become: its low-pass is replaced.
 struct FilterOptions {
   std::size_t filter = 0;  ///< of the spec
-  std::vector<std::string> families;
-  std::vector<int> orders;
-  double least_cutoff = 0, most_cutoff = 0;  ///< [Hz]
-  std::optional<double> delay;               ///< highest group delay at 0 Hz [s]
-  /// Largest tracking error |H/(j 2 pi f)^d - 1| for motion up to `band` [Hz].
-  struct Tracking {
-    double band = 0, at_most = 0;
-  };
-  std::optional<Tracking> tracking;
+  FilterRange range;
   Place place;
 };
 

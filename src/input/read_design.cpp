@@ -267,21 +267,21 @@ std::vector<std::string> searched_families() {
 void read_families(const Object& o, FilterOptions& options) {
   const std::vector<std::string> known = searched_families();
   if (!o.has("families")) {
-    options.families = known;
+    options.range.families = known;
     return;
   }
   for (const Node& value : values_of(o.at("families"))) {
     if (std::find(known.begin(), known.end(), value.text) == known.end())
       throw Error({value.place, o.at("families").path, "no filter family that order and cutoff determine",
                    qerr::quoted(value.text), did_you_mean(value.text, known)});
-    options.families.push_back(value.text);
+    options.range.families.push_back(value.text);
   }
 }
 
 void read_cutoff(const Object& o, double sample_rate, FilterOptions& options) {
   // A thousandth of the sample rate to 0.4 of it: what controllers use, short of the families' end at half.
-  options.least_cutoff = 1e-3 * sample_rate;
-  options.most_cutoff = 0.4 * sample_rate;
+  options.range.least_cutoff = 1e-3 * sample_rate;
+  options.range.most_cutoff = 0.4 * sample_rate;
   if (!o.has("cutoff")) return;
   const Field f = o.at("cutoff");
   const Parameter row{.name = "cutoff",
@@ -291,14 +291,14 @@ void read_cutoff(const Object& o, double sample_rate, FilterOptions& options) {
                       .open_below = true,
                       .open_above = true};
   if (f.node->type != Node::Type::sequence) {
-    options.least_cutoff = options.most_cutoff = read_number(f, row);
+    options.range.least_cutoff = options.range.most_cutoff = read_number(f, row);
     return;
   }
   const std::vector<Field> ends = read_list(f, "[5 Hz, 200 Hz]");
   if (ends.size() != 2) throw Error(f.fault("must have two ends", "write [5 Hz, 200 Hz]"));
-  options.least_cutoff = read_number(ends[0], row);
-  options.most_cutoff = read_number(ends[1], row);
-  if (!(options.least_cutoff <= options.most_cutoff))
+  options.range.least_cutoff = read_number(ends[0], row);
+  options.range.most_cutoff = read_number(ends[1], row);
+  if (!(options.range.least_cutoff <= options.range.most_cutoff))
     throw Error(f.fault("the range is empty", "write the lower frequency first"));
 }
 
@@ -316,21 +316,21 @@ FilterOptions read_filter_options(const Node::Key& key, const Field& f, const Sp
   options.place = key.place;
   const double sample_rate = spec.filters[options.filter].filter.sample_rate;
   read_families(o, options);
-  options.orders = {1, 2, 3, 4};
+  options.range.orders = {1, 2, 3, 4};
   if (o.has("orders")) {
-    options.orders.clear();
+    options.range.orders.clear();
     for (const Node& value : values_of(o.at("orders"))) {
       const Field field{&value, o.at("orders").path};
-      options.orders.push_back(static_cast<int>(
+      options.range.orders.push_back(static_cast<int>(
           read_number(field, {.name = "orders", .kind = Kind::integer, .least = 1, .most = 20})));
     }
   }
   read_cutoff(o, sample_rate, options);
-  options.delay = o.number("delay");
+  options.range.delay = o.number("delay");
   if (o.has("tracking")) {
     const Object t(o.at("tracking"), spec_format::design_tracking());
-    options.tracking = {*t.number("band"), *t.number("at_most")};
-    if (!(options.tracking->band < 0.5 * sample_rate))
+    options.range.tracking = {*t.number("band"), *t.number("at_most")};
+    if (!(options.range.tracking->band < 0.5 * sample_rate))
       throw Error(t.at("band").fault("must be below half the sample rate",
                                      "give the highest frequency of the motion"));
   }

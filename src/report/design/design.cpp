@@ -36,11 +36,20 @@ class DesignJob {
     }
     refuse_motion_of_chosen_filters();
     problem_ = std::make_unique<DesignProblem>(variants, request_, more, options.workspace);
-    solver_ = std::make_unique<DesignSolver>(*problem_, filter_sets(problem_->base(), request_, goal_));
+    FilterSets sets =
+        filter_sets(problem_->base(), request_, stated_limits(problem_->base(), stated_), goal_);
+    filter_obstacles_ = std::move(sets.obstacles);
+    if (!sets.sets.empty())
+      for (const DesignedFilter& f : sets.sets.front().designed) variants.variant({lowpass_change(f)});
+    solver_ = std::make_unique<DesignSolver>(*problem_, std::move(sets.sets));
   }
 
   DesignReport report() {
     begin();
+    if (solver_->sets().empty()) {
+      report_.obstacles = filter_obstacles_;
+      return std::move(report_);
+    }
     DesignQuery query;
     query.limits = stated_limits(problem_->base(), stated_);
     if (request_.budget)
@@ -121,6 +130,7 @@ class DesignJob {
     }
     d.price = std::round(d.price / millionth) * millionth;
     d.filters = solver_->set(found).designed;
+    for (DesignedFilter& f : d.filters) compare_with_best(f);
     d.results = problem_->results(found.choice, solver_->set(found).filters);
     if (goal_) d.minimized = d.results[*goal_].value;
     d.results.resize(stated_);
@@ -215,11 +225,6 @@ class DesignJob {
 
   void find_influences(const FoundDesign& best) {
     const ChoiceProblem& problem = solver_->problem(best.set);
-    const auto filter_chosen = [&](std::ptrdiff_t filter) {
-      return std::any_of(request_.filters.begin(), request_.filters.end(), [&](const FilterOptions& f) {
-        return static_cast<std::ptrdiff_t>(f.filter) == filter;
-      });
-    };
     for (std::size_t i = 0; i < stated_; ++i) {
       const ChoiceFigure& figure = problem.figures[i];
       const bool varies = std::any_of(figure.sums.begin(), figure.sums.end(), [&](const WeightedSum& sum) {
@@ -241,11 +246,25 @@ class DesignJob {
       looser.wanted = 1;
       looser.known = {best};
       looser.work = work_of_alternative;
-      const DesignFindings found = solver_->find(looser);
+      // A looser limit of a filter's figure admits further filters.
+      const bool of_filter = requirement(i).figure && filter_chosen(requirement(i).filter);
+      const DesignFindings found = of_filter ? find_with_other_filters(looser) : solver_->find(looser);
       RequirementPrice price{i, relaxed, {}, {}, found.proven};
       if (!found.best.empty()) std::tie(price.price, price.bits) = costs(found.best[0]);
       report_.requirement_prices.push_back(price);
     }
+  }
+
+  bool filter_chosen(std::ptrdiff_t filter) const {
+    return std::any_of(request_.filters.begin(), request_.filters.end(), [&](const FilterOptions& f) {
+      return static_cast<std::ptrdiff_t>(f.filter) == filter;
+    });
+  }
+
+  DesignFindings find_with_other_filters(DesignQuery query) {
+    FilterSets sets = filter_sets(problem_->base(), request_, query.limits, goal_);
+    query.known.clear();
+    return DesignSolver(*problem_, std::move(sets.sets)).find(query);
   }
 
   std::pair<double, double> costs(const FoundDesign& found) const {
@@ -326,6 +345,7 @@ class DesignJob {
   std::optional<std::size_t> goal_, pareto_;
   std::unique_ptr<DesignProblem> problem_;
   std::unique_ptr<DesignSolver> solver_;
+  std::vector<std::string> filter_obstacles_;
   DesignReport report_;
 };
 

@@ -37,6 +37,8 @@ struct DesignFindings {
 class DesignSolver {
  public:
   DesignSolver(DesignProblem&, std::vector<FilterSet>);
+  DesignSolver(const DesignSolver&) = delete;
+  DesignSolver& operator=(const DesignSolver&) = delete;
 
   const FilterSet& set(const FoundDesign& d) const { return sets_[d.set]; }
   const std::vector<FilterSet>& sets() const { return sets_; }

@@ -1,9 +1,171 @@
 #include "report/design/filter_sets.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/text.hpp"
+#include "design/quietest_fir.hpp"
+#include "qerr/filter/quality.hpp"
+
 namespace qerr {
 
-std::vector<FilterSet> filter_sets(const Spec& spec, const DesignRequest&, std::optional<std::size_t>) {
-  return {{spec.filters, {}}};
+namespace {
+
+constexpr std::size_t most_sets = 2000;
+
+/// What the requirements ask of a filter besides limits of its own figures.
+struct FilterNeeds {
+  bool sigma = false, worst_case = false;
+  const FilterFigure* minimized = nullptr;
+};
+
+FilterNeeds needs_of(const Spec& spec, std::size_t filter, std::optional<std::size_t> goal) {
+  FilterNeeds needs;
+  for (std::size_t i = 0; i < spec.requirements.size(); ++i) {
+    const Requirement& r = spec.requirements[i];
+    if (r.filter != static_cast<std::ptrdiff_t>(filter)) continue;
+    if (r.figure) {
+      if (goal == i) needs.minimized = r.figure;
+      continue;
+    }
+    (r.bound == Requirement::Bound::worst_case ? needs.worst_case : needs.sigma) = true;
+  }
+  if (!needs.worst_case && !needs.minimized) needs.sigma = true;
+  return needs;
+}
+
+/// A candidate with the numbers that it is compared by.
+struct ComparedFilter {
+  FilterCandidate candidate;
+  Norms norms;
+  std::vector<double> criteria;
+};
+
+bool equals_in_all(const ComparedFilter& a, const ComparedFilter& b) {
+  for (std::size_t i = 0; i < a.criteria.size(); ++i)
+    if (a.criteria[i] > b.criteria[i]) return false;
+  return true;
+}
+
+std::vector<ComparedFilter> undominated(std::vector<ComparedFilter> all, bool within_families) {
+  std::vector<ComparedFilter> kept;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    bool dominated = false;
+    for (std::size_t k = 0; k < all.size() && !dominated; ++k) {
+      if (k == i || !equals_in_all(all[k], all[i])) continue;
+      const bool related = all[k].candidate.family == all[i].candidate.family &&
+                           all[k].candidate.order == all[i].candidate.order;
+      dominated = (related || !within_families) && (all[k].criteria != all[i].criteria || k < i);
+    }
+    if (!dominated) kept.push_back(all[i]);
+  }
+  std::stable_sort(kept.begin(), kept.end(), [](const ComparedFilter& a, const ComparedFilter& b) {
+    return a.candidate.h2 < b.candidate.h2;
+  });
+  return kept;
+}
+
+std::string obstacle_of(const NamedFilter& filter, const FilterRange& range, const FilterScan& scan) {
+  std::string text = "no low-pass of filter " + quoted(filter.name) + " is within its limits: of " +
+                     counted(scan.filters, "filter");
+  if (scan.filters == 0)
+    return "no family has a low-pass for filter " + quoted(filter.name) + " in these orders and cut-offs";
+  if (range.delay)
+    text += ", the least delay is " + readable(scan.least_delay, "s") + " (at most " +
+            readable(*range.delay, "s") + ")";
+  if (range.tracking)
+    text += ", the least tracking error up to " + readable(range.tracking->band, "Hz") + " is " +
+            significant(100 * scan.least_tracking, 3) + " % (at most " +
+            significant(100 * range.tracking->at_most, 3) + " %)";
+  return text + "; the requirements on the filter count as well";
+}
+
+std::vector<ComparedFilter> candidates_of(const Spec& spec, const FilterOptions& options,
+                                          const std::vector<double>& limits, std::optional<std::size_t> goal,
+                                          bool within_families, std::vector<std::string>& obstacles) {
+  const NamedFilter& stated = spec.filters[options.filter];
+  const FilterNeeds needs = needs_of(spec, options.filter, goal);
+  const auto accepts = [&](const Filter& filter) {
+    std::optional<Norms> known;
+    for (std::size_t i = 0; i < spec.requirements.size(); ++i) {
+      const Requirement& r = spec.requirements[i];
+      if (!r.figure || r.filter != static_cast<std::ptrdiff_t>(options.filter) || !std::isfinite(limits[i]))
+        continue;
+      if (r.figure->norm && !known) known = norms(filter);
+      const auto value = r.figure->value(filter, known.value_or(Norms{}));
+      if (!value || !(r.at_least ? *value >= limits[i] : *value <= limits[i])) return false;
+    }
+    return true;
+  };
+  const FilterScan scan =
+      filter_candidates(options.range, stated.filter.derivative, stated.filter.sample_rate, accepts);
+  std::vector<ComparedFilter> all;
+  for (const FilterCandidate& c : scan.candidates) {
+    ComparedFilter compared{c, {}, {}};
+    if (needs.sigma) compared.criteria.push_back(c.h2);
+    if (needs.worst_case || (needs.minimized && needs.minimized->norm)) {
+      compared.norms = norms(c.filter);
+      if (!std::isfinite(compared.norms.l1.upper)) continue;
+    }
+    if (needs.worst_case) {
+      compared.criteria.push_back(compared.norms.l1.upper);
+      compared.criteria.push_back(stated.filter.derivative == 0 ? std::abs(compared.norms.dc_gain) : 0);
+    }
+    if (needs.minimized) {
+      const auto value = needs.minimized->value(c.filter, compared.norms);
+      if (!value) continue;
+      compared.criteria.push_back(*value);
+    }
+    all.push_back(std::move(compared));
+  }
+  all = undominated(std::move(all), within_families);
+  for (ComparedFilter& c : all) c.norms = norms(c.candidate.filter);
+  if (all.empty()) obstacles.push_back(obstacle_of(stated, options.range, scan));
+  return all;
+}
+
+double log_noise(const FilterSet& set) {
+  double sum = 0;
+  for (const DesignedFilter& f : set.designed) sum += std::log(f.filter.norms.h2);
+  return sum;
+}
+
+}  // namespace
+
+FilterSets filter_sets(const Spec& spec, const DesignRequest& request, const std::vector<double>& limits,
+                       std::optional<std::size_t> goal) {
+  FilterSets result{{{spec.filters, {}}}, {}};
+  for (const FilterOptions& options : request.filters) {
+    const std::vector<ComparedFilter> candidates =
+        candidates_of(spec, options, limits, goal, request.encoders.empty(), result.obstacles);
+    if (result.sets.size() * candidates.size() > most_sets)
+      throw Error(Fault{options.place, "design.filters",
+                        "gives more than 2000 combinations of filters that none excels in all",
+                        counted(result.sets.size() * candidates.size(), "combination"),
+                        "narrow families, orders or cut-offs"});
+    std::vector<FilterSet> all;
+    for (const FilterSet& set : result.sets)
+      for (const ComparedFilter& c : candidates) {
+        FilterSet& added = all.emplace_back(set);
+        NamedFilter& filter = added.filters[options.filter];
+        filter.filter = c.candidate.filter;
+        filter.norms = c.norms;
+        added.designed.push_back({filter.name,
+                                  c.candidate.family,
+                                  c.candidate.order,
+                                  c.candidate.cutoff,
+                                  filter,
+                                  c.candidate.delay,
+                                  c.candidate.tracking,
+                                  options.range.tracking ? options.range.tracking->band : 0,
+                                  {}});
+      }
+    result.sets = std::move(all);
+  }
+  std::stable_sort(result.sets.begin(), result.sets.end(),
+                   [](const FilterSet& a, const FilterSet& b) { return log_noise(a) < log_noise(b); });
+  return result;
 }
 
 SpecChange lowpass_change(const DesignedFilter& f) {
@@ -11,6 +173,24 @@ SpecChange lowpass_change(const DesignedFilter& f) {
           mapping_node({{"family", scalar_node(f.family)},
                         {"order", scalar_node(std::to_string(f.order))},
                         {"cutoff", scalar_node(shortest(f.cutoff) + " Hz")}})};
+}
+
+void compare_with_best(DesignedFilter& f) {
+  if (!f.tracking || !(*f.tracking > 0) || !(*f.tracking < 0.9)) return;
+  // Memory beyond two periods of the band's end, and twice the time in which the chosen one settles, changes
+  // little; 4000 taps take a few ms.
+  constexpr double most_taps = 4000;
+  const double rate = f.filter.filter.sample_rate;
+  const double settling = settling_time(f.filter.filter).value_or(0);
+  FirTask task;
+  task.taps =
+      static_cast<std::size_t>(std::min(most_taps, std::ceil(rate * std::max(2 / f.band, 2 * settling))));
+  task.derivative = f.filter.filter.derivative;
+  task.sample_rate = rate;
+  task.band = f.band;
+  task.tracking = *f.tracking;
+  const QuietestFir fir = quietest_fir(task);
+  if (fir.converged && fir.h2_bound > 0) f.best_linear = {task.taps, fir.h2, fir.h2_bound};
 }
 
 }  // namespace qerr

@@ -38,7 +38,7 @@ std::string best_linear_line(const DesignedFilter& f) {
   const double memory = static_cast<double>(b.taps) / f.filter.filter.sample_rate;
   return "the quietest linear filter of that tracking error with a memory of " + readable(memory, "s") +
          " (" + std::to_string(b.taps) + " taps): " + significant(b.h2, 4) + "; the chosen one has " +
-         percent(f.filter.norms.h2 / b.h2 - 1) + " more noise";
+         significant(f.filter.norms.h2 / b.h2, 3) + " times its noise";
 }
 
 std::string margin(const Requirement& r, const RequirementResult& result) {
@@ -89,7 +89,7 @@ std::string answer(const DesignReport& report, const Design& d) {
                          ? "coarsest: " + bits_text(d.bits)
                          : "least " + report.goal + ": " + readable(*d.minimized, report.goal_unit) +
                                (d.encoders.empty() ? "" : " for " + priced(d.price, report.price_unit));
-  if (report.proven) return text + ", proven";
+  if (report.proven) return text + (d.encoders.empty() ? "" : ", proven");
   text += ", NOT proven";
   if (report.bound)
     text +=
@@ -107,9 +107,10 @@ std::string runner_up_line(const DesignReport& report) {
       changes.push_back(shown(b.encoders[i].joint) + ' ' + shown(b.encoders[i].name));
   if (changes.empty())
     for (const DesignedFilter& f : b.filters) changes.push_back(filter_line(f));
-  const std::string cost =
-      b.minimized ? readable(*b.minimized, report.goal_unit) + " for " + priced(b.price, report.price_unit)
-                  : cost_of(report, b.price, b.bits);
+  const std::string price = b.encoders.empty() ? "" : " for " + priced(b.price, report.price_unit);
+  const std::string cost = b.minimized          ? readable(*b.minimized, report.goal_unit) + price
+                           : b.encoders.empty() ? "no dearer"
+                                                : cost_of(report, b.price, b.bits);
   return "runner-up: " + cost + ", with " + listed(changes);
 }
 
