@@ -22,6 +22,19 @@ CONFIGS = ROOT / "configs"
 DIAGNOSIS = CONFIGS / "diagnosis" / "spec.yaml"
 EFFECTS = "effects=[{type: backlash, joint: j2, gap: 0.4 mrad}, {type: eccentricity, joint: j3, amplitude: 0.3 mrad, phase: 40 deg}]"
 SPREAD = "effects=[{type: noise, joint: j1, sigma: 0.1 mrad}, {type: log_rounding, joint: j2, step: 1 urad}]"
+DESIGN = """qerr: 1
+robot: {{urdf: {urdf}}}
+encoders: {{'*': {{bits: 16}}}}
+filters:
+  velocity: {{derivative: 1, sample_rate: 1 kHz, lowpass: {{family: first_order, order: 2, cutoff: 50 Hz}}}}
+configurations: {{count: 50}}
+requirements:
+  - {{quantity: position.x.worst_case, statistic: max, at_most: 0.5 mm}}
+  - {{quantity: velocity.delay, at_most: 10 ms}}
+design:
+  encoders: {{'*': {{bits: 10..18}}}}
+  filters: {{velocity: {{families: [first_order, butterworth], tracking: {{band: 5 Hz, at_most: 25 %}}}}}}
+"""
 FILTERS = CONFIGS / "filters" / "filters.yaml"
 
 
@@ -56,6 +69,11 @@ def reports(qerr, folder):
         if "sweep:" in spec.read_text():
             yield "sweep", ["sweep", spec, *few]
     yield "sweep", ["sweep", arm, *few, "--set", "sweep=[{key: filters.velocity.lowpass.cutoff, values: [50, 1e5]}]", "--statistics", "max"]
+    design = folder / "design.yaml"
+    design.write_text(DESIGN.format(urdf=arm.parent / "kuka_lwr.urdf"))
+    yield "design", ["design", design]
+    yield "design", ["design", design, "--set", "requirements[0].at_most=1 nm"]
+    yield "design", ["design", design, "--set", "design.minimize=position.x.sigma", "--set", "design.budget=110"]
     for effects in (EFFECTS, SPREAD):
         yield "analyze", ["analyze", DIAGNOSIS, "--set", effects]
         yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]
