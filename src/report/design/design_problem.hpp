@@ -1,14 +1,12 @@
 #pragma once
 
-#include <map>
 #include <memory>
-#include <tuple>
 
-#include "bound/error_columns.hpp"
 #include "design/encoder_choice.hpp"
 #include "input/design_request.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/design_report.hpp"
+#include "report/design/figure_sums.hpp"
 
 namespace qerr {
 
@@ -46,26 +44,19 @@ class DesignProblem {
   std::vector<Node> effects(const OptionChoice&) const;
 
   /// The requirements with a choice, as `check` evaluates them.
-  std::vector<RequirementResult> results(const OptionChoice&, const std::vector<NamedFilter>& filters) const;
+  /// @param limits  in place of those of the requirements; may be null
+  std::vector<RequirementResult> results(const OptionChoice&, const std::vector<NamedFilter>& filters,
+                                         const std::vector<double>* limits = nullptr) const;
 
  private:
-  enum class Part { magnitude, square, positive, negative };
-  struct ColumnKey;
-
   void read_options(const DesignRequest&);
   Spec variant_of(const std::vector<SpecChange>&, const std::vector<Node>& effects) const;
   SpecChange change(std::size_t joint, std::size_t option) const;
   std::vector<Node> effects_of(std::size_t joint, std::size_t option) const;
   void make_columns();
-  void weigh(const std::vector<NamedFilter>&);
-  void find_owners();
-  ChoiceFigure figure(const Requirement&);
-  WeightedSum sigma_sum(const Requirement&);
-  std::vector<WeightedSum> worst_sums(const Requirement&, std::size_t coordinate);
-  template <class Weight>
-  void add_column(WeightedSum&, std::size_t column, const double* coefficients, Weight);
-  const double* part(std::size_t coordinate, std::size_t column, Part);
-  const double* squares_of_length(std::size_t first, std::size_t column);
+  OptionWeights weights_with(const std::vector<NamedFilter>&) const;
+  ChoiceCut cut_at(const Eigen::VectorXd& q, std::size_t figure, const OptionWeights&, const OptionChoice&,
+                   const ChoiceProblem& shape) const;
 
   const SpecVariants& variants_;
   WorkspaceOptions workspace_;
@@ -73,11 +64,9 @@ class DesignProblem {
   Spec base_;
   bool needs_motion_noise_ = false, needs_rigorous_ = false;
   std::vector<std::vector<PricedOption>> options_;
+  std::vector<ErrorSource> sources_;  // places of all options' error sources
   std::unique_ptr<ErrorColumns> columns_;
-  std::map<std::tuple<std::size_t, std::size_t, Part>, AlignedNumbers> parts_;
-  std::vector<std::vector<ErrorWeights>> weights_;  // [joint][option]
-  std::vector<std::size_t> owners_;                 // [column]
-  bool biased_ = false;
+  std::unique_ptr<FigureSums> sums_;
 };
 
 }  // namespace qerr

@@ -1,0 +1,284 @@
+#include "report/design/figure_sums.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// In place of infinity: an unbounded coordinate exceeds every limit, and times 0 is 0.
+constexpr double beyond_all = 1e300;
+
+ChoiceFigure::Over over_of(const Requirement& r) {
+  using Over = ChoiceFigure::Over;
+  return r.value == &Statistic::min    ? Over::least
+         : r.value == &Statistic::mean ? Over::mean
+         : r.value == &Statistic::max  ? Over::largest
+                                       : Over::percentile;
+}
+
+double percentile_of(const Requirement& r) {
+  for (const StatisticKind& kind : statistic_kinds())
+    if (kind.value == r.value) return kind.percentile;
+  return 0;
+}
+
+bool vary(const ErrorWeights& a, const ErrorWeights& b, Eigen::Index k) {
+  if (a.half_width[k] != b.half_width[k] || a.mean[k] != b.mean[k] || a.variance[k] != b.variance[k])
+    return true;
+  for (std::size_t f = 0; f < a.filtered.size(); ++f)
+    for (const auto member :
+         {&ErrorWeights::Filtered::variance, &ErrorWeights::Filtered::variance_in_motion}) {
+      const Eigen::VectorXd &x = a.filtered[f].*member, &y = b.filtered[f].*member;
+      if (x.size() > 0 && y.size() > 0 && x[k] != y[k]) return true;
+    }
+  return false;
+}
+
+/// Errors along a motion are the same signals with either encoder.
+bool same_along_motion(const ErrorWeights& a, const ErrorWeights& b) {
+  if (a.added_worst != b.added_worst || a.added_variance != b.added_variance) return false;
+  for (std::size_t f = 0; f < a.filtered.size(); ++f)
+    if (a.filtered[f].added_worst != b.filtered[f].added_worst ||
+        a.filtered[f].added_variance != b.filtered[f].added_variance)
+      return false;
+  return true;
+}
+
+Error does_not_add(const Spec& spec, const std::string& rule, const std::string& remedy) {
+  return Error(Fault{{spec.file, 1, 1}, "effects", rule, "", remedy});
+}
+
+/// Weights of a column in a worst case: half width + sign * mean, behind the requirement's filter.
+double worst_weight(const Requirement& r, const ErrorWeights& w, Eigen::Index k, double sign) {
+  if (r.filter < 0) return w.half_width[k] + sign * w.mean[k];
+  const ErrorWeights::Filtered& f = w.filtered[static_cast<std::size_t>(r.filter)];
+  return f.l1 * w.half_width[k] + sign * f.dc_gain * w.mean[k];
+}
+
+template <class Weight>
+void add_column(WeightedSum& sum, std::size_t column, const double* coefficients,
+                const OptionWeights& weights, Weight weight) {
+  const std::size_t j = weights.owners[column];
+  WeightedColumn added{j, coefficients, {}};
+  for (const ErrorWeights& w : weights.options[j])
+    added.weights.push_back(weight(w, static_cast<Eigen::Index>(column)));
+  if (std::any_of(added.weights.begin(), added.weights.end(), [](double w) { return w != 0; }))
+    sum.columns.push_back(std::move(added));
+}
+
+/// Whether no option gives the column's error a mean.
+bool is_symmetric(const OptionWeights& weights, std::size_t column) {
+  const auto& options = weights.options[weights.owners[column]];
+  return std::all_of(options.begin(), options.end(),
+                     [&](const ErrorWeights& w) { return w.mean[static_cast<Eigen::Index>(column)] == 0; });
+}
+
+/// The direction in which the sum of +-g_i is longest, by ascent from each generator: a local maximum, which
+/// is the largest one but in rare cases.
+Eigen::Vector3d longest_direction(const Eigen::Matrix3Xd& generators) {
+  Eigen::Vector3d best = Eigen::Vector3d::UnitX();
+  double longest = 0;
+  for (Eigen::Index start = 0; start < generators.cols(); ++start) {
+    Eigen::Vector3d direction = generators.col(start);
+    double length = 0;
+    for (int i = 0; i < 8; ++i) {
+      Eigen::Vector3d corner = Eigen::Vector3d::Zero();
+      for (const auto& g : generators.colwise())
+        corner += g.dot(direction) < 0 ? Eigen::Vector3d(-g) : Eigen::Vector3d(g);
+      if (!(corner.norm() > length)) break;
+      length = corner.norm();
+      direction = corner;
+    }
+    if (length > longest) {
+      longest = length;
+      best = direction / direction.norm();
+    }
+  }
+  return best;
+}
+
+}  // namespace
+
+void find_owners(OptionWeights& weights, const Spec& spec) {
+  const std::size_t columns = static_cast<std::size_t>(weights.stated.mean.size());
+  weights.owners.assign(columns, 0);
+  weights.biased = weights.stated.biased();
+  std::vector<bool> owned(columns);
+  for (std::size_t j = 0; j < weights.options.size(); ++j)
+    for (const ErrorWeights& w : weights.options[j]) {
+      weights.biased = weights.biased || w.biased();
+      const std::string name = quoted(spec.model.chain.independent[j].name);
+      if (!same_along_motion(w, weights.stated))
+        throw does_not_add(spec,
+                           "along a motion an effect of joint " + name +
+                               " depends on its encoder: such errors of several joints do not add",
+                           "remove `motion:`, or choose no encoder for that joint");
+      for (std::size_t k = 0; k < columns; ++k) {
+        if (!vary(w, weights.stated, static_cast<Eigen::Index>(k))) continue;
+        if (owned[k] && weights.owners[k] != j)
+          throw does_not_add(spec, "the options of joint " + name + " change the errors of another one",
+                             "choose no encoder for one of them");
+        owned[k] = true;
+        weights.owners[k] = j;
+      }
+    }
+}
+
+const double* FigureSums::part(std::size_t coordinate, std::size_t column, Part kind) {
+  const double* const from = columns_.column(coordinate, column);
+  AlignedNumbers& to = parts_[{coordinate, column, kind}];
+  if (to.size() > 0) return to.data();
+  to = AlignedNumbers(columns_.configurations());
+  for (std::size_t i = 0; i < to.size(); ++i) {
+    const double a = std::clamp(from[i], -beyond_all, beyond_all);
+    to[i] = kind == Part::magnitude  ? std::abs(a)
+            : kind == Part::positive ? std::max(a, 0.0)
+            : kind == Part::negative ? std::max(-a, 0.0)
+                                     : std::min(a * a, beyond_all);
+  }
+  return to.data();
+}
+
+/// Index of the coordinate that is a component of the requirement's length.
+std::size_t FigureSums::component(const Requirement& r, std::size_t axis) const {
+  const Coordinate length = coordinates_and_lengths(spec_.model)[r.coordinate];
+  const auto wanted = static_cast<Coordinate>(static_cast<std::size_t>(first_component(length)) + axis);
+  const auto& all = spec_.model.coordinates;
+  return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
+}
+
+const double* FigureSums::squares_of_length(const Requirement& r, std::size_t column) {
+  AlignedNumbers& to = parts_[{r.coordinate, column, Part::square}];
+  if (to.size() > 0) return to.data();
+  AlignedNumbers sum(columns_.configurations());
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    const double* const squares = part(component(r, axis), column, Part::square);
+    for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += squares[i];
+  }
+  return (parts_[{r.coordinate, column, Part::square}] = std::move(sum)).data();
+}
+
+WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& weights) {
+  const bool length = r.coordinate >= spec_.model.coordinates.size();
+  const auto f = static_cast<std::size_t>(std::max<std::ptrdiff_t>(r.filter, 0));
+  const bool in_motion = r.bound == Requirement::Bound::sigma_in_motion;
+  const Eigen::VectorXd& added =
+      r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
+  WeightedSum sum;
+  for (std::size_t axis = 0; axis < (length ? 3 : 1); ++axis)
+    sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : r.coordinate)];
+  for (std::size_t k = 0; k < columns_.columns(); ++k)
+    add_column(sum, k, length ? squares_of_length(r, k) : part(r.coordinate, k, Part::square), weights,
+               [&](const ErrorWeights& w, Eigen::Index column) {
+                 return r.filter < 0 ? w.variance[column]
+                        : in_motion  ? w.filtered[f].variance_in_motion[column]
+                                     : w.filtered[f].variance[column];
+               });
+  return sum;
+}
+
+/// The worst case of a coordinate: |A| h, or the larger of two sums where errors have a mean (ChoiceFigure).
+std::vector<WeightedSum> FigureSums::worst_sums(const Requirement& r, const OptionWeights& weights,
+                                                std::size_t coordinate) {
+  const auto f = static_cast<std::size_t>(std::max<std::ptrdiff_t>(r.filter, 0));
+  const Eigen::VectorXd& added =
+      r.filter < 0 ? weights.stated.added_worst : weights.stated.filtered[f].added_worst;
+  std::vector<WeightedSum> sums(weights.biased ? 2 : 1);
+  for (std::size_t s = 0; s < sums.size(); ++s) {
+    sums[s].added = added[static_cast<Eigen::Index>(coordinate)];
+    const auto add = [&](std::size_t k, Part kind, double sign) {
+      add_column(
+          sums[s], k, part(coordinate, k, kind), weights,
+          [&](const ErrorWeights& w, Eigen::Index column) { return worst_weight(r, w, column, sign); });
+    };
+    for (std::size_t k = 0; k < columns_.columns(); ++k) {
+      const double sign = s == 0 ? 1 : -1;
+      if (is_symmetric(weights, k)) {
+        add(k, Part::magnitude, 0);
+      } else {
+        add(k, Part::positive, sign);
+        add(k, Part::negative, -sign);
+      }
+    }
+  }
+  return sums;
+}
+
+/// The component of a length in the direction of its largest for the reference, with either sign.
+std::vector<WeightedSum> FigureSums::length_sums(const Requirement& r, const OptionWeights& weights,
+                                                 const OptionChoice& reference) {
+  const std::size_t n = columns_.configurations(), count = columns_.columns();
+  std::vector<AlignedNumbers> positive, negative;
+  for (std::size_t k = 0; k < count; ++k) {
+    positive.emplace_back(n);
+    negative.emplace_back(n);
+  }
+  std::vector<double> half_widths;
+  for (std::size_t k = 0; k < count; ++k) {
+    const std::size_t j = weights.owners[k];
+    half_widths.push_back(worst_weight(r, weights.options[j][reference[j]], static_cast<Eigen::Index>(k), 0));
+  }
+  Eigen::Matrix3Xd columns(3, static_cast<Eigen::Index>(count));
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t k = 0; k < count; ++k)
+      for (std::size_t axis = 0; axis < 3; ++axis)
+        columns(static_cast<Eigen::Index>(axis), static_cast<Eigen::Index>(k)) =
+            columns_.column(component(r, axis), k)[i];
+    const Eigen::Map<const Eigen::VectorXd> widths(half_widths.data(), static_cast<Eigen::Index>(count));
+    const Eigen::Vector3d direction = longest_direction(columns * widths.asDiagonal());
+    for (std::size_t k = 0; k < count; ++k) {
+      const double along = direction.dot(columns.col(static_cast<Eigen::Index>(k)));
+      positive[k][i] = std::max(along, 0.0);
+      negative[k][i] = std::max(-along, 0.0);
+    }
+  }
+  std::vector<WeightedSum> sums(weights.biased ? 2 : 1);
+  for (std::size_t s = 0; s < sums.size(); ++s)
+    for (std::size_t k = 0; k < count; ++k)
+      for (const bool forward : {true, false}) {
+        const double sign = is_symmetric(weights, k) ? 0 : forward == (s == 0) ? 1 : -1;
+        add_column(
+            sums[s], k, (forward ? positive : negative)[k].data(), weights,
+            [&](const ErrorWeights& w, Eigen::Index column) { return worst_weight(r, w, column, sign); });
+      }
+  for (auto* parts : {&positive, &negative})
+    for (AlignedNumbers& numbers : *parts) along_.push_back(std::move(numbers));
+  return sums;
+}
+
+ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weights,
+                                const OptionChoice& reference) {
+  ChoiceFigure figure;
+  if (r.figure) return figure;
+  // What is proven over the joint ranges is at least what is sampled in them.
+  const bool proven = r.statistic == "proven_max";
+  figure.over = proven ? ChoiceFigure::Over::largest : over_of(r);
+  figure.percentile = proven ? 0 : std::max(0.0, percentile_of(r));
+  // Beyond the limit of exact percentiles those of a report are counted in bins, right to 1e-3.
+  if (figure.over == ChoiceFigure::Over::percentile && columns_.configurations() > exact_percentiles_limit)
+    figure.tolerance = 2e-3;
+  using Bound = Requirement::Bound;
+  if (r.bound == Bound::sigma || r.bound == Bound::sigma_in_motion) {
+    figure.root = true;
+    figure.bound = proven;
+    figure.sums = {sigma_sum(r, weights)};
+    return figure;
+  }
+  const bool length = r.coordinate >= spec_.model.coordinates.size();
+  figure.bound = proven || length || r.bound == Bound::worst_case_rigorous;
+  if (!length) {
+    figure.sums = worst_sums(r, weights, r.coordinate);
+    return figure;
+  }
+  figure.sums = length_sums(r, weights, reference);
+  for (std::size_t axis = 0; axis < 3; ++axis)
+    for (WeightedSum& sum : worst_sums(r, weights, component(r, axis))) figure.sums.push_back(std::move(sum));
+  return figure;
+}
+
+}  // namespace qerr
