@@ -105,7 +105,10 @@ class Rewriter {
   }
 
   void replace(const Node& have, const Node& want, const std::string& path) {
-    const size_t end = end_of(have, path), at = offset(have.place);
+    // A value in block style gives way to one in one line below its key.
+    const bool in_lines =
+        !is_flow(have) && (have.type == Node::Type::mapping || have.type == Node::Type::sequence);
+    const size_t end = in_lines ? last_line(have, path) : end_of(have, path), at = offset(have.place);
     edits_.push_back({at, end - at, flow(want)});
   }
 

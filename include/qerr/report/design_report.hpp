@@ -83,7 +83,7 @@ struct DesignReport {
   std::optional<Design> finest;
   std::vector<std::string> obstacles;          ///< nothing feasible: why, in sentences
   std::vector<std::size_t> without_influence;  ///< requirements that no option changes
-  std::string written;                         ///< the spec with the choice; "" if there is none
+  std::string written;                         ///< the spec with the choice; "" if none is asked for or found
   std::vector<std::string> warnings;
 };
 
@@ -91,7 +91,7 @@ struct DesignOptions {
   WorkspaceOptions workspace;
   std::string pareto;        ///< quantity of the front; "": that of the tightest requirement
   bool alternatives = true;  ///< compute the prices of requirements and the front
-  std::string target;        ///< where the written spec will stand, for its paths; "": beside the spec
+  std::string target;        ///< path of the spec with the choice, to which its paths are relative; "": none
 };
 
 class SpecVariants;

@@ -64,7 +64,7 @@ class DesignJob {
     }
     report_.optimal = design_of(found.best[0]);
     if (found.best.size() > 1) report_.runner_up = design_of(found.best[1]);
-    report_.written = written(found.best[0]);
+    if (!options_.target.empty()) report_.written = written(found.best[0]);
     find_influences(found.best[0]);
     if (!options_.alternatives) return std::move(report_);
     if (!goal_) price_requirements(query, found.best[0]);
@@ -146,11 +146,10 @@ class DesignJob {
   }
 
   std::string written(const FoundDesign& found) const {
-    const std::string target = options_.target.empty() ? report_.spec.file : options_.target;
     std::string remark = "chosen by qerr design, minimize: " + report_.goal;
     for (const DesignedEncoder& e : report_.optimal->encoders) remark += "\n  " + e.joint + ": " + e.name;
     return changed_spec(report_.spec, changes(found), problem_->effects(found.choice), escaped_lines(remark),
-                        target);
+                        options_.target);
   }
 
   static std::string escaped_lines(const std::string& text) {
