@@ -24,7 +24,7 @@ void set_samples(ArcGrid& g, double lower, std::size_t stride) {
   for (std::size_t i = 0; i < count; ++i) {
     // Strides beyond the range leave gaps between the samples of neighbouring nodes.
     const std::size_t place = stride <= own ? i : i / own * stride + i % own;
-    const double angle = lower + static_cast<double>(place) * g.spacing;
+    const double angle = lower + static_cast<double>(place) * (g.intervals > 0 ? g.spacing : g.node_spacing);
     g.sample_cos.push_back(std::cos(angle));
     g.sample_sin.push_back(std::sin(angle));
     g.middle_cos.push_back(std::cos(angle + g.spacing / 2));

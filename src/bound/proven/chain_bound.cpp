@@ -1,23 +1,180 @@
 #include "bound/proven/chain_bound.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <queue>
 
 #include "bound/proven/chain_form.hpp"
 #include "bound/proven/position_sigma.hpp"
+#include "bound/proven/position_worst_case.hpp"
+#include "bound/proven/rotation_bound.hpp"
 
 namespace qerr {
+
+namespace {
+
+using Figure = ChainBoundRequest::Figure;
+
+/// A recursion and the grids on which it is worth its time: the error falls as 1/cells^2.
+struct ChainRecursion {
+  std::function<double(const ChainForm&, double cells)> bound;
+  double coarsest, finest;
+};
+
+/// At most so many errors have their signs chosen one by one: 2^6 recursions.
+constexpr std::size_t most_distant_errors = 7;
+
+Eigen::Vector3d axis_of(Coordinate c) {
+  return Eigen::Vector3d::Unit(static_cast<Eigen::Index>(c) -
+                               static_cast<Eigen::Index>(is_position(c) ? Coordinate::x : Coordinate::rx));
+}
+
+/// The finest grids for a gap: the error of a grid of `at_one_percent` cells is less than 1 % for most
+/// chains.
+double finest(double at_one_percent, double gap, double most) {
+  return std::min(most, std::ceil(at_one_percent * std::sqrt(0.01 / std::max(gap, 1e-6))));
+}
+
+std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordinate c, Figure figure,
+                                           double gap) {
+  const bool worst = figure == Figure::worst_case;
+  const bool tip = model.frame == CoordinateFrame::tip;
+  if (is_rotation_vector(c) || c == Coordinate::rxyz) {
+    std::vector<Eigen::Vector3d> directions;
+    if (c != Coordinate::rxyz) directions.push_back(axis_of(c));
+    const RotationAxes axes = tip && !directions.empty() ? RotationAxes::tip : RotationAxes::base;
+    return ChainRecursion{[=](const ChainForm& form, double cells) {
+                            const auto bound = worst ? rotation_worst_case_bound : rotation_sigma_bound;
+                            const RotationBound b = bound(form, axes, directions, cells);
+                            return directions.empty() ? b.length : b.along[0];
+                          },
+                          24, finest(60, gap, 400)};
+  }
+  if (c == Coordinate::xyz && !worst) return ChainRecursion{position_sigma_bound, 12, finest(40, gap, 160)};
+  if (worst && (c == Coordinate::xyz || (is_position(c) && !tip))) {
+    std::vector<Eigen::Vector3d> directions;
+    if (c != Coordinate::xyz) directions.push_back(axis_of(c));
+    return ChainRecursion{[=](const ChainForm& form, double cells) {
+                            const PositionWorstCase b = position_worst_case_bound(form, directions, cells);
+                            return directions.empty() ? b.length : b.along[0];
+                          },
+                          10, finest(32, gap, 56)};
+  }
+  return std::nullopt;
+}
+
+/// The figure from the bound of what the recursion covers: adds origins where that has not, and the errors
+/// along a motion.
+double with_constants(const OperationalModel& model, const ChainForm& form, Coordinate c, Figure figure,
+                      double bound) {
+  const bool worst = figure == Figure::worst_case;
+  double width = 0, variance = 0;
+  for (const DirectedOrigin& o : form.origins) {
+    width += std::abs(o.mean) + o.half_width;
+    variance += o.variance;  // of a component: at most that along its direction
+  }
+  if (!is_position(c) && c != Coordinate::xyz) width = variance = 0;
+  if (c != Coordinate::xyz) width = 0;
+  if (model.along_motion) {
+    const SignalMoments& tip = model.along_motion->tip;
+    double squares = 0;
+    for (std::size_t i = 0; i < model.coordinates.size(); ++i) {
+      const Coordinate own = model.coordinates[i];
+      const bool part =
+          own == c || (is_length(c) && !is_euler_angle(own) && is_position(own) == (c == Coordinate::xyz));
+      if (!part) continue;
+      const auto row = static_cast<Eigen::Index>(i);
+      squares += tip.peak[row] * tip.peak[row];
+      variance += tip.covariance(row, row);
+    }
+    width += std::sqrt(squares);
+  }
+  return (worst ? bound + width : std::sqrt(bound * bound + variance)) * (1 + 1e-14);
+}
+
+/// The bound of a form on finer grids until it is at most `enough`. The next grid is that at which the error
+/// would be within, as it falls as 1/cells^2.
+double refined(const ChainRecursion& r, const std::function<double(double)>& figure, const ChainForm& form,
+               double lower, double enough) {
+  double best = INFINITY;
+  for (double cells = std::min(r.coarsest, r.finest);;) {
+    best = std::min(best, figure(r.bound(form, cells)));
+    if (best <= enough || cells >= r.finest) return best;
+    const double wanted = enough > lower ? 1.1 * std::sqrt((best - lower) / (enough - lower)) : 4;
+    cells = std::min(r.finest, std::ceil(cells * std::clamp(wanted, 1.25, 4.0)));
+  }
+}
+
+/// Independent joints that move several joints of the chain.
+std::vector<std::size_t> masters(const OperationalModel& model) {
+  std::vector<std::size_t> moved(model.chain.independent.size()), found;
+  for (const ChainJoint& joint : model.chain.joints)
+    if (++moved[joint.coordinate] == 2) found.push_back(joint.coordinate);
+  return found;
+}
+
+/// Within a part of the ranges of the masters, the joints that one of them moves are relaxed to independent
+/// ones.
+struct Part {
+  std::vector<Limits> ranges;
+  double bound;
+  std::size_t order;  ///< of its making; breaks ties
+  bool operator<(const Part& other) const {
+    return bound != other.bound ? bound < other.bound : order > other.order;
+  }
+};
+
+constexpr std::size_t most_parts = 400;
+
+double split_masters(const OperationalModel& model, const std::vector<Limits>& ranges,
+                     const std::vector<std::size_t>& dependent, const ChainRecursion& r,
+                     const std::function<double(double)>& figure, double lower, double gap) {
+  const double enough = lower * (1 + gap);
+  const auto bound = [&](const std::vector<Limits>& part) {
+    return refined(r, figure, chain_form(model, part), lower, lower * (1 + gap / 2));
+  };
+  std::priority_queue<Part> open;
+  std::size_t made = 0;
+  open.push({ranges, bound(ranges), made++});
+  while (open.top().bound > enough && made < most_parts) {
+    const Part part = open.top();
+    open.pop();
+    std::size_t widest = dependent[0];
+    for (const std::size_t d : dependent)
+      if (part.ranges[d].upper - part.ranges[d].lower > part.ranges[widest].upper - part.ranges[widest].lower)
+        widest = d;
+    for (const bool first : {true, false}) {
+      Part half = part;
+      const double middle = 0.5 * (part.ranges[widest].lower + part.ranges[widest].upper);
+      (first ? half.ranges[widest].upper : half.ranges[widest].lower) = middle;
+      half.bound = std::min(part.bound, bound(half.ranges));
+      half.order = made++;
+      open.push(half);
+    }
+  }
+  return open.top().bound;
+}
+
+}  // namespace
 
 std::optional<double> chain_upper_bound(const OperationalModel& model, const std::vector<Limits>& ranges,
                                         const ChainBoundRequest& request, double known_lower, double gap) {
   const Coordinate c = coordinates_and_lengths(model).at(request.coordinate);
+  const std::optional<ChainRecursion> r = recursion_of(model, c, request.figure, gap);
+  if (!r) return std::nullopt;
   const ChainForm form = chain_form(model, ranges);
-  if (c != Coordinate::xyz || request.figure != ChainBoundRequest::Figure::sigma) return std::nullopt;
-  double best = INFINITY;
-  for (double cells = 12; cells <= 100; cells *= 2) {
-    best = std::min(best, position_sigma_bound(form, cells));
-    if (best <= known_lower * (1 + gap)) break;
-  }
-  return best;
+  for (const ChainStep& step : form.steps)
+    if (!std::isfinite(step.lower) || !std::isfinite(step.upper)) return std::nullopt;
+  std::size_t distant = 0;
+  for (const DirectedError& e : form.errors) distant += e.last - e.first > 1;
+  if (request.figure == Figure::worst_case && distant > most_distant_errors) return std::nullopt;
+  const auto figure = [&](double bound) { return with_constants(model, form, c, request.figure, bound); };
+  const std::vector<std::size_t> dependent = masters(model);
+  const double bound = dependent.empty()
+                           ? refined(*r, figure, form, known_lower, known_lower * (1 + gap))
+                           : split_masters(model, ranges, dependent, *r, figure, known_lower, gap);
+  return bound;
 }
 
 }  // namespace qerr

@@ -88,6 +88,19 @@ ChainForm chain_form(const OperationalModel& model, const std::vector<Limits>& r
   return form;
 }
 
+std::vector<std::vector<double>> distant_signs(const ChainForm& form) {
+  std::size_t distant = 0;
+  bool means = false;
+  for (const DirectedError& e : form.errors) distant += e.last - e.first > 1, means = means || e.mean != 0;
+  for (const DirectedOrigin& o : form.origins) means = means || o.mean != 0;
+  std::vector<std::vector<double>> all;
+  for (std::size_t c = 0; c < std::size_t{1} << (distant > 0 && !means ? distant - 1 : distant); ++c) {
+    all.emplace_back();
+    for (std::size_t i = 0; i < distant; ++i) all.back().push_back(c >> i & 1 ? 1 : -1);
+  }
+  return all;
+}
+
 std::vector<double> ChainForm::reaches() const {
   std::vector<double> reach(size() + 1);
   reach[size()] = tip.translation().norm();

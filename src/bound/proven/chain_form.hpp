@@ -44,6 +44,10 @@ struct ChainForm {
   std::vector<double> reaches() const;
 };
 
+/// Choices of the signs of the errors that move joints further apart than neighbours, in their order: all, or
+/// without means half of them, as a common sign of all errors does not change a magnitude.
+std::vector<std::vector<double>> distant_signs(const ChainForm&);
+
 /// The form of a model over a box of its joint ranges.
 ChainForm chain_form(const OperationalModel&, const std::vector<Limits>& ranges);
 

@@ -1,0 +1,336 @@
+#include "bound/proven/position_worst_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "bound/proven/direction_grid.hpp"
+#include "bound/proven/moment_disc.hpp"
+#include "bound/proven/sliding_maximum.hpp"
+#include "core/parallel.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Rounding error of a table's value over the largest sum of the magnitudes of its terms: a value is a sum of
+/// at most 20 products of floats (2^-24 each); positions in a table of at most 128 nodes are known to 3
+/// roundings of 128 cells, which moves m by 6 2^-24 of the diameter of the disc in each of two coordinates.
+constexpr double float_rounding = 64 * 0x1p-24;
+
+/// Linear function of (u, m) that an error adds: (a u x z + b u x z') . p - b (u x z') . t' and the like.
+struct LocalError {
+  Eigen::Matrix3d to_moment = Eigen::Matrix3d::Zero();  ///< D(u) = to_moment u
+  Eigen::Vector3d constant = Eigen::Vector3d::Zero();   ///< e, of e . u
+  double half_width = 0;
+  double size = 0;    ///< largest |c| over all configurations for |u| = 1
+  double moment = 0;  ///< largest |D(u)|
+};
+
+Eigen::Matrix3d crossed_with(const Eigen::Vector3d& z) {  // u -> u x z
+  Eigen::Matrix3d m;
+  m << 0, z.z(), -z.y(), -z.z(), 0, z.x(), z.y(), -z.x(), 0;
+  return m;
+}
+
+void add_column(LocalError& e, double factor, bool prismatic, const Eigen::Vector3d& z,
+                const Eigen::Vector3d& origin, double reach) {
+  if (prismatic) {
+    e.constant += factor * z;
+    e.size += std::abs(factor);
+    return;
+  }
+  e.to_moment += factor * crossed_with(z);
+  e.constant -= factor * z.cross(origin);  // (u x z) . o = u . (z x o)
+  e.size += std::abs(factor) * reach;
+  e.moment += std::abs(factor);
+}
+
+/// What belongs to the moved frame of a joint.
+struct Level {
+  std::vector<LocalError> errors;
+  LocalError fixed;                     ///< means and errors of fixed sign, half_width 1
+  std::vector<DirectedOrigin> origins;  ///< in the moved frame
+  ArcGrid arc;
+  DirectionGrid directions;
+  MomentDisc disc;
+  double pre_reach = 0;      ///< of the tip from the frame before the motion
+  double shift = 0;          ///< largest change of |m|
+  double size = 0;           ///< largest |sum of all errors from here to the tip| for |u| = 1
+  std::vector<float> table;  ///< [row][column][m along polar][m along azimuth]
+};
+
+class PositionRecursion {
+ public:
+  PositionRecursion(const ChainForm& form, const std::vector<double>& distant_signs, bool with_origins);
+  void run(double cells);
+  double along(const Eigen::Vector3d& u) const;
+  double length() const;
+  bool even() const { return even_; }
+
+ private:
+  void lay_out(double cells);
+  void fill_row(std::size_t k, std::size_t row);
+  void raise(std::size_t k, const DirectionFrame& at, float* values) const;
+  void add_terms(std::size_t k, std::size_t row, float* values) const;
+  void set_tables(std::size_t k, const DirectionFrame& at, SliceSum& sum, double& constant) const;
+  double origins_at(std::size_t link, const Eigen::Vector3d& u) const;
+
+  const ChainForm& form_;
+  const SliceKernels& kernels_;
+  std::vector<double> reach_;
+  std::vector<Level> levels_;  // [k]: of joint k counted from 1; [0]: origins in the base
+  bool even_ = true;
+};
+
+PositionRecursion::PositionRecursion(const ChainForm& form, const std::vector<double>& distant_signs,
+                                     bool with_origins)
+    : form_(form),
+      kernels_(select_kernels<SliceKernels>(instruction_set())),
+      reach_(form.reaches()),
+      levels_(form.size() + 1) {
+  std::size_t distant = 0;
+  for (const DirectedError& e : form.errors) {
+    const bool near = e.last - e.first <= 1;
+    const double sign = near ? 0 : distant_signs[distant++];
+    if (e.mean != 0 || !near) even_ = false;
+    LocalError local;
+    local.half_width = e.half_width;
+    for (Eigen::Index k = e.first; k <= e.last; ++k) {
+      const auto joint = static_cast<std::size_t>(k);
+      const ChainStep& step = form.steps[joint];
+      // The columns of neighbours in the moved frame of the first.
+      const bool next = near && k > e.first;
+      const Eigen::Vector3d z = next ? Eigen::Vector3d(step.rotation.col(2)) : Eigen::Vector3d::UnitZ();
+      const Eigen::Vector3d o = next ? step.translation : Eigen::Vector3d::Zero();
+      if (near) add_column(local, e.of_joints[k], step.prismatic, z, o, reach_[joint + 1]);
+      add_column(levels_[joint + 1].fixed, (e.mean + sign * e.half_width) * e.of_joints[k], step.prismatic,
+                 Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero(), reach_[joint + 1]);
+    }
+    if (near && e.half_width > 0) levels_[static_cast<std::size_t>(e.first) + 1].errors.push_back(local);
+  }
+  if (with_origins)
+    for (const DirectedOrigin& o : form.origins) {
+      levels_[o.link].origins.push_back(o);
+      if (o.mean != 0) even_ = false;
+    }
+  double size = 0;
+  for (std::size_t k = form.size() + 1; k-- > 0;) {
+    Level& l = levels_[k];
+    l.shift = l.fixed.moment;
+    size += l.fixed.size;
+    for (const LocalError& e : l.errors) {
+      l.shift += e.half_width * e.moment;
+      size += e.half_width * e.size;
+    }
+    for (const DirectedOrigin& o : l.origins) size += o.half_width + std::abs(o.mean);
+    l.size = size * (1 + 1e-12);
+    if (k == 0) continue;
+    const ChainStep& step = form.steps[k - 1];
+    const double travel = step.prismatic ? std::max(std::abs(step.lower), std::abs(step.upper)) : 0;
+    l.pre_reach = reach_[k] + travel;
+  }
+}
+
+void PositionRecursion::lay_out(double cells) {
+  const double step = std::acos(-1.0) / 2 / cells;
+  double radius = 0, total = 0;
+  for (const Level& l : levels_) total += l.shift;
+  for (std::size_t k = 1; k < levels_.size(); ++k) {
+    Level& l = levels_[k];
+    const ChainStep& joint = form_.steps[k - 1];
+    // u at azimuth a before the motion q is at a - q after it.
+    l.arc = joint.prismatic ? fixed_grid(step) : arc_grid(-joint.upper, -joint.lower, step);
+    l.directions = direction_grid(even_, step, l.arc);
+    const double least = 1e-7 * total;
+    const bool point = radius <= least;
+    l.disc = moment_disc(std::max(radius, least), point ? 3 : 2 * static_cast<int>(cells / 2) + 1);
+    if (k + 1 < levels_.size()) {
+      // Maps m_j of a stencil of the next table: |m_j| <= |m|/cos^2 (diameter), of its own cells.
+      const ChainStep& next = form_.steps[k];
+      const ArcGrid arc = next.prismatic ? fixed_grid(step) : arc_grid(-next.upper, -next.lower, step);
+      const double cosine = std::cos(direction_grid(even_, step, arc).diameter());
+      radius = (l.disc.reach() * (1 + 2e-6) + l.shift) / (cosine * cosine) * (1 + 1e-6);
+    }
+  }
+  for (std::size_t k = 1; k < levels_.size(); ++k) levels_[k].directions.azimuths = &levels_[k].arc;
+}
+
+/// Tables of V_k at the direction `at` of the moved frame of joint k: those of A_(k+1), and a constant.
+void PositionRecursion::set_tables(std::size_t k, const DirectionFrame& at, SliceSum& sum,
+                                   double& constant) const {
+  if (k == form_.size()) return;
+  const Level& next = levels_[k + 1];
+  const Eigen::Matrix3d to_next = form_.steps[k].rotation.transpose();
+  const DirectionStencil s =
+      direction_stencil(next.directions, {to_next * at.u, to_next * at.polar, to_next * at.azimuth});
+  sum.count = static_cast<int>(s.count);
+  sum.table_nodes = next.disc.nodes;
+  for (std::size_t i = 0; i < s.count; ++i) {
+    const DirectionStencil::Vertex& v = s.vertices[i];
+    sum.table[i] = next.table.data() + (v.row * next.directions.columns() + v.column) * next.disc.size();
+    sum.weight[i] = static_cast<float>(v.weight);
+  }
+  constant += s.moment_residual * next.disc.radius * next.pre_reach + s.direction_residual * next.size;
+  // Maps from m to positions, completed for each shift in `raise`.
+  for (std::size_t i = 0; i < s.count; ++i) {
+    const Eigen::Matrix2d map = s.vertices[i].map / next.disc.step;
+    sum.row_a[i] = static_cast<float>(map(0, 0)), sum.row_b[i] = static_cast<float>(map(0, 1));
+    sum.column_a[i] = static_cast<float>(map(1, 0)), sum.column_b[i] = static_cast<float>(map(1, 1));
+  }
+}
+
+double PositionRecursion::origins_at(std::size_t link, const Eigen::Vector3d& u) const {
+  double sum = 0;
+  for (const DirectedOrigin& o : levels_[link].origins)
+    sum += o.half_width * std::abs(u.dot(o.direction)) + o.mean * u.dot(o.direction);
+  return sum;
+}
+
+/// Raises values to F_k at the nodes of the disc of A_k, at a direction of the moved frame.
+void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* values) const {
+  const Level& l = levels_[k];
+  SliceSum sum;
+  double constant = l.fixed.constant.dot(at.u);
+  set_tables(k, at, sum, constant);
+  const Eigen::Vector3d p = k == form_.size() ? Eigen::Vector3d(form_.tip.translation())
+                                              : Eigen::Vector3d(form_.steps[k].translation);
+  const Eigen::Vector2d along(p.dot(at.polar), p.dot(at.azimuth));
+  const double middle = 0.5 * (l.disc.nodes - 1), h = l.disc.step;
+  const SliceSum maps = sum;
+  const double next_middle = k < form_.size() ? 0.5 * (levels_[k + 1].disc.nodes - 1) : 0;
+  for (std::size_t signs = 0; signs < std::size_t{1} << l.errors.size(); ++signs) {
+    Eigen::Vector3d moment = l.fixed.to_moment * at.u;
+    double value = constant;
+    for (std::size_t e = 0; e < l.errors.size(); ++e) {
+      const double weight = (signs >> e & 1 ? 1 : -1) * l.errors[e].half_width;
+      moment += weight * (l.errors[e].to_moment * at.u);
+      value += weight * l.errors[e].constant.dot(at.u);
+    }
+    // m = (a, b) h + first
+    const double first[2] = {moment.dot(at.polar) - middle * h, moment.dot(at.azimuth) - middle * h};
+    for (int i = 0; i < sum.count; ++i) {
+      const double ra = maps.row_a[i], rb = maps.row_b[i], ca = maps.column_a[i], cb = maps.column_b[i];
+      sum.row_0[i] = static_cast<float>(ra * first[0] + rb * first[1] + next_middle);
+      sum.column_0[i] = static_cast<float>(ca * first[0] + cb * first[1] + next_middle);
+      sum.row_a[i] = static_cast<float>(ra * h), sum.row_b[i] = static_cast<float>(rb * h);
+      sum.column_a[i] = static_cast<float>(ca * h), sum.column_b[i] = static_cast<float>(cb * h);
+    }
+    sum.value_0 = static_cast<float>(value + along[0] * first[0] + along[1] * first[1]);
+    sum.value_a = static_cast<float>(along[0] * h);
+    sum.value_b = static_cast<float>(along[1] * h);
+    kernels_.raise(sum, l.disc.view(), values);
+  }
+}
+
+/// Adds what does not depend on the azimuth: allowances, prismatic motion.
+void PositionRecursion::add_terms(std::size_t k, std::size_t row, float* values) const {
+  const Level& l = levels_[k];
+  const ChainStep& joint = form_.steps[k - 1];
+  const double polar = l.directions.polar(row), sine = std::sin(polar), cosine = std::cos(polar);
+  const double m = l.disc.reach() + l.shift;
+  const double beyond = k < form_.size() ? levels_[k + 1].pre_reach : 0;
+  const double rounding = float_rounding * 2 * (m * (l.pre_reach + beyond) + l.size);
+  const double between = l.arc.intervals > 0 ? (1 - std::cos(l.arc.spacing / 2)) * (1 + 1e-9) : 0;
+  for (int a = 0; a < l.disc.nodes; ++a)
+    for (int b = l.disc.begin[static_cast<std::size_t>(a)]; b < l.disc.end[static_cast<std::size_t>(a)];
+         ++b) {
+      double added =
+          rounding + between * (std::hypot(cosine * l.disc.at(a), l.disc.at(b)) * reach_[k] + sine * l.size);
+      if (joint.prismatic) {
+        const double along_axis = -sine * l.disc.at(a);
+        added += std::max(along_axis * joint.lower, along_axis * joint.upper);
+      }
+      values[a * l.disc.nodes + b] += static_cast<float>(added);
+    }
+}
+
+void PositionRecursion::fill_row(std::size_t k, std::size_t row) {
+  Level& l = levels_[k];
+  const std::size_t slice = l.disc.size(), columns = l.directions.columns();
+  float* to = l.table.data() + row * columns * slice;
+  const double polar = l.directions.polar(row);
+  const std::size_t samples = l.arc.sample_cos.size();
+  std::vector<float> values(samples * slice, -std::numeric_limits<float>::max()), memory;
+  for (std::size_t i = 0; i < samples; ++i) {
+    const DirectionFrame at = direction_frame(polar, l.arc.sample_cos[i], l.arc.sample_sin[i]);
+    float* here = values.data() + i * slice;
+    raise(k, at, here);
+    if (const double added = origins_at(k, at.u); added != 0)
+      for (std::size_t c = 0; c < slice; ++c) here[c] += static_cast<float>(added);
+  }
+  if (l.arc.full) {
+    std::copy_n(values.data(), slice, to);
+    for (std::size_t i = 1; i < samples; ++i)
+      for (std::size_t c = 0; c < slice; ++c) to[c] = std::max(to[c], values[i * slice + c]);
+  } else {
+    memory.resize(values.size());
+    if (l.arc.intervals > 0)
+      sliding_maximum(values.data(), samples, l.arc.intervals + 1, slice, memory.data());
+    for (std::size_t j = 0; j < columns; ++j)
+      std::copy_n(values.data() + l.arc.first(j) * slice, slice, to + j * slice);
+  }
+  for (std::size_t j = 0; j < columns; ++j) add_terms(k, row, to + j * slice);
+}
+
+void PositionRecursion::run(double cells) {
+  lay_out(cells);
+  for (std::size_t k = form_.size(); k > 0; --k) {
+    Level& l = levels_[k];
+    l.table.assign(l.directions.rows * l.directions.columns() * l.disc.size(), 0);
+    parallel_for(l.directions.rows, 0, [&](std::size_t row) { fill_row(k, row); });
+    if (k < form_.size()) std::vector<float>().swap(levels_[k + 1].table);
+  }
+}
+
+double PositionRecursion::along(const Eigen::Vector3d& direction) const {
+  const Level& l = levels_[1];
+  const auto value_at = [&](const Eigen::Vector3d& base) {
+    const Eigen::Vector3d u = form_.steps[0].rotation.transpose() * base;
+    const double across = u.head<2>().norm(), polar = std::atan2(across, u.z());
+    const DirectionFrame at =
+        direction_frame(polar, across > 0 ? u.x() / across : 1, across > 0 ? u.y() / across : 0);
+    const DirectionStencil s = direction_stencil(l.directions, at);
+    double value = s.direction_residual * l.size + (at.u - u).norm() * l.size;
+    for (std::size_t i = 0; i < s.count; ++i) {
+      const DirectionStencil::Vertex& v = s.vertices[i];
+      const std::size_t slice = v.row * l.directions.columns() + v.column;
+      value += v.weight * l.table[slice * l.disc.size() + l.disc.size() / 2];
+    }
+    return value + origins_at(0, base);
+  };
+  const double there = value_at(direction);
+  return (even_ ? there : std::max(there, value_at(-direction))) * (1 + 1e-12);
+}
+
+double PositionRecursion::length() const {
+  const Level& l = levels_[1];
+  std::vector<double> values;
+  for (std::size_t i = 0; i < l.directions.rows * l.directions.columns(); ++i)
+    values.push_back(l.table[i * l.disc.size() + l.disc.size() / 2]);
+  return largest_over_directions(l.directions, values) * (1 + 1e-12);
+}
+
+}  // namespace
+
+PositionWorstCase position_worst_case_bound(const ChainForm& form,
+                                            const std::vector<Eigen::Vector3d>& directions, double cells) {
+  PositionWorstCase bound;
+  bound.along.resize(directions.size());
+  for (const std::vector<double>& signs : distant_signs(form)) {
+    PositionRecursion r(form, signs, true);
+    r.run(cells);
+    for (std::size_t i = 0; i < directions.size(); ++i)
+      bound.along[i] = std::max(bound.along[i], r.along(directions[i]));
+    if (form.origins.empty()) {
+      bound.length = std::max(bound.length, r.length());
+    } else {
+      PositionRecursion without(form, signs, false);
+      without.run(cells);
+      bound.length = std::max(bound.length, without.length());
+    }
+  }
+  return bound;
+}
+
+}  // namespace qerr

@@ -1,0 +1,134 @@
+#include "bound/proven/chain_bound.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+#include "support/figure_search.hpp"
+
+namespace qerr {
+namespace {
+
+using testing::ChainMix;
+using testing::Dice;
+using Figure = ChainBoundRequest::Figure;
+constexpr double pi = std::numbers::pi;
+
+/// Index among the coordinates and lengths of the models below.
+constexpr std::size_t x = 0, rx = 3, xyz = 6, rxyz = 7;
+
+OperationalModel model_of(const RobotModel& robot) {
+  OperationalModel m{make_chain(robot, "", ""), {}, {}};
+  const auto n = static_cast<Eigen::Index>(m.chain.independent.size());
+  m.transmission.coupling = Eigen::MatrixXd::Identity(n, n);
+  m.transmission.encoders.resize(static_cast<std::size_t>(n), Encoder{1e-4});
+  m.coordinates = {Coordinate::x,  Coordinate::y,  Coordinate::z,
+                   Coordinate::rx, Coordinate::ry, Coordinate::rz};
+  m.lengths = {Coordinate::xyz, Coordinate::rxyz};
+  return m;
+}
+
+/// Joints about z at the ends of links of these lengths along x.
+OperationalModel planar_arm(const std::vector<double>& lengths) {
+  RobotModel robot{"planar", "planar.urdf", {"base"}, {}, {}};
+  Eigen::Isometry3d at = Eigen::Isometry3d::Identity();
+  for (std::size_t i = 0; i <= lengths.size(); ++i) {
+    const bool tip = i == lengths.size();
+    const std::string link = "link_" + std::to_string(i);
+    robot.joints.push_back({"joint_" + std::to_string(i),
+                            tip ? JointType::fixed : JointType::revolute,
+                            robot.links.back(),
+                            link,
+                            at,
+                            Eigen::Vector3d::UnitZ(),
+                            {},
+                            {},
+                            {}});
+    robot.links.push_back(link);
+    if (!tip) at.translation() = lengths[i] * Eigen::Vector3d::UnitX();
+  }
+  return model_of(robot);
+}
+
+std::vector<Limits> random_ranges(Dice& dice, const OperationalModel& m) {
+  std::vector<Limits> ranges;
+  for (const IndependentJoint& joint : m.chain.independent) {
+    const double middle = dice.between(-2, 2);
+    const double half = joint.prismatic()  ? dice.between(0, 0.4)
+                        : dice.chance(0.2) ? pi
+                        : dice.chance(0.1) ? 0
+                                           : dice.between(0, 3);
+    ranges.push_back({middle - half, middle + half});
+  }
+  return ranges;
+}
+
+void expect_at_least(const OperationalModel& m, const std::vector<Limits>& ranges,
+                     const ChainBoundRequest& request, double gap, double promised) {
+  const double lower = testing::largest_figure(m, ranges, request, 300, 5);
+  const std::optional<double> upper = chain_upper_bound(m, ranges, request, lower, gap);
+  ASSERT_TRUE(upper);
+  EXPECT_GE(*upper, lower * (1 - 1e-12)) << request.coordinate;
+  EXPECT_LE(*upper, lower * (1 + promised)) << request.coordinate;
+}
+
+TEST(ChainBound, OfOneJointIsItsRadiusTimesItsWidth) {
+  const OperationalModel m = planar_arm({0.7});
+  const std::vector<Limits> turn{{-pi, pi}};
+  for (const std::size_t c : {x, xyz}) {
+    const double worst = *chain_upper_bound(m, turn, {c, Figure::worst_case}, 0.7 * 0.5e-4, 1e-4);
+    EXPECT_NEAR(worst / (0.7 * 0.5e-4), 1, 1e-3);
+    EXPECT_GE(worst, 0.7 * 0.5e-4);
+  }
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::sigma}, 0, 0.01), 0.7e-4 / std::sqrt(12.0), 1e-12);
+}
+
+TEST(ChainBound, OfAPlanarArmIsThatOfTheStretchedArm) {
+  // dx = -sum over joints of dq_k (y of the tip beyond joint k): all links along y.
+  const OperationalModel m = planar_arm({0.5, 0.3, 0.2});
+  const std::vector<Limits> turn(3, {-pi, pi});
+  const double worst = 0.5e-4 * (1.0 + 0.5 + 0.2);
+  const double sigma = 1e-4 / std::sqrt(12.0) * std::sqrt(1.0 + 0.25 + 0.04);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {x, Figure::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::sigma}, sigma, 0.001) / sigma, 1.0005, 0.0006);
+}
+
+TEST(ChainBound, EndsOfTheRangeCount) {
+  // dx = -dq (0.7 sin q), largest at the end of the range.
+  const OperationalModel m = planar_arm({0.7});
+  const double worst = 0.5e-4 * 0.7 * std::sin(0.4);
+  EXPECT_NEAR(*chain_upper_bound(m, {{-0.1, 0.4}}, {x, Figure::worst_case}, worst, 0.001) / worst, 1.0005,
+              0.0006);
+}
+
+TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
+  Dice dice(21);
+  for (int i = 0; i < 12; ++i) {
+    SCOPED_TRACE(i);
+    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3 + dice.below(3), 0.25, 0}));
+    m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-3, false);
+    const std::vector<Limits> ranges = random_ranges(dice, m);
+    for (const std::size_t c : {x, rx, xyz, rxyz}) {
+      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.03, 0.03);
+      if (c != x) expect_at_least(m, ranges, {c, Figure::sigma}, 0.02, 0.02);
+    }
+  }
+}
+
+TEST(ChainBound, IsNeverBelowASearchOfCoupledAndMimicJoints) {
+  Dice dice(22);
+  for (int i = 0; i < 8; ++i) {
+    SCOPED_TRACE(i);
+    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{2 + dice.below(3), 0.2, 0.5}));
+    m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-3, i % 2 == 0);
+    const std::vector<Limits> ranges = random_ranges(dice, m);
+    for (const std::size_t c : {x, rx, xyz, rxyz}) {
+      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.05, 0.08);
+      if (c != x) expect_at_least(m, ranges, {c, Figure::sigma}, 0.05, 1);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace qerr
