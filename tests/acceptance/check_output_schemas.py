@@ -59,6 +59,11 @@ def reports(qerr, folder):
         if "requirements:" in spec.read_text():
             yield "check", ["check", spec, *few]
     arm = CONFIGS / "kuka_lwr" / "spec.yaml"
+    premium = CONFIGS / "phantom_premium" / "spec.yaml"
+    proven = "requirements=[{quantity: position.x.sigma, statistic: proven_max, at_most: 1 mm}]"
+    yield "analyze", ["analyze", premium, *few, "--prove", "5%"]
+    yield "check", ["check", premium, *few, "--set", proven]
+    yield "compare", ["compare", premium, premium, *few, "--set", proven]
     old = folder / "old.json"
     run(qerr, "analyze", arm, *few, "-q", "-o", old)
     yield "check", ["check", arm, *few, "--baseline", old, "--tolerance", "2%", "--set", "encoders.*.counts_per_rev=300"]

@@ -1,5 +1,6 @@
 #include "bound/proven/box_bound.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -8,7 +9,8 @@ namespace qerr {
 
 namespace {
 
-constexpr double epsilon = std::numeric_limits<double>::epsilon();
+constexpr double parallel =
+    4 * machine_epsilon;  // sine of the angle between directions that are equal but for rounding
 
 /// a + slope g >= |g| over [low, high].
 struct Chord {
@@ -22,6 +24,27 @@ Chord chord_of_magnitude(double low, double high) {
 }
 
 Chord chord_of_square(double low, double high) { return {low + high, -low * high}; }
+
+/// Upper bound of g.d + d.H d/2 over |d| <= half if H is negative definite, else +inf.
+///
+/// With A = -H, any x and r = g - A x: g.d - d.A d/2 = r.d + x.A x/2 - (x - d).A (x - d)/2. That A has no
+/// negative eigenvalue is certain if Cholesky's decomposition of A less 1e-12 of its trace succeeds, as this
+/// has a backward error of n (n + 1) epsilon of the trace (Higham, Accuracy and Stability, theorem 10.3).
+double largest_of_concave(const Eigen::VectorXd& gradient, const Eigen::MatrixXd& hessian,
+                          const Eigen::VectorXd& half) {
+  constexpr double infinity = std::numeric_limits<double>::infinity();
+  Eigen::MatrixXd a = -hessian;
+  const double largest = a.diagonal().maxCoeff();
+  for (Eigen::Index j = 0; j < half.size(); ++j)
+    if (!(half[j] > 0)) a(j, j) = largest;  // its row is zero
+  const double shift = 1e-12 * a.trace();
+  a.diagonal().array() -= shift;
+  const Eigen::LLT<Eigen::MatrixXd> cholesky(a);
+  if (cholesky.info() != Eigen::Success) return infinity;
+  a.diagonal().array() += shift;
+  const Eigen::VectorXd x = cholesky.solve(gradient), residual = gradient - a * x;
+  return residual.cwiseAbs().dot(half) + 0.5 * x.dot(a * x);
+}
 
 double factorial(int n) { return n < 2 ? 1 : n * factorial(n - 1); }
 
@@ -61,7 +84,21 @@ void BoxBound::set_rounding(const std::vector<Limits>& ranges) {
     size = terms_.sigma() ? std::hypot(size, full) : size + full;
   }
   const double operations = static_cast<double>(count_ + parts_.size() + 2) * (64 + 2 * largest_angle);
-  rounding_ = epsilon * (operations * size + 4 * terms_.added());
+  rounding_ = machine_epsilon * (operations * size + 4 * terms_.added());
+}
+
+/// Whether a turn about an axis leaves a length as it is: it turns the columns beyond the axis, and those
+/// before must be along it, or in terms of their own that have none beyond.
+bool BoxBound::turns_whole(const TermColumns& at, std::size_t axis) const {
+  const auto k = static_cast<Eigen::Index>(axis);
+  for (Eigen::Index before = 0; before < k; ++before) {
+    if (at.columns.col(before).cross(at.turning.col(k)).norm() <= parallel) continue;
+    for (const Part& part : parts_) {
+      const bool alone = terms_.sigma() && part.weights.tail(part.weights.size() - k).isZero(0);
+      if (part.weights[before] != 0 && !alone) return false;
+    }
+  }
+  return true;
 }
 
 void BoxBound::set_influence(const std::vector<Limits>& ranges) {
@@ -69,23 +106,17 @@ void BoxBound::set_influence(const std::vector<Limits>& ranges) {
   for (std::size_t j = 0; j < joints_; ++j)
     middle[static_cast<Eigen::Index>(j)] = 0.5 * (ranges[j].lower + ranges[j].upper);
   const TermColumns at = terms_.columns(middle);
+  const bool of_length = terms_.length() || terms_.turned_base();
   std::vector<bool> idle(count_, false);
-  bool virtual_base = false;  // of along_any_direction: its joints are the last ones
-  for (std::size_t k = 0; k < count_ && !terms_.in_tip_frame(); ++k) {
-    const TermAxis& axis = terms_.axes()[k];
-    const auto column = static_cast<Eigen::Index>(k);
-    if (k < 2 && terms_.turned_base()) {
-      virtual_base = true;
+  for (std::size_t k = terms_.turned_base() ? 2 : 0; k < count_ && !terms_.in_tip_frame(); ++k) {
+    if (!terms_.axes()[k].turns) {
+      idle[k] = true;
       continue;
     }
-    idle[k] = true;
-    if (!axis.turns) continue;
-    if (terms_.length() || virtual_base)
-      break;  // the first axis that turns has no influence, the next may have
-    if (Eigen::Vector3d::Unit(terms_.row()).cross(at.turning.col(column)).norm() > 4 * epsilon) {
-      idle[k] = false;
-      break;
-    }
+    const Eigen::Vector3d axis = at.turning.col(static_cast<Eigen::Index>(k));
+    idle[k] =
+        of_length ? turns_whole(at, k) : Eigen::Vector3d::Unit(terms_.row()).cross(axis).norm() <= parallel;
+    if (of_length || !idle[k]) break;  // axes beyond turn a part of the columns
   }
   matters_.assign(joints_, false);
   for (const std::size_t k : movers_)
@@ -249,20 +280,21 @@ double BoxBound::combined(const Eigen::VectorXd& half, const Columns& slopes, Ei
     }
   }
   const double third = remainder(3, slopes.colwise().norm().transpose());
-  double sum = third;
   const double radius = radius_.sum();
+  double sum = 0;
   for (Eigen::Index j = 0; j < n; ++j) {
     if (!(half[j] > 0)) continue;
-    const double slope = std::abs(gradient[j]), bend = hessian(j, j);
+    // |H_ij d_i d_j| <= |H_ij| (d_i^2 half_j/half_i + d_j^2 half_i/half_j)/2
+    double bend = hessian(j, j);
+    for (Eigen::Index other = 0; other < n; ++other)
+      if (other != j) bend += std::abs(hessian(j, other)) * half[other] / half[j];
+    const double slope = std::abs(gradient[j]);
     const bool inside = bend < 0 && slope < -bend * half[j];
     const double along = inside ? -0.5 * slope * slope / bend : (slope + 0.5 * bend * half[j]) * half[j];
-    double across = 0;
-    for (Eigen::Index other = 0; other < n; ++other)
-      if (other != j) across += 0.5 * std::abs(hessian(j, other)) * half[j] * half[other];
-    sum += along + across;
-    blame[j] += std::max(along, 0.0) + across + (radius > 0 ? third * half[j] / radius : 0);
+    sum += along;
+    blame[j] += along + (radius > 0 ? third * half[j] / radius : 0);
   }
-  return sum;
+  return std::min(sum, largest_of_concave(gradient, hessian, half)) + third;
 }
 
 BoxBound::Result BoxBound::operator()(const Eigen::VectorXd& center, const Eigen::VectorXd& half) {

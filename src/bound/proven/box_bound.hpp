@@ -40,7 +40,7 @@ class BoxBound {
   Result operator()(const Eigen::VectorXd& center, const Eigen::VectorXd& half);
 
   /// Whether the figure depends on the joint: it does not on those that only turn the base about the figure's
-  /// direction, or before a length.
+  /// direction, or the whole vector of a length.
   bool matters(std::size_t joint) const { return matters_[joint]; }
 
   /// Allowance for rounding in the bound of a small box.
@@ -55,6 +55,7 @@ class BoxBound {
 
   void set_parts();
   void set_rounding(const std::vector<Limits>& ranges);
+  bool turns_whole(const TermColumns&, std::size_t axis) const;
   void set_influence(const std::vector<Limits>& ranges);
   void set_reach(const Eigen::VectorXd& half);
   void set_first(const Eigen::VectorXd& half);

@@ -46,7 +46,7 @@ void ErrorTerms::add_axes(const OperationalModel& model, bool rotation) {
 /// A fixed direction, which has the weights, and behind it the axis that turns. Axes that follow each other
 /// in parallel, at every configuration, share the direction of the first.
 void ErrorTerms::add_turning_axis(TermAxis axis) {
-  constexpr double parallel = 8 * std::numeric_limits<double>::epsilon();
+  constexpr double parallel = 8 * machine_epsilon;
   if (!axis.turns) {
     axis.coordinate = -1;  // it does not turn the tip
     axes_.push_back(axis);

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <array>
+#include <limits>
 #include <vector>
 
 #include "qerr/bound/operational_error.hpp"
 
 namespace qerr {
+
+inline constexpr double machine_epsilon = std::numeric_limits<double>::epsilon();
 
 /// A joint of the chain, or a fixed direction in it, and its column: [m/rad or 1] of a position.
 struct TermAxis {

@@ -108,14 +108,10 @@ double argmax_of_squares(const Harmonics& h, const Limits& whole) {
   return best;
 }
 
-double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples) {
-  const double step = (range.upper - range.lower) / samples;
-  double best = range.lower, largest = f(best);
-  for (int i = 1; i <= samples; ++i) {
-    const double t = i == samples ? range.upper : range.lower + step * i, value = f(t);
-    if (value > largest) largest = value, best = t;
-  }
-  double low = std::max(range.lower, best - step), high = std::min(range.upper, best + step);
+namespace {
+
+/// The maximum of a function with one maximum in [low, high], by golden sections.
+double golden_maximum(const std::function<double(double)>& f, double low, double high) {
   constexpr double golden = 0.6180339887498949;
   double left = high - golden * (high - low), right = low + golden * (high - low);
   double at_left = f(left), at_right = f(right);
@@ -128,8 +124,32 @@ double argmax_by_search(const std::function<double(double)>& f, const Limits& ra
       right = low + golden * (high - low), at_right = f(right);
     }
   }
-  const double t = 0.5 * (low + high);
-  return f(t) > largest ? t : best;
+  return 0.5 * (low + high);
+}
+
+}  // namespace
+
+double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples) {
+  const double step = (range.upper - range.lower) / samples;
+  const auto count = static_cast<std::size_t>(samples);
+  std::vector<double> at, value;
+  for (std::size_t i = 0; i <= count; ++i) {
+    at.push_back(i == count ? range.upper : range.lower + step * static_cast<double>(i));
+    value.push_back(f(at.back()));
+  }
+  std::vector<std::size_t> peaks;
+  for (std::size_t i = 0; i <= count; ++i)
+    if ((i == 0 || value[i] >= value[i - 1]) && (i == count || value[i] >= value[i + 1])) peaks.push_back(i);
+  std::stable_sort(peaks.begin(), peaks.end(),
+                   [&](std::size_t a, std::size_t b) { return value[a] > value[b]; });
+  constexpr std::size_t refined = 3;  // the highest sample need not be at the highest peak
+  peaks.resize(std::min(peaks.size(), refined));
+  double best = at[peaks.front()], largest = value[peaks.front()];
+  for (const std::size_t peak : peaks) {
+    const double t = golden_maximum(f, at[peak == 0 ? 0 : peak - 1], at[std::min(peak + 1, count)]);
+    if (const double there = f(t); there > largest) largest = there, best = t;
+  }
+  return best;
 }
 
 }  // namespace qerr

@@ -25,8 +25,8 @@ double argmax_of_magnitudes(const Harmonics&, const Limits& range);
 /// 2: the best of its stationary points, between 64 samples, and of the ends.
 double argmax_of_squares(const Harmonics&, const Limits& range);
 
-/// t in the range near which f is largest: the best of `samples` equally spaced values, with the maximum
-/// between its neighbours found by golden sections.
+/// t in the range near which f is largest: of `samples` equally spaced values the three highest peaks
+/// are refined by golden sections.
 double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples);
 
 }  // namespace qerr

@@ -21,8 +21,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-constexpr double relative_spacing = std::numeric_limits<double>::epsilon();
+constexpr double unbounded = std::numeric_limits<double>::infinity();
 
 /// A finite range with the same configurations: joints whose axes all turn by whole multiples of its angle
 /// repeat after one revolution.
@@ -79,7 +78,7 @@ LargestRemainder largest_remainder(const OperationalModel& model, const ErrorTer
   Eigen::Index joint = 0;
   for (std::size_t k = 0; k < terms.axes().size(); ++k)
     if (terms.axes()[k].of_joint) sum += longest[static_cast<Eigen::Index>(k)] * r.per_column[joint++];
-  return {sum * (1 + 64 * relative_spacing), infinity};
+  return {sum * (1 + 64 * machine_epsilon), unbounded};
 }
 
 /// Local maximum of any function of the configuration, by searches along the joints.
@@ -113,15 +112,15 @@ class Proof {
     if (is_euler_angle(c)) return search_only(starts);
     const ErrorTerms terms(model_, figure_.coordinate, is_sigma(figure_));
     if (terms.terms().empty())
-      return {terms.added(), terms.added() * (1 + 4 * relative_spacing), starts.front()};
+      return {terms.added(), terms.added() * (1 + 4 * machine_epsilon), starts.front()};
     for (const Eigen::VectorXd& start : starts) consider(terms, start);
-    result_.upper = infinity;
+    result_.upper = unbounded;
     const std::size_t joints = influential_joints(terms, ranges_);
     constexpr std::size_t few = 4,
                           many = 6;  // boxes fill their space: beyond, the chain's bound is always lower
     if (joints <= few) search_boxes(terms);
     if (!reached()) along_chain();
-    if (!reached() && joints > few && (joints < many || result_.upper == infinity)) search_boxes(terms);
+    if (!reached() && joints > few && (joints < many || result_.upper == unbounded)) search_boxes(terms);
     return result_;
   }
 
@@ -166,7 +165,7 @@ class Proof {
       const Eigen::VectorXd q = ascend_by_search(value, ranges_, start);
       if (value(q) > result_.lower) result_.lower = value(q), result_.at = q;
     }
-    result_.upper = infinity;
+    result_.upper = unbounded;
     return result_;
   }
 
@@ -234,10 +233,10 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
       if (!is_euler_angle(c)) {
         const ErrorTerms terms(model, figure.coordinate, false);
         const LargestRemainder r = largest_remainder(model, terms, c, ranges);
-        result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * relative_spacing);
+        result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * machine_epsilon);
       }
     }
-    result.upper *= of.factor * (1 + of.error) * (1 + 4 * relative_spacing);
+    result.upper *= of.factor * (1 + of.error) * (1 + 4 * machine_epsilon);
     result.lower = values({figure}, {result.at})[0][0];
     result.upper = std::max(result.upper, result.lower);
     results.push_back(std::move(result));
