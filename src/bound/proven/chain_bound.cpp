@@ -6,6 +6,7 @@
 #include <queue>
 
 #include "bound/proven/chain_form.hpp"
+#include "bound/proven/component_sigma.hpp"
 #include "bound/proven/position_sigma.hpp"
 #include "bound/proven/position_worst_case.hpp"
 #include "bound/proven/rotation_bound.hpp"
@@ -61,6 +62,11 @@ std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordi
                           },
                           10, finest(32, gap, 56)};
   }
+  if (!worst && is_position(c) && !tip)
+    return ChainRecursion{[=](const ChainForm& form, double cells) {
+                            return component_sigma_bound(form, {axis_of(c)}, cells)[0];
+                          },
+                          8, finest(36, gap, 40)};
   return std::nullopt;
 }
 
@@ -72,10 +78,9 @@ double with_constants(const OperationalModel& model, const ChainForm& form, Coor
   double width = 0, variance = 0;
   for (const DirectedOrigin& o : form.origins) {
     width += std::abs(o.mean) + o.half_width;
-    variance += o.variance;  // of a component: at most that along its direction
+    variance += o.variance;
   }
-  if (!is_position(c) && c != Coordinate::xyz) width = variance = 0;
-  if (c != Coordinate::xyz) width = 0;
+  if (c != Coordinate::xyz) width = variance = 0;
   if (model.along_motion) {
     const SignalMoments& tip = model.along_motion->tip;
     double squares = 0;

@@ -18,7 +18,7 @@ namespace {
 /// and the interpolation are sums of fewer than 100 products of numbers up to the reach, and G_k changes by
 /// at most the root of the summed variances per length; that is 100 units in the last place, 2^-53 each,
 /// for each of the operations below: coordinates, forms, weights, averages.
-constexpr double rounding = 1e-13;
+constexpr double tip_rounding = 1e-13;
 /// The same of the quadratic forms, relative to the square of (sum of sigmas) (largest reach).
 constexpr double rounding_of_form = 1e-14;
 
@@ -56,7 +56,7 @@ Cylinder image(const Cylinder& c, const ChainStep& step, double reach) {
 }
 
 /// M_k over a cylinder, with the form V_k.
-struct Table {
+struct TipLevel {
   ArcGrid arc;
   std::vector<double> values;
   std::vector<int> node_of_bin;
@@ -73,7 +73,7 @@ void add_form(TipTable& t, const Eigen::Matrix3d& a, const Eigen::Vector3d& b, d
   t.c += variance * b.squaredNorm();
 }
 
-void set_bins(Table& t) {
+void set_bins(TipLevel& t) {
   t.view.bins = 4 * t.arc.nodes;  // a bin spans at most 8/bins rad, less than a node's spacing
   t.node_of_bin.resize(t.view.bins + 1);
   for (std::size_t i = 0; i <= t.view.bins; ++i) {
@@ -100,7 +100,7 @@ ChainForm tip_at_azimuth_0(ChainForm form) {
   return form;
 }
 
-void set_nodes(Table& t, const Cylinder& domain, double step, double cells) {
+void set_nodes(TipLevel& t, const Cylinder& domain, double step, double cells) {
   const auto nodes = [&](double length) {
     return std::max<std::size_t>(static_cast<std::size_t>(std::ceil(std::max(length / step, cells / 4))) + 1,
                                  2);
@@ -119,9 +119,9 @@ void set_nodes(Table& t, const Cylinder& domain, double step, double cells) {
   if (!t.arc.full) set_bins(t);
 }
 
-class Recursion {
+class TipRecursion {
  public:
-  Recursion(const ChainForm& form, double cells)
+  TipRecursion(const ChainForm& form, double cells)
       : form_(tip_at_azimuth_0(form)),
         kernels_(select_kernels<TipKernels>(instruction_set())),
         reaches_(form.reaches()) {
@@ -137,12 +137,12 @@ class Recursion {
     const std::size_t n = form_.size();
     for (std::size_t k = 1; k <= n; ++k) fill(k);
     const Eigen::Vector3d p = form_.tip.translation();
-    const Table& last = tables_[n];
+    const TipLevel& last = tables_[n];
     TipTable at_tip = last.view;
     at_tip.values = nullptr;
     double form_only = 0;
     kernels_.evaluate(at_tip, &p[0], &p[1], &p[2], &form_only, 1);
-    return std::hypot(form_only, of_tip_) * (1 + rounding);
+    return std::hypot(form_only, of_tip_) * (1 + tip_rounding);
   }
 
  private:
@@ -155,12 +155,12 @@ class Recursion {
   const ChainForm form_;
   const TipKernels& kernels_;
   std::vector<double> reaches_;
-  std::deque<Table> tables_;  // [k]: of joint k, counted from 1; [0]: of the base
+  std::deque<TipLevel> tables_;  // [k]: of joint k, counted from 1; [0]: of the base
   double scale_ = 0, of_tip_ = 0;
 };
 
 /// Cylinders and grids from the tip to the base, as each holds the images of all nodes of the one beyond it.
-void Recursion::lay_out(double cells) {
+void TipRecursion::lay_out(double cells) {
   const std::size_t n = form_.size();
   tables_.resize(n + 1);
   const Eigen::Vector3d p = form_.tip.translation();
@@ -168,7 +168,7 @@ void Recursion::lay_out(double cells) {
   double reach = p.norm();  // of the points that are looked up
   const double step = reaches_[0] / cells, angle = 2 / cells;
   for (std::size_t k = n; k > 0; --k) {
-    Table& t = tables_[k];
+    TipLevel& t = tables_[k];
     const ChainStep& joint = form_.steps[k - 1];
     t.arc = joint.prismatic ? fixed_grid(angle) : arc_grid(joint.lower, joint.upper, angle);
     double wider = t.arc.intervals > 0 ? (1 + 1e-12) / std::cos(t.arc.spacing / 2) : 1;
@@ -187,7 +187,7 @@ void Recursion::lay_out(double cells) {
   scale_ *= std::max(1.0, reach);
 }
 
-void Recursion::add_forms() {
+void TipRecursion::add_forms() {
   for (const DirectedError& e : form_.errors) {
     double whole = 0;
     const bool near = e.last - e.first <= 1;
@@ -218,12 +218,13 @@ void Recursion::add_forms() {
       add_form(tables_[joint + 1].view, a, b, near ? e.variance : e.variance * whole / share(k));
     }
   }
-  for (Table& t : tables_) t.view.c += rounding_of_form * scale_ * scale_;
+  for (TipLevel& t : tables_) t.view.c += rounding_of_form * scale_ * scale_;
 }
 
 /// M_k at the nodes of one circle, from samples of G_(k-1).
-void Recursion::maxima(std::size_t k, double r, double z, double* values, std::vector<double>& memory) const {
-  const Table& t = tables_[k];
+void TipRecursion::maxima(std::size_t k, double r, double z, double* values,
+                          std::vector<double>& memory) const {
+  const TipLevel& t = tables_[k];
   const ChainStep& joint = form_.steps[k - 1];
   const ArcGrid& arc = t.arc;
   const std::size_t samples = joint.prismatic ? 2 * arc.nodes : arc.sample_cos.size();
@@ -263,9 +264,9 @@ void Recursion::maxima(std::size_t k, double r, double z, double* values, std::v
   for (std::size_t j = 0; j < arc.nodes; ++j) values[j] = std::max(values[j], at_middles[arc.first(j)]);
 }
 
-void Recursion::fill(std::size_t k) {
-  Table& t = tables_[k];
-  const double allowance = rounding * scale_;
+void TipRecursion::fill(std::size_t k) {
+  TipLevel& t = tables_[k];
+  const double allowance = tip_rounding * scale_;
   if (k == form_.size()) {
     std::vector<double> memory, row(t.arc.nodes);
     const Eigen::Vector3d p = form_.tip.translation();
@@ -279,9 +280,9 @@ void Recursion::fill(std::size_t k) {
   v.values = t.values.data();
 }
 
-void Recursion::fill_rows(std::size_t k, std::size_t height) {
-  Table& t = tables_[k];
-  const double allowance = rounding * scale_;
+void TipRecursion::fill_rows(std::size_t k, std::size_t height) {
+  TipLevel& t = tables_[k];
+  const double allowance = tip_rounding * scale_;
   std::vector<double> memory;
   for (std::size_t i = 0; i < t.view.radii; ++i) {
     double* row = t.values.data() + (height * t.view.radii + i) * t.view.columns;
@@ -294,6 +295,6 @@ void Recursion::fill_rows(std::size_t k, std::size_t height) {
 
 }  // namespace
 
-double position_sigma_bound(const ChainForm& form, double cells) { return Recursion(form, cells)(); }
+double position_sigma_bound(const ChainForm& form, double cells) { return TipRecursion(form, cells)(); }
 
 }  // namespace qerr

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bound/proven/direction_grid.hpp"
+#include "bound/proven/local_errors.hpp"
 #include "bound/proven/moment_disc.hpp"
 #include "bound/proven/sliding_maximum.hpp"
 #include "core/parallel.hpp"
@@ -18,38 +19,9 @@ namespace {
 /// roundings of 128 cells, which moves m by 6 2^-24 of the diameter of the disc in each of two coordinates.
 constexpr double float_rounding = 64 * 0x1p-24;
 
-/// Linear function of (u, m) that an error adds: (a u x z + b u x z') . p - b (u x z') . t' and the like.
-struct LocalError {
-  Eigen::Matrix3d to_moment = Eigen::Matrix3d::Zero();  ///< D(u) = to_moment u
-  Eigen::Vector3d constant = Eigen::Vector3d::Zero();   ///< e, of e . u
-  double half_width = 0;
-  double size = 0;    ///< largest |c| over all configurations for |u| = 1
-  double moment = 0;  ///< largest |D(u)|
-};
-
-Eigen::Matrix3d crossed_with(const Eigen::Vector3d& z) {  // u -> u x z
-  Eigen::Matrix3d m;
-  m << 0, z.z(), -z.y(), -z.z(), 0, z.x(), z.y(), -z.x(), 0;
-  return m;
-}
-
-void add_column(LocalError& e, double factor, bool prismatic, const Eigen::Vector3d& z,
-                const Eigen::Vector3d& origin, double reach) {
-  if (prismatic) {
-    e.constant += factor * z;
-    e.size += std::abs(factor);
-    return;
-  }
-  e.to_moment += factor * crossed_with(z);
-  e.constant -= factor * z.cross(origin);  // (u x z) . o = u . (z x o)
-  e.size += std::abs(factor) * reach;
-  e.moment += std::abs(factor);
-}
-
 /// What belongs to the moved frame of a joint.
-struct Level {
-  std::vector<LocalError> errors;
-  LocalError fixed;                     ///< means and errors of fixed sign, half_width 1
+struct MomentLevel {
+  FrameErrors errors;
   std::vector<DirectedOrigin> origins;  ///< in the moved frame
   ArcGrid arc;
   DirectionGrid directions;
@@ -66,7 +38,6 @@ class PositionRecursion {
   void run(double cells);
   double along(const Eigen::Vector3d& u) const;
   double length() const;
-  bool even() const { return even_; }
 
  private:
   void lay_out(double cells);
@@ -79,7 +50,7 @@ class PositionRecursion {
   const ChainForm& form_;
   const SliceKernels& kernels_;
   std::vector<double> reach_;
-  std::vector<Level> levels_;  // [k]: of joint k counted from 1; [0]: origins in the base
+  std::vector<MomentLevel> levels_;  // [k]: of joint k counted from 1; [0]: origins in the base
   bool even_ = true;
 };
 
@@ -89,25 +60,12 @@ PositionRecursion::PositionRecursion(const ChainForm& form, const std::vector<do
       kernels_(select_kernels<SliceKernels>(instruction_set())),
       reach_(form.reaches()),
       levels_(form.size() + 1) {
-  std::size_t distant = 0;
-  for (const DirectedError& e : form.errors) {
-    const bool near = e.last - e.first <= 1;
-    const double sign = near ? 0 : distant_signs[distant++];
-    if (e.mean != 0 || !near) even_ = false;
-    LocalError local;
-    local.half_width = e.half_width;
-    for (Eigen::Index k = e.first; k <= e.last; ++k) {
-      const auto joint = static_cast<std::size_t>(k);
-      const ChainStep& step = form.steps[joint];
-      // The columns of neighbours in the moved frame of the first.
-      const bool next = near && k > e.first;
-      const Eigen::Vector3d z = next ? Eigen::Vector3d(step.rotation.col(2)) : Eigen::Vector3d::UnitZ();
-      const Eigen::Vector3d o = next ? step.translation : Eigen::Vector3d::Zero();
-      if (near) add_column(local, e.of_joints[k], step.prismatic, z, o, reach_[joint + 1]);
-      add_column(levels_[joint + 1].fixed, (e.mean + sign * e.half_width) * e.of_joints[k], step.prismatic,
-                 Eigen::Vector3d::UnitZ(), Eigen::Vector3d::Zero(), reach_[joint + 1]);
-    }
-    if (near && e.half_width > 0) levels_[static_cast<std::size_t>(e.first) + 1].errors.push_back(local);
+  const std::vector<FrameErrors> errors = worst_case_errors(form, distant_signs);
+  const std::vector<double> before = reaches_before_motion(form);
+  for (std::size_t k = 0; k < levels_.size(); ++k) {
+    levels_[k].errors = errors[k];
+    levels_[k].pre_reach = before[k];
+    if (errors[k].fixed.size > 0) even_ = false;
   }
   if (with_origins)
     for (const DirectedOrigin& o : form.origins) {
@@ -116,28 +74,24 @@ PositionRecursion::PositionRecursion(const ChainForm& form, const std::vector<do
     }
   double size = 0;
   for (std::size_t k = form.size() + 1; k-- > 0;) {
-    Level& l = levels_[k];
-    l.shift = l.fixed.moment;
-    size += l.fixed.size;
-    for (const LocalError& e : l.errors) {
-      l.shift += e.half_width * e.moment;
-      size += e.half_width * e.size;
+    MomentLevel& l = levels_[k];
+    l.shift = l.errors.fixed.moment;
+    size += l.errors.fixed.size;
+    for (const LocalError& e : l.errors.independent) {
+      l.shift += e.width * e.moment;
+      size += e.width * e.size;
     }
     for (const DirectedOrigin& o : l.origins) size += o.half_width + std::abs(o.mean);
     l.size = size * (1 + 1e-12);
-    if (k == 0) continue;
-    const ChainStep& step = form.steps[k - 1];
-    const double travel = step.prismatic ? std::max(std::abs(step.lower), std::abs(step.upper)) : 0;
-    l.pre_reach = reach_[k] + travel;
   }
 }
 
 void PositionRecursion::lay_out(double cells) {
   const double step = std::acos(-1.0) / 2 / cells;
   double radius = 0, total = 0;
-  for (const Level& l : levels_) total += l.shift;
+  for (const MomentLevel& l : levels_) total += l.shift;
   for (std::size_t k = 1; k < levels_.size(); ++k) {
-    Level& l = levels_[k];
+    MomentLevel& l = levels_[k];
     const ChainStep& joint = form_.steps[k - 1];
     // u at azimuth a before the motion q is at a - q after it.
     l.arc = joint.prismatic ? fixed_grid(step) : arc_grid(-joint.upper, -joint.lower, step);
@@ -160,7 +114,7 @@ void PositionRecursion::lay_out(double cells) {
 void PositionRecursion::set_tables(std::size_t k, const DirectionFrame& at, SliceSum& sum,
                                    double& constant) const {
   if (k == form_.size()) return;
-  const Level& next = levels_[k + 1];
+  const MomentLevel& next = levels_[k + 1];
   const Eigen::Matrix3d to_next = form_.steps[k].rotation.transpose();
   const DirectionStencil s =
       direction_stencil(next.directions, {to_next * at.u, to_next * at.polar, to_next * at.azimuth});
@@ -189,9 +143,9 @@ double PositionRecursion::origins_at(std::size_t link, const Eigen::Vector3d& u)
 
 /// Raises values to F_k at the nodes of the disc of A_k, at a direction of the moved frame.
 void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* values) const {
-  const Level& l = levels_[k];
+  const MomentLevel& l = levels_[k];
   SliceSum sum;
-  double constant = l.fixed.constant.dot(at.u);
+  double constant = l.errors.fixed.constant.dot(at.u);
   set_tables(k, at, sum, constant);
   const Eigen::Vector3d p = k == form_.size() ? Eigen::Vector3d(form_.tip.translation())
                                               : Eigen::Vector3d(form_.steps[k].translation);
@@ -199,13 +153,13 @@ void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* va
   const double middle = 0.5 * (l.disc.nodes - 1), h = l.disc.step;
   const SliceSum maps = sum;
   const double next_middle = k < form_.size() ? 0.5 * (levels_[k + 1].disc.nodes - 1) : 0;
-  for (std::size_t signs = 0; signs < std::size_t{1} << l.errors.size(); ++signs) {
-    Eigen::Vector3d moment = l.fixed.to_moment * at.u;
+  for (std::size_t signs = 0; signs < std::size_t{1} << l.errors.independent.size(); ++signs) {
+    Eigen::Vector3d moment = l.errors.fixed.to_moment * at.u;
     double value = constant;
-    for (std::size_t e = 0; e < l.errors.size(); ++e) {
-      const double weight = (signs >> e & 1 ? 1 : -1) * l.errors[e].half_width;
-      moment += weight * (l.errors[e].to_moment * at.u);
-      value += weight * l.errors[e].constant.dot(at.u);
+    for (std::size_t e = 0; e < l.errors.independent.size(); ++e) {
+      const double weight = (signs >> e & 1 ? 1 : -1) * l.errors.independent[e].width;
+      moment += weight * (l.errors.independent[e].to_moment * at.u);
+      value += weight * l.errors.independent[e].constant.dot(at.u);
     }
     // m = (a, b) h + first
     const double first[2] = {moment.dot(at.polar) - middle * h, moment.dot(at.azimuth) - middle * h};
@@ -225,7 +179,7 @@ void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* va
 
 /// Adds what does not depend on the azimuth: allowances, prismatic motion.
 void PositionRecursion::add_terms(std::size_t k, std::size_t row, float* values) const {
-  const Level& l = levels_[k];
+  const MomentLevel& l = levels_[k];
   const ChainStep& joint = form_.steps[k - 1];
   const double polar = l.directions.polar(row), sine = std::sin(polar), cosine = std::cos(polar);
   const double m = l.disc.reach() + l.shift;
@@ -246,7 +200,7 @@ void PositionRecursion::add_terms(std::size_t k, std::size_t row, float* values)
 }
 
 void PositionRecursion::fill_row(std::size_t k, std::size_t row) {
-  Level& l = levels_[k];
+  MomentLevel& l = levels_[k];
   const std::size_t slice = l.disc.size(), columns = l.directions.columns();
   float* to = l.table.data() + row * columns * slice;
   const double polar = l.directions.polar(row);
@@ -276,7 +230,7 @@ void PositionRecursion::fill_row(std::size_t k, std::size_t row) {
 void PositionRecursion::run(double cells) {
   lay_out(cells);
   for (std::size_t k = form_.size(); k > 0; --k) {
-    Level& l = levels_[k];
+    MomentLevel& l = levels_[k];
     l.table.assign(l.directions.rows * l.directions.columns() * l.disc.size(), 0);
     parallel_for(l.directions.rows, 0, [&](std::size_t row) { fill_row(k, row); });
     if (k < form_.size()) std::vector<float>().swap(levels_[k + 1].table);
@@ -284,7 +238,7 @@ void PositionRecursion::run(double cells) {
 }
 
 double PositionRecursion::along(const Eigen::Vector3d& direction) const {
-  const Level& l = levels_[1];
+  const MomentLevel& l = levels_[1];
   const auto value_at = [&](const Eigen::Vector3d& base) {
     const Eigen::Vector3d u = form_.steps[0].rotation.transpose() * base;
     const double across = u.head<2>().norm(), polar = std::atan2(across, u.z());
@@ -304,7 +258,7 @@ double PositionRecursion::along(const Eigen::Vector3d& direction) const {
 }
 
 double PositionRecursion::length() const {
-  const Level& l = levels_[1];
+  const MomentLevel& l = levels_[1];
   std::vector<double> values;
   for (std::size_t i = 0; i < l.directions.rows * l.directions.columns(); ++i)
     values.push_back(l.table[i * l.disc.size() + l.disc.size() / 2]);
