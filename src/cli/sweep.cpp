@@ -65,18 +65,23 @@ std::string format_of_sweep(const Values& v) {
   return format;
 }
 
+/// Whether the steps of an axis are read before the sweep: they change the number of configurations, or name
+/// files, which had better be missed now than after an hour.
+bool is_read_before(const SweepAxis& axis) {
+  return std::any_of(axis.keys.begin(), axis.keys.end(), [](const std::string& key) {
+    return key.starts_with("configurations") || key.starts_with("motion") || key == "robot" ||
+           key == "robot.urdf";
+  });
+}
+
 /// The configurations of all variants of the shard, as far as they are known without reading each of them.
 double work(const SweepJob& job) {
-  double work =
-      static_cast<double>(job.size()) * static_cast<double>(size(job.variants.base().configurations));
+  const auto usual = static_cast<double>(size(job.variants.base().configurations));
+  double work = static_cast<double>(job.size()) * usual;
   std::vector<std::size_t> steps(job.grid.axes().size());
-  const double usual =
-      static_cast<double>(std::max<std::uint64_t>(1, size(job.variants.base().configurations)));
   for (std::size_t a = 0; a < steps.size(); ++a) {
     const SweepAxis& axis = job.grid.axes()[a];
-    if (std::none_of(axis.keys.begin(), axis.keys.end(),
-                     [](const std::string& key) { return key.starts_with("configurations"); }))
-      continue;
+    if (!is_read_before(axis)) continue;
     double sum = 0;
     for (steps[a] = 0; steps[a] < axis.steps.size(); ++steps[a]) try {
         sum += static_cast<double>(size(job.grid.spec(job.variants, steps).configurations));

@@ -22,7 +22,7 @@ struct SweptVariant {
 
 /// Reads a variant and evaluates it, as `analyze` and `check` do.
 /// @param judged  evaluate its requirements; else only its figures
-/// @throws Error (file_system), naming the variant
+/// @throws Error (file_system)
 SweptVariant evaluate_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
                               const WorkspaceOptions&);
 
