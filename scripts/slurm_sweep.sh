@@ -62,11 +62,13 @@ shift 3
 folder=$out.shards
 mkdir -p "$folder"
 files=()
+same=()  # options of which merge knows, too
+for option in "$@"; do [[ $option == --allow-long ]] || same+=("$option"); done
 for ((k = 1; k <= shards; ++k)); do files+=("$folder/$k.csv"); done
 # shellcheck disable=SC2016
 run "$shards" "$folder/logs" "$(printf '%q ' "$task" sweep)" '"$SLURM_ARRAY_TASK_ID"' \
   "$(printf '%q ' "$shards" "$folder" "$spec" "$@")"
-if ! "${QERR:-qerr}" merge "${files[@]}" --output "$out"; then
+if ! "${QERR:-qerr}" merge "${files[@]}" --output "$out" --spec "$spec" "${same[@]}"; then
   echo "slurm_sweep: see $folder/logs, then run this again" >&2
   exit 3
 fi

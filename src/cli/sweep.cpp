@@ -3,36 +3,16 @@
 #include <algorithm>
 
 #include "cli/command.hpp"
-#include "cli/shared.hpp"
+#include "cli/sweep_parts.hpp"
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/analysis/figure_names.hpp"
-#include "report/sweep/rows.hpp"
-#include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/sweep_report.hpp"
 
 namespace qerr::cli {
 
 namespace {
-
-std::vector<std::string> statistic_names() {
-  std::vector<std::string> names;
-  for (const StatisticKind& kind : statistic_kinds()) names.emplace_back(kind.name);
-  return names;
-}
-
-/// In the order of the reports, whatever that of the option.
-std::vector<const StatisticKind*> chosen_statistics(const Values& v) {
-  if (!v.given("statistics")) return all_statistics();
-  std::vector<const StatisticKind*> chosen;
-  for (const StatisticKind* kind : all_statistics()) {
-    const auto& names = v.texts("statistics");
-    if (std::find(names.begin(), names.end(), kind->name) != names.end()) chosen.push_back(kind);
-  }
-  return chosen;
-}
 
 /// `2/5`.
 Shard chosen_shard(const Values& v) {
@@ -111,10 +91,7 @@ void warn_of(const FailedVariants& failed, const Values& v) {
 }
 
 int write_csv(SweepJob job, const Values& v) {
-  const SweepRows rows = v.given("wide") ? wide_rows(job.grid, job.variants, job.statistics)
-                                         : tidy_rows(job.grid, job.statistics);
-  job.text = rows.lines;
-  job.judged = v.given("wide");
+  const SweepRows rows = chosen_rows(job, v);
   const SweepGrid& grid = job.grid;
   const Shard shard = job.shard;
   const SweepRun sweep(std::move(job));
@@ -188,16 +165,8 @@ Command sweep_command() {
   return {"sweep",
           "Figures of every variant of a spec: the grid of its `sweep:` section",
           joined({spec_options(),
-                  {{.name = "--statistics",
-                    .value = "NAME,...",
-                    .kind = OptionKind::list,
-                    .meaning = "write these statistics only, e.g. max,p99 (qerr list statistics)",
-                    .choices = statistic_names,
-                    .choice = "statistic"},
-                   {.name = "--wide",
-                    .kind = OptionKind::flag,
-                    .meaning = "CSV with one row a variant: figures, filters, requirements"},
-                   {.name = "--shard",
+                  sweep_row_options(),
+                  {{.name = "--shard",
                     .value = "K/N",
                     .meaning = "compute part K of N parts; qerr merge joins their files"},
                    {.name = "--resume",

@@ -5,6 +5,7 @@
 #include <deque>
 #include <map>
 #include <optional>
+#include <set>
 
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
@@ -89,9 +90,11 @@ class ShardReader {
 /// All shards, of which the variants are numbered 0, 1, 2, ...
 class Merge {
  public:
-  explicit Merge(const std::vector<std::string>& files) {
+  Merge(const std::vector<std::string>& files, const ExpectedSweep* expected) : expected_(expected) {
     for (const std::string& file : files) {
       ShardReader& shard = shards_.emplace_back(file);
+      if (expected_ && shard.header() != expected_->header)
+        shard.refuse("has other columns than the sweep of the spec", "", of_one_spec);
       if (shard.header() != shards_.front().header())
         shard.refuse("has other columns than " + quoted(shards_.front().path()) + ": it is of another sweep",
                      "", "merge the shards of one sweep, written with the same options");
@@ -103,11 +106,15 @@ class Merge {
 
   /// The lines of the next variant; empty at the end.
   std::optional<std::string> next() {
-    if (waiting_.empty()) return std::nullopt;
+    if (waiting_.empty()) {
+      if (expected_ && variant_ < expected_->count) refuse_end();
+      return std::nullopt;
+    }
     ShardReader& shard = *waiting_.begin()->second;
     if (*shard.variant() != variant_) refuse_gap();
     waiting_.erase(waiting_.begin());
     std::string lines = shard.take();
+    if (expected_) check_expected(shard, lines);
     check_stride(shard);
     put_back(shard);
     ++variant_;
@@ -115,6 +122,27 @@ class Merge {
   }
 
  private:
+  static constexpr const char* of_one_spec =
+      "give the spec and the options with which the shards were written";
+
+  void check_expected(ShardReader& shard, const std::string& lines) {
+    if (variant_ >= expected_->count || !lines.starts_with(expected_->cells(variant_)))
+      shard.refuse("variant " + std::to_string(variant_) + " has other values than in the spec", "",
+                   of_one_spec);
+    if (!compared_.insert(&shard).second || lines == expected_->lines(variant_)) return;
+    shard.refuse("variant " + std::to_string(variant_) + " has other figures than the spec gives", "",
+                 of_one_spec);
+  }
+
+  [[noreturn]] void refuse_end() const {
+    throw Error(Fault{{shards_.front().path()},
+                      "",
+                      "variant " + std::to_string(variant_) + " of " + std::to_string(expected_->count) +
+                          " is missing, in this and all other files",
+                      "",
+                      "give the files of all shards"});
+  }
+
   void put_back(ShardReader& shard) {
     const auto variant = shard.variant();
     if (!variant) return;
@@ -152,6 +180,8 @@ class Merge {
               "give " + which + ", too, and complete"});
   }
 
+  const ExpectedSweep* expected_;
+  std::set<const ShardReader*> compared_;          // whose figures were
   std::deque<ShardReader> shards_;                 // at fixed addresses
   std::map<std::uint64_t, ShardReader*> waiting_;  // by their next variant
   std::uint64_t variant_ = 0, stride_ = 0;
@@ -159,9 +189,9 @@ class Merge {
 
 }  // namespace
 
-void merge_shards(const std::vector<std::string>& files,
+void merge_shards(const std::vector<std::string>& files, const ExpectedSweep* expected,
                   const std::function<void(const std::string&)>& write) {
-  Merge merge(files);
+  Merge merge(files, expected);
   write(merge.header() + std::string(csv_line_break));
   while (const auto lines = merge.next()) write(*lines);
 }
