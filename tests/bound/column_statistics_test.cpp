@@ -43,13 +43,17 @@ Configurations random_configurations(Dice& dice, std::size_t joints) {
   Configurations c{.count = 4096 + dice.below(3000), .seed = 1 + dice.below(100), .ranges = {}};
   c.ranges.assign(joints, {-3, 3});
   if (dice.chance(0.3)) c.method = SamplingMethod::random;
-  if (dice.chance(0.3)) {  // many equal values
+  if (dice.chance(0.5)) {  // many equal values
     c.method = SamplingMethod::list;
     const std::size_t distinct = 2 + dice.below(300);
     std::vector<Eigen::VectorXd> points;
     for (std::size_t i = 0; i < distinct; ++i)
       points.push_back(dice.vector(static_cast<Eigen::Index>(joints), -3, 3));
-    for (std::size_t i = 0; i < c.count; ++i) c.points.push_back(points[i % distinct]);
+    // Or values that float cannot order.
+    const double spread = dice.chance(0.5) ? 1e-8 : 0;
+    for (std::size_t i = 0; i < c.count; ++i)
+      c.points.push_back(points[i % distinct] +
+                         dice.vector(static_cast<Eigen::Index>(joints), -spread, spread));
   }
   return c;
 }
