@@ -291,6 +291,14 @@ NAMES = {
         # Numbers with units, as examples of writing them.
         r"`50 Hz`, `0\.1 mm`, `15 deg`, `12 arcmin`, `5 mm/s`",
     ],
+    TOPICS["design"]: [
+        r"`\{bits: 12\.\.23\}`",
+        r"`\{counts_per_rev: \[2048, 4096\], gear_ratio: \[50, 100\]\}`",
+        r"`price: \{fixed: 20, per_bit: 3\}`",
+        r"`1\.\.4` \(default\) or `\[2, 4\]`",
+        r"`\{band: 5 Hz, at_most: 2 %\}`",
+        r"noise for 5 ms of delay",
+    ],
     TOPICS["encoders"]: [
         r"such as `1/100` are",
         r"`'joint\[1-3\]'`",
