@@ -36,6 +36,7 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
   for (const Requirement& r : base_.requirements) {
     if (r.figure) continue;
     needs_motion_noise_ = needs_motion_noise_ || r.bound == Requirement::Bound::sigma_in_motion;
+    any_proven_ = any_proven_ || r.statistic == "proven_max";
     needs_rigorous_ = needs_rigorous_ || r.bound == Requirement::Bound::worst_case_rigorous;
     if (r.at_least)
       throw Error(Fault{r.place, "requirements",
@@ -131,7 +132,17 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
   Spec spec = variant(choice, filters);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
     if (!spec.requirements[i].figure) spec.requirements[i].limit = (*limits)[i];
-  return evaluate(spec, workspace_).results;
+  if (any_proven_) return evaluate(spec, workspace_).results;
+  // Without the warnings of `analyze`, which take longer than the figures.
+  WorkspaceOptions options = workspace_;
+  if (needs_motion_noise_) options.noise_in_motion = noise_in_motion(spec, options.threads);
+  add_effects(effect_report(spec), spec);
+  const std::vector<Norms> norms = filter_norms(spec);
+  const Workspace sampled = workspace(spec.model, norms, spec.configurations, options);
+  std::vector<RequirementResult> all;
+  for (const Requirement& r : spec.requirements)
+    all.push_back(evaluate(r, sampled, designed_filters(spec), norms));
+  return all;
 }
 
 void DesignProblem::make_columns() {

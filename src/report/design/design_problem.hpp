@@ -62,7 +62,7 @@ class DesignProblem {
   WorkspaceOptions workspace_;
   std::vector<SpecChange> common_;
   Spec base_;
-  bool needs_motion_noise_ = false, needs_rigorous_ = false;
+  bool needs_motion_noise_ = false, needs_rigorous_ = false, any_proven_ = false;
   std::vector<std::vector<PricedOption>> options_;
   std::vector<ErrorSource> sources_;  // places of all options' error sources
   std::unique_ptr<ErrorColumns> columns_;
