@@ -37,8 +37,16 @@ void CutPool::add(ChoiceCut cut, bool guide) {
   multipliers_.push_back(0);
 }
 
-void CutPool::set_limits(const std::vector<double>& limits) {
+void CutPool::begin(const std::vector<double>& limits, const PermittedOptions& permitted) {
   limits_ = limits;
+  options_.assign(offsets_.size() - 1, {});
+  count_ = 0;
+  for (std::size_t j = 0; j < options_.size(); ++j)
+    for (std::size_t o = offsets_[j]; o < offsets_[j + 1]; ++o)
+      if (permitted[o]) {
+        options_[j].push_back(o);
+        ++count_;
+      }
   for (Row& row : cuts_) set_room(row);
   std::fill(multipliers_.begin(), multipliers_.end(), 0);
   std::fill(reduction_.begin(), reduction_.end(), 0);
@@ -49,11 +57,11 @@ namespace {
 
 /// The least of the permitted values of each joint; infinite where none is permitted.
 template <class Value>
-void least_per_joint(const std::vector<std::size_t>& offsets, const PermittedOptions& permitted, Value value,
-                     std::vector<double>& least) {
-  least.assign(offsets.size() - 1, std::numeric_limits<double>::infinity());
-  for (std::size_t j = 0; j + 1 < offsets.size(); ++j)
-    for (std::size_t o = offsets[j]; o < offsets[j + 1]; ++o)
+void least_per_joint(const std::vector<std::vector<std::size_t>>& options, const PermittedOptions& permitted,
+                     Value value, std::vector<double>& least) {
+  least.assign(options.size(), std::numeric_limits<double>::infinity());
+  for (std::size_t j = 0; j < options.size(); ++j)
+    for (const std::size_t o : options[j])
       if (permitted[o]) least[j] = std::min(least[j], value(o));
 }
 
@@ -71,17 +79,17 @@ bool CutPool::remove_by_cuts(PermittedOptions& permitted, bool& changed, double&
   for (const Row& row : cuts_) {
     if (row.guide || !std::isfinite(row.room)) continue;
     least_per_joint(
-        offsets_, permitted, [&](std::size_t o) { return row.cut.parts[o]; }, least);
+        options_, permitted, [&](std::size_t o) { return row.cut.parts[o]; }, least);
     const double slack = row.room - sum_of(least) + rounding_of_cuts * row.scale;
     if (!(slack >= 0)) return false;
     for (std::size_t j = 0; j < least.size(); ++j)
-      for (std::size_t o = offsets_[j]; o < offsets_[j + 1]; ++o)
+      for (const std::size_t o : options_[j])
         if (permitted[o] && row.cut.parts[o] - least[j] > slack) {
           permitted[o] = 0;
           changed = true;
         }
   }
-  work += 2 * static_cast<double>(cuts_.size() * offsets_.back());
+  work += 2 * static_cast<double>(cuts_.size() * count_);
   return true;
 }
 
@@ -98,13 +106,13 @@ bool CutPool::remove_by_price(PermittedOptions& permitted, std::int64_t most, st
   bound = std::numeric_limits<std::int64_t>::min();
   for (const bool with_multipliers : {false, true}) {
     const auto value = [&](std::size_t o) { return with_multipliers ? reduced(o) : price_[o]; };
-    least_per_joint(offsets_, permitted, value, least);
+    least_per_joint(options_, permitted, value, least);
     const double sum = sum_of(least) - (with_multipliers ? reduction_of_rooms_ : 0);
     if (!(sum < std::numeric_limits<double>::infinity())) return false;
     bound = std::max(bound, rounded_up(sum));
     if (bound > most) return false;
     for (std::size_t j = 0; j < least.size(); ++j)
-      for (std::size_t o = offsets_[j]; o < offsets_[j + 1]; ++o)
+      for (const std::size_t o : options_[j])
         if (permitted[o] && rounded_up(sum - least[j] + value(o)) > most) {
           permitted[o] = 0;
           changed = true;
@@ -120,7 +128,7 @@ bool CutPool::restrict(PermittedOptions& permitted, std::int64_t most, std::int6
     bool changed = false;
     if (!remove_by_price(permitted, most, bound, changed)) return false;
     if (!remove_by_cuts(permitted, changed, work)) return false;
-    work += 4 * static_cast<double>(offsets_.back());
+    work += 4 * static_cast<double>(count_);
     if (!changed) return true;
   }
   bool changed = false;
@@ -138,22 +146,23 @@ void CutPool::improve_multipliers(const PermittedOptions& permitted, std::option
     double rooms = 0;
     for (std::size_t r = 0; r < cuts_.size(); ++r) {
       if (current[r] == 0) continue;
-      for (std::size_t o = 0; o < reduction.size(); ++o)
-        reduction[o] += current[r] / cuts_[r].scale * cuts_[r].cut.parts[o];
+      for (const auto& of_joint : options_)
+        for (const std::size_t o : of_joint)
+          reduction[o] += current[r] / cuts_[r].scale * cuts_[r].cut.parts[o];
       rooms += current[r] / cuts_[r].scale * cuts_[r].room;
     }
     double bound = -rooms;
     std::vector<std::size_t> at(offsets_.size() - 1);
     for (std::size_t j = 0; j < at.size(); ++j) {
       double least = std::numeric_limits<double>::infinity();
-      for (std::size_t o = offsets_[j]; o < offsets_[j + 1]; ++o)
+      for (const std::size_t o : options_[j])
         if (permitted[o] && price_[o] + reduction[o] < least) {
           least = price_[o] + reduction[o];
           at[j] = o;
         }
       bound += least;
     }
-    work += 2 * static_cast<double>(cuts_.size() * reduction.size());
+    work += 2 * static_cast<double>(cuts_.size() * count_);
     if (bound > best_bound) {
       best_bound = bound;
       best = current;

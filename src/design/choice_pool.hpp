@@ -45,8 +45,8 @@ class CutPool {
   void add(ChoiceCut, bool guide = false);
   std::size_t size() const { return cuts_.size(); }
 
-  /// Limits of the figures from now on.
-  void set_limits(const std::vector<double>&);
+  /// The limits of the figures, and the options that are looked at, from now on.
+  void begin(const std::vector<double>& limits, const PermittedOptions&);
 
   /// Removes the options that no choice within the cuts and at most `most` in price has.
   /// @param bound  receives a lower bound of the price
@@ -74,8 +74,10 @@ class CutPool {
   bool remove_by_price(PermittedOptions&, std::int64_t most, std::int64_t& bound, bool& changed) const;
 
   std::vector<std::size_t> offsets_;
-  std::vector<double> price_;         // [option]
-  std::int64_t base_ = 0, step_ = 1;  // every price of a choice is base + k step
+  std::vector<std::vector<std::size_t>> options_;  // [joint]: those that are looked at
+  std::size_t count_ = 0;                          // of all of them
+  std::vector<double> price_;                      // [option]
+  std::int64_t base_ = 0, step_ = 1;               // every price of a choice is base + k step
   std::vector<double> limits_;
   std::vector<double> tolerances_;
   std::vector<Row> cuts_;

@@ -33,7 +33,8 @@ EncoderSearch::EncoderSearch(const ChoiceProblem& problem)
       cuts_(problem),
       last_failure_(problem.figures.size()) {
   for (const ChoiceFigure& f : problem.figures) samples_.emplace_back(f, problem.configurations);
-  cuts_.set_limits(std::vector<double>(problem.figures.size(), std::numeric_limits<double>::infinity()));
+  cuts_.begin(std::vector<double>(problem.figures.size(), std::numeric_limits<double>::infinity()),
+              PermittedOptions(offsets_.back(), 1));
 }
 
 /// Whether option a is no dearer than b, no coarser in any column, and precedes it in the order of choices.
@@ -48,16 +49,21 @@ bool EncoderSearch::dominates(std::size_t joint, std::size_t a, std::size_t b) c
 }
 
 /// Without the options that as many others dominate as choices are looked for: each of these others gives a
-/// choice that precedes.
+/// choice that precedes. Those that dominate precede, and as many of them are kept themselves, since what
+/// dominates one that is not kept dominates the option, too.
 PermittedOptions EncoderSearch::undominated(std::size_t kept) const {
-  PermittedOptions permitted(offsets_.back(), 1);
-  for (std::size_t j = 0; j < problem_.joints(); ++j)
+  PermittedOptions permitted(offsets_.back(), 0);
+  for (std::size_t j = 0; j < problem_.joints(); ++j) {
+    std::vector<std::size_t> options;
     for (std::size_t b = 0; b < problem_.prices[j].size(); ++b) {
       std::size_t dominating = 0;
-      for (std::size_t a = 0; a < problem_.prices[j].size() && dominating < kept; ++a)
-        dominating += a != b && dominates(j, a, b);
-      if (dominating >= kept) permitted[offsets_[j] + b] = 0;
+      for (std::size_t a = 0; a < options.size() && dominating < kept; ++a)
+        dominating += dominates(j, options[a], b);
+      if (dominating >= kept) continue;
+      options.push_back(b);
+      permitted[offsets_[j] + b] = 1;
     }
+  }
   return permitted;
 }
 
@@ -68,8 +74,8 @@ void EncoderSearch::begin(const ChoiceRequest& request) {
   work_ = 0;
   cuts_at_refresh_ = 0;
   open_bound_ = std::numeric_limits<std::int64_t>::max();
-  cuts_.set_limits(request.limits);
   all_ = undominated(request.wanted + request.excluded.size());
+  cuts_.begin(request.limits, all_);
 }
 
 std::int64_t EncoderSearch::most() const {

@@ -171,6 +171,15 @@ Json sweep() {
   return s;
 }
 
+Json design() {
+  Json filter = object_of(spec_format::design_filter());
+  filter["properties"]["tracking"] = object_of(spec_format::design_tracking());
+  Json s = object_of(spec_format::design());
+  s["properties"]["encoders"] = map_of({{"type", "object"}});
+  s["properties"]["filters"] = map_of(filter);
+  return s;
+}
+
 Json tool() {
   Json s = object_of(spec_format::tool());
   for (const char* key : {"xyz", "rpy"})
@@ -202,6 +211,7 @@ std::string json_schema() {
   p["motion"] = motion();
   p["effects"] = list_of(effect());
   p["sweep"] = list_of(sweep());
+  p["design"] = design();
   root.append(s);
   return root.document();
 }
