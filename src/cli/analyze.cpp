@@ -9,14 +9,14 @@ namespace qerr::cli {
 namespace {
 
 int run(const Values& v) {
+  ProofRequest proofs = proof_request(v);
+  proofs.all = v.given("prove");
   Spec spec = load(v.text("SPEC"), v);
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options = workspace_options(v);
-  ProofRequest proofs = proof_request(v);
-  proofs.all = v.given("prove");
   ExceedanceCounter counter(spec, limits);
   if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;

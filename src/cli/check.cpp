@@ -50,9 +50,9 @@ std::optional<Baseline> baseline_of(const Values& v) {
   return read_baseline(read_text(file), file, tolerance);
 }
 
-CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const Values& v) {
+CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const ProofRequest& proofs,
+                    const Values& v) {
   const WorkspaceOptions options = workspace_options(v);
-  const ProofRequest proofs = proof_request(v);
   CheckReport report;
   for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline, proofs));
   return report;
@@ -61,6 +61,7 @@ CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, co
 /// @param annotated  whether annotations are asked for
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
+    const ProofRequest proofs = proof_request(v);
     const std::optional<Baseline> baseline = baseline_of(v);
     refuse_shared_input(v.texts("SPEC"), "SPEC");
     std::vector<Spec> specs;
@@ -68,7 +69,7 @@ CheckReport read_and_check(const Values& v, bool annotated) {
       specs.push_back(load(path, v));
       limit_configurations(specs.back(), v);
     }
-    return checked(specs, baseline ? &*baseline : nullptr, v);
+    return checked(specs, baseline ? &*baseline : nullptr, proofs, v);
   } catch (const Error& e) {
     if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
     throw;

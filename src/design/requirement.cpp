@@ -42,6 +42,7 @@ const Statistic& statistic_of(const Requirement& r, const Workspace& w) {
 
 RequirementResult evaluate(const Requirement& r, const Workspace& w, const std::vector<Filter>& filters,
                            const std::vector<Norms>& norms) {
+  if (r.proven) throw undecided(r, "a proven maximum is no statistic of the sample", "");
   RequirementResult result;
   if (r.figure) {
     const auto f = static_cast<std::size_t>(r.filter);

@@ -178,6 +178,9 @@ MISTAKES = [  # words; what the message must name
     (["merge", "-", "-"], ["standard input"]),
     (["check", "a.yaml", "--tolerance", "2%"], ["--tolerance", "--baseline"]),
     (["check", "a.yaml", "--baseline", "b.json", "--tolerance", "2 mm"], ["--tolerance", "'2 mm'", "2%"]),
+    (["analyze", "a.yaml", "--prove", "2 mm"], ["--prove", "'2 mm'", "0.5%"]),
+    (["analyze", "--prove=0", "a.yaml"], ["--prove", "'0'", "0.001%"]),
+    (["check", "a.yaml", "--prove", "1%", "--prove"], ["--prove", "once", "'1%'"]),
     (["list"], ["KIND", "e.g. qerr list"]),
     (["list", "filtrs"], ["'filtrs'", "did you mean 'filters'"]),
     (["list", "filters", "kalmn"], ["'kalmn'", "did you mean 'kalman'"]),
@@ -205,6 +208,10 @@ def check_globals(t, qerr):
                             (["analyze", spec, "--color=always", "--no-color"], False), (["help", "--color", "always"], True)):
         ran = run(qerr, *words, *(["-q"] if "help" not in words else []), env={**os.environ, "NO_COLOR": "1"})
         t.check(f"colours of {' '.join(map(str, words[:3]))}", ran.code == 0 and (b"\x1b[" in ran.out) == coloured)
+    for words in (["--prove", spec], [spec, "--prove"], ["--prove", "5%", spec], ["--prove=0.05", spec], [spec, "--prove", "-q"]):
+        ran = run(qerr, "analyze", *words, "-q", "--format", "json", "--set", "configurations.count=100")
+        gap = json.loads(ran.out)["position"][0]["sigma"]["proven"]["gap"] if ran.code == 0 else 1
+        t.check(f"qerr analyze {' '.join(str(w) for w in words if w != spec)}: a value may follow --prove", gap <= 0.05, ran.err.decode()[:200])
     one = json.loads(run(qerr, "list", "filters", "kalman", "--format", "json").out)
     t.check("list filters kalman: one row", [row["name"] for row in one] == ["kalman"])
     for words in (["help"], ["list", "filters"], ["completion", "bash"], ["schema"]):

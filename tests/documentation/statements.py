@@ -155,6 +155,15 @@ def largest_share(v):
     return re.search(r"([\d.]+) % .*<- first", readme).groups()
 
 
+def default_gap(v):
+    return (_percent(v.source("include/qerr/report/analysis.hpp", r"double gap = (\S+);")[0]),)
+
+
+def search_starts(v):
+    blocks, block = v.source("src/bound/proven/sampled_starts.cpp", r"blocks = (\d+), block = (\d+);")
+    return (f"{int(blocks) * int(block):,}".replace(",", " "),)
+
+
 def rates_of_table_3(v):
     return v.source("scripts/reproduce_paper/tables.py", r"spaced\((\d+), \d+, \d+\) \+ spaced\(\d+, (\d+)e6, \d+\)")
 
@@ -206,6 +215,8 @@ STATEMENTS = {
     TOPICS["figures"]: [
         (r"\(median, (p\d+), (p\d+), max\)", statistics),
         (r"accurate to (\d+) % and (\d+) %, and the noise", percent_names),
+        (r"GAP, (\d+) % unless given", default_gap),
+        (r"starts from ([\d ]+) samples", search_starts),
         (
             r"H2 and l1 norms agree to (\S+) relative",
             lambda v: v.source("tests/filter/norms_test.cpp", r"n\.l1\.upper - n\.l1\.lower, (\S+) \*"),
@@ -231,6 +242,7 @@ STATEMENTS = {
         ),
     ],
     TOPICS["requirements"]: [
+        (r"between the two is at most (\d+) %", default_gap),
         (r"exit code is (\d) if all are met", exit_code("check", "-q", ARM)),
         (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
     ],
@@ -326,6 +338,7 @@ NAMES = {
         r"\bl1\b",
         r"0\.5 \|J C\| Delta",
         r"diag\(Delta\^2/12\)",
+        r"\|H\(1\)\|",
     ],
     TOPICS["requirements"]: [r"actions/checkout@v4\b", r"actions/upload-artifact@v4\b"],
     TOPICS["motion"]: [r"\bphase 0\b"],

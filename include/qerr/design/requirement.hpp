@@ -66,9 +66,8 @@ struct RequirementResult {
 
 /// Compares a statistic over the configurations, or a figure of a filter, with the limit.
 /// @param filters, norms  of the spec, in its order
-/// @pre not r.proven
 /// @throws Error (input) if the figure is not known: sigma in motion without a motion, the bandwidth of a
-/// filter that has none
+/// filter that has none, a proven maximum
 RequirementResult evaluate(const Requirement&, const Workspace&, const std::vector<Filter>& filters,
                            const std::vector<Norms>& norms);
 
