@@ -102,12 +102,32 @@ TEST(ChainBound, EndsOfTheRangeCount) {
               0.0006);
 }
 
+void add_sources(Dice& dice, OperationalModel& m, bool origins) {
+  const auto owner = [&] { return dice.below(m.chain.independent.size()); };
+  m.sources.push_back({.where = ErrorSource::Where::joint,
+                       .owner = owner(),
+                       .mean = dice.chance(0.5) ? 3e-5 : 0,
+                       .half_width = 2e-5,
+                       .sigma = 1e-5});
+  m.sources.push_back(
+      {.where = ErrorSource::Where::encoder, .owner = owner(), .half_width = 3e-5, .sigma = 2e-5});
+  if (origins)
+    m.sources.push_back({.where = ErrorSource::Where::origin,
+                         .owner = owner(),
+                         .link = dice.below(m.chain.joints.size()),
+                         .direction = dice.direction(),
+                         .mean = dice.chance(0.5) ? 1e-5 : 0,
+                         .half_width = 2e-5,
+                         .sigma = 1e-5});
+}
+
 TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
   Dice dice(21);
-  for (int i = 0; i < 12; ++i) {
+  for (int i = 0; i < 10; ++i) {
     SCOPED_TRACE(i);
-    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3 + dice.below(3), 0.25, 0}));
+    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3 + dice.below(2), 0.25, 0}));
     m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-3, false);
+    m.frame = i % 2 == 0 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz}) {
       expect_at_least(m, ranges, {c, Figure::worst_case}, 0.03, 0.03);
@@ -116,17 +136,62 @@ TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
   }
 }
 
+TEST(ChainBound, IsNeverBelowASearchOfChainsWithSources) {
+  Dice dice(23);
+  for (int i = 0; i < 8; ++i) {
+    SCOPED_TRACE(i);
+    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{2 + dice.below(3), 0.25, 0}));
+    m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-4, false);
+    m.frame = i % 2 == 0 ? CoordinateFrame::base : CoordinateFrame::tip;
+    add_sources(dice, m, true);
+    SignalMoments tip{Eigen::VectorXd::Zero(6), dice.vector(6, 0, 1e-5), Eigen::MatrixXd::Zero(6, 6)};
+    tip.covariance.diagonal() = tip.peak.cwiseAbs2() / 3;
+    const auto joints = static_cast<Eigen::Index>(m.chain.independent.size());
+    m.along_motion = ErrorAlongMotion{
+        {Eigen::VectorXd::Zero(joints), Eigen::VectorXd::Zero(joints), Eigen::MatrixXd::Zero(joints, joints)},
+        tip,
+        {}};
+    const std::vector<Limits> ranges = random_ranges(dice, m);
+    for (const std::size_t c : {x, rx})
+      for (const Figure figure : {Figure::worst_case, Figure::sigma})
+        expect_at_least(m, ranges, {c, figure}, 0.03, 0.03);
+  }
+}
+
 TEST(ChainBound, IsNeverBelowASearchOfCoupledAndMimicJoints) {
   Dice dice(22);
   for (int i = 0; i < 8; ++i) {
     SCOPED_TRACE(i);
-    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{2 + dice.below(3), 0.2, 0.5}));
+    OperationalModel m =
+        model_of(testing::random_robot(dice, ChainMix{2 + dice.below(2), 0.2, i % 2 == 0 ? 0 : 0.7}));
     m.transmission = testing::random_transmission(dice, m.chain, 1e-5, 1e-3, i % 2 == 0);
+    m.frame = i % 4 < 2 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz}) {
-      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.05, 0.08);
-      expect_at_least(m, ranges, {c, Figure::sigma}, 0.05, 1);
+      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.06, 0.06);
+      // Errors that move distant joints are relaxed.
+      const bool distant = m.chain.joints.size() > 2 && m.chain.independent.size() > 1;
+      expect_at_least(m, ranges, {c, Figure::sigma}, 0.06, distant ? 1 : 0.06);
     }
+  }
+}
+
+/// A differential between two of three joints: neighbours, or the first and the last.
+TEST(ChainBound, IsReachedByCouplingsOfNeighbours) {
+  Dice dice(24);
+  for (int i = 0; i < 6; ++i) {
+    SCOPED_TRACE(i);
+    OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3, 0.2, 0}));
+    const Eigen::Index first = i % 2, last = first + 1;
+    m.transmission.coupling(first, last) = 0.5;
+    m.transmission.coupling(last, first) = -0.5;
+    m.transmission.coupling(last, last) = 0.5;
+    m.transmission.coupling(first, first) = 0.5;
+    m.frame = i < 3 ? CoordinateFrame::base : CoordinateFrame::tip;
+    const std::vector<Limits> ranges = random_ranges(dice, m);
+    for (const std::size_t c : {x, rx, xyz, rxyz})
+      for (const Figure figure : {Figure::worst_case, Figure::sigma})
+        expect_at_least(m, ranges, {c, figure}, 0.03, 0.03);
   }
 }
 

@@ -34,12 +34,12 @@ void set_samples(ArcGrid& g, double lower, std::size_t stride) {
 
 }  // namespace
 
-ArcGrid arc_grid(double lower, double upper, double target) {
+ArcGrid arc_grid(double lower, double upper, double target, bool azimuths) {
   ArcGrid g;
-  const double width = upper - lower;
+  const double width = std::min(upper - lower, turn);
   // A narrower range than 1e-9 of a turn is widened: a lattice of its own width would overflow the indices.
   constexpr double narrowest = 1e-9 * turn;
-  if (width >= turn * (1 - 1e-12)) {
+  if (!azimuths && width >= turn * (1 - 1e-12)) {
     g.full = true;
     g.intervals = static_cast<std::size_t>(std::ceil(turn / target));
     g.spacing = turn / static_cast<double>(g.intervals);

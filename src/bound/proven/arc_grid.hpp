@@ -23,8 +23,9 @@ struct ArcGrid {
   std::size_t step = 1;  ///< samples from one node's first to the next node's
 };
 
-/// @param target  largest spacing of samples and nodes [rad]
-ArcGrid arc_grid(double lower, double upper, double target);
+/// @param target   largest spacing of samples and nodes [rad]
+/// @param azimuths  nodes also for a full turn
+ArcGrid arc_grid(double lower, double upper, double target, bool azimuths = false);
 
 /// The grid of a joint that does not turn.
 ArcGrid fixed_grid(double target);

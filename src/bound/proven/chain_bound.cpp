@@ -10,6 +10,7 @@
 #include "bound/proven/position_sigma.hpp"
 #include "bound/proven/position_worst_case.hpp"
 #include "bound/proven/rotation_bound.hpp"
+#include "bound/proven/tip_component.hpp"
 
 namespace qerr {
 
@@ -67,6 +68,12 @@ std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordi
                             return component_sigma_bound(form, {axis_of(c)}, cells)[0];
                           },
                           8, finest(36, gap, 40)};
+  if (is_position(c))
+    return ChainRecursion{[=](const ChainForm& form, double cells) {
+                            const TipFigure own = worst ? TipFigure::worst_case : TipFigure::sigma;
+                            return tip_component_bound(form, own, {axis_of(c)}, cells)[0];
+                          },
+                          10, finest(32, gap, 56)};
   return std::nullopt;
 }
 
@@ -125,40 +132,62 @@ struct Part {
   std::vector<Limits> ranges;
   double bound;
   std::size_t order;  ///< of its making; breaks ties
+  int depth;
   bool operator<(const Part& other) const {
     return bound != other.bound ? bound < other.bound : order > other.order;
   }
 };
 
-constexpr std::size_t most_parts = 400;
-
+/// Best-first bisection of the widest range of a master. The relaxation's error falls in proportion to the
+/// width of a part, that of the grids as 1/cells^2: six bisections for each doubling of the cells leave the
+/// grids the smaller error at a coarse start, and keep small parts cheap.
 double split_masters(const OperationalModel& model, const std::vector<Limits>& ranges,
                      const std::vector<std::size_t>& dependent, const ChainRecursion& r,
-                     const std::function<double(double)>& figure, double lower, double gap) {
-  const double enough = lower * (1 + gap);
-  const auto bound = [&](const std::vector<Limits>& part) {
-    return refined(r, figure, chain_form(model, part), lower, lower * (1 + gap / 2));
+                     const std::function<double(double)>& figure, double enough, std::size_t most_parts) {
+  const auto set_bound = [&](Part& part) {
+    const double cells = std::min(r.finest, std::ceil(r.coarsest * std::exp2(part.depth / 6.0)));
+    part.bound = std::min(part.bound, figure(r.bound(chain_form(model, part.ranges), cells)));
   };
   std::priority_queue<Part> open;
   std::size_t made = 0;
-  open.push({ranges, bound(ranges), made++});
+  Part whole{ranges, INFINITY, made++, 0};
+  set_bound(whole);
+  open.push(whole);
   while (open.top().bound > enough && made < most_parts) {
     const Part part = open.top();
     open.pop();
-    std::size_t widest = dependent[0];
-    for (const std::size_t d : dependent)
-      if (part.ranges[d].upper - part.ranges[d].lower > part.ranges[widest].upper - part.ranges[widest].lower)
-        widest = d;
+    const auto width = [&](std::size_t d) { return part.ranges[d].upper - part.ranges[d].lower; };
+    const std::size_t widest =
+        *std::max_element(dependent.begin(), dependent.end(),
+                          [&](std::size_t a, std::size_t b) { return width(a) < width(b); });
     for (const bool first : {true, false}) {
       Part half = part;
       const double middle = 0.5 * (part.ranges[widest].lower + part.ranges[widest].upper);
       (first ? half.ranges[widest].upper : half.ranges[widest].lower) = middle;
-      half.bound = std::min(part.bound, bound(half.ranges));
       half.order = made++;
+      ++half.depth;
+      set_bound(half);
       open.push(half);
     }
   }
   return open.top().bound;
+}
+
+/// Errors that move joints further apart than neighbours.
+std::size_t distant_errors(const ChainForm& form) {
+  std::size_t distant = 0;
+  for (const DirectedError& e : form.errors) distant += e.last - e.first > 1;
+  return distant;
+}
+
+/// One error and nothing else has the sigma of its coordinate in proportion to its worst case: signs instead
+/// of a relaxation.
+bool one_error(const ChainForm& form) { return form.errors.size() == 1 && form.origins.empty(); }
+
+ChainForm with_sigma_as_width(ChainForm form) {
+  form.errors[0].half_width = std::sqrt(form.errors[0].variance);
+  form.errors[0].mean = 0;
+  return form;
 }
 
 }  // namespace
@@ -166,20 +195,25 @@ double split_masters(const OperationalModel& model, const std::vector<Limits>& r
 std::optional<double> chain_upper_bound(const OperationalModel& model, const std::vector<Limits>& ranges,
                                         const ChainBoundRequest& request, double known_lower, double gap) {
   const Coordinate c = coordinates_and_lengths(model).at(request.coordinate);
-  const std::optional<ChainRecursion> r = recursion_of(model, c, request.figure, gap);
-  if (!r) return std::nullopt;
   const ChainForm form = chain_form(model, ranges);
   for (const ChainStep& step : form.steps)
     if (!std::isfinite(step.lower) || !std::isfinite(step.upper)) return std::nullopt;
-  std::size_t distant = 0;
-  for (const DirectedError& e : form.errors) distant += e.last - e.first > 1;
-  if (request.figure == Figure::worst_case && distant > most_distant_errors) return std::nullopt;
+  const std::size_t distant = distant_errors(form);
+  const bool as_worst_case = request.figure == Figure::sigma && distant > 0 && one_error(form);
+  const bool relaxed = request.figure == Figure::sigma && distant > 0 && !as_worst_case;
+  std::optional<ChainRecursion> r =
+      recursion_of(model, c, as_worst_case ? Figure::worst_case : request.figure, gap);
+  if (!r || (request.figure == Figure::worst_case && distant > most_distant_errors)) return std::nullopt;
+  if (as_worst_case)
+    r->bound = [own = r->bound](const ChainForm& f, double cells) {
+      return own(with_sigma_as_width(f), cells);
+    };
+  // What the relaxation adds is not reduced by finer grids.
+  if (relaxed) r->finest = std::min(r->finest, 2 * r->coarsest);
   const auto figure = [&](double bound) { return with_constants(model, form, c, request.figure, bound); };
   const std::vector<std::size_t> dependent = masters(model);
-  const double bound = dependent.empty()
-                           ? refined(*r, figure, form, known_lower, known_lower * (1 + gap))
-                           : split_masters(model, ranges, dependent, *r, figure, known_lower, gap);
-  return bound;
+  if (dependent.empty()) return refined(*r, figure, form, known_lower, known_lower * (1 + gap));
+  return split_masters(model, ranges, dependent, *r, figure, known_lower * (1 + gap), relaxed ? 40 : 400);
 }
 
 }  // namespace qerr

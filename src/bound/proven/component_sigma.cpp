@@ -130,9 +130,9 @@ ConeSum ConeRecursion::beyond(std::size_t k, const DirectionFrame& at, double& c
 /// vertices of the polygon.
 void ConeRecursion::step(const LocalError& e, const DirectionFrame& at, double scale, ConeSum sum,
                          float* values, int first, int last) const {
-  const Eigen::Vector3d moment = e.width * (e.to_moment * at.u);
+  const Eigen::Vector3d moment = e.moment_at(at.u);
   const double shift[2] = {moment.dot(at.polar) / scale, moment.dot(at.azimuth) / scale};
-  const double value = e.width * e.constant.dot(at.u);
+  const double value = e.constant_at(at.u);
   const ConeSum plain = sum;
   const double spacing = std::numbers::pi / arcs_;
   const auto raise = [&](double beta, double root) {
@@ -159,7 +159,7 @@ void ConeRecursion::at_tip(std::size_t k, const DirectionFrame& at, float* value
   const Eigen::Vector3d p = form_.tip.translation();
   double squares = 0;
   for (const LocalError& e : levels_[k].errors)
-    squares += std::pow(e.width * ((e.to_moment * at.u).dot(p) + e.constant.dot(at.u)), 2);
+    squares += std::pow(e.moment_at(at.u).dot(p) + e.constant_at(at.u), 2);
   ConeSum sum;
   sum.nodes = nodes_;
   sum.value_a = static_cast<float>(levels_[k].scale * p.dot(at.polar));
@@ -248,7 +248,7 @@ double ConeRecursion::along(const Eigen::Vector3d& direction) const {
     value += s.vertices[i].weight * l.table[at * slice() + slice() / 2];
   }
   double squares = value * value;
-  for (const LocalError& e : levels_[0].errors) squares += std::pow(e.width * e.constant.dot(direction), 2);
+  for (const LocalError& e : levels_[0].errors) squares += std::pow(e.constant_at(direction), 2);
   return std::sqrt(squares) * (1 + 1e-12);
 }
 

@@ -7,12 +7,6 @@ namespace qerr {
 
 namespace {
 
-Eigen::Matrix3d crossed_with(const Eigen::Vector3d& z) {  // u -> u x z
-  Eigen::Matrix3d m;
-  m << 0, z.z(), -z.y(), -z.z(), 0, z.x(), z.y(), -z.x(), 0;
-  return m;
-}
-
 void add_column(LocalError& e, double factor, bool prismatic, const Eigen::Vector3d& z,
                 const Eigen::Vector3d& origin, double reach) {
   if (factor == 0) return;
@@ -21,7 +15,7 @@ void add_column(LocalError& e, double factor, bool prismatic, const Eigen::Vecto
     e.size += std::abs(factor);
     return;
   }
-  e.to_moment += factor * crossed_with(z);
+  e.axis += factor * z;
   e.constant -= factor * z.cross(origin);  // (u x z) . o = u . (z x o)
   e.size += std::abs(factor) * reach;
   e.moment += std::abs(factor);

@@ -9,11 +9,16 @@ namespace qerr {
 /// What an error adds to the error along u, in the moved frame of its first joint with p the tip there:
 /// width (D(u) . p + e . u), linear in u. Revolute columns: (u x z) . (p - o); prismatic ones: u . z.
 struct LocalError {
-  Eigen::Matrix3d to_moment = Eigen::Matrix3d::Zero();  ///< D(u) = to_moment u, perpendicular to u
-  Eigen::Vector3d constant = Eigen::Vector3d::Zero();   ///< e
-  double width = 1;                                     ///< half width or sigma
+  Eigen::Vector3d axis = Eigen::Vector3d::Zero();      ///< D(u) = u x axis, perpendicular to u
+  Eigen::Vector3d constant = Eigen::Vector3d::Zero();  ///< e
+  double width = 1;                                    ///< half width or sigma
   double size = 0;    ///< largest |D(u) . p + e . u| over all configurations for |u| = 1
   double moment = 0;  ///< largest |D(u)|
+
+  /// D(u) for |u| = 1, width included.
+  Eigen::Vector3d moment_at(const Eigen::Vector3d& u) const { return width * u.cross(axis); }
+  /// e . u, width included.
+  double constant_at(const Eigen::Vector3d& u) const { return width * constant.dot(u); }
 };
 
 /// Errors of a moved frame.

@@ -145,7 +145,7 @@ double PositionRecursion::origins_at(std::size_t link, const Eigen::Vector3d& u)
 void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* values) const {
   const MomentLevel& l = levels_[k];
   SliceSum sum;
-  double constant = l.errors.fixed.constant.dot(at.u);
+  double constant = l.errors.fixed.constant_at(at.u);
   set_tables(k, at, sum, constant);
   const Eigen::Vector3d p = k == form_.size() ? Eigen::Vector3d(form_.tip.translation())
                                               : Eigen::Vector3d(form_.steps[k].translation);
@@ -154,12 +154,12 @@ void PositionRecursion::raise(std::size_t k, const DirectionFrame& at, float* va
   const SliceSum maps = sum;
   const double next_middle = k < form_.size() ? 0.5 * (levels_[k + 1].disc.nodes - 1) : 0;
   for (std::size_t signs = 0; signs < std::size_t{1} << l.errors.independent.size(); ++signs) {
-    Eigen::Vector3d moment = l.errors.fixed.to_moment * at.u;
+    Eigen::Vector3d moment = l.errors.fixed.moment_at(at.u);
     double value = constant;
     for (std::size_t e = 0; e < l.errors.independent.size(); ++e) {
-      const double weight = (signs >> e & 1 ? 1 : -1) * l.errors.independent[e].width;
-      moment += weight * (l.errors.independent[e].to_moment * at.u);
-      value += weight * l.errors.independent[e].constant.dot(at.u);
+      const double sign = signs >> e & 1 ? 1 : -1;
+      moment += sign * l.errors.independent[e].moment_at(at.u);
+      value += sign * l.errors.independent[e].constant_at(at.u);
     }
     // m = (a, b) h + first
     const double first[2] = {moment.dot(at.polar) - middle * h, moment.dot(at.azimuth) - middle * h};

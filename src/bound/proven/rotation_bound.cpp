@@ -180,9 +180,27 @@ double RotationRecursion::along(const Eigen::Vector3d& u) const {
 }
 
 double RotationRecursion::length() const {
-  if (stages_.size() == 1) return 0;
-  return largest_over_directions(stages_[1].directions, stages_[1].table) +
-         rotation_rounding * stages_[0].size;
+  if (stages_.size() == 1) return 0;  // no joint turns
+  const DirectionGrid& g = stages_[1].directions;
+  std::vector<double> values;  // of F_0: errors of joints that slide before the first that turns are in L_0
+  for (std::size_t row = 0; row < g.rows; ++row)
+    for (std::size_t column = 0; column < g.columns(); ++column) {
+      const Eigen::Vector3d u =
+          direction_frame(g.polar(row), g.azimuths->node_cos[column], g.azimuths->node_sin[column]).u;
+      double value = stages_[1].table[row * g.columns() + column];
+      for (const AxisError& e : stages_[0].errors) {
+        const double c = (stages_[0].to_next * e.direction).dot(u);
+        value += e.half_width * std::abs(c) + e.mean * c;
+      }
+      values.push_back(value);
+    }
+  return largest_over_directions(g, values) + rotation_rounding * stages_[0].size;
+}
+
+/// From the axes of the figures to the frame in which the recursion starts.
+Eigen::Matrix3d axes_of_first_frame(const ChainForm& form, RotationAxes axes) {
+  if (axes == RotationAxes::base) return Eigen::Matrix3d::Identity();
+  return form.tip.linear();
 }
 
 }  // namespace
@@ -196,7 +214,7 @@ RotationBound rotation_worst_case_bound(const ChainForm& form, RotationAxes axes
     RotationRecursion r(form, axes, errors, false);
     r.run(cells);
     for (std::size_t i = 0; i < directions.size(); ++i)
-      bound.along[i] = std::max(bound.along[i], r.along(directions[i]));
+      bound.along[i] = std::max(bound.along[i], r.along(axes_of_first_frame(form, axes) * directions[i]));
     if (axes == RotationAxes::base) bound.length = std::max(bound.length, r.length());
   }
   return bound;
@@ -209,7 +227,8 @@ RotationBound rotation_sigma_bound(const ChainForm& form, RotationAxes axes,
   if (!directions.empty()) {
     RotationRecursion r(form, axes, errors, true);
     r.run(cells);
-    for (const Eigen::Vector3d& u : directions) bound.along.push_back(r.along(u));
+    for (const Eigen::Vector3d& u : directions)
+      bound.along.push_back(r.along(axes_of_first_frame(form, axes) * u));
   }
   double variance = 0;
   for (const auto& frame : errors)
