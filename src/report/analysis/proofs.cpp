@@ -153,12 +153,14 @@ std::vector<std::string> row_of(const Analysis& a, const ProvenResult& proof) {
                                 : percent(m.gap())};
 }
 
-/// `a1 0.12 rad, a2 -1.5 rad`.
+/// `a1 0.12 rad, a2 -1.5 rad`. Joints without influence end where rounding leaves them.
 std::string place_of(const Analysis& a, const Eigen::VectorXd& q) {
+  constexpr double least_shown = 1e-6;
   std::string out;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
-    out += (i ? ", " : "") + shown(joint.name) + ' ' + readable(q[i], joint.prismatic() ? "m" : "rad");
+    out += (i ? ", " : "") + shown(joint.name) + ' ' +
+           readable(std::abs(q[i]) < least_shown ? 0 : q[i], joint.prismatic() ? "m" : "rad");
   }
   return out;
 }
