@@ -83,6 +83,8 @@ ConeRecursion::ConeRecursion(const ChainForm& form, double cells)
       squares += e.width * e.width * e.moment * e.moment;
       l.moment = std::hypot(l.moment, e.width * e.moment);
     }
+    // The slice between two errors of a frame is looked up as far as the second shifts m.
+    if (l.errors.size() > 1) l.scale = std::hypot(l.scale, l.moment);
     const ChainStep& joint = form.steps[k - 1];
     l.arc = joint.prismatic ? fixed_grid(angle) : arc_grid(-joint.upper, -joint.lower, angle);
     l.directions = direction_grid(true, angle, l.arc);
