@@ -5,10 +5,10 @@
 
 The search is independent of qerr: numpy kinematics, random samples (with the ends of the ranges), and a pattern search along
 the joints and random directions from the best of them. Random chains have 3 to 7 joints, prismatic ones, limited ranges, parallel
-and intersecting axes, tools, mimics, couplings, counters that round down; then every robot of ../shared/robots that
-check_analyze.py has.
+and intersecting axes, tools, mimics, couplings, counters that round down; with --shared then every robot of its robots/ that
+check_analyze.py has (minutes).
 
-The study of the acceptance: --chains 1000 --samples 1e5 --program-samples 1e7, which adds the maxima of 1e7 samples of another seed
+The study of the acceptance: --chains 1000 --samples 1e5 --program-samples 1e7 --gap 0.01 --mimics-up-to 7 --summary, which adds the maxima of 1e7 samples of another seed
 by the program itself as starts of the independent search. It prints the gaps and the seconds by the number of joints.
 """
 import argparse
@@ -120,7 +120,7 @@ def improved(rng, figures, key, points, low, high):
     return value.max()
 
 
-def random_chain(rng, folder, seed):
+def random_chain(rng, folder, seed, mimics_up_to):
     """A URDF of 3 to 7 joints, and what of it the search needs."""
     joints = int(rng.integers(3, 8))
     links = ["base"] + [f"link{k}" for k in range(joints)] + ["tool"]
@@ -142,7 +142,7 @@ def random_chain(rng, folder, seed):
         else:
             lower, upper = -rng.uniform(0.2, math.pi), rng.uniform(0.2, math.pi)
         mimic = ""
-        if moving and rng.random() < 0.07:
+        if moving and joints <= mimics_up_to and rng.random() < 0.15:
             mimic = f'<mimic joint="{rng.choice(moving)}" multiplier="{rng.choice([-1, 1, 0.5])}" offset="{rng.uniform(-0.3, 0.3)}"/>'
         else:
             moving.append(name)
@@ -279,6 +279,7 @@ def main():
     parser.add_argument("--samples", type=float, default=2e4)
     parser.add_argument("--program-samples", type=float, default=0)
     parser.add_argument("--gap", type=float, default=0.02)
+    parser.add_argument("--mimics-up-to", type=int, default=4, help="joints of chains with mimics, whose proofs take long")
     parser.add_argument("--rotations", action="store_true", help="prove rotations, too")
     parser.add_argument("--summary", action="store_true")
     parser.add_argument("--verbose", action="store_true")
@@ -289,13 +290,13 @@ def main():
     with tempfile.TemporaryDirectory() as temporary:
         folder = pathlib.Path(temporary)
         for seed in range(arguments.first, arguments.first + arguments.chains):
-            study.robot(folder, seed, *random_chain(np.random.default_rng(seed), folder, seed))
+            study.robot(folder, seed, *random_chain(np.random.default_rng(seed), folder, seed, arguments.mimics_up_to))
         robots = pathlib.Path(arguments.shared or "nowhere") / "robots"
         if robots.is_dir():
             for i, robot in enumerate(shared_robots(robots)):
                 study.robot(folder, i, *robot)
-        else:
-            print("skipped: the robots of ../shared are not here")
+        elif arguments.shared:
+            print(f"skipped: {robots} is not here")
     if arguments.summary or arguments.verbose:
         study.summary()
     return t.close()
