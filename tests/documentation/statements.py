@@ -288,6 +288,7 @@ NAMES = {
         r"encoder of a2 causes",
         r"one for a7 would change",
         r"at 95 % of them",
+        r"for a delay of 5 ms\?",
         r"`--shard 2/5` computes",
         r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
     ],
