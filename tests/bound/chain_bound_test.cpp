@@ -127,6 +127,24 @@ void add_sources(Dice& dice, OperationalModel& m, bool origins) {
                          .sigma = 1e-5});
 }
 
+TEST(ChainBound, HoldsWithoutLeversAndWithoutTurns) {
+  OperationalModel wrist = planar_arm({0, 0});  // the tip is on all axes
+  const std::vector<Limits> turn(2, {-pi, pi});
+  OperationalModel slides = wrist;
+  for (ChainJoint& joint : slides.chain.joints) joint.prismatic = true, joint.axis = Eigen::Vector3d::UnitX();
+  for (const CoordinateFrame frame : {CoordinateFrame::base, CoordinateFrame::tip}) {
+    wrist.frame = slides.frame = frame;
+    for (const Figure figure : {Figure::worst_case, Figure::sigma})
+      for (const std::size_t c : {x, xyz}) {
+        EXPECT_NEAR(*chain_upper_bound(wrist, turn, {c, figure}, 0, 0.01), 0, 1e-9);
+        const double sum = figure == Figure::sigma ? 1e-4 / std::sqrt(6.0) : 1e-4;
+        const double bound = *chain_upper_bound(slides, turn, {c, figure}, sum, 0.01);
+        EXPECT_GE(bound, sum * (1 - 1e-12));
+        EXPECT_LE(bound, sum * 1.01);
+      }
+  }
+}
+
 TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
   Dice dice(21);
   for (int i = 0; i < 10; ++i) {

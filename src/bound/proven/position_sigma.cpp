@@ -35,7 +35,8 @@ struct Cylinder {
 
 /// Where points lie in the frame before a joint, of those of a cylinder of its moved frame whose images are
 /// within `reach` of the origin.
-Cylinder image(const Cylinder& c, const ChainStep& step, double reach) {
+/// @param least  extent; 1e-6 of the largest reach
+Cylinder image(const Cylinder& c, const ChainStep& step, double reach, double least) {
   Eigen::Vector3d low = step.translation, high = step.translation;
   if (step.prismatic) {
     low += step.lower * step.rotation.col(2);
@@ -44,8 +45,9 @@ Cylinder image(const Cylinder& c, const ChainStep& step, double reach) {
   const double sine = step.rotation.row(2).head<2>().norm();
   const double height = std::max(std::abs(c.lowest), std::abs(c.highest));
   const double a = step.rotation(2, 2) * c.lowest, b = step.rotation(2, 2) * c.highest;
-  // Margins of 1e-12 for rounding; tables have some extent, so that their spacing is not 0.
-  const double margin = 1e-12 * reach, least = 1e-6 * reach;
+  // Margins of 1e-12 of the largest reach for rounding; tables have some extent, so that their spacing is not
+  // 0.
+  const double margin = 1e-6 * least;
   Cylinder out;
   out.lowest = std::max(std::min(low.z(), high.z()) + std::min(a, b) - sine * c.radius, -reach) - margin;
   out.highest = std::min(std::max(low.z(), high.z()) + std::max(a, b) + sine * c.radius, reach) + margin;
@@ -182,7 +184,7 @@ void TipRecursion::lay_out(double cells) {
     Cylinder swept = at;
     swept.radius *= wider;
     reach = (reach * wider + (reaches_[k - 1] - reaches_[k])) * (1 + 1e-12);
-    at = image(swept, joint, reach);
+    at = image(swept, joint, reach, 1e-6 * reaches_[0]);
   }
   scale_ *= std::max(1.0, reach);
 }

@@ -96,7 +96,7 @@ void PositionRecursion::lay_out(double cells) {
     // u at azimuth a before the motion q is at a - q after it.
     l.arc = joint.prismatic ? fixed_grid(step) : arc_grid(-joint.upper, -joint.lower, step);
     l.directions = direction_grid(even_, step, l.arc);
-    const double least = 1e-7 * total;
+    const double least = total > 0 ? 1e-7 * total : 1e-12;  // some extent, so that steps are not 0
     const bool point = radius <= least;
     l.disc = moment_disc(std::max(radius, least), point ? 3 : 2 * static_cast<int>(cells / 2) + 1);
     if (k + 1 < levels_.size()) {

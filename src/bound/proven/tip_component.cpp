@@ -88,7 +88,7 @@ LeverRecursion::LeverRecursion(const ChainForm& form, std::vector<FrameErrors> e
 void LeverRecursion::lay_out(double cells) {
   const double angle = std::numbers::pi / 2 / cells;
   double radius = form_.tip.translation().norm();
-  double whole = radius;
+  double whole = radius + 1e-12;  // some extent, so that steps are not 0
   for (const LeverLevel& l : levels_) whole += l.offset;
   for (std::size_t k = form_.size(); k > 0; --k) {
     LeverLevel& l = levels_[k];
