@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "bound/proven/figure_model.hpp"
+#include "bound/proven/reached.hpp"
 #include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"
 #include "qerr/bound/derivative_error.hpp"
@@ -165,6 +166,14 @@ TEST(ProvenMaximum, BehindAFilterIsThatOfItsModel) {
       }
     }
   }
+}
+
+TEST(ProvenMaximum, IsNotContradictedInSilence) {
+  ProvenMaximum proven{1, 2, {}};
+  set_reached(proven, 2 * (1 + 1e-13));  // rounding
+  EXPECT_EQ(proven.lower, proven.upper);
+  EXPECT_EQ(proven.gap(), 0);
+  EXPECT_THROW(set_reached(proven, 2.1), std::logic_error);
 }
 
 TEST(ProvenMaximum, DoesNotDependOnThreads) {

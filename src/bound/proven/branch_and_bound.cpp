@@ -47,7 +47,9 @@ class BoxSearch {
   }
 
  private:
-  static constexpr double widened = 1 + 0x1p-50;
+  static constexpr double widened =
+      1 + 0x1p-50;  // for what is lost in rounding the half width and the center
+  static double least_half(double center) { return 0x1p-50 * std::abs(center); }
 
   void add(const Eigen::VectorXd& center, const Eigen::VectorXd& half) {
     const BoxBound::Result bound = bound_(center, half);
@@ -69,7 +71,7 @@ class BoxSearch {
     const Eigen::Index along = widest_[box];
     Eigen::VectorXd center = std::move(centers_[box]), half = std::move(halves_[box]);
     const double middle = center[along], quarter = 0.5 * half[along];
-    half[along] = quarter * widened;
+    half[along] = quarter * widened + least_half(middle) + least_half(quarter);
     center[along] = middle - quarter;
     add(center, half);
     center[along] = middle + quarter;
@@ -107,6 +109,10 @@ SearchedMaximum branch_and_bound(const ErrorTerms& terms, const std::vector<Limi
 std::size_t boxes_of_gap(double gap) {
   constexpr double at_one_percent = 0x1p17, most = 0x1p21;
   return static_cast<std::size_t>(std::min(most, at_one_percent * 0.01 / gap));
+}
+
+double rounding_allowance(const ErrorTerms& terms, const std::vector<Limits>& ranges) {
+  return BoxBound(terms, ranges).rounding();
 }
 
 std::size_t influential_joints(const ErrorTerms& terms, const std::vector<Limits>& ranges) {

@@ -21,6 +21,10 @@ SearchedMaximum branch_and_bound(const ErrorTerms&, const std::vector<Limits>& r
 /// Number of boxes for a gap: 131072 at 1 %, in proportion to 1/gap, at most 2^21. About 5 us each.
 std::size_t boxes_of_gap(double gap);
 
+/// Allowance for the rounding of the figure itself, as `operational_error` and `workspace` compute it
+/// (box_bound.hpp).
+double rounding_allowance(const ErrorTerms&, const std::vector<Limits>& ranges);
+
 /// Joints on which the figure depends.
 std::size_t influential_joints(const ErrorTerms&, const std::vector<Limits>& ranges);
 

@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 #include <numbers>
+#include <stdexcept>
 
 #include "bound/linearization_remainder.hpp"
 #include "bound/proven/ascent.hpp"
@@ -12,6 +13,7 @@
 #include "bound/proven/chain_bound.hpp"
 #include "bound/proven/figure_model.hpp"
 #include "bound/proven/line_maximum.hpp"
+#include "bound/proven/reached.hpp"
 #include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"
 #include "core/text.hpp"
@@ -119,7 +121,7 @@ class Proof {
     constexpr std::size_t few = 4,
                           many = 6;  // boxes fill their space: beyond, the chain's bound is always lower
     if (joints <= few) search_boxes(terms);
-    if (!reached()) along_chain();
+    if (!reached()) along_chain(rounding_allowance(terms, ranges_));
     if (!reached() && joints > few && (joints < many || result_.upper == unbounded)) search_boxes(terms);
     return result_;
   }
@@ -141,12 +143,12 @@ class Proof {
     consider(terms, found.at);
   }
 
-  void along_chain() {
+  void along_chain(double rounding) {
     const ChainBoundRequest request{figure_.coordinate, is_sigma(figure_)
                                                             ? ChainBoundRequest::Figure::sigma
                                                             : ChainBoundRequest::Figure::worst_case};
     const auto upper = chain_upper_bound(model_, ranges_, request, result_.lower, gap_);
-    if (upper) result_.upper = std::min(result_.upper, *upper);
+    if (upper) result_.upper = std::min(result_.upper, *upper + rounding);
   }
 
   ProvenMaximum search_only(const std::vector<Eigen::VectorXd>& starts) {
@@ -197,6 +199,12 @@ class DoneProofs {
 
 double ProvenMaximum::gap() const { return lower == upper ? 0 : upper / lower - 1; }
 
+void set_reached(ProvenMaximum& m, double value) {
+  if (value > m.upper * (1 + 1e-9)) throw std::logic_error("a configuration exceeds the proven maximum");
+  m.lower = value;
+  m.upper = std::max(m.upper, value);
+}
+
 std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
                                          const std::vector<Limits>& given_ranges,
                                          const std::vector<ProvenFigure>& figures,
@@ -237,8 +245,7 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
       }
     }
     result.upper *= of.factor * (1 + of.error) * (1 + 4 * machine_epsilon);
-    result.lower = values({figure}, {result.at})[0][0];
-    result.upper = std::max(result.upper, result.lower);
+    set_reached(result, values({figure}, {result.at})[0][0]);
     results.push_back(std::move(result));
   }
   return results;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "bound/proven/reached.hpp"
 #include "core/text.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/tables.hpp"
@@ -54,8 +55,7 @@ void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions o
   for (std::size_t i = 0; i < figures.size(); ++i) {
     ProvenMaximum maximum = maxima[i];
     // Of configurations that are equal but for rounding the sample reports the first one.
-    maximum.lower = std::max(maximum.lower, sampled(a, figures[i]).max);
-    maximum.upper = std::max(maximum.lower, maximum.upper);
+    set_reached(maximum, std::max(maximum.lower, sampled(a, figures[i]).max));
     const auto known = std::find_if(a.proofs.begin(), a.proofs.end(),
                                     [&](const ProvenResult& p) { return p.figure == figures[i]; });
     if (known == a.proofs.end())
