@@ -50,7 +50,7 @@ Command design_command() {
        {"qerr design arm.yaml --write-spec chosen.yaml", "and write the spec that `qerr check` passes"},
        {"qerr design arm.yaml --set design.minimize=resolution", "the coarsest encoders that still pass"},
        {"qerr design arm.yaml --pareto position.xyz.sigma", "what each step of accuracy costs"}},
-      {"design", "requirements", "encoders"}};
+      {"choice", "requirements", "encoders"}};
 }
 
 }  // namespace qerr::cli

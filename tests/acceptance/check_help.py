@@ -69,6 +69,7 @@ def check_examples(t, qerr, commands):
         spec = (folder / "spec.yaml").read_text().replace("../", f"{ROOT}/configs/")
         spec = spec if "requirements:" in spec else spec + "requirements: [{quantity: position.x.worst_case, statistic: max, at_most: 1 m}]\n"
         spec += "sweep: [{key: configurations.seed, values: [1, 2, 3, 4, 5]}]\n"
+        spec += "design: {encoders: {'*': {bits: 12..16}}}\n"
         for name in ("arm.yaml", "wrist.yaml"):
             (folder / name).write_text(spec)
         environment = dict(os.environ, PATH=f"{folder / 'bin'}{os.pathsep}{os.environ['PATH']}")

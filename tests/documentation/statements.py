@@ -304,7 +304,7 @@ NAMES = {
         # Numbers with units, as examples of writing them.
         r"`50 Hz`, `0\.1 mm`, `15 deg`, `12 arcmin`, `5 mm/s`",
     ],
-    TOPICS["design"]: [
+    TOPICS["choice"]: [
         r"`\{bits: 12\.\.23\}`",
         r"`\{counts_per_rev: \[2048, 4096\], gear_ratio: \[50, 100\]\}`",
         r"`price: \{fixed: 20, per_bit: 3\}`",

@@ -356,7 +356,7 @@ DesignReport design(const SpecVariants& variants, const DesignOptions& options) 
                       "design",
                       "the spec has no section of this name: nothing is to be chosen",
                       "",
-                      "add design: {encoders: {'*': {bits: 12..23}}} (`qerr help design`)"});
+                      "add design: {encoders: {'*': {bits: 12..23}}} (`qerr help choice`)"});
   const DesignRequest& request = *variants.base().design;
   if (variants.base().requirements.empty() && request.minimize != DesignRequest::Minimize::figure)
     throw Error(Fault{{variants.base().file, 1, 1},
