@@ -41,6 +41,9 @@ struct ProofOptions {
   std::vector<Eigen::VectorXd> noise_in_motion = {};
   /// Configurations from which the search for the maximum also starts, such as those of sampled maxima.
   std::vector<Eigen::VectorXd> starts = {};
+  /// [figure]: a limit of which only the verdict counts; empty: none. Where `lower` exceeds it there is no
+  /// proof (`upper` is infinite), and where it is far above, a gap as wide as that to the limit will do.
+  std::vector<double> limits = {};
 };
 
 /// Proven maxima of figures over the box of the joint ranges, in the order of `figures`.

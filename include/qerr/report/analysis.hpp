@@ -40,6 +40,7 @@ struct Exceedance {
 struct ProofRequest {
   double gap = 0.01;  ///< between what is reached and what is proven
   bool all = false;   ///< every worst case and sigma; else the figures of requirements on the proven maximum
+  bool verdicts_only = false;  ///< no more of a proof than the verdict on its requirements needs
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 

@@ -106,8 +106,10 @@ Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorX
 /// Proof of one figure, with its own model.
 class Proof {
  public:
-  Proof(OperationalModel model, const ProvenFigure& figure, const std::vector<Limits>& ranges, double gap)
-      : model_(std::move(model)), figure_(figure), ranges_(ranges), gap_(gap) {}
+  /// @param limit  as in ProofOptions; infinite without one
+  Proof(OperationalModel model, const ProvenFigure& figure, const std::vector<Limits>& ranges, double gap,
+        double limit)
+      : model_(std::move(model)), figure_(figure), ranges_(ranges), gap_(gap), limit_(limit) {}
 
   ProvenMaximum run(const std::vector<Eigen::VectorXd>& starts) {
     const Coordinate c = coordinates_and_lengths(model_)[figure_.coordinate];
@@ -117,6 +119,8 @@ class Proof {
       return {terms.added(), terms.added() * (1 + 4 * machine_epsilon), starts.front()};
     for (const Eigen::VectorXd& start : starts) consider(terms, start);
     result_.upper = unbounded;
+    if (result_.lower > limit_) return result_;
+    if (std::isfinite(limit_) && result_.lower > 0) gap_ = std::max(gap_, limit_ / result_.lower - 1);
     const std::size_t joints = influential_joints(terms, ranges_);
     constexpr std::size_t few = 4,
                           many = 6;  // boxes fill their space: beyond, the chain's bound is always lower
@@ -174,7 +178,7 @@ class Proof {
   OperationalModel model_;
   ProvenFigure figure_;
   const std::vector<Limits>& ranges_;
-  double gap_;
+  double gap_, limit_;
   ProvenMaximum result_;
 };
 
@@ -221,13 +225,25 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
   for (const ProvenFigure& job : jobs)
     models.push_back(figure_model(model, filters, options.noise_in_motion, job));
 
+  // The strictest limit of the figures that a job proves, in units of the job's figure.
+  const auto limit_of_job = [&](const ProvenFigure& job) {
+    double limit = unbounded;
+    for (std::size_t i = 0; i < options.limits.size(); ++i) {
+      const Proportional of = proportional(model, filters, figures[i]);
+      const bool scaled = of.factor > 0 && figures[i].bound != ProvenFigure::Bound::worst_case_rigorous;
+      if (of.figure == job) limit = scaled ? std::min(limit, options.limits[i] / of.factor) : unbounded;
+      if (of.figure == job && !scaled) break;
+    }
+    return limit;
+  };
+
   FigureValues values(model, filters, options.noise_in_motion);
   std::vector<std::vector<Eigen::VectorXd>> starts = values.best_samples(jobs, ranges);
   std::vector<ProvenMaximum> proven(jobs.size());
   DoneProofs done(options, jobs.size());
   parallel_for(jobs.size(), options.threads, [&](std::size_t i) {
     starts[i].insert(starts[i].end(), options.starts.begin(), options.starts.end());
-    proven[i] = Proof(models[i], jobs[i], ranges, options.gap).run(starts[i]);
+    proven[i] = Proof(models[i], jobs[i], ranges, options.gap, limit_of_job(jobs[i])).run(starts[i]);
     done.add();
   });
 

@@ -47,7 +47,25 @@ const Statistic& sampled(const Analysis& a, const ProvenFigure& figure) {
                                            : c.worst_case_rigorous;
 }
 
-void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions options) {
+/// The limits of requirements on the proven maxima of figures, infinite where one has another relation.
+std::vector<double> limits_of(const Analysis& a, const std::vector<ProvenFigure>& figures) {
+  std::vector<double> limits;
+  for (const ProvenFigure& figure : figures) {
+    // Limits of several requirements need the proof itself.
+    double limit = std::numeric_limits<double>::infinity();
+    std::size_t count = 0;
+    for (const Requirement& r : a.spec.requirements) {
+      if (!r.proven || proven_figure(r, a.spec.model) != figure) continue;
+      ++count;
+      if (!r.at_least) limit = r.limit;
+    }
+    limits.push_back(count == 1 ? limit : std::numeric_limits<double>::infinity());
+  }
+  return limits;
+}
+
+void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions options, bool verdicts_only) {
+  if (verdicts_only) options.limits = limits_of(a, figures);
   for (const ProvenFigure& figure : figures)
     if (const Eigen::VectorXd& at = sampled(a, figure).at_max; at.size() > 0) options.starts.push_back(at);
   const std::vector<ProvenMaximum> maxima =
@@ -66,7 +84,7 @@ void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions o
 }
 
 /// Repeats the proofs of figures whose requirements are undecided.
-void refine(Analysis& a, ProofOptions options) {
+void refine(Analysis& a, ProofOptions options, bool verdicts_only) {
   std::map<ProvenFigure, double> gaps;
   for (const Requirement& r : a.spec.requirements) {
     if (!r.proven) continue;
@@ -80,7 +98,7 @@ void refine(Analysis& a, ProofOptions options) {
   for (const auto& [figure, gap] : gaps) {
     options.gap = gap;
     options.starts = {find_proof(a, figure)->at};
-    prove(a, {figure}, options);
+    prove(a, {figure}, options, verdicts_only);
   }
 }
 
@@ -186,9 +204,9 @@ void add_proofs(Analysis& a, const ProofRequest& request, unsigned threads) {
                              .threads = threads,
                              .progress = request.progress,
                              .noise_in_motion = a.noise_in_motion};
-  prove(a, figures, options);
-  refine(a, options);
-  warn_of_gaps(a);
+  prove(a, figures, options, request.verdicts_only);
+  refine(a, options, request.verdicts_only);
+  if (!request.verdicts_only) warn_of_gaps(a);
 }
 
 std::string proof_table(const Analysis& a, const Style& style) {

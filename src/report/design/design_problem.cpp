@@ -132,7 +132,7 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
   Spec spec = variant(choice, filters);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
     if (!spec.requirements[i].figure) spec.requirements[i].limit = (*limits)[i];
-  if (any_proven_) return evaluate(spec, workspace_).results;
+  if (any_proven_) return evaluate(spec, workspace_, {.verdicts_only = limits != nullptr}).results;
   // Without the warnings of `analyze`, which take longer than the figures.
   WorkspaceOptions options = workspace_;
   if (needs_motion_noise_) options.noise_in_motion = noise_in_motion(spec, options.threads);
