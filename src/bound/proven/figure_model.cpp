@@ -22,12 +22,14 @@ void scale_encoders(OperationalModel& model, const Eigen::VectorXd& factors) {
   }
 }
 
-void set_worst_case(OperationalModel& model, const Norms& norms) {
+/// @param length  whose largest length of displaced origins, mean included, is multiplied by ||H||_1
+/// (length_errors.hpp)
+void set_worst_case(OperationalModel& model, const Norms& norms, bool length) {
   const Eigen::VectorXd means = mean_errors(model.transmission);
   scale_encoders(model, Eigen::VectorXd::Constant(means.size(), norms.l1.upper));
   for (ErrorSource& s : model.sources) {
     s.half_width *= norms.l1.upper;
-    s.mean *= norms.dc_gain;
+    s.mean *= length && s.where == ErrorSource::Where::origin ? norms.l1.upper : norms.dc_gain;
   }
   for (Eigen::Index i = 0; i < means.size(); ++i) {
     if (means[i] == 0 || norms.dc_gain == 0) continue;
@@ -47,7 +49,7 @@ OperationalModel figure_model(const OperationalModel& position, const std::vecto
   const auto f = static_cast<std::size_t>(figure.filter);
   if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
   if (!is_sigma(figure)) {
-    set_worst_case(model, filters[f]);
+    set_worst_case(model, filters[f], figure.coordinate >= model.coordinates.size());
     return model;
   }
   if (!sigma_is_known(model.sources, f))
