@@ -57,7 +57,8 @@ std::vector<double> limits_of(const Analysis& a, const std::vector<ProvenFigure>
     for (const Requirement& r : a.spec.requirements) {
       if (!r.proven || proven_figure(r, a.spec.model) != figure) continue;
       ++count;
-      if (!r.at_least) limit = r.limit;
+      // Any bound decides an infinite limit.
+      if (!r.at_least) limit = std::min(r.limit, std::numeric_limits<double>::max());
     }
     limits.push_back(count == 1 ? limit : std::numeric_limits<double>::infinity());
   }

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
 
 #include "core/text.hpp"
 #include "input/changed_spec.hpp"
@@ -32,8 +33,9 @@ class DesignJob {
     }
     if (!options.pareto.empty()) {
       pareto_ = stated_ + more.size();
-      more.push_back(pareto_entry());
+      more.push_back(pareto_entry(options.pareto));
     }
+    add_sampled_maxima(more);
     refuse_motion_of_chosen_filters();
     problem_ = std::make_unique<DesignProblem>(variants, request_, more, options.workspace);
     FilterSets sets =
@@ -90,13 +92,24 @@ class DesignJob {
 
   const Requirement& requirement(std::size_t i) const { return problem_->base().requirements[i]; }
 
-  Node pareto_entry() const {
+  /// Of a proven maximum the front shows the sampled one: a front of proofs would take minutes.
+  void add_sampled_maxima(std::vector<Node>& more) {
+    if (!options_.pareto.empty() || goal_ || !options_.alternatives) return;
+    for (std::size_t i = 0; i < stated_; ++i) {
+      const Requirement& r = variants_.base().requirements[i];
+      if (!r.proven) continue;
+      sampled_maximum_[i] = stated_ + more.size();
+      more.push_back(pareto_entry(r.quantity + " max"));
+    }
+  }
+
+  Node pareto_entry(const std::string& figure) const {
     // A quantity, and perhaps its statistic behind a blank.
-    const std::size_t blank = options_.pareto.find(' ');
-    Node quantity = scalar_node(options_.pareto.substr(0, blank));
+    const std::size_t blank = figure.find(' ');
+    Node quantity = scalar_node(figure.substr(0, blank));
     quantity.place = {"--pareto", 0, 0};
     if (blank == std::string::npos) return figure_entry({&quantity, "--pareto"}, nullptr, variants_.base());
-    Node statistic = scalar_node(options_.pareto.substr(blank + 1));
+    Node statistic = scalar_node(figure.substr(blank + 1));
     statistic.place = quantity.place;
     return figure_entry({&quantity, "--pareto"}, &statistic, variants_.base());
   }
@@ -292,7 +305,8 @@ class DesignJob {
 
   /// Costs as a function of a figure's limit, from the cheapest design without it to the finest one.
   void make_front(const DesignQuery& query, const FoundDesign& best) {
-    const auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
+    auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
+    if (p && sampled_maximum_.contains(*p)) p = sampled_maximum_.at(*p);
     if (!p || requirement(*p).figure || encoders_of(best.choice).empty()) return;
     report_.pareto_figure = requirement(*p).name();
     report_.pareto_unit = requirement(*p).unit;
@@ -300,7 +314,9 @@ class DesignJob {
     free.wanted = 1;
     free.work = work_of_alternative;
     for (std::size_t i = 0; i < stated_; ++i)
-      if (requirement(i).name() == report_.pareto_figure) free.limits[i] = none;
+      if (requirement(i).name() == report_.pareto_figure ||
+          (sampled_maximum_.contains(i) && sampled_maximum_.at(i) == *p))
+        free.limits[i] = none;
     free.limits[*p] = none;
     const DesignFindings cheapest = solver_->find(free);
     if (cheapest.best.empty()) return;
@@ -342,6 +358,7 @@ class DesignJob {
   const DesignRequest& request_;
   std::size_t stated_ = 0;
   std::optional<std::size_t> goal_, pareto_;
+  std::map<std::size_t, std::size_t> sampled_maximum_;  ///< of a requirement on a proven one
   std::unique_ptr<DesignProblem> problem_;
   std::unique_ptr<DesignSolver> solver_;
   std::vector<std::string> filter_obstacles_;

@@ -84,7 +84,11 @@ DesignFindings DesignSolver::find(const DesignQuery& query) {
 }
 
 double DesignSolver::value(const FoundDesign& d, std::size_t requirement) const {
-  return problem_.results(d.choice, sets_[d.set].filters)[requirement].value;
+  // Requirements on proven maxima need no proof for another figure's value.
+  const std::vector<Requirement>& all = problem_.base().requirements;
+  const std::vector<double> none(all.size(), std::numeric_limits<double>::infinity());
+  const std::vector<double>* const limits = all[requirement].proven ? nullptr : &none;
+  return problem_.results(d.choice, sets_[d.set].filters, limits)[requirement].value;
 }
 
 /// The least value in one filter set below the query's limit of the goal, by bisection over limits: each
