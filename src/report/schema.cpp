@@ -171,11 +171,28 @@ Json sweep() {
   return s;
 }
 
+/// Every key of an encoder may be a value, a list or a range.
+Json design_encoder() {
+  Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
+  for (const EncoderKind& kind : encoder_kinds())
+    for (const Parameter& row : encoder_parameters(kind)) s["properties"][row.name] = Json::object();
+  s["properties"]["catalogue"] = {{"type", "string"},
+                                  {"description", "path of a CSV file, relative to this file"}};
+  s["properties"]["price"] = {{"description", "of each value, or {fixed, per_bit}"}};
+  s["properties"]["price"]["if"] = {{"type", "object"}};
+  s["properties"]["price"]["then"] = {
+      {"additionalProperties", false},
+      {"properties",
+       {{"fixed", {{"type", "number"}, {"minimum", 0}}}, {"per_bit", {{"type", "number"}, {"minimum", 0}}}}}};
+  s["properties"]["gear_price"] = {{"description", "of each gear_ratio"}};
+  return s;
+}
+
 Json design() {
   Json filter = object_of(spec_format::design_filter());
   filter["properties"]["tracking"] = object_of(spec_format::design_tracking());
   Json s = object_of(spec_format::design());
-  s["properties"]["encoders"] = map_of({{"type", "object"}});
+  s["properties"]["encoders"] = map_of(design_encoder());
   s["properties"]["filters"] = map_of(filter);
   return s;
 }

@@ -138,8 +138,11 @@ def check_model(t, qerr, folder, answer):
     odd = folder / "odd.yaml"
     odd.write_text(SPEC.replace("  turn: {counts_per_rev: 4000, gear_ratio: 3}",
                                 "  turn:\n    counts_per_rev: 4000\n    gear_ratio: 3"))
-    ran = run(qerr, "diagnose", odd, folder / "clean.csv", "--set", "encoders.turn={bits: 14}", "--write-model", folder / "no.yaml")
-    t.check("an override that cannot be written is rejected", ran.code == 3 and not (folder / "no.yaml").exists(), ran.err.decode())
+    ran = run(qerr, "diagnose", odd, folder / "clean.csv", "--set", "encoders.turn={bits: 14}", "--write-model", folder / "lines.yaml",
+              "-o", folder / "report.txt")
+    again = run(qerr, "analyze", folder / "lines.yaml", "-q", "--format", "json")
+    t.check("an override over an entry in several lines is written into the model",
+            ran.code == 0 and b"bits: 14" in (folder / "lines.yaml").read_bytes() and again.code == 0, ran.err.decode() + again.err.decode())
 
 
 def check_table(t, qerr, folder):

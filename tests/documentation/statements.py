@@ -298,6 +298,9 @@ NAMES = {
         r"AVX-512, AVX2 or",
         r"`h2_norm`, `l1_norm`",
     ],
+    TOPICS["choice"]: [
+        r"`velocity\.h2_norm`",
+    ],
     TOPICS["spec"]: [
         r"`requirements\.0\.at_most` or `requirements\[0\]\.at_most`",
         r"`--set encoders\.a2\.bits=19`",

@@ -17,7 +17,7 @@ struct DesignedEncoder {
   std::string joint;
   std::string name;  ///< of the option
   double price = 0;
-  double bits = 0;  ///< log2(1 rad/Delta) or log2(1 m/Delta) of its interval Delta at the joint
+  double bits = 0;  ///< of a turn of the joint, or of 1 m: log2(2 pi/Delta) or log2(1 m/Delta)
 };
 
 /// The low-pass chosen for a filter of the spec.

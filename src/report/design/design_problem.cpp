@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
@@ -70,7 +71,8 @@ void DesignProblem::read_options(const DesignRequest& request) {
       try {
         const bool stated = chosen(j);
         const Spec spec = stated ? variant_of({change(j, o)}, effects_of(j, o)) : base_;
-        priced.bits = -std::log2(spec.model.transmission.encoders[j].resolution);
+        const double whole = spec.model.chain.independent[j].prismatic() ? 1 : 2 * std::numbers::pi;
+        priced.bits = std::log2(whole / spec.model.transmission.encoders[j].resolution);
         priced.price = priced.option.price +
                        (priced.option.price_per_bit > 0
                             ? priced.option.price_per_bit * std::log2(spec.encoder_figures[j].counts_per_rev)

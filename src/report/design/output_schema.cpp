@@ -30,13 +30,15 @@ Json design_choice_schema() {
                                    {"value", number_or_null(), "null: unbounded"},
                                    {"unit", text()},
                                    {"met", boolean()}});
-  return or_null(object({{"price", number(), "of all encoders"},
-                         {"bits", number(), "sum of -log2 of the intervals at the joints in rad or m"},
-                         {"value", number_or_null(), "of the quantity that is minimized", true},
-                         {"encoders", map(text()), "name of the option by joint"},
-                         {"filters", map(filter_choice_schema()), "by name"},
-                         {"requirements", list(requirement)},
-                         {"set", list(text()), "KEY=VALUE, which make it of the spec by --set"}}));
+  return or_null(
+      object({{"price", number(), "of all encoders"},
+              {"bits", number(),
+               "sum over the joints of the binary logarithm of the intervals in a turn, or in 1 m"},
+              {"value", number_or_null(), "of the quantity that is minimized", true},
+              {"encoders", map(text()), "name of the option by joint"},
+              {"filters", map(filter_choice_schema()), "by name"},
+              {"requirements", list(requirement)},
+              {"set", list(text()), "KEY=VALUE, which make it of the spec by --set"}}));
 }
 
 }  // namespace
