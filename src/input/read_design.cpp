@@ -343,8 +343,9 @@ void read_goal(const Object& o, const Spec& spec, DesignRequest& request) {
     request.minimize = DesignRequest::Minimize::resolution;
   } else if (goal != "price") {
     if (goal.find('.') == std::string::npos)
-      throw Error(o.at("minimize").fault("is nothing that can be minimized",
-                                         "write price, resolution, or a quantity such as position.x.sigma"));
+      throw Error(o.at("minimize")
+                      .fault("is nothing that can be minimized",
+                             "write price, resolution, or a quantity such as position.x.sigma"));
     request.minimize = DesignRequest::Minimize::figure;
     request.figure =
         figure_entry(o.at("minimize"), o.has("statistic") ? o.at("statistic").node : nullptr, spec);

@@ -83,7 +83,7 @@ OperationalModel planar(double first, double second, double first_step, double s
   for (std::size_t k = 0; k < 2; ++k) {
     m.chain.joints[k].name = k ? "elbow" : "shoulder";
     m.chain.joints[k].coordinate = k;
-    m.chain.independent.push_back({m.chain.joints[k].name});
+    m.chain.independent.push_back({m.chain.joints[k].name, JointType::revolute, {}, true});
   }
   m.chain.joints[1].origin.translation().x() = first;
   m.chain.tip_offset.translation().x() = second;

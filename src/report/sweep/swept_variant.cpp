@@ -2,7 +2,6 @@
 
 #include "report/analysis/effects.hpp"
 #include "report/analysis/proofs.hpp"
-#include "report/analysis/proofs.hpp"
 #include "report/check/parts.hpp"
 
 namespace qerr {
