@@ -119,15 +119,14 @@ class Parser {
     for (const Option& row : command_.options)
       if (row.positional() && (texts_[row.key()].empty() || row.repeats())) return add_value(row, word);
     const bool override = word.find('=') != std::string::npos && option_of(command_, "--set");
-    refuse("qerr " + std::string(command_.name), "one argument too many", quoted(word),
+    refuse("", "one argument too many", quoted(word),
            override ? "did you mean --set " + quoted(word) + "?" : "the usage is " + usage_line(command_));
   }
 
   void check_complete() {
     for (const Option& row : command_.options) {
       if (row.required && texts_[row.key()].empty())
-        refuse("qerr " + std::string(command_.name),
-               std::string(row.name) + " is missing: " + std::string(row.meaning), "",
+        refuse("", std::string(row.name) + " is missing: " + std::string(row.meaning), "",
                "e.g. " +
                    std::string(command_.examples.empty() ? usage_line(command_) : command_.examples[0].line));
       if (!row.needs.empty() && !texts_[row.key()].empty() &&

@@ -57,6 +57,7 @@ struct ChoiceProblem {
   struct Verdict {
     bool met = false;
     std::vector<ChoiceCut> cuts = {};  ///< that exclude the choice, if any are known
+    double work = 0;                   ///< multiply-adds, about
   };
 
   std::vector<std::vector<std::int64_t>> prices;  ///< [joint][option], ascending

@@ -146,7 +146,7 @@ EncoderSearch::Leaf EncoderSearch::evaluate(const OptionChoice& choice) {
   }
   if (!judged || !problem_.judge) return Leaf::met;
   ChoiceProblem::Verdict verdict = problem_.judge(choice, request_.limits);
-  work_ += 10 * static_cast<double>(problem_.configurations * problem_.joints());
+  work_ += verdict.work;
   for (ChoiceCut& cut : verdict.cuts) cuts_.add(std::move(cut));
   return verdict.met ? Leaf::met : Leaf::failed;
 }

@@ -226,7 +226,10 @@ ChoiceProblem DesignProblem::problem(const std::vector<NamedFilter>& filters) {
   problem.judge = [this, filters, weights, shape](const OptionChoice& choice,
                                                   const std::vector<double>& limits) {
     const std::vector<RequirementResult> all = results(choice, filters, &limits);
-    ChoiceProblem::Verdict verdict{true, {}};
+    // A proof takes some tenths of a second: fewer multiply-adds, so that a search has some hundreds of them.
+    constexpr double work_of_proof = 5e7;
+    const double sampled = 10 * static_cast<double>(columns_->configurations() * choice.size());
+    ChoiceProblem::Verdict verdict{true, {}, sampled + (any_proven_ ? work_of_proof : 0)};
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Requirement& r = base_.requirements[i];
       if (r.figure || all[i].met) continue;
