@@ -298,9 +298,6 @@ NAMES = {
         r"AVX-512, AVX2 or",
         r"`h2_norm`, `l1_norm`",
     ],
-    TOPICS["choice"]: [
-        r"`velocity\.h2_norm`",
-    ],
     TOPICS["spec"]: [
         r"`requirements\.0\.at_most` or `requirements\[0\]\.at_most`",
         r"`--set encoders\.a2\.bits=19`",
@@ -308,6 +305,7 @@ NAMES = {
         r"`50 Hz`, `0\.1 mm`, `15 deg`, `12 arcmin`, `5 mm/s`",
     ],
     TOPICS["choice"]: [
+        r"`velocity\.h2_norm`",
         r"`\{bits: 12\.\.23\}`",
         r"`\{counts_per_rev: \[2048, 4096\], gear_ratio: \[50, 100\]\}`",
         r"`price: \{fixed: 20, per_bit: 3\}`",
