@@ -117,8 +117,8 @@ void add_entry(Node& mapping, const std::string& key, Node value, const Place& p
 
 double price_of(const std::string& text, const Place& place) {
   const auto price = parse_number(text);
-  if (price && *price >= 0) return *price;
-  throw Error({place, "price", "must be a number, at least 0", quoted(text),
+  if (price && *price >= 0 && *price <= highest_price) return *price;
+  throw Error({place, "price", "must be a number from 0 to 1e9", quoted(text),
                "write the number alone; its currency may stand in the header, price [EUR]"});
 }
 

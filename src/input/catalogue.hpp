@@ -19,6 +19,9 @@ struct CatalogueRow {
   Place place;
 };
 
+/// Sums of prices are compared in whole millionths, of which 2^63 hold 9e12.
+inline constexpr double highest_price = 1e9;
+
 /// A table of encoders, and of the gears that they are sold with.
 struct Catalogue {
   std::string file;

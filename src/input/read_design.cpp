@@ -151,7 +151,7 @@ class OptionReader {
     std::vector<EncoderOption> all;
     for (const EncoderOption& option : options) {
       if (option.entry.find(key)) {
-        if (values.size() > 1)
+        if (field_.node->find("catalogue") || values.size() > 1)
           throw Error(f.fault("the catalogue states it for " + qerr::quoted(option.name),
                               "remove it here, or the column from the catalogue"));
         all.push_back(option);

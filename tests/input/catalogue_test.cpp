@@ -76,7 +76,7 @@ TEST_F(CatalogueFile, EffectsWithSeveralParametersNameThem) {
 TEST_F(CatalogueFile, TellsEveryFaultWithItsPlace) {
   EXPECT_EQ(
       refusal("name,price,bits\na,1,12\nb,-3,13\na,2,14\n,2,15\n"),
-      "3:3 price: must be a number, at least 0\n4:1 name: duplicate name, as in line 2\n5:1 name: the row "
+      "3:3 price: must be a number from 0 to 1e9\n4:1 name: duplicate name, as in line 2\n5:1 name: the row "
       "has no name\n");
   EXPECT_EQ(refusal("part,bits\na,12\n"), "1:1 name: the catalogue has no column of this name\n");
   EXPECT_EQ(refusal("name,bits,acuracy\na,12,1\n"),

@@ -58,9 +58,9 @@ struct RequirementPrice {
   bool proven = true;
 };
 
-/// A design that no cheaper one equals in a figure.
+/// A design that no cheaper one equals in a figure; where the coarsest is looked for, none of fewer bits.
 struct ParetoPoint {
-  double price = 0, value = 0;
+  double price = 0, bits = 0, value = 0;
   std::vector<DesignedEncoder> encoders;
   bool proven = true;
 };

@@ -116,22 +116,42 @@ class Proof {
     if (is_euler_angle(c)) return search_only(starts);
     const ErrorTerms terms(model_, figure_.coordinate, is_sigma(figure_));
     if (terms.terms().empty())
-      return {terms.added(), terms.added() * (1 + 4 * machine_epsilon), starts.front()};
+      return {terms.added(), terms.added() * (1 + 4 * machine_epsilon) + rounding_of_nothing(),
+              starts.front()};
     for (const Eigen::VectorXd& start : starts) consider(terms, start);
     result_.upper = unbounded;
     if (result_.lower > limit_) return result_;
     if (std::isfinite(limit_) && result_.lower > 0) gap_ = std::max(gap_, limit_ / result_.lower - 1);
+    rounding_ = rounding_allowance(terms, ranges_);
     const std::size_t joints = influential_joints(terms, ranges_);
     constexpr std::size_t few = 4,
                           many = 6;  // boxes fill their space: beyond, the chain's bound is always lower
     if (joints <= few) search_boxes(terms);
-    if (!reached()) along_chain(rounding_allowance(terms, ranges_));
+    if (!reached()) along_chain(rounding_);
     if (!reached() && joints > few && (joints < many || result_.upper == unbounded)) search_boxes(terms);
     return result_;
   }
 
  private:
-  bool reached() const { return result_.upper <= result_.lower * (1 + gap_); }
+  /// A bound that is the size of the rounding errors is as low as it can be: that of a figure that is zero.
+  bool reached() const { return result_.upper <= std::max(result_.lower * (1 + gap_), 16 * rounding_); }
+
+  /// Columns that cancel exactly, such as those of a joint and of one that turns back by as much, leave the
+  /// rounding of the sum: a few dozen operations a joint on numbers up to the chain's length, or 1 of a
+  /// rotation.
+  double rounding_of_nothing() const {
+    const Eigen::VectorXd largest = joint_error(model_).worst_case;
+    double errors = 0, length = 1 + model_.chain.tip_offset.translation().norm();
+    for (const ChainJoint& joint : model_.chain.joints) {
+      const Limits& range = ranges_[joint.coordinate];
+      errors += std::abs(joint.multiplier) * largest[static_cast<Eigen::Index>(joint.coordinate)];
+      length += joint.origin.translation().norm();
+      if (joint.prismatic)
+        length += std::abs(joint.offset) +
+                  std::abs(joint.multiplier) * std::max(std::abs(range.lower), std::abs(range.upper));
+    }
+    return 64 * static_cast<double>(model_.chain.joints.size()) * machine_epsilon * errors * length;
+  }
 
   void consider(const ErrorTerms& terms, const Eigen::VectorXd& start) {
     const Eigen::VectorXd q = ascend(terms, ranges_, start);
@@ -178,7 +198,7 @@ class Proof {
   OperationalModel model_;
   ProvenFigure figure_;
   const std::vector<Limits>& ranges_;
-  double gap_, limit_;
+  double gap_, limit_, rounding_ = 0;
   ProvenMaximum result_;
 };
 

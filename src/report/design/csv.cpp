@@ -40,6 +40,7 @@ std::string to_csv(const DesignReport& report, const Style&) {
   for (std::size_t i = 0; i < report.pareto.size(); ++i) {
     const std::string name = "pareto." + std::to_string(i);
     out += row(name, "price", "", csv_number(report.pareto[i].price), report.price_unit);
+    out += row(name, "bits", "", csv_number(report.pareto[i].bits), "");
     out += row(name, "figure", report.pareto_figure, csv_number(report.pareto[i].value), report.pareto_unit);
     for (const DesignedEncoder& e : report.pareto[i].encoders)
       out += row(name, "encoder", e.joint, e.name, "");

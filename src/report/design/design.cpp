@@ -19,6 +19,7 @@ constexpr int front_points = 12;  ///< searches for the Pareto front
 constexpr double work_of_alternative = 1.5e9;
 constexpr double none = std::numeric_limits<double>::infinity();
 constexpr double millionth = 1e-6;
+constexpr double highest_budget = 1e12;  ///< no design costs more
 
 /// The work of `qerr design` on one spec.
 class DesignJob {
@@ -55,7 +56,8 @@ class DesignJob {
     DesignQuery query;
     query.limits = stated_limits(problem_->base(), stated_);
     if (request_.budget)
-      query.most = static_cast<std::int64_t>(std::floor(*request_.budget / millionth + 0.5));
+      query.most =
+          static_cast<std::int64_t>(std::floor(std::min(*request_.budget, highest_budget) / millionth + 0.5));
     const DesignFindings found = goal_ ? solver_->minimize(*goal_, query) : solver_->find(query);
     report_.proven = found.proven;
     if (!found.proven && !goal_ && found.bound < std::numeric_limits<std::int64_t>::max())
@@ -306,6 +308,10 @@ class DesignJob {
   /// Costs as a function of a figure's limit, from the cheapest design without it to the finest one.
   void make_front(const DesignQuery& query, const FoundDesign& best) {
     auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
+    if (pareto_ && requirement(*p).figure)
+      throw Error(Fault{requirement(*p).place, "--pareto", "encoders do not change a figure of a filter",
+                        quoted(requirement(*p).name()), "name an error, such as position.xyz.sigma"},
+                  Trouble::usage);
     if (p && sampled_maximum_.contains(*p)) p = sampled_maximum_.at(*p);
     if (!p || requirement(*p).figure || encoders_of(best.choice).empty()) return;
     report_.pareto_figure = requirement(*p).name();
@@ -347,9 +353,12 @@ class DesignJob {
 
   void add_point(const DesignFindings& found, std::size_t p) {
     const FoundDesign& d = found.best[0];
-    ParetoPoint point{costs(d).first, solver_->value(d, p), encoders_of(d.choice), found.proven};
+    const auto [price, bits] = costs(d);
+    ParetoPoint point{price, bits, solver_->value(d, p), encoders_of(d.choice), found.proven};
+    const double ParetoPoint::*const cost =
+        report_.goal == "resolution" ? &ParetoPoint::bits : &ParetoPoint::price;
     // A finer design at the same cost replaces the one before.
-    if (!report_.pareto.empty() && report_.pareto.back().price >= point.price) report_.pareto.pop_back();
+    if (!report_.pareto.empty() && report_.pareto.back().*cost >= point.*cost) report_.pareto.pop_back();
     report_.pareto.push_back(std::move(point));
   }
 

@@ -167,6 +167,19 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
   const bool length = r.coordinate >= spec_.model.coordinates.size();
   const auto f = static_cast<std::size_t>(std::max<std::ptrdiff_t>(r.filter, 0));
   const bool in_motion = r.bound == Requirement::Bound::sigma_in_motion;
+  const auto unknown = [&](const ErrorWeights& w) {
+    const ErrorWeights::Filtered& behind = w.filtered[f];
+    return (in_motion ? behind.variance_in_motion : behind.variance).size() == 0;
+  };
+  bool any_unknown = r.filter >= 0 && unknown(weights.stated);
+  for (const auto& of_joint : weights.options)
+    for (const ErrorWeights& w : of_joint) any_unknown = any_unknown || (r.filter >= 0 && unknown(w));
+  if (any_unknown)
+    throw Error(Fault{r.place, "requirements",
+                      "sigma behind a filter is not known: what an effect, or an error within an encoder's "
+                      "accuracy, adds to it depends on the motion",
+                      quoted(r.quantity),
+                      "leave such effects, accuracies and options out, or require the worst case"});
   const Eigen::VectorXd& added =
       r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
   WeightedSum sum;

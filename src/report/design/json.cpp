@@ -76,6 +76,7 @@ std::string to_json(const DesignReport& report, const Style&) {
                       {"proven", p.proven}});
   for (const ParetoPoint& p : report.pareto)
     front.push_back({{"price", p.price},
+                     {"bits", p.bits},
                      {"quantity", report.pareto_figure},
                      {"value", p.value},
                      {"unit", report.pareto_unit},

@@ -30,15 +30,17 @@ Json design_choice_schema() {
                                    {"value", number_or_null(), "null: unbounded"},
                                    {"unit", text()},
                                    {"met", boolean()}});
-  return or_null(
-      object({{"price", number(), "of all encoders"},
-              {"bits", number(),
-               "sum over the joints of the binary logarithm of the intervals in a turn, or in 1 m"},
-              {"value", number_or_null(), "of the quantity that is minimized", true},
-              {"encoders", map(text()), "name of the option by joint"},
-              {"filters", map(filter_choice_schema()), "by name"},
-              {"requirements", list(requirement)},
-              {"set", list(text()), "KEY=VALUE, which make it of the spec by --set"}}));
+  return or_null(object(
+      {{"price", number(), "of all encoders"},
+       {"bits", number(),
+        "sum over the joints of the binary logarithm of the intervals in a turn, or in 1 m"},
+       {"value", number_or_null(), "of the quantity that is minimized", true},
+       {"encoders", map(text()), "name of the option by joint"},
+       {"filters", map(filter_choice_schema()), "by name"},
+       {"requirements", list(requirement)},
+       {"set", list(text()),
+        "KEY=VALUE for --set: encoders and filters of the choice; effects of catalogue rows are only in "
+        "what --write-spec writes"}}));
 }
 
 }  // namespace
@@ -51,25 +53,27 @@ Json design_schema() {
                              {"bits", number_or_null()},
                              {"proven", boolean()}});
   const Json point = object({{"price", number()},
+                             {"bits", number(), "sum over the joints"},
                              {"quantity", text()},
                              {"value", number_or_null()},
                              {"unit", text()},
                              {"encoders", map(text())},
                              {"proven", boolean()}});
-  return object(joined(header("design"),
-                       {{"minimize", text(), "price, resolution, or a quantity"},
-                        {"price_unit", text(), "of the catalogues; empty: not stated"},
-                        {"budget", number(), "", true},
-                        {"optimal", design_choice_schema(), "null: no design meets the requirements"},
-                        {"runner_up", design_choice_schema()},
-                        {"proven", boolean(), "whether no better design exists"},
-                        {"bound", number_or_null(), "of the price (bits), if it is not proven"},
-                        {"price_of_requirements", list(price)},
-                        {"pareto", list(point), "by ascending price"},
-                        {"finest", design_choice_schema(), "nothing feasible: with the finest options"},
-                        {"obstacles", list(text()), "nothing feasible: why"},
-                        {"without_influence", list(number()), "requirements that no option changes"},
-                        {"warnings", warnings()}}));
+  return object(
+      joined(header("design"),
+             {{"minimize", text(), "price, resolution, or a quantity"},
+              {"price_unit", text(), "of the catalogues; empty: not stated"},
+              {"budget", number(), "", true},
+              {"optimal", design_choice_schema(), "null: no design meets the requirements"},
+              {"runner_up", design_choice_schema()},
+              {"proven", boolean(), "whether no better design exists"},
+              {"bound", number_or_null(), "of the price (bits), if it is not proven"},
+              {"price_of_requirements", list(price)},
+              {"pareto", list(point), "by ascending price; minimize: resolution: by ascending bits"},
+              {"finest", design_choice_schema(), "nothing feasible: with the finest options"},
+              {"obstacles", list(text()), "nothing feasible: why"},
+              {"without_influence", list(number()), "requirements that no option changes"},
+              {"warnings", warnings()}}));
 }
 
 }  // namespace qerr

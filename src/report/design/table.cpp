@@ -116,10 +116,13 @@ std::string runner_up_line(const DesignReport& report) {
 
 std::string front_table(const DesignReport& report, const Style& style) {
   if (report.pareto.size() < 2) return "";
-  std::vector<std::vector<std::string>> rows{{"price", report.pareto_figure}};
+  const bool by_bits = report.goal == "resolution";
+  std::vector<std::vector<std::string>> rows{{by_bits ? "bits" : "price", report.pareto_figure}};
   for (const ParetoPoint& p : report.pareto)
-    rows.push_back({priced(p.price, report.price_unit), readable(p.value, report.pareto_unit)});
-  return heading("Price against " + report.pareto_figure, style) + fitted_table(rows, style.width);
+    rows.push_back({by_bits ? fixed_point(p.bits, 2) : priced(p.price, report.price_unit),
+                    readable(p.value, report.pareto_unit)});
+  return heading((by_bits ? "Bits against " : "Price against ") + report.pareto_figure, style) +
+         fitted_table(rows, style.width);
 }
 
 std::string infeasible(const DesignReport& report, const Style& style) {

@@ -108,6 +108,13 @@ class Merge {
   std::optional<std::string> next() {
     if (waiting_.empty()) {
       if (expected_ && variant_ < expected_->count) refuse_end();
+      // With one variant in each file nothing tells how many shards there are.
+      if (!expected_ && stride_ == 0 && shards_.size() > 1)
+        throw Error(Fault{{shards_.front().path(), 0, 0},
+                          "",
+                          "no file has two variants: whether the last shard is missing cannot be seen",
+                          counted(shards_.size(), "file"),
+                          "add --spec SPEC and the options of the sweep"});
       return std::nullopt;
     }
     ShardReader& shard = *waiting_.begin()->second;
