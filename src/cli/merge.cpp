@@ -67,19 +67,20 @@ std::vector<Option> spec_comparison() {
 }  // namespace
 
 Command merge_command() {
-  return {"merge",
-          "Join the files of the shards of a sweep: the bytes of one run",
-          joined({{{.name = "FILE",
-                    .kind = OptionKind::repeat,
-                    .meaning = "a file of each shard, in any order",
-                    .required = true}},
-                  spec_comparison(),
-                  {text_output_option()}}),
-          run,
-          {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv -o sweep.csv", "one file of all variants"},
-           {"qerr merge shards/*.csv --spec arm.yaml -o sweep.csv",
-            "the same, and none of them is of another spec"}},
-          {"variants"}};
+  return {
+      "merge",
+      "Join the files of the shards of a sweep: the bytes of one run",
+      joined({{{.name = "FILE",
+                .kind = OptionKind::repeat,
+                .meaning = "a file of each shard, in any order",
+                .required = true}},
+              spec_comparison(),
+              {text_output_option()}}),
+      run,
+      {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv", "one file of all variants"},
+       {"qerr merge shards/*.csv --spec arm.yaml -o sweep.csv",
+        "the same, and none of them is of another spec"}},
+      {"variants"}};
 }
 
 }  // namespace qerr::cli

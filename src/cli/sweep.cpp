@@ -181,7 +181,8 @@ Command sweep_command() {
            {"qerr sweep arm.yaml --wide --statistics max,p99 -o wide.csv",
             "one row a variant, with its requirements"},
            {"qerr sweep arm.yaml --shard 2/5 -o 2.csv", "the second of five parts, for a cluster"},
-           {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv -o sweep.csv", "and all of them in one file"}},
+           {"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv",
+            "and all of them in one file"}},
           {"variants", "spec", "output"}};
 }
 
