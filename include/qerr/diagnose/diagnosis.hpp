@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cmath>
+#include <cstdint>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -48,6 +50,15 @@ struct Gain {
   double ratio() const { return rms_after > 0 ? rms_before / rms_after : 1; }
 };
 
+/// The residual against the quantity that an effect depends on, averaged in bins, and the fit through it.
+struct ResidualCurve {
+  std::string against;           ///< angle, count, speed, time, effort, temperature, direction
+  std::string unit;              ///< of `at`: rad, m, count, rad/s, ...
+  std::vector<double> at;        ///< centres of the bins, ascending
+  std::vector<double> residual;  ///< mean residual of the bin without this cause [rad or m]; NaN: no rows
+  std::vector<double> fit;       ///< the cause's mean contribution to the bin [rad or m]
+};
+
 /// An identified cause of the residual.
 struct Cause {
   Effect effect;  ///< as an entry of the spec's `effects:`
@@ -55,12 +66,21 @@ struct Cause {
   double p_value = 1;  ///< of the hypothesis without the effect, corrected for the number of hypotheses
   Gain gain;           ///< at its joint, or at the tip if the cause was found there
   double rms = 0;      ///< of its contribution to the readings [rad or m]; 0: unknown
+  /// Residual rms of the extended model without this cause, the others refitted [rad or m]; NaN: unknown.
+  double rms_without = std::nan("");
+  ResidualCurve curve;  ///< empty: none
 };
 
 /// An effect that may be the cause instead of another one, and what to record to distinguish them.
 struct AlternativeCause {
   std::string instead_of, effect, joint, record;
 };
+
+/// Shape of a residual that no effect of the catalogue has.
+enum class Shape { step, hysteresis, exponential, line, order, bump, by_count, noise, unknown };
+
+/// "step", "hysteresis", ...
+std::string_view name(Shape);
 
 /// A significant part of the residual that no effect of the catalogue explains.
 struct Unidentified {
@@ -69,6 +89,28 @@ struct Unidentified {
   std::optional<double> order;      ///< periods per revolution of the joint (or per metre)
   std::optional<double> frequency;  ///< [Hz]
   double amplitude = 0;             ///< [rad or m]
+  Shape shape = Shape::unknown;
+  /// Of the shape, SI: time of a step; width of a hysteresis; time_constant of an exponential; frequency of a
+  /// line; order; angle and width of a bump; divisor of an error by count.
+  std::map<std::string, double> figures = {};
+  ResidualCurve curve = {};  ///< empty: none
+};
+
+/// A fault of the record itself, which is found without a model of the error.
+struct DataFinding {
+  std::string what;                  ///< "counts are held for 4 rows", ...
+  std::string joint;                 ///< ""; of the whole record
+  std::optional<std::uint64_t> row;  ///< in the file, from 1: where it begins
+  std::optional<double> time;        ///< [s]
+  std::string remedy;
+};
+
+/// Smallest size of an effect that the record would have shown.
+struct Visible {
+  std::string effect, joint;
+  double smallest = std::nan("");  ///< of the effect's size parameter; NaN: the record cannot show it
+  std::string parameter, unit;
+  std::string hidden_by;  ///< why the record cannot show it: "standstill", "one way", ...; else ""
 };
 
 /// Comparison of a log with the model of its robot.
@@ -79,7 +121,9 @@ struct Diagnosis {
   std::vector<Cause> causes;  ///< in descending order of the variance that they explain
   std::vector<AlternativeCause> alternatives;
   std::vector<Unidentified> unexplained;
-  Gain gain;  ///< over all joints with a verdict; of the tip if no joint has a reference
+  std::vector<DataFinding> data;  ///< about the record itself
+  std::vector<Visible> visible;   ///< what the record could have shown
+  Gain gain;                      ///< over all joints with a verdict; of the tip if no joint has a reference
   std::vector<std::string> warnings;
 };
 

@@ -34,6 +34,30 @@ std::string_view name(Verdict v) {
   return "";
 }
 
+std::string_view name(Shape s) {
+  switch (s) {
+    case Shape::step:
+      return "step";
+    case Shape::hysteresis:
+      return "hysteresis";
+    case Shape::exponential:
+      return "exponential";
+    case Shape::line:
+      return "line";
+    case Shape::order:
+      return "order";
+    case Shape::bump:
+      return "bump";
+    case Shape::by_count:
+      return "by_count";
+    case Shape::noise:
+      return "noise";
+    case Shape::unknown:
+      return "unknown";
+  }
+  return "";
+}
+
 namespace {
 
 constexpr Eigen::Index fewest_rows = 30;
@@ -87,6 +111,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   Diagnosis d;
   d.causes = sane.causes;
   d.unexplained = std::move(sane.unexplained);
+  d.data = std::move(sane.data);
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
   const bool enough = sane.log.values.rows() >= fewest_rows;

@@ -26,6 +26,7 @@ struct Sanity {
   std::vector<Cause> causes;  ///< identified
   std::vector<AlternativeCause> alternatives;  ///< that apply if `instead_of` is identified at their joint
   std::vector<Unidentified> unexplained;
+  std::vector<DataFinding> data;
   std::vector<std::string> warnings;
   std::string cannot_judge;  ///< the reason if the log has no reference, and what to record; else ""
 };
