@@ -6,6 +6,7 @@
 
 #include "effect/record_signals.hpp"
 #include "qerr/effect/effect.hpp"
+#include "qerr/effect/residual_shape.hpp"
 
 namespace qerr {
 
@@ -20,6 +21,7 @@ struct Term {
   void (*fill)(Effect&, const Eigen::VectorXd& coefficients) = nullptr;
   /// Description of an uncatalogued term; empty if catalogued.
   std::string unnamed = {};
+  Shape pattern = Shape::unknown;  ///< of an uncatalogued term
 
   bool constant = false;  ///< the same at every row
   bool step = false;      ///< zero before the time `effect.number("time")`
@@ -40,8 +42,10 @@ struct Term {
   Eigen::ArrayXd moved = {};
   Term (*along)(const RecordSignals&, const Term&, const Eigen::ArrayXd& moved) = nullptr;
 
-  /// Column of a hysteresis of this size from the reading on the driving side; null without hysteresis.
-  Eigen::ArrayXd (*hysteresis)(const Eigen::ArrayXd& reading, double size) = nullptr;
+  /// Column of a hysteresis of this size, from the readings or, with `of_reference`, from the reference's
+  /// path: per unit of the size. Null without hysteresis.
+  Eigen::ArrayXd (*hysteresis)(const Eigen::ArrayXd& driving, double size) = nullptr;
+  bool of_reference = false;
 
   bool named() const { return unnamed.empty(); }
 

@@ -9,6 +9,7 @@
 
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
+#include "qerr/effect/residual_shape.hpp"
 #include "qerr/filter/filter.hpp"
 #include "qerr/simulate/log.hpp"
 
@@ -68,19 +69,13 @@ struct Cause {
   double rms = 0;      ///< of its contribution to the readings [rad or m]; 0: unknown
   /// Residual rms of the extended model without this cause, the others refitted [rad or m]; NaN: unknown.
   double rms_without = std::nan("");
-  ResidualCurve curve;  ///< empty: none
+  ResidualCurve curve = {};  ///< empty: none
 };
 
 /// An effect that may be the cause instead of another one, and what to record to distinguish them.
 struct AlternativeCause {
   std::string instead_of, effect, joint, record;
 };
-
-/// Shape of a residual that no effect of the catalogue has.
-enum class Shape { step, hysteresis, exponential, line, order, bump, by_count, noise, unknown };
-
-/// "step", "hysteresis", ...
-std::string_view name(Shape);
 
 /// A significant part of the residual that no effect of the catalogue explains.
 struct Unidentified {

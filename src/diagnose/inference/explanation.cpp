@@ -80,7 +80,7 @@ double Explanation::gain(const Term& t) const {
 double Explanation::variance_inflation(const Eigen::ArrayXXd& columns) const {
   const Eigen::MatrixXd scores = likelihood_.score.matrix().asDiagonal() * columns.matrix();
   const Eigen::Index blocks = std::min(most_blocks, scores.rows() / 8);
-  if (blocks < 4 || evidence_->rows_per_reading > 1) return evidence_->rows_per_reading;
+  if (blocks < 4) return 1;
   Eigen::MatrixXd by_block(blocks, scores.cols());
   for (Eigen::Index i = 0; i < blocks; ++i) {
     const Eigen::Index first = i * scores.rows() / blocks, last = (i + 1) * scores.rows() / blocks;

@@ -4,8 +4,6 @@
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
-#include "diagnose/inference/model_choice.hpp"
-#include "diagnose/record/integrated_autocorrelation.hpp"
 #include "diagnose/terms/with_effects.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 
@@ -13,8 +11,8 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index enough_rows = 4096;
-constexpr int most_passes = 2;
+/// Rows whose likelihood is computed: intervals narrow with their root, and the search has used all.
+constexpr Eigen::Index enough_rows = 8192;
 
 /// Rms of a joint's residual before its readings were repaired; empty where they were not.
 std::optional<double> before_repair(const Sanity& sane, const std::string& joint) {
@@ -57,35 +55,6 @@ std::vector<Effect> effects_of(const Explanation& m) {
   return effects;
 }
 
-/// Whether an error of many counts leaves a residual. The residual of a large error is itself several counts,
-/// of a shape that no term has to the last percent, and rows that repeat each other overstate it.
-bool leaves_much(const Finding& f) {
-  constexpr double many = 8;  // [counts]
-  const Explanation& m = f.selection->model;
-  const bool left = std::any_of(m.terms().begin(), m.terms().end(), [](const Term& t) { return !t.named(); });
-  if (!left && integrated_autocorrelation(f.evidence, m) == 1) return false;
-  const Eigen::ArrayXd error = (f.evidence.measured - f.evidence.reference) / f.evidence.step();
-  return (error - error.mean()).square().mean() > many * many;
-}
-
-/// Repeats the selection with independent readings. Fewer rows suffice.
-/// @return the selected groups of rows
-std::vector<RowGroup> judge_remainder(const Evidence& record, std::uint64_t seed, Finding& f) {
-  std::vector<RowGroup> groups = independent_rows(record, seed, enough_rows);
-  f.evidence = group_means(record, groups);
-  SelectOptions options;
-  options.names_first = true;
-  f.selection.emplace(select(f.evidence, options));
-  // Overfitting reduces the autocorrelation of the residual: repeat with the larger estimate.
-  double autocorrelation = integrated_autocorrelation(f.evidence, f.selection->model);
-  for (int i = 0; i < most_passes && autocorrelation > f.evidence.rows_per_reading; ++i) {
-    f.evidence.rows_per_reading = autocorrelation;
-    f.selection.emplace(select(f.evidence, options));
-    autocorrelation = integrated_autocorrelation(f.evidence, f.selection->model);
-  }
-  return groups;
-}
-
 /// Whether a joint's own weight can load it: its axis is not vertical.
 bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint) {
   const std::size_t n = model.chain.independent.size();
@@ -101,12 +70,11 @@ bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint
 
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {
   auto f = std::make_unique<Finding>();
-  std::vector<RowGroup> groups = independent_rows(record, seed);
-  f->evidence = group_means(record, groups);
-  f->selection.emplace(select(f->evidence));
-  if (leaves_much(*f)) groups = judge_remainder(record, seed, *f);
-  f->scatter = scatter_of(f->evidence, f->selection->model);
-  f->held = hold_out(record, f->evidence, groups, names_of(f->selection->model));
+  const FoundCauses found = search_causes(record, seed);
+  f->sampling.emplace(record, independent_rows(record, seed, enough_rows));
+  f->selection.emplace(selection_of(*f->sampling, found));
+  f->scatter = scatter_of(f->evidence(), f->selection->model);
+  f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
   return f;
 }

@@ -5,19 +5,21 @@
 #include <vector>
 
 #include "diagnose/inference/scatter.hpp"
-#include "diagnose/inference/select.hpp"
+#include "diagnose/inference/selection.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
 #include "diagnose/verdict/gain.hpp"
 
 namespace qerr {
 
-/// The result of the inference for one encoder. Not copyable: the model of `selection` points to `evidence`.
+/// The result of the inference for one encoder. Not copyable: the model of `selection` points to the sampling's evidence.
 struct Finding {
-  Evidence evidence;  ///< its independent rows
+  std::optional<Sampling> sampling;  ///< its independent rows
   std::optional<Selection> selection;
   Scatter scatter;
   HeldOut held;
+
+  const Evidence& evidence() const { return sampling->evidence; }
 
   Finding() = default;
   Finding(const Finding&) = delete;

@@ -7,7 +7,7 @@
 
 #include "core/probability.hpp"
 #include "core/statistics.hpp"
-#include "diagnose/inference/model_choice.hpp"
+#include "diagnose/inference/selection.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -17,6 +17,8 @@ namespace {
 constexpr double many_outliers = 0.06;  ///< fraction of the readings (convention)
 constexpr const char* part_far_off = "part of the readings is far off";
 constexpr double significant = 1e-3;  ///< p-value (convention)
+/// Largest loss of log-likelihood of an alternative: half the 99.95 % quantile of chi-squared.
+constexpr double indistinguishable = 6.05;
 constexpr double correlated = 0.2;    ///< lag-one autocorrelation of the scores (convention)
 // Smaller scatter is not tested for evenness: quantization, 0.29 counts, dominates the residual.
 constexpr double uneven_from = 0.4;  ///< [counts]
@@ -227,7 +229,7 @@ void name_scatter(const Evidence& e, const Explanation& m, const Trials& trials,
   s.effect = best.effect;
   s.relative_error = best.relative_error;
   for (const ScatterCandidate& other : found)
-    if (other.effect.type != s.effect->type && best.value - other.value < indistinguishable_loss) {
+    if (other.effect.type != s.effect->type && best.value - other.value < indistinguishable) {
       s.alternative = other.effect;
       break;
     }

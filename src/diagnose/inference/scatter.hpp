@@ -20,6 +20,7 @@ struct Scatter {
   /// Description of an unexplained structure: correlation from reading to reading, uneven scatter, or
   /// outliers; empty: none.
   std::string structure;
+  Shape shape = Shape::unknown;  ///< of the structure
   double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
 };
 

@@ -6,8 +6,7 @@
 #include "core/probability.hpp"
 #include "core/solve.hpp"
 #include "core/statistics.hpp"
-#include "diagnose/inference/model_choice.hpp"
-#include "diagnose/terms/scan.hpp"
+#include "diagnose/plan/plan_criteria.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -37,6 +36,11 @@ std::string parameter_of(const Term& t, Eigen::Index column) {
   for (const auto& [name, value] : filled.numbers)
     if (value != t.effect.number(name)) return name;
   return "";
+}
+
+/// Whether two effects are the same cause, regardless of size, time constant and time.
+bool same_but_for_time(const Effect& a, const Effect& b) {
+  return a.type == b.type && a.choices == b.choices && a.number_or("order", 0) == b.number_or("order", 0);
 }
 
 bool scanned(const Term& t) { return t.step; }

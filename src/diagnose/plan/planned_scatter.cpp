@@ -7,8 +7,8 @@
 
 #include "core/probability.hpp"
 #include "core/statistics.hpp"
-#include "diagnose/inference/model_choice.hpp"
 #include "diagnose/inference/scatter.hpp"
+#include "diagnose/plan/plan_criteria.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {

@@ -20,11 +20,7 @@ struct Evidence : RecordSignals {
   double noise = 0;             ///< standard deviation of the reference's noise [rad or m]
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
-  /// Integrated autocorrelation of the residual of the best model [rows], >= 1: the number of rows equivalent
-  /// to one independent reading, as in a table that was interpolated between fewer points.
-  double rows_per_reading = 1;
 
-  double independent_readings() const { return static_cast<double>(rows()) / rows_per_reading; }
 };
 
 /// Consecutive rows [first, end).

@@ -2,12 +2,13 @@
 
 #include <Eigen/Core>
 
+#include "diagnose/search/sampling.hpp"
 #include "effect/term.hpp"
 
 namespace qerr {
 
 // Terms of errors that no effect of the catalogue makes: an explanation may need them, a spec cannot state
-// them.
+// them. `effect.numbers` holds the figures of their shape.
 
 /// Any function of the position, or of time: piecewise linear between evenly spaced knots.
 Term position_table_term(const RecordSignals&, Eigen::Index knots);
@@ -15,5 +16,39 @@ Term time_table_term(const RecordSignals&, Eigen::Index knots);
 
 /// A vibration of one frequency [Hz].
 Term vibration_term(const RecordSignals&, double frequency);
+
+/// A constant that begins at one time [s].
+Term offset_step_term(const RecordSignals&, double time);
+
+/// 1 - exp(-(t - time)/time_constant) from `time` on: a creep after an event [s].
+Term transition_term(const RecordSignals&, double time, double time_constant);
+
+/// From 0 to 1 in proportion to time within `duration` from `time` on: a slip that takes a while [s].
+Term ramp_term(const RecordSignals&, double time, double duration);
+
+/// a x (1 - exp(-t/time_constant)) + b (1 - exp(-t/time_constant)): a scale that grows while the machine
+/// warms up, about an unknown fixed point [s].
+Term growth_term(const RecordSignals&, double time_constant);
+
+/// a x T + b T with the recorded temperature T.
+Term thermal_growth_term(const RecordSignals&);
+
+/// A Gaussian bump at one position [rad or m].
+Term bump_term(const RecordSignals&, double position, double width);
+
+/// The magnitude of the velocity: an error that does not change its sign with the direction.
+Term speed_term(const RecordSignals&);
+
+/// Hysteresis of friction (Dahl 1968): dz/dx = (1 - z sgn(dx))/travel, which saturates at the direction of
+/// motion over a travel [rad or m] after each reversal. Motion within the noise of the path is none.
+Term friction_term(const Sampling&, double travel);
+
+/// State that follows the direction of motion (0 at rest) with a time constant [s]: what decays after each
+/// stop, as creep and viscoelasticity do.
+Term relaxation_term(const Sampling&, double time_constant);
+
+/// Displacements of the edges that repeat every four counts, by their deviation from the mean: the states of
+/// a quadrature disc. Columns: edges that alternate, and the two components of period four.
+Term state_pattern_term(const Sampling&);
 
 }  // namespace qerr

@@ -5,7 +5,6 @@
 
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
-#include "diagnose/inference/model_choice.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -41,8 +40,7 @@ class CauseReport {
       Effect effect = t.effect;
       t.fill(effect, s.model.coefficients(i));
       if (!t.named()) {
-        d_.unexplained.push_back({e_.joint, t.unnamed, order_of(effect), frequency_of(effect),
-                                  std::sqrt(2.0) * size_of(s.model, i)});
+        add_unnamed(t, effect, std::sqrt(2.0) * size_of(s.model, i));
         continue;
       }
       // Displaced edges have a mean of their own.
@@ -50,8 +48,9 @@ class CauseReport {
       std::vector<std::string> others = inseparable_twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
-      Cause cause{effect, parameters[i], s.p_values[i], gain_};
+      Cause cause{effect, parameters[i], s.p_values[i], gain_, 0};
       cause.rms = rms(addition(t, s.model.coefficients(i)));
+      cause.rms_without = std::sqrt(gain_.rms_after * gain_.rms_after + s.lost[i]);
       add(std::move(cause), others);
     }
   }
@@ -63,7 +62,7 @@ class CauseReport {
       if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
     if (scatter.size < unnamed) return;
     if (scatter.effect) {
-      Cause cause{*scatter.effect, {}, scatter.p_value, gain_};
+      Cause cause{*scatter.effect, {}, scatter.p_value, gain_, 0};
       for (const auto& [name, value] : scatter.effect->numbers) {
         const double half = scatter.relative_error * std::abs(value);
         cause.parameters.push_back({name, value, value - half, value + half});
@@ -72,11 +71,17 @@ class CauseReport {
       if (scatter.alternative) others.push_back(scatter.alternative->type);
       add(std::move(cause), others);
     } else if (!scatter.structure.empty() && scatter.size > 0.25 * e_.step()) {
-      d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size});
+      d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size, scatter.shape});
     }
   }
 
  private:
+  void add_unnamed(const Term& t, const Effect& filled, double amplitude) {
+    Unidentified u{e_.joint, t.unnamed, order_of(filled), frequency_of(filled), amplitude, t.pattern};
+    u.figures = filled.numbers;
+    d_.unexplained.push_back(std::move(u));
+  }
+
   void add(Cause cause, const std::vector<std::string>& others) {
     std::set<std::string> reported{cause.effect.type};
     for (const std::string& other : others)
@@ -94,7 +99,7 @@ class CauseReport {
 }  // namespace
 
 void add(Diagnosis& d, const Finding& f, const Gain& gain) {
-  CauseReport report(d, f.evidence, gain);
+  CauseReport report(d, f.evidence(), gain);
   report.add_terms(*f.selection, f.scatter);
   report.add_scatter(f.scatter);
 }

@@ -34,30 +34,6 @@ std::string_view name(Verdict v) {
   return "";
 }
 
-std::string_view name(Shape s) {
-  switch (s) {
-    case Shape::step:
-      return "step";
-    case Shape::hysteresis:
-      return "hysteresis";
-    case Shape::exponential:
-      return "exponential";
-    case Shape::line:
-      return "line";
-    case Shape::order:
-      return "order";
-    case Shape::bump:
-      return "bump";
-    case Shape::by_count:
-      return "by_count";
-    case Shape::noise:
-      return "noise";
-    case Shape::unknown:
-      return "unknown";
-  }
-  return "";
-}
-
 namespace {
 
 constexpr Eigen::Index fewest_rows = 30;
@@ -128,7 +104,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     held.push_back(f.held);
     const Gain of_joint = gain({f.held}, options.seed);
     for (Cause& cause : d.causes)
-      if (cause.effect.joint == f.evidence.joint) cause.gain = of_joint;
+      if (cause.effect.joint == f.evidence().joint) cause.gain = of_joint;
     add(d, f, of_joint);
   }
   d.gain = gain(held, options.seed);

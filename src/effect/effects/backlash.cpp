@@ -6,9 +6,26 @@ namespace qerr {
 
 namespace {
 
-/// The motor leads the joint by half the gap in the direction of the last motion; before the first motion it
-/// is in the middle of the gap.
+/// Whether the encoder is behind the play, so that it lags what moves it.
+bool lags(const Effect& e) {
+  const auto side = e.choices.find("side");
+  return side != e.choices.end() && side->second == "load";
+}
+
+/// Position of what is driven through the play: it rests until a flank touches it.
+double driven(double before, double driving, double gap) {
+  return std::clamp(before, driving - 0.5 * gap, driving + 0.5 * gap);
+}
+
+/// An encoder on the drive's side leads the joint by half the gap in the direction of the last motion; before
+/// the first motion it is in the middle of the gap. One on the load's side is driven through the play.
 Action action(const Effect& e, const Encoder&, std::uint64_t) {
+  if (lags(e))
+    return [gap = e.number("gap"), at = 0.0, first = true](double x, const Moment&) mutable {
+      at = first ? x : driven(at, x, gap);
+      first = false;
+      return at;
+    };
   return
       [half = 0.5 * e.number("gap"), side = 0.0, last = 0.0, first = true](double x, const Moment&) mutable {
         if (!first && x != last) side = x > last ? 1 : -1;
@@ -18,25 +35,31 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
       };
 }
 
-/// Play operator: displacement of the driving side from the link per unit of the gap. The link rests until a
-/// flank touches it.
-Eigen::ArrayXd play(const Eigen::ArrayXd& motor, double gap) {
-  Eigen::ArrayXd added(motor.size());
-  double link = motor[0];
-  for (Eigen::Index k = 0; k < motor.size(); ++k) {
-    link = std::clamp(link, motor[k] - 0.5 * gap, motor[k] + 0.5 * gap);
-    added[k] = (motor[k] - link) / gap;
+/// Displacement of the driving side from the driven one per unit of the gap.
+Eigen::ArrayXd lead(const Eigen::ArrayXd& driving, double gap) {
+  Eigen::ArrayXd added(driving.size());
+  double at = driving[0];
+  for (Eigen::Index k = 0; k < driving.size(); ++k) {
+    at = driven(at, driving[k], gap);
+    added[k] = (driving[k] - at) / gap;
   }
   return added;
 }
 
+Eigen::ArrayXd lag(const Eigen::ArrayXd& driving, double gap) { return -lead(driving, gap); }
+
 std::vector<Term> terms(const RecordSignals& s) {
   if (!s.ordered || s.is_stationary()) return {};
-  Term t = linear_term(s, "backlash", 0.5 * s.direction,
-                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["gap"] = c[0]; });
-  t.positive = true;
-  t.hysteresis = play;
-  return {t};
+  Term drive = linear_term(s, "backlash", 0.5 * s.direction,
+                           [](Effect& e, const Eigen::VectorXd& c) { e.numbers["gap"] = c[0]; });
+  drive.positive = true;
+  drive.hysteresis = lead;
+  Term load = drive;
+  load.columns *= -1;
+  load.effect.choices["side"] = "load";
+  load.hysteresis = lag;
+  load.of_reference = true;
+  return {drive, load};
 }
 
 }  // namespace
@@ -50,7 +73,11 @@ EffectKind backlash_effect() {
                           .meaning = "full width of the play",
                           .required = true,
                           .least = 0,
-                          .coordinate = true}},
+                          .coordinate = true},
+                         {.name = "side",
+                          .kind = Kind::choice,
+                          .meaning = "side of the play on which the encoder is",
+                          .choices = "drive|load"}},
           .action = action,
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             const double half = 0.5 * e.number("gap");
@@ -59,7 +86,9 @@ EffectKind backlash_effect() {
           .terms = terms,
           // The record's side of motion ignores reversals within the reference's noise; the action would not.
           .replay = [](const Effect& e, const RecordSignals& s) -> Eigen::ArrayXd {
-            return 0.5 * e.number("gap") * s.direction;
+            const double gap = e.number("gap");
+            if (lags(e) && gap > 0) return gap * lag(s.joint_angle(), gap);
+            return 0.5 * gap * s.direction;
           },
           // The gear's periodic errors depend on the angle after the play.
           .first_in_stage = true,

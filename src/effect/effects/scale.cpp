@@ -29,6 +29,8 @@ EffectKind scale_effect() {
                       const Usage& u) { return proportional(e.number("scale"), u.position); },
           .need = Need::position,
           .terms = terms,
+          // The disc turns by the angle that the true ratio gives.
+          .first_in_stage = true,
           .twins = {{"clock_drift",
                      "a return to the start late in the record: the scale error vanishes there, the clock's "
                      "does not"}},

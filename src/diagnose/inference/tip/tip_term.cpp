@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnose/inference/model_choice.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -143,7 +142,9 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
     t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {
     for (Term& fresh : named_terms(own))
-      if (same_cause(fresh.effect, effect)) t.term.columns = std::move(fresh.columns);
+      if (fresh.effect.type == effect.type && fresh.effect.choices == effect.choices &&
+          fresh.effect.number_or("order", 0) == effect.number_or("order", 0) &&
+          fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0)) t.term.columns = std::move(fresh.columns);
   }
 }
 

@@ -1,0 +1,254 @@
+#include "diagnose/search/dictionary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/text.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
+#include "qerr/effect/effect_kind.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr Eigen::Index knots_in_time = 20, knots_in_position = 26;
+constexpr int time_constants = 15;
+
+/// Part of a period below which a sine has no extremum and inflection that a parabola has not.
+constexpr double least_periods = 0.5;
+
+bool same_term(const Term& a, const Term& b) {
+  return a.effect.type == b.effect.type && a.effect.choices == b.effect.choices &&
+         a.effect.numbers == b.effect.numbers;
+}
+
+/// Geometric series from `low` to `high`.
+std::vector<double> series(double low, double high, int count) {
+  std::vector<double> all;
+  for (int i = 0; i < count; ++i) all.push_back(low * std::pow(high / low, i / std::max(1.0, count - 1.0)));
+  return all;
+}
+
+std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) {
+  a.insert(a.end(), b.begin(), b.end());
+  return a;
+}
+
+class Dictionary {
+ public:
+  Dictionary(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved)
+      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved) {}
+
+  std::vector<Candidate> all() && {
+    add_named();
+    add_orders();
+    if (e_.ordered) {
+      add_in_time();
+      add_hystereses();
+    }
+    if (!e_.is_stationary()) add_in_position();
+    return std::move(found_);
+  }
+
+ private:
+  void add(Term t, std::string family, double alternatives, std::function<Term(const Sampling&)> over) {
+    t = searchable(std::move(t));
+    if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
+    found_.push_back({std::move(t), std::move(family), alternatives, 0, 0, std::move(over)});
+  }
+
+  /// A term without history: computed from the averaged signals.
+  void add_plain(std::string family, double alternatives, std::function<Term(const RecordSignals&)> of) {
+    Term t = of(e_);
+    add(std::move(t), std::move(family), alternatives,
+        [of = std::move(of)](const Sampling& s) { return of(s.evidence); });
+  }
+
+  void add_named() {
+    for (Term& t : named_terms(e_)) {
+      if (t.harmonic && periods_covered(t, e_) < least_periods) continue;
+      const Term original = t;
+      const auto over = [original](const Sampling& s) {
+        for (Term& fresh : named_terms(s.evidence))
+          if (same_term(fresh, original)) return fresh;
+        return original;
+      };
+      if (t.reshaped) {
+        add_reshaped(t, over);
+        continue;
+      }
+      if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
+      const double order = t.effect.number_or("order", 0);
+      std::string family = t.effect.type;
+      if (order > 0) family = family_of_order(t);
+      if (t.hysteresis) add_sizes(t, family);
+      add(std::move(t), family, 1, over);
+    }
+  }
+
+  std::string family_of_order(const Term& t) const {
+    return "order " + significant(std::abs(wave_number(t.effect, e_.encoder)), 6);
+  }
+
+  /// A hysteresis at sizes for which its column is computed from the motion.
+  void add_sizes(const Term& original, const std::string& family) {
+    const Evidence& r = *s_.record;
+    const Eigen::ArrayXd& driving = original.of_reference ? r.path : r.measured;
+    const double low = original.of_reference ? 1 : 3;
+    const double high = 0.6 * r.range() / r.step();
+    std::vector<double> sizes;
+    for (const double size : scanned_.hystereses) sizes.push_back(size);
+    if (sizes.empty() && high > low)
+      sizes = series(low * r.step(), high * r.step(), std::max(2, static_cast<int>(2 * std::log2(high / low))));
+    for (const double size : sizes) {
+      if (!(size > low * r.step())) continue;
+      const auto over = [original, size](const Sampling& s) {
+        Term t = original;
+        const Evidence& record = *s.record;
+        t.columns = s.averaged(original.hysteresis(original.of_reference ? record.path : record.measured, size));
+        return t;
+      };
+      Candidate c{original, family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, over};
+      c.term.columns = s_.averaged(original.hysteresis(driving, size));
+      found_.push_back(std::move(c));
+    }
+  }
+
+  /// A term with a time constant: at a series of them, and at those that were refined.
+  void add_reshaped(const Term& t, const std::function<Term(const Sampling&)>& original) {
+    if (has_family(t.effect.type)) return;
+    const double duration = e_.time[e_.rows() - 1];
+    for (const double shape : joined(scanned_.drifts, series(duration / 100, 2 * duration, time_constants)))
+      add(t.reshaped(e_, t, shape), t.effect.type, time_constants,
+          [original, shape](const Sampling& s) {
+            const Term fresh = original(s);
+            return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
+          });
+  }
+
+  bool has_family(const std::string& family) const {
+    return std::any_of(found_.begin(), found_.end(), [&](const Candidate& c) { return c.family == family; });
+  }
+
+  void add_orders() {
+    for (const Scanned::Rate& r : scanned_.orders) {
+      for (Term& t : whole_orders_near(e_, r.value)) {
+        const std::string family = family_of_order(t);
+        if (has_family(family) || periods_covered(t, e_) < least_periods) continue;
+        const double order = t.effect.number("order");
+        const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
+        if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
+        add(std::move(t), family, 2 * order,
+            [order, of_encoder](const Sampling& s) { return periodic_term(s.evidence, order, of_encoder); });
+      }
+      if (r.whole) continue;
+      Term free = free_order_term(e_, r.value);
+      free.pattern = Shape::order;
+      if (free.along && moved_.size() > 0) free = free.along(e_, free, moved_);
+      add(std::move(free), "free order " + significant(r.value, 6), r.hypotheses, [value = r.value](const Sampling& s) {
+        Term t = free_order_term(s.evidence, value);
+        t.pattern = Shape::order;
+        return t;
+      });
+    }
+  }
+
+  void add_in_time() {
+    if (e_.temperature.size() > 0)
+      add_plain("growth", 2, [](const RecordSignals& s) { return thermal_growth_term(s); });
+    const double duration = e_.time[e_.rows() - 1];
+    if (!(duration > 0)) return;
+    if (!e_.is_stationary())
+      for (const double constant : joined(scanned_.growths, series(duration / 30, 2 * duration, 8)))
+        add_plain("growth", 8, [constant](const RecordSignals& s) { return growth_term(s, constant); });
+    for (const Scanned::Rate& r : scanned_.lines)
+      add_plain("line " + significant(r.value, 6), r.hypotheses,
+                [f = r.value](const RecordSignals& s) { return vibration_term(s, f); });
+    int number = 0;
+    for (const Event& event : scanned_.events) {
+      const std::string family = "event " + std::to_string(number++);
+      add_plain(family, event.hypotheses, [t = event.time](const RecordSignals& s) { return step_term(s, t); });
+      add_plain(family, 2 * event.hypotheses,
+                [t = event.time](const RecordSignals& s) { return offset_step_term(s, t); });
+      add_plain(family, 4 * event.hypotheses, [event](const RecordSignals& s) {
+        return ramp_term(s, event.ramp_start, event.ramp_duration);
+      });
+      add_plain(family, 4 * event.hypotheses, [event](const RecordSignals& s) {
+        return transition_term(s, event.approach_start, event.time_constant);
+      });
+    }
+    if (e_.rows() > 8 * knots_in_time)
+      add_plain("time", 1, [](const RecordSignals& s) { return time_table_term(s, knots_in_time); });
+  }
+
+  void add_hystereses() {
+    if (e_.is_stationary()) return;
+    const Evidence& r = *s_.record;
+    const auto add_history = [&](const std::string& family, double size, const std::function<Term(const Sampling&)>& of) {
+      add(of(s_), family, size, of);
+    };
+    constexpr int travels = 10, constants = 6;
+    for (const double travel : series(r.step(), 0.3 * r.range(), travels))
+      add_history("hysteresis", travels, [travel](const Sampling& s) { return friction_term(s, travel); });
+    const double duration = e_.time[e_.rows() - 1];
+    for (const double constant : series(duration / 300, duration / 10, constants))
+      add_history("relaxation", constants, [constant](const Sampling& s) { return relaxation_term(s, constant); });
+    add_plain("speed", 1, [](const RecordSignals& s) { return speed_term(s); });
+    if (e_.counted) add_history("states", 1, [](const Sampling& s) { return state_pattern_term(s); });
+  }
+
+  void add_in_position() {
+    int number = 0;
+    for (const Bump& p : scanned_.places) {
+      const std::string family = "bump " + std::to_string(number++);
+      for (const double width : {0.6 * p.width, p.width, 1.6 * p.width})
+        for (const double by : {-0.5, 0.0, 0.5})
+          add_plain(family, 9 * p.hypotheses, [at = p.position + by * p.width, width](const RecordSignals& s) {
+            return bump_term(s, at, width);
+          });
+    }
+    if (e_.rows() > 8 * knots_in_position)
+      add_plain("position", 1, [](const RecordSignals& s) { return position_table_term(s, knots_in_position); });
+  }
+
+  const Sampling& s_;
+  const Evidence& e_;
+  const Scanned& scanned_;
+  const Eigen::ArrayXd& moved_;
+  std::vector<Candidate> found_;
+};
+
+}  // namespace
+
+Term searchable(Term t) {
+  if (t.fixed.size() == 0) return t;
+  t.columns.conservativeResize(Eigen::NoChange, t.columns.cols() + 1);
+  t.columns.rightCols(1) = t.fixed;
+  t.fixed.resize(0);
+  return t;
+}
+
+std::vector<Candidate> dictionary(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved) {
+  return Dictionary(s, scanned, moved).all();
+}
+
+std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {
+  std::vector<Term> whole;
+  const double resolution = 0.5 * std::numbers::pi / std::max(1e-12, s.range());
+  const double ratio = std::abs(s.encoder.shaft_ratio);
+  for (const bool of_encoder : {true, false}) {
+    if (!of_encoder && (s.prismatic || std::abs(ratio - 1) < 1e-9)) continue;
+    const double shaft = of_encoder ? ratio : 1, nearest = std::round(order / shaft);
+    if (nearest < 1 || std::abs(order - nearest * shaft) > resolution) continue;
+    whole.push_back(periodic_term(s, nearest, of_encoder));
+  }
+  return whole;
+}
+
+double periods_covered(const Term& t, const RecordSignals& s) {
+  return std::abs(wave_number(t.effect, s.encoder)) * s.range() / (2 * std::numbers::pi);
+}
+
+}  // namespace qerr

@@ -1,0 +1,51 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "diagnose/search/peaks.hpp"
+#include "diagnose/search/sampling.hpp"
+#include "effect/term.hpp"
+
+namespace qerr {
+
+/// A possible part of an encoder's error.
+struct Candidate {
+  Term term;                ///< its columns over the samples
+  std::string family;       ///< a model has at most one member of a family
+  double alternatives = 1;  ///< size of the family, for the price of the choice
+  double least = 0, most = 0;  ///< range of its coefficient in which the columns hold; 0, 0: any
+  /// The same term over another sampling of the record.
+  std::function<Term(const Sampling&)> over;
+};
+
+/// What scans of the residual have found, and refined shapes of what was chosen.
+struct Scanned {
+  struct Rate {
+    double value = 0, hypotheses = 1;
+    bool whole = false;  ///< a whole order that was chosen: its free neighbours are not tried again
+  };
+  std::vector<Rate> orders, lines;
+  std::vector<Event> events;
+  std::vector<Bump> places;
+  std::vector<double> drifts, growths;  ///< refined time constants [s]
+  std::vector<double> hystereses;   ///< sizes found of a hysteresis [rad or m]
+};
+
+/// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes that
+/// the catalogue does not have.
+/// @param moved  displacement of the path on which gear teeth and disc depend [rad or m], one per sample;
+///   empty: none
+std::vector<Candidate> dictionary(const Sampling&, const Scanned&, const Eigen::ArrayXd& moved);
+
+/// A term whose constant part is one more column: a linearization is searched as if its parts were free.
+Term searchable(Term);
+
+/// The named whole orders within the resolution of a free order.
+std::vector<Term> whole_orders_near(const RecordSignals&, double order);
+
+/// Periods of a harmonic term that a record covers.
+double periods_covered(const Term&, const RecordSignals&);
+
+}  // namespace qerr

@@ -1,0 +1,216 @@
+#include "diagnose/search/linear_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "core/solve.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double collinear = 1e-7;       ///< part of a column's square that is left by the others
+constexpr std::size_t leading_groups = 12;  ///< whose pairs are tried
+constexpr int most_moves = 200;
+
+/// Largest sum of squares of a group's addition over that of all y: beyond it, other groups cancel most of the
+/// group, and only the difference is known.
+constexpr double cancelling = 9;
+
+/// Lower Cholesky factor in place, with a ridge for nearly dependent columns.
+/// @returns whether all pivots were above `collinear`
+bool factorize(Eigen::MatrixXd& a) {
+  bool regular = true;
+  for (Eigen::Index j = 0; j < a.cols(); ++j) {
+    double pivot = a(j, j) - a.row(j).head(j).squaredNorm();
+    if (pivot < collinear) regular = false, pivot = std::numeric_limits<double>::infinity();
+    a(j, j) = std::sqrt(pivot);
+    for (Eigen::Index i = j + 1; i < a.rows(); ++i)
+      a(i, j) = (a(i, j) - a.row(i).head(j).dot(a.row(j).head(j))) / a(j, j);
+  }
+  return regular;
+}
+
+void solve_lower(const Eigen::MatrixXd& l, Eigen::Ref<Eigen::MatrixXd> b) {
+  for (Eigen::Index i = 0; i < l.rows(); ++i) {
+    b.row(i) -= l.row(i).head(i) * b.topRows(i);
+    b.row(i) /= l(i, i);
+  }
+}
+
+Eigen::VectorXd solve_upper(const Eigen::MatrixXd& l, Eigen::VectorXd b) {
+  for (Eigen::Index i = l.rows(); i-- > 0;) {
+    b[i] /= l(i, i);
+    b.head(i) -= l.row(i).head(i).transpose() * b[i];
+  }
+  return b;
+}
+
+}  // namespace
+
+LinearModel::LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
+                         const Eigen::VectorXd& weight, Eigen::Index base)
+    : rows_(static_cast<double>(y.size())), base_(base) {
+  const Eigen::VectorXd root = weight.cwiseSqrt();
+  Eigen::MatrixXd z = root.asDiagonal() * columns;
+  scale_ = z.colwise().norm();
+  for (double& s : scale_) s = s > 0 ? 1 / s : 0;
+  z = z * scale_.asDiagonal();
+  gram_ = z.transpose() * z;
+  const Eigen::VectorXd target = root.cwiseProduct(y);
+  moment_ = z.transpose() * target;
+  total_ = target.squaredNorm();
+  const double all = weight.sum();
+  const Eigen::VectorXd means = z.transpose() * root / std::sqrt(all);
+  centred_ = gram_ - means * means.transpose();
+  spread_ = total_ - std::pow(root.dot(target), 2) / all;
+}
+
+/// The groups' columns after projection on the base and a set.
+struct LinearModel::Projected {
+  std::vector<Eigen::Index> columns;  ///< of base and set
+  Eigen::MatrixXd factor;             ///< Cholesky factor of their Gram matrix
+  Eigen::MatrixXd across;             ///< factor^-1 of their products with all columns
+  Eigen::VectorXd solution;           ///< factor^-1 of their moments
+  double rss = 0;
+  bool regular = true;
+};
+
+LinearModel::Projected LinearModel::project(const std::vector<ColumnGroup>& groups, const Set& set) const {
+  Projected p;
+  for (Eigen::Index i = 0; i < base_; ++i) p.columns.push_back(i);
+  for (const std::size_t g : set)
+    for (Eigen::Index i = 0; i < groups[g].count; ++i) p.columns.push_back(groups[g].first + i);
+  p.factor = gram_(p.columns, p.columns);
+  p.regular = factorize(p.factor);
+  p.across = gram_(p.columns, Eigen::all);
+  solve_lower(p.factor, p.across);
+  Eigen::MatrixXd right = moment_(p.columns);
+  solve_lower(p.factor, right);
+  p.solution = right;
+  p.rss = std::max(0.0, total_ - p.solution.squaredNorm());
+  return p;
+}
+
+LinearModel::Fit LinearModel::fit(const std::vector<ColumnGroup>& groups, const Set& set) const {
+  const Projected p = project(groups, set);
+  Fit f;
+  f.rss = p.rss, f.regular = p.regular;
+  f.coefficients = solve_upper(p.factor, p.solution);
+  for (std::size_t i = 0; i < p.columns.size(); ++i)
+    f.coefficients[static_cast<Eigen::Index>(i)] *= scale_[p.columns[i]];
+  return f;
+}
+
+double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set& set, double rss, double n,
+                              double floor) const {
+  double value = 0;
+  for (const std::size_t g : set) value += groups[g].price;
+  const double variance = std::max(rss / rows_, floor);
+  return value + n * (std::log(variance) + rss / (rows_ * variance));
+}
+
+bool LinearModel::possible(const std::vector<ColumnGroup>& groups, const Set& set, const Fit& f) const {
+  if (!f.regular) return false;
+  Eigen::Index at = base_;
+  for (const std::size_t g : set) {
+    const double value = f.coefficients[at];
+    if (groups[g].positive && value <= 0) return false;
+    if (groups[g].most > 0 && (value < groups[g].least || value > groups[g].most)) return false;
+    const Eigen::Index first = groups[g].first, count = groups[g].count;
+    const Eigen::VectorXd scaled =
+        f.coefficients.segment(at, count).cwiseQuotient(scale_.segment(first, count).cwiseMax(1e-300));
+    if (scaled.dot(centred_.block(first, first, count, count) * scaled) > cancelling * spread_) return false;
+    at += groups[g].count;
+  }
+  return true;
+}
+
+LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set set, std::size_t locked,
+                                     double n, double floor) const {
+  struct Move {
+    Set set;
+    double value;
+  };
+  const auto value_of = [&](const Set& s, double rss) { return criterion(groups, s, rss, n, floor); };
+  double present = value_of(set, fit(groups, set).rss);
+  for (int round = 0; round < most_moves; ++round) {
+    std::vector<Move> moves;
+    const auto propose = [&](Set next, double rss) {
+      if (const double v = value_of(next, rss); v < present - 1e-6) moves.push_back({std::move(next), v});
+    };
+    // Additions to the whole set, and to it without one member.
+    for (std::size_t without = locked; without <= set.size(); ++without) {
+      Set part = set;
+      if (without < set.size()) part.erase(part.begin() + static_cast<std::ptrdiff_t>(without));
+      const Projected p = project(groups, part);
+      if (!p.regular) continue;
+      if (without < set.size()) propose(part, p.rss);
+      struct Gain {
+        double gain, net;
+        std::size_t group;
+      };
+      std::vector<Gain> gains;
+      std::vector<Eigen::MatrixXd> left(groups.size());
+      std::vector<Eigen::VectorXd> score(groups.size());
+      for (std::size_t g = 0; g < groups.size(); ++g) {
+        const ColumnGroup& c = groups[g];
+        if (!c.allowed || std::any_of(part.begin(), part.end(),
+                        [&](std::size_t m) { return groups[m].family == c.family; }))
+          continue;
+        const auto across = p.across.middleCols(c.first, c.count);
+        Eigen::MatrixXd own = gram_.block(c.first, c.first, c.count, c.count) - across.transpose() * across;
+        const Eigen::VectorXd r = moment_.segment(c.first, c.count) - across.transpose() * p.solution;
+        if (c.count == 1 && c.positive && r[0] <= 0) {
+          score[g] = r, left[g] = own;
+          continue;
+        }
+        Eigen::MatrixXd factor = own;
+        if (!factorize(factor)) continue;
+        Eigen::MatrixXd solved = r;
+        solve_lower(factor, solved);
+        const double gain = solved.squaredNorm();
+        left[g] = std::move(own), score[g] = r;
+        gains.push_back({gain, gain - c.price * std::max(p.rss / rows_, floor) * rows_ / n, g});
+        Set next = part;
+        next.push_back(g);
+        propose(std::move(next), std::max(0.0, p.rss - gain));
+      }
+      std::sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.net > b.net; });
+      if (gains.size() > leading_groups) gains.resize(leading_groups);
+      for (std::size_t i = 0; i < gains.size(); ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+          const std::size_t a = gains[i].group, b = gains[j].group;
+          const ColumnGroup &x = groups[a], &y = groups[b];
+          if (x.family == y.family) continue;
+          Eigen::MatrixXd both(x.count + y.count, x.count + y.count);
+          const Eigen::MatrixXd cross =
+              gram_.block(x.first, y.first, x.count, y.count) -
+              p.across.middleCols(x.first, x.count).transpose() * p.across.middleCols(y.first, y.count);
+          both << left[a], cross, cross.transpose(), left[b];
+          Eigen::MatrixXd right(x.count + y.count, 1);
+          right << score[a], score[b];
+          if (!factorize(both)) continue;
+          solve_lower(both, right);
+          Set next = part;
+          next.push_back(a);
+          next.push_back(b);
+          propose(std::move(next), std::max(0.0, p.rss - right.squaredNorm()));
+        }
+    }
+    std::sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) { return a.value < b.value; });
+    bool moved = false;
+    for (Move& m : moves) {
+      const Fit f = fit(groups, m.set);
+      if (!possible(groups, m.set, f)) continue;
+      set = std::move(m.set), present = value_of(set, f.rss);
+      moved = true;
+      break;
+    }
+    if (!moved) break;
+  }
+  return set;
+}
+
+}  // namespace qerr

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <vector>
+
+namespace qerr {
+
+/// A group of columns that enters a model as a whole.
+struct ColumnGroup {
+  Eigen::Index first = 0, count = 0;
+  int family = 0;          ///< of a family, a model has at most one group
+  double price = 0;        ///< of the criterion, in units of -2 log-likelihood
+  bool positive = false;   ///< its (one) coefficient cannot be negative
+  /// Bounds of its (one) coefficient in the units of the column; 0, 0: none.
+  double least = 0, most = 0;
+  bool allowed = true;     ///< may enter a model
+};
+
+/// Weighted linear regression in which the set of column groups is to be chosen.
+///
+/// criterion(S) = n (ln s^2 + RSS/(n_rows s^2)) + sum of the prices, with s^2 = max(RSS/n_rows, floor): twice
+/// the negative log-likelihood of n independent Gaussian errors whose variance is unknown, but not below the
+/// floor. All comparisons use one Gram matrix of the columns.
+class LinearModel {
+ public:
+  /// @param columns  rows x columns, without weights
+  /// @param y        rows
+  /// @param weight   1/variance of each row
+  /// @param base     columns 0 .. base - 1 are part of every model
+  LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y, const Eigen::VectorXd& weight,
+              Eigen::Index base);
+
+  struct Fit {
+    Eigen::VectorXd coefficients;  ///< of the base, then of the groups in their order
+    double rss = 0;                ///< weighted
+    bool regular = true;           ///< the columns are linearly independent
+  };
+
+  using Set = std::vector<std::size_t>;
+
+  Fit fit(const std::vector<ColumnGroup>&, const Set&) const;
+
+  /// The set of least criterion that moves lead to: add a group, remove one, exchange one, add two of the
+  /// leading ones, replace one by two; each move is the best of its round, until none improves.
+  /// @param locked  the first groups of `start` that no move removes
+  /// @param n       independent rows
+  /// @param floor   of s^2
+  Set search(const std::vector<ColumnGroup>&, Set start, std::size_t locked, double n, double floor) const;
+
+  double criterion(const std::vector<ColumnGroup>&, const Set&, double rss, double n, double floor) const;
+
+  /// Whether the columns are independent and every coefficient has a possible size.
+  bool possible(const std::vector<ColumnGroup>&, const Set&, const Fit&) const;
+
+  double rows() const { return rows_; }
+
+ private:
+  struct Projected;
+  Eigen::MatrixXd centred_;  ///< Gram matrix of the columns about their means
+  double spread_;            ///< of y about its mean, weighted sum of squares
+  Projected project(const std::vector<ColumnGroup>&, const Set&) const;
+
+  double rows_, total_;
+  Eigen::Index base_;
+  Eigen::VectorXd scale_;
+  Eigen::MatrixXd gram_;
+  Eigen::VectorXd moment_;
+};
+
+}  // namespace qerr

@@ -1,0 +1,167 @@
+#include "diagnose/search/peaks.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <tuple>
+#include <utility>
+
+#include "diagnose/terms/scan_kernels.hpp"
+#include "lanes/aligned.hpp"
+
+namespace qerr {
+
+namespace {
+
+constexpr double most_rates = 200000;  ///< a limit of time: 0.3 s
+
+/// At most `most` values, padded with zeros to a multiple of `scanned_together`.
+AlignedNumbers decimated(const Eigen::ArrayXd& column, double shift, Eigen::Index most) {
+  const Eigen::Index rows = std::min(column.size(), most);
+  constexpr auto together = static_cast<Eigen::Index>(scanned_together);
+  AlignedNumbers out(static_cast<std::size_t>((rows + together - 1) / together * together));
+  for (Eigen::Index k = 0; k < rows; ++k)
+    out[static_cast<std::size_t>(k)] = column[k * column.size() / rows] - shift;
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::ArrayXd& arguments,
+                                    const RateScan& scan, double& hypotheses) {
+  hypotheses = 1;
+  if (scores.size() < 8) return {};
+  const double lowest = arguments.minCoeff(), range = arguments.maxCoeff() - lowest;
+  if (!(range > 0)) return {};
+  const double spacing = 0.5 * std::numbers::pi / range;
+  const double first = std::max(1.0, std::ceil(scan.least / spacing)),
+               last = std::min(first + most_rates, std::floor(scan.most / spacing));
+  if (!(first <= last)) return {};
+  hypotheses = std::max(1.0, (last - first) / 4);
+  const ScanKernels& kernels = select_kernels<ScanKernels>(instruction_set());
+  // The power does not depend on the origin of the argument; a small argument has an accurate sine.
+  const AlignedNumbers score = decimated(scores, 0, scan.most_rows),
+                       argument = decimated(arguments, lowest, scan.most_rows),
+                       angle = decimated(spacing * (arguments - lowest), 0, scan.most_rows);
+  std::vector<double> powers(static_cast<std::size_t>(last - first) + 1);
+  const AlignedNumbers scratch(4 * score.size() + 2 * scanned_at_once * 8);
+  kernels.powers(score.data(), angle.data(), score.size(), first, powers.size(), scratch.data(),
+                 powers.data());
+  std::vector<double> found;
+  while (static_cast<Eigen::Index>(found.size()) < scan.most_peaks) {
+    const auto strongest = std::max_element(powers.begin(), powers.end());
+    double power = *strongest;
+    if (!(power > 0)) break;
+    double rate = (first + static_cast<double>(strongest - powers.begin())) * spacing;
+    for (double step = spacing / 2; step > spacing / 200; step /= 2)
+      for (const double candidate : {rate - step, rate + step})
+        if (const double p = kernels.power(score.data(), argument.data(), score.size(), candidate); p > power)
+          power = p, rate = candidate;
+    found.push_back(rate);
+    const auto near = std::min<std::ptrdiff_t>(4, strongest - powers.begin());
+    const auto beyond = std::min<std::ptrdiff_t>(5, powers.end() - strongest);
+    std::fill(strongest - near, strongest + beyond, 0.0);
+  }
+  return found;
+}
+
+namespace {
+
+/// First row of the strongest step; 0 if the record is too short.
+Eigen::Index strongest_step(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight) {
+  constexpr Eigen::Index edge = 8;  // least number of rows on either side of a step
+  const Eigen::Index n = residual.size();
+  const double all = (residual * weight).sum(), total = weight.sum();
+  double after = 0, weight_after = 0, best = 0;
+  Eigen::Index first = 0;
+  for (Eigen::Index k = n; k-- > edge;) {
+    after += residual[k] * weight[k];
+    weight_after += weight[k];
+    if (k + edge > n) continue;
+    const double part = weight_after / total, information = weight_after * (1 - part);
+    const double gain = information > 0 ? std::pow(after - part * all, 2) / information : 0;
+    if (gain > best) best = gain, first = k;
+  }
+  return first;
+}
+
+/// Decrease of the weighted sum of squares by a column beside a constant.
+double gain_beside_constant(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                            const Eigen::ArrayXd& column) {
+  const double all = weight.sum(), mean = (column * weight).sum() / all;
+  const Eigen::ArrayXd centred = column - mean;
+  const double power = (centred.square() * weight).sum();
+  return power > 0 ? std::pow((centred * weight * residual).sum(), 2) / power : 0;
+}
+
+/// Start and length of the transition with the largest gain: a grid about the step that is refined by halves.
+template <typename Transition>
+std::pair<double, double> best_transition(double time, double shortest, double longest, Transition gain) {
+  double start = time, length = shortest, best = 0;
+  for (double trial = shortest; trial <= longest; trial *= 1.5)
+    for (const double before : {0.0, 0.25, 0.5, 0.75, 1.0})
+      if (const double g = gain(time - before * trial, trial); g > best)
+        best = g, start = time - before * trial, length = trial;
+  for (double step = 0.25; step > 0.002; step /= 2)
+    for (bool better = true; better;) {
+      better = false;
+      const double from = start, of = length;
+      for (const double shift : {-step, 0.0, step})
+        for (const double factor : {1 / (1 + step), 1.0, 1 + step}) {
+          const double next = from + shift * of, lasting = std::max(shortest, of * factor);
+          if (const double g = gain(next, lasting); g > best * (1 + 1e-9))
+            best = g, start = next, length = lasting, better = true;
+        }
+    }
+  return {start, length};
+}
+
+}  // namespace
+
+Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight, const Eigen::ArrayXd& time) {
+  Event e;
+  const Eigen::Index first = strongest_step(residual, weight);
+  if (first == 0) return e;
+  e.hypotheses = static_cast<double>(residual.size());
+  e.time = 0.5 * (time[first] + time[first - 1]);
+  const double duration = time[time.size() - 1] - time[0];
+  const double shortest = 3 * duration / static_cast<double>(time.size()), longest = duration / 4;
+  std::tie(e.ramp_start, e.ramp_duration) = best_transition(e.time, shortest, longest, [&](double start, double length) {
+    return gain_beside_constant(residual, weight, ((time - start) / length).max(0.0).min(1.0));
+  });
+  std::tie(e.approach_start, e.time_constant) = best_transition(e.time, shortest, longest, [&](double start, double length) {
+    return gain_beside_constant(residual, weight, 1 - (-(time - start).max(0.0) / length).exp());
+  });
+  return e;
+}
+
+Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                    const Eigen::ArrayXd& position) {
+  constexpr Eigen::Index bins = 1024;
+  const double low = position.minCoeff(), range = position.maxCoeff() - low;
+  Bump best;
+  if (!(range > 0) || residual.size() < 64) return best;
+  Eigen::ArrayXd sums = Eigen::ArrayXd::Zero(bins + 1), weights = sums;
+  for (Eigen::Index k = 0; k < residual.size(); ++k) {
+    const auto bin = std::min(bins - 1, static_cast<Eigen::Index>((position[k] - low) / range * bins));
+    sums[bin + 1] += residual[k] * weight[k];
+    weights[bin + 1] += weight[k];
+  }
+  for (Eigen::Index i = 1; i <= bins; ++i) sums[i] += sums[i - 1], weights[i] += weights[i - 1];
+  double gain = 0;
+  for (Eigen::Index width = 2; width <= bins / 8; width *= 2)
+    for (Eigen::Index i = 0; i + width <= bins; ++i) {
+      const double inside = weights[i + width] - weights[i];
+      if (inside <= 0) continue;
+      if (const double here = std::pow(sums[i + width] - sums[i], 2) / inside; here > gain) {
+        gain = here;
+        best.position = low + range * (static_cast<double>(i) + 0.5 * static_cast<double>(width)) / bins;
+        // A Gaussian of standard deviation s has the area of a window of 2.5 s.
+        best.width = range * static_cast<double>(width) / bins / 2.5;
+      }
+    }
+  best.hypotheses = 2 * bins;
+  return best;
+}
+
+}  // namespace qerr

@@ -1,0 +1,94 @@
+#include "diagnose/search/sampling.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "core/random.hpp"
+
+namespace qerr {
+
+Sampling::Sampling(const Evidence& all, std::vector<RowGroup> chosen)
+    : record(&all), groups(std::move(chosen)), evidence(group_means(all, groups)) {}
+
+Eigen::ArrayXd Sampling::averaged(const Eigen::ArrayXd& column) const {
+  Eigen::ArrayXd out(static_cast<Eigen::Index>(groups.size()));
+  for (std::size_t g = 0; g < groups.size(); ++g)
+    out[static_cast<Eigen::Index>(g)] =
+        column.segment(groups[g].first, groups[g].end - groups[g].first).mean();
+  return out;
+}
+
+namespace {
+
+/// Motion of the path during a reading up to which it counts as one at rest: its quantization error varies
+/// by less than the reading's own rounding.
+constexpr double resting = 0.25;  // [counts]
+
+/// Edges that are crossed, and readings at rest; without an order of the rows, every row.
+std::vector<RowGroup> sample_groups(const Evidence& e) {
+  std::vector<RowGroup> groups;
+  const Eigen::Index n = e.rows();
+  if (!e.ordered) {
+    for (Eigen::Index k = 0; k < n; ++k) groups.push_back({k, k + 1});
+    return groups;
+  }
+  const double still = std::max(resting * e.step(), 4 * e.path_noise);
+  for (Eigen::Index k = 0; k < n;) {
+    if (k + 1 < n && e.measured[k] != e.measured[k + 1]) {
+      groups.push_back({k, k + 2});
+      k += 2;
+      continue;
+    }
+    Eigen::Index end = k + 1;
+    double low = e.path[k], high = e.path[k];
+    while (end < n && e.measured[end] == e.measured[k]) {
+      low = std::min(low, e.path[end]), high = std::max(high, e.path[end]);
+      ++end;
+    }
+    // The last row of the run belongs to the edge that ends it.
+    if (end - k >= 3 && high - low < still) groups.push_back({k, end - 1});
+    k = std::max(k + 1, end - (end < n ? 1 : 0));
+  }
+  return groups;
+}
+
+std::vector<RowGroup> drawn(const std::vector<RowGroup>& all, std::uint64_t seed, Eigen::Index most) {
+  const auto count = static_cast<Eigen::Index>(all.size());
+  if (count <= most) return all;
+  std::vector<RowGroup> some;
+  for (Eigen::Index i = 0; i < most; ++i) {
+    // Evenly spaced samples could be commensurate with a periodic motion.
+    const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
+    const double u = unit_interval(random_bits(seed, static_cast<std::uint64_t>(i), 0));
+    some.push_back(
+        all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
+  }
+  return some;
+}
+
+}  // namespace
+
+ErrorSamples error_samples(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
+  ErrorSamples s{Sampling(e, drawn(sample_groups(e), seed, most)), {}, {}};
+  const Evidence& few = s.sampling.evidence;
+  const double step = e.step();
+  s.error = few.measured - few.path + (0.5 - below_reading(e.encoder)) * step;
+  s.variance.resize(few.rows());
+  for (Eigen::Index i = 0; i < few.rows(); ++i) {
+    const RowGroup& g = s.sampling.groups[static_cast<std::size_t>(i)];
+    const bool edge = e.measured[g.first] != e.measured[g.end - 1];
+    const double counted = std::abs(e.measured[g.end - 1] - e.measured[g.first]) / step;
+    const double moved = std::max(std::abs(e.path[g.end - 1] - e.path[g.first]) / step, counted > 1.5 ? counted : 0.0);
+    const double rounding = edge ? std::min(moved * moved, 0.5) / 12 : 1.0 / 12;
+    const double averaged = edge ? 2 : 1;
+    s.variance[i] = rounding * step * step + e.path_noise * e.path_noise / averaged;
+    if (few.random_sigma.size() > 0) s.variance[i] += std::pow(few.random_sigma[i], 2) / averaged;
+  }
+  // An edge that is crossed at almost no speed has no rounding error, but its own one: edges are not placed
+  // better than to a few percent of a count.
+  s.variance = s.variance.max(std::pow(0.03 * step, 2));
+  return s;
+}
+
+}  // namespace qerr

@@ -1,0 +1,44 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <vector>
+
+#include "diagnose/record/evidence.hpp"
+
+namespace qerr {
+
+/// Some rows of a record, averaged in groups.
+///
+/// Signals that depend on the history of the motion (hysteresis, relaxation) are computed over the whole
+/// record and then averaged; all others are computed from the averaged signals.
+struct Sampling {
+  const Evidence* record = nullptr;  ///< must outlive the sampling
+  std::vector<RowGroup> groups;
+  Evidence evidence;  ///< signals averaged over the groups
+
+  Sampling(const Evidence& record, std::vector<RowGroup> groups);
+
+  /// The same averages of a column over the rows of the record.
+  Eigen::ArrayXd averaged(const Eigen::ArrayXd& column) const;
+};
+
+/// Samples of an encoder's error for a linear regression.
+///
+/// Where the count changes from one row to the next, an edge was crossed in between, whose position is known:
+/// the mean reading of the two rows less their mean position is free of quantization. What remains is where
+/// between the two rows the edge was crossed, uniform over the motion of v counts, and from one count per row
+/// on the mean of two quantization errors: variance min(v^2, 1/2)/12 [counts^2]. At rest, one sample per
+/// reading has the quantization error itself, 1/12.
+struct ErrorSamples {
+  Sampling sampling;
+  Eigen::ArrayXd error;     ///< encoder - path, less the mean of the rounding [rad or m]
+  Eigen::ArrayXd variance;  ///< of quantization, residual noise of the path and random effects of the spec
+
+  Eigen::Index size() const { return error.size(); }
+};
+
+/// @param most  limit of the number of samples: beyond it one is drawn from each of `most` equal sections
+ErrorSamples error_samples(const Evidence& record, std::uint64_t seed, Eigen::Index most);
+
+}  // namespace qerr
