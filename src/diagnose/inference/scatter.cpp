@@ -19,7 +19,7 @@ constexpr const char* part_far_off = "part of the readings is far off";
 constexpr double significant = 1e-3;  ///< p-value (convention)
 /// Largest loss of log-likelihood of an alternative: half the 99.95 % quantile of chi-squared.
 constexpr double indistinguishable = 6.05;
-constexpr double correlated = 0.2;    ///< lag-one autocorrelation of the scores (convention)
+constexpr double correlated = 0.2;  ///< lag-one autocorrelation of the scores (convention)
 // Smaller scatter is not tested for evenness: quantization, 0.29 counts, dominates the residual.
 constexpr double uneven_from = 0.4;  ///< [counts]
 // The reference's noise is an estimate. The null hypothesis has its variance times 1.69, the square of

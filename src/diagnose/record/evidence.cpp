@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
@@ -94,6 +95,9 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
       e.joint_velocity = std::move(own.velocity);
     }
     e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
+    if (!e.coupled())
+      e.direction = direction_with_readings(e.path, e.measured, std::move(e.direction),
+                                            std::max(4 * e.path_noise, 0.1 * e.step()), e.step());
   } else {
     const Eigen::Index rows = e.reference.size();
     e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));

@@ -12,6 +12,7 @@
 #include "core/statistics.hpp"
 #include "diagnose/search/linear_model.hpp"
 #include "diagnose/search/peaks.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -20,24 +21,29 @@ namespace qerr {
 namespace {
 
 constexpr Eigen::Index most_samples = 6000;
-constexpr int most_passes = 7;
+constexpr int most_passes = 7, most_events = 4;
+
+/// The same of a table or polynomial, which follows a curve that is not its own only coarsely.
+constexpr double material_part_of_table = 0.2;
 
 /// Ratio of a residual to that of rounding and noise up to which nothing worth mentioning is left.
 constexpr double complete = 1.3;
 
-/// Part of what all terms explain that names must reach to come first: uncatalogued terms then only add to them.
-/// Real errors differ from the textbook's shapes by some percent; a shape of another kind differs by more.
+/// Part of what all terms explain that names must reach to come first: uncatalogued terms then only add to
+/// them. Real errors differ from the textbook's shapes by some percent; a shape of another kind differs by
+/// more.
 constexpr double named_share = 0.92;
 
 /// Simulations of a term's null hypothesis, and the error rate of the test.
-constexpr int veto_draws = 9, most_vetoes = 3;
+constexpr int veto_draws = 9;
 constexpr double refuted = 0.01;
 
 /// The variance of the samples is known from quantization and noise; a remainder may be this much below it by
 /// chance and by the correlation of the roundings.
 constexpr double least_variance = 0.9;
 
-/// Smallest error worth a term [counts, rms]: it raises the rms of the quantization error, 1/sqrt(12), by 6 %.
+/// Smallest error worth a term [counts, rms]: it raises the rms of the quantization error, 1/sqrt(12), by 6
+/// %.
 constexpr double material = 0.1;
 
 /// The same as a part of the largest error whose shape is an idealization: no gear has exact sines.
@@ -77,10 +83,18 @@ class CauseSearch {
     for (int pass = 0; pass < most_passes; ++pass) {
       assemble();
       choose();
-      if (getenv("QD")) { printf("  pass %d extra %.3g kappa %.2f cand %zu cols %ld worth %.3g:", pass, std::sqrt(extra_)/record_.step(), correlation_, candidates_.size(), (long)columns_.cols(), worth_/record_.step()); for (auto g : chosen_) printf(" [%s %.2f]", candidates_[g].family.c_str(), groups_[g].price); printf(" lines:"); for (auto& l : scanned_.lines) printf(" %.3f", l.value); printf("\n"); }
+      if (getenv("QD")) {
+        printf("  pass %d extra %.3g kappa %.2f cand %zu cols %ld worth %.3g:", pass,
+               std::sqrt(extra_) / record_.step(), correlation_, candidates_.size(), (long)columns_.cols(),
+               worth_ / record_.step());
+        for (auto g : chosen_) printf(" [%s %.2f]", candidates_[g].family.c_str(), groups_[g].price);
+        printf(" lines:");
+        for (auto& l : scanned_.lines) printf(" %.3f", l.value);
+        printf("\n");
+      }
       if (!learn(pass)) break;
     }
-    for (int i = 0; i < most_vetoes && veto(); ++i) choose();
+    while (veto()) choose();
     report(result);
     return result;
   }
@@ -110,32 +124,44 @@ class CauseSearch {
     const double unmodelled = std::max(extra_, worth_ * worth_);
     weight_ = (samples_.variance + unmodelled).inverse();
     // A sample that a step divides belongs to neither side.
-    const double interval = few().ordered ? few().time[few().rows() - 1] / static_cast<double>(record_.rows()) : 0;
+    const double interval =
+        few().ordered ? few().time[few().rows() - 1] / static_cast<double>(record_.rows()) : 0;
     for (const Event& event : scanned_.events)
       weight_ = ((few().time - event.time).abs() < 2 * interval).select(0.0, weight_);
-    floor_ = least_variance * (samples_.variance * weight_).mean();
+    // Nor does one at which the side of a play is unknown.
+    if ((few().direction.abs() == 1).any()) {
+      Eigen::Index first = 0;
+      while (few().direction[first] == 0) ++first;
+      for (Eigen::Index k = first; k < samples_.size(); ++k)
+        if (std::abs(few().direction[k]) < 1) weight_[k] = 0;
+    }
     model_.emplace(columns_, samples_.error.matrix(), weight_.matrix(), base_);
+    floor_ = least_variance * (samples_.variance * weight_).sum() / model_->rows();
   }
 
   /// Schwarz's price of the coefficients, that of the number of alternatives, and what makes a term material:
   /// a decrease of the mean square by `worth_`^2.
   void price(double independent) {
     const double least = worth_ * worth_ * weight_.sum() * independent / model_->rows();
-    // A shape that the catalogue does not have must be better than a named one by what is material, and a table
-    // better than as many sines as have its number of coefficients.
+    // A shape that the catalogue does not have must be better than a named one by what is material, and a
+    // table better than as many sines as have its number of coefficients.
     for (std::size_t i = 0; i < groups_.size(); ++i)
-      groups_[i].price = static_cast<double>(groups_[i].count) * std::log(std::max(independent, 2.0)) +
-                         2 * std::log(std::max(1.0, candidates_[i].alternatives)) +
-                         (candidates_[i].term.named() ? 1 : std::max(2.0, 0.5 * static_cast<double>(groups_[i].count))) *
-                             least;
+      groups_[i].price =
+          static_cast<double>(groups_[i].count) * std::log(std::max(independent, 2.0)) +
+          2 * std::log(std::max(1.0, candidates_[i].alternatives)) +
+          (candidates_[i].term.named() ? 1 : std::max(2.0, 0.5 * static_cast<double>(groups_[i].count))) *
+              least;
   }
 
   bool raise_worth() {
-    double largest = 0;
-    for (std::size_t i = 0; i < chosen_.size(); ++i)
-      if (const Term& t = term(i); t.harmonic || t.reshaped || t.hysteresis || t.step || !t.named())
-        largest = std::max(largest, standard_deviation(addition(t, coefficients(i))));
-    const double worth = std::max(material * record_.step(), material_part * largest);
+    double worth = material * record_.step();
+    for (std::size_t i = 0; i < chosen_.size(); ++i) {
+      const Term& t = term(i);
+      const bool table = !t.named() && t.pattern == Shape::unknown;
+      if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
+      worth = std::max(worth, (table ? material_part_of_table : material_part) *
+                                  standard_deviation(addition(t, coefficients(i))));
+    }
     const bool changed = std::abs(worth - worth_) > 0.2 * worth_;
     worth_ = worth;
     return changed;
@@ -146,21 +172,22 @@ class CauseSearch {
     r -= columns_.leftCols(base_) * f.coefficients.head(base_);
     Eigen::Index at = base_;
     for (const std::size_t g : set) {
-      r -= columns_.middleCols(groups_[g].first, groups_[g].count) * f.coefficients.segment(at, groups_[g].count);
+      r -= columns_.middleCols(groups_[g].first, groups_[g].count) *
+           f.coefficients.segment(at, groups_[g].count);
       at += groups_[g].count;
     }
     return r.array();
   }
 
-  /// Searches twice: the first time as if all samples were independent, for the residual of the richest model,
-  /// whose autocorrelation gives the number of independent samples.
+  /// Searches twice: the first time as if all samples were independent, for the residual of the richest
+  /// model, whose autocorrelation gives the number of independent samples.
   void choose() {
     const double rows = model_->rows();
     price(rows);
     richest_ = best_of_starts(rows);
     const LinearModel::Set& richest = richest_;
     const Eigen::ArrayXd residual = residual_of(richest, model_->fit(groups_, richest)) * weight_.sqrt();
-    correlation_ = few().ordered ? integrated_correlation(residual - residual.mean()) : 1;
+    correlation_ = few().ordered ? integrated_correlation(residual) : 1;
     if (!few().ordered || correlation_ < 1.5) {
       chosen_ = richest;
     } else {
@@ -191,8 +218,10 @@ class CauseSearch {
     if (!found_before_.empty()) best = better(std::move(best), search(previous(), 0));
     if (is_complete(best)) return best;
     const double nothing = model_->fit(groups_, {}).rss;
-    const double named = nothing - model_->fit(groups_, names).rss, all = nothing - model_->fit(groups_, best).rss;
-    if (named < named_share * all) return best;
+    const double named = nothing - model_->fit(groups_, names).rss,
+                 all = nothing - model_->fit(groups_, best).rss;
+    // More names than the best model has terms imitate something else.
+    if (named < named_share * all || names.size() > best.size()) return best;
     return search(names, names.size());
   }
 
@@ -210,15 +239,20 @@ class CauseSearch {
           set.push_back(i);
           break;
         }
-    return set;
+    return model_->possible(groups_, set, model_->fit(groups_, set)) ? set : LinearModel::Set{};
   }
 
   /// Whether a model leaves no more than `complete` times what rounding and noise leave in the readings.
   bool is_complete(const LinearModel::Set& set) const {
     const Eigen::ArrayXd left = residual_of(set, model_->fit(groups_, set));
     const double rounding = record_.step() * record_.step() / 12 + record_.path_noise * record_.path_noise;
-    const double excess = std::max(0.0, (left.square() - samples_.variance).mean());
+    const double excess = mean_of_used(left.square() - samples_.variance);
     return excess < (complete * complete - 1) * rounding;
+  }
+
+  /// Mean over the samples that have a weight.
+  double mean_of_used(const Eigen::ArrayXd& x) const {
+    return (weight_ > 0).select(x, 0.0).sum() / model_->rows();
   }
 
   bool is_banned(std::size_t candidate) const {
@@ -262,9 +296,9 @@ class CauseSearch {
   /// What is left beyond the stated variance has one more variance, the same in every row.
   bool reweigh() {
     const double free = static_cast<double>(fit_.coefficients.size());
-    const double excess = (residual_.square().sum() - samples_.variance.sum()) /
-                          std::max(1.0, static_cast<double>(samples_.size()) - free);
-    const double now = std::max(0.0, excess), scale = now + samples_.variance.mean();
+    const double excess = mean_of_used(residual_.square() - samples_.variance) * model_->rows() /
+                          std::max(1.0, model_->rows() - free);
+    const double now = std::max(0.0, excess), scale = now + mean_of_used(samples_.variance);
     const bool changed = std::abs(now - extra_) > 0.1 * scale;
     extra_ = now;
     return changed;
@@ -276,7 +310,8 @@ class CauseSearch {
     for (std::size_t i = 0; i < chosen_.size(); ++i)
       if (term(i).reshaped) shaped.push_back(i);
     Scanned next = scanned_;
-    next.orders.clear(), next.lines.clear(), next.drifts.clear(), next.growths.clear(), next.hystereses.clear();
+    next.orders.clear(), next.loaded_orders.clear(), next.lines.clear(), next.time_constants.clear(),
+        next.hystereses.clear();
     next.events.clear(), next.places.clear();
     bool changed = false;
     if (!shaped.empty()) {
@@ -291,14 +326,17 @@ class CauseSearch {
       for (std::size_t s = 0; s < shaped.size(); ++s) {
         const Term& t = term(shaped[s]);
         const double by = 1e-3 * t.half_width;
-        const Eigen::ArrayXXd change = t.reshaped(few(), t, t.shape + by).columns - t.reshaped(few(), t, t.shape - by).columns;
-        columns.col(count + static_cast<Eigen::Index>(s)) = change.matrix() * coefficients(shaped[s]) / (2 * by);
+        const Eigen::ArrayXXd change =
+            t.reshaped(few(), t, t.shape + by).columns - t.reshaped(few(), t, t.shape - by).columns;
+        columns.col(count + static_cast<Eigen::Index>(s)) =
+            change.matrix() * coefficients(shaped[s]) / (2 * by);
       }
       const LinearModel linear(columns, samples_.error.matrix(), weight_.matrix(), columns.cols());
       const LinearModel::Fit f = linear.fit({}, {});
       for (std::size_t s = 0; s < shaped.size(); ++s) {
         const Term& t = term(shaped[s]);
-        const double by = std::clamp(f.coefficients[count + static_cast<Eigen::Index>(s)], -0.5 * t.half_width, 0.5 * t.half_width);
+        const double by = std::clamp(f.coefficients[count + static_cast<Eigen::Index>(s)],
+                                     -0.5 * t.half_width, 0.5 * t.half_width);
         const double shape = t.shape + (std::isfinite(by) ? by : 0.0);
         changed |= std::abs(by) > 0.02 * t.half_width;
         keep_shape(t, shape, next);
@@ -317,7 +355,7 @@ class CauseSearch {
     else if (t.harmonic)
       next.orders.push_back({shape, hypotheses_of(scanned_.orders, t.shape)});
     else
-      (t.named() ? next.drifts : next.growths).push_back(std::max(shape, 0.1 * t.shape));
+      next.time_constants.push_back(std::max(shape, 0.1 * t.shape));
   }
 
   static double hypotheses_of(const std::vector<Scanned::Rate>& rates, double value) {
@@ -338,7 +376,8 @@ class CauseSearch {
   void keep(const Candidate& c, Scanned& next) const {
     const Term& t = c.term;
     const auto add = [](auto& list, const auto& item, auto value) {
-      if (std::none_of(list.begin(), list.end(), [&](const auto& other) { return value(other) == value(item); }))
+      if (std::none_of(list.begin(), list.end(),
+                       [&](const auto& other) { return value(other) == value(item); }))
         list.push_back(item);
     };
     const auto rate = [](const Scanned::Rate& r) { return r.value; };
@@ -348,6 +387,11 @@ class CauseSearch {
       add(next.orders, Scanned::Rate{t.shape, hypotheses_of(scanned_.orders, t.shape)}, rate);
     else if (t.pattern == Shape::line && !refined_now(t, next.lines))
       add(next.lines, Scanned::Rate{t.shape, hypotheses_of(scanned_.lines, t.shape)}, rate);
+    else if (c.family.rfind("loaded order", 0) == 0)
+      add(next.loaded_orders,
+          Scanned::Rate{t.effect.number_or("order", 0),
+                        hypotheses_of(scanned_.loaded_orders, t.effect.number_or("order", 0))},
+          rate);
     else if (c.family.rfind("event", 0) == 0)
       add(next.events, scanned_.events[static_cast<std::size_t>(std::stoi(c.family.substr(6)))],
           [](const Event& e) { return e.time; });
@@ -380,7 +424,10 @@ class CauseSearch {
   bool scan(const Eigen::ArrayXd& residual) {
     const Eigen::ArrayXd scores = (residual - (residual * weight_).sum() / weight_.sum()) * weight_;
     bool any = false;
-    if (!few().is_stationary()) any |= scan_orders(scores);
+    if (!few().is_stationary()) any |= scan_orders(scores, scanned_.orders, 5);
+    if (!few().is_stationary() && few().effort.size() > 0)
+      any |= scan_orders(scores * (few().effort / std::max(1e-300, few().effort.abs().maxCoeff())),
+                         scanned_.loaded_orders, 2);
     if (few().ordered) any |= scan_time(residual, scores);
     if (!few().is_stationary()) any |= scan_places(residual);
     return any;
@@ -392,25 +439,25 @@ class CauseSearch {
     });
   }
 
-  bool scan_orders(const Eigen::ArrayXd& scores) {
+  bool scan_orders(const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known, Eigen::Index most) {
     const double range = few().range();
-    RateScan s{1.5 * 2 * std::numbers::pi / range, highest_order(), 5};
+    RateScan s{1.5 * 2 * std::numbers::pi / range, highest_order(), most};
     double hypotheses = 1;
     bool any = false;
     for (const double rate : strongest_rates(scores, few().path, s, hypotheses)) {
       const double resolution = 0.5 * std::numbers::pi / range;
       if (gain_of(free_order_term(few(), rate), scores) < 2 * std::log(hypotheses)) break;
-      if (std::any_of(scanned_.orders.begin(), scanned_.orders.end(),
+      if (std::any_of(known.begin(), known.end(),
                       [&](const Scanned::Rate& r) { return std::abs(r.value - rate) < resolution; }))
         continue;
-      scanned_.orders.push_back({rate, hypotheses});
+      known.push_back({rate, hypotheses});
       any = true;
     }
     return any;
   }
 
-  /// The order that the motion still resolves: a period of four counts, and two rows a period in nine tenths of
-  /// the motion. At a constant speed an order beyond that is the alias of another.
+  /// The order that the motion still resolves: a period of four counts, and two rows a period in nine tenths
+  /// of the motion. At a constant speed an order beyond that is the alias of another.
   double highest_order() const {
     const double of_counts = 0.5 * std::numbers::pi / record_.step();
     if (!few().ordered || record_.rows() < 3) return of_counts;
@@ -450,10 +497,18 @@ class CauseSearch {
       scanned_.lines.push_back({f, hypotheses});
       any = true;
     }
-    const Event event = strongest_event(residual, weight_, few().time);
-    if (event.hypotheses > 0 && std::none_of(scanned_.events.begin(), scanned_.events.end(), [&](const Event& e) {
-          return std::abs(e.time - event.time) < 2e-3 * duration;
-        })) {
+    Eigen::ArrayXd left = residual;
+    for (int i = 0; i < most_events; ++i) {
+      const Event event = strongest_event(left, weight_, few().time);
+      if (event.hypotheses == 0) break;
+      const Term t = offset_step_term(few(), event.time);
+      const Eigen::ArrayXd step = t.columns.col(0) - (t.columns.col(0) * weight_).sum() / weight_.sum();
+      const double size = (step * weight_ * left).sum() / (step.square() * weight_).sum();
+      if (size * size * (step.square() * weight_).sum() < 2 * std::log(event.hypotheses)) break;
+      left -= size * step;
+      if (std::any_of(scanned_.events.begin(), scanned_.events.end(),
+                      [&](const Event& e) { return std::abs(e.time - event.time) < 2e-3 * duration; }))
+        continue;
       scanned_.events.push_back(event);
       any = true;
     }
@@ -470,9 +525,9 @@ class CauseSearch {
     return true;
   }
 
-  /// Bans the families of terms that the quantizer alone would bring: the fit without the term, sent through the
-  /// quantizer along the same path with new noise, is analysed with it. Its decrease of the sum of squares is an
-  /// F variable of the veto_draws' mean.
+  /// Bans the families of terms that the quantizer alone would bring: the fit without the term, sent through
+  /// the quantizer along the same path with new noise, is analysed with it. Its decrease of the sum of
+  /// squares is an F variable of the veto_draws' mean.
   /// @returns whether any term was banned
   bool veto() {
     bool any = false;
@@ -484,7 +539,9 @@ class CauseSearch {
       if (lost > weight_.sum() * record_.step() * record_.step()) continue;  // of more than a count
       const double expected = expected_gain(without, rest, chosen_[i]);
       const auto d = static_cast<double>(term(i).size());
-      if (getenv("QD")) printf("   veto? %s lost %.4g expected %.4g\n", candidates_[chosen_[i]].family.c_str(), lost, expected);
+      if (getenv("QD"))
+        printf("   veto? %s lost %.4g expected %.4g\n", candidates_[chosen_[i]].family.c_str(), lost,
+               expected);
       if (fisher_f_tail(lost / std::max(expected, 1e-300), d, veto_draws * d) < refuted) continue;
       banned_.push_back(candidates_[chosen_[i]].family);
       any = true;
@@ -508,8 +565,9 @@ class CauseSearch {
       Evidence simulated = record_;
       const std::uint64_t seed = stream_seed(seed_, "surrogate", static_cast<std::uint64_t>(draw));
       for (Eigen::Index k = 0; k < record_.rows(); ++k)
-        simulated.measured[k] = quantize(record_.encoder, record_.path[k] + added[k] +
-                                                              record_.path_noise * normal(seed, static_cast<std::uint64_t>(k)));
+        simulated.measured[k] =
+            quantize(record_.encoder, record_.path[k] + added[k] +
+                                          record_.path_noise * normal(seed, static_cast<std::uint64_t>(k)));
       sum += gain_in(simulated, without, extra);
     }
     return sum / veto_draws;
@@ -565,11 +623,12 @@ class CauseSearch {
   }
 
   /// Named terms that could replace a chosen one: the criterion rises by less than the 99.95 % quantile of
-  /// chi-squared with one degree of freedom.
+  /// chi-squared with one degree of freedom, or what is lost is a small part of what the term explains.
   void find_replacements(std::size_t i, FoundCauses& result, std::size_t number) const {
     constexpr double indistinguishable = 12.1;
     const double independent = model_->rows() / correlation_;
     LinearModel::Set other = chosen_;
+    const double lost = lost_without(i);
     const double present = model_->criterion(groups_, chosen_, fit_.rss, independent, floor_);
     for (std::size_t g = 0; g < candidates_.size(); ++g) {
       const Candidate& c = candidates_[g];
@@ -581,7 +640,9 @@ class CauseSearch {
       other[i] = g;
       const LinearModel::Fit f = model_->fit(groups_, other);
       if (!model_->possible(groups_, other, f)) continue;
-      if (model_->criterion(groups_, other, f.rss, independent, floor_) - present > indistinguishable) continue;
+      const bool likely =
+          model_->criterion(groups_, other, f.rss, independent, floor_) - present < indistinguishable;
+      if (!likely && f.rss - fit_.rss > (1 - named_share) * lost) continue;
       result.replacements.push_back({number, c.term.effect});
     }
   }
@@ -624,9 +685,9 @@ class CauseSearch {
   std::uint64_t seed_;
   ErrorSamples samples_;
   Scanned scanned_;
-  std::vector<std::string> banned_;    ///< families that the veto_draws have refuted
+  std::vector<std::string> banned_;        ///< families that the veto_draws have refuted
   std::vector<std::string> found_before_;  ///< families of the previous pass's richest model
-  std::vector<std::string> families_;  ///< of the previous pass
+  std::vector<std::string> families_;      ///< of the previous pass
   Eigen::ArrayXd moved_;
   double extra_ = 0, correlation_ = 1, worth_ = 0, floor_ = 0;
   std::vector<Candidate> candidates_;
@@ -641,6 +702,8 @@ class CauseSearch {
 
 }  // namespace
 
-FoundCauses search_causes(const Evidence& record, std::uint64_t seed) { return CauseSearch(record, seed).found(); }
+FoundCauses search_causes(const Evidence& record, std::uint64_t seed) {
+  return CauseSearch(record, seed).found();
+}
 
 }  // namespace qerr

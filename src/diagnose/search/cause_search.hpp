@@ -13,9 +13,9 @@ namespace qerr {
 struct ChosenTerm {
   Candidate candidate;
   Eigen::VectorXd coefficients;
-  double p_value = 1;   ///< F test of the model without it, in independent samples
-  double lost = 0;      ///< mean square that the model without it does not explain [rad^2 or m^2]
-  double rms = 0;       ///< of its addition about its mean [rad or m]
+  double p_value = 1;  ///< F test of the model without it, in independent samples
+  double lost = 0;     ///< mean square that the model without it does not explain [rad^2 or m^2]
+  double rms = 0;      ///< of its addition about its mean [rad or m]
 };
 
 /// A term that explains as much in the place of a chosen one.
@@ -28,15 +28,15 @@ struct FoundCauses {
   std::vector<ChosenTerm> chosen;  ///< in descending order of `lost`
   std::vector<Replacement> replacements;
   double samples_per_reading = 1;  ///< integrated autocorrelation of the residual of the richest model
-  double excess = 0;  ///< mean square of the residual beyond quantization and stated noise [rad^2 or m^2]
-  double explained = 0;            ///< mean square that all terms remove [rad^2 or m^2]
+  double excess = 0;     ///< mean square of the residual beyond quantization and stated noise [rad^2 or m^2]
+  double explained = 0;  ///< mean square that all terms remove [rad^2 or m^2]
 };
 
 /// Finds the set of terms that explains an encoder's error.
 ///
 /// A linear regression of error samples on all candidates of the dictionary, in which the set of terms is
-/// searched as a whole (linear_model.hpp), alternates with scans of the residual for orders, lines, steps and bumps
-/// and with the refinement of time constants and sizes; the search begins anew each time.
+/// searched as a whole (linear_model.hpp), alternates with scans of the residual for orders, lines, steps and
+/// bumps and with the refinement of time constants and sizes; the search begins anew each time.
 FoundCauses search_causes(const Evidence& record, std::uint64_t seed);
 
 }  // namespace qerr

@@ -13,7 +13,6 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index knots_in_time = 20, knots_in_position = 26;
 constexpr int time_constants = 15;
 
 /// Part of a period below which a sine has no extremum and inflection that a parabola has not.
@@ -44,6 +43,7 @@ class Dictionary {
   std::vector<Candidate> all() && {
     add_named();
     add_orders();
+    add_loaded_orders();
     if (e_.ordered) {
       add_in_time();
       add_hystereses();
@@ -68,7 +68,8 @@ class Dictionary {
 
   void add_named() {
     for (Term& t : named_terms(e_)) {
-      if (t.harmonic && periods_covered(t, e_) < least_periods) continue;
+      const double order = t.effect.number_or("order", 0);
+      if (t.harmonic && order > 1 && periods_covered(t, e_) < least_periods) continue;
       const Term original = t;
       const auto over = [original](const Sampling& s) {
         for (Term& fresh : named_terms(s.evidence))
@@ -80,7 +81,6 @@ class Dictionary {
         continue;
       }
       if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
-      const double order = t.effect.number_or("order", 0);
       std::string family = t.effect.type;
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
@@ -92,27 +92,23 @@ class Dictionary {
     return "order " + significant(std::abs(wave_number(t.effect, e_.encoder)), 6);
   }
 
-  /// A hysteresis at sizes for which its column is computed from the motion.
+  /// A hysteresis that the reference's path drives, at sizes for which its column is computed from the
+  /// motion. Readings cannot drive it: the operator would take their noise for play.
   void add_sizes(const Term& original, const std::string& family) {
+    if (!original.of_reference) return;
     const Evidence& r = *s_.record;
-    const Eigen::ArrayXd& driving = original.of_reference ? r.path : r.measured;
-    const double low = original.of_reference ? 1 : 3;
-    const double high = 0.6 * r.range() / r.step();
-    std::vector<double> sizes;
-    for (const double size : scanned_.hystereses) sizes.push_back(size);
+    std::vector<double> sizes = scanned_.hystereses;
+    const double low = std::max(r.step(), 12 * r.path_noise), high = 0.6 * r.range();
     if (sizes.empty() && high > low)
-      sizes = series(low * r.step(), high * r.step(), std::max(2, static_cast<int>(2 * std::log2(high / low))));
+      sizes = series(low, high, std::max(2, static_cast<int>(2 * std::log2(high / low))));
     for (const double size : sizes) {
-      if (!(size > low * r.step())) continue;
+      if (size < low) continue;
       const auto over = [original, size](const Sampling& s) {
         Term t = original;
-        const Evidence& record = *s.record;
-        t.columns = s.averaged(original.hysteresis(original.of_reference ? record.path : record.measured, size));
+        t.columns = s.averaged(original.hysteresis(s.record->path, size));
         return t;
       };
-      Candidate c{original, family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, over};
-      c.term.columns = s_.averaged(original.hysteresis(driving, size));
-      found_.push_back(std::move(c));
+      found_.push_back({over(s_), family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, over});
     }
   }
 
@@ -120,12 +116,12 @@ class Dictionary {
   void add_reshaped(const Term& t, const std::function<Term(const Sampling&)>& original) {
     if (has_family(t.effect.type)) return;
     const double duration = e_.time[e_.rows() - 1];
-    for (const double shape : joined(scanned_.drifts, series(duration / 100, 2 * duration, time_constants)))
-      add(t.reshaped(e_, t, shape), t.effect.type, time_constants,
-          [original, shape](const Sampling& s) {
-            const Term fresh = original(s);
-            return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
-          });
+    for (const double shape :
+         joined(scanned_.time_constants, series(duration / 100, 2 * duration, time_constants)))
+      add(t.reshaped(e_, t, shape), t.effect.type, time_constants, [original, shape](const Sampling& s) {
+        const Term fresh = original(s);
+        return fresh.reshaped ? fresh.reshaped(s.evidence, fresh, shape) : fresh;
+      });
   }
 
   bool has_family(const std::string& family) const {
@@ -147,12 +143,19 @@ class Dictionary {
       Term free = free_order_term(e_, r.value);
       free.pattern = Shape::order;
       if (free.along && moved_.size() > 0) free = free.along(e_, free, moved_);
-      add(std::move(free), "free order " + significant(r.value, 6), r.hypotheses, [value = r.value](const Sampling& s) {
-        Term t = free_order_term(s.evidence, value);
-        t.pattern = Shape::order;
-        return t;
-      });
+      add(std::move(free), "free order " + significant(r.value, 6), r.hypotheses,
+          [value = r.value](const Sampling& s) {
+            Term t = free_order_term(s.evidence, value);
+            t.pattern = Shape::order;
+            return t;
+          });
     }
+  }
+
+  void add_loaded_orders() {
+    for (const Scanned::Rate& r : scanned_.loaded_orders)
+      add_plain("loaded order " + significant(r.value, 6), r.hypotheses,
+                [value = r.value](const RecordSignals& s) { return loaded_order_term(s, value); });
   }
 
   void add_in_time() {
@@ -161,7 +164,7 @@ class Dictionary {
     const double duration = e_.time[e_.rows() - 1];
     if (!(duration > 0)) return;
     if (!e_.is_stationary())
-      for (const double constant : joined(scanned_.growths, series(duration / 30, 2 * duration, 8)))
+      for (const double constant : joined(scanned_.time_constants, series(duration / 30, 2 * duration, 8)))
         add_plain("growth", 8, [constant](const RecordSignals& s) { return growth_term(s, constant); });
     for (const Scanned::Rate& r : scanned_.lines)
       add_plain("line " + significant(r.value, 6), r.hypotheses,
@@ -169,7 +172,8 @@ class Dictionary {
     int number = 0;
     for (const Event& event : scanned_.events) {
       const std::string family = "event " + std::to_string(number++);
-      add_plain(family, event.hypotheses, [t = event.time](const RecordSignals& s) { return step_term(s, t); });
+      add_plain(family, event.hypotheses,
+                [t = event.time](const RecordSignals& s) { return step_term(s, t); });
       add_plain(family, 2 * event.hypotheses,
                 [t = event.time](const RecordSignals& s) { return offset_step_term(s, t); });
       add_plain(family, 4 * event.hypotheses, [event](const RecordSignals& s) {
@@ -179,14 +183,18 @@ class Dictionary {
         return transition_term(s, event.approach_start, event.time_constant);
       });
     }
-    if (e_.rows() > 8 * knots_in_time)
-      add_plain("time", 1, [](const RecordSignals& s) { return time_table_term(s, knots_in_time); });
+    for (const int degree : {2, 3, 4, 5})
+      add_plain("time", 8, [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
+    for (const Eigen::Index knots : {10, 20})
+      if (e_.rows() > 8 * knots)
+        add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
   }
 
   void add_hystereses() {
     if (e_.is_stationary()) return;
     const Evidence& r = *s_.record;
-    const auto add_history = [&](const std::string& family, double size, const std::function<Term(const Sampling&)>& of) {
+    const auto add_history = [&](const std::string& family, double size,
+                                 const std::function<Term(const Sampling&)>& of) {
       add(of(s_), family, size, of);
     };
     constexpr int travels = 10, constants = 6;
@@ -194,7 +202,11 @@ class Dictionary {
       add_history("hysteresis", travels, [travel](const Sampling& s) { return friction_term(s, travel); });
     const double duration = e_.time[e_.rows() - 1];
     for (const double constant : series(duration / 300, duration / 10, constants))
-      add_history("relaxation", constants, [constant](const Sampling& s) { return relaxation_term(s, constant); });
+      add_history("relaxation", 2 * constants,
+                  [constant](const Sampling& s) { return relaxation_term(s, constant); });
+    for (const double constant : series(duration / 300, duration / 10, constants))
+      add_history("relaxation", 2 * constants,
+                  [constant](const Sampling& s) { return settling_term(s, constant); });
     add_plain("speed", 1, [](const RecordSignals& s) { return speed_term(s); });
     if (e_.counted) add_history("states", 1, [](const Sampling& s) { return state_pattern_term(s); });
   }
@@ -203,14 +215,15 @@ class Dictionary {
     int number = 0;
     for (const Bump& p : scanned_.places) {
       const std::string family = "bump " + std::to_string(number++);
-      for (const double width : {0.6 * p.width, p.width, 1.6 * p.width})
-        for (const double by : {-0.5, 0.0, 0.5})
-          add_plain(family, 9 * p.hypotheses, [at = p.position + by * p.width, width](const RecordSignals& s) {
-            return bump_term(s, at, width);
-          });
+      add_plain(family, p.hypotheses,
+                [p](const RecordSignals& s) { return bump_term(s, p.position, p.width); });
     }
-    if (e_.rows() > 8 * knots_in_position)
-      add_plain("position", 1, [](const RecordSignals& s) { return position_table_term(s, knots_in_position); });
+    for (const int degree : {2, 3, 4, 5})
+      add_plain("position", 8,
+                [degree](const RecordSignals& s) { return position_polynomial_term(s, degree); });
+    for (const Eigen::Index knots : {10, 26})
+      if (e_.rows() > 8 * knots)
+        add_plain("position", 8, [knots](const RecordSignals& s) { return position_table_term(s, knots); });
   }
 
   const Sampling& s_;
@@ -241,7 +254,8 @@ std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {
   for (const bool of_encoder : {true, false}) {
     if (!of_encoder && (s.prismatic || std::abs(ratio - 1) < 1e-9)) continue;
     const double shaft = of_encoder ? ratio : 1, nearest = std::round(order / shaft);
-    if (nearest < 1 || std::abs(order - nearest * shaft) > resolution) continue;
+    // A tenth of a period per revolution: closer than that an order is not a fraction by chance alone.
+    if (nearest < 1 || std::abs(order - nearest * shaft) > std::min(resolution, 0.1 * shaft)) continue;
     whole.push_back(periodic_term(s, nearest, of_encoder));
   }
   return whole;

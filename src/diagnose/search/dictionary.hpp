@@ -12,9 +12,9 @@ namespace qerr {
 
 /// A possible part of an encoder's error.
 struct Candidate {
-  Term term;                ///< its columns over the samples
-  std::string family;       ///< a model has at most one member of a family
-  double alternatives = 1;  ///< size of the family, for the price of the choice
+  Term term;                   ///< its columns over the samples
+  std::string family;          ///< a model has at most one member of a family
+  double alternatives = 1;     ///< size of the family, for the price of the choice
   double least = 0, most = 0;  ///< range of its coefficient in which the columns hold; 0, 0: any
   /// The same term over another sampling of the record.
   std::function<Term(const Sampling&)> over;
@@ -26,15 +26,15 @@ struct Scanned {
     double value = 0, hypotheses = 1;
     bool whole = false;  ///< a whole order that was chosen: its free neighbours are not tried again
   };
-  std::vector<Rate> orders, lines;
+  std::vector<Rate> orders, loaded_orders, lines;
   std::vector<Event> events;
   std::vector<Bump> places;
-  std::vector<double> drifts, growths;  ///< refined time constants [s]
-  std::vector<double> hystereses;   ///< sizes found of a hysteresis [rad or m]
+  std::vector<double> time_constants;  ///< refined ones [s]
+  std::vector<double> hystereses;      ///< sizes found of a hysteresis [rad or m]
 };
 
-/// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes that
-/// the catalogue does not have.
+/// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes
+/// that the catalogue does not have.
 /// @param moved  displacement of the path on which gear teeth and disc depend [rad or m], one per sample;
 ///   empty: none
 std::vector<Candidate> dictionary(const Sampling&, const Scanned&, const Eigen::ArrayXd& moved);

@@ -10,12 +10,12 @@ namespace qerr {
 
 namespace {
 
-constexpr double collinear = 1e-7;       ///< part of a column's square that is left by the others
+constexpr double collinear = 1e-7;          ///< part of a column's square that is left by the others
 constexpr std::size_t leading_groups = 12;  ///< whose pairs are tried
 constexpr int most_moves = 200;
 
-/// Largest sum of squares of a group's addition over that of all y: beyond it, other groups cancel most of the
-/// group, and only the difference is known.
+/// Largest sum of squares of a group's addition over that of all y: beyond it, other groups cancel most of
+/// the group, and only the difference is known.
 constexpr double cancelling = 9;
 
 /// Lower Cholesky factor in place, with a ridge for nearly dependent columns.
@@ -51,7 +51,7 @@ Eigen::VectorXd solve_upper(const Eigen::MatrixXd& l, Eigen::VectorXd b) {
 
 LinearModel::LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y,
                          const Eigen::VectorXd& weight, Eigen::Index base)
-    : rows_(static_cast<double>(y.size())), base_(base) {
+    : rows_(static_cast<double>((weight.array() > 0).count())), base_(base) {
   const Eigen::VectorXd root = weight.cwiseSqrt();
   Eigen::MatrixXd z = root.asDiagonal() * columns;
   scale_ = z.colwise().norm();
@@ -157,7 +157,7 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
       for (std::size_t g = 0; g < groups.size(); ++g) {
         const ColumnGroup& c = groups[g];
         if (!c.allowed || std::any_of(part.begin(), part.end(),
-                        [&](std::size_t m) { return groups[m].family == c.family; }))
+                                      [&](std::size_t m) { return groups[m].family == c.family; }))
           continue;
         const auto across = p.across.middleCols(c.first, c.count);
         Eigen::MatrixXd own = gram_.block(c.first, c.first, c.count, c.count) - across.transpose() * across;

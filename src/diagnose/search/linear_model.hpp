@@ -8,12 +8,12 @@ namespace qerr {
 /// A group of columns that enters a model as a whole.
 struct ColumnGroup {
   Eigen::Index first = 0, count = 0;
-  int family = 0;          ///< of a family, a model has at most one group
-  double price = 0;        ///< of the criterion, in units of -2 log-likelihood
-  bool positive = false;   ///< its (one) coefficient cannot be negative
+  int family = 0;         ///< of a family, a model has at most one group
+  double price = 0;       ///< of the criterion, in units of -2 log-likelihood
+  bool positive = false;  ///< its (one) coefficient cannot be negative
   /// Bounds of its (one) coefficient in the units of the column; 0, 0: none.
   double least = 0, most = 0;
-  bool allowed = true;     ///< may enter a model
+  bool allowed = true;  ///< may enter a model
 };
 
 /// Weighted linear regression in which the set of column groups is to be chosen.
@@ -25,7 +25,7 @@ class LinearModel {
  public:
   /// @param columns  rows x columns, without weights
   /// @param y        rows
-  /// @param weight   1/variance of each row
+  /// @param weight   1/variance of each row; 0: not used
   /// @param base     columns 0 .. base - 1 are part of every model
   LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y, const Eigen::VectorXd& weight,
               Eigen::Index base);

@@ -118,7 +118,8 @@ std::pair<double, double> best_transition(double time, double shortest, double l
 
 }  // namespace
 
-Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight, const Eigen::ArrayXd& time) {
+Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                      const Eigen::ArrayXd& time) {
   Event e;
   const Eigen::Index first = strongest_step(residual, weight);
   if (first == 0) return e;
@@ -126,12 +127,14 @@ Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weig
   e.time = 0.5 * (time[first] + time[first - 1]);
   const double duration = time[time.size() - 1] - time[0];
   const double shortest = 3 * duration / static_cast<double>(time.size()), longest = duration / 4;
-  std::tie(e.ramp_start, e.ramp_duration) = best_transition(e.time, shortest, longest, [&](double start, double length) {
-    return gain_beside_constant(residual, weight, ((time - start) / length).max(0.0).min(1.0));
-  });
-  std::tie(e.approach_start, e.time_constant) = best_transition(e.time, shortest, longest, [&](double start, double length) {
-    return gain_beside_constant(residual, weight, 1 - (-(time - start).max(0.0) / length).exp());
-  });
+  std::tie(e.ramp_start, e.ramp_duration) =
+      best_transition(e.time, shortest, longest, [&](double start, double length) {
+        return gain_beside_constant(residual, weight, ((time - start) / length).max(0.0).min(1.0));
+      });
+  std::tie(e.approach_start, e.time_constant) =
+      best_transition(e.time, shortest, longest, [&](double start, double length) {
+        return gain_beside_constant(residual, weight, 1 - (-(time - start).max(0.0) / length).exp());
+      });
   return e;
 }
 
@@ -161,6 +164,22 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
       }
     }
   best.hypotheses = 2 * bins;
+  // The shape is a Gaussian: position and width by a grid that is refined by halves.
+  const auto gain_of = [&](double centre, double width) {
+    return gain_beside_constant(residual, weight, (-0.5 * ((position - centre) / width).square()).exp());
+  };
+  gain = gain_of(best.position, best.width);
+  for (double step = 0.5; best.width > 0 && step > 0.01; step /= 2)
+    for (bool better = true; better;) {
+      better = false;
+      const Bump from = best;
+      for (const double shift : {-step, 0.0, step})
+        for (const double factor : {1 / (1 + step), 1.0, 1 + step})
+          if (const double g = gain_of(from.position + shift * from.width, from.width * factor);
+              g > gain * (1 + 1e-9))
+            gain = g, best.position = from.position + shift * from.width, best.width = from.width * factor,
+            better = true;
+    }
   return best;
 }
 

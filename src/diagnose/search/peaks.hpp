@@ -7,14 +7,14 @@ namespace qerr {
 
 /// Rates (orders, or angular frequencies) at which scores are most periodic in an argument.
 struct RateScan {
-  double least = 0, most = 0;    ///< rates to be scanned
+  double least = 0, most = 0;  ///< rates to be scanned
   Eigen::Index most_peaks = 1;
   Eigen::Index most_rows = 4096;  ///< scanned of a long record
 };
 
-/// Largest maxima of the periodogram |sum of scores e^{i rate argument}|^2, in descending order: on a grid with
-/// a quarter of the spacing 2 pi/range of independent rates, then refined by halving steps. Maxima within the
-/// spacing of independent rates of a larger one are part of it.
+/// Largest maxima of the periodogram |sum of scores e^{i rate argument}|^2, in descending order: on a grid
+/// with a quarter of the spacing 2 pi/range of independent rates, then refined by halving steps. Maxima
+/// within the spacing of independent rates of a larger one are part of it.
 /// @param hypotheses  receives the number of independent rates that were compared
 std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::ArrayXd& arguments,
                                     const RateScan&, double& hypotheses);
@@ -27,7 +27,8 @@ struct Event {
 
 /// The strongest change of weighted residuals that begins at one time and persists.
 /// @param time  ascending
-Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight, const Eigen::ArrayXd& time);
+Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                      const Eigen::ArrayXd& time);
 
 /// A window of positions in which weighted residuals deviate.
 struct Bump {

@@ -79,7 +79,8 @@ ErrorSamples error_samples(const Evidence& e, std::uint64_t seed, Eigen::Index m
     const RowGroup& g = s.sampling.groups[static_cast<std::size_t>(i)];
     const bool edge = e.measured[g.first] != e.measured[g.end - 1];
     const double counted = std::abs(e.measured[g.end - 1] - e.measured[g.first]) / step;
-    const double moved = std::max(std::abs(e.path[g.end - 1] - e.path[g.first]) / step, counted > 1.5 ? counted : 0.0);
+    const double moved =
+        std::max(std::abs(e.path[g.end - 1] - e.path[g.first]) / step, counted > 1.5 ? counted : 0.0);
     const double rounding = edge ? std::min(moved * moved, 0.5) / 12 : 1.0 / 12;
     const double averaged = edge ? 2 : 1;
     s.variance[i] = rounding * step * step + e.path_noise * e.path_noise / averaged;

@@ -52,6 +52,42 @@ Term time_table_term(const RecordSignals& s, Eigen::Index knots) {
   return unnamed_term(s, Shape::unknown, "changes slowly in time", hats(s.time, knots));
 }
 
+namespace {
+
+/// Legendre polynomials of degree 1 to `degree` over the range of an argument.
+Eigen::ArrayXXd legendre(const Eigen::ArrayXd& argument, int degree) {
+  const double low = argument.minCoeff(), half = 0.5 * (argument.maxCoeff() - low);
+  const Eigen::ArrayXd u = (argument - low) / std::max(half, 1e-300) - 1;
+  Eigen::ArrayXXd columns(argument.size(), degree);
+  columns.col(0) = u;
+  Eigen::ArrayXd before = Eigen::ArrayXd::Ones(u.size()), now = u;
+  for (int n = 2; n <= degree; ++n) {
+    Eigen::ArrayXd next = ((2 * n - 1) * u * now - (n - 1) * before) / n;
+    before = std::exchange(now, std::move(next));
+    columns.col(n - 1) = now;
+  }
+  return columns;
+}
+
+}  // namespace
+
+Term position_polynomial_term(const RecordSignals& s, int degree) {
+  return unnamed_term(s, Shape::unknown, "a curved function of the position", legendre(s.path, degree));
+}
+
+Term time_polynomial_term(const RecordSignals& s, int degree) {
+  return unnamed_term(s, Shape::unknown, "changes slowly in time", legendre(s.time, degree));
+}
+
+Term loaded_order_term(const RecordSignals& s, double order) {
+  Term t = free_order_term(s, order);
+  Term loaded = unnamed_term(s, Shape::order, "periodic in the position, in proportion to the load",
+                             t.columns.colwise() * (s.effort / std::max(1e-300, s.effort.abs().maxCoeff())));
+  loaded.effect.numbers["order"] = order;
+  loaded.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["amplitude"] = std::hypot(c[0], c[1]); };
+  return loaded;
+}
+
 Term vibration_term(const RecordSignals& s, double frequency) {
   const Eigen::ArrayXd angle = 2 * std::numbers::pi * frequency * s.time;
   Eigen::ArrayXXd columns(s.rows(), 2);
@@ -87,8 +123,8 @@ Term transition_term(const RecordSignals& s, double time, double time_constant) 
 }
 
 Term ramp_term(const RecordSignals& s, double time, double duration) {
-  Term t = sized_term(s, Shape::step, "a slip that takes a while",
-                      ((s.time - time) / duration).max(0.0).min(1.0));
+  Term t =
+      sized_term(s, Shape::step, "a slip that takes a while", ((s.time - time) / duration).max(0.0).min(1.0));
   t.effect.numbers["time"] = time;
   t.effect.numbers["duration"] = duration;
   return t;
@@ -102,7 +138,9 @@ Term growth_term(const RecordSignals& s, double time_constant) {
                         std::move(columns));
   t.effect.numbers["time_constant"] = t.shape = time_constant;
   t.half_width = 0.7 * time_constant;
-  t.reshaped = [](const RecordSignals& record, const Term&, double shape) { return growth_term(record, shape); };
+  t.reshaped = [](const RecordSignals& record, const Term&, double shape) {
+    return growth_term(record, shape);
+  };
   t.fill = [](Effect& e, const Eigen::VectorXd& c) { e.numbers["growth"] = c[0]; };
   return t;
 }
@@ -160,8 +198,25 @@ Term relaxation_term(const Sampling& sampling, double time_constant) {
     if (k > 0) z = side + (z - side) * std::exp(-(e.time[k] - e.time[k - 1]) / time_constant);
     state[k] = z;
   }
-  Term t = sized_term(e, Shape::exponential, "decays exponentially after each stop",
-                      sampling.averaged(state));
+  Term t =
+      sized_term(e, Shape::exponential, "decays exponentially after each stop", sampling.averaged(state));
+  t.effect.numbers["time_constant"] = time_constant;
+  return t;
+}
+
+Term settling_term(const Sampling& sampling, double time_constant) {
+  const Evidence& e = *sampling.record;
+  Eigen::ArrayXXd states = Eigen::ArrayXXd::Zero(e.rows(), 2);
+  double level = 0, side = 0;
+  for (Eigen::Index k = 1; k < e.rows(); ++k) {
+    level *= std::exp(-(e.time[k] - e.time[k - 1]) / time_constant);
+    if (e.direction[k] != e.direction[k - 1] && e.direction[k - 1] != 0) level = 1, side = e.direction[k];
+    if (side != 0) states(k, side > 0 ? 0 : 1) = level;
+  }
+  Eigen::ArrayXXd columns(static_cast<Eigen::Index>(sampling.groups.size()), 2);
+  columns << sampling.averaged(states.col(0)), sampling.averaged(states.col(1));
+  Term t =
+      unnamed_term(e, Shape::exponential, "decays exponentially after each reversal", std::move(columns));
   t.effect.numbers["time_constant"] = time_constant;
   return t;
 }

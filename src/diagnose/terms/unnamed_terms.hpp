@@ -14,6 +14,14 @@ namespace qerr {
 Term position_table_term(const RecordSignals&, Eigen::Index knots);
 Term time_table_term(const RecordSignals&, Eigen::Index knots);
 
+/// A polynomial of the position, or of time, with its straight line: Legendre polynomials over the range.
+/// @param degree  2 and more: a straight line of the position alone is a scale error
+Term position_polynomial_term(const RecordSignals&, int degree);
+Term time_polynomial_term(const RecordSignals&, int degree);
+
+/// A sine of the joint's angle [periods per rad or m * 2 pi] whose amplitude is proportional to the effort.
+Term loaded_order_term(const RecordSignals&, double order);
+
 /// A vibration of one frequency [Hz].
 Term vibration_term(const RecordSignals&, double frequency);
 
@@ -46,6 +54,10 @@ Term friction_term(const Sampling&, double travel);
 /// State that follows the direction of motion (0 at rest) with a time constant [s]: what decays after each
 /// stop, as creep and viscoelasticity do.
 Term relaxation_term(const Sampling&, double time_constant);
+
+/// What begins at each reversal and decays with a time constant [s]; one column for reversals towards either
+/// side.
+Term settling_term(const Sampling&, double time_constant);
 
 /// Displacements of the edges that repeat every four counts, by their deviation from the mean: the states of
 /// a quadrature disc. Columns: edges that alternate, and the two components of period four.
