@@ -29,12 +29,14 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
 std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
   // Noise alone must not separate rows.
   const double distinct = std::max(3 * e.path_noise, 0.05 * e.step());
+  const bool sided = e.ordered && (e.direction != 0).any();
   std::vector<RowGroup> all;
   Eigen::Index first = 0;
   for (Eigen::Index k = 1; k <= e.rows(); ++k)
     if (k == e.rows() || e.measured[k] != e.measured[first] ||
         std::abs(e.path[k] - e.path[first]) > distinct || e.direction[k] != e.direction[first]) {
-      all.push_back({first, k});
+      // While a motor crosses the play, the reading does not tell where the joint is.
+      if (!sided || e.direction[first] != 0) all.push_back({first, k});
       first = k;
     }
   const auto count = static_cast<Eigen::Index>(all.size());
@@ -97,7 +99,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
     e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
     if (!e.coupled())
       e.direction = direction_with_readings(e.path, e.measured, std::move(e.direction),
-                                            std::max(4 * e.path_noise, 0.1 * e.step()), e.step());
+                                            std::max(8 * e.path_noise, 0.25 * e.step()), e.step());
   } else {
     const Eigen::Index rows = e.reference.size();
     e.time = Eigen::ArrayXd::LinSpaced(rows, 0, static_cast<double>(std::max<Eigen::Index>(rows - 1, 1)));

@@ -20,7 +20,6 @@ struct Evidence : RecordSignals {
   double noise = 0;             ///< standard deviation of the reference's noise [rad or m]
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
-
 };
 
 /// Consecutive rows [first, end).

@@ -224,7 +224,7 @@ Eigen::ArrayXd direction_with_readings(const Eigen::ArrayXd& path, const Eigen::
                                        Eigen::ArrayXd direction, double still, double step) {
   const Eigen::Index n = path.size();
   for (Eigen::Index k = 1; k < n; ++k) {
-    if (direction[k] == direction[k - 1] || direction[k] == 0 || direction[k - 1] == 0) continue;
+    if (direction[k] == direction[k - 1]) continue;
     const double before = direction[k - 1], after = direction[k];
     Eigen::Index first = k - 1, last = k;
     while (first > 0 && std::abs(path[first - 1] - path[k - 1]) < still) --first;
@@ -232,8 +232,9 @@ Eigen::ArrayXd direction_with_readings(const Eigen::ArrayXd& path, const Eigen::
     const double from = measured[first], to = measured[last];
     if (std::abs(to - from) <= 2 * step) continue;
     for (Eigen::Index i = first; i <= last; ++i) {
-      const double past = (measured[i] - from) / (to - from);
-      direction[i] = past < 0.25 ? before : past > 0.75 ? after : 0;
+      const bool still_before = std::abs(measured[i] - from) <= step,
+                 already = std::abs(measured[i] - to) <= step;
+      direction[i] = already ? after : still_before ? before : 0;
     }
     k = last;
   }

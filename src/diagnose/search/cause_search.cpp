@@ -121,7 +121,7 @@ class CauseSearch {
     for (std::size_t i = 0; i < candidates_.size(); ++i)
       columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
     // What is too small to be worth a term is variance.
-    const double unmodelled = std::max(extra_, worth_ * worth_);
+    const double unmodelled = std::max(extra_, std::pow(material * record_.step(), 2));
     weight_ = (samples_.variance + unmodelled).inverse();
     // A sample that a step divides belongs to neither side.
     const double interval =
@@ -129,12 +129,8 @@ class CauseSearch {
     for (const Event& event : scanned_.events)
       weight_ = ((few().time - event.time).abs() < 2 * interval).select(0.0, weight_);
     // Nor does one at which the side of a play is unknown.
-    if ((few().direction.abs() == 1).any()) {
-      Eigen::Index first = 0;
-      while (few().direction[first] == 0) ++first;
-      for (Eigen::Index k = first; k < samples_.size(); ++k)
-        if (std::abs(few().direction[k]) < 1) weight_[k] = 0;
-    }
+    if (few().ordered && (few().direction.abs() == 1).any())
+      weight_ = (few().direction.abs() == 1).select(weight_, 0.0);
     model_.emplace(columns_, samples_.error.matrix(), weight_.matrix(), base_);
     floor_ = least_variance * (samples_.variance * weight_).sum() / model_->rows();
   }
@@ -142,22 +138,27 @@ class CauseSearch {
   /// Schwarz's price of the coefficients, that of the number of alternatives, and what makes a term material:
   /// a decrease of the mean square by `worth_`^2.
   void price(double independent) {
-    const double least = worth_ * worth_ * weight_.sum() * independent / model_->rows();
+    const double each = weight_.sum() * independent / model_->rows();
+    const double least = worth_ * worth_ * each, base = std::pow(material * record_.step(), 2) * each;
     // A shape that the catalogue does not have must be better than a named one by what is material, and a
     // table better than as many sines as have its number of coefficients.
     for (std::size_t i = 0; i < groups_.size(); ++i)
-      groups_[i].price =
-          static_cast<double>(groups_[i].count) * std::log(std::max(independent, 2.0)) +
-          2 * std::log(std::max(1.0, candidates_[i].alternatives)) +
-          (candidates_[i].term.named() ? 1 : std::max(2.0, 0.5 * static_cast<double>(groups_[i].count))) *
-              least;
+      groups_[i].price = static_cast<double>(groups_[i].count) * std::log(std::max(independent, 2.0)) +
+                         2 * std::log(std::max(1.0, candidates_[i].alternatives)) +
+                         (is_table(i) ? std::max(2.0, 0.5 * static_cast<double>(groups_[i].count)) * base
+                                      : (candidates_[i].term.named() ? 1 : 2) * least);
+  }
+
+  /// Tables and polynomials.
+  bool is_table(std::size_t candidate) const {
+    return candidates_[candidate].family == "time" || candidates_[candidate].family == "position";
   }
 
   bool raise_worth() {
     double worth = material * record_.step();
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       const Term& t = term(i);
-      const bool table = !t.named() && t.pattern == Shape::unknown;
+      const bool table = is_table(chosen_[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
       worth = std::max(worth, (table ? material_part_of_table : material_part) *
                                   standard_deviation(addition(t, coefficients(i))));
@@ -410,7 +411,7 @@ class CauseSearch {
   Eigen::ArrayXd residual_without_tables() const {
     LinearModel::Set set;
     for (const std::size_t g : chosen_)
-      if (candidates_[g].family != "time" && candidates_[g].family != "position") set.push_back(g);
+      if (!is_table(g)) set.push_back(g);
     return residual_of(set, model_->fit(groups_, set));
   }
 
@@ -434,9 +435,7 @@ class CauseSearch {
   }
 
   bool set_has_tables() const {
-    return std::any_of(chosen_.begin(), chosen_.end(), [&](std::size_t g) {
-      return candidates_[g].family == "time" || candidates_[g].family == "position";
-    });
+    return std::any_of(chosen_.begin(), chosen_.end(), [&](std::size_t g) { return is_table(g); });
   }
 
   bool scan_orders(const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known, Eigen::Index most) {
@@ -585,7 +584,8 @@ class CauseSearch {
       columns.conservativeResize(Eigen::NoChange, columns.cols() + t.size());
       columns.rightCols(t.size()) = t.columns.matrix();
     }
-    const Eigen::ArrayXd weight = (s.variance + std::max(extra_, worth_ * worth_)).inverse();
+    const Eigen::ArrayXd weight =
+        (s.variance + std::max(extra_, std::pow(material * record_.step(), 2))).inverse();
     const LinearModel model(columns, s.error.matrix(), weight.matrix(), base_);
     LinearModel::Set rest(without.size());
     for (std::size_t i = 0; i < rest.size(); ++i) rest[i] = i;

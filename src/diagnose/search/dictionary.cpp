@@ -185,7 +185,7 @@ class Dictionary {
     }
     for (const int degree : {2, 3, 4, 5})
       add_plain("time", 8, [degree](const RecordSignals& s) { return time_polynomial_term(s, degree); });
-    for (const Eigen::Index knots : {10, 20})
+    for (const Eigen::Index knots : {10, 20, 40})
       if (e_.rows() > 8 * knots)
         add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
   }
@@ -254,8 +254,8 @@ std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {
   for (const bool of_encoder : {true, false}) {
     if (!of_encoder && (s.prismatic || std::abs(ratio - 1) < 1e-9)) continue;
     const double shaft = of_encoder ? ratio : 1, nearest = std::round(order / shaft);
-    // A tenth of a period per revolution: closer than that an order is not a fraction by chance alone.
-    if (nearest < 1 || std::abs(order - nearest * shaft) > std::min(resolution, 0.1 * shaft)) continue;
+    // A whole number within 0.03: an error rate of 6 % for an order that is a fraction.
+    if (nearest < 1 || std::abs(order - nearest * shaft) > std::min(resolution, 0.03 * shaft)) continue;
     whole.push_back(periodic_term(s, nearest, of_encoder));
   }
   return whole;
