@@ -3,6 +3,7 @@
 #include <sys/ioctl.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -41,6 +42,18 @@ bool colored(const Values& v, bool on_terminal) {
   return on_terminal && environment("NO_COLOR").empty() && environment("TERM") != "dumb";
 }
 
+/// Whether the locale's characters are UTF-8, by the variables of POSIX in their order of precedence.
+bool locale_is_utf8() {
+  for (const char* name : {"LC_ALL", "LC_CTYPE", "LANG"}) {
+    std::string locale = environment(name);
+    if (locale.empty()) continue;
+    std::transform(locale.begin(), locale.end(), locale.begin(),
+                   [](char c) { return c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c; });
+    return locale.find("utf-8") != std::string::npos || locale.find("utf8") != std::string::npos;
+  }
+  return false;
+}
+
 /// `4000`, `20.0 M`.
 std::string amount(double count) { return count < 1e5 ? significant(count, 6) : readable(count, ""); }
 
@@ -62,6 +75,7 @@ Style terminal_style(const Values& v, bool on_standard_output) {
   Style style;
   style.color = colored(v, on_terminal);
   style.width = terminal_width(STDOUT_FILENO, on_terminal, usual_width);
+  style.ascii = !locale_is_utf8();
   return style;
 }
 

@@ -11,7 +11,8 @@
 /// What depends on the terminal: colours, width, progress.
 namespace qerr::cli {
 
-/// Colours as --color says, and the width of lines: COLUMNS, else the terminal's, else 80.
+/// Colours as --color says, the width of lines (COLUMNS, else the terminal's, else 80), and pictures in ASCII
+/// unless the locale is UTF-8.
 /// @param on_standard_output  whether the text goes there; a file has no colours unless they are asked for
 Style terminal_style(const Values&, bool on_standard_output = true);
 

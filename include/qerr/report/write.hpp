@@ -38,6 +38,7 @@ std::string_view format_of(std::string_view path);
 struct Style {
   bool color = false;      ///< ANSI colours
   bool details = false;    ///< everything, in place of a summary
+  bool ascii = false;      ///< pictures in ASCII characters
   std::size_t width = 80;  ///< columns of the terminal: no line of a table is wider where it can be broken
 };
 
