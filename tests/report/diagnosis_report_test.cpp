@@ -24,7 +24,10 @@ std::string joint_of(const Spec& s, bool prismatic) {
 }
 
 Cause cause(const std::string& type, const std::string& joint, std::vector<FoundParameter> parameters) {
-  Cause c{{type, joint, {}, {}}, std::move(parameters), 1e-12, {}};
+  Cause c;
+  c.effect = {type, joint, {}, {}};
+  c.parameters = std::move(parameters);
+  c.p_value = 1e-12;
   for (const FoundParameter& p : c.parameters) c.effect.numbers[p.name] = p.value;
   c.gain = {5e-4, 3e-5, true, 14, 19, 5, 0.3, 1.02, 0.4, 0.95, coordinate_unit(spec(), joint)};
   return c;
@@ -77,6 +80,70 @@ TEST(DiagnosisReport, WritesNonFiniteNumbersAsNull) {
   EXPECT_TRUE(j["causes"][0]["parameters"][0]["upper"].is_null());
   EXPECT_TRUE(j["simulation"][0]["observed"].is_null());
   EXPECT_TRUE(j["extended_model"].is_null());
+}
+
+TEST(DiagnosisReport, WritesFindingsAboutTheDataWithTheirPlace) {
+  DiagnosisReport r = report(Verdict::cannot_judge, {});
+  r.diagnosis.data = {{"counts are held for 4 rows", "elbow", 17, {}, "log at the sensor's rate"},
+                      {"the clock stops", "", {}, 2.5, "log monotonic stamps"}};
+  const Json data = json(r)["data"];
+  ASSERT_EQ(data.size(), 2u);
+  EXPECT_EQ(data[0], Json::parse(R"({"what": "counts are held for 4 rows", "joint": "elbow", "row": 17,
+                                     "remedy": "log at the sensor's rate"})"));
+  EXPECT_EQ(data[1], Json::parse(R"({"what": "the clock stops", "joint": null, "time": 2.5,
+                                     "remedy": "log monotonic stamps"})"));
+  const std::string csv = write(r, "csv", Style{});
+  EXPECT_NE(csv.find("data,elbow,counts are held for 4 rows,row,17,,,,,log at the sensor's rate\r\n"),
+            std::string::npos)
+      << csv;
+  EXPECT_NE(csv.find("data,,the clock stops,time,2.5,,,,s,log monotonic stamps\r\n"), std::string::npos)
+      << csv;
+}
+
+TEST(DiagnosisReport, WritesTheSmallestVisibleSizesAndWhatHidesTheOthers) {
+  DiagnosisReport r = report(Verdict::nothing_wrong, {});
+  r.diagnosis.visible = {{"offset", "elbow", 2e-5, "offset", "rad", ""},
+                         {"backlash", "elbow", NAN, "gap", "rad", "one way"}};
+  const Json visible = json(r)["visible"];
+  EXPECT_EQ(visible[0], Json::parse(R"({"effect": "offset", "joint": "elbow", "parameter": "offset",
+                                        "smallest": 2e-5, "unit": "rad", "hidden_by": null})"));
+  EXPECT_EQ(visible[1], Json::parse(R"({"effect": "backlash", "joint": "elbow", "parameter": "gap",
+                                        "smallest": null, "unit": "rad", "hidden_by": "one way"})"));
+  const std::string csv = write(r, "csv", Style{});
+  EXPECT_NE(csv.find("visible,elbow,backlash,smallest gap,,,,,rad,one way\r\n"), std::string::npos) << csv;
+}
+
+TEST(DiagnosisReport, WritesTheShapeOfAResidualWithItsFiguresInSi) {
+  const std::string slide = joint_of(spec(), true);
+  DiagnosisReport r = report(Verdict::unexplained, {});
+  r.diagnosis.unexplained = {{slide, "", {}, {}, 1e-4, Shape::bump, {{"angle", 0.2}, {"width", 0.01}}},
+                             {"elbow", "", {}, 50.0, 1e-4, Shape::line, {{"frequency", 50.0}}}};
+  const Json list = json(r)["unexplained"];
+  EXPECT_EQ(list[0]["shape"], "bump");
+  EXPECT_EQ(list[0]["figures"], Json::parse(R"({"angle": 0.2, "width": 0.01})"));
+  EXPECT_EQ(list[0]["units"], Json::parse(R"({"angle": "m", "width": "m"})"));
+  EXPECT_TRUE(list[0]["curve"].is_null());
+  EXPECT_EQ(list[1]["units"]["frequency"], "Hz");
+  EXPECT_EQ(list[1]["frequency"], 50.0);
+  const std::string csv = write(r, "csv", Style{});
+  EXPECT_NE(csv.find(",bump.width,0.01,,,,m,\r\n"), std::string::npos) << csv;
+}
+
+TEST(DiagnosisReport, WritesWhatEachCauseAddsAndItsCurve) {
+  const std::string joint = joint_of(spec(), false);
+  DiagnosisReport r = report(Verdict::explained, {cause("backlash", joint, {{"gap", 1e-3, 0, 2e-3}})});
+  Cause& c = r.diagnosis.causes.front();
+  EXPECT_FALSE(json(r)["causes"][0].contains("counts"));
+  EXPECT_TRUE(json(r)["causes"][0]["rms_without"].is_null());
+  c.rms = 4e-4;
+  c.rms_without = 5e-4;
+  c.curve = {"direction", "", {-1, 1}, {-4e-4, NAN}, {-4e-4, 4e-4}};
+  const Json entry = json(r)["causes"][0];
+  const std::size_t place = spec().model.chain.independent.front().name == joint ? 0 : 1;
+  EXPECT_DOUBLE_EQ(entry["counts"], c.rms / spec().model.transmission.encoders[place].resolution);
+  EXPECT_EQ(entry["rms_without"], 5e-4);
+  EXPECT_EQ(entry["curve"]["against"], "direction");
+  EXPECT_TRUE(entry["curve"]["residual"][1].is_null());
 }
 
 TEST(DiagnosisReport, ListsUnwrappedColumns) {

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "report/csv_text.hpp"
+#include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
 
 namespace qerr {
@@ -66,6 +67,13 @@ void add_causes(Tidy& rows, const DiagnosisReport& r) {
                 .figure = choice,
                 .text = word});
     rows.add_gain("cause", c.effect.joint, c.effect.type, c.gain);
+    if (std::isfinite(c.rms_without))
+      rows.add({.section = "cause",
+                .joint = c.effect.joint,
+                .name = c.effect.type,
+                .figure = "rms_without",
+                .value = c.rms_without,
+                .unit = c.gain.unit});
   }
 }
 
@@ -87,7 +95,44 @@ void add_unexplained(Tidy& rows, const DiagnosisReport& r) {
               .figure = "amplitude",
               .value = u.amplitude,
               .unit = coordinate_unit(r.spec, u.joint)});
+    rows.add({.section = "unexplained",
+              .joint = u.joint,
+              .name = u.what,
+              .figure = "shape",
+              .text = std::string(name(u.shape))});
+    for (const auto& [key, value] : u.figures)
+      rows.add({.section = "unexplained",
+                .joint = u.joint,
+                .name = u.what,
+                .figure = std::string(name(u.shape)) + '.' + key,
+                .value = value,
+                .unit = figure_unit(r.spec, u, key)});
   }
+}
+
+/// What was found stands under `name`, where it begins under `figure` and `value`, the remedy under `text`.
+void add_data(Tidy& rows, const Diagnosis& d) {
+  for (const DataFinding& f : d.data)
+    rows.add({.section = "data",
+              .joint = f.joint,
+              .name = f.what,
+              .figure = f.row    ? "row"
+                        : f.time ? "time"
+                                 : "",
+              .value = f.row ? static_cast<double>(*f.row) : f.time.value_or(NAN),
+              .unit = !f.row && f.time ? "s" : "",
+              .text = f.remedy});
+}
+
+void add_visible(Tidy& rows, const Diagnosis& d) {
+  for (const Visible& v : d.visible)
+    rows.add({.section = "visible",
+              .joint = v.joint,
+              .name = v.effect,
+              .figure = "smallest " + v.parameter,
+              .value = v.smallest,
+              .unit = v.unit,
+              .text = v.hidden_by});
 }
 
 }  // namespace
@@ -96,6 +141,7 @@ std::string to_csv(const DiagnosisReport& r, const Style&) {
   const Diagnosis& d = r.diagnosis;
   Tidy rows;
   rows.add({.section = "verdict", .name = std::string(name(d.verdict)), .text = d.reason});
+  add_data(rows, d);
   for (const Comparison& c : d.simulation) {
     rows.add({.section = "simulation",
               .joint = c.joint,
@@ -117,6 +163,7 @@ std::string to_csv(const DiagnosisReport& r, const Style&) {
               .figure = "instead of " + a.instead_of,
               .text = a.record});
   add_unexplained(rows, r);
+  add_visible(rows, d);
   rows.add_gain("gain", "", "", d.gain);
   return rows.text();
 }

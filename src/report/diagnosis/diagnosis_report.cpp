@@ -15,6 +15,20 @@ std::optional<std::size_t> joint_place(const Spec& spec, const std::string& name
   return static_cast<std::size_t>(found - joints.begin());
 }
 
+const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
+  const auto place = joint_place(spec, joint);
+  return place ? &spec.model.transmission.encoders[*place] : nullptr;
+}
+
+std::string figure_unit(const Spec& spec, const Unidentified& u, const std::string& figure) {
+  const std::string coordinate = coordinate_unit(spec, u.joint);
+  if (figure == "time" || figure == "time_constant") return "s";
+  if (figure == "frequency") return "Hz";
+  if (figure == "divisor") return "counts";
+  if (figure == "order") return coordinate == "m" ? "1/m" : "";
+  return coordinate;
+}
+
 DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options) {
   std::vector<Filter> filters;
   for (const NamedFilter& f : spec.filters) filters.push_back(f.filter);

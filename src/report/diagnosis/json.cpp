@@ -1,3 +1,4 @@
+#include "report/diagnosis/parts.hpp"
 #include "report/formats.hpp"
 #include "report/json_header.hpp"
 
@@ -31,6 +32,12 @@ Json simulation(const Diagnosis& d) {
   return list;
 }
 
+/// Null without bins.
+Json curve(const ResidualCurve& c) {
+  if (c.at.empty()) return nullptr;
+  return {{"against", c.against}, {"unit", c.unit}, {"at", c.at}, {"residual", c.residual}, {"fit", c.fit}};
+}
+
 Json causes(const DiagnosisReport& r) {
   Json list = Json::array();
   for (const Cause& c : r.diagnosis.causes) {
@@ -47,6 +54,10 @@ Json causes(const DiagnosisReport& r) {
                   {"parameters", parameters},
                   {"gain", gain(c.gain)}};
     if (c.rms > 0) entry["rms"] = c.rms;
+    if (const Encoder* encoder = encoder_of(r.spec, c.effect.joint); encoder && c.rms > 0)
+      entry["counts"] = c.rms / encoder->resolution;
+    entry["rms_without"] = c.rms_without;
+    entry["curve"] = curve(c.curve);
     if (!c.effect.choices.empty()) entry["choices"] = c.effect.choices;
     list.push_back(entry);
   }
@@ -63,13 +74,50 @@ Json alternatives(const Diagnosis& d) {
 
 Json unexplained(const DiagnosisReport& r) {
   Json list = Json::array();
-  for (const Unidentified& u : r.diagnosis.unexplained)
+  for (const Unidentified& u : r.diagnosis.unexplained) {
+    Json figures = Json::object(), units = Json::object();
+    for (const auto& [key, value] : u.figures) {
+      figures[key] = value;
+      units[key] = figure_unit(r.spec, u, key);
+    }
     list.push_back({{"joint", u.joint},
                     {"what", u.what},
                     {"order", u.order},
                     {"frequency", u.frequency},
                     {"amplitude", u.amplitude},
-                    {"unit", coordinate_unit(r.spec, u.joint)}});
+                    {"unit", coordinate_unit(r.spec, u.joint)},
+                    {"shape", name(u.shape)},
+                    {"figures", figures},
+                    {"units", units},
+                    {"curve", curve(u.curve)}});
+  }
+  return list;
+}
+
+Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+
+/// Each with the row or the time at which it begins, or with neither.
+Json data(const Diagnosis& d) {
+  Json list = Json::array();
+  for (const DataFinding& f : d.data) {
+    Json entry = {{"what", f.what}, {"joint", text_or_null(f.joint)}};
+    if (f.row) entry["row"] = *f.row;
+    if (f.time) entry["time"] = *f.time;
+    entry["remedy"] = f.remedy;
+    list.push_back(entry);
+  }
+  return list;
+}
+
+Json visible(const Diagnosis& d) {
+  Json list = Json::array();
+  for (const Visible& v : d.visible)
+    list.push_back({{"effect", v.effect},
+                    {"joint", v.joint},
+                    {"parameter", v.parameter},
+                    {"smallest", v.smallest},
+                    {"unit", v.unit},
+                    {"hidden_by", text_or_null(v.hidden_by)}});
   return list;
 }
 
@@ -101,10 +149,12 @@ std::string to_json(const DiagnosisReport& r, const Style&) {
               {"seed", r.spec.configurations.seed},
               {"verdict", name(d.verdict)},
               {"reason", d.reason},
+              {"data", data(d)},
               {"simulation", simulation(d)},
               {"causes", causes(r)},
               {"alternatives", alternatives(d)},
               {"unexplained", unexplained(r)},
+              {"visible", visible(d)},
               {"gain", gain(d.gain)},
               {"extended_model", r.extended_model.empty() ? Json(nullptr) : Json(r.extended_model)},
               {"warnings", r.warnings}}

@@ -21,6 +21,49 @@ Json gain_schema() {
                  {"unit", text()}});
 }
 
+Json curve_schema() {
+  using namespace schema;
+  return or_null(object({{"against", text(), "the quantity on which the error depends"},
+                         {"unit", text(), "of `at`"},
+                         {"at", list(number()), "centres of the bins"},
+                         {"residual", list(number_or_null()), "mean of the bin without this cause"},
+                         {"fit", list(number_or_null()), "mean contribution of this cause"}}));
+}
+
+Json data_schema() {
+  using namespace schema;
+  return object({{"what", text()},
+                 {"joint", text_or_null(), "null: the whole record"},
+                 {"row", number(), "of the file, from 1, where it begins", true},
+                 {"time", number(), "[s], where it begins", true},
+                 {"remedy", text()}});
+}
+
+Json visible_schema() {
+  using namespace schema;
+  return object({{"effect", text()},
+                 {"joint", text()},
+                 {"parameter", text(), "whose smallest visible size is stated"},
+                 {"smallest", number_or_null(), "null: the record cannot show the effect"},
+                 {"unit", text()},
+                 {"hidden_by", text_or_null(), "why the record cannot show it"}});
+}
+
+Json unexplained_schema() {
+  using namespace schema;
+  return object({{"joint", text()},
+                 {"what", text()},
+                 {"order", number_or_null()},
+                 {"frequency", number_or_null()},
+                 {"amplitude", number_or_null()},
+                 {"unit", text()},
+                 {"shape", one_of({"step", "hysteresis", "exponential", "line", "order", "bump", "by_count",
+                                   "noise", "unknown"})},
+                 {"figures", map(number_or_null()), "of the shape, SI, such as the time of a step"},
+                 {"units", map(text()), "of the figures"},
+                 {"curve", curve_schema()}});
+}
+
 Json cause_schema() {
   using namespace schema;
   const Json parameter = object({{"name", text()},
@@ -33,7 +76,10 @@ Json cause_schema() {
                  {"p_value", number()},
                  {"parameters", list(parameter), "with 95 % intervals"},
                  {"gain", gain_schema(), "of its joint"},
-                 {"rms", number(), "", true},
+                 {"rms", number(), "of its contribution to the readings", true},
+                 {"counts", number(), "the same in counts of the joint's encoder", true},
+                 {"rms_without", number_or_null(), "of the residual if the model lacks this cause alone"},
+                 {"curve", curve_schema()},
                  {"choices", map(text()), "", true}});
 }
 
@@ -63,12 +109,6 @@ Json diagnosis_schema() {
                                   {"p_value", number_or_null()}});
   const Json alternative =
       object({{"instead_of", text()}, {"effect", text()}, {"joint", text()}, {"record", text()}});
-  const Json unexplained = object({{"joint", text()},
-                                   {"what", text()},
-                                   {"order", number_or_null()},
-                                   {"frequency", number_or_null()},
-                                   {"amplitude", number_or_null()},
-                                   {"unit", text()}});
   std::vector<SchemaMember> members = header("diagnose");
   std::erase_if(members, [](const SchemaMember& member) { return member.name == "robot"; });
   return object(joined(
@@ -76,10 +116,12 @@ Json diagnosis_schema() {
                 {"verdict", one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous",
                                     "unexplained", "cannot_judge"})},
                 {"reason", text()},
+                {"data", list(data_schema()), "faults of the record itself"},
                 {"simulation", list(comparison), "statistics of the log, and of the simulated model"},
                 {"causes", list(cause_schema()), "in the order of the variance that they remove"},
                 {"alternatives", list(alternative), "what explains it as well, and what to record to tell"},
-                {"unexplained", list(unexplained)},
+                {"unexplained", list(unexplained_schema())},
+                {"visible", list(visible_schema()), "what the record could have shown"},
                 {"gain", gain_schema(), "of the extended model, over all judged joints"},
                 {"extended_model", text_or_null(), "its file"},
                 {"warnings", warnings()}}));

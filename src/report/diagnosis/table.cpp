@@ -47,12 +47,6 @@ std::string simulation_table(const Diagnosis& d, const Style& style) {
                              : "");
 }
 
-/// Null if no joint has this name.
-const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
-  const auto place = joint_place(spec, joint);
-  return place ? &spec.model.transmission.encoders[*place] : nullptr;
-}
-
 /// The figure with its interval, and a coordinate also in counts.
 std::string parameter_line(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
   std::string text = with_interval(p);
