@@ -22,7 +22,7 @@ void require_log_or_plan(const Values& v) {
   if (v.given("LOG"))
     throw usage("--plan", "a plan is made without a log", "'" + v.text("LOG") + "'",
                 "leave out the log, or --plan");
-  for (const char* output : {"write-model", "write-table", "plots", "check"})
+  for (const char* output : {"write-model", "write-table", "plots", "check", "details"})
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
@@ -87,7 +87,9 @@ int run(const Values& v) {
   }
   if (table) finish(*table, correction_table(report));
   if (residual) write_plots(report, *residual, *spectrum);
-  finish(out, report, v);
+  Style shown = style(v);
+  shown.details = v.given("details");
+  finish(out, write(report, chosen_format(v), shown));
   warn(report.warnings, v);
   return v.given("check") && report.diagnosis.verdict != Verdict::nothing_wrong ? 1 : 0;
 }
@@ -114,6 +116,9 @@ Command diagnose_command() {
                {.name = "--check",
                 .kind = OptionKind::flag,
                 .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
+               {.name = "--details",
+                .kind = OptionKind::flag,
+                .meaning = "in the table also the statistics, p-values, all intervals and gains"},
                {.name = "--write-model",
                 .value = "FILE.yaml",
                 .meaning = "write the spec with the effects found; '-' is standard output"},

@@ -94,13 +94,13 @@ Json unexplained(const DiagnosisReport& r) {
   return list;
 }
 
-Json text_or_null(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
+Json null_if_empty(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
 
 /// Each with the row or the time at which it begins, or with neither.
 Json data(const Diagnosis& d) {
   Json list = Json::array();
   for (const DataFinding& f : d.data) {
-    Json entry = {{"what", f.what}, {"joint", text_or_null(f.joint)}};
+    Json entry = {{"what", f.what}, {"joint", null_if_empty(f.joint)}};
     if (f.row) entry["row"] = *f.row;
     if (f.time) entry["time"] = *f.time;
     entry["remedy"] = f.remedy;
@@ -117,7 +117,7 @@ Json visible(const Diagnosis& d) {
                     {"parameter", v.parameter},
                     {"smallest", v.smallest},
                     {"unit", v.unit},
-                    {"hidden_by", text_or_null(v.hidden_by)}});
+                    {"hidden_by", null_if_empty(v.hidden_by)}});
   return list;
 }
 

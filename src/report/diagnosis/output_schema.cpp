@@ -49,6 +49,14 @@ Json visible_schema() {
                  {"hidden_by", text_or_null(), "why the record cannot show it"}});
 }
 
+std::vector<std::string> shape_names() {
+  std::vector<std::string> names;
+  for (const Shape shape : {Shape::step, Shape::hysteresis, Shape::exponential, Shape::line, Shape::order,
+                            Shape::bump, Shape::by_count, Shape::noise, Shape::unknown})
+    names.emplace_back(name(shape));
+  return names;
+}
+
 Json unexplained_schema() {
   using namespace schema;
   return object({{"joint", text()},
@@ -57,8 +65,7 @@ Json unexplained_schema() {
                  {"frequency", number_or_null()},
                  {"amplitude", number_or_null()},
                  {"unit", text()},
-                 {"shape", one_of({"step", "hysteresis", "exponential", "line", "order", "bump", "by_count",
-                                   "noise", "unknown"})},
+                 {"shape", one_of(shape_names())},
                  {"figures", map(number_or_null()), "of the shape, SI, such as the time of a step"},
                  {"units", map(text()), "of the figures"},
                  {"curve", curve_schema()}});
