@@ -139,6 +139,23 @@ TEST(DiagnosisTable, GivesAnEffectWithoutACoordinateItsSizeInTheRecord) {
       << table(r);
 }
 
+TEST(DiagnosisTable, GroupsAlternativesByWhatToRecord) {
+  DiagnosisReport r = play();
+  r.diagnosis.alternatives = {{"backlash", "latency", "elbow", "reversals"},
+                              {"backlash", "drift", "elbow", "reversals"},
+                              {"backlash", "backlash", "shoulder", ""},
+                              {"offset", "scale", "rail", "more"}};
+  EXPECT_TRUE(contains(table(r),
+                       "    or: latency and drift; to tell them apart, record reversals\n"
+                       "    or: backlash of shoulder\n"))
+      << table(r);
+  EXPECT_TRUE(contains(table(r), "\n  scale of rail instead of offset; to tell them apart, record more\n"));
+  for (int i = 0; i < 6; ++i)
+    r.diagnosis.alternatives.push_back({"backlash", "drift", "elbow", "poses " + std::to_string(i)});
+  EXPECT_TRUE(contains(table(r), "    and 4 more alternatives: --details\n"));
+  EXPECT_TRUE(contains(write(r, "table", Style{.details = true, .width = 200}), "poses 5\n"));
+}
+
 TEST(DiagnosisTable, PutsFindingsAboutTheDataBeforeTheCauses) {
   DiagnosisReport r = play();
   r.diagnosis.data = {{"counts are held for 4 rows", "elbow", 17, {}, "log at the sensor's rate"},

@@ -66,42 +66,46 @@ std::string loss_line(const DiagnosisReport& r, const Cause& c) {
          (alone ? "it" : "all") + '\n';
 }
 
-std::string record_text(const std::string& record) {
-  return record.empty() ? "" : "; to tell them apart, record " + escaped(record);
+/// The cause that an alternative replaces: that of its joint, else the first one of that effect; null: none.
+const Cause* replaced(const Diagnosis& d, const AlternativeCause& a) {
+  const Cause* first = nullptr;
+  for (const Cause& c : d.causes) {
+    if (c.effect.type != a.instead_of) continue;
+    if (c.effect.joint == a.joint) return &c;
+    if (!first) first = &c;
+  }
+  return first;
 }
 
-bool is_instead_of(const AlternativeCause& a, const Cause& c) {
-  return a.instead_of == c.effect.type && a.joint == c.effect.joint;
+/// `latency`, `another eccentricity`, `geometry of a2`.
+std::string alternative_name(const AlternativeCause& a, const Cause* cause) {
+  if (!cause) return a.effect + " of " + shown(a.joint) + " instead of " + a.instead_of;
+  if (a.joint != cause->effect.joint) return a.effect + " of " + shown(a.joint);
+  return (a.effect == a.instead_of ? "another " : "") + a.effect;
 }
 
-std::string joined_lines(const std::vector<std::string>& lines) {
+/// One line for all alternatives to the cause, or to what is no cause of the list, with the same advice.
+std::string alternatives_of(const Diagnosis& d, const Cause* cause, const Style& style) {
+  constexpr std::size_t most = 4;
+  std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // advice, names
+  for (const AlternativeCause& a : d.alternatives) {
+    if (replaced(d, a) != cause) continue;
+    auto group =
+        std::find_if(groups.begin(), groups.end(), [&](const auto& g) { return g.first == a.record; });
+    if (group == groups.end()) group = groups.insert(group, {a.record, {}});
+    add_once(group->second, alternative_name(a, cause));
+  }
+  const std::size_t rows = style.details ? groups.size() : std::min(most, groups.size());
   std::string out;
-  for (const std::string& line : lines) out += line;
-  return out;
-}
-
-/// One line per alternative. Those of a cause that stands twice are shown at its first place alone.
-std::string alternatives_of(const Diagnosis& d, const Cause& c) {
-  const auto first = std::find_if(d.causes.begin(), d.causes.end(), [&](const Cause& other) {
-    return other.effect.type == c.effect.type && other.effect.joint == c.effect.joint;
-  });
-  if (&*first != &c) return "";
-  std::vector<std::string> lines;
-  for (const AlternativeCause& a : d.alternatives)
-    if (is_instead_of(a, c))
-      add_once(lines, std::string("    or: ") + (a.effect == a.instead_of ? "another " : "") + a.effect +
-                          record_text(a.record) + '\n');
-  return joined_lines(lines);
-}
-
-/// Alternatives to what is not a cause of the list.
-std::string other_alternatives(const Diagnosis& d) {
-  std::vector<std::string> lines;
-  for (const AlternativeCause& a : d.alternatives)
-    if (std::none_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) { return is_instead_of(a, c); }))
-      add_once(lines, "  " + a.effect + " instead of " + a.instead_of + " of " + shown(a.joint) +
-                          record_text(a.record) + '\n');
-  return joined_lines(lines);
+  for (std::size_t i = 0; i < rows; ++i) {
+    const auto& [record, names] = groups[i];
+    out += (cause ? "    or: " : "  ") + listed(names);
+    if (!record.empty()) out += "; to tell them apart, record " + escaped(record);
+    out += '\n';
+  }
+  return out + (rows < groups.size()
+                    ? "    and " + std::to_string(groups.size() - rows) + " more alternatives: --details\n"
+                    : "");
 }
 
 }  // namespace
@@ -114,8 +118,8 @@ std::string causes_section(const DiagnosisReport& r, const Style& style) {
   for (const Cause& c : d.causes)
     out += size_line(r, c, style) + loss_line(r, c) +
            "    remedy: " + std::string(effect_kind(c.effect.type).remedy.text) + '\n' +
-           alternatives_of(d, c) + curve_picture(r.spec, c.effect.joint, c.curve, style);
-  out += other_alternatives(d);
+           alternatives_of(d, &c, style) + curve_picture(r.spec, c.effect.joint, c.curve, style);
+  out += alternatives_of(d, nullptr, style);
   return out.empty() ? "" : heading("Causes", style) + out;
 }
 
