@@ -253,7 +253,7 @@ STATEMENTS = {
             r"white noise of ([\d.]+) counts \(`--reference-noise",
             lambda v: v.printed(r"noise of ([\d.]+) counts", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
         ),
-        (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/table.cpp", r"with (\d+) % intervals")),
+        (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/details.cpp", r"with (\d+) % intervals")),
     ],
     TOPICS["output"]: [
         (r"or (\d+) columns", lambda v: v.source("src/cli/terminal.cpp", r"usual_width = (\d+)")),
