@@ -3,8 +3,11 @@
 #include <cmath>
 #include <limits>
 #include <nlohmann/json.hpp>
+#include <valijson/adapters/nlohmann_json_adapter.hpp>
+#include <valijson/schema.hpp>
+#include <valijson/schema_parser.hpp>
+#include <valijson/validator.hpp>
 
-#include "qerr/effect/effect_kind.hpp"
 #include "report/diagnosis_values.hpp"
 
 namespace qerr {
@@ -113,6 +116,39 @@ TEST(DiagnosisReport, WritesWhatEachCauseAddsAndItsCurve) {
   EXPECT_EQ(entry["rms_without"], 5e-4);
   EXPECT_EQ(entry["curve"]["against"], "direction");
   EXPECT_TRUE(entry["curve"]["residual"][1].is_null());
+}
+
+/// Whether the report has the form of its own schema.
+bool conforms(const Json& report) {
+  valijson::Schema schema;
+  valijson::SchemaParser parser;
+  const Json text = Json::parse(output_schema("diagnose"));
+  parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
+  valijson::Validator validator;
+  return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(report), nullptr);
+}
+
+TEST(DiagnosisReport, ConformsToItsSchemaWithAllMembers) {
+  const std::string joint = joint_of(spec(), false);
+  DiagnosisReport r = report(Verdict::partly_explained, {cause("backlash", joint, {{"gap", 1e-3, 0, 2e-3}})});
+  r.diagnosis.causes.front().curve = {"angle", "rad", {0, 1}, {1e-3, NAN}, {1e-3, 1e-3}};
+  r.diagnosis.data = {{"held", joint, 17, 2.5, "mend it"}, {"held", "", {}, {}, ""}};
+  r.diagnosis.visible = {{"offset", joint, 1e-5, "offset", "rad", ""}, {"drift", joint, NAN, "", "", "rest"}};
+  r.diagnosis.unexplained = {{joint, "", {}, {}, 1e-4, Shape::step, {{"time", 9}}},
+                             {joint, "slow", 2.0, 3.0, 1e-4, Shape::unknown, {}}};
+  const Json whole = json(r);
+  EXPECT_TRUE(conforms(whole)) << whole.dump(1);
+  for (const auto& [list, member] : {std::pair{"data", "what"},
+                                     {"visible", "smallest"},
+                                     {"unexplained", "shape"},
+                                     {"causes", "rms_without"}}) {
+    Json broken = whole;
+    broken[list][0].erase(member);
+    EXPECT_FALSE(conforms(broken)) << list << '.' << member << " is required";
+  }
+  Json wrong = whole;
+  wrong["unexplained"][0]["shape"] = "zigzag";
+  EXPECT_FALSE(conforms(wrong));
 }
 
 TEST(DiagnosisReport, ListsUnwrappedColumns) {
