@@ -13,7 +13,8 @@ namespace {
 
 constexpr int most_rows = 10;
 constexpr std::size_t most_columns = 72;  // a wider picture shows no more of some fifty bins
-constexpr std::size_t tick_distance = 12;
+constexpr std::size_t least_columns = 12;
+constexpr double tick_distance = 8;  // columns between the ticks of the abscissa
 
 /// Characters of a picture.
 struct Glyphs {
@@ -43,16 +44,17 @@ struct Ordinate {
   int row(double value) const { return static_cast<int>(std::lround(value / per_row())); }
 };
 
-/// The finest ordinate with a round tick every second to fourth row on which the range fits.
+/// The finest ordinate with a round tick every second to fifth row on which the range fits. Successive values
+/// per row differ by a third at most, so that at least eight of the rows are used.
 Ordinate ordinate(const Range& range) {
-  constexpr double round[] = {1, 2, 5};
+  constexpr double round[] = {1, 2, 2.5, 5};
   const double least = (range.most - range.least) / most_rows;
   const double decade = std::pow(10, std::floor(std::log10(least)) - 1);
   Ordinate best;
   double finest = std::numeric_limits<double>::infinity();
   for (double power = decade; power < 1e4 * decade; power *= 10)
     for (const double digit : round)
-      for (int rows = 2; rows <= 4; ++rows) {
+      for (int rows = 2; rows <= 5; ++rows) {
         Ordinate o{digit * power, rows};
         o.lowest = o.row(range.least);
         o.highest = o.row(range.most);
@@ -138,8 +140,7 @@ double round_tick(double least) {
 std::pair<std::string, std::string> abscissa(const TextPicture& p, std::size_t columns,
                                              const Glyphs& glyphs) {
   const double from = p.at.front(), span = p.at.back() - from;
-  const double ticks = std::max(2.0, std::floor(static_cast<double>(columns) / tick_distance));
-  const double tick = round_tick(span / ticks);
+  const double tick = round_tick(span * tick_distance / static_cast<double>(columns));
   std::vector<std::string> marks(columns, glyphs.across);
   std::string labels;
   for (double k = std::ceil(from / tick - 1e-9); k * tick <= p.at.back() + 1e-9 * tick; ++k) {
@@ -185,7 +186,7 @@ std::string text_picture(const TextPicture& p, const Style& style, const std::st
   for (const std::string& label : labels) margin = std::max(margin, label.size());
   const std::size_t used = indent.size() + margin + 2;  // a blank and the axis
   const std::size_t columns =
-      std::min(most_columns, style.width > used + tick_distance ? style.width - used : tick_distance);
+      std::min(most_columns, style.width > used + least_columns ? style.width - used : least_columns);
   Canvas canvas(labels.size(), std::vector<std::string>(columns, " "));
   draw_line(canvas, interpolated(p, columns), o, glyphs);
   draw_points(canvas, column_means(p, p.points, columns), o, glyphs);

@@ -18,7 +18,7 @@ struct TextPicture {
 };
 
 /// The picture, at most ten rows high between its legend and its abscissa, in lines of at most
-/// `style.width` columns, behind an indent. Ticks are at 1, 2 or 5 times a power of ten; zero is always
+/// `style.width` columns, behind an indent. Ticks are at 1, 2, 2.5 or 5 times a power of ten; zero is always
 /// in the range. A gap in the line remains a gap; between abscissae that are wider apart than a
 /// column, the line is interpolated. "" if fewer than two abscissae have a finite value.
 std::string text_picture(const TextPicture&, const Style&, const std::string& indent = "    ");

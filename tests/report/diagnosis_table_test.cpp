@@ -39,7 +39,7 @@ std::string line_of(const Unidentified& u) {
   DiagnosisReport r = report(Verdict::unexplained, {});
   r.diagnosis.unexplained = {u};
   const std::string text = table(r);
-  const std::size_t at = text.find("  elbow: ") + 9;
+  const std::size_t at = text.find("\n  elbow: ") + 10;
   return text.substr(at, text.find('\n', at) - at);
 }
 
@@ -101,17 +101,17 @@ Causes
       not possible around reversals
     or: latency; to tell them apart, record reversals at two speeds
     counts against direction: o residual without this, - fit, * both
-       |                                                                 --*
-     2 +                                                        ---------
-       |                                               ---------
-       |                                      ---------
-     0 +                              --------
-       |                     ---------
-       |            ---------
-    -2 +   ---------
-       |*--
-       ++----------------+----------------+---------------+----------------+
-        -1             -0.5               0              0.5               1
+     2.5 +                                                             ----*
+         |                                                     --------
+         |                                             --------
+         |                                     --------
+       0 +                             --------
+         |                     --------
+         |             --------
+         |     --------
+    -2.5 +*----
+         ++---------------+----------------+---------------+---------------+
+          -1            -0.5               0              0.5              1
 
 What remains
   elbow: 0.29 counts (182 urad) rms; quantization and the stated noise leave
@@ -191,6 +191,18 @@ TEST(DiagnosisTable, NamesTheShapeOfWhatIsLeft) {
   EXPECT_EQ(line_of(shaped(Shape::by_count, 0, {{"divisor", 4}})), "an error that repeats every 4 counts");
   EXPECT_EQ(line_of(shaped(Shape::noise, 0.5 * count, {})),
             "scatter from row to row of 0.5 counts = 314 urad = 1.08 arcmin");
+}
+
+TEST(DiagnosisTable, NamesASingleShapeInTheVerdict) {
+  DiagnosisReport r = play();
+  r.diagnosis.unexplained = {shaped(Shape::step, 37.4 * count, {{"time", 9}})};
+  r.diagnosis.verdict = Verdict::partly_explained;
+  const std::string step = "a step of 37.4 counts = 23.5 mrad = 1.35 deg at 9.00 s";
+  EXPECT_TRUE(
+      contains(table(r), "PARTLY EXPLAINED: backlash of elbow; there remains " + step + " at elbow\n"));
+  r.diagnosis.causes.clear();
+  r.diagnosis.verdict = Verdict::unexplained;
+  EXPECT_TRUE(contains(table(r), "UNEXPLAINED: elbow has " + step + ", which no effect of the catalogue"));
 }
 
 TEST(DiagnosisTable, SaysWhatToDoAboutEveryShape) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "core/text.hpp"
+#include "report/diagnosis/sections.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -43,19 +44,31 @@ std::string unidentified_places(const Diagnosis& d) {
   return listed(places);
 }
 
+/// Whether all that remains has one shape, at one joint.
+bool has_one_shape(const Diagnosis& d) {
+  return d.unexplained.size() == 1 && d.unexplained.front().shape != Shape::unknown;
+}
+
 }  // namespace
 
-std::string verdict_words(const Diagnosis& d) {
+std::string verdict_words(const DiagnosisReport& r) {
+  const Diagnosis& d = r.diagnosis;
   switch (d.verdict) {
     case Verdict::nothing_wrong:
       return "the log agrees with the model, its quantization and the noise of the reference";
     case Verdict::explained:
       return listed_causes(d);
     case Verdict::partly_explained:
+      if (has_one_shape(d))
+        return listed_causes(d) + "; there remains " + shape_words(r.spec, d.unexplained.front()) + " at " +
+               unidentified_places(d);
       return listed_causes(d) + "; significant, unidentified errors at " + unidentified_places(d);
     case Verdict::ambiguous:
       return cause_or_alternative(d) + ": not distinguishable in this log";
     case Verdict::unexplained:
+      if (has_one_shape(d))
+        return unidentified_places(d) + " has " + shape_words(r.spec, d.unexplained.front()) +
+               ", which no effect of the catalogue explains";
       return "significant errors at " + unidentified_places(d) + " that no effect of the catalogue explains";
     case Verdict::cannot_judge:
       return d.reason.empty() ? "the log has no reference sensor to compare the encoders with"

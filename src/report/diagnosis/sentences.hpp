@@ -2,14 +2,14 @@
 
 #include <string>
 
-#include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/report/diagnosis_report.hpp"
 
 namespace qerr {
 
 /// `eccentricity of elbow`; a periodic error with its order.
 std::string label(const Cause&);
 
-/// The sentence behind the verdict: the causes and their joints.
-std::string verdict_words(const Diagnosis&);
+/// The sentence behind the verdict: the causes and their joints; a single remainder by its shape.
+std::string verdict_words(const DiagnosisReport&);
 
 }  // namespace qerr

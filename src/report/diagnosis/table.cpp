@@ -11,13 +11,14 @@ namespace qerr {
 
 namespace {
 
-std::string verdict_line(const Diagnosis& d, const Style& style) {
+std::string verdict_line(const DiagnosisReport& r, const Style& style) {
+  const Diagnosis& d = r.diagnosis;
   std::string word(name(d.verdict));
   std::replace(word.begin(), word.end(), '_', ' ');
   std::transform(word.begin(), word.end(), word.begin(),
                  [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
   const Paint color = d.verdict == Verdict::nothing_wrong ? Paint::green : Paint::yellow;
-  return painted(word, color, style) + ": " + verdict_words(d) + "\n";
+  return painted(word, color, style) + ": " + verdict_words(r) + "\n";
 }
 
 std::string record_line(const Log& log) {
@@ -33,10 +34,9 @@ std::string record_line(const Log& log) {
 }  // namespace
 
 std::string to_table(const DiagnosisReport& r, const Style& style) {
-  const Diagnosis& d = r.diagnosis;
   std::string out = painted("qerr diagnose", Paint::bold, style) + "  robot '" +
                     escaped(r.spec.robot_name, 60) + "', " + record_line(r.log) + '\n' +
-                    verdict_line(d, style);
+                    verdict_line(r, style);
   out += data_section(r, style) + causes_section(r, style) + remainder_section(r, style) +
          next_section(r, style) + visible_section(r, style);
   if (style.details) out += details_section(r, style);
