@@ -18,6 +18,12 @@ double standard_deviation(const Eigen::ArrayXd& x) { return x.size() > 0 ? rms(x
 
 double peak_to_peak(const Eigen::ArrayXd& x) { return x.size() > 0 ? x.maxCoeff() - x.minCoeff() : 0; }
 
+double lag_one_correlation(const Eigen::ArrayXd& x) {
+  const Eigen::Index n = x.size() - 1;
+  const double power = x.square().sum();
+  return n > 0 && power > 0 ? (x.head(n) * x.tail(n)).sum() / power : 0;
+}
+
 Line fit_line(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
   const double mean_x = x.mean(), mean_y = y.mean(), squares = (x - mean_x).square().sum();
   const double slope = squares > 0 ? ((x - mean_x) * (y - mean_y)).sum() / squares : 0;

@@ -13,6 +13,9 @@ double rms(const Eigen::ArrayXd&);
 double standard_deviation(const Eigen::ArrayXd&);  ///< about the mean, divided by the number of values
 double peak_to_peak(const Eigen::ArrayXd&);
 
+/// Correlation of neighbouring values of zero mean; 0 where all are zero.
+double lag_one_correlation(const Eigen::ArrayXd&);
+
 /// y = intercept + slope x.
 struct Line {
   double intercept = 0, slope = 0;

@@ -73,7 +73,12 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   const FoundCauses found = search_causes(record, seed);
   f->sampling.emplace(record, independent_rows(record, seed, enough_rows));
   f->selection.emplace(selection_of(*f->sampling, found));
-  f->scatter = scatter_of(f->evidence(), f->selection->model);
+  double unnamed = 0;
+  const Explanation& m = f->selection->model;
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (!m.terms()[i].named()) unnamed = std::max(unnamed, size_of(m, i));
+  f->scatter = scatter_of(f->evidence(), m, unnamed);
+  f->remainder = remainder_of(f->evidence(), m, f->scatter, unnamed);
   f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
   return f;

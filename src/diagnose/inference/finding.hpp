@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "diagnose/inference/scatter.hpp"
+#include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/selection.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
@@ -17,6 +18,7 @@ struct Finding {
   std::optional<Sampling> sampling;  ///< its independent rows
   std::optional<Selection> selection;
   Scatter scatter;
+  Remainder remainder;
   HeldOut held;
 
   const Evidence& evidence() const { return sampling->evidence; }

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "diagnose/inference/edge_pattern.hpp"
 #include "diagnose/inference/explanation.hpp"
 
 namespace qerr {
@@ -11,23 +12,36 @@ namespace qerr {
 inline constexpr double scatter_beyond_reference = 1.3;  ///< times the noise that remains in the path
 inline constexpr double scatter_worth_naming = 0.12;     ///< [counts]
 
-/// Scatter of the readings about a model's path beyond the noise of the reference.
-struct Scatter {
-  std::optional<Effect> effect;  ///< of the catalogue's effects with a `scattering`; empty: none
+/// Correlation of neighbouring residuals from which they are a signal, not noise: 5 standard errors of a white
+/// sequence of 625 rows.
+inline constexpr double correlated_residual = 0.2;
+
+/// An effect that scatters the readings about an unchanged mean path.
+struct ScatterCause {
+  Effect effect;
   double p_value = 1;
-  double relative_error = 0;          ///< half the 95 % interval of its parameter, as a part of it
+  double relative_error = 0;  ///< half the 95 % interval of its parameter, as a part of it
+  double rms = 0;             ///< of what it adds [rad or m]
   std::optional<Effect> alternative;  ///< fits as well
-  /// Description of an unexplained structure: correlation from reading to reading, uneven scatter, or
-  /// outliers; empty: none.
-  std::string structure;
-  Shape shape = Shape::unknown;  ///< of the structure
-  double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
 };
 
-/// Fits, with all mean effects in the model, every random effect of the catalogue,
-/// sigma^2 = s_r^2 + (size * deviation)^2 row by row (uniform for noise, the velocity for jitter), and those
-/// that displace edges of odd number.
-/// @param m  fitted; a constant term among them is replaced by the mean of displaced edges
-Scatter scatter_of(const Evidence&, const Explanation& m);
+/// Scatter of the readings about a model's path beyond the noise of the reference.
+struct Scatter {
+  std::vector<ScatterCause> causes;
+  double size = 0;  ///< standard deviation beyond the reference's noise [rad or m]
+  /// Variance of every reading about the path that reference, quantization and the causes make
+  /// [rad^2 or m^2].
+  Eigen::ArrayXd expected;
+  EdgePattern pattern;
+};
+
+/// Fits, with all mean effects in the model, the edges of a quadrature encoder and the random effects of the
+/// catalogue, sigma^2 = s_r^2 + sum of (size * deviation)^2 row by row (uniform for noise, the velocity for
+/// jitter): one after the other, as long as the likelihood rises significantly.
+/// A residual that is correlated from reading to reading, that is uneven along the path or in time, or that is
+/// smaller than what uncatalogued terms explain, is no random effect.
+/// @param m        fitted
+/// @param unnamed  size of the largest uncatalogued term [rad or m]
+Scatter scatter_of(const Evidence&, const Explanation& m, double unnamed);
 
 }  // namespace qerr

@@ -1,5 +1,6 @@
 #include "diagnose/verdict/cause_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 
@@ -44,7 +45,10 @@ class CauseReport {
         continue;
       }
       // Displaced edges have a mean of their own.
-      if (t.constant && scatter.effect && !effect_kind(scatter.effect->type).random()) continue;
+      if (t.constant && std::any_of(scatter.causes.begin(), scatter.causes.end(), [](const ScatterCause& c) {
+            return !effect_kind(c.effect.type).random();
+          }))
+        continue;
       std::vector<std::string> others = inseparable_twins(effect, e_);
       for (const Alternative& other : s.alternatives)
         if (other.term == i) others.push_back(other.effect.type);
@@ -56,23 +60,21 @@ class CauseReport {
   }
 
   void add_scatter(const Scatter& scatter) {
-    // Scatter smaller than an unnamed error is attributed to the misfit of its term.
-    double unnamed = 0;
-    for (const Unidentified& u : d_.unexplained)
-      if (u.joint == e_.joint) unnamed = std::max(unnamed, u.amplitude);
-    if (scatter.size < unnamed) return;
-    if (scatter.effect) {
-      Cause cause{*scatter.effect, {}, scatter.p_value, gain_, 0};
-      for (const auto& [name, value] : scatter.effect->numbers) {
-        const double half = scatter.relative_error * std::abs(value);
+    for (const ScatterCause& c : scatter.causes) {
+      Cause cause{c.effect, {}, c.p_value, gain_, c.rms};
+      for (const auto& [name, value] : c.effect.numbers) {
+        const double half = c.relative_error * std::abs(value);
         cause.parameters.push_back({name, value, value - half, value + half});
       }
+      cause.rms_without = std::hypot(gain_.rms_after, c.rms);
       std::vector<std::string> others;
-      if (scatter.alternative) others.push_back(scatter.alternative->type);
+      if (c.alternative) others.push_back(c.alternative->type);
       add(std::move(cause), others);
-    } else if (!scatter.structure.empty() && scatter.size > 0.25 * e_.step()) {
-      d_.unexplained.push_back({e_.joint, scatter.structure, {}, {}, scatter.size, scatter.shape});
     }
+  }
+
+  void add_remainder(const Remainder& r) {
+    if (!r.what.empty()) d_.unexplained.push_back({e_.joint, r.what, {}, {}, r.size, r.shape});
   }
 
  private:
@@ -102,6 +104,7 @@ void add(Diagnosis& d, const Finding& f, const Gain& gain) {
   CauseReport report(d, f.evidence(), gain);
   report.add_terms(*f.selection, f.scatter);
   report.add_scatter(f.scatter);
+  report.add_remainder(f.remainder);
 }
 
 }  // namespace qerr
