@@ -44,8 +44,9 @@ void note(Wraps& wraps, std::uint64_t row, double time) {
 /// The rows of a log and the state from one row to the next.
 class LogReader::Rows {
  public:
-  Rows(const std::string& path, const Spec& spec, const LogOptions& options)
-      : table_(path, {options.block_bytes, options.longest_row}),
+  Rows(const LogFiles& files, const Spec& spec, const LogOptions& options)
+      : table_(files, {options.block_bytes, options.longest_row,
+                       "leave the row out, or hold the last value of each column: --hold"}),
         transmission_(spec.model.transmission),
         most_(std::max<Eigen::Index>(options.block_rows, 1)),
         progress_(options.progress) {
@@ -72,6 +73,8 @@ class LogReader::Rows {
     rows.resize(most_, static_cast<Eigen::Index>(log.columns.size()));
     Eigen::Index count = 0;
     while (count < most_ && table_.next(rows.data() + count, most_)) check(rows, count++);
+    if (count == 0)
+      for (const std::string& warning : table_.warnings()) log.warnings.push_back(warning);
     if (count == 0 && log.rows == 0)
       throw Error({{table_.file(), table_.line(), 1}, "", "the log has no rows", "only a header", ""});
     if (count == 0) return false;
@@ -80,8 +83,7 @@ class LogReader::Rows {
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = rows(count - 1, *time_);
     for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
-    const ByteSource& source = table_.source();
-    if (progress_ && source.size() > 0) progress_(source.position(), source.size());
+    if (progress_ && table_.size() > 0) progress_(table_.position(), table_.size());
     return true;
   }
 
@@ -171,7 +173,7 @@ class LogReader::Rows {
     }
   }
 
-  CsvReader table_;
+  LogTable table_;
   Transmission transmission_;
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;
@@ -188,8 +190,8 @@ class LogReader::Rows {
   std::vector<TurnAlignment> alignments_;
 };
 
-LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)
-    : rows_(std::make_unique<Rows>(path, spec, options)) {}
+LogReader::LogReader(const LogFiles& files, const Spec& spec, const LogOptions& options)
+    : rows_(std::make_unique<Rows>(files, spec, options)) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 LogReader& LogReader::operator=(LogReader&&) noexcept = default;
@@ -250,10 +252,10 @@ class Stretches {
 
 }  // namespace
 
-Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values,
+Log read_log(const LogFiles& files, const Spec& spec, std::uint64_t most_values,
              std::function<void(std::uint64_t, std::uint64_t)> progress) {
   LogReader reader(
-      path, spec,
+      files, spec,
       {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
   Stretches stretches(most_values);
   for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));
