@@ -34,6 +34,9 @@ void read_encoders(const Field&, const RobotModel&, Spec&, Faults&);
 /// Warns of gear ratios that contradict those of the URDF. @pre the encoders are read
 void warn_of_stated_ratios(const RobotModel&, Spec&);
 void read_coupling(const Field&, Spec&);
+/// A robot of one joint without URDF, between the links `base` and `tip`: revolute about z, with the tip at
+/// `radius` on x, or prismatic along x.
+RobotModel read_joint(const Field&, const std::string& file);
 /// The pose of the tool in the tip link.
 Eigen::Isometry3d read_tool(const Field&);
 /// Adds a length, and those of its components that are missing.

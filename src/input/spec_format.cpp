@@ -65,13 +65,29 @@ const std::vector<Parameter>& top() {
 
 const std::vector<Parameter>& robot() {
   static const std::vector<Parameter> rows{
-      {.name = "urdf",
-       .kind = Kind::text,
-       .meaning = "path of the URDF, relative to this file",
-       .required = true},
+      {.name = "urdf", .kind = Kind::text, .meaning = "path of the URDF, relative to this file"},
+      {.name = "joint",
+       .kind = Kind::object,
+       .meaning = "in place of a URDF: a robot of one joint, such as a rotary table"},
       {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
       {.name = "tip", .kind = Kind::text, .meaning = "tip link; optional if the tree has one leaf"},
       {.name = "tool", .kind = Kind::object, .meaning = "moves the tip: its pose in the tip link"},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& joint() {
+  static const std::vector<Parameter> rows{
+      {.name = "name", .kind = Kind::text, .meaning = "of the joint", .required = true},
+      {.name = "type",
+       .kind = Kind::choice,
+       .meaning = "about the axis z, or along x",
+       .choices = "revolute|prismatic"},
+      {.name = "radius",
+       .dimension = dimension::length,
+       .meaning = "distance of the tip from the axis of a revolute joint, such as 100 mm; default: 0",
+       .least = 0},
+      {.name = "limits", .kind = Kind::any, .meaning = "[lower, upper]; default of a revolute joint: endless"},
   };
   return rows;
 }

@@ -254,11 +254,19 @@ Object SpecReader::checked_top(const Node& root) {
 void SpecReader::read_chain(const Field& f) {
   faults_.guard([&] {
     const Object o(f, spec_format::robot());
-    const Field urdf = o.at("urdf");
-    const std::string path = find_urdf(urdf, *o.text("urdf"));
-    read_named_file(urdf, path, [&](const std::string& file) {
-      robot_ = std::make_shared<const RobotModel>(read_urdf(file));
-    });
+    if (o.has("urdf") == o.has("joint"))
+      throw Error(f.fault(o.has("urdf") ? "a robot has a URDF or a single joint, not both"
+                                        : "the robot needs the key 'urdf', or 'joint' for a single one",
+                          "write urdf: arm.urdf, or joint: {name: table, type: revolute}"));
+    if (o.has("joint")) {
+      robot_ = std::make_shared<const RobotModel>(read_joint(o.at("joint"), spec_.file));
+    } else {
+      const Field urdf = o.at("urdf");
+      const std::string path = find_urdf(urdf, *o.text("urdf"));
+      read_named_file(urdf, path, [&](const std::string& file) {
+        robot_ = std::make_shared<const RobotModel>(read_urdf(file));
+      });
+    }
     spec_.robot_name = robot_->name;
     try {
       spec_.model.chain = make_chain(*robot_, o.text("base").value_or(""), o.text("tip").value_or(""));

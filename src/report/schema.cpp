@@ -214,6 +214,8 @@ std::string json_schema() {
   Json& p = s["properties"];
   p["robot"] = object_of(spec_format::robot());
   p["robot"]["properties"]["tool"] = tool();
+  p["robot"]["properties"]["joint"] = object_of(spec_format::joint());
+  p["robot"]["oneOf"] = {{{"required", {"urdf"}}}, {{"required", {"joint"}}}};
   p["encoders"] = map_of(encoder());
   p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
   p["coordinates"] = {
