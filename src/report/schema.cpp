@@ -215,7 +215,7 @@ std::string json_schema() {
   p["robot"] = object_of(spec_format::robot());
   p["robot"]["properties"]["tool"] = tool();
   p["robot"]["properties"]["joint"] = object_of(spec_format::joint());
-  p["robot"]["oneOf"] = {{{"required", {"urdf"}}}, {{"required", {"joint"}}}};
+  for (const char* key : {"urdf", "joint"}) p["robot"]["oneOf"].push_back({{"required", Json::array({key})}});
   p["encoders"] = map_of(encoder());
   p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
   p["coordinates"] = {
