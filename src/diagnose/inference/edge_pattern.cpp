@@ -14,7 +14,8 @@ constexpr Eigen::Index blocks = 32, patterns = 3, fewest_rows = 16;  // per bloc
 
 std::size_t state_of(double edge) { return static_cast<std::size_t>(edge - 4 * std::floor(edge / 4)); }
 
-/// Displacements of the four edges from their mean, by the readings [first, end). NaN: an edge has no readings.
+/// Displacements of the four edges from their mean, by the readings [first, end). NaN: an edge has no
+/// readings.
 Eigen::Vector4d displacements(const Evidence& e, const Eigen::ArrayXd& position, Eigen::Index first,
                               Eigen::Index end) {
   Eigen::Vector4d wrong = Eigen::Vector4d::Zero(), all = Eigen::Vector4d::Zero();

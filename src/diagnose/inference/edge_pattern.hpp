@@ -8,8 +8,8 @@ namespace qerr {
 
 /// Positions of the edges of an encoder whose states repeat every four counts.
 struct EdgePattern {
-  /// Displacement of the edges with number 0 .. 3 mod 4 from their common mean [counts]. Edge k lies between the
-  /// counts k - 1 and k.
+  /// Displacement of the edges with number 0 .. 3 mod 4 from their common mean [counts]. Edge k lies between
+  /// the counts k - 1 and k.
   std::array<double, 4> displacement{};
   double alternating = 0;        ///< displacement of odd edges from even ones [counts]
   double alternating_error = 0;  ///< its standard error

@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/remainder.hpp"
+#include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/selection.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
@@ -13,7 +13,8 @@
 
 namespace qerr {
 
-/// The result of the inference for one encoder. Not copyable: the model of `selection` points to the sampling's evidence.
+/// The result of the inference for one encoder. Not copyable: the model of `selection` points to the
+/// sampling's evidence.
 struct Finding {
   std::optional<Sampling> sampling;  ///< its independent rows
   std::optional<Selection> selection;

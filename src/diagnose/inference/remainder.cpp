@@ -19,7 +19,8 @@ double largest_share(const Eigen::ArrayXd& excess, const Eigen::ArrayXd& along) 
   if (n < parts * fewest) return 0;
   std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
   double most = 0;
   for (Eigen::Index i = 0; i < parts; ++i) {
     double sum = 0;
@@ -40,9 +41,11 @@ Remainder remainder_of(const Evidence& e, const Explanation& m, const Scatter& s
   r.ratio = std::sqrt(squares.mean() / expected);
   r.size = std::sqrt(std::max(0.0, squares.mean() - expected));
   if (r.ratio < remainder_worth_reporting || r.size < unnamed) return r;
-  // At rest the rounding error is one number, of up to half a count: what is beyond it must make up the excess.
+  // At rest the rounding error is one number, of up to half a count: what is beyond it must make up the
+  // excess.
   const Eigen::ArrayXd beyond =
-      (residual.abs() - 0.5 * e.step() - 3 * (s.expected - e.step() * e.step() / 12).max(0.0).sqrt()).max(0.0);
+      (residual.abs() - 0.5 * e.step() - 3 * (s.expected - e.step() * e.step() / 12).max(0.0).sqrt())
+          .max(0.0);
   const Eigen::ArrayXd excess = squares - s.expected;
   if ((beyond > 0).select(excess, 0.0).sum() < 0.5 * excess.sum()) return r;
   // Single readings: a thousandth of the rows has half of the excess.
@@ -50,7 +53,8 @@ Remainder remainder_of(const Evidence& e, const Explanation& m, const Scatter& s
   const auto few = static_cast<std::ptrdiff_t>(std::max<Eigen::Index>(3, e.rows() / 1000));
   std::partial_sort(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(few, e.rows()), sorted.end(),
                     std::greater<>());
-  const double of_few = std::accumulate(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(few, e.rows()), 0.0);
+  const double of_few =
+      std::accumulate(sorted.begin(), sorted.begin() + std::min<std::ptrdiff_t>(few, e.rows()), 0.0);
   if (of_few > 0.5 * excess.sum()) {
     r.what = "single readings are far off";
     return r;
@@ -62,9 +66,11 @@ Remainder remainder_of(const Evidence& e, const Explanation& m, const Scatter& s
   const bool white = !e.ordered || lag_one_correlation(residual) < correlated_residual;
   r.shape = white ? Shape::noise : Shape::unknown;
   if (at_a_place || at_a_time)
-    r.what = std::string(white ? "scatter" : "an error") + " within a part of the " + (at_a_place ? "positions" : "record");
+    r.what = std::string(white ? "scatter" : "an error") + " within a part of the " +
+             (at_a_place ? "positions" : "record");
   else
-    r.what = white ? "scatter that neither noise nor jitter has" : "structure without a period or a known shape";
+    r.what =
+        white ? "scatter that neither noise nor jitter has" : "structure without a period or a known shape";
   return r;
 }
 

@@ -50,7 +50,8 @@ bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, co
   if (n < parts * fewest) return false;
   std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
   std::iota(order.begin(), order.end(), Eigen::Index{0});
-  std::stable_sort(order.begin(), order.end(), [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](Eigen::Index a, Eigen::Index b) { return along[a] < along[b]; });
   double least = 1e300, most = 0;
   for (Eigen::Index i = 0; i < parts; ++i) {
     double observed = 0, expected = 0;
@@ -154,12 +155,17 @@ class Trials {
 /// The effect of the catalogue that displaces every second edge; empty if the encoder has none.
 std::optional<ScatterCause> displaced_edges(const Evidence& e, const EdgePattern& p) {
   for (const EffectKind& kind : effect_kinds()) {
-    if (!kind.scattering || kind.random() || (kind.scattering->possible && !kind.scattering->possible(e))) continue;
+    if (!kind.scattering || kind.random() || (kind.scattering->possible && !kind.scattering->possible(e)))
+      continue;
     const double size = kind.scattering->of_displacement(p.alternating * e.step(), e.encoder);
     // 32 blocks: Student's t with 31 degrees of freedom.
     const double error = student_t_quantile(0.975, 31) * p.alternating_error / std::abs(p.alternating);
-    return ScatterCause{{std::string(kind.name), e.joint, {{std::string(kind.scattering->parameter), size}}, {}},
-                        p.p_value, error, 0.5 * std::abs(p.alternating) * e.step(), {}};
+    return ScatterCause{
+        {std::string(kind.name), e.joint, {{std::string(kind.scattering->parameter), size}}, {}},
+        p.p_value,
+        error,
+        0.5 * std::abs(p.alternating) * e.step(),
+        {}};
   }
   return std::nullopt;
 }
@@ -181,8 +187,8 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
       if (std::abs(s.pattern.alternating) > displacement_worth_naming) s.causes.push_back(std::move(*cause));
     }
   const bool white = !e.ordered || lag_one_correlation(m.likelihood().score) < correlated_residual;
-  if (m.noise() < scatter_beyond_reference * own || s.size < scatter_worth_naming * e.step() || s.size < unnamed ||
-      !white)
+  if (m.noise() < scatter_beyond_reference * own || s.size < scatter_worth_naming * e.step() ||
+      s.size < unnamed || !white)
     return s;
   const Trials trials(e, m, std::move(intervals), s.size);
   std::vector<ScatterCause> random;
@@ -196,7 +202,8 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
     if (p * static_cast<double>(found.size()) > significant || size < scatter_worth_naming * e.step()) break;
     ScatterCause cause{best.effect, p, best.relative_error, size, {}};
     for (const ScatterCandidate& other : found)
-      if (random.empty() && other.effect.type != best.effect.type && best.value - other.value < indistinguishable)
+      if (random.empty() && other.effect.type != best.effect.type &&
+          best.value - other.value < indistinguishable)
         cause.alternative = other.effect;
     if (random.empty()) variance = known;
     variance += best.added;

@@ -12,16 +12,16 @@ namespace qerr {
 inline constexpr double scatter_beyond_reference = 1.3;  ///< times the noise that remains in the path
 inline constexpr double scatter_worth_naming = 0.12;     ///< [counts]
 
-/// Correlation of neighbouring residuals from which they are a signal, not noise: 5 standard errors of a white
-/// sequence of 625 rows.
+/// Correlation of neighbouring residuals from which they are a signal, not noise: 5 standard errors of a
+/// white sequence of 625 rows.
 inline constexpr double correlated_residual = 0.2;
 
 /// An effect that scatters the readings about an unchanged mean path.
 struct ScatterCause {
   Effect effect;
   double p_value = 1;
-  double relative_error = 0;  ///< half the 95 % interval of its parameter, as a part of it
-  double rms = 0;             ///< of what it adds [rad or m]
+  double relative_error = 0;          ///< half the 95 % interval of its parameter, as a part of it
+  double rms = 0;                     ///< of what it adds [rad or m]
   std::optional<Effect> alternative;  ///< fits as well
 };
 
@@ -38,8 +38,8 @@ struct Scatter {
 /// Fits, with all mean effects in the model, the edges of a quadrature encoder and the random effects of the
 /// catalogue, sigma^2 = s_r^2 + sum of (size * deviation)^2 row by row (uniform for noise, the velocity for
 /// jitter): one after the other, as long as the likelihood rises significantly.
-/// A residual that is correlated from reading to reading, that is uneven along the path or in time, or that is
-/// smaller than what uncatalogued terms explain, is no random effect.
+/// A residual that is correlated from reading to reading, that is uneven along the path or in time, or that
+/// is smaller than what uncatalogued terms explain, is no random effect.
 /// @param m        fitted
 /// @param unnamed  size of the largest uncatalogued term [rad or m]
 Scatter scatter_of(const Evidence&, const Explanation& m, double unnamed);

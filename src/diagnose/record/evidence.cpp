@@ -64,6 +64,20 @@ Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
 
 namespace {
 
+/// Whether the rows are poses and not samples of a motion: from row to row the joint moves by more than 3 %
+/// of its range and three counts, that is, a period of its motion has fewer than 64 rows, and consecutive
+/// moves have nothing in common. Those of a path are nearly equal; those of random poses have a correlation
+/// of -1/2.
+bool is_static(const Eigen::ArrayXd& reference, double step) {
+  const Eigen::Index n = reference.size() - 1;
+  if (n < 8) return false;
+  const Eigen::ArrayXd moves = reference.tail(n) - reference.head(n);
+  const double range = reference.maxCoeff() - reference.minCoeff();
+  if (moves.abs().mean() < std::max(0.03 * range, 3 * step)) return false;
+  const double power = moves.square().sum();
+  return (moves.head(n - 1) * moves.tail(n - 1)).sum() < 0.3 * power;
+}
+
 /// @param time  since the first row [s]; empty: the rows are not ordered
 std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,
                                     std::size_t encoder) {
@@ -82,7 +96,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   e.joint = model.chain.independent[encoder].name;
   e.number = number;
   e.prismatic = model.chain.independent[encoder].prismatic();
-  e.ordered = time.size() > 0;
+  e.ordered = time.size() > 0 && !is_static(e.reference, e.encoder.resolution);
   if (e.ordered) {
     e.time = time;
     SmoothPath smooth = smooth_path(time, e.reference, e.log_resolution);

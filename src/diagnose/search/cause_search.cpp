@@ -29,10 +29,13 @@ constexpr double material_part_of_table = 0.2;
 /// Ratio of a residual to that of rounding and noise up to which nothing worth mentioning is left.
 constexpr double complete = 1.3;
 
-/// Part of what all terms explain that names must reach to come first: uncatalogued terms then only add to
-/// them. Real errors differ from the textbook's shapes by some percent; a shape of another kind differs by
-/// more.
-constexpr double named_share = 0.92;
+/// Part of what all terms explain that the leading names must reach to come first, and what makes a leading
+/// name.
+constexpr double named_share = 0.85, leading_part = 0.05;
+
+/// Part of what a term explains that another one must reach to be its alternative: real errors differ from
+/// the textbook's shapes by some percent.
+constexpr double alternative_share = 0.92;
 
 /// Simulations of a term's null hypothesis, and the error rate of the test.
 constexpr int veto_draws = 9;
@@ -79,7 +82,7 @@ class CauseSearch {
   FoundCauses found() {
     FoundCauses result;
     if (samples_.size() < 8) return result;
-    worth_ = material * record_.step();
+    worth_ = worth_of_shapes_ = material * record_.step();
     for (int pass = 0; pass < most_passes; ++pass) {
       assemble();
       choose();
@@ -109,7 +112,9 @@ class CauseSearch {
     groups_.clear();
     std::vector<std::string> families;
     for (const Candidate& c : candidates_) {
-      ColumnGroup g{count, c.term.size(), 0, 0, c.term.positive, c.least, c.most};
+      ColumnGroup g;
+      g.first = count, g.count = c.term.size();
+      g.positive = c.term.positive, g.least = c.least, g.most = c.most;
       const auto known = std::find(families.begin(), families.end(), c.family);
       g.family = static_cast<int>(known - families.begin());
       if (known == families.end()) families.push_back(c.family);
@@ -136,17 +141,21 @@ class CauseSearch {
   }
 
   /// Schwarz's price of the coefficients, that of the number of alternatives, and what makes a term material:
-  /// a decrease of the mean square by `worth_`^2.
-  void price(double independent) {
-    const double each = weight_.sum() * independent / model_->rows();
-    const double least = worth_ * worth_ * each, base = std::pow(material * record_.step(), 2) * each;
+  /// a decrease of the mean square by the square of what is worth a term.
+  /// @param worth  of names, which beside a table must be larger
+  void price(double independent, double worth) {
+    const double least = worth * worth * weight_.sum(),
+                 other = worth_of_shapes_ * worth_of_shapes_ * weight_.sum();
     // A shape that the catalogue does not have must be better than a named one by what is material, and a
     // table better than as many sines as have its number of coefficients.
-    for (std::size_t i = 0; i < groups_.size(); ++i)
-      groups_[i].price = static_cast<double>(groups_[i].count) * std::log(std::max(independent, 2.0)) +
-                         2 * std::log(std::max(1.0, candidates_[i].alternatives)) +
-                         (is_table(i) ? std::max(2.0, 0.5 * static_cast<double>(groups_[i].count)) * base
-                                      : (candidates_[i].term.named() ? 1 : 2) * least);
+    for (std::size_t i = 0; i < groups_.size(); ++i) {
+      const auto count = static_cast<double>(groups_[i].count);
+      groups_[i].price = count * std::log(std::max(independent, 2.0)) +
+                         2 * std::log(std::max(1.0, candidates_[i].alternatives));
+      groups_[i].least_gain = is_table(i)                   ? std::max(2.0, 0.5 * count) * other
+                              : candidates_[i].term.named() ? least
+                                                            : 2 * other;
+    }
   }
 
   /// Tables and polynomials.
@@ -155,16 +164,17 @@ class CauseSearch {
   }
 
   bool raise_worth() {
-    double worth = material * record_.step();
+    double worth = material * record_.step(), of_shapes = worth;
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       const Term& t = term(i);
       const bool table = is_table(chosen_[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
-      worth = std::max(worth, (table ? material_part_of_table : material_part) *
-                                  standard_deviation(addition(t, coefficients(i))));
+      const double size = standard_deviation(addition(t, coefficients(i)));
+      worth = std::max(worth, (table ? material_part_of_table : material_part) * size);
+      if (!table) of_shapes = std::max(of_shapes, material_part * size);
     }
     const bool changed = std::abs(worth - worth_) > 0.2 * worth_;
-    worth_ = worth;
+    worth_ = worth, worth_of_shapes_ = of_shapes;
     return changed;
   }
 
@@ -184,7 +194,6 @@ class CauseSearch {
   /// model, whose autocorrelation gives the number of independent samples.
   void choose() {
     const double rows = model_->rows();
-    price(rows);
     richest_ = best_of_starts(rows);
     const LinearModel::Set& richest = richest_;
     const Eigen::ArrayXd residual = residual_of(richest, model_->fit(groups_, richest)) * weight_.sqrt();
@@ -192,7 +201,6 @@ class CauseSearch {
     if (!few().ordered || correlation_ < 1.5) {
       chosen_ = richest;
     } else {
-      price(rows / correlation_);
       chosen_ = best_of_starts(rows / correlation_);
     }
     fit_ = model_->fit(groups_, chosen_);
@@ -212,18 +220,56 @@ class CauseSearch {
       return model_->criterion(groups_, s, model_->fit(groups_, s).rss, independent, floor_);
     };
     const auto better = [&](LinearModel::Set a, LinearModel::Set b) { return value(a) <= value(b) ? a : b; };
+    price(independent, worth_of_shapes_);
     allow([&](std::size_t i) { return candidates_[i].term.named(); });
     const LinearModel::Set names = better(search(previous(), 0), search({}, 0));
+    price(independent, worth_);
     allow([](std::size_t) { return true; });
     LinearModel::Set best = better(search(names, 0), search({}, 0));
     if (!found_before_.empty()) best = better(std::move(best), search(previous(), 0));
     if (is_complete(best)) return best;
-    const double nothing = model_->fit(groups_, {}).rss;
-    const double named = nothing - model_->fit(groups_, names).rss,
+    const LinearModel::Set core = leading_names(names, best);
+    if (core.empty()) return best;
+    price(independent, worth_of_shapes_);
+    return search(core, core.size());
+  }
+
+  /// The names that come first where nothing explains everything: those that explain a twentieth of what
+  /// names can explain, if they are few and explain nearly as much as the best model. Real errors differ from
+  /// the textbook's shapes, and a table of any curve fits better than a name; but it tells nothing.
+  LinearModel::Set leading_names(const LinearModel::Set& names, const LinearModel::Set& best) const {
+    const double nothing = model_->fit(groups_, {}).rss, with_names = model_->fit(groups_, names).rss,
                  all = nothing - model_->fit(groups_, best).rss;
-    // More names than the best model has terms imitate something else.
-    if (named < named_share * all || names.size() > best.size()) return best;
-    return search(names, names.size());
+    LinearModel::Set core;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      LinearModel::Set without = names;
+      without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+      if (model_->fit(groups_, without).rss - with_names > leading_part * (nothing - with_names))
+        core.push_back(names[i]);
+    }
+    const double explained = nothing - model_->fit(groups_, core).rss;
+    if (explained < named_share * all || count_causes(core) > best.size())
+      return {};
+    return core;
+  }
+
+  /// Number of causes, of which all orders of a shaft are one.
+  std::size_t count_causes(const LinearModel::Set& set) const {
+    std::vector<std::string> causes;
+    std::size_t steps = 0;
+    for (const std::size_t g : set) {
+      const Term& t = candidates_[g].term;
+      if (t.constant) continue;
+      if (t.step) {
+        ++steps;
+        continue;
+      }
+      const auto shaft = t.effect.choices.find("shaft");
+      const std::string cause =
+          t.harmonic && shaft != t.effect.choices.end() ? "shaft " + shaft->second : t.effect.type;
+      if (std::find(causes.begin(), causes.end(), cause) == causes.end()) causes.push_back(cause);
+    }
+    return causes.size() + steps;
   }
 
   template <typename Which>
@@ -417,8 +463,8 @@ class CauseSearch {
 
   /// Scans the residual; at first also the error itself, in which terms that imitate an event do not hide it.
   bool scan(bool first) {
-    bool any = scan(set_has_tables() ? residual_without_tables() : residual_);
-    if (first && !chosen_.empty()) any |= scan(residual_of({}, model_->fit(groups_, {})));
+    bool any = first && scan(residual_of({}, model_->fit(groups_, {})));
+    if (!first || !chosen_.empty()) any |= scan(set_has_tables() ? residual_without_tables() : residual_);
     return any;
   }
 
@@ -633,6 +679,7 @@ class CauseSearch {
     for (std::size_t g = 0; g < candidates_.size(); ++g) {
       const Candidate& c = candidates_[g];
       if (!c.term.named() || same_term_type(c.term, term(i)) ||
+          (c.term.harmonic && periods_covered(c.term, few()) < 0.5) ||
           std::find_if(chosen_.begin(), chosen_.end(), [&](std::size_t m) {
             return m != chosen_[i] && candidates_[m].family == c.family;
           }) != chosen_.end())
@@ -642,13 +689,24 @@ class CauseSearch {
       if (!model_->possible(groups_, other, f)) continue;
       const bool likely =
           model_->criterion(groups_, other, f.rss, independent, floor_) - present < indistinguishable;
-      if (!likely && f.rss - fit_.rss > (1 - named_share) * lost) continue;
+      if (!likely && f.rss - fit_.rss > (1 - alternative_share) * lost) continue;
       result.replacements.push_back({number, c.term.effect});
     }
   }
 
   static bool same_term_type(const Term& a, const Term& b) {
     return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
+  }
+
+  /// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude varies
+  /// along the path, and one of its sidebands is a whole number by chance.
+  bool is_sideband(std::size_t i) const {
+    if (!term(i).named() || !term(i).harmonic || candidates_[chosen_[i]].alternatives == 1) return false;
+    const double order = std::abs(wave_number(term(i).effect, few().encoder));
+    const double near = 6 * 2 * std::numbers::pi / few().range();
+    for (std::size_t other = 0; other < chosen_.size(); ++other)
+      if (term(other).harmonic && !term(other).named() && std::abs(term(other).shape - order) < near) return true;
+    return false;
   }
 
   void report(FoundCauses& result) {
@@ -665,6 +723,16 @@ class CauseSearch {
       const double lost = lost_without(i);
       const auto d = static_cast<double>(term(i).size());
       ChosenTerm c{candidates_[chosen_[i]], coefficients(i)};
+      if (is_sideband(i)) {
+        const double order = std::abs(wave_number(term(i).effect, few().encoder));
+        c.candidate.term = free_order_term(few(), order);
+        c.candidate.term.pattern = Shape::order;
+        c.candidate.over = [order](const Sampling& s) {
+          Term t = free_order_term(s.evidence, order);
+          t.pattern = Shape::order;
+          return t;
+        };
+      }
       c.p_value = std::min(1.0, fisher_f_tail(lost / d / scale(), d, free) * c.candidate.alternatives *
                                     static_cast<double>(candidates_.size()));
       c.lost = lost / total_weight;
@@ -673,8 +741,10 @@ class CauseSearch {
       found.push_back(std::move(c));
       order.push_back(i);
     }
+    std::vector<double> alone;
+    for (const std::size_t g : chosen_) alone.push_back(-model_->fit(groups_, {g}).rss);
     std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t a, std::size_t b) { return found[a].lost > found[b].lost; });
+                     [&](std::size_t a, std::size_t b) { return alone[a] > alone[b]; });
     for (const std::size_t i : order) {
       if (term(i).named()) find_replacements(i, result, result.chosen.size());
       result.chosen.push_back(found[i]);
@@ -689,7 +759,7 @@ class CauseSearch {
   std::vector<std::string> found_before_;  ///< families of the previous pass's richest model
   std::vector<std::string> families_;      ///< of the previous pass
   Eigen::ArrayXd moved_;
-  double extra_ = 0, correlation_ = 1, worth_ = 0, floor_ = 0;
+  double extra_ = 0, correlation_ = 1, worth_ = 0, worth_of_shapes_ = 0, floor_ = 0;
   std::vector<Candidate> candidates_;
   std::vector<ColumnGroup> groups_;
   Eigen::MatrixXd columns_;

@@ -25,7 +25,7 @@ struct Replacement {
 };
 
 struct FoundCauses {
-  std::vector<ChosenTerm> chosen;  ///< in descending order of `lost`
+  std::vector<ChosenTerm> chosen;  ///< in descending order of the variance that each removes alone
   std::vector<Replacement> replacements;
   double samples_per_reading = 1;  ///< integrated autocorrelation of the residual of the richest model
   double excess = 0;     ///< mean square of the residual beyond quantization and stated noise [rad^2 or m^2]

@@ -33,18 +33,11 @@ bool factorize(Eigen::MatrixXd& a) {
 }
 
 void solve_lower(const Eigen::MatrixXd& l, Eigen::Ref<Eigen::MatrixXd> b) {
-  for (Eigen::Index i = 0; i < l.rows(); ++i) {
-    b.row(i) -= l.row(i).head(i) * b.topRows(i);
-    b.row(i) /= l(i, i);
-  }
+  l.triangularView<Eigen::Lower>().solveInPlace(b);
 }
 
-Eigen::VectorXd solve_upper(const Eigen::MatrixXd& l, Eigen::VectorXd b) {
-  for (Eigen::Index i = l.rows(); i-- > 0;) {
-    b[i] /= l(i, i);
-    b.head(i) -= l.row(i).head(i).transpose() * b[i];
-  }
-  return b;
+Eigen::VectorXd solve_upper(const Eigen::MatrixXd& l, const Eigen::VectorXd& b) {
+  return l.transpose().triangularView<Eigen::Upper>().solve(b);
 }
 
 }  // namespace
@@ -77,15 +70,18 @@ struct LinearModel::Projected {
   bool regular = true;
 };
 
-LinearModel::Projected LinearModel::project(const std::vector<ColumnGroup>& groups, const Set& set) const {
+LinearModel::Projected LinearModel::project(const std::vector<ColumnGroup>& groups, const Set& set,
+                                            bool with_across) const {
   Projected p;
   for (Eigen::Index i = 0; i < base_; ++i) p.columns.push_back(i);
   for (const std::size_t g : set)
     for (Eigen::Index i = 0; i < groups[g].count; ++i) p.columns.push_back(groups[g].first + i);
   p.factor = gram_(p.columns, p.columns);
   p.regular = factorize(p.factor);
-  p.across = gram_(p.columns, Eigen::all);
-  solve_lower(p.factor, p.across);
+  if (with_across) {
+    p.across = gram_(p.columns, Eigen::all);
+    solve_lower(p.factor, p.across);
+  }
   Eigen::MatrixXd right = moment_(p.columns);
   solve_lower(p.factor, right);
   p.solution = right;
@@ -94,7 +90,7 @@ LinearModel::Projected LinearModel::project(const std::vector<ColumnGroup>& grou
 }
 
 LinearModel::Fit LinearModel::fit(const std::vector<ColumnGroup>& groups, const Set& set) const {
-  const Projected p = project(groups, set);
+  const Projected p = project(groups, set, false);
   Fit f;
   f.rss = p.rss, f.regular = p.regular;
   f.coefficients = solve_upper(p.factor, p.solution);
@@ -106,7 +102,7 @@ LinearModel::Fit LinearModel::fit(const std::vector<ColumnGroup>& groups, const 
 double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set& set, double rss, double n,
                               double floor) const {
   double value = 0;
-  for (const std::size_t g : set) value += groups[g].price;
+  for (const std::size_t g : set) value += groups[g].price, rss += groups[g].least_gain;
   const double variance = std::max(rss / rows_, floor);
   return value + n * (std::log(variance) + rss / (rows_ * variance));
 }
@@ -144,7 +140,7 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
     for (std::size_t without = locked; without <= set.size(); ++without) {
       Set part = set;
       if (without < set.size()) part.erase(part.begin() + static_cast<std::ptrdiff_t>(without));
-      const Projected p = project(groups, part);
+      const Projected p = project(groups, part, true);
       if (!p.regular) continue;
       if (without < set.size()) propose(part, p.rss);
       struct Gain {
@@ -172,7 +168,8 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
         solve_lower(factor, solved);
         const double gain = solved.squaredNorm();
         left[g] = std::move(own), score[g] = r;
-        gains.push_back({gain, gain - c.price * std::max(p.rss / rows_, floor) * rows_ / n, g});
+        gains.push_back(
+            {gain, gain - c.least_gain - c.price * std::max(p.rss / rows_, floor) * rows_ / n, g});
         Set next = part;
         next.push_back(g);
         propose(std::move(next), std::max(0.0, p.rss - gain));

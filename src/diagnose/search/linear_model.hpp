@@ -10,6 +10,7 @@ struct ColumnGroup {
   Eigen::Index first = 0, count = 0;
   int family = 0;         ///< of a family, a model has at most one group
   double price = 0;       ///< of the criterion, in units of -2 log-likelihood
+  double least_gain = 0;  ///< decrease of the sum of squares that makes it worth a mention
   bool positive = false;  ///< its (one) coefficient cannot be negative
   /// Bounds of its (one) coefficient in the units of the column; 0, 0: none.
   double least = 0, most = 0;
@@ -18,9 +19,10 @@ struct ColumnGroup {
 
 /// Weighted linear regression in which the set of column groups is to be chosen.
 ///
-/// criterion(S) = n (ln s^2 + RSS/(n_rows s^2)) + sum of the prices, with s^2 = max(RSS/n_rows, floor): twice
-/// the negative log-likelihood of n independent Gaussian errors whose variance is unknown, but not below the
-/// floor. All comparisons use one Gram matrix of the columns.
+/// criterion(S) = n (ln s^2 + R/(n_rows s^2)) + sum of the prices, with R = RSS + sum of the least gains and
+/// s^2 = max(R/n_rows, floor): twice the negative log-likelihood of n independent Gaussian errors whose
+/// variance is unknown, but not below the floor. A group that lowers RSS by less than its least gain does not
+/// lower R. All comparisons use one Gram matrix of the columns.
 class LinearModel {
  public:
   /// @param columns  rows x columns, without weights
@@ -58,7 +60,7 @@ class LinearModel {
   struct Projected;
   Eigen::MatrixXd centred_;  ///< Gram matrix of the columns about their means
   double spread_;            ///< of y about its mean, weighted sum of squares
-  Projected project(const std::vector<ColumnGroup>&, const Set&) const;
+  Projected project(const std::vector<ColumnGroup>&, const Set&, bool with_across) const;
 
   double rows_, total_;
   Eigen::Index base_;

@@ -36,8 +36,9 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
   const double still = std::max(resting * e.step(), 4 * e.path_noise);
   for (Eigen::Index k = 0; k < n;) {
     if (k + 1 < n && e.measured[k] != e.measured[k + 1]) {
-      groups.push_back({k, k + 2});
-      k += 2;
+      const bool one_edge = std::abs(e.measured[k + 1] - e.measured[k]) < 1.5 * e.step();
+      groups.push_back({k, one_edge ? k + 2 : k + 1});
+      k = groups.back().end;
       continue;
     }
     Eigen::Index end = k + 1;
@@ -78,10 +79,8 @@ ErrorSamples error_samples(const Evidence& e, std::uint64_t seed, Eigen::Index m
   for (Eigen::Index i = 0; i < few.rows(); ++i) {
     const RowGroup& g = s.sampling.groups[static_cast<std::size_t>(i)];
     const bool edge = e.measured[g.first] != e.measured[g.end - 1];
-    const double counted = std::abs(e.measured[g.end - 1] - e.measured[g.first]) / step;
-    const double moved =
-        std::max(std::abs(e.path[g.end - 1] - e.path[g.first]) / step, counted > 1.5 ? counted : 0.0);
-    const double rounding = edge ? std::min(moved * moved, 0.5) / 12 : 1.0 / 12;
+    const double moved = (e.path[g.end - 1] - e.path[g.first]) / step;
+    const double rounding = edge ? std::min(moved * moved, 1.0) / 12 : 1.0 / 12;
     const double averaged = edge ? 2 : 1;
     s.variance[i] = rounding * step * step + e.path_noise * e.path_noise / averaged;
     if (few.random_sigma.size() > 0) s.variance[i] += std::pow(few.random_sigma[i], 2) / averaged;

@@ -144,7 +144,8 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
     for (Term& fresh : named_terms(own))
       if (fresh.effect.type == effect.type && fresh.effect.choices == effect.choices &&
           fresh.effect.number_or("order", 0) == effect.number_or("order", 0) &&
-          fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0)) t.term.columns = std::move(fresh.columns);
+          fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0))
+        t.term.columns = std::move(fresh.columns);
   }
 }
 

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <vector>
 
+#include "core/solve.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "effect/effects/effects.hpp"
@@ -19,18 +20,31 @@ constexpr Eigen::Index most_poses = 1500;  ///< at which loads are computed
 /// proportional controller (convention).
 constexpr double proportional = 0.1;
 
-/// Share of the effort's variance that is explained by the URDF's masses and a constant along the references;
-/// negative if unknown for this joint.
-double explained_by_masses(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
+/// Shares of the effort's variance that a load and a servo explain along the references.
+struct EffortShares {
+  double masses = -1;  ///< by the URDF's masses and a constant; negative if unknown for this joint
+  double servo = 0;    ///< by the joint's own speed and acceleration, which a servo lags behind
+};
+
+/// Share of a signal's variance that a combination of columns and a constant explains.
+double explained_by(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& signal) {
+  Eigen::MatrixXd all(columns.rows(), columns.cols() + 1);
+  all << columns, Eigen::VectorXd::Ones(columns.rows());
+  const Eigen::VectorXd c = least_norm_solution(all, signal.matrix());
+  return 1 - std::pow(rms(signal - (all * c).array()) / standard_deviation(signal), 2);
+}
+
+EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::ArrayXd& effort) {
   const std::size_t joints = s.model.chain.independent.size();
   const auto time = s.log.find(LogSignal::time);
-  if (!time || !has_masses(s.model.chain)) return -1;
+  EffortShares shares;
+  if (!time || !has_masses(s.model.chain)) return shares;
   const Eigen::Index n = s.log.values.rows();
   const Eigen::ArrayXd t = s.log.values.col(*time);
   std::vector<Eigen::ArrayXd> q(joints), v(joints), a(joints);
   for (std::size_t j = 0; j < joints; ++j) {
     const auto column = s.log.find(LogSignal::reference, j);
-    if (!column) return -1;
+    if (!column) return shares;
     const double step = s.log.columns[static_cast<std::size_t>(*column)].step();
     const SmoothPath path = smooth_path(t, s.log.values.col(*column), step);
     q[j] = path.position;
@@ -39,6 +53,7 @@ double explained_by_masses(const Sanity& s, std::size_t joint, const Eigen::Arra
   }
   const Eigen::Index stride = std::max<Eigen::Index>(1, n / most_poses), poses = n / stride;
   Eigen::ArrayXd load(poses), sampled(poses);
+  Eigen::MatrixXd own(poses, 2);
   Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
   for (Eigen::Index i = 0; i < poses; ++i) {
     for (std::size_t j = 0; j < joints; ++j) {
@@ -50,9 +65,13 @@ double explained_by_masses(const Sanity& s, std::size_t joint, const Eigen::Arra
     load[i] =
         inverse_dynamics(s.model.chain, position, velocity, acceleration)[static_cast<Eigen::Index>(joint)];
     sampled[i] = effort[i * stride];
+    own(i, 0) = velocity[static_cast<Eigen::Index>(joint)];
+    own(i, 1) = acceleration[static_cast<Eigen::Index>(joint)];
   }
-  if (standard_deviation(load) < 1e-9) return -1;
-  return 1 - std::pow(fit_line(load, sampled).residual_rms / standard_deviation(sampled), 2);
+  if (standard_deviation(load) < 1e-9) return shares;
+  shares.masses = explained_by(load.matrix(), sampled);
+  shares.servo = explained_by(own, sampled);
+  return shares;
 }
 
 void drop_effort(Sanity& s, std::size_t joint, const char* reason) {
@@ -88,9 +107,10 @@ void check_controller_output(Sanity& s, std::size_t joint) {
   const std::string& name = s.model.chain.independent[joint].name;
   // A measured load would leave the quantization error of the position in the residual.
   const bool exact = line.residual_rms < 0.3 * ideal;
-  const double from_masses = exact ? 0 : explained_by_masses(s, joint, effort);
-  if (from_masses > 0.5) return;
-  if (from_masses < 0) {
+  const EffortShares shares = exact ? EffortShares{0, 1} : effort_shares(s, joint, effort);
+  // A load follows the masses better than the joint's own motion, a servo error the reverse.
+  if (shares.masses > shares.servo) return;
+  if (shares.masses < 0) {
     s.alternatives.push_back({std::string(compliance_effect().name),
                               std::string(controller_droop_effect().name), name,
                               "a measured load, or the same motion with another payload"});

@@ -91,6 +91,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   s.model = model;
   s.present = present;
   s.rounding_sigma.assign(model.transmission.encoders.size(), 0);
+  s.reference_grid = s.rounding_sigma;
   for (std::size_t i = 0; i < model.transmission.encoders.size(); ++i)
     for (const Effect& effect : present)
       if (const auto modify = effect_kind(effect.type).modify_encoder;
@@ -106,9 +107,11 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   }
   if (log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
+  sanity::check_exchange(s);
   for (const auto step :
-       {sanity::check_constant_columns, sanity::check_rollover, sanity::check_decoding,
-        sanity::check_log_resolution, sanity::check_controller_output, sanity::check_stuck_sensor})
+       {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover, sanity::check_decoding,
+        sanity::check_log_resolution, sanity::check_outliers, sanity::check_controller_output,
+        sanity::check_stuck_sensor, sanity::check_held, sanity::check_coarse_reference})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
@@ -119,6 +122,10 @@ std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
   std::vector<Evidence> all = evidence(s.model, s.log, threads);
   add_coupled_effects(all, s.model.transmission, s.present);
   for (Evidence& e : all) {
+    // The error of a rounded reference is not reduced by smoothing where it moves by less than its step a
+    // row.
+    const double grid = s.reference_grid[static_cast<std::size_t>(e.number)] / std::sqrt(12.0);
+    e.noise = std::max(e.noise, grid), e.path_noise = std::max(e.path_noise, grid);
     for (std::size_t i = 0; i < s.rounding_sigma.size(); ++i)
       if (s.rounding_sigma[i] > 0 && s.model.chain.independent[i].name == e.joint)
         e.random_sigma = Eigen::ArrayXd::Constant(e.rows(), s.rounding_sigma[i]);

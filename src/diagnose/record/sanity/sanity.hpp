@@ -11,6 +11,13 @@
 
 namespace qerr {
 
+/// A sensor that is read less often than the log has rows.
+struct HeldSensor {
+  std::string joint;
+  double age = 0;     ///< mean age of its values [s]; negative: of the reference's
+  double period = 0;  ///< between two updates [s]
+};
+
 /// The log after repair of the faults that need no model fit, and these faults.
 struct Sanity {
   /// Repaired: counters without overflow, counts with the right decoding, even stamps in place of rounded
@@ -27,6 +34,10 @@ struct Sanity {
   std::vector<AlternativeCause> alternatives;  ///< that apply if `instead_of` is identified at their joint
   std::vector<Unidentified> unexplained;
   std::vector<DataFinding> data;
+  std::vector<HeldSensor> held;
+  std::vector<double>
+      reference_grid;  ///< per encoder: step of a reference that is coarser [rad or m]; 0: none
+  std::string spoilt;  ///< why the log as it stands misleads, and the remedy; "": it does not
   std::vector<std::string> warnings;
   std::string cannot_judge;  ///< the reason if the log has no reference, and what to record; else ""
 };
@@ -36,6 +47,8 @@ struct Sanity {
 /// - `rollover`: counts jump by one modulus at the end of a counter; measured - reference has levels n M;
 /// - `decoding`: counts are a simple ratio (or -1) times the reference;
 /// - `log_rounding`: positions recorded more coarsely than the encoder resolves, in the file or the counter;
+/// - columns in another unit than their header says, exchanged columns, single readings far off;
+/// - sensors that are read less often than the log has rows, references on a grid coarser than the encoder;
 /// - stuck sensors, references that are constant or coarser than the encoder;
 /// - stamps that are rounded, duplicate, uneven, or have gaps;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;

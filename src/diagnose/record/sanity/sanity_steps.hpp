@@ -51,6 +51,11 @@ double decode(Sanity&, RecordedCounts, std::size_t encoder, double factor);
 void drop_column(Log&, Eigen::Index column);
 
 void check_stamps(Sanity&);
+void check_exchange(Sanity&);
+void check_unit(Sanity&, std::size_t joint);
+void check_outliers(Sanity&, std::size_t encoder);
+void check_held(Sanity&, std::size_t encoder);
+void check_coarse_reference(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
 void check_decoding(Sanity&, std::size_t encoder);
