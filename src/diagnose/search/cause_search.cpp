@@ -23,7 +23,8 @@ namespace {
 constexpr Eigen::Index most_samples = 6000;
 constexpr int most_passes = 7, most_events = 4;
 
-/// The same of a table or polynomial, which follows a curve that is not its own only coarsely.
+/// The same of a table or polynomial, which follows a curve that is not its own only coarsely, and of any
+/// uncatalogued term of a model that does not explain everything.
 constexpr double material_part_of_table = 0.2;
 
 /// Ratio of a residual to that of rounding and noise up to which nothing worth mentioning is left.
@@ -31,7 +32,7 @@ constexpr double complete = 1.3;
 
 /// Part of what all terms explain that the leading names must reach to come first, and what makes a leading
 /// name.
-constexpr double named_share = 0.85, leading_part = 0.05;
+constexpr double named_share = 0.8, leading_part = 0.05;
 
 /// Part of what a term explains that another one must reach to be its alternative: real errors differ from
 /// the textbook's shapes by some percent.
@@ -165,12 +166,14 @@ class CauseSearch {
 
   bool raise_worth() {
     double worth = material * record_.step(), of_shapes = worth;
+    const bool incomplete = !is_complete(chosen_);
     for (std::size_t i = 0; i < chosen_.size(); ++i) {
       const Term& t = term(i);
       const bool table = is_table(chosen_[i]);
       if (!table && !t.harmonic && !t.reshaped && !t.hysteresis && !t.step && t.named()) continue;
       const double size = standard_deviation(addition(t, coefficients(i)));
-      worth = std::max(worth, (table ? material_part_of_table : material_part) * size);
+      const bool coarse = table || (incomplete && !t.named());
+      worth = std::max(worth, (coarse ? material_part_of_table : material_part) * size);
       if (!table) of_shapes = std::max(of_shapes, material_part * size);
     }
     const bool changed = std::abs(worth - worth_) > 0.2 * worth_;
@@ -242,6 +245,9 @@ class CauseSearch {
                  all = nothing - model_->fit(groups_, best).rss;
     LinearModel::Set core;
     for (std::size_t i = 0; i < names.size(); ++i) {
+      // Steps and exponentials are functions of time alone, of which a table is only the better version.
+      const Term& t = candidates_[names[i]].term;
+      if (t.step || t.reshaped) continue;
       LinearModel::Set without = names;
       without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
       if (model_->fit(groups_, without).rss - with_names > leading_part * (nothing - with_names))
@@ -699,13 +705,16 @@ class CauseSearch {
   }
 
   /// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude varies
-  /// along the path, and one of its sidebands is a whole number by chance.
+  /// along the path, and one of its sidebands is a whole number by chance. Sidebands are of one size, within a
+  /// factor of three.
   bool is_sideband(std::size_t i) const {
     if (!term(i).named() || !term(i).harmonic || candidates_[chosen_[i]].alternatives == 1) return false;
     const double order = std::abs(wave_number(term(i).effect, few().encoder));
     const double near = 6 * 2 * std::numbers::pi / few().range();
     for (std::size_t other = 0; other < chosen_.size(); ++other)
-      if (term(other).harmonic && !term(other).named() && std::abs(term(other).shape - order) < near) return true;
+      if (term(other).harmonic && !term(other).named() && std::abs(term(other).shape - order) < near &&
+          3 * coefficients(other).norm() > coefficients(i).norm())
+        return true;
     return false;
   }
 

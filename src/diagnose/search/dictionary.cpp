@@ -197,7 +197,7 @@ class Dictionary {
                                  const std::function<Term(const Sampling&)>& of) {
       add(of(s_), family, size, of);
     };
-    constexpr int travels = 10, constants = 6;
+    constexpr int travels = 10, constants = 10;
     for (const double travel : series(r.step(), 0.3 * r.range(), travels))
       add_history("hysteresis", travels, [travel](const Sampling& s) { return friction_term(s, travel); });
     const double duration = e_.time[e_.rows() - 1];
