@@ -19,9 +19,8 @@ void require_log_or_plan(const Values& v) {
   if (!v.given("plan") && v.given("reference-noise"))
     throw usage("--reference-noise", "the noise is estimated from the log", "", "use it with --plan only");
   if (!v.given("plan")) return;
-  if (v.given("hold")) throw usage("--hold", "a plan reads no log", "", "leave it out, or name a log");
   if (v.given("LOG"))
-    throw usage("--plan", "a plan is made without a log", "'" + v.texts("LOG").front() + "'",
+    throw usage("--plan", "a plan is made without a log", "'" + v.text("LOG") + "'",
                 "leave out the log, or --plan");
   for (const char* output : {"write-model", "write-table", "plots", "check", "details"})
     if (v.given(output))
@@ -66,11 +65,8 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
 int run(const Values& v) {
   require_log_or_plan(v);
   if (v.given("plan")) return run_plan(v);
-  const LogFiles files{v.texts("LOG"), v.given("hold")};
-  std::vector<std::string> inputs = files.paths;
-  inputs.push_back(v.text("SPEC"));
-  refuse_shared_input(inputs, "LOG");
-  for (const std::string& file : files.paths) note_input(file);  // before the outputs are prepared
+  refuse_shared_input({v.text("SPEC"), v.text("LOG")}, "LOG");
+  note_input(v.text("LOG"));  // before the outputs are prepared: it is read after them
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
@@ -83,7 +79,7 @@ int run(const Values& v) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  Log log = read_log(files, spec, most_log_values, progress(v, "bytes"));
+  Log log = read_log(v.text("LOG"), spec, most_log_values, progress(v, "bytes"));
   DiagnosisReport report = diagnosis_report(spec, std::move(log), options);
   if (model) {
     finish(*model, extended_model(report, v.text("write-model")));
@@ -104,42 +100,35 @@ Command diagnose_command() {
   return {
       "diagnose",
       "Find the causes of a measured log's errors: effects, an extended model, the gain",
-      joined(
-          {spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
-           {{.name = "LOG",
-             .kind = OptionKind::repeat,
-             .meaning = "the measured log (CSV), wide or long; several files are joined by time; '-' reads "
-                        "standard input"},
-            {.name = "--hold",
-             .kind = OptionKind::flag,
-             .meaning = "an empty cell means the last value of its column"},
-            {.name = "--plan",
-             .kind = OptionKind::flag,
-             .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
-                        "motion that identifies more"},
-            {.name = "--reference-noise",
-             .value = "COUNTS",
-             .kind = OptionKind::number,
-             .meaning = "standard deviation of the reference sensors that --plan assumes, in counts",
-             .fallback = "0.05",
-             .least = 1e-3,
-             .most = 10},
-            {.name = "--check",
-             .kind = OptionKind::flag,
-             .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
-            {.name = "--details",
-             .kind = OptionKind::flag,
-             .meaning = "in the table also the statistics, p-values, all intervals and gains"},
-            {.name = "--write-model",
-             .value = "FILE.yaml",
-             .meaning = "write the spec with the effects found; '-' is standard output"},
-            {.name = "--write-table",
-             .value = "FILE.csv",
-             .meaning = "write a look-up table for the controller: encoder angle to correction"},
-            {.name = "--plots",
-             .value = "FOLDER",
-             .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
-           output_options()}),
+      joined({spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
+              {{.name = "LOG", .meaning = "the measured log (CSV); '-' reads standard input"},
+               {.name = "--plan",
+                .kind = OptionKind::flag,
+                .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
+                           "motion that identifies more"},
+               {.name = "--reference-noise",
+                .value = "COUNTS",
+                .kind = OptionKind::number,
+                .meaning = "standard deviation of the reference sensors that --plan assumes, in counts",
+                .fallback = "0.05",
+                .least = 1e-3,
+                .most = 10},
+               {.name = "--check",
+                .kind = OptionKind::flag,
+                .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
+               {.name = "--details",
+                .kind = OptionKind::flag,
+                .meaning = "in the table also the statistics, p-values, all intervals and gains"},
+               {.name = "--write-model",
+                .value = "FILE.yaml",
+                .meaning = "write the spec with the effects found; '-' is standard output"},
+               {.name = "--write-table",
+                .value = "FILE.csv",
+                .meaning = "write a look-up table for the controller: encoder angle to correction"},
+               {.name = "--plots",
+                .value = "FOLDER",
+                .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
+              output_options()}),
       run,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
        {"qerr diagnose arm.yaml log.csv --write-model found.yaml",

@@ -143,13 +143,12 @@ std::string CsvReader::text(std::size_t chosen) const {
   return cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1)[chosen_[chosen]].text;
 }
 
-DecimalText CsvReader::written(std::size_t chosen) const { return written_[chosen].text(); }
-
-DecimalText CsvReader::Written::text() const {
-  if (least_decimals > most_decimals) return {};
+DecimalText CsvReader::written(std::size_t chosen) const {
+  const Written& w = written_[chosen];
+  if (w.least_decimals > w.most_decimals) return {};
   int digits = 0;
-  for (std::uint64_t n = largest; n > 0; n /= 10) ++digits;
-  return {most_decimals, least_decimals, std::max(most_digits, digits)};
+  for (std::uint64_t n = w.largest; n > 0; n /= 10) ++digits;
+  return {w.most_decimals, w.least_decimals, std::max(w.most_digits, digits)};
 }
 
 }  // namespace qerr

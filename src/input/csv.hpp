@@ -24,9 +24,8 @@ ColumnName column_name(const std::string& cell);
 inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 
 struct CsvLimits {
-  std::size_t block = 1 << 18;                                          ///< bytes per read
-  std::size_t longest_row = 1 << 20;                                    ///< [bytes]
-  const char* if_empty = "write a plain number, or leave the row out";  ///< remedy for an empty cell
+  std::size_t block = 1 << 18;        ///< bytes per read
+  std::size_t longest_row = 1 << 20;  ///< [bytes]
 };
 
 /// A CSV table (RFC 4180) of any length, read row by row through a buffer of a few blocks.
@@ -68,16 +67,6 @@ class CsvReader {
   Place place(std::size_t chosen) const;
   std::string text(std::size_t chosen) const;
 
-  /// Extremes of the decimals and digits of a column.
-  struct Written {
-    int most_decimals = -1000, least_decimals = 1000, most_digits = 0;
-    std::uint64_t largest = 0;  // all digits as one integer
-    DecimalText text() const;
-  };
-
-  /// Reads the number of a cell's text. @returns false if it is not a finite decimal number
-  static bool read_number(const std::string& cell, double& value, Written&);
-
   /// Decimals and digits of the numbers read so far from a chosen column.
   DecimalText written(std::size_t chosen) const;
 
@@ -87,6 +76,12 @@ class CsvReader {
     const char* begin = {};  // in the buffer
     bool quoted = false;
   };
+  /// Extremes of the decimals and digits of a column.
+  struct Written {
+    int most_decimals = -1000, least_decimals = 1000, most_digits = 0;
+    std::uint64_t largest = 0;  // all digits as one integer
+  };
+
   bool fill();
   void read_header();
   const char* record_end(const char* begin);

@@ -219,20 +219,15 @@ void CsvReader::ragged(std::size_t cells) const {
                remedy});
 }
 
-bool CsvReader::read_number(const std::string& cell, double& value, Written& written) {
-  const std::string ended = cell + ',';
+void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
+  const std::string ended = cell.text + ',';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';
-  const char* const end = fast_number(begin, value, written);
-  return end && end == ended.c_str() + cell.size();
-}
-
-void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
-  if (read_number(cell.text, value, written_[chosen])) return;
+  const char* const end = fast_number(begin, value, written_[chosen]);
+  if (end && end == ended.c_str() + cell.text.size()) return;
   throw Error({place_at(cell.begin), header_[chosen_[chosen]],
                cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
-               cell.text.empty() ? "" : "'" + cell.text + "'",
-               cell.text.empty() ? limits_.if_empty : "write a plain number, or leave the row out"});
+               cell.text.empty() ? "" : "'" + cell.text + "'", "write a plain number, or leave the row out"});
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {

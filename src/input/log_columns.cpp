@@ -110,7 +110,7 @@ bool means_time(const std::string& name) {
 /// Finds the columns in one pass over the header, then checks that they are complete.
 class ColumnFinder {
  public:
-  ColumnFinder(const LogTable& table, const Spec& spec) : table_(table), spec_(spec) {
+  ColumnFinder(const CsvReader& table, const Spec& spec) : table_(table), spec_(spec) {
     known_ = known_columns(spec.model.chain);
     for (const KnownColumn& k : known_) names_.push_back(k.name);
     for (std::size_t i = 0; i < table.header().size(); ++i) add(i);
@@ -142,19 +142,13 @@ class ColumnFinder {
     const KnownColumn& known = known_[static_cast<std::size_t>(found - names_.begin())];
     for (const LogColumn& other : found_.columns)
       if (other.signal == known.signal && other.index == known.index)
-        duplicate(i, found_.places[static_cast<std::size_t>(&other - found_.columns.data())]);
+        throw Error({table_.header_place(i), cell, "duplicate column", "", "keep one of them"});
     LogColumn column{known.signal, known.index, cell, {}, {}, {}, {}};
     read_unit(column, known, parts.unit, spec_.model.chain, table_.header_place(i));
     if (parts.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
       unitless_ += (unitless_.empty() ? "'" : ", '") + cell + "'";
     found_.columns.push_back(column);
     found_.places.push_back(i);
-  }
-
-  [[noreturn]] void duplicate(std::size_t i, std::size_t other) const {
-    const Place place = table_.header_place(i), first = table_.header_place(other);
-    throw Error({place, table_.header()[i], "duplicate column",
-                 first.file == place.file ? "" : "also in " + first.file, "keep one of them"});
   }
 
   void check_table() const {
@@ -206,7 +200,7 @@ class ColumnFinder {
     return spec_.model.chain.independent[joint].prismatic() ? "m" : "rad";
   }
 
-  const LogTable& table_;
+  const CsvReader& table_;
   const Spec& spec_;
   std::vector<KnownColumn> known_;
   std::vector<std::string> names_, ignored_names_;
@@ -218,7 +212,7 @@ class ColumnFinder {
 
 }  // namespace
 
-LogColumns find_log_columns(const LogTable& table, const Spec& spec, std::vector<std::string>& warnings) {
+LogColumns find_log_columns(const CsvReader& table, const Spec& spec, std::vector<std::string>& warnings) {
   return ColumnFinder(table, spec).checked(warnings);
 }
 

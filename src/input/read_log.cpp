@@ -44,9 +44,8 @@ void note(Wraps& wraps, std::uint64_t row, double time) {
 /// The rows of a log and the state from one row to the next.
 class LogReader::Rows {
  public:
-  Rows(const LogFiles& files, const Spec& spec, const LogOptions& options)
-      : table_(files, {options.block_bytes, options.longest_row,
-                       "leave the row out, or hold the last value of each column: --hold"}),
+  Rows(const std::string& path, const Spec& spec, const LogOptions& options)
+      : table_(path, {options.block_bytes, options.longest_row}),
         transmission_(spec.model.transmission),
         most_(std::max<Eigen::Index>(options.block_rows, 1)),
         progress_(options.progress) {
@@ -73,8 +72,6 @@ class LogReader::Rows {
     rows.resize(most_, static_cast<Eigen::Index>(log.columns.size()));
     Eigen::Index count = 0;
     while (count < most_ && table_.next(rows.data() + count, most_)) check(rows, count++);
-    if (count == 0)
-      for (const std::string& warning : table_.warnings()) log.warnings.push_back(warning);
     if (count == 0 && log.rows == 0)
       throw Error({{table_.file(), table_.line(), 1}, "", "the log has no rows", "only a header", ""});
     if (count == 0) return false;
@@ -83,7 +80,8 @@ class LogReader::Rows {
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = rows(count - 1, *time_);
     for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
-    if (progress_ && table_.size() > 0) progress_(table_.position(), table_.size());
+    const ByteSource& source = table_.source();
+    if (progress_ && source.size() > 0) progress_(source.position(), source.size());
     return true;
   }
 
@@ -173,7 +171,7 @@ class LogReader::Rows {
     }
   }
 
-  LogTable table_;
+  CsvReader table_;
   Transmission transmission_;
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;
@@ -190,8 +188,8 @@ class LogReader::Rows {
   std::vector<TurnAlignment> alignments_;
 };
 
-LogReader::LogReader(const LogFiles& files, const Spec& spec, const LogOptions& options)
-    : rows_(std::make_unique<Rows>(files, spec, options)) {}
+LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)
+    : rows_(std::make_unique<Rows>(path, spec, options)) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 LogReader& LogReader::operator=(LogReader&&) noexcept = default;
@@ -252,10 +250,10 @@ class Stretches {
 
 }  // namespace
 
-Log read_log(const LogFiles& files, const Spec& spec, std::uint64_t most_values,
+Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values,
              std::function<void(std::uint64_t, std::uint64_t)> progress) {
   LogReader reader(
-      files, spec,
+      path, spec,
       {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
   Stretches stretches(most_values);
   for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));

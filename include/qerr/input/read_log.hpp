@@ -3,23 +3,11 @@
 #include <cstddef>
 #include <memory>
 #include <string>
-#include <utility>
-#include <vector>
 
 #include "qerr/input/spec.hpp"
 #include "qerr/simulate/log.hpp"
 
 namespace qerr {
-
-/// The files of a log; files of wide and long format (`time [s],signal,value`) are joined by time, each
-/// column holding its last value.
-struct LogFiles {
-  LogFiles(std::string path) : paths{std::move(path)} {}
-  LogFiles(std::vector<std::string> files, bool hold_empty = false)
-      : paths(std::move(files)), hold(hold_empty) {}
-  std::vector<std::string> paths;  ///< at least one; `-` is standard input
-  bool hold = false;               ///< an empty cell of a wide file means the last value of its column
-};
 
 struct LogOptions {
   std::size_t block_bytes = 1 << 18;  ///< bytes of the file per read
@@ -52,7 +40,7 @@ class LogReader {
   /// @throws Error (file_system) if the file cannot be read; (input), with line and column, for a column that
   /// is duplicate, has a wrong unit or is missing: the measured signal of a joint with a reference, of every
   /// joint if the tip is tracked, of all joints
-  LogReader(const LogFiles&, const Spec&, const LogOptions& = {});
+  LogReader(const std::string& path, const Spec&, const LogOptions& = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
   LogReader& operator=(LogReader&&) noexcept;
@@ -77,7 +65,7 @@ inline constexpr std::uint64_t most_log_values = 32'000'000;
 /// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
 /// length of the file.
 /// @param progress  as of LogOptions
-Log read_log(const LogFiles&, const Spec&, std::uint64_t most_values = most_log_values,
+Log read_log(const std::string& path, const Spec&, std::uint64_t most_values = most_log_values,
              std::function<void(std::uint64_t done, std::uint64_t total)> progress = {});
 
 }  // namespace qerr
