@@ -20,9 +20,13 @@ void require_log_or_plan(const Values& v) {
     throw usage("--reference-noise", "the noise is estimated from the log", "", "use it with --plan only");
   if (!v.given("plan")) return;
   if (v.given("LOG"))
-    throw usage("--plan", "a plan is made without a log", "'" + v.text("LOG") + "'",
+    throw usage("--plan", "a plan is made without a log", "'" + v.texts("LOG").front() + "'",
                 "leave out the log, or --plan");
+<<<<<<< HEAD
   for (const char* output : {"write-model", "write-table", "plots", "check", "details"})
+=======
+  for (const char* output : {"write-model", "write-table", "plots", "check", "hold"})
+>>>>>>> 4e053e0 (logs: long format, several files joined by time, exact epoch stamps)
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
@@ -65,8 +69,10 @@ void write_plots(DiagnosisReport& report, OutputFile& residual, OutputFile& spec
 int run(const Values& v) {
   require_log_or_plan(v);
   if (v.given("plan")) return run_plan(v);
-  refuse_shared_input({v.text("SPEC"), v.text("LOG")}, "LOG");
-  note_input(v.text("LOG"));  // before the outputs are prepared: it is read after them
+  std::vector<std::string> inputs = v.texts("LOG");
+  for (const std::string& log : inputs) note_input(log);  // the outputs are prepared before they are read
+  inputs.push_back(v.text("SPEC"));
+  refuse_shared_input(inputs, "LOG");
   const Spec spec = load(v.text("SPEC"), v);
   OutputFile out(v.text("output"));
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
@@ -79,7 +85,7 @@ int run(const Values& v) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  Log log = read_log(v.text("LOG"), spec, most_log_values, progress(v, "bytes"));
+  Log log = read_log({v.texts("LOG"), v.given("hold")}, spec, most_log_values, progress(v, "bytes"));
   DiagnosisReport report = diagnosis_report(spec, std::move(log), options);
   if (model) {
     finish(*model, extended_model(report, v.text("write-model")));
@@ -100,6 +106,7 @@ Command diagnose_command() {
   return {
       "diagnose",
       "Find the causes of a measured log's errors: effects, an extended model, the gain",
+<<<<<<< HEAD
       joined({spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
               {{.name = "LOG", .meaning = "the measured log (CSV); '-' reads standard input"},
                {.name = "--plan",
@@ -129,10 +136,47 @@ Command diagnose_command() {
                 .value = "FOLDER",
                 .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
               output_options()}),
+=======
+      joined(
+          {spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
+           {{.name = "LOG",
+             .kind = OptionKind::repeat,
+             .meaning = "the measured log (CSV): one file, or several, which are joined by time; '-' reads "
+                        "standard input"},
+            {.name = "--hold",
+             .kind = OptionKind::flag,
+             .meaning = "an empty cell of a log has the last value of its column"},
+            {.name = "--plan",
+             .kind = OptionKind::flag,
+             .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
+                        "motion that identifies more"},
+            {.name = "--reference-noise",
+             .value = "COUNTS",
+             .kind = OptionKind::number,
+             .meaning = "standard deviation of the reference sensors that --plan assumes, in counts",
+             .fallback = "0.05",
+             .least = 1e-3,
+             .most = 10},
+            {.name = "--check",
+             .kind = OptionKind::flag,
+             .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
+            {.name = "--write-model",
+             .value = "FILE.yaml",
+             .meaning = "write the spec with the effects found; '-' is standard output"},
+            {.name = "--write-table",
+             .value = "FILE.csv",
+             .meaning = "write a look-up table for the controller: encoder angle to correction"},
+            {.name = "--plots",
+             .value = "FOLDER",
+             .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
+           output_options()}),
+>>>>>>> 4e053e0 (logs: long format, several files joined by time, exact epoch stamps)
       run,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
        {"qerr diagnose arm.yaml log.csv --write-model found.yaml",
         "and the spec with the effects found, for analyze and check"},
+       {"qerr diagnose arm.yaml encoders.csv tracker.csv",
+        "the same for a log in two files, whose rows are joined by time"},
        {"qerr diagnose arm.yaml --plan",
         "before anything is recorded: what a record of the spec's motion would show"}},
       {"diagnosis", "logs", "effects"}};

@@ -113,11 +113,15 @@ void CsvReader::read_header() {
 
 Place CsvReader::header_place(std::size_t column) const { return header_places_[column]; }
 
-void CsvReader::choose(const std::vector<std::size_t>& columns) {
+void CsvReader::choose(const std::vector<std::size_t>& columns, const std::vector<std::size_t>& texts) {
   chosen_ = columns;
+  text_columns_ = texts;
   plan_.assign(header_.size(), -1);
   for (std::size_t i = 0; i < columns.size(); ++i) plan_[columns[i]] = static_cast<std::ptrdiff_t>(i);
+  for (std::size_t i = 0; i < texts.size(); ++i) plan_[texts[i]] = -2 - static_cast<std::ptrdiff_t>(i);
   written_.assign(columns.size(), {});
+  texts_.assign(texts.size(), {});
+  text_cells_.assign(texts.size(), {});
 }
 
 int CsvReader::line() const {
@@ -134,21 +138,52 @@ Place CsvReader::place_at(const char* cell) const {
   return {file(), line() + inner_lines, static_cast<int>(display_width(before)) + 1};
 }
 
-Place CsvReader::place(std::size_t chosen) const {
+Place CsvReader::place(std::size_t chosen) const { return cell_place(chosen_[chosen]); }
+
+Place CsvReader::cell_place(std::size_t column) const {
   const std::vector<Cell> cells = cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1);
-  return place_at(cells[chosen_[chosen]].begin);
+  return place_at(cells[column].begin);
 }
 
 std::string CsvReader::text(std::size_t chosen) const {
   return cells_of(buffer_.data() + row_, buffer_.data() + next_ - 1)[chosen_[chosen]].text;
 }
 
-DecimalText CsvReader::written(std::size_t chosen) const {
-  const Written& w = written_[chosen];
-  if (w.least_decimals > w.most_decimals) return {};
+/// Splits a record into its cells (RFC 4180): a quoted cell may contain commas and line ends, and a doubled
+/// quotation mark is one.
+std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* end) const {
+  std::vector<Cell> cells;
+  const char* p = begin;
+  while (true) {
+    while (p != end && is_blank(*p)) ++p;
+    Cell cell{{}, p, p != end && *p == '"'};
+    if (cell.quoted) {
+      for (++p; p != end && (*p != '"' || (p + 1 != end && *++p == '"')); ++p) cell.text += *p;
+      // p is after the closing quotation mark, or on it at the end of the record
+      p += p != end && *p == '"';
+      while (p != end && is_blank(*p)) ++p;
+      if (p != end && *p != ',')
+        throw Error(
+            {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
+    } else {
+      while (p != end && *p != ',') ++p;
+      cell.text.assign(cell.begin, p);
+      while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
+      if (const auto at = cell.text.find('\r'); at != std::string::npos)
+        throw Error({place_at(cell.begin + at), "", "a carriage return without a line feed", "",
+                     "end lines with LF or CR LF"});
+    }
+    cells.push_back(std::move(cell));
+    if (p == end) return cells;
+    ++p;
+  }
+}
+
+DecimalText WrittenNumbers::text() const {
+  if (least_decimals > most_decimals) return {};
   int digits = 0;
-  for (std::uint64_t n = w.largest; n > 0; n /= 10) ++digits;
-  return {w.most_decimals, w.least_decimals, std::max(w.most_digits, digits)};
+  for (std::uint64_t n = largest; n > 0; n /= 10) ++digits;
+  return {most_decimals, least_decimals, std::max(most_digits, digits)};
 }
 
 }  // namespace qerr

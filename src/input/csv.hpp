@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -26,7 +27,22 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 struct CsvLimits {
   std::size_t block = 1 << 18;        ///< bytes per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]
+  bool empty_cells = false;           ///< an empty cell of a chosen column is NaN, and no error
+  std::string empty_remedy = {};      ///< what else helps against an empty cell
 };
+
+/// Extremes of the decimals and digits of numbers.
+struct WrittenNumbers {
+  int most_decimals = -1000, least_decimals = 1000, most_digits = 0;
+  std::uint64_t largest = 0;  ///< all digits as one integer
+
+  DecimalText text() const;
+};
+
+/// Reads the number at `p`, decimal, finite and correctly rounded; any byte that is no part of a number ends
+/// it.
+/// @returns its end, or null if there is no number, it is out of the range of double, or a zero byte follows
+const char* read_number(const char* p, double& value, WrittenNumbers&);
 
 /// A CSV table (RFC 4180) of any length, read row by row through a buffer of a few blocks.
 ///
@@ -45,8 +61,9 @@ class CsvReader {
   const std::vector<std::string>& header() const { return header_; }
   Place header_place(std::size_t column) const;
 
-  /// Selects the columns to read as numbers, in the order in which `next` stores them.
-  void choose(const std::vector<std::size_t>& columns);
+  /// Selects the columns to read as numbers, in the order in which `next` stores them, and those to read as
+  /// texts; no column can be both.
+  void choose(const std::vector<std::size_t>& columns, const std::vector<std::size_t>& texts = {});
 
   /// Reads the next row: stores the number of the i-th chosen column in values[i * stride].
   /// @returns false at the end
@@ -68,18 +85,18 @@ class CsvReader {
   std::string text(std::size_t chosen) const;
 
   /// Decimals and digits of the numbers read so far from a chosen column.
-  DecimalText written(std::size_t chosen) const;
+  DecimalText written(std::size_t chosen) const { return written_[chosen].text(); }
+
+  /// The i-th column of texts in the last row that was read; a byte that is not zero follows it in memory.
+  std::string_view chosen_text(std::size_t i) const { return texts_[i]; }
+  /// Place of the cell of any column in the last row that was read.
+  Place cell_place(std::size_t column) const;
 
  private:
   struct Cell {
     std::string text;        // without quotation marks and surrounding blanks
     const char* begin = {};  // in the buffer
     bool quoted = false;
-  };
-  /// Extremes of the decimals and digits of a column.
-  struct Written {
-    int most_decimals = -1000, least_decimals = 1000, most_digits = 0;
-    std::uint64_t largest = 0;  // all digits as one integer
   };
 
   bool fill();
@@ -93,7 +110,6 @@ class CsvReader {
   std::vector<Cell> cells_of(const char* begin, const char* end) const;
   [[noreturn]] void ragged(std::size_t cells) const;
   Place place_at(const char* cell) const;
-  static const char* fast_number(const char*, double& value, Written&);
 
   ByteSource source_;
   CsvLimits limits_;
@@ -107,9 +123,12 @@ class CsvReader {
   std::vector<std::string> header_;
   std::vector<Place> header_places_;
   std::vector<std::ptrdiff_t>
-      plan_;  // for every column of the file: its index among the chosen columns, or -1
-  std::vector<std::size_t> chosen_;  // for every chosen column: its index in the file
-  std::vector<Written> written_;     // for every chosen column
+      plan_;  // for every column of the file: index i of a number, -1: not read, -2 - i of a text
+  std::vector<std::size_t> chosen_;      // for every chosen column: its index in the file
+  std::vector<WrittenNumbers> written_;  // for every chosen column
+  std::vector<std::size_t> text_columns_;
+  std::vector<std::string_view> texts_;  // of the last row, in the buffer or in text_cells_
+  std::vector<std::string> text_cells_;
 };
 
 }  // namespace qerr

@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "core/text.hpp"
 #include "input/csv.hpp"
@@ -15,6 +16,7 @@ namespace {
 
 constexpr std::array<double, 20> powers{1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,  1e8,  1e9,
                                         1e10, 1e11, 1e12, 1e13, 1e14, 1e15, 1e16, 1e17, 1e18, 1e19};
+constexpr double no_number = std::numeric_limits<double>::quiet_NaN();
 constexpr std::uint64_t most_exact = std::uint64_t{1} << 53;
 
 unsigned digit(char c) { return static_cast<unsigned>(static_cast<unsigned char>(c)) - '0'; }
@@ -44,9 +46,7 @@ const char* skip_exponent(const char* p) {
 
 /// Reads the number at `p`, correctly rounded: an integer below 2^53 divided by a power of ten up to 10^19 is
 /// one rounding of exact operands (Clinger 1990); std::from_chars reads any other number.
-/// @returns its end, or null if there is no number, it is out of the range of double, or the buffer ends in
-/// it
-const char* CsvReader::fast_number(const char* p, double& value, Written& written) {
+const char* read_number(const char* p, double& value, WrittenNumbers& written) {
   const char* const begin = p;
   const bool negative = *p == '-';
   p += negative;
@@ -93,8 +93,20 @@ const char* CsvReader::fast_row(double* values, std::ptrdiff_t stride) {
   for (std::size_t i = 0;; ++i) {
     const std::ptrdiff_t chosen = plan[i];
     while (*p == ' ' || *p == '\t') ++p;
-    p = chosen < 0 ? skip_cell(p)
-                   : fast_number(p, values[chosen * stride], written_[static_cast<std::size_t>(chosen)]);
+    const char* const cell = p;
+    if (chosen >= 0) {
+      p = read_number(cell, values[chosen * stride], written_[static_cast<std::size_t>(chosen)]);
+      if (!p && limits_.empty_cells && (*cell == ',' || *cell == '\n' || *cell == '\r')) {
+        values[chosen * stride] = no_number;
+        p = cell;
+      }
+    } else {
+      p = skip_cell(cell);
+      if (chosen < -1) {
+        if (!p || *cell == '"' || (p != cell && is_blank(p[-1]))) return nullptr;
+        texts_[static_cast<std::size_t>(-2 - chosen)] = {cell, p};
+      }
+    }
     if (!p) return nullptr;
     if (i == last) break;
     if (*p++ != ',') return nullptr;
@@ -175,36 +187,6 @@ const char* CsvReader::record_end(const char* begin) {
   }
 }
 
-/// Splits a record into its cells (RFC 4180): a quoted cell may contain commas and line ends, and a doubled
-/// quotation mark is one.
-std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* end) const {
-  std::vector<Cell> cells;
-  const char* p = begin;
-  while (true) {
-    while (p != end && is_blank(*p)) ++p;
-    Cell cell{{}, p, p != end && *p == '"'};
-    if (cell.quoted) {
-      for (++p; p != end && (*p != '"' || (p + 1 != end && *++p == '"')); ++p) cell.text += *p;
-      // p is after the closing quotation mark, or on it at the end of the record
-      p += p != end && *p == '"';
-      while (p != end && is_blank(*p)) ++p;
-      if (p != end && *p != ',')
-        throw Error(
-            {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
-    } else {
-      while (p != end && *p != ',') ++p;
-      cell.text.assign(cell.begin, p);
-      while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
-      if (const auto at = cell.text.find('\r'); at != std::string::npos)
-        throw Error({place_at(cell.begin + at), "", "a carriage return without a line feed", "",
-                     "end lines with LF or CR LF"});
-    }
-    cells.push_back(std::move(cell));
-    if (p == end) return cells;
-    ++p;
-  }
-}
-
 void CsvReader::ragged(std::size_t cells) const {
   const char* const row = buffer_.data() + row_;
   std::string remedy = counted(header_.size(), "cell");
@@ -220,14 +202,20 @@ void CsvReader::ragged(std::size_t cells) const {
 }
 
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
+  if (limits_.empty_cells && cell.text.empty()) {
+    value = no_number;
+    return;
+  }
   const std::string ended = cell.text + ',';
   const char* begin = ended.c_str();
   begin += *begin == '+' && begin[1] != '-';
-  const char* const end = fast_number(begin, value, written_[chosen]);
+  const char* const end = read_number(begin, value, written_[chosen]);
   if (end && end == ended.c_str() + cell.text.size()) return;
-  throw Error({place_at(cell.begin), header_[chosen_[chosen]],
-               cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
-               cell.text.empty() ? "" : "'" + cell.text + "'", "write a plain number, or leave the row out"});
+  throw Error(
+      {place_at(cell.begin), header_[chosen_[chosen]],
+       cell.text.empty() ? "the cell is empty" : "not a finite decimal number",
+       cell.text.empty() ? "" : "'" + cell.text + "'",
+       "write a plain number, or leave the row out" + (cell.text.empty() ? limits_.empty_remedy : "")});
 }
 
 std::vector<CsvReader::Cell> CsvReader::cells_of_row() const {
@@ -240,6 +228,11 @@ bool CsvReader::general_row(double* values, std::ptrdiff_t stride) {
   const std::vector<Cell> cells = cells_of_row();
   for (std::size_t i = 0; i < chosen_.size(); ++i)
     general_cell(cells[chosen_[i]], i, values[static_cast<std::ptrdiff_t>(i) * stride]);
+  for (std::size_t i = 0; i < text_columns_.size(); ++i) {
+    const std::string& text = cells[text_columns_[i]].text;
+    text_cells_[i] = text + ',';
+    texts_[i] = std::string_view(text_cells_[i]).substr(0, text.size());
+  }
   return true;
 }
 

@@ -70,9 +70,7 @@ std::optional<std::pair<std::string, Unit>> arbitrary_effort(const std::string& 
 }
 
 /// Reads the unit of a column from its header; without one the column is in SI units.
-void read_unit(LogColumn& column, const KnownColumn& known, const std::string& unit, const Chain& chain,
-               const Place& place) {
-  const Dimension dimension = dimension_of(known, chain);
+void read_unit(LogColumn& column, const Dimension& dimension, const std::string& unit, const Place& place) {
   const bool counts = column.signal == LogSignal::counts;
   column.unit = counts ? "count" : unit_name(dimension);
   column.scale.dimension = dimension;
@@ -110,7 +108,7 @@ bool means_time(const std::string& name) {
 /// Finds the columns in one pass over the header, then checks that they are complete.
 class ColumnFinder {
  public:
-  ColumnFinder(const CsvReader& table, const Spec& spec) : table_(table), spec_(spec) {
+  ColumnFinder(const LogTable& table, const Spec& spec) : table_(table), spec_(spec) {
     known_ = known_columns(spec.model.chain);
     for (const KnownColumn& k : known_) names_.push_back(k.name);
     for (std::size_t i = 0; i < table.header().size(); ++i) add(i);
@@ -130,7 +128,7 @@ class ColumnFinder {
 
  private:
   void add(std::size_t i) {
-    const std::string& cell = table_.header()[i];
+    const std::string& cell = table_.header()[i].text;
     const ColumnName parts = column_name(cell);
     const auto found = std::find(names_.begin(), names_.end(), parts.name);
     if (found == names_.end()) {
@@ -140,24 +138,30 @@ class ColumnFinder {
       return;
     }
     const KnownColumn& known = known_[static_cast<std::size_t>(found - names_.begin())];
-    for (const LogColumn& other : found_.columns)
-      if (other.signal == known.signal && other.index == known.index)
-        throw Error({table_.header_place(i), cell, "duplicate column", "", "keep one of them"});
+    for (std::size_t k = 0; k < found_.columns.size(); ++k)
+      if (found_.columns[k].signal == known.signal && found_.columns[k].index == known.index)
+        throw duplicate(table_.header()[found_.places[k]], table_.header()[i]);
     LogColumn column{known.signal, known.index, cell, {}, {}, {}, {}};
-    read_unit(column, known, parts.unit, spec_.model.chain, table_.header_place(i));
+    read_unit(column, dimension_of(known, spec_.model.chain), parts.unit, table_.header()[i].place);
     if (parts.unit.empty() && known.signal != LogSignal::counts && known.signal != LogSignal::effort)
       unitless_ += (unitless_.empty() ? "'" : ", '") + cell + "'";
     found_.columns.push_back(column);
     found_.places.push_back(i);
   }
 
+  static Error duplicate(const LogHeader& first, const LogHeader& second) {
+    const bool one_file = first.place.file == second.place.file;
+    return Error({second.place, second.text, "duplicate column",
+                  one_file ? "" : "'" + first.text + "' in " + first.place.file, "keep one of them"});
+  }
+
   void check_table() const {
-    const std::string& first = table_.header()[0];
+    const std::string& first = table_.header()[0].text;
     if (!found_.columns.empty() || table_.header().size() > 1) return;
     for (const auto& [mark, name] : {std::pair{';', "semicolons"}, {'\t', "tabulators"}})
       if (first.find(mark) != std::string::npos)
         throw Error(
-            {table_.header_place(0), "", "cells must be separated by commas", name, "export it as CSV"});
+            {table_.header()[0].place, "", "cells must be separated by commas", name, "export it as CSV"});
   }
 
   /// A table without time is diagnosed as a static one; a misspelt time column must not cause that silently.
@@ -165,7 +169,7 @@ class ColumnFinder {
     if (log_.has_time()) return;
     for (std::size_t i = 0; i < ignored_places_.size(); ++i)
       if (means_time(ignored_names_[i]))
-        throw Error({table_.header_place(ignored_places_[i]), table_.header()[ignored_places_[i]],
+        throw Error({table_.header()[ignored_places_[i]].place, table_.header()[ignored_places_[i]].text,
                      "no column is called time", "",
                      "name it 'time [s]', or leave it out for a static table"});
   }
@@ -193,14 +197,14 @@ class ColumnFinder {
                       ".measured [" + unit_of(joint) + "]'"
                 : "add '" + name + ".counts' or '" + name + ".measured [" + unit_of(joint) + "]'";
     if (!near.empty()) remedy += "; is it '" + near + "'?";
-    throw Error({table_.header_place(0), name, rule, "", remedy});
+    throw Error({table_.header()[0].place, name, rule, "", remedy});
   }
 
   std::string unit_of(std::size_t joint) const {
     return spec_.model.chain.independent[joint].prismatic() ? "m" : "rad";
   }
 
-  const CsvReader& table_;
+  const LogTable& table_;
   const Spec& spec_;
   std::vector<KnownColumn> known_;
   std::vector<std::string> names_, ignored_names_;
@@ -212,7 +216,14 @@ class ColumnFinder {
 
 }  // namespace
 
-LogColumns find_log_columns(const CsvReader& table, const Spec& spec, std::vector<std::string>& warnings) {
+Unit time_unit(const std::string& header, const Place& place) {
+  LogColumn column;
+  column.header = header;
+  read_unit(column, dimension::time, column_name(header).unit, place);
+  return column.scale;
+}
+
+LogColumns find_log_columns(const LogTable& table, const Spec& spec, std::vector<std::string>& warnings) {
   return ColumnFinder(table, spec).checked(warnings);
 }
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "input/csv.hpp"
+#include "input/log_table.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {
@@ -15,6 +15,10 @@ struct LogColumns {
 
 /// Finds the columns by their names in the header; adds a warning about all other columns.
 /// @throws Error (input) like LogReader for headers
-LogColumns find_log_columns(const CsvReader&, const Spec&, std::vector<std::string>& warnings);
+LogColumns find_log_columns(const LogTable&, const Spec&, std::vector<std::string>& warnings);
+
+/// The unit of a column of time stamps, by its header; seconds without one.
+/// @throws Error (input) if it is no unit of time
+Unit time_unit(const std::string& header, const Place&);
 
 }  // namespace qerr

@@ -4,6 +4,7 @@
 #include <numbers>
 
 #include "input/log_columns.hpp"
+#include "input/log_table.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "simulate/unwrap.hpp"
 
@@ -44,8 +45,8 @@ void note(Wraps& wraps, std::uint64_t row, double time) {
 /// The rows of a log and the state from one row to the next.
 class LogReader::Rows {
  public:
-  Rows(const std::string& path, const Spec& spec, const LogOptions& options)
-      : table_(path, {options.block_bytes, options.longest_row}),
+  Rows(const LogFiles& files, const Spec& spec, const LogOptions& options)
+      : table_(files, {options.block_bytes, options.longest_row}),
         transmission_(spec.model.transmission),
         most_(std::max<Eigen::Index>(options.block_rows, 1)),
         progress_(options.progress) {
@@ -59,7 +60,8 @@ class LogReader::Rows {
       const auto index = static_cast<Eigen::Index>(i);
       if (column.signal == LogSignal::counts)
         counts_.push_back({index, direction(transmission_.encoders[column.index])});
-      if (column.scale.factor != 1 || column.scale.divisor != 1) scaled_.push_back(index);
+      const bool scaled = column.scale.factor != 1 || column.scale.divisor != 1;
+      if (scaled && column.signal != LogSignal::time) scaled_.push_back(index);
       const double turn = wrap_interval(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
       const bool has_turns = column.signal == LogSignal::reference || column.signal == LogSignal::command;
@@ -73,15 +75,17 @@ class LogReader::Rows {
     Eigen::Index count = 0;
     while (count < most_ && table_.next(rows.data() + count, most_)) check(rows, count++);
     if (count == 0 && log.rows == 0)
-      throw Error({{table_.file(), table_.line(), 1}, "", "the log has no rows", "only a header", ""});
-    if (count == 0) return false;
+      throw Error({table_.last_line(), "", "the log has no rows", "only a header", ""});
+    if (count == 0) {
+      for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
+      return false;
+    }
     if (count < most_) rows.conservativeResize(count, Eigen::NoChange);
     remove_turns(rows);
     log.rows += static_cast<std::uint64_t>(count);
-    if (time_) log.last_time = rows(count - 1, *time_);
+    if (time_) log.last_time = log.time_origin + rows(count - 1, *time_);
     for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
-    const ByteSource& source = table_.source();
-    if (progress_ && source.size() > 0) progress_(source.position(), source.size());
+    if (progress_ && table_.size() > 0) progress_(table_.position(), table_.size());
     return true;
   }
 
@@ -117,12 +121,9 @@ class LogReader::Rows {
       value = 0.0 + direction * value;  // no -0
     }
     if (!time_) return;
-    const double time = rows(row, *time_);
-    if (row == 0 && log.rows == 0)
-      log.first_time = time;
-    else if (time < last_time_)
-      refuse(*time_, "time must not decrease, after " + shortest(last_time_) + " s", "sort the rows by time");
-    last_time_ = time;
+    if (row > 0 || log.rows > 0) return;
+    log.time_origin = table_.time_origin();
+    log.first_time = log.time_origin + rows(row, *time_);
   }
 
   [[noreturn]] void refuse(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
@@ -136,7 +137,8 @@ class LogReader::Rows {
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         const std::int64_t before = unwrap.turns();
         rows(i, column) = unwrap(rows(i, column));
-        if (unwrap.turns() != before) note(wraps, log.rows + static_cast<std::uint64_t>(i), rows(i, *time_));
+        if (unwrap.turns() != before)
+          note(wraps, log.rows + static_cast<std::uint64_t>(i), log.time_origin + rows(i, *time_));
       }
       wraps.contradicted = unwrap.contradicted();
     }
@@ -171,12 +173,11 @@ class LogReader::Rows {
     }
   }
 
-  CsvReader table_;
+  LogTable table_;
   Transmission transmission_;
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;
   std::optional<Eigen::Index> time_;
-  double last_time_ = 0;
   /// Column of counts, and the direction of the counter.
   struct Counts {
     Eigen::Index column;
@@ -188,8 +189,8 @@ class LogReader::Rows {
   std::vector<TurnAlignment> alignments_;
 };
 
-LogReader::LogReader(const std::string& path, const Spec& spec, const LogOptions& options)
-    : rows_(std::make_unique<Rows>(path, spec, options)) {}
+LogReader::LogReader(const LogFiles& files, const Spec& spec, const LogOptions& options)
+    : rows_(std::make_unique<Rows>(files, spec, options)) {}
 LogReader::~LogReader() = default;
 LogReader::LogReader(LogReader&&) noexcept = default;
 LogReader& LogReader::operator=(LogReader&&) noexcept = default;
@@ -250,10 +251,10 @@ class Stretches {
 
 }  // namespace
 
-Log read_log(const std::string& path, const Spec& spec, std::uint64_t most_values,
+Log read_log(const LogFiles& files, const Spec& spec, std::uint64_t most_values,
              std::function<void(std::uint64_t, std::uint64_t)> progress) {
   LogReader reader(
-      path, spec,
+      files, spec,
       {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
   Stretches stretches(most_values);
   for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));

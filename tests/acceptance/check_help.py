@@ -57,6 +57,15 @@ def examples(qerr, command):
     return [line.strip() for line in section[1].splitlines() if line.strip() and not line.strip().startswith("#")]
 
 
+def split_log(folder):
+    """encoders.csv has the columns of encoders and references, tracker.csv those of the tip, at every second stamp."""
+    rows = [line.split(",") for line in (folder / "log.csv").read_text().splitlines() if not line.startswith("#")]
+    tip = [i for i, name in enumerate(rows[0]) if name.startswith("tip.")]
+    joints = [i for i, name in enumerate(rows[0]) if i > 0 and i not in tip]
+    for name, columns, chosen in (("encoders.csv", joints, rows), ("tracker.csv", tip, [rows[0], *rows[1::2]])):
+        (folder / name).write_text("".join(",".join(row[i] for i in [0, *columns]) + "\n" for row in chosen))
+
+
 def check_examples(t, qerr, commands):
     """Every example runs where arm.yaml, wrist.yaml and log.csv exist."""
     with tempfile.TemporaryDirectory() as temporary:
@@ -76,6 +85,7 @@ def check_examples(t, qerr, commands):
         (folder / "spec.yaml").unlink()  # its robot is elsewhere
         made = run(qerr, "simulate", "arm.yaml", "--log", "log.csv", "-o", "simulated.txt", cwd=folder)
         t.check("the log of the examples", made.code == 0, made.err.decode()[:200])
+        split_log(folder)
         (folder / "shards").mkdir()
         for k in range(1, 6):
             for shard in (f"{k}.csv", f"shards/{k}.csv"):

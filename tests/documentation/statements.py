@@ -353,7 +353,7 @@ NAMES = {
         r"`--statistics max,p99`",
     ],
     TOPICS["effects"]: [r"\bH2\b"],
-    TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`"],
+    TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`"],
     PAPER: [
         r"--row 15\b",
         r"# row 15 of the claims",

@@ -3,11 +3,27 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "qerr/input/spec.hpp"
 #include "qerr/simulate/log.hpp"
 
 namespace qerr {
+
+/// The files of a log, which are joined by time: a row for every time stamp of any file, the last value of
+/// each signal held. Rows before every signal has had a value are dropped, with a warning.
+///
+/// A file is wide, a column each signal, or long: `time [s],signal,value` and perhaps `unit`, a row each
+/// sample. Of a long file every signal must be in the order of time, not the file. It is kept in memory, 24
+/// bytes a sample.
+struct LogFiles {
+  LogFiles(const std::string& path) : paths{path} {}
+  LogFiles(std::vector<std::string> all, bool hold_last = false) : paths(std::move(all)), hold(hold_last) {}
+
+  std::vector<std::string> paths;
+  bool hold = false;  ///< an empty cell of a wide file has the last value of its column; else it is an error
+};
 
 struct LogOptions {
   std::size_t block_bytes = 1 << 18;  ///< bytes of the file per read
@@ -17,7 +33,7 @@ struct LogOptions {
   std::function<void(std::uint64_t done, std::uint64_t total)> progress = {};
 };
 
-/// Reads a measured log (CSV) in blocks, in memory that does not grow with the file.
+/// Reads a measured log (CSV) in blocks, in memory that does not grow with a wide file.
 ///
 ///     LogReader reader("log.csv", spec);
 ///     Eigen::ArrayXXd rows;
@@ -36,11 +52,12 @@ struct LogOptions {
 /// a turn.
 class LogReader {
  public:
-  /// Reads the header. `-` is standard input.
-  /// @throws Error (file_system) if the file cannot be read; (input), with line and column, for a column that
-  /// is duplicate, has a wrong unit or is missing: the measured signal of a joint with a reference, of every
-  /// joint if the tip is tracked, of all joints
-  LogReader(const std::string& path, const Spec&, const LogOptions& = {});
+  /// Reads the headers. `-` is standard input.
+  /// @throws Error (file_system) if a file cannot be read; (input), with line and column, for a file without
+  /// time stamps among several, a column that is duplicate (in one file or two), has a wrong unit or is
+  /// missing: the measured signal of a joint with a reference, of every joint if the tip is tracked, of all
+  /// joints
+  LogReader(const LogFiles&, const Spec&, const LogOptions& = {});
   ~LogReader();
   LogReader(LogReader&&) noexcept;
   LogReader& operator=(LogReader&&) noexcept;
@@ -63,9 +80,9 @@ inline constexpr std::uint64_t most_log_values = 32'000'000;
 
 /// A log with its values. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
 /// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
-/// length of the file.
+/// length of a wide file.
 /// @param progress  as of LogOptions
-Log read_log(const std::string& path, const Spec&, std::uint64_t most_values = most_log_values,
+Log read_log(const LogFiles&, const Spec&, std::uint64_t most_values = most_log_values,
              std::function<void(std::uint64_t done, std::uint64_t total)> progress = {});
 
 }  // namespace qerr

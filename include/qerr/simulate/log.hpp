@@ -41,7 +41,7 @@ struct Wraps {
   std::int64_t start = 0;       ///< turns added to every row: initial difference from the measured position
   std::uint64_t count = 0;      ///< wraps within the log
   std::uint64_t first_row = 0;  ///< from 0
-  double first_time = 0;        ///< [s]
+  double first_time = 0;        ///< as recorded [s]
   bool contradicted = false;    ///< later rows span more than a turn: the removed steps were not wraps
 };
 
@@ -65,7 +65,10 @@ struct Log {
   std::string file;
   std::vector<LogColumn> columns;
   std::uint64_t rows = 0;
-  double first_time = 0, last_time = 0;  ///< [s]
+  double first_time = 0, last_time = 0;  ///< as recorded [s]
+  /// Recorded time of the zero of the column `time` [s]: 0, or the first stamp of a log that counts from an
+  /// epoch, where a double would not resolve 1 ns (beyond 2^23 s).
+  double time_origin = 0;
   std::vector<std::string> warnings;
   Eigen::ArrayXXd values;  ///< rows x columns, column-major; empty if rows are streamed
   /// First rows of the stretches in `values` if the log is too long to be kept; all stretches but the last

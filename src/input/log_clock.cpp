@@ -1,0 +1,141 @@
+#include "input/log_clock.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <chrono>
+#include <cmath>
+#include <string>
+
+namespace qerr {
+
+namespace {
+
+constexpr std::int64_t farthest = std::int64_t{1} << 23;  // [s] beyond it a double does not resolve 1 ns
+constexpr double atto = 1e18;
+constexpr int atto_digits = 18;
+
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// The number of a text of digits; empty if it is not one, or has more than 18.
+std::optional<std::int64_t> whole(std::string_view digits) {
+  std::int64_t number = 0;
+  if (digits.empty() || digits.size() > atto_digits || !std::all_of(digits.begin(), digits.end(), is_digit))
+    return std::nullopt;
+  std::from_chars(digits.data(), digits.data() + digits.size(), number);
+  return number;
+}
+
+/// Attoseconds of the digits behind the decimal point of seconds; what is smaller is cut off.
+std::optional<std::int64_t> attoseconds(std::string decimals) {
+  decimals.resize(atto_digits, '0');
+  return whole(decimals);
+}
+
+/// Decimal digits by which a unit is smaller than the second; empty if it is not a decimal part of it.
+std::optional<std::size_t> decimal_shift(const Unit& unit) {
+  std::size_t digits = 0;
+  double power = 1;
+  for (; power < unit.divisor; power *= 10) ++digits;
+  if (unit.factor != 1 || power != unit.divisor) return std::nullopt;
+  return digits;
+}
+
+TimeStamp rounded(double seconds) {
+  const double before = std::trunc(seconds);
+  return {static_cast<std::int64_t>(before), static_cast<std::int64_t>((seconds - before) * atto)};
+}
+
+/// The number in `text`, without rounding if it is written without an exponent, in a decimal part of seconds.
+/// @param seconds  the same, rounded
+std::optional<TimeStamp> exact(std::string_view text, const Unit& unit, double seconds) {
+  if (!(std::abs(seconds) < 0x1p62)) return std::nullopt;
+  const bool negative = text.starts_with('-');
+  if (negative || text.starts_with('+')) text.remove_prefix(1);
+  const std::size_t point = std::min(text.find('.'), text.size());
+  std::string digits(text.substr(0, point)), decimals(text.substr(std::min(point + 1, text.size())));
+  const auto shift = decimal_shift(unit);
+  if (!shift) return rounded(seconds);
+  if (digits.size() <= *shift) digits.insert(0, *shift + 1 - digits.size(), '0');
+  decimals.insert(0, digits, digits.size() - *shift);
+  digits.resize(digits.size() - *shift);
+  const auto s = whole(digits), a = attoseconds(decimals);
+  if (!s || !a) return rounded(seconds);
+  return negative ? TimeStamp{-*s, -*a} : TimeStamp{*s, *a};
+}
+
+/// Takes `count` digits from the front of a text, and the mark behind them.
+std::optional<std::int64_t> take(std::string_view& text, std::size_t count, std::string_view marks) {
+  const auto number = whole(text.substr(0, count));
+  if (!number || text.size() < count || (!marks.empty() && text.size() == count)) return std::nullopt;
+  if (!marks.empty() && marks.find(text[count]) == std::string_view::npos) return std::nullopt;
+  text.remove_prefix(count + !marks.empty());
+  return number;
+}
+
+/// Seconds east of Greenwich of the end of a stamp: `Z`, `+02:00`, `+0200`, or nothing, which is taken as
+/// UTC.
+std::optional<std::int64_t> zone(std::string_view text) {
+  if (text.empty() || text == "Z" || text == "z") return 0;
+  const bool west = text[0] == '-';
+  if (!west && text[0] != '+') return std::nullopt;
+  text.remove_prefix(1);
+  const bool colon = text.size() == 5;
+  const auto hours = take(text, 2, colon ? ":" : ""), minutes = take(text, 2, "");
+  if (!hours || !minutes || !text.empty()) return std::nullopt;
+  return (west ? -60 : 60) * (60 * *hours + *minutes);
+}
+
+/// `YYYY-MM-DDThh:mm:ss[.d...][zone]`; a blank may stand for the T.
+std::optional<TimeStamp> iso_8601(std::string_view text) {
+  const auto y = take(text, 4, "-"), m = y ? take(text, 2, "-") : y, d = m ? take(text, 2, "Tt ") : m;
+  const auto h = d ? take(text, 2, ":") : d, min = h ? take(text, 2, ":") : h,
+             s = min ? take(text, 2, "") : min;
+  if (!s || *h > 24 || *min > 59 || *s > 60) return std::nullopt;
+  const std::chrono::year_month_day day(std::chrono::year(static_cast<int>(*y)),
+                                        std::chrono::month(static_cast<unsigned>(*m)),
+                                        std::chrono::day(static_cast<unsigned>(*d)));
+  std::int64_t part = 0;
+  if (text.starts_with('.') || text.starts_with(',')) {
+    const auto* const end = std::find_if_not(text.begin() + 1, text.end(), is_digit);
+    const auto digits = static_cast<std::size_t>(end - text.begin());
+    const auto read = digits > 1 ? attoseconds(std::string(text.substr(1, digits - 1))) : std::nullopt;
+    if (!read) return std::nullopt;
+    part = *read;
+    text.remove_prefix(digits);
+  }
+  const auto east = zone(text);
+  if (!day.ok() || !east) return std::nullopt;
+  const std::int64_t days = std::chrono::sys_days(day).time_since_epoch().count();
+  return TimeStamp{86400 * days + 3600 * *h + 60 * *min + *s - *east, part};
+}
+
+}  // namespace
+
+std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit, WrittenNumbers& written) {
+  if (text.empty()) return std::nullopt;
+  double number = 0;
+  const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
+  const bool decimal = read_number(text.data() + plus, number, written) == text.data() + text.size();
+  const double rounded_seconds = unit.in_si(number);
+  if (decimal && !std::isfinite(rounded_seconds)) return std::nullopt;
+  const bool no_epoch = origin_ && origin_->seconds == 0;
+  if (decimal && (no_epoch || (!origin_ && std::abs(rounded_seconds) < farthest))) {
+    origin_ = TimeStamp{};
+    return rounded_seconds;
+  }
+  const bool in_seconds = unit.factor == 1 && unit.divisor == 1;
+  const auto stamp = decimal      ? exact(text, unit, rounded_seconds)
+                     : in_seconds ? iso_8601(text)
+                                  : std::nullopt;
+  if (!stamp) return std::nullopt;
+  if (!origin_) origin_ = stamp;
+  return static_cast<double>(stamp->seconds - origin_->seconds) +
+         static_cast<double>(stamp->attoseconds - origin_->attoseconds) / atto;
+}
+
+double LogClock::origin() const {
+  return origin_ ? static_cast<double>(origin_->seconds) + static_cast<double>(origin_->attoseconds) / atto
+                 : 0;
+}
+
+}  // namespace qerr

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string_view>
+
+#include "input/csv.hpp"
+#include "qerr/core/unit.hpp"
+
+namespace qerr {
+
+/// A time stamp, exact to 1e-18 s; both parts have one sign.
+struct TimeStamp {
+  std::int64_t seconds = 0, attoseconds = 0;
+};
+
+/// The time stamps of a log, in seconds after one origin.
+///
+/// A double resolves 1 ns up to 2^23 s (97 days). A log whose first stamp lies beyond counts from an epoch:
+/// this stamp becomes the origin, and it is subtracted before a stamp is rounded to double.
+class LogClock {
+ public:
+  /// @param text  a decimal number in `unit` or, for a unit of 1 s, `2026-05-01T12:00:00.5Z` (ISO 8601);
+  /// memory as of CsvReader::chosen_text
+  /// @returns empty if it is none, or out of the range of double
+  std::optional<double> seconds(std::string_view text, const Unit&, WrittenNumbers&);
+
+  /// Recorded time of the origin [s].
+  double origin() const;
+
+ private:
+  std::optional<TimeStamp> origin_;
+};
+
+}  // namespace qerr

@@ -1,0 +1,87 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "input/csv.hpp"
+#include "input/log_clock.hpp"
+
+namespace qerr {
+
+/// A signal of a log's file: a column of a wide file, or a name in the column `signal` of a long one.
+struct LogHeader {
+  std::string text;  ///< `NAME [UNIT]`
+  Place place;
+};
+
+/// One file of a log as samples in the order of time.
+///
+/// Wide: a column a signal. Long (a header with `time`, `signal`, `value` and perhaps `unit`): a row a
+/// sample; it is kept in memory, 24 bytes a sample, as its signals may follow one after the other.
+class LogSamples {
+ public:
+  virtual ~LogSamples() = default;
+
+  /// All signals, the time stamps of a wide file included.
+  virtual const std::vector<LogHeader>& signals() const = 0;
+  /// Index of the time stamps among the signals; empty if the file has none.
+  virtual std::optional<std::size_t> time() const = 0;
+
+  /// Selects the signals to read, in the order in which `next` stores them; the time stamps are not among
+  /// them.
+  /// @throws Error (input) for a sample of these signals that is no number or runs backwards in time, at the
+  /// latest from `next`
+  virtual void choose(const std::vector<std::size_t>& signals) = 0;
+
+  /// The next samples, all of one time stamp: their values, NaN for a signal that has none.
+  /// @param time  [s] after the clock's origin; 0 if the file has no stamps
+  /// @returns false at the end
+  virtual bool next(double& time, double* values) = 0;
+
+  /// Line read last; line, place and text of a signal's last sample, and the decimals of all its samples so
+  /// far.
+  virtual int line() const = 0;
+  virtual int line_of(std::size_t chosen) const = 0;
+  virtual Place place(std::size_t chosen) const = 0;
+  virtual std::string text(std::size_t chosen) const = 0;
+  virtual DecimalText written(std::size_t chosen) const = 0;
+  virtual DecimalText written_time() const = 0;
+
+  virtual const ByteSource& source() const = 0;
+  /// What a user should know about the file; complete after `choose`.
+  virtual std::vector<std::string> warnings() const { return {}; }
+};
+
+/// Opens a file and reads its header, of a long file everything.
+/// @param clock  of all files of the log; must outlive the result
+/// @throws Error like CsvReader; (input) for a long file without time stamps, or a signal with two units
+std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits&, LogClock& clock);
+
+/// For a long file, whose header has the columns `signal` and `value`.
+std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, LogClock&);
+
+/// Reads the time stamps of one file.
+class StampReader {
+ public:
+  /// @param column  of the time stamps; the i-th of the texts that the table reads
+  StampReader(const CsvReader& table, std::size_t column, std::size_t text, LogClock& clock);
+
+  /// The stamp of the last row [s]. @throws Error (input) if it is none
+  double operator()();
+  /// @throws Error (input) that time must not decrease
+  [[noreturn]] void refuse_before(double last) const;
+  DecimalText written() const { return written_.text(); }
+
+ private:
+  [[noreturn]] void refuse(const std::string& rule, const std::string& remedy) const;
+
+  const CsvReader& table_;
+  std::size_t column_, text_;
+  LogClock& clock_;
+  Unit unit_;
+  WrittenNumbers written_;
+};
+
+}  // namespace qerr

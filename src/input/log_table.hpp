@@ -1,0 +1,82 @@
+#pragma once
+
+#include <limits>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "input/log_samples.hpp"
+#include "qerr/input/read_log.hpp"
+
+namespace qerr {
+
+/// The table of a log's signals, one column each: its files joined by time.
+///
+/// A row for every time stamp of any file; of each signal the last value is held. Rows before every chosen
+/// signal has had a value are dropped. Rows of a single wide file are passed on as they are.
+class LogTable {
+ public:
+  /// Reads the headers.
+  /// @throws Error like open_log; (input) if there are several files and one has no time stamps
+  LogTable(const LogFiles&, const CsvLimits&);
+
+  /// Name of the file, or of all files.
+  const std::string& file() const { return file_; }
+  /// The signals of all files, and the time stamps of the first one.
+  const std::vector<LogHeader>& header() const { return header_; }
+
+  /// Selects the columns to read, by their index in the header.
+  void choose(const std::vector<std::size_t>& columns);
+
+  /// Reads the next row: stores the value of the i-th chosen column in values[i * stride], of time stamps in
+  /// seconds after `time_origin`.
+  /// @returns false at the end
+  bool next(double* values, std::ptrdiff_t stride);
+
+  double time_origin() const { return clock_->origin(); }
+  Place last_line() const;
+  /// Place and text of a value in the last row.
+  Place place(std::size_t chosen) const;
+  std::string text(std::size_t chosen) const;
+  DecimalText written(std::size_t chosen) const;
+  /// Bytes read, and of all files; 0 if one is a pipe.
+  std::uint64_t position() const;
+  std::uint64_t size() const;
+
+  /// What was noticed while the rows were read; complete at the end.
+  std::vector<std::string> warnings() const;
+
+ private:
+  struct File {
+    std::unique_ptr<LogSamples> samples;
+    std::vector<std::size_t> signals, columns;  // chosen: index in the file, and among the chosen columns
+    std::vector<double> values;
+    double time = 0;
+    bool pending = false, ended = false;
+  };
+  /// A chosen column.
+  struct Column {
+    std::size_t file = 0, index = 0;  // among the file's chosen signals
+    bool time = false;
+    double value = std::numeric_limits<double>::quiet_NaN();
+    int line = 0;                // of the value
+    std::uint64_t last_row = 0;  // with a new value
+    std::uint64_t longest_hold = 1;
+    std::uint64_t samples = 0;  // in rows that were not dropped
+  };
+
+  void take(File&);
+  void refuse_silent_column() const;
+  std::string held_columns() const;
+
+  std::unique_ptr<LogClock> clock_ = std::make_unique<LogClock>();
+  std::vector<File> files_;
+  std::string file_;
+  std::vector<LogHeader> header_;
+  std::vector<std::pair<std::size_t, std::size_t>> sources_;  // of the header: file, signal
+  std::vector<Column> columns_;
+  std::size_t missing_ = 0;  // chosen columns without a value so far
+  std::uint64_t rows_ = 0, dropped_ = 0;
+};
+
+}  // namespace qerr

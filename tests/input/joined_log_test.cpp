@@ -1,0 +1,230 @@
+#include <gtest/gtest.h>
+
+#include "support/log_file.hpp"
+
+namespace qerr {
+namespace {
+
+/// Logs in several files, wide or long.
+class JoinedLog : public testing::LogFile {
+ protected:
+  std::string file(const std::string& name, const std::string& text) {
+    std::ofstream(folder / name, std::ios::binary) << text;
+    return (folder / name).string();
+  }
+  std::string refused(const LogFiles& files) {
+    try {
+      read_log(files, spec);
+    } catch (const Error& e) {
+      return e.what();
+    }
+    return "accepted";
+  }
+  static std::vector<double> column(const Log& log, LogSignal signal) {
+    const Eigen::ArrayXd all = values(log, signal);
+    return {all.begin(), all.end()};
+  }
+};
+
+using Doubles = std::vector<double>;
+
+bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+TEST_F(JoinedLog, ALongFileHoldsTheLastValueOfEachSignal) {
+  const Log log = read(
+      "time [ms],signal,value\n"
+      "0,shoulder.counts,1\n0,state,moving\n1,shoulder.counts,2\n2,shoulder.reference [deg],180\n"
+      "3,shoulder.counts,3\n4,shoulder.counts,4\n4,shoulder.reference [deg],90\n");
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{0.002, 0.003, 0.004}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{2, 3, 4}));
+  const double half = std::numbers::pi / 2;
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{2 * half, 2 * half, half}));
+  ASSERT_EQ(log.warnings.size(), 3u);
+  EXPECT_TRUE(has(log.warnings[0], "'state'"));
+  EXPECT_TRUE(
+      has(log.warnings[2], ": shoulder.counts in 1 of 3 rows, shoulder.reference [deg] in 1 of 3 rows"))
+      << log.warnings[2];
+  EXPECT_TRUE(has(log.warnings[1], "2 rows dropped at the beginning"));
+}
+
+TEST_F(JoinedLog, SignalsOneAfterTheOtherAreSortedByTime) {
+  const Log log = read(
+      "signal,unit,value,time [s]\nshoulder.counts,,1,0\nshoulder.counts,,2,1\n"
+      "shoulder.reference,mrad,1000,0\n\"shoulder.reference\",mrad,\"2000\",1\n");
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{0, 1}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{1, 2}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{1, 2}));
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_TRUE(has(log.warnings[0], "sorted by time"));
+}
+
+TEST_F(JoinedLog, EachSignalOfALongFileHasItsOwnResolution) {
+  const Log log = read(
+      "time [s],signal,value\n0.001,shoulder.counts,1\n0.001,shoulder.measured [rad],0.25\n"
+      "0.001,shoulder.reference [rad],0.2501\n");
+  EXPECT_EQ(log.columns[static_cast<std::size_t>(*log.find(LogSignal::measured))].text.most_decimals, 2);
+  EXPECT_EQ(log.columns[static_cast<std::size_t>(*log.find(LogSignal::reference))].text.most_decimals, 4);
+  EXPECT_EQ(log.columns[static_cast<std::size_t>(*log.find(LogSignal::time))].text.most_decimals, 3);
+}
+
+TEST_F(JoinedLog, FaultsOfALongFileNameTheirLine) {
+  const std::string head = "time [s],signal,value\n0,shoulder.counts,1\n";
+  const std::vector<std::pair<std::string, std::string>> faults{
+      {head + "1,shoulder.counts,x\n",
+       "log.csv:3:19: shoulder.counts: not a finite decimal number, found 'x'"},
+      {head + "1,shoulder.counts,\n", "log.csv:3:19: shoulder.counts: the cell is empty"},
+      {head + "1,shoulder.counts,1.5\n",
+       "log.csv:3:1: shoulder.counts: counts must be integers, found '1.5'"},
+      {head + "-1,shoulder.counts,2\n", "log.csv:3:1: time [s]: time must not decrease, after 0 s"},
+      {head + "x,shoulder.counts,2\n", "log.csv:3:1: time [s]: not a finite decimal number, found 'x'"},
+      {"signal,value\nshoulder.counts,1\n", "log.csv:1:1: rows of single signals need time stamps"},
+      {"time [s],signal,value [deg]\n0,shoulder.counts,1\n",
+       "log.csv:1:17: value [deg]: a unit of all signals"},
+      {"time [s],signal,value,unit\n0,tip.x,1,m\n1,tip.x,1,mm\n",
+       "log.csv:3:11: tip.x: a signal must have one unit"},
+      {"time [s],signal,value,unit\n0,tip.x [m],1,m\n",
+       "log.csv:2:3: tip.x [m]: the signal has a unit in its name"},
+      {"time [s],signal,value\n", "log.csv:2:1: the log has no rows"}};
+  for (const auto& [text, message] : faults)
+    EXPECT_EQ(refusal(text).substr(0, message.size()), message) << text;
+}
+
+TEST_F(JoinedLog, FilesAreJoinedByTime) {
+  const std::string counts = file("a.csv", "time [ms],shoulder.counts\n0,0\n2,2\n4,4\n6,6\n");
+  const std::string truth =
+      file("b.csv", "shoulder.reference [rad],time [s]\n0.1,0.001\n0.2,0.002\n0.5,0.005\n");
+  const Log log = read_log(LogFiles({counts, truth}), spec);
+  EXPECT_EQ(log.file, counts + ", " + truth);
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{0.001, 0.002, 0.004, 0.005, 0.006}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{0, 2, 4, 4, 6}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.1, 0.2, 0.2, 0.5, 0.5}));
+  const Log swapped = read_log(LogFiles({truth, counts}), spec);
+  EXPECT_EQ(column(swapped, LogSignal::reference), column(log, LogSignal::reference));
+}
+
+TEST_F(JoinedLog, AWideAndALongFileJoin) {
+  const std::string wide = file("a.csv", "time [s],shoulder.counts\n0,1\n1,2\n");
+  const std::string tall = file("b.csv", "time [s],signal,value\n0,shoulder.reference [rad],0.1\n");
+  const Log log = read_log(LogFiles({wide, tall}), spec);
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{1, 2}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.1, 0.1}));
+}
+
+TEST_F(JoinedLog, AFileThatEndsEarlyIsReported) {
+  std::string counts = "time [s],shoulder.counts\n";
+  for (int i = 0; i < 9; ++i) counts += std::to_string(i) + ",5\n";
+  const std::string a = file("a.csv", counts);
+  const std::string b = file("b.csv", "time [s],shoulder.reference [rad]\n0,1\n1,1\n2,1\n");
+  const Log log = read_log(LogFiles({a, b}), spec);
+  ASSERT_EQ(log.warnings.size(), 2u);
+  EXPECT_TRUE(has(log.warnings[0], "b.csv: shoulder.reference [rad] ends 6 rows before the log does"));
+}
+
+TEST_F(JoinedLog, FaultsOfSeveralFilesNameTheFile) {
+  const std::string a = file("a.csv", "time [s],shoulder.counts\n0,1\n1,2\n");
+  const std::string twin = file("b.csv", "time [s],shoulder.counts\n0,1\n");
+  const std::string table = file("c.csv", "shoulder.reference [rad]\n0.1\n");
+  const std::string back = file("d.csv", "time [s],shoulder.reference [rad]\n1,0.1\n0,0.2\n");
+  const std::string late = file("e.csv", "time [s],signal,value\n0,shoulder.reference [rad],x\n");
+  const std::string twice = refused(LogFiles({a, twin}));
+  EXPECT_TRUE(has(twice, "b.csv:1:10: shoulder.counts: duplicate column")) << twice;
+  EXPECT_TRUE(has(twice, "a.csv")) << twice;
+  EXPECT_TRUE(has(refused(LogFiles({a, table})), "c.csv:1:1: files are joined by time"));
+  EXPECT_TRUE(has(refused(LogFiles({a, back})), "d.csv:3:1: time [s]: time must not decrease, after 1 s"));
+  EXPECT_TRUE(has(refused(LogFiles({a, late})), "e.csv:2:28: shoulder.reference [rad]: not a finite"));
+}
+
+TEST_F(JoinedLog, AFaultyValueBeforeTheFirstRowNamesItsOwnLine) {
+  const std::string a = file("a.csv", "time [s],shoulder.counts\n0,1.5\n2,2\n");
+  const std::string b = file("b.csv", "time [s],shoulder.reference [rad]\n1,0.1\n");
+  EXPECT_TRUE(
+      has(refused(LogFiles({a, b})), "a.csv:2:1: shoulder.counts: counts must be integers, found '1.5'"));
+}
+
+TEST_F(JoinedLog, EmptyCellsAreHeldOnlyOnRequest) {
+  const std::string a = file("a.csv",
+                             "time [s],shoulder.counts,shoulder.reference [rad],note\n0,1,,\n1,,0.25,x\n"
+                             "2,3, ,\"y\"\n3,,\"\",\n");
+  const std::string without = refused(LogFiles(std::vector{a}));
+  EXPECT_TRUE(has(without, "a.csv:2:5: shoulder.reference [rad]: the cell is empty")) << without;
+  EXPECT_TRUE(has(without, "--hold")) << without;
+  const Log log = read_log(LogFiles({a}, true), spec);
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{1, 2, 3}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{1, 3, 3}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.25, 0.25, 0.25}));
+}
+
+TEST_F(JoinedLog, ASignalThatNeverHasAValueIsAnError) {
+  const std::string a = file("a.csv", "time [s],shoulder.counts,shoulder.reference [rad]\n0,1,\n1,2,\n");
+  EXPECT_TRUE(has(refused(LogFiles({a}, true)), "none of 'shoulder.reference [rad]'"));
+}
+
+// The rows of one log, written in three ways, in blocks that cut rows.
+TEST_F(JoinedLog, WideLongAndSplitFilesAreOneLog) {
+  std::string wide = "time [s],shoulder.counts,shoulder.reference [rad]\n", tall = "time [s],signal,value\n";
+  std::string a = "time [s],shoulder.counts\n", b = "time [s],shoulder.reference [rad]\n";
+  for (int i = 0; i < 5000; ++i) {
+    const std::string t = std::to_string(i * 1e-3), n = std::to_string(i % 97),
+                      r = std::to_string(i % 31 * 1e-3);
+    wide += t + ',' + n + ',' + r + '\n';
+    tall += t + ",shoulder.counts," + n + '\n' + t + ",shoulder.reference [rad]," + r + '\n';
+    a += t + ',' + n + '\n';
+    b += t + ',' + r + '\n';
+  }
+  const Eigen::ArrayXXd expected = read(wide).values;
+  EXPECT_TRUE((read(tall).values == expected).all());
+  EXPECT_TRUE((read(tall, {.block_bytes = 64, .block_rows = 100}).values == expected).all());
+  const Log joined = read_log(LogFiles({file("a.csv", a), file("b.csv", b)}), spec);
+  EXPECT_TRUE((joined.values == expected).all());
+  EXPECT_TRUE(joined.warnings.empty());
+}
+
+struct Stamps {
+  std::string unit, first, second, third;
+  double second_time, third_time;  // after the first
+};
+
+// At 1.7e9 s a double resolves 240 ns: differences are taken before rounding.
+TEST_F(JoinedLog, EpochStampsKeepEveryDigit) {
+  const std::vector<Stamps> all{
+      {"s", "1700000000.123456789", "1700000000.123456790", "1700000001.1", 1e-9, 0.976543211},
+      {"ms", "1700000000123.456", "1700000000123.457", "1700000000124", 1e-6, 0.000544},
+      {"us", "1700000000123456", "1700000000123457", "1700000000123556.5", 1e-6, 0.0001005},
+      {"ns", "1700000000123456789", "1700000000123456790", "+1700000001123456790", 1e-9, 1.000000001},
+      {"s", "2023-11-14T22:13:20.123456789Z", "2023-11-15 00:13:20.12345679+02:00", "1700000001.123456789",
+       1e-9, 1}};
+  for (const Stamps& s : all) {
+    const Log log = read("time [" + s.unit + "],shoulder.counts\n" + s.first + ",1\n" + s.second + ",2\n" +
+                         s.third + ",3\n");
+    const Eigen::ArrayXd time = values(log, LogSignal::time);
+    EXPECT_EQ(time[0], 0);
+    EXPECT_NEAR(time[1], s.second_time, 1e-18) << s.first;
+    EXPECT_NEAR(time[2], s.third_time, 1e-15) << s.first;
+    EXPECT_NEAR(log.first_time, 1700000000.123456, 1e-6) << s.first;
+    EXPECT_NEAR(log.last_time - log.first_time, s.third_time, 1e-6) << s.first;
+    EXPECT_EQ(log.time_origin, log.first_time);
+  }
+}
+
+TEST_F(JoinedLog, OrdinaryStampsKeepTheirZero) {
+  const Log log = read("time [s],shoulder.counts\n8388607,1\n8388608.5,2\n");
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{8388607, 8388608.5}));
+  EXPECT_EQ(log.time_origin, 0);
+}
+
+TEST_F(JoinedLog, StampsOfSeveralFilesHaveOneOrigin) {
+  const std::string a = file("a.csv", "time [s],shoulder.counts\n1700000000.5,1\n1700000001.5,2\n");
+  const std::string b =
+      file("b.csv", "time [ns],shoulder.reference [rad]\n1700000000500000000,1\n1700000001500000001,2\n");
+  EXPECT_EQ(column(read_log(LogFiles({a, b}), spec), LogSignal::time), (Doubles{0, 1, 1.000000001}));
+}
+
+TEST_F(JoinedLog, WrongDatesAreErrors) {
+  for (const std::string stamp :
+       {"2023-13-01T00:00:00Z", "2023-02-29T00:00:00Z", "2023-02-28T00:00", "2023-02-28",
+        "2023-02-28T00:00:00.", "2023-02-28T00:00:00CET", "2023-02-28T00:61:00Z"})
+    EXPECT_TRUE(has(refusal("time [s],shoulder.counts\n" + stamp + ",1\n"), "2:1: time [s]: not a")) << stamp;
+}
+
+}  // namespace
+}  // namespace qerr
