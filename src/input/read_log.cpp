@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "input/count_grid.hpp"
 #include "input/log_columns.hpp"
 #include "input/log_table.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -34,6 +35,13 @@ double wrap_interval(const LogColumn& column, const Spec& spec) {
   }
 }
 
+/// Whether an encoder alone measures the joint of its index, and no other joint.
+bool is_uncoupled(const Transmission& t, std::size_t encoder) {
+  const auto i = static_cast<Eigen::Index>(encoder);
+  return t.coupling(i, i) != 0 && (t.coupling.row(i).array() != 0).count() == 1 &&
+         (t.coupling.col(i).array() != 0).count() == 1;
+}
+
 void note(Wraps& wraps, std::uint64_t row, double time) {
   if (wraps.count++ > 0) return;
   wraps.first_row = row;
@@ -59,7 +67,7 @@ class LogReader::Rows {
       const LogColumn& column = log.columns[i];
       const auto index = static_cast<Eigen::Index>(i);
       if (column.signal == LogSignal::counts)
-        counts_.push_back({index, direction(transmission_.encoders[column.index])});
+        counts_.push_back({index, direction(transmission_.encoders[column.index]), {}, {}});
       const bool scaled = column.scale.factor != 1 || column.scale.divisor != 1;
       if (scaled && column.signal != LogSignal::time) scaled_.push_back(index);
       const double turn = wrap_interval(column, spec);
@@ -77,6 +85,7 @@ class LogReader::Rows {
     if (count == 0 && log.rows == 0)
       throw Error({table_.last_line(), "", "the log has no rows", "only a header", ""});
     if (count == 0) {
+      find_grids();
       for (std::string& warning : table_.warnings()) log.warnings.push_back(std::move(warning));
       return false;
     }
@@ -111,13 +120,17 @@ class LogReader::Rows {
       value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
       if (!std::isfinite(value)) refuse(c, "the number is too large", "");
     }
-    for (const auto& [c, direction] : counts_) {
+    for (auto& [c, direction, grid, off_grid] : counts_) {
       double& value = rows(row, c);
       if (!(std::abs(value) <= most_counts))
         refuse(c, "counts beyond 2^53 are not distinguishable", "subtract a constant from the column");
-      if (static_cast<double>(static_cast<std::int64_t>(value)) != value)
-        refuse(c, "counts must be integers",
-               "a position in rad or m belongs in the column '.measured [rad]'");
+      if (static_cast<double>(static_cast<std::int64_t>(value)) != value) {
+        if (!off_grid)
+          off_grid = fault(c, "counts must be integers",
+                           "a position in rad or m belongs in the column '.measured [rad]'");
+        const std::size_t encoder = log.columns[static_cast<std::size_t>(c)].index;
+        if (!is_uncoupled(transmission_, encoder) || !grid.add(value)) throw Error(*off_grid);
+      }
       value = 0.0 + direction * value;  // no -0
     }
     if (!time_) return;
@@ -126,9 +139,22 @@ class LogReader::Rows {
     log.first_time = log.time_origin + rows(row, *time_);
   }
 
-  [[noreturn]] void refuse(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
+  Error fault(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
     const auto i = static_cast<std::size_t>(column);
-    throw Error({table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy});
+    return Error({table_.place(i), log.columns[i].header, rule, "'" + table_.text(i) + "'", remedy});
+  }
+  [[noreturn]] void refuse(Eigen::Index column, const std::string& rule, const std::string& remedy) const {
+    throw fault(column, rule, remedy);
+  }
+
+  /// Finds the grids of counts that are not whole.
+  void find_grids() {
+    for (const auto& [c, direction, grid, off_grid] : counts_) {
+      if (!off_grid) continue;
+      LogColumn& column = log.columns[static_cast<std::size_t>(c)];
+      column.denominator = grid.denominator(column.text.most_decimals);
+      if (column.denominator <= 1) throw Error(*off_grid);
+    }
   }
 
   void remove_turns(Eigen::ArrayXXd& rows) {
@@ -182,6 +208,8 @@ class LogReader::Rows {
   struct Counts {
     Eigen::Index column;
     double direction;
+    CountGrid grid;
+    std::optional<Error> off_grid;  // place of the first value that is not whole
   };
   std::vector<Counts> counts_;
   std::vector<Eigen::Index> scaled_;
@@ -198,69 +226,5 @@ LogReader& LogReader::operator=(LogReader&&) noexcept = default;
 const Log& LogReader::log() const { return rows_->log; }
 
 bool LogReader::next(Eigen::ArrayXXd& rows) { return rows_->next(rows); }
-
-namespace {
-
-/// Stretches of consecutive rows, all of one length; when they exceed the memory limit, every second one is
-/// dropped.
-class Stretches {
- public:
-  explicit Stretches(std::uint64_t most_values) : most_values_(most_values) {}
-
-  void add(Eigen::ArrayXXd rows) {
-    if (number_++ % every_ != 0) return;
-    kept_.push_back({(number_ - 1) * stretch_rows, std::move(rows)});
-    const auto columns = static_cast<std::uint64_t>(kept_.front().rows.cols());
-    if (kept_.size() < 4 || kept_.size() * columns * stretch_rows <= most_values_) return;
-    every_ *= 2;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < kept_.size(); i += 2) {
-      if (i != count) std::swap(kept_[count], kept_[i]);
-      ++count;
-    }
-    kept_.resize(count);
-  }
-
-  void move_to(Log& log) {
-    Eigen::Index rows = 0, next = 0;
-    for (const Stretch& s : kept_) rows += s.rows.rows();
-    log.values.resize(rows, static_cast<Eigen::Index>(log.columns.size()));
-    for (Stretch& s : kept_) {
-      log.values.middleRows(next, s.rows.rows()) = s.rows;
-      next += s.rows.rows();
-      s.rows.resize(0, 0);
-      if (every_ > 1) log.stretches.push_back(s.first);
-    }
-    if (every_ == 1) return;
-    log.stretch_rows = static_cast<Eigen::Index>(stretch_rows);
-    log.warnings.push_back(std::to_string(log.rows) + " rows: " + std::to_string(rows) +
-                           " of them are used, in " + std::to_string(kept_.size()) +
-                           " stretches spread evenly over the log");
-  }
-
-  static constexpr std::uint64_t stretch_rows = 16384;
-
- private:
-  struct Stretch {
-    std::uint64_t first = 0;
-    Eigen::ArrayXXd rows;
-  };
-  std::uint64_t most_values_, number_ = 0, every_ = 1;
-  std::vector<Stretch> kept_;
-};
-
-}  // namespace
-
-Log read_log(const LogFiles& files, const Spec& spec, std::uint64_t most_values,
-             std::function<void(std::uint64_t, std::uint64_t)> progress) {
-  LogReader reader(
-      files, spec,
-      {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
-  Stretches stretches(most_values);
-  for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));
-  Log log = reader.log();
-  stretches.move_to(log);
-  return log;
-}
 
 }  // namespace qerr

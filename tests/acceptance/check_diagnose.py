@@ -225,6 +225,41 @@ def check_errors(t, qerr, folder):
         t.check(f"{name}: exit code {code}", ran.code == code and not ran.out and ran.err, f"{ran.code}: {ran.err.decode()[:200]}")
 
 
+def check_forms_of_logs(t, qerr, folder):
+    """One log wide, long, in two files, with stamps of an epoch, and with empty cells: one answer."""
+    spec, log = folder / "spec.yaml", folder / "log.csv"
+    rows = list(csv.reader(io.StringIO(log.read_text())))
+    head = rows[0]
+
+    def write(name, lines):
+        (folder / name).write_text("".join(",".join(line) + "\n" for line in lines))
+        return folder / name
+
+    long = write("long.csv", [["time [s]", "signal", "value"],
+                              *([row[0], name, row[k]] for k, name in enumerate(head) if k > 0 for row in rows[1:])])
+    first, second = write("first.csv", [row[:2] for row in rows]), write("second.csv", [row[:1] + row[2:] for row in rows])
+    epoch = write("epoch.csv", [["time [ns]", *head[1:]],
+                                *([str(1700000000000000000 + round(float(row[0]) * 1e9)), *row[1:]] for row in rows[1:])])
+    empty = write("empty.csv", [rows[0], rows[1], *([*a[:-1], "" if a[-1] == b[-1] else a[-1]] for b, a in zip(rows[1:], rows[2:]))])
+
+    def answer(*arguments):
+        ran = run(qerr, "diagnose", spec, *arguments, "--format", "json")
+        return json.loads(ran.out) if ran.code == 0 else ran.err.decode()[:300]
+
+    wide = answer(log)
+    for name, found in (("long format", answer(long)), ("two files", answer(first, second)), ("empty cells", answer(empty, "--hold"))):
+        t.check(f"{name}: the causes and the gain of the wide log",
+                isinstance(found, dict) and (found["causes"], found["gain"]) == (wide["causes"], wide["gain"]), str(found)[:300])
+    found = answer(epoch)
+    t.check("an epoch in ns: the causes of the wide log", isinstance(found, dict) and
+            [c["effect"] for c in found["causes"]] == [c["effect"] for c in wide["causes"]], str(found)[:300])
+    t.check("its first stamp is as recorded", isinstance(found, dict) and found["log"]["first_time"] == 1.7e9, str(found)[:300])
+    ran = run(qerr, "diagnose", spec, first, log)
+    t.check("a column in two files: both are named", ran.code == 3 and all(w in ran.err.decode() for w in ("first.csv", "log.csv")), ran.err.decode())
+    ran = run(qerr, "diagnose", spec, "--plan", "--hold")
+    t.check("--hold is not for a plan", ran.code == 2 and b"--hold" in ran.err, ran.err.decode())
+
+
 def check_pipes(t, qerr, folder):
     spec, log = folder / "spec.yaml", folder / "log.csv"
 
@@ -260,6 +295,7 @@ def main():
         check_tip(t, qerr, folder)
         check_limits(t, qerr, folder)
         check_errors(t, qerr, folder)
+        check_forms_of_logs(t, qerr, folder)
         check_pipes(t, qerr, folder)
     return t.close()
 

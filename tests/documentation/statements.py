@@ -353,7 +353,8 @@ NAMES = {
         r"`--statistics max,p99`",
     ],
     TOPICS["effects"]: [r"\bH2\b"],
-    TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`"],
+    TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
+                     r"`123\.0`", r"multiples of 1/4, say", r"1/1024 or coarser"],
     PAPER: [
         r"--row 15\b",
         r"# row 15 of the claims",

@@ -73,8 +73,8 @@ TEST_F(JoinedLog, FaultsOfALongFileNameTheirLine) {
       {head + "1,shoulder.counts,x\n",
        "log.csv:3:19: shoulder.counts: not a finite decimal number, found 'x'"},
       {head + "1,shoulder.counts,\n", "log.csv:3:19: shoulder.counts: the cell is empty"},
-      {head + "1,shoulder.counts,1.5\n",
-       "log.csv:3:1: shoulder.counts: counts must be integers, found '1.5'"},
+      {head + "1,shoulder.counts,9007199254740994\n",
+       "log.csv:3:1: shoulder.counts: counts beyond 2^53 are not distinguishable, found '9007199254740994'"},
       {head + "-1,shoulder.counts,2\n", "log.csv:3:1: time [s]: time must not decrease, after 0 s"},
       {head + "x,shoulder.counts,2\n", "log.csv:3:1: time [s]: not a finite decimal number, found 'x'"},
       {"signal,value\nshoulder.counts,1\n", "log.csv:1:1: rows of single signals need time stamps"},
@@ -135,10 +135,9 @@ TEST_F(JoinedLog, FaultsOfSeveralFilesNameTheFile) {
 }
 
 TEST_F(JoinedLog, AFaultyValueBeforeTheFirstRowNamesItsOwnLine) {
-  const std::string a = file("a.csv", "time [s],shoulder.counts\n0,1.5\n2,2\n");
+  const std::string a = file("a.csv", "time [s],shoulder.counts\n0,9007199254740994\n2,2\n");
   const std::string b = file("b.csv", "time [s],shoulder.reference [rad]\n1,0.1\n");
-  EXPECT_TRUE(
-      has(refused(LogFiles({a, b})), "a.csv:2:1: shoulder.counts: counts must be integers, found '1.5'"));
+  EXPECT_TRUE(has(refused(LogFiles({a, b})), "a.csv:2:1: shoulder.counts: counts beyond 2^53"));
 }
 
 TEST_F(JoinedLog, EmptyCellsAreHeldOnlyOnRequest) {

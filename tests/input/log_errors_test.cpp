@@ -42,7 +42,8 @@ const std::vector<Faulty> faulty{
     {head + "0,1,2\r\r\n", "accepted", ""},
     {head + "0,1,2\n1,1,2\n0.5,1,2\n", "4:1", "time must not decrease, after 1 s, found '0.5'"},
     {head + "0,1,2\n0,1,2\n", "accepted", ""},
-    {head + "0,1.5,2\n", "2:3", "counts must be integers, found '1.5'"},
+    {head + "0,1.2346,2\n1,7.3279,2\n", "2:3", "counts must be integers, found '1.2346'"},
+    {head + "0,1.5,2\n", "accepted", ""},
     {head + "0,1e3,2\n1,4.000,2\n", "accepted", ""},
     {head + "0,9007199254740993,2\n", "accepted", ""},  // the double next to it is 2^53
     {head + "0,9007199254740994,2\n", "2:3", "beyond 2^53"},

@@ -67,6 +67,31 @@ TEST_F(ReadLog, CountsOfANegativeGearRatioRiseWithTheJoint) {
   EXPECT_NEAR((*measured)[1], -100 * 2 * std::numbers::pi / (4096 * -100), 1e-15);
 }
 
+TEST_F(ReadLog, CountsWrittenAsDecimalsAreCounts) {
+  const Log log = read(shoulder("0,123.0,0\n1,-4.000,0\n"));
+  EXPECT_EQ(values(log, LogSignal::counts)[1], -4);
+  EXPECT_TRUE(log.warnings.empty());
+}
+
+TEST_F(ReadLog, CountsOnAFinerGridArePositions) {
+  const double count = 2 * std::numbers::pi / 4096;
+  const std::vector<std::pair<std::string, std::string>> grids{
+      {"0,7,0\n1,7.5,0\n2,-8.25,0\n", "4"},
+      {"0,7,0\n1,7.3333333333333339,0\n2,-8.25,0\n", "12"},
+      {"0,7,0\n1,7.1,0\n2,-8.25,0\n", "20"},
+      {"0,7,0\n1,7.333,0\n2,-8.25,0\n3,100000.667,0\n", "12"}};
+  for (const auto& [rows, denominator] : grids) {
+    const Log log = read(shoulder(rows));
+    EXPECT_FALSE(log.find(LogSignal::counts));
+    EXPECT_DOUBLE_EQ(values(log, LogSignal::measured)[2], -8.25 * count);
+    ASSERT_EQ(log.warnings.size(), 1u);
+    EXPECT_NE(log.warnings[0].find("multiples of 1/" + denominator + " count"), std::string::npos)
+        << log.warnings[0];
+  }
+  spec = spec_with("'*': {counts_per_rev: 4096, gear_ratio: -100}, lift: {resolution: 10 um}");
+  EXPECT_DOUBLE_EQ(values(read(shoulder("0,0.5,0\n")), LogSignal::measured)[0], -0.5 * count / 100);
+}
+
 TEST_F(ReadLog, IgnoresOtherColumnsWithAWarning) {
   const Log log =
       read("time [s],state,shoulder.counts,elbw.counts,\"a, b\"\n0,moving,1,x,\"1,2\"\n1,,2,,\"\"\"\n\"\n");

@@ -67,7 +67,8 @@ class LogReader {
 
   /// The next rows, rows x log().columns. @returns false at the end
   /// @throws Error (input), with line and column, for a row with too few or too many cells, a cell that is
-  /// not a finite number, counts that are not integers within 2^53, decreasing time, a file without rows
+  /// not a finite number, counts beyond 2^53, or off every grid of 1/1024 count or
+  /// coarser, or not whole although a coupling joins them, decreasing time, a file without rows
   bool next(Eigen::ArrayXXd& rows);
 
  private:
@@ -78,7 +79,7 @@ class LogReader {
 /// Values of a log that read_log keeps, unless it is told otherwise.
 inline constexpr std::uint64_t most_log_values = 32'000'000;
 
-/// A log with its values. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
+/// A log with its values. Counts with a `denominator` above 1 become the signal `measured`, with a warning. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
 /// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
 /// length of a wide file.
 /// @param progress  as of LogOptions

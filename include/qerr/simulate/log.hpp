@@ -53,6 +53,8 @@ struct LogColumn {
   Unit scale;             ///< from the unit of the file to `unit`
   DecimalText text;
   Wraps wraps;
+  /// Of counts: they are multiples of 1/denominator; above 1 for an interpolated encoder; known at the end.
+  int denominator = 1;
 
   /// Log resolution: every value (before unwrapping) is a multiple of this [unit].
   double step() const;
