@@ -79,9 +79,9 @@ class LogReader {
 /// Values of a log that read_log keeps, unless it is told otherwise.
 inline constexpr std::uint64_t most_log_values = 32'000'000;
 
-/// A log with its values. Counts with a `denominator` above 1 become the signal `measured`, with a warning. Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows
-/// with at least half as many values are kept, with a warning. Memory is at most 8 bytes per value, for any
-/// length of a wide file.
+/// A log with its values. Counts with a `denominator` above 1 become the signal `measured`, with a warning.
+/// Of a log with more than `most_values` values, evenly spaced stretches of 16384 rows with at least half as
+/// many values are kept, with a warning. Memory is at most 8 bytes per value, for any length of a wide file.
 /// @param progress  as of LogOptions
 Log read_log(const LogFiles&, const Spec&, std::uint64_t most_values = most_log_values,
              std::function<void(std::uint64_t done, std::uint64_t total)> progress = {});
