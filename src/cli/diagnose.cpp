@@ -22,11 +22,7 @@ void require_log_or_plan(const Values& v) {
   if (v.given("LOG"))
     throw usage("--plan", "a plan is made without a log", "'" + v.texts("LOG").front() + "'",
                 "leave out the log, or --plan");
-<<<<<<< HEAD
-  for (const char* output : {"write-model", "write-table", "plots", "check", "details"})
-=======
-  for (const char* output : {"write-model", "write-table", "plots", "check", "hold"})
->>>>>>> 4e053e0 (logs: long format, several files joined by time, exact epoch stamps)
+  for (const char* output : {"write-model", "write-table", "plots", "check", "details", "hold"})
     if (v.given(output))
       throw usage(std::string("--") + output, "not available for a plan", "", "leave it out, or name a log");
 }
@@ -106,37 +102,6 @@ Command diagnose_command() {
   return {
       "diagnose",
       "Find the causes of a measured log's errors: effects, an extended model, the gain",
-<<<<<<< HEAD
-      joined({spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
-              {{.name = "LOG", .meaning = "the measured log (CSV); '-' reads standard input"},
-               {.name = "--plan",
-                .kind = OptionKind::flag,
-                .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
-                           "motion that identifies more"},
-               {.name = "--reference-noise",
-                .value = "COUNTS",
-                .kind = OptionKind::number,
-                .meaning = "standard deviation of the reference sensors that --plan assumes, in counts",
-                .fallback = "0.05",
-                .least = 1e-3,
-                .most = 10},
-               {.name = "--check",
-                .kind = OptionKind::flag,
-                .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
-               {.name = "--details",
-                .kind = OptionKind::flag,
-                .meaning = "in the table also the statistics, p-values, all intervals and gains"},
-               {.name = "--write-model",
-                .value = "FILE.yaml",
-                .meaning = "write the spec with the effects found; '-' is standard output"},
-               {.name = "--write-table",
-                .value = "FILE.csv",
-                .meaning = "write a look-up table for the controller: encoder angle to correction"},
-               {.name = "--plots",
-                .value = "FOLDER",
-                .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
-              output_options()}),
-=======
       joined(
           {spec_options("the spec (YAML) of the robot as designed; '-' reads standard input"),
            {{.name = "LOG",
@@ -160,6 +125,9 @@ Command diagnose_command() {
             {.name = "--check",
              .kind = OptionKind::flag,
              .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
+            {.name = "--details",
+             .kind = OptionKind::flag,
+             .meaning = "in the table also the statistics, p-values, all intervals and gains"},
             {.name = "--write-model",
              .value = "FILE.yaml",
              .meaning = "write the spec with the effects found; '-' is standard output"},
@@ -170,7 +138,6 @@ Command diagnose_command() {
              .value = "FOLDER",
              .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
            output_options()}),
->>>>>>> 4e053e0 (logs: long format, several files joined by time, exact epoch stamps)
       run,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},
        {"qerr diagnose arm.yaml log.csv --write-model found.yaml",

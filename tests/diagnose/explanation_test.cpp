@@ -2,13 +2,16 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "core/random.hpp"
-#include "diagnose/inference/model_choice.hpp"
+#include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/scatter.hpp"
-#include "diagnose/inference/select.hpp"
+#include "diagnose/inference/selection.hpp"
 #include "diagnose/record/smooth_path.hpp"
 
 namespace qerr {
@@ -58,6 +61,24 @@ std::vector<std::string> names(const Selection& s) {
   for (const Term& t : s.model.terms()) found.push_back(t.named() ? t.effect.type : "unnamed: " + t.unnamed);
   return found;
 }
+
+/// A record, its independent rows and what the search finds in it. Not copyable: each part refers to another.
+struct Diagnosed {
+  Evidence record;
+  Sampling sampling;
+  Selection selection;
+  Scatter scatter;
+
+  explicit Diagnosed(Evidence e)
+      : record(std::move(e)),
+        sampling(record, independent_rows(record, 1)),
+        selection(selection_of(sampling, search_causes(record, 7))),
+        scatter(scatter_of(sampling.evidence, selection.model, 0)) {}
+  Diagnosed(const Diagnosed&) = delete;
+  Diagnosed& operator=(const Diagnosed&) = delete;
+
+  std::string remainder() const { return remainder_of(sampling.evidence, selection.model, scatter, 0).what; }
+};
 
 using Names = std::vector<std::string>;
 
@@ -134,68 +155,84 @@ TEST(Explanation, EstimatesAnOffsetBetterThanTheMeanOfTheCounts) {
 
 TEST(Explanation, FitsAResolverWithClippedSignals) {
   // The arctangent of clipped signals, independent of the effect's code.
-  const Evidence e = rows(swing(
+  const Diagnosed d(swing(
       [](std::size_t, double, double q) {
         const double angle = turn * q / (1024 * step);
         const double s = std::clamp(std::sin(angle), -0.8, 0.8), c = std::clamp(std::cos(angle), -0.8, 0.8);
         return 1024 * step / turn * std::remainder(std::atan2(s, c) - angle, turn);
       },
       1024));
-  const Selection s = select(e);
+  const Selection& s = d.selection;
   ASSERT_EQ(names(s), Names{"subdivision_error"});
   ASSERT_EQ(s.model.coefficients(0).size(), 5);
   EXPECT_NEAR(s.model.coefficients(0)[4], 0.8, 1e-3);
   EXPECT_LT(s.model.coefficients(0).head(4).cwiseAbs().maxCoeff(), 1e-3);
 }
 
-TEST(Select, FindsNothingInACleanRecord) { EXPECT_EQ(names(select(rows(swing(none)))), Names{}); }
+TEST(Search, FindsNothingInACleanRecord) { EXPECT_EQ(names(Diagnosed(swing(none)).selection), Names{}); }
 
-TEST(Select, IdentifiesAStaircaseAsMissedCounts) {
-  const Selection s = select(
-      rows(swing([](std::size_t, double t, double) { return -step * ((t > 0.9) + (t > 2.2) + (t > 4.4)); })));
-  EXPECT_EQ(names(s), (Names{"missed_counts", "missed_counts", "missed_counts"}));
-  for (std::size_t i = 0; i < s.model.terms().size(); ++i) EXPECT_NEAR(s.model.coefficients(i)[0], -1, 0.05);
+TEST(Search, IdentifiesAStaircaseAsMissedCounts) {
+  const Diagnosed d(
+      swing([](std::size_t, double t, double) { return -step * ((t > 0.9) + (t > 2.2) + (t > 4.4)); }));
+  EXPECT_EQ(names(d.selection), (Names{"missed_counts", "missed_counts", "missed_counts"}));
+  for (std::size_t i = 0; i < d.selection.model.terms().size(); ++i)
+    EXPECT_NEAR(d.selection.model.coefficients(i)[0], -1, 0.05);
 }
 
-TEST(Select, FindsAnIntegerOrderOfEitherShaft) {
-  const Selection of_encoder =
-      select(rows(swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(30 * q + 1); })));
-  ASSERT_EQ(names(of_encoder), Names{"transmission_error"});
-  EXPECT_EQ(of_encoder.model.terms()[0].effect.number("order"), 3);
-  EXPECT_EQ(of_encoder.model.terms()[0].effect.choices.at("shaft"), "encoder");
-  const Selection of_joint =
-      select(rows(swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(37 * q + 1); })));
-  ASSERT_EQ(names(of_joint), Names{"transmission_error"});
-  EXPECT_EQ(of_joint.model.terms()[0].effect.number("order"), 37);
-  EXPECT_EQ(of_joint.model.terms()[0].effect.choices.at("shaft"), "joint");
+TEST(Search, TakesAStepThatIsNoWholeCountForNoLossOfCounts) {
+  const Diagnosed d(swing([](std::size_t, double t, double) { return 7.4 * step * (t > 2.2); }));
+  ASSERT_EQ(d.selection.model.terms().size(), 1u);
+  const Term& t = d.selection.model.terms()[0];
+  EXPECT_FALSE(t.named());
+  EXPECT_EQ(t.pattern, Shape::step);
+  EXPECT_NEAR(t.effect.number("time"), 2.2, 2e-3);
+  EXPECT_NEAR(d.selection.model.coefficients(0)[0], 7.4 * step, 0.05 * step);
 }
 
-TEST(Select, LeavesADamagedToothUnidentified) {
-  const Selection s = select(rows(swing([](std::size_t, double, double q) {
+TEST(Search, FindsAnIntegerOrderOfEitherShaft) {
+  const Diagnosed of_encoder(
+      swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(30 * q + 1); }));
+  ASSERT_EQ(names(of_encoder.selection), Names{"transmission_error"});
+  EXPECT_EQ(of_encoder.selection.model.terms()[0].effect.number("order"), 3);
+  EXPECT_EQ(of_encoder.selection.model.terms()[0].effect.choices.at("shaft"), "encoder");
+  const Diagnosed of_joint(
+      swing([](std::size_t, double, double q) { return 0.8 * step * std::sin(37 * q + 1); }));
+  ASSERT_EQ(names(of_joint.selection), Names{"transmission_error"});
+  EXPECT_EQ(of_joint.selection.model.terms()[0].effect.number("order"), 37);
+  EXPECT_EQ(of_joint.selection.model.terms()[0].effect.choices.at("shaft"), "joint");
+}
+
+TEST(Search, SeparatesLatencyFromPlay) {
+  // Neither alone: each hides the other from a search that adds one term at a time.
+  const Diagnosed d(swing([](std::size_t, double t, double) {
+    const double v = 1.1 * 2.1 * std::cos(2.1 * t) - 0.2 * 7.7 * std::sin(7.7 * t + 1);
+    return -1e-4 * v + 1.5 * step * (v > 0 ? 1 : -1);
+  }));
+  Names found = names(d.selection);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, (Names{"backlash", "latency"}));
+}
+
+TEST(Search, DescribesADamagedToothAsABump) {
+  const Diagnosed d(swing([](std::size_t, double, double q) {
     return 4 * step * std::exp(-0.5 * std::pow((q - 0.3) / 0.05, 2));
-  })));
-  EXPECT_EQ(names(s), Names{"unnamed: repeats with the position, without a period"});
+  }));
+  ASSERT_EQ(d.selection.model.terms().size(), 1u);
+  const Term& t = d.selection.model.terms()[0];
+  EXPECT_EQ(t.pattern, Shape::bump);
+  EXPECT_NEAR(t.effect.number("angle"), 0.3, 0.01);
+  EXPECT_NEAR(t.effect.number("width"), 0.05, 0.005);
 }
 
-TEST(Select, LeavesASlowVariationUnidentified) {
-  const Selection s = select(rows(swing([](std::size_t, double t, double) {
+TEST(Search, LeavesASlowVariationUnidentified) {
+  const Diagnosed d(swing([](std::size_t, double t, double) {
     return 3 * step * (std::sin(2.9 * t) + 0.6 * std::sin(5.1 * t + 1) + 0.4 * std::cos(8.3 * t));
-  })));
-  ASSERT_FALSE(s.model.terms().empty());
-  for (const Term& t : s.model.terms()) EXPECT_FALSE(t.named()) << t.effect.type;
+  }));
+  ASSERT_FALSE(d.selection.model.terms().empty());
+  for (const Term& t : d.selection.model.terms()) EXPECT_FALSE(t.named()) << t.effect.type;
 }
 
-TEST(Scatter, DetectsOutliers) {
-  const Evidence e =
-      rows(swing([](std::size_t row, double, double) { return row % 900 == 17 ? 60 * step : 0; }));
-  const Selection s = select(e);
-  EXPECT_EQ(names(s), Names{});
-  const Scatter scatter = scatter_of(e, s.model);
-  EXPECT_EQ(scatter.structure, "single readings are far off");
-  EXPECT_NEAR(scatter.size, 60 * step, step);
-}
-
-TEST(Select, FindsNoOrdersForAJointAtRest) {
+TEST(Search, FindsNoOrdersForAJointAtRest) {
   Evidence e = swing(none);
   e.reference = e.path = Eigen::ArrayXd::Constant(e.rows(), 0.41 * step);
   for (Eigen::Index k = 0; k < e.rows(); ++k)
@@ -203,22 +240,54 @@ TEST(Select, FindsNoOrdersForAJointAtRest) {
   e.measured.setZero();
   e.velocity = e.direction = Eigen::ArrayXd::Zero(e.rows());
   EXPECT_TRUE(e.is_stationary());
-  EXPECT_EQ(names(select(rows(e))), Names{});
+  EXPECT_EQ(names(Diagnosed(e).selection), Names{});
+}
+
+TEST(Scatter, FindsNoiseAndJitterTogether) {
+  const auto error = [](std::size_t row, double time, double) {
+    const double v = 1.1 * 2.1 * std::cos(2.1 * time) - 0.2 * 7.7 * std::sin(7.7 * time + 1);
+    return 0.6 * step * normal(row, 2) + 5e-5 * v * normal(row, 3);
+  };
+  const Diagnosed d(swing(error));
+  Names found;
+  for (const ScatterCause& c : d.scatter.causes) found.push_back(c.effect.type);
+  std::sort(found.begin(), found.end());
+  EXPECT_EQ(found, (Names{"noise", "timing_jitter"}));
 }
 
 TEST(Scatter, IsNoiseIfStationaryAndUnidentifiedOtherwise) {
-  const Evidence noisy =
-      rows(swing([](std::size_t row, double, double) { return 0.8 * step * normal(row, 2); }));
-  const Scatter same = scatter_of(noisy, Explanation(noisy));
-  ASSERT_TRUE(same.effect);
-  EXPECT_EQ(same.effect->type, "noise");
-  EXPECT_NEAR(same.effect->number("sigma"), 0.8 * step, 0.8 * step * same.relative_error + 0.01 * step);
-  const Evidence dirty = rows(swing([](std::size_t row, double, double q) {
+  const Diagnosed same(swing([](std::size_t row, double, double) { return 0.8 * step * normal(row, 2); }));
+  ASSERT_EQ(same.scatter.causes.size(), 1u);
+  const ScatterCause& noise = same.scatter.causes[0];
+  EXPECT_EQ(noise.effect.type, "noise");
+  EXPECT_NEAR(noise.effect.number("sigma"), 0.8 * step, 0.8 * step * noise.relative_error + 0.01 * step);
+  EXPECT_EQ(same.remainder(), "");
+  const Diagnosed sector(swing([](std::size_t row, double, double q) {
     return std::abs(q - 0.4) < 0.2 ? 3 * step * normal(row, 2) : 0;
   }));
-  const Scatter sector = scatter_of(dirty, Explanation(dirty));
-  EXPECT_FALSE(sector.effect) << sector.effect->type;
-  EXPECT_NE(sector.structure, "");
+  EXPECT_TRUE(sector.scatter.causes.empty());
+  EXPECT_NE(sector.remainder(), "");
+}
+
+TEST(EdgePattern, IsThatOfTheDisplacedEdges) {
+  // Edge k, between the counts k - 1 and k, is displaced by an amount that repeats every four counts.
+  constexpr std::array<double, 4> edges{0.2, -0.1, 0.05, -0.15};
+  Evidence e = swing(none);
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    double count = std::round(e.path[k] / step);
+    const auto edge = [&](double n) {
+      return n - 0.5 + edges[static_cast<std::size_t>(n - 4 * std::floor(n / 4))];
+    };
+    const double position = e.path[k] / step;
+    if (position < edge(count)) --count;
+    if (position >= edge(count + 1)) ++count;
+    e.measured[k] = count * step;
+  }
+  const Diagnosed d(std::move(e));
+  EXPECT_LT(d.scatter.pattern.p_value, 1e-6);
+  for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(d.scatter.pattern.displacement[i], edges[i], 0.03) << i;
+  const Diagnosed clean(swing(none));
+  EXPECT_GT(clean.scatter.pattern.p_value, 1e-4);
 }
 
 }  // namespace
