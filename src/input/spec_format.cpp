@@ -87,7 +87,9 @@ const std::vector<Parameter>& joint() {
        .dimension = dimension::length,
        .meaning = "distance of the tip from the axis of a revolute joint, such as 100 mm; default: 0",
        .least = 0},
-      {.name = "limits", .kind = Kind::any, .meaning = "[lower, upper]; default of a revolute joint: endless"},
+      {.name = "limits",
+       .kind = Kind::any,
+       .meaning = "[lower, upper]; default of a revolute joint: endless"},
   };
   return rows;
 }

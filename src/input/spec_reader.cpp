@@ -253,6 +253,7 @@ Object SpecReader::checked_top(const Node& root) {
 
 void SpecReader::read_chain(const Field& f) {
   faults_.guard([&] {
+    if (f.node->type == Node::Type::scalar) throw Error(f.fault("must be a mapping", "write {urdf: ...}"));
     const Object o(f, spec_format::robot());
     if (o.has("urdf") == o.has("joint"))
       throw Error(f.fault(o.has("urdf") ? "a robot has a URDF or a single joint, not both"

@@ -71,6 +71,7 @@ bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint
 std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, std::uint64_t seed) {
   auto f = std::make_unique<Finding>();
   const FoundCauses found = search_causes(record, seed);
+  f->visible = found.visible;
   f->sampling.emplace(record, independent_rows(record, seed, enough_rows));
   f->selection.emplace(selection_of(*f->sampling, found));
   double unnamed = 0;

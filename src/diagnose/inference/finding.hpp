@@ -18,6 +18,7 @@ namespace qerr {
 struct Finding {
   std::optional<Sampling> sampling;  ///< its independent rows
   std::optional<Selection> selection;
+  std::vector<VisibleEffect> visible;
   Scatter scatter;
   Remainder remainder;
   HeldOut held;

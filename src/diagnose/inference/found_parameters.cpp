@@ -40,7 +40,7 @@ struct Covariance {
     const auto sigma = [&](const Eigen::MatrixXd& v) {
       return std::sqrt(std::max(0.0, derivative.dot(v * derivative)));
     };
-    return std::max(normal_quantile_95 * sigma(curvature), quantile * sigma(sandwich));
+    return interval_calibration * std::max(normal_quantile_95 * sigma(curvature), quantile * sigma(sandwich));
   }
 };
 

@@ -7,6 +7,7 @@
 
 #include "core/probability.hpp"
 #include "core/statistics.hpp"
+#include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/inference/selection.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
@@ -73,13 +74,13 @@ struct ScatterCandidate {
 };
 
 /// Half-width of the 95 % interval of a positive parameter relative to its estimate, from the curvature of
-/// the log-likelihood in the parameter's logarithm at the maximum.
+/// the log-likelihood in the parameter's logarithm at the maximum, and the calibration of all intervals.
 template <typename Function>
 double relative_error(Function function, double best, double at_best) {
   constexpr double step = 0.05;
   const double curvature =
       (2 * at_best - function(best * std::exp(step)) - function(best * std::exp(-step))) / (step * step);
-  return curvature > 0 ? std::min(1.0, 1.96 / std::sqrt(curvature)) : 1;
+  return curvature > 0 ? std::min(1.0, interval_calibration * 1.96 / std::sqrt(curvature)) : 1;
 }
 
 /// Random effects that could scatter the readings of a fitted model, each at its most likely size.

@@ -87,15 +87,6 @@ class CauseSearch {
     for (int pass = 0; pass < most_passes; ++pass) {
       assemble();
       choose();
-      if (getenv("QD")) {
-        printf("  pass %d extra %.3g kappa %.2f cand %zu cols %ld worth %.3g:", pass,
-               std::sqrt(extra_) / record_.step(), correlation_, candidates_.size(), (long)columns_.cols(),
-               worth_ / record_.step());
-        for (auto g : chosen_) printf(" [%s %.2f]", candidates_[g].family.c_str(), groups_[g].price);
-        printf(" lines:");
-        for (auto& l : scanned_.lines) printf(" %.3f", l.value);
-        printf("\n");
-      }
       if (!learn(pass)) break;
     }
     while (veto()) choose();
@@ -254,8 +245,7 @@ class CauseSearch {
         core.push_back(names[i]);
     }
     const double explained = nothing - model_->fit(groups_, core).rss;
-    if (explained < named_share * all || count_causes(core) > best.size())
-      return {};
+    if (explained < named_share * all || count_causes(core) > best.size()) return {};
     return core;
   }
 
@@ -417,8 +407,37 @@ class CauseSearch {
     return rates.empty() ? 1 : rates.front().hypotheses;
   }
 
-  /// Keeps the size of a chosen hysteresis.
+  /// Parameters of a non-linear term by Gauss-Newton steps on the error that the other named terms leave.
+  Eigen::VectorXd parameters_of_linearization(std::size_t i) const {
+    constexpr int steps = 6;
+    const Term original = candidates_[chosen_[i]].over(samples_.sampling);
+    Eigen::VectorXd p = coefficients(i).head(original.size());
+    Eigen::ArrayXd target = residual_;
+    for (std::size_t k = 0; k < chosen_.size(); ++k)
+      if (k == i || !term(k).named()) target += addition(term(k), coefficients(k));
+    for (int step = 0; step < steps; ++step) {
+      const Term t = original.relinearized(few(), original, p);
+      Eigen::MatrixXd columns(samples_.size(), t.size() + 1);
+      columns << Eigen::VectorXd::Ones(samples_.size()), t.columns.matrix();
+      Eigen::VectorXd left = target.matrix();
+      if (t.fixed.size() > 0) left -= t.fixed.matrix();
+      const LinearModel linear(columns, left, weight_.matrix(), columns.cols());
+      const Eigen::VectorXd next = linear.fit({}, {}).coefficients.tail(t.size());
+      if (!next.allFinite()) break;
+      p = next;
+    }
+    return p;
+  }
+
+  /// Keeps the size of a chosen hysteresis, and the parameters of a chosen linearization.
   void keep_size(std::size_t i, Scanned& next, bool& changed) const {
+    if (term(i).relinearized) {
+      const Eigen::VectorXd p = parameters_of_linearization(i);
+      changed |= scanned_.linearizations.empty() ||
+                 (p - scanned_.linearizations.front()).norm() > 0.01 * p.norm() ||
+                 p.size() != scanned_.linearizations.front().size();
+      next.linearizations.push_back(p);
+    }
     if (!term(i).hysteresis) return;
     const double size = coefficients(i)[0];
     changed |= scanned_.hystereses.empty() || std::abs(size - scanned_.hystereses.front()) > 0.02 * size;
@@ -590,9 +609,6 @@ class CauseSearch {
       if (lost > weight_.sum() * record_.step() * record_.step()) continue;  // of more than a count
       const double expected = expected_gain(without, rest, chosen_[i]);
       const auto d = static_cast<double>(term(i).size());
-      if (getenv("QD"))
-        printf("   veto? %s lost %.4g expected %.4g\n", candidates_[chosen_[i]].family.c_str(), lost,
-               expected);
       if (fisher_f_tail(lost / std::max(expected, 1e-300), d, veto_draws * d) < refuted) continue;
       banned_.push_back(candidates_[chosen_[i]].family);
       any = true;
@@ -704,9 +720,51 @@ class CauseSearch {
     return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
   }
 
-  /// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude varies
-  /// along the path, and one of its sidebands is a whole number by chance. Sidebands are of one size, within a
-  /// factor of three.
+  /// Why a record does not show an effect that its encoder can have.
+  std::string hidden_by(const EffectKind& kind) const {
+    const Evidence& e = few();
+    if (kind.missing_signal)
+      if (const auto missing = kind.missing_signal(e); missing && missing->effect == kind.name)
+        return "not recorded: " + missing->needs;
+    if (e.is_stationary()) return "standstill";
+    if (!e.ordered) return "poses without order in time";
+    if ((e.direction.abs() == 1).any() && (e.direction.minCoeff() > -1 || e.direction.maxCoeff() < 1))
+      return "motion in one direction";
+    return e.range() < 2 * std::numbers::pi ? "less than a turn"
+                                            : "proportional to other errors in this motion";
+  }
+
+  /// Size at which a term would have passed the criterion beside what was found.
+  void list_visible(FoundCauses& result) const {
+    const double noise = std::max(fit_.rss / model_->rows(), floor_) * correlation_;
+    for (const EffectKind& kind : effect_kinds()) {
+      if (!kind.terms) continue;
+      if (kind.encoder_need && (few().encoder.counts_per_period < kind.encoder_need->least ||
+                                few().encoder.counts_per_period > kind.encoder_need->most))
+        continue;
+      const auto of_kind = [&](std::size_t g) { return candidates_[g].term.effect.type == kind.name; };
+      if (std::any_of(chosen_.begin(), chosen_.end(), of_kind)) continue;
+      VisibleEffect v{std::string(kind.name), {}, 0, {}};
+      for (std::size_t g = 0; g < candidates_.size() && v.smallest == 0; ++g) {
+        if (!of_kind(g) || candidates_[g].most > 0) continue;
+        const Term& t = candidates_[g].term;
+        const double information = model_->least_information(groups_, chosen_, g);
+        if (information <= 0) continue;
+        const double size = std::sqrt((groups_[g].least_gain + groups_[g].price * noise) / information);
+        Effect filled = t.effect;
+        t.fill(filled, size * Eigen::VectorXd::Unit(t.size(), 0));
+        for (const auto& [name, value] : filled.numbers)
+          if (!t.effect.numbers.contains(name) || t.effect.numbers.at(name) != value)
+            if (value != 0 && v.parameter.empty()) v.parameter = name, v.smallest = std::abs(value);
+      }
+      if (v.smallest == 0) v.hidden_by = hidden_by(kind);
+      result.visible.push_back(std::move(v));
+    }
+  }
+
+  /// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude
+  /// varies along the path, and one of its sidebands is a whole number by chance. Sidebands are of one size,
+  /// within a factor of three.
   bool is_sideband(std::size_t i) const {
     if (!term(i).named() || !term(i).harmonic || candidates_[chosen_[i]].alternatives == 1) return false;
     const double order = std::abs(wave_number(term(i).effect, few().encoder));
@@ -754,6 +812,7 @@ class CauseSearch {
     for (const std::size_t g : chosen_) alone.push_back(-model_->fit(groups_, {g}).rss);
     std::stable_sort(order.begin(), order.end(),
                      [&](std::size_t a, std::size_t b) { return alone[a] > alone[b]; });
+    list_visible(result);
     for (const std::size_t i : order) {
       if (term(i).named()) find_replacements(i, result, result.chosen.size());
       result.chosen.push_back(found[i]);

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "diagnose/search/dictionary.hpp"
@@ -24,9 +25,17 @@ struct Replacement {
   Effect effect;
 };
 
+/// Smallest size of an effect that a record would have shown.
+struct VisibleEffect {
+  std::string effect, parameter;
+  double smallest = 0;    ///< of the parameter [SI]; 0: the record cannot show it
+  std::string hidden_by;  ///< why it cannot: "standstill", "one way", ...; else ""
+};
+
 struct FoundCauses {
   std::vector<ChosenTerm> chosen;  ///< in descending order of the variance that each removes alone
   std::vector<Replacement> replacements;
+  std::vector<VisibleEffect> visible;
   double samples_per_reading = 1;  ///< integrated autocorrelation of the residual of the richest model
   double excess = 0;     ///< mean square of the residual beyond quantization and stated noise [rad^2 or m^2]
   double explained = 0;  ///< mean square that all terms remove [rad^2 or m^2]

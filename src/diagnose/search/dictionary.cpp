@@ -67,12 +67,17 @@ class Dictionary {
   }
 
   void add_named() {
+    std::size_t number = 0;
     for (Term& t : named_terms(e_)) {
+      const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
       if (t.harmonic && order > 1 && periods_covered(t, e_) < least_periods) continue;
       const Term original = t;
-      const auto over = [original](const Sampling& s) {
-        for (Term& fresh : named_terms(s.evidence))
+      // Linearizations of one effect differ in their columns alone: they are told apart by their place.
+      const auto over = [original, place](const Sampling& s) {
+        std::vector<Term> all = named_terms(s.evidence);
+        if (place < all.size() && same_term(all[place], original)) return all[place];
+        for (Term& fresh : all)
           if (same_term(fresh, original)) return fresh;
         return original;
       };
@@ -84,6 +89,7 @@ class Dictionary {
       std::string family = t.effect.type;
       if (order > 0) family = family_of_order(t);
       if (t.hysteresis) add_sizes(t, family);
+      if (t.relinearized) add_linearizations(t, family);
       add(std::move(t), family, 1, over);
     }
   }
@@ -109,6 +115,19 @@ class Dictionary {
         return t;
       };
       found_.push_back({over(s_), family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, over});
+    }
+  }
+
+  /// A non-linear term about the parameters that the previous pass has led to.
+  void add_linearizations(const Term& original, const std::string& family) {
+    for (const Eigen::VectorXd& p : scanned_.linearizations) {
+      if (p.size() != original.size()) continue;
+      add(original.relinearized(e_, original, p), family, 1, [original, p](const Sampling& s) {
+        for (Term& fresh : named_terms(s.evidence))
+          if (same_term(fresh, original) && fresh.size() == original.size())
+            return fresh.relinearized(s.evidence, fresh, p);
+        return original;
+      });
     }
   }
 

@@ -29,8 +29,9 @@ struct Scanned {
   std::vector<Rate> orders, loaded_orders, lines;
   std::vector<Event> events;
   std::vector<Bump> places;
-  std::vector<double> time_constants;  ///< refined ones [s]
-  std::vector<double> hystereses;      ///< sizes found of a hysteresis [rad or m]
+  std::vector<double> time_constants;           ///< refined ones [s]
+  std::vector<Eigen::VectorXd> linearizations;  ///< parameters about which a non-linear effect is linearized
+  std::vector<double> hystereses;               ///< sizes found of a hysteresis [rad or m]
 };
 
 /// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes

@@ -14,6 +14,10 @@ constexpr double collinear = 1e-7;          ///< part of a column's square that 
 constexpr std::size_t leading_groups = 12;  ///< whose pairs are tried
 constexpr int most_moves = 200;
 
+/// Part of a column's square beside the others below which a term is not visible in a record: its coefficient
+/// has ten times the error that it had alone.
+constexpr double inseparable = 0.01;
+
 /// Largest sum of squares of a group's addition over that of all y: beyond it, other groups cancel most of
 /// the group, and only the difference is known.
 constexpr double cancelling = 9;
@@ -97,6 +101,18 @@ LinearModel::Fit LinearModel::fit(const std::vector<ColumnGroup>& groups, const 
   for (std::size_t i = 0; i < p.columns.size(); ++i)
     f.coefficients[static_cast<Eigen::Index>(i)] *= scale_[p.columns[i]];
   return f;
+}
+
+double LinearModel::least_information(const std::vector<ColumnGroup>& groups, const Set& set,
+                                      std::size_t group) const {
+  const ColumnGroup& c = groups[group];
+  const Projected p = project(groups, set, true);
+  const auto across = p.across.middleCols(c.first, c.count);
+  Eigen::MatrixXd own = gram_.block(c.first, c.first, c.count, c.count) - across.transpose() * across;
+  if (symmetric_eigenvalues(own).minCoeff() < inseparable) return 0;
+  const Eigen::VectorXd size = scale_.segment(c.first, c.count).cwiseInverse();
+  own = size.asDiagonal() * own * size.asDiagonal();
+  return symmetric_eigenvalues(own).minCoeff();
 }
 
 double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set& set, double rss, double n,

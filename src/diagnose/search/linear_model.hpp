@@ -54,6 +54,10 @@ class LinearModel {
   /// Whether the columns are independent and every coefficient has a possible size.
   bool possible(const std::vector<ColumnGroup>&, const Set&, const Fit&) const;
 
+  /// Smallest decrease of the weighted sum of squares that a group's coefficients of unit length cause beside
+  /// a set, over all directions; 0 if the set can take the group's place.
+  double least_information(const std::vector<ColumnGroup>&, const Set&, std::size_t group) const;
+
   double rows() const { return rows_; }
 
  private:

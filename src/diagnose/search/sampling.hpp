@@ -26,9 +26,10 @@ struct Sampling {
 /// Samples of an encoder's error for a linear regression.
 ///
 /// Where the count changes by one from one row to the next, an edge was crossed in between, whose position is
-/// known: the mean reading of the two rows less their mean position is free of quantization. What remains is where
-/// between the two rows the edge was crossed, uniform over the motion of v counts: variance v^2/12 [counts^2]. In
-/// faster motion every row is a sample, and at rest every reading, with the quantization error itself, 1/12.
+/// known: the mean reading of the two rows less their mean position is free of quantization. What remains is
+/// where between the two rows the edge was crossed, uniform over the motion of v counts: variance v^2/12
+/// [counts^2]. In faster motion every row is a sample, and at rest every reading, with the quantization error
+/// itself, 1/12.
 struct ErrorSamples {
   Sampling sampling;
   Eigen::ArrayXd error;     ///< encoder - path, less the mean of the rounding [rad or m]

@@ -6,6 +6,8 @@
 
 #include "core/statistics.hpp"
 #include "diagnose/inference/found_parameters.hpp"
+#include "diagnose/verdict/residual_curve.hpp"
+#include "qerr/core/quantity.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -42,6 +44,7 @@ class CauseReport {
       t.fill(effect, s.model.coefficients(i));
       if (!t.named()) {
         add_unnamed(t, effect, std::sqrt(2.0) * size_of(s.model, i));
+        d_.unexplained.back().curve = residual_curve(e_, s.model, i);
         continue;
       }
       // Displaced edges have a mean of their own.
@@ -55,6 +58,7 @@ class CauseReport {
       Cause cause{effect, parameters[i], s.p_values[i], gain_, 0};
       cause.rms = rms(addition(t, s.model.coefficients(i)));
       cause.rms_without = std::sqrt(gain_.rms_after * gain_.rms_after + s.lost[i]);
+      cause.curve = residual_curve(e_, s.model, i);
       add(std::move(cause), others);
     }
   }
@@ -70,6 +74,18 @@ class CauseReport {
       std::vector<std::string> others;
       if (c.alternative) others.push_back(c.alternative->type);
       add(std::move(cause), others);
+    }
+  }
+
+  void add_visible(const std::vector<VisibleEffect>& all) {
+    for (const VisibleEffect& v : all) {
+      Visible out;
+      out.effect = v.effect, out.joint = e_.joint;
+      out.parameter = v.parameter, out.hidden_by = v.hidden_by;
+      if (v.smallest > 0) out.smallest = v.smallest;
+      for (const Parameter& p : effect_kind(v.effect).parameters)
+        if (p.name == v.parameter) out.unit = unit_name(dimension_at(p, e_.prismatic));
+      d_.visible.push_back(std::move(out));
     }
   }
 
@@ -105,6 +121,7 @@ void add(Diagnosis& d, const Finding& f, const Gain& gain) {
   report.add_terms(*f.selection, f.scatter);
   report.add_scatter(f.scatter);
   report.add_remainder(f.remainder);
+  report.add_visible(f.visible);
 }
 
 }  // namespace qerr

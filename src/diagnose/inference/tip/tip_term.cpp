@@ -114,7 +114,8 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
   for (std::size_t i = 0; i < e.encoders.size(); ++i)
     if (e.judged(i))
       for (Term& t : named_terms(corrected_evidence(e, estimate, i)))
-        terms.push_back({TipTerm::Kind::encoder, std::move(t), i});
+        if (!t.of_reference)  // without a reference at the joint, the encoder's own path drives no play
+          terms.push_back({TipTerm::Kind::encoder, std::move(t), i});
   return terms;
 }
 

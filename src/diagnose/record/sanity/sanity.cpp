@@ -110,8 +110,8 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   sanity::check_exchange(s);
   for (const auto step :
        {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover, sanity::check_decoding,
-        sanity::check_log_resolution, sanity::check_outliers, sanity::check_controller_output,
-        sanity::check_stuck_sensor, sanity::check_held, sanity::check_coarse_reference})
+        sanity::check_log_resolution, sanity::check_controller_output, sanity::check_stuck_sensor,
+        sanity::check_outliers, sanity::check_held, sanity::check_coarse_reference})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
