@@ -46,6 +46,7 @@ FAMILIES = [
 ]
 # Keys and figures that are spelt like a member of a family: (file, name) and what the name means there.
 HOMONYMS = {
+    ("src/effect/residual_shape.cpp", "noise"): "the shape of a residual",
     ("src/input/read_design.cpp", "resolution"): "minimize: resolution",
     ("src/encoder/kinds/lines_per_rev.cpp", "decoding"): "parameter of an encoder: x1, x2 or x4",
     ("src/input/read_sweep.cpp", "scale"): "spacing of a sweep: linear or log",

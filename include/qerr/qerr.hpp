@@ -38,6 +38,7 @@
 
 #include "qerr/effect/effect.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/effect/residual_shape.hpp"
 #include "qerr/effect/share.hpp"
 
 #include "qerr/bound/derivative_error.hpp"

@@ -65,10 +65,9 @@ void convert_fractions(Log& log, const Spec& spec) {
     const double count = t.coupling(i, i) * t.encoders[column.index].resolution;
     log.values.col(static_cast<Eigen::Index>(c)) *= count;
     const std::string n = std::to_string(column.denominator);
-    log.warnings.push_back(
-        log.file + ": " + column.header + ": not whole, but multiples of 1/" + n +
-        " count; read as '.measured'. If the encoder is interpolated, its counts_per_rev is " + n +
-        " times as high, and so are its counts");
+    log.warnings.push_back(log.file + ": " + column.header + ": not whole, but multiples of 1/" + n +
+                           " count; read as '.measured'. If the encoder is interpolated, its resolution is " +
+                           n + " times as fine, and so are its counts");
     column.signal = LogSignal::measured;
     column.unit = prismatic ? "m" : "rad";
     column.scale = {std::abs(count), 1, prismatic ? dimension::length : dimension::angle};

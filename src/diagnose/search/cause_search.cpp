@@ -465,11 +465,9 @@ class CauseSearch {
                         hypotheses_of(scanned_.loaded_orders, t.effect.number_or("order", 0))},
           rate);
     else if (c.family.rfind("event", 0) == 0)
-      add(next.events, scanned_.events[static_cast<std::size_t>(std::stoi(c.family.substr(6)))],
-          [](const Event& e) { return e.time; });
+      add(next.events, scanned_.events[c.scanned], [](const Event& e) { return e.time; });
     else if (c.family.rfind("bump", 0) == 0)
-      add(next.places, scanned_.places[static_cast<std::size_t>(std::stoi(c.family.substr(5)))],
-          [](const Bump& p) { return p.position; });
+      add(next.places, scanned_.places[c.scanned], [](const Bump& p) { return p.position; });
   }
 
   /// Whether a rate was already kept at its refined value.

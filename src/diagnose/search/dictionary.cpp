@@ -56,7 +56,7 @@ class Dictionary {
   void add(Term t, std::string family, double alternatives, std::function<Term(const Sampling&)> over) {
     t = searchable(std::move(t));
     if (t.columns.rows() == 0 || !t.columns.isFinite().all()) return;
-    found_.push_back({std::move(t), std::move(family), alternatives, 0, 0, std::move(over)});
+    found_.push_back({std::move(t), std::move(family), alternatives, 0, 0, scanned_number_, std::move(over)});
   }
 
   /// A term without history: computed from the averaged signals.
@@ -114,7 +114,8 @@ class Dictionary {
         t.columns = s.averaged(original.hysteresis(s.record->path, size));
         return t;
       };
-      found_.push_back({over(s_), family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, over});
+      found_.push_back(
+          {over(s_), family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, 0, over});
     }
   }
 
@@ -190,6 +191,7 @@ class Dictionary {
                 [f = r.value](const RecordSignals& s) { return vibration_term(s, f); });
     int number = 0;
     for (const Event& event : scanned_.events) {
+      scanned_number_ = static_cast<std::size_t>(number);
       const std::string family = "event " + std::to_string(number++);
       add_plain(family, event.hypotheses,
                 [t = event.time](const RecordSignals& s) { return step_term(s, t); });
@@ -233,6 +235,7 @@ class Dictionary {
   void add_in_position() {
     int number = 0;
     for (const Bump& p : scanned_.places) {
+      scanned_number_ = static_cast<std::size_t>(number);
       const std::string family = "bump " + std::to_string(number++);
       add_plain(family, p.hypotheses,
                 [p](const RecordSignals& s) { return bump_term(s, p.position, p.width); });
@@ -249,6 +252,7 @@ class Dictionary {
   const Evidence& e_;
   const Scanned& scanned_;
   const Eigen::ArrayXd& moved_;
+  std::size_t scanned_number_ = 0;
   std::vector<Candidate> found_;
 };
 
