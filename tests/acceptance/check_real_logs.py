@@ -110,9 +110,9 @@ def load_of_the_controller(qerr, folder, tally):
 
 # Of the three logs of the same kind of magnetic encoder one is enough for the test suite: 20 s of CPU time each.
 SIMILAR = ("mechaduino_drewtm", "mechaduino_mathias")
-# Answered wrongly today: the play of this gear is reported as a latency. It stays visible, and an answer that becomes
-# right must leave this list.
-KNOWN_WRONG = {"posital_backlash"}
+# Answers that are wrong today stay visible here, and one that becomes
+# right must leave the list.
+KNOWN_WRONG = set()
 
 
 def measured_logs(qerr, data, every, tally):

@@ -692,10 +692,9 @@ class CauseSearch {
   /// chi-squared with one degree of freedom, or what is lost is a small part of what the term explains.
   void find_replacements(std::size_t i, FoundCauses& result, std::size_t number) const {
     constexpr double indistinguishable = 12.1;
-    const double independent = model_->rows() / correlation_;
     LinearModel::Set other = chosen_;
+    const bool complete_fit = is_complete(chosen_);
     const double lost = lost_without(i);
-    const double present = model_->criterion(groups_, chosen_, fit_.rss, independent, floor_);
     for (std::size_t g = 0; g < candidates_.size(); ++g) {
       const Candidate& c = candidates_[g];
       if (!c.term.named() || same_term_type(c.term, term(i)) ||
@@ -707,9 +706,14 @@ class CauseSearch {
       other[i] = g;
       const LinearModel::Fit f = model_->fit(groups_, other);
       if (!model_->possible(groups_, other, f)) continue;
-      const bool likely =
-          model_->criterion(groups_, other, f.rss, independent, floor_) - present < indistinguishable;
-      if (!likely && f.rss - fit_.rss > (1 - alternative_share) * lost) continue;
+      const double variance = std::max(fit_.rss / model_->rows(), floor_) * correlation_;
+      const bool likely = (f.rss - fit_.rss) / variance < indistinguishable;
+      // Where everything is explained, a small part that the other leaves of a small error is evidence
+      // against it; of a large error, it may be the idealization of its shape.
+      const double left = f.rss - fit_.rss, least = groups_[g].least_gain;
+      const bool near = left < (1 - alternative_share) * lost &&
+                        (!complete_fit || (left < 2 * least && lost > 2 * least / (1 - alternative_share)));
+      if (!likely && !near) continue;
       result.replacements.push_back({number, c.term.effect});
     }
   }

@@ -5,6 +5,7 @@
 #include <numbers>
 #include <utility>
 
+#include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "diagnose/terms/unnamed_terms.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -186,6 +187,8 @@ class Dictionary {
     if (!e_.is_stationary())
       for (const double constant : joined(scanned_.time_constants, series(duration / 30, 2 * duration, 8)))
         add_plain("growth", 8, [constant](const RecordSignals& s) { return growth_term(s, constant); });
+    // On one sweep at constant speed a function of time is one of the position, and so is named.
+    if (is_one_sweep()) return;
     for (const Scanned::Rate& r : scanned_.lines)
       add_plain("line " + significant(r.value, 6), r.hypotheses,
                 [f = r.value](const RecordSignals& s) { return vibration_term(s, f); });
@@ -209,6 +212,11 @@ class Dictionary {
     for (const Eigen::Index knots : {10, 20, 40})
       if (e_.rows() > 8 * knots)
         add_plain("time", 8, [knots](const RecordSignals& s) { return time_table_term(s, knots); });
+  }
+
+  bool is_one_sweep() const {
+    return fit_line(e_.time, e_.path).residual_rms < 0.01 * standard_deviation(e_.path) &&
+           !e_.is_stationary();
   }
 
   void add_hystereses() {

@@ -44,7 +44,9 @@ double grid_of(const Eigen::ArrayXd& x, double least) {
   std::vector<double> changes;
   for (Eigen::Index k = 1; k < x.size(); ++k)
     if (const double by = std::abs(x[k] - x[k - 1]); by > 0) changes.push_back(by);
-  if (changes.size() < 8) return 0;
+  // A table may be taken at even steps: only values that repeat are on a grid of the sensor.
+  const auto repeated = static_cast<double>(x.size() - 1) - static_cast<double>(changes.size());
+  if (changes.size() < 8 || repeated < 0.05 * static_cast<double>(x.size())) return 0;
   step = *std::min_element(changes.begin(), changes.end());
   if (step < least) return 0;
   // Decimals of the file round the values to a thousandth of the step or better.
