@@ -61,7 +61,7 @@ struct PlanOptions {
   double reference_noise = 0.05;   ///< of the reference sensor, standard deviation [counts], > 0
   double power = 0.95;             ///< probability with which an effect of the stated size is found
   double alpha = 0.01;             ///< false alarm probability at one encoder, over all candidates
-  double least_amplitude = 0.05;   ///< rms contribution of an effect that is worth reporting [counts]
+  double least_amplitude = 0.1;    ///< rms contribution of an effect that is worth reporting [counts]
   Eigen::Index most_rows = 20000;  ///< evaluated, evenly over the motion; the others are counted as readings
   bool improve = true;             ///< search for a better motion
 };
