@@ -62,12 +62,6 @@ Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
   return grouped;
 }
 
-namespace {
-
-/// Whether the rows are poses and not samples of a motion: from row to row the joint moves by more than 3 %
-/// of its range and three counts, that is, a period of its motion has fewer than 64 rows, and consecutive
-/// moves have nothing in common. Those of a path are nearly equal; those of random poses have a correlation
-/// of -1/2.
 bool is_static(const Eigen::ArrayXd& reference, double step) {
   const Eigen::Index n = reference.size() - 1;
   if (n < 8) return false;
@@ -77,6 +71,8 @@ bool is_static(const Eigen::ArrayXd& reference, double step) {
   const double power = moves.square().sum();
   return (moves.head(n - 1) * moves.tail(n - 1)).sum() < 0.3 * power;
 }
+
+namespace {
 
 /// @param time  since the first row [s]; empty: the rows are not ordered
 std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,

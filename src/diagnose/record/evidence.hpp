@@ -37,6 +37,13 @@ std::vector<RowGroup> independent_rows(const Evidence&, std::uint64_t seed, Eige
 /// The evidence with the mean of each group in place of its rows.
 Evidence group_means(const Evidence&, const std::vector<RowGroup>&);
 
+/// Whether the rows are poses and not samples of a motion: from row to row the joint moves by more than 3 %
+/// of its range and three counts, that is, a period of its motion has fewer than 64 rows, and consecutive
+/// moves have nothing in common. Those of a path are nearly equal; those of random poses have a correlation
+/// of -1/2.
+/// @param step  resolution of the encoder [unit of the reference]
+bool is_static(const Eigen::ArrayXd& reference, double step);
+
 /// The evidence of every encoder whose joints have a reference.
 /// @param log  with its values
 std::vector<Evidence> evidence(const OperationalModel&, const Log& log, unsigned threads = 0);

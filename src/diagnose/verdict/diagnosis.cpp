@@ -1,7 +1,6 @@
 #include "qerr/diagnose/diagnosis.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <cstdio>
 #include <iterator>
 #include <limits>
@@ -14,7 +13,6 @@
 #include "diagnose/verdict/cause_report.hpp"
 #include "diagnose/verdict/comparison.hpp"
 #include "diagnose/verdict/verdict.hpp"
-#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -81,20 +79,6 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
   std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
 }
 
-/// Values of an age between 0 and the period are late by half of it and scattered by its 1/sqrt(12): what a
-/// held sensor does is no jitter of the clock.
-void drop_jitter_of_holds(const std::vector<HeldSensor>& held, Diagnosis& d) {
-  std::erase_if(d.causes, [&](const Cause& c) {
-    const EffectKind& kind = effect_kind(c.effect.type);
-    if (!kind.random() || kind.stage != Stage::clock) return false;
-    return std::any_of(held.begin(), held.end(), [&](const HeldSensor& h) {
-      const double expected = h.period / std::sqrt(12.0),
-                   found = c.effect.number(std::string(kind.scattering->parameter));
-      return h.joint == c.effect.joint && std::abs(found / expected - 1) < 0.2;
-    });
-  });
-}
-
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
@@ -144,7 +128,6 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
            b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
   });
   add_tip(std::move(tip), !all.empty(), d);
-  drop_jitter_of_holds(sane.held, d);
   d.verdict = verdict(d, judged);
   // What a repaired log shows is no all-clear for the log as it stands.
   if (d.verdict == Verdict::nothing_wrong && !sane.spoilt.empty()) {

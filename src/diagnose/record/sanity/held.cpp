@@ -1,109 +1,159 @@
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "core/text.hpp"
-#include "diagnose/record/encoder_columns.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
+#include "diagnose/record/smooth_path.hpp"
 
-/// Sensors that are read less often than the log has rows, and references that are coarser than the encoder.
+/// Sensors that are read less often than the log has rows: the log repeats their last value.
 namespace qerr::sanity {
 
 namespace {
 
-/// Rows in motion that a judgement needs: a share of one third from 200 rows has a standard error of 3 %.
-constexpr Eigen::Index fewest_moving = 200;
+/// Updates that a judgement needs. A live sensor has a held update only where its reference errs by five
+/// standard deviations (6e-7 of the updates), so that a majority of 32 is never chance.
+constexpr int fewest_updates = 32;
+constexpr double held_deviations = 5;
+
+/// Share of the updates in the same phase of the period from which rows at that phase are fresh, those at
+/// rest included; the rest allows for gaps of the record.
+constexpr double in_phase = 0.95;
 
 struct Hold {
-  double rows = 1;  ///< mean number of rows between two updates
+  int rows = 0;            ///< median between two updates
+  Eigen::Index first = 0;  ///< row of the first value that is held
+  std::vector<Eigen::Index> fresh;
+};
+
+/// A signal and the motion that it should follow, in counts.
+struct Followed {
+  const Eigen::ArrayXd &signal, &motion;
+  double quantum = 1;  ///< step of the signal
+  double slack = 0;    ///< error of a difference of the motion
+};
+
+struct Updates {
+  std::vector<Eigen::Index> all;
+  std::map<int, int> held;        ///< number of held updates by rows since the previous one
+  double telling = 0, stale = 0;  ///< motion between updates that would show a hold, and that does
   Eigen::Index first = 0;
 };
 
-/// How often one signal changes while the other moves by more than `enough` from row to row.
-Hold hold_of(const Eigen::ArrayXd& signal, const Eigen::ArrayXd& other, double enough) {
-  Hold h;
-  Eigen::Index moving = 0, changed = 0;
-  for (Eigen::Index k = 1; k < signal.size(); ++k) {
-    if (!(std::abs(other[k] - other[k - 1]) > enough)) continue;
-    ++moving;
-    if (signal[k] != signal[k - 1])
-      ++changed;
-    else if (h.first == 0)
-      h.first = k;
+/// A live sensor of step q changes before the motion exceeds q. A held one stays while the motion exceeds it,
+/// and its next value makes up for all of the motion; after backlash or a stop by friction it does not.
+Updates updates_of(const Followed& f) {
+  Updates u;
+  const double least = f.quantum + f.slack;
+  Eigen::Index last = 0;
+  for (Eigen::Index k = 1; k < f.signal.size(); ++k) {
+    if (f.signal[k] == f.signal[k - 1]) continue;
+    const double travel = f.motion[k] - f.motion[last];
+    if (last > 0 && std::abs(travel) > 2 * least) {
+      u.telling += std::abs(travel);
+      const bool stayed = std::abs(f.motion[k - 1] - f.motion[last]) > least;
+      // A twentieth of the travel: errors of scale.
+      const bool made_up =
+          std::abs(f.signal[k] - f.signal[last] - travel) < 2 * least + 0.05 * std::abs(travel);
+      if (stayed && made_up) {
+        u.stale += std::abs(travel);
+        ++u.held[static_cast<int>(k - last)];
+        if (u.first == 0) u.first = last;
+      }
+    }
+    u.all.push_back(last = k);
   }
-  if (moving >= fewest_moving && changed > 0)
-    h.rows = static_cast<double>(moving) / static_cast<double>(changed);
+  return u;
+}
+
+std::optional<Hold> hold_of(const Sanity& s, const Followed& f) {
+  Updates u = updates_of(f);
+  int count = 0, below = 0;
+  for (const auto& [rows, updates] : u.held) count += updates;
+  if (count < fewest_updates || u.stale < 0.5 * u.telling) return std::nullopt;
+  Hold h{0, u.first, {}};
+  for (const auto& [rows, updates] : u.held)
+    if (below <= count / 2) h.rows = rows, below += updates;
+  // Where all updates have one phase, rows at rest in this phase are fresh, too.
+  const auto phase = [&](Eigen::Index k) {
+    return static_cast<std::size_t>(row_in_file(s, k) % static_cast<std::uint64_t>(h.rows));
+  };
+  std::vector<double> phases(static_cast<std::size_t>(h.rows));
+  for (const Eigen::Index k : u.all) ++phases[phase(k)];
+  const auto usual = std::max_element(phases.begin(), phases.end());
+  h.fresh = std::move(u.all);
+  if (*usual < in_phase * static_cast<double>(h.fresh.size())) return h;
+  h.fresh.clear();
+  for (Eigen::Index k = 0; k < f.signal.size(); ++k)
+    if (phase(k) == static_cast<std::size_t>(usual - phases.begin())) h.fresh.push_back(k);
   return h;
 }
 
-/// Step of the values of a column if they all lie on a grid that is coarser than `least`; else 0. Where a
-/// grid exists, neighbouring values are equal or differ by whole steps.
-double grid_of(const Eigen::ArrayXd& x, double least) {
-  double step = 0;
-  std::vector<double> changes;
-  for (Eigen::Index k = 1; k < x.size(); ++k)
-    if (const double by = std::abs(x[k] - x[k - 1]); by > 0) changes.push_back(by);
-  // A table may be taken at even steps: only values that repeat are on a grid of the sensor.
-  const auto repeated = static_cast<double>(x.size() - 1) - static_cast<double>(changes.size());
-  if (changes.size() < 8 || repeated < 0.05 * static_cast<double>(x.size())) return 0;
-  step = *std::min_element(changes.begin(), changes.end());
-  if (step < least) return 0;
-  // Decimals of the file round the values to a thousandth of the step or better.
-  const auto off = std::count_if(changes.begin(), changes.end(), [&](double by) {
-    return std::abs(by / step - std::round(by / step)) > 0.01 * std::max(1.0, by / step);
-  });
-  return off == 0 ? step : 0;
+/// The finding. Rows with fresh values have no age, so that nothing else is to be said of it.
+void report_hold(Sanity& s, const Hold& h, std::size_t encoder, const std::string& signal) {
+  const auto time = s.log.values.col(*s.log.find(LogSignal::time));
+  const double interval = (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1);
+  const double period = h.rows * interval, age = 0.5 * (h.rows - 1) * interval;
+  s.data.push_back({"the " + signal + (signal == "counts" ? " are" : " is") + " held for " +
+                        std::to_string(h.rows) + " rows (" + readable(period, "s") +
+                        "): only the rows with a fresh value are judged",
+                    s.model.chain.independent[encoder].name, row_in_file(s, h.first) + 1, time[h.first],
+                    "log at the rate of the sensor, or stamp its values when they are read; until then the " +
+                        signal + " of the log " + (signal == "counts" ? "are " : "is ") + readable(age, "s") +
+                        " old in the mean, which is no latency of the sensor"});
+  s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
 }
 
-/// A sensor is held from two rows between updates on.
-constexpr double held_from = 1.8;
+std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
+  const auto stamps = s.log.find(LogSignal::time);
+  if (!read || !stamps) return std::nullopt;
+  const double step = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
+  if (reference.size() < fewest_updates) return std::nullopt;
+  // First: steps of a held reference would be taken for its noise.
+  if (auto h = hold_of(s, {reference, read->counts, s.reference_grid[encoder] / step, 1})) {
+    report_hold(s, *h, encoder, "reference");
+    return h;
+  }
+  const double noise = noise_of_path(s.log.values.col(*stamps), reference, 0);
+  auto h = hold_of(s, {read->counts, reference, 1, held_deviations * std::sqrt(2.0) * noise});
+  if (h) report_hold(s, *h, encoder, "counts");
+  return h;
+}
 
 }  // namespace
 
-void check_held(Sanity& s, std::size_t encoder) {
-  const auto read = recorded_counts(s, encoder);
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  const auto stamps = s.log.find(LogSignal::time);
-  if (!read || reference.size() == 0 || !stamps || s.log.values.rows() < fewest_moving) return;
-  const double step = s.model.transmission.encoders[encoder].resolution;
-  const std::string& joint = s.model.chain.independent[encoder].name;
-  const auto time = s.log.values.col(*stamps);
-  const double interval = (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1);
-  const auto tell = [&](const Hold& h, const std::string& what, double age) {
-    const double rows = std::round(h.rows);
-    s.data.push_back(
-        {what + " for " + significant(rows, 3) + " rows (" + readable(rows * interval, "s") + ")", joint,
-         s.log.row_number(h.first) + 1, time[h.first],
-         "record every row with a fresh value, or log at the rate of the sensor; a mean age of " +
-             readable(age, "s") + " is due to it"});
-    s.held.push_back({joint, age, rows * interval});
-  };
-  // Between two rows the reference moves by more than a count and a half: the counter must change.
-  const Hold counts = hold_of(read->counts, reference, 1.5 * step);
-  if (counts.rows > held_from) tell(counts, "the counts are held", 0.5 * (counts.rows - 1) * interval);
-  // The counter moves by two counts or more: the reference has moved by more than one.
-  const Hold reference_hold = hold_of(reference, read->counts, 1.5);
-  if (reference_hold.rows > held_from && counts.rows < held_from && grid_of(reference, step) == 0)
-    tell(reference_hold, "the reference is held", -0.5 * (reference_hold.rows - 1) * interval);
-}
-
-void check_coarse_reference(Sanity& s, std::size_t encoder) {
-  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
-  if (reference.size() == 0 || !recorded_counts(s, encoder)) return;
-  const double step = s.model.transmission.encoders[encoder].resolution;
-  const double grid = grid_of(reference, step);
-  if (grid == 0) return;
-  const bool prismatic = s.model.chain.independent[encoder].prismatic();
-  s.reference_grid[encoder] = grid;
-  s.data.push_back({"the reference changes in steps of " + readable(grid, prismatic ? "m" : "rad") + " = " +
-                        significant(grid / step, 3) + " counts: it is coarser than the encoder",
-                    s.model.chain.independent[encoder].name,
-                    1,
-                    {},
-                    "with it only errors of more than " + significant(grid / step, 2) +
-                        " counts can be judged, no noise and no quantization: use a finer sensor, or write "
-                        "more decimals"});
+void check_held_sensors(Sanity& s) {
+  std::vector<Eigen::Index> fresh;
+  bool held = false;
+  for (std::size_t i = 0; i < s.model.transmission.encoders.size(); ++i) {
+    const auto h = check_held(s, i);
+    if (!h) continue;
+    std::vector<Eigen::Index> common;
+    if (held)
+      std::set_intersection(fresh.begin(), fresh.end(), h->fresh.begin(), h->fresh.end(),
+                            std::back_inserter(common));
+    // Sensors that are read in turns have no fresh rows in common; each needs a log of its own.
+    if (held && 2 * common.size() < std::min(fresh.size(), h->fresh.size())) {
+      s.warnings.push_back(s.model.chain.independent[i].name +
+                           ": its values are not fresh in the rows in which another joint's are: no verdict "
+                           "on this joint");
+      drop_column(s.log, recorded_counts(s, i)->column);
+    } else {
+      fresh = held ? std::move(common) : h->fresh;
+      held = true;
+    }
+  }
+  if (!held) return;
+  keep_rows(s, fresh);
+  // A filter's output at a part of the rows cannot be compared with the filter.
+  for (std::size_t i = 0; i < s.model.chain.independent.size(); ++i)
+    if (const auto velocity = s.log.find(LogSignal::velocity, i)) drop_column(s.log, *velocity);
 }
 
 }  // namespace qerr::sanity

@@ -12,53 +12,119 @@ namespace qerr::sanity {
 
 namespace {
 
-constexpr Eigen::Index half = 3;  ///< of the window of the median filter
+/// Of the median filter: it keeps a step of the error, and removes up to three readings in a row.
+constexpr Eigen::Index half = 3, window = 2 * half + 1;
 
 /// A deviation from the median of seven that no noise has: 10 median absolute deviations are 6.7 standard
-/// deviations, which a Gaussian exceeds once in 5e10 rows; and three counts.
-constexpr double deviations = 10, counts = 3;
+/// deviations, which a Gaussian exceeds once in 5e10 rows; and three counts, which quantization never does.
+constexpr double outlier_deviations = 10, outlier_counts = 3;
 
-double median_of_window(const Eigen::ArrayXd& x, Eigen::Index k) {
-  std::array<double, 2 * half + 1> w;
-  for (Eigen::Index i = -half; i <= half; ++i) w[static_cast<std::size_t>(i + half)] = x[k + i];
+/// Jitter scatters in proportion to the speed: deviations are compared with those at the same speed.
+/// Classes of speed: below one count a row, and by powers of two.
+constexpr int classes = 16;
+constexpr std::size_t fewest_of_class = 64;  ///< the median of 64 has a standard error of 16 %
+
+double median_of_window(const Eigen::ArrayXd& x, Eigen::Index first) {
+  std::array<double, window> w;
+  std::copy_n(x.data() + first, window, w.begin());
   std::nth_element(w.begin(), w.begin() + half, w.end());
   return w[half];
 }
 
-}  // namespace
+Eigen::Index first_of_window(Eigen::Index k, Eigen::Index rows) {
+  return std::clamp<Eigen::Index>(k - half, 0, rows - window);
+}
 
-void check_outliers(Sanity& s, std::size_t encoder) {
-  auto read = recorded_counts(s, encoder);
+/// Distance from the median of the window. At both ends of the record a row is up to three rows beside the
+/// middle of its window, and a smooth error changes by as many of its steps.
+double deviation(const Eigen::ArrayXd& error, Eigen::Index k) {
+  const Eigen::Index first = first_of_window(k, error.size());
+  const double off = std::abs(error[k] - median_of_window(error, first));
+  const auto beside = static_cast<double>(std::abs(k - first - half));
+  if (beside == 0) return off;
+  std::vector<double> steps;
+  for (Eigen::Index i = first + 1; i < first + window; ++i)
+    steps.push_back(std::abs(error[i] - error[i - 1]));
+  return std::max(0.0, off - beside * median(std::move(steps)));
+}
+
+std::size_t class_of(const Eigen::ArrayXd& motion, Eigen::Index k) {
+  const Eigen::Index first = first_of_window(k, motion.size());
+  const double speed = std::abs(motion[first + window - 1] - motion[first]) / (window - 1);
+  return static_cast<std::size_t>(std::clamp(std::ilogb(std::max(speed, 0.5)) + 1, 0, classes - 1));
+}
+
+std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion,
+                                  Eigen::ArrayXd& off) {
+  const Eigen::Index n = error.size();
+  off.resize(n);
+  std::array<std::vector<double>, classes> by_speed;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    off[k] = deviation(error, k);
+    by_speed[class_of(motion, k)].push_back(off[k]);
+  }
+  std::array<double, classes> limit;
+  double largest = 0;
+  for (std::size_t c = 0; c < classes; ++c) {
+    limit[c] =
+        by_speed[c].size() < fewest_of_class ? -1 : outlier_deviations * median(std::move(by_speed[c]));
+    largest = std::max(largest, limit[c]);
+  }
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index k = 0; k < n; ++k)
+    if (const double l = limit[class_of(motion, k)]; off[k] > outlier_counts + (l < 0 ? largest : l))
+      rows.push_back(k);
+  return rows;
+}
+
+/// Deviation from the line through the two neighbours.
+double bend(const Eigen::ArrayXd& x, Eigen::Index k) {
+  const Eigen::Index i = std::clamp<Eigen::Index>(k, 1, x.size() - 2);
+  return std::abs(x[i] - 0.5 * (x[i - 1] + x[i + 1]));
+}
+
+std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const auto stamps = s.log.find(LogSignal::time);
   const Eigen::Index n = s.log.values.rows();
-  if (!read || reference.size() == 0 || !stamps || n < 64) return;
-  const double step = s.model.transmission.encoders[encoder].resolution;
-  const Eigen::ArrayXd error = read->counts - reference / step;
-  Eigen::ArrayXd off = Eigen::ArrayXd::Zero(n), middle = error;
-  std::vector<double> sizes;
-  for (Eigen::Index k = half; k + half < n; ++k) {
-    middle[k] = median_of_window(error, k);
-    off[k] = std::abs(error[k] - middle[k]);
-    sizes.push_back(off[k]);
-  }
-  const double limit = deviations * median(std::move(sizes)) + counts;
-  std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = half; k + half < n; ++k)
-    if (off[k] > limit) rows.push_back(k);
+  if (!read || reference.size() == 0 || !stamps || n < 64) return {};
+  const Eigen::ArrayXd motion = reference / s.model.transmission.encoders[encoder].resolution;
+  Eigen::ArrayXd off;
+  std::vector<Eigen::Index> rows = far_off(read->counts - motion, motion, off);
   // A hundredth of the rows and more are not single readings, but a scatter.
-  if (rows.empty() || static_cast<double>(rows.size()) > 0.01 * static_cast<double>(n)) return;
-  Eigen::Index worst = rows.front();
-  for (const Eigen::Index k : rows) {
-    if (off[k] > off[worst]) worst = k;
-    read->counts[k] = std::round(reference[k] / step + middle[k]);
-  }
-  write_back(s, *read, encoder);
-  s.data.push_back({counted(rows.size(), "reading") + (rows.size() == 1 ? " is" : " are") +
-                        " far off the neighbours, up to " + significant(off[worst], 3) + " counts",
-                    s.model.chain.independent[encoder].name, s.log.row_number(rows.front()) + 1,
-                    s.log.values(rows.front(), *stamps),
-                    "they are left out here; look for interference on the cable, or for lost messages"});
+  if (rows.empty() || static_cast<double>(rows.size()) > 0.01 * static_cast<double>(n)) return {};
+  const Eigen::Index worst =
+      *std::max_element(rows.begin(), rows.end(), [&](auto a, auto b) { return off[a] < off[b]; });
+  const bool of_reference = bend(motion, worst) > bend(read->counts, worst);
+  std::string where;
+  for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
+    where += (i > 1 ? ", " : "; also row ") + std::to_string(row_in_file(s, rows[i]) + 1);
+  if (rows.size() > 5) where += ", ...";
+  s.data.push_back(
+      {counted(rows.size(), "reading") + " of the " + (of_reference ? "reference" : "encoder") +
+           (rows.size() == 1 ? " is" : " are") + " far off the neighbours, up to " +
+           significant(off[worst], 3) + " counts" + where,
+       s.model.chain.independent[encoder].name, row_in_file(s, rows.front()) + 1,
+       s.log.values(rows.front(), *stamps),
+       "these rows are left out here; look for interference on the cable, or for lost messages"});
+  return rows;
+}
+
+}  // namespace
+
+void check_outliers(Sanity& s) {
+  std::vector<char> left_out;
+  for (std::size_t i = 0; i < s.model.transmission.encoders.size(); ++i)
+    for (const Eigen::Index k : check_outliers(s, i)) {
+      left_out.resize(static_cast<std::size_t>(s.log.values.rows()));
+      left_out[static_cast<std::size_t>(k)] = 1;
+    }
+  if (left_out.empty()) return;
+  std::vector<Eigen::Index> kept;
+  for (std::size_t k = 0; k < left_out.size(); ++k)
+    if (!left_out[k]) kept.push_back(static_cast<Eigen::Index>(k));
+  keep_rows(s, kept);
 }
 
 }  // namespace qerr::sanity

@@ -66,6 +66,25 @@ void drop_column(Log& log, Eigen::Index column) {
   log.columns.erase(log.columns.begin() + column);
 }
 
+void keep_rows(Sanity& s, const std::vector<Eigen::Index>& rows) {
+  std::vector<std::uint64_t> in_file;
+  in_file.reserve(rows.size());
+  for (const Eigen::Index k : rows) in_file.push_back(row_in_file(s, k));
+  s.file_rows = std::move(in_file);
+  s.log.values = s.log.values(rows, Eigen::all).eval();
+  s.log.rows = rows.size();
+  s.log.stretches.clear();
+}
+
+std::optional<double> time_of(const Sanity& s, Eigen::Index row) {
+  const auto stamps = s.log.find(LogSignal::time);
+  return stamps ? std::optional(s.log.values(row, *stamps)) : std::nullopt;
+}
+
+std::uint64_t row_in_file(const Sanity& s, Eigen::Index row) {
+  return s.file_rows.empty() ? s.log.row_number(row) : s.file_rows[static_cast<std::size_t>(row)];
+}
+
 namespace {
 
 /// Without a reference of any position the counts cannot be compared with anything.
@@ -108,10 +127,13 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   if (log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
   sanity::check_exchange(s);
+  for (const auto step : {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover,
+                          sanity::check_decoding, sanity::check_log_resolution, sanity::check_reference_grid})
+    for (std::size_t i = 0; i < encoders; ++i) step(s, i);
+  sanity::check_outliers(s);
+  sanity::check_held_sensors(s);
   for (const auto step :
-       {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover, sanity::check_decoding,
-        sanity::check_log_resolution, sanity::check_controller_output, sanity::check_stuck_sensor,
-        sanity::check_outliers, sanity::check_held, sanity::check_coarse_reference})
+       {sanity::check_reference_noise, sanity::check_controller_output, sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);

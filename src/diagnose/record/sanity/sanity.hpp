@@ -11,18 +11,11 @@
 
 namespace qerr {
 
-/// A sensor that is read less often than the log has rows.
-struct HeldSensor {
-  std::string joint;
-  double age = 0;     ///< mean age of its values [s]; negative: of the reference's
-  double period = 0;  ///< between two updates [s]
-};
-
 /// The log after repair of the faults that need no model fit, and these faults.
 struct Sanity {
   /// Repaired: counters without overflow, counts with the right decoding, even stamps in place of rounded
-  /// ones; without the rows of a stuck sensor and without columns that carry no information (a constant
-  /// reference, a "load" that is the control error).
+  /// ones; without the rows of a stuck sensor, those in which a sensor is held, single readings far off, and
+  /// without columns that carry no information (a constant reference, a "load" that is the control error).
   Log log;
   OperationalModel model;       ///< with the encoders' resolutions as observed in the log
   std::vector<Effect> present;  ///< of the spec, without those that the repair has undone
@@ -34,9 +27,10 @@ struct Sanity {
   std::vector<AlternativeCause> alternatives;  ///< that apply if `instead_of` is identified at their joint
   std::vector<Unidentified> unexplained;
   std::vector<DataFinding> data;
-  std::vector<HeldSensor> held;
   std::vector<double>
       reference_grid;  ///< per encoder: step of a reference that is coarser [rad or m]; 0: none
+  /// Row in the file of each row of `log`, from 0, where rows have been left out; empty: none has been.
+  std::vector<std::uint64_t> file_rows;
   std::string spoilt;  ///< why the log as it stands misleads, and the remedy; "": it does not
   std::vector<std::string> warnings;
   std::string cannot_judge;  ///< the reason if the log has no reference, and what to record; else ""

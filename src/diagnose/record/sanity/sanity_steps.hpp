@@ -50,12 +50,23 @@ double decode(Sanity&, RecordedCounts, std::size_t encoder, double factor);
 /// Removes a column from the log.
 void drop_column(Log&, Eigen::Index column);
 
+/// Removes all other rows from the log.
+/// @param rows  ascending
+void keep_rows(Sanity&, const std::vector<Eigen::Index>& rows);
+
+/// Time stamp of a row; empty: the log has none.
+std::optional<double> time_of(const Sanity&, Eigen::Index row);
+
+/// Row in the file, from 0.
+std::uint64_t row_in_file(const Sanity&, Eigen::Index row);
+
 void check_stamps(Sanity&);
 void check_exchange(Sanity&);
 void check_unit(Sanity&, std::size_t joint);
-void check_outliers(Sanity&, std::size_t encoder);
-void check_held(Sanity&, std::size_t encoder);
-void check_coarse_reference(Sanity&, std::size_t encoder);
+void check_outliers(Sanity&);
+void check_held_sensors(Sanity&);
+void check_reference_grid(Sanity&, std::size_t encoder);
+void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);
 void check_rollover(Sanity&, std::size_t encoder);
 void check_decoding(Sanity&, std::size_t encoder);

@@ -90,9 +90,7 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
       s.log.columns[static_cast<std::size_t>(read->column)].header + ": constant from " +
       significant(since, 4) + " s on while its reference moves by " + significant(missed, 4) +
       " counts: " + std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are excluded");
-  s.log.values = s.log.values(kept, Eigen::all).eval();
-  s.log.rows = kept.size();
-  s.log.stretches.clear();
+  keep_rows(s, kept);
 }
 
 }  // namespace qerr::sanity
