@@ -12,27 +12,31 @@ namespace qerr::sanity {
 
 namespace {
 
-struct UnitFactor {
-  double factor;  ///< number in the column per number in the unit of its header
-  std::string_view unit;
+struct UsualUnit {
+  double in_si;
+  std::string_view name;
 };
 
-constexpr double degrees = 180 / std::numbers::pi;
+constexpr double degree = std::numbers::pi / 180;
 
-/// Units in which angles and lengths are written [per rad or per m].
-constexpr std::array<UnitFactor, 5> angles{{{degrees, "deg"},
-                                            {60 * degrees, "arcmin"},
-                                            {3600 * degrees, "arcsec"},
-                                            {1000, "mrad"},
-                                            {0.5 / std::numbers::pi, "turns"}}};
-constexpr std::array<UnitFactor, 3> lengths{{{1000, "mm"}, {1e6, "um"}, {1000 / 25.4, "inch"}}};
+/// Units in which positions are written.
+constexpr std::array<UsualUnit, 6> angles{{{1, "rad"},
+                                           {degree, "deg"},
+                                           {degree / 60, "arcmin"},
+                                           {degree / 3600, "arcsec"},
+                                           {1e-3, "mrad"},
+                                           {2 * std::numbers::pi, "rev"}}};
+constexpr std::array<UsualUnit, 5> lengths{
+    {{1, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-2, "cm"}, {0.0254, "inch"}}};
+
+/// Ratios of wrongly decoded counts, which a wrong unit may come with.
+constexpr std::array<double, 5> decodings{1, 0.5, 2, 0.25, 4};
 
 /// A column in another unit correlates with the other one by more than this, whatever the encoder's errors
 /// are.
 constexpr double proportional = 0.98;
 
-/// The factors lie more than 2 % apart from each other and from 1; a wrong gear ratio of a few percent beside
-/// a wrong unit is not looked for.
+/// The factors differ by 4 % and more, so that each slope has one factor at most.
 constexpr double same_factor = 0.02;
 
 constexpr Eigen::Index fewest_rows = 16, most_rows = 8192;
@@ -71,37 +75,54 @@ Pair pair_of(const Sanity& s, std::size_t joint) {
 
 }  // namespace
 
+namespace {
+
+/// The unit of a column whose values are `ratio` times those of the other column, if it is another than the
+/// header's; else null.
+const UsualUnit* unit_of(const LogColumn& column, double ratio, bool prismatic) {
+  const UsualUnit* first = prismatic ? lengths.data() : angles.data();
+  const std::size_t number = prismatic ? lengths.size() : angles.size();
+  const double header = column.scale.in_si(1);
+  for (const double decoding : decodings)
+    for (std::size_t i = 0; i < number; ++i)
+      if (const double factor = header / first[i].in_si; std::abs(factor - 1) > 2 * same_factor)
+        // With wrong decoding only degrees, the usual mistake: else a wrong gear ratio could look like it.
+        if (decoding == 1 || first[i].in_si == degree)
+          if (std::abs(ratio / (factor * decoding) - 1) < same_factor) return first + i;
+  return nullptr;
+}
+
+/// Converts a column whose values are in another unit than its header says, and reports it.
+void convert(Sanity& s, std::size_t joint, Eigen::Index column, const UsualUnit& unit) {
+  const LogColumn& c = s.log.columns[static_cast<std::size_t>(column)];
+  const double factor = c.scale.in_si(1) / unit.in_si;
+  s.data.push_back({c.header + " looks like " + std::string(unit.name) + ": its values are " +
+                        significant(factor, 4) + " times what the header says",
+                    s.model.chain.independent[joint].name,
+                    1,
+                    {},
+                    "write [" + std::string(unit.name) + "] in the header, or convert the column"});
+  s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
+  // Whole turns that were added to bring the reference near the readings were none.
+  if (!s.model.chain.independent[joint].prismatic())
+    s.log.values.col(column) -= 2 * std::numbers::pi * static_cast<double>(c.wraps.start);
+  s.log.values.col(column) /= factor;
+}
+
+}  // namespace
+
 void check_unit(Sanity& s, std::size_t joint) {
   const Pair p = pair_of(s, joint);
   if (!p.moves || std::abs(correlation(p.measured, p.reference)) < proportional) return;
   const double slope = std::abs(fit_line(p.reference, p.measured).slope);
   const bool prismatic = s.model.chain.independent[joint].prismatic();
-  const auto check = [&](const UnitFactor& u) {
-    // The reference is `factor` times too large, or the positions are.
-    const bool reference = std::abs(slope * u.factor - 1) < same_factor;
-    const auto measured = s.log.find(LogSignal::measured, joint);
-    if (!reference && !(measured && std::abs(slope / u.factor - 1) < same_factor)) return false;
-    const Eigen::Index column = reference ? *s.log.find(LogSignal::reference, joint) : *measured;
-    const LogColumn& c = s.log.columns[static_cast<std::size_t>(column)];
-    s.data.push_back({c.header + " looks like " + std::string(u.unit) + ": it is " +
-                          significant(u.factor, 4) + " times what its header says",
-                      s.model.chain.independent[joint].name,
-                      1,
-                      {},
-                      "write [" + std::string(u.unit) + "] into the header, or convert the column"});
-    s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
-    // Whole turns that were added to bring the reference near the readings were none.
-    if (!prismatic) s.log.values.col(column) -= 2 * std::numbers::pi * static_cast<double>(c.wraps.start);
-    s.log.values.col(column) /= u.factor;
-    return true;
+  const auto wrong = [&](Eigen::Index column, double ratio) {
+    const UsualUnit* unit = unit_of(s.log.columns[static_cast<std::size_t>(column)], ratio, prismatic);
+    if (unit) convert(s, joint, column, *unit);
+    return unit != nullptr;
   };
-  if (prismatic) {
-    for (const UnitFactor& u : lengths)
-      if (check(u)) return;
-  } else {
-    for (const UnitFactor& u : angles)
-      if (check(u)) return;
-  }
+  if (wrong(*s.log.find(LogSignal::reference, joint), 1 / slope)) return;
+  if (const auto measured = s.log.find(LogSignal::measured, joint); measured) wrong(*measured, slope);
 }
 
 void check_exchange(Sanity& s) {
