@@ -5,6 +5,7 @@
 #include <numeric>
 #include <vector>
 
+#include "core/text.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "effect/effects/effects.hpp"
 
@@ -39,6 +40,14 @@ Eigen::ArrayXd jumps_of(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& refe
     out[k] -= median(std::move(changes));
   }
   return out;
+}
+
+/// Whether noise of the reference could reach the size of the smallest jump that is looked for: six standard
+/// deviations, by the median absolute deviation (1.48 of it is the standard deviation of a Gaussian).
+bool is_hidden_by_noise(const Eigen::ArrayXd& jumps) {
+  std::vector<double> sizes(static_cast<std::size_t>(jumps.size()));
+  for (std::size_t k = 0; k < sizes.size(); ++k) sizes[k] = std::abs(jumps[static_cast<Eigen::Index>(k)]);
+  return 6 * 1.48 * median(std::move(sizes)) > 0.75 * least_modulus;
 }
 
 struct Modulus {
@@ -129,6 +138,13 @@ struct Unwrapped {
   Eigen::ArrayXd counts, overflows;  ///< overflows: signed number up to each row
   OverflowPoint overflow_point;
 
+  /// First row after an overflow.
+  Eigen::Index first() const {
+    Eigen::Index k = 0;
+    while (k + 1 < overflows.size() && overflows[k] == 0) ++k;
+    return k;
+  }
+
   Unwrapped(const Eigen::ArrayXd& read, const Eigen::ArrayXd& jumps, double modulus)
       : counts(read), overflows(Eigen::ArrayXd::Zero(read.size())) {
     for (Eigen::Index k = 1; k < counts.size(); ++k) {
@@ -194,7 +210,10 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   const Encoder& model = s.model.transmission.encoders[encoder];
   const double step = model.resolution;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / step;
-  const Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
+  Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
+  // The counts themselves have no noise of the reference.
+  const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps);
+  if (noisy) jumps = jumps_of(read->counts, {});
   auto [modulus, power_of_two] = modulus_of(jumps);
   // The range of a counter is its modulus.
   if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;
@@ -204,9 +223,14 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   // A few jumps at any count may be lost counts, but not at the end of a word or by a power of two >= 2^15.
   if (!point.at_end_of_word(modulus) && point.overflows < 5 && !(power_of_two && modulus >= signed_word))
     return;
+  // A counter that is right follows even a noisy reference better than one that is unwrapped by mistake.
+  if (noisy &&
+      standard_deviation(unwrapped.counts - reference) > standard_deviation(read->counts - reference))
+    return;
   double before = 0, after = 0;
   if (reference.size() > 0) {
-    if (!power_of_two) {  // a jump may be off by some counts; the difference between levels is exact
+    if (!power_of_two &&
+        !noisy) {  // a jump may be off by some counts; the difference between levels is exact
       modulus = std::round(-fit_line(unwrapped.overflows, read->counts - reference).slope);
       unwrapped = Unwrapped(read->counts, jumps, modulus);
     }
@@ -218,6 +242,13 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   const double probability = std::min(1.0, 2 * (point.high - point.low) / modulus);
   s.causes.push_back(exact_cause(s, encoder, rollover_effect().name, {{"modulus", modulus}},
                                  std::min(1e-6, std::pow(probability, point.overflows)), before, after));
+  const Eigen::Index first = unwrapped.first();
+  const std::uint64_t number = static_cast<std::uint64_t>(point.overflows);
+  s.data.push_back({"the counter overflows at " + significant(modulus, 12) + ' ' +
+                        (number == 1 ? "once" : std::to_string(number) + " times"),
+                    s.model.chain.independent[encoder].name, row_in_file(s, first) + 1, time_of(s, first),
+                    "add the modulus at each overflow where the counts are read, or state the effect in the "
+                    "spec"});
   read->counts = std::move(unwrapped.counts);
   write_back(s, *read, encoder);
 }
@@ -239,6 +270,13 @@ void check_decoding(Sanity& s, std::size_t encoder) {
   if (factor == 1 || line.residual_rms > 0.1 * explained) return;
   const double before = rms(read->counts - reference) * resolution;
   const double after = decode(s, *read, encoder, factor);
+  if (factor < 0)
+    s.data.push_back(
+        {"the counts run in the wrong direction: they fall where the reference rises",
+         s.model.chain.independent[encoder].name,
+         1,
+         {},
+         "change the sign of gear_ratio in the spec, or exchange the encoder's channels A and B"});
   const double tail = explained / std::max(line.residual_rms, 1e-12);
   s.causes.push_back(exact_cause(s, encoder, decoding_effect().name, {{"factor", factor}},
                                  std::exp(-0.5 * tail * tail), before, after));
