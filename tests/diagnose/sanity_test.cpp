@@ -33,7 +33,9 @@ TEST(Sanity, FindsNothingInCleanRecordsOfAnySizeAndRate) {
     EXPECT_TRUE(s.causes.empty()) << "seed " << seed << ": " << s.causes[0].effect.type;
     EXPECT_TRUE(s.unexplained.empty()) << "seed " << seed << ": " << s.unexplained[0].what;
     EXPECT_TRUE(s.cannot_judge.empty()) << s.cannot_judge;
-    EXPECT_EQ(s.warnings.size(), seed % 2 == 0 ? 1u : 0u) << "seed " << seed;
+    EXPECT_TRUE(s.warnings.empty()) << "seed " << seed;
+    ASSERT_EQ(s.data.size(), seed % 2 == 0 ? 1u : 0u) << "seed " << seed << ": " << s.data[0].what;
+    if (seed % 2 == 0) EXPECT_NE(s.data[0].what.find("stamps are uneven"), std::string::npos);
     EXPECT_TRUE((s.log.values == log.values).all()) << "seed " << seed;
   }
 }
@@ -193,12 +195,13 @@ TEST(Sanity, RestoresRoundedStampsAndReportsGapsAndDuplicates) {
             0.03 / m.rate * 20);
   Column gap = m.time;
   gap.tail(m.rows / 2) += 100 / m.rate;
-  ASSERT_FALSE(found(gap, 7).warnings.empty());
-  EXPECT_NE(found(gap, 7).warnings[0].find("gap"), std::string::npos);
+  ASSERT_FALSE(found(gap, 7).data.empty());
+  EXPECT_NE(found(gap, 7).data[0].what.find("gap"), std::string::npos);
+  EXPECT_EQ(found(gap, 7).data[0].row, static_cast<std::uint64_t>(m.rows - m.rows / 2 + 1));
   Column doubled = m.time;
   for (int k = 10; k < m.rows; k += 50) doubled[k] = doubled[k - 1];
-  ASSERT_FALSE(found(doubled, 7).warnings.empty());
-  EXPECT_NE(found(doubled, 7).warnings[0].find("stamp of the previous row"), std::string::npos);
+  ASSERT_FALSE(found(doubled, 7).data.empty());
+  EXPECT_NE(found(doubled, 7).data[0].what.find("stamp of the previous row"), std::string::npos);
   const Sanity same = found(Column::Zero(m.rows), 7);
   EXPECT_FALSE(same.log.has_time());
 }

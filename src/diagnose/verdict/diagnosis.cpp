@@ -91,9 +91,13 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.warnings = std::move(sane.warnings);
   d.reason = std::move(sane.cannot_judge);
   const bool enough = sane.log.values.rows() >= fewest_rows;
-  if (!enough)
-    d.reason = "the log has " + std::to_string(sane.log.values.rows()) + " rows: record " +
-               std::to_string(fewest_rows) + " at the very least, some thousand with the joints in motion";
+  if (!enough) {
+    const std::string has = "the log has " + std::to_string(sane.log.values.rows()) + " rows",
+                      remedy = "record " + std::to_string(fewest_rows) +
+                               " at the very least, some thousand with the joints in motion";
+    d.data.push_back({has, "", 1, {}, remedy});
+    d.reason = has + ": " + remedy;
+  }
   const std::vector<Evidence> all = enough ? evidence(sane, options.threads) : std::vector<Evidence>{};
   warn_of_unjudged(sane.model, sane.log, all, d.warnings);
   d.simulation = comparison(all, filters, options);

@@ -61,6 +61,8 @@ std::optional<double> time_of(const Sanity&, Eigen::Index row);
 std::uint64_t row_in_file(const Sanity&, Eigen::Index row);
 
 void check_stamps(Sanity&);
+void check_interpolated(Sanity&, std::size_t encoder);
+void check_motion(Sanity&, std::size_t encoder);
 void check_exchange(Sanity&);
 void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
