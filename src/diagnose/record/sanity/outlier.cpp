@@ -15,14 +15,15 @@ namespace {
 /// Of the median filter: it keeps a step of the error, and removes up to three readings in a row.
 constexpr Eigen::Index half = 3, window = 2 * half + 1;
 
-/// A deviation from the median of seven that no noise has: 10 median absolute deviations are 6.7 standard
-/// deviations, which a Gaussian exceeds once in 5e10 rows; and three counts, which quantization never does.
-constexpr double outlier_deviations = 10, outlier_counts = 3;
+/// Deviations from the median of seven that no noise has: four times the 95 % quantile, which the outliers
+/// themselves (at most 1 %) cannot reach, and three counts for the quantization. Of a Gaussian that is 7.8
+/// standard deviations, exceeded once in 1e14 rows; of exponential tails once in 2e5.
+constexpr double outlier_quantile = 0.95, outlier_factor = 4, outlier_counts = 3;
 
 /// Jitter scatters in proportion to the speed: deviations are compared with those at the same speed.
 /// Classes of speed: below one count a row, and by powers of two.
 constexpr int classes = 16;
-constexpr std::size_t fewest_of_class = 64;  ///< the median of 64 has a standard error of 16 %
+constexpr std::size_t fewest_of_class = 200;  ///< ten of them lie beyond the quantile
 
 double median_of_window(const Eigen::ArrayXd& x, Eigen::Index first) {
   std::array<double, window> w;
@@ -54,26 +55,44 @@ std::size_t class_of(const Eigen::ArrayXd& motion, Eigen::Index k) {
   return static_cast<std::size_t>(std::clamp(std::ilogb(std::max(speed, 0.5)) + 1, 0, classes - 1));
 }
 
-std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion,
-                                  Eigen::ArrayXd& off) {
-  const Eigen::Index n = error.size();
-  off.resize(n);
+double upper_quantile(std::vector<double>& values) {
+  const auto at =
+      values.begin() + static_cast<std::ptrdiff_t>(outlier_quantile * static_cast<double>(values.size()));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+/// Rows from which the quantiles are estimated: 1000 of them lie beyond.
+constexpr Eigen::Index enough_rows_of_quantile = 20000;
+
+/// Limit of the deviation in each class of speed [counts].
+std::array<double, classes> limits(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
   std::array<std::vector<double>, classes> by_speed;
-  for (Eigen::Index k = 0; k < n; ++k) {
-    off[k] = deviation(error, k);
-    by_speed[class_of(motion, k)].push_back(off[k]);
-  }
+  const Eigen::Index stride = std::max<Eigen::Index>(1, error.size() / enough_rows_of_quantile);
+  for (Eigen::Index k = 0; k < error.size(); k += stride)
+    by_speed[class_of(motion, k)].push_back(deviation(error, k));
   std::array<double, classes> limit;
-  double largest = 0;
-  for (std::size_t c = 0; c < classes; ++c) {
-    limit[c] =
-        by_speed[c].size() < fewest_of_class ? -1 : outlier_deviations * median(std::move(by_speed[c]));
-    largest = std::max(largest, limit[c]);
-  }
+  for (std::size_t c = 0; c < classes; ++c)
+    limit[c] = by_speed[c].size() < fewest_of_class
+                   ? -1
+                   : outlier_counts + outlier_factor * upper_quantile(by_speed[c]);
+  const double largest = std::max(outlier_counts, *std::max_element(limit.begin(), limit.end()));
+  std::replace(limit.begin(), limit.end(), -1.0, largest);  // classes with too few rows
+  return limit;
+}
+
+std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion) {
+  const std::array<double, classes> limit = limits(error, motion);
+  const double least = *std::min_element(limit.begin(), limit.end());
+  const Eigen::Index n = error.size();
   std::vector<Eigen::Index> rows;
-  for (Eigen::Index k = 0; k < n; ++k)
-    if (const double l = limit[class_of(motion, k)]; off[k] > outlier_counts + (l < 0 ? largest : l))
-      rows.push_back(k);
+  for (Eigen::Index k = 0; k < n; ++k) {
+    // What is far from the median is far from four of the six other values, so from one of any three.
+    if (k >= half && k + half < n && std::abs(error[k] - error[k - 1]) <= least &&
+        std::abs(error[k] - error[k + 1]) <= least && std::abs(error[k] - error[k + 2]) <= least)
+      continue;
+    if (deviation(error, k) > limit[class_of(motion, k)]) rows.push_back(k);
+  }
   return rows;
 }
 
@@ -88,14 +107,14 @@ std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   const auto stamps = s.log.find(LogSignal::time);
   const Eigen::Index n = s.log.values.rows();
-  if (!read || reference.size() == 0 || !stamps || n < 64) return {};
+  if (!read || reference.size() == 0 || !stamps || n < static_cast<Eigen::Index>(fewest_of_class)) return {};
   const Eigen::ArrayXd motion = reference / s.model.transmission.encoders[encoder].resolution;
-  Eigen::ArrayXd off;
-  std::vector<Eigen::Index> rows = far_off(read->counts - motion, motion, off);
+  const Eigen::ArrayXd error = read->counts - motion;
+  const std::vector<Eigen::Index> rows = far_off(error, motion);
   // A hundredth of the rows and more are not single readings, but a scatter.
   if (rows.empty() || static_cast<double>(rows.size()) > 0.01 * static_cast<double>(n)) return {};
-  const Eigen::Index worst =
-      *std::max_element(rows.begin(), rows.end(), [&](auto a, auto b) { return off[a] < off[b]; });
+  const Eigen::Index worst = *std::max_element(
+      rows.begin(), rows.end(), [&](auto a, auto b) { return deviation(error, a) < deviation(error, b); });
   const bool of_reference = bend(motion, worst) > bend(read->counts, worst);
   std::string where;
   for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
@@ -104,7 +123,7 @@ std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
   s.data.push_back(
       {counted(rows.size(), "reading") + " of the " + (of_reference ? "reference" : "encoder") +
            (rows.size() == 1 ? " is" : " are") + " far off the neighbours, up to " +
-           significant(off[worst], 3) + " counts" + where,
+           significant(deviation(error, worst), 3) + " counts" + where,
        s.model.chain.independent[encoder].name, row_in_file(s, rows.front()) + 1,
        s.log.values(rows.front(), *stamps),
        "these rows are left out here; look for interference on the cable, or for lost messages"});
