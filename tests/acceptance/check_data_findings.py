@@ -58,6 +58,11 @@ class Record:
         s = u * u * (3 - 2 * u)
         return goals[k // period] * (1 - s) + goals[k // period + 1] * s
 
+    def steps(self, size):
+        """A table at even steps, up and down, with some targets left out."""
+        k = np.abs((np.arange(len(self.time)) % 200) - 100)
+        return np.round(k * 1.003) * size / 100
+
     def still(self, size):
         return np.full(len(self.time), 0.1234567)
 
@@ -275,6 +280,7 @@ CLEAN = [
     ("missed", made(add(lambda r: 5 * STEP * np.floor(r.time / 1.7)))),
     ("slow_grid_half", made(grid(0.5), path="slow")),
     ("slow_play", made(play, path="slow", rows=30000)),
+    ("even_table", made(lambda r: setattr(r, "reference", r.x), noise=0, path="steps", rows=400)),
     ("coarse_encoder", made(lambda r: setattr(r, "counts", r.count(r.x)), size=0.004)),
 ]
 

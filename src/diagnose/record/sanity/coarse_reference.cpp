@@ -32,9 +32,10 @@ double grid_of(const Eigen::ArrayXd& x, double least) {
     ++(steps < 1.5 ? single : several);
     if (steps < 1.5) sum += steps * step;
   }
-  // At constant speed all changes are equal without a grid, but values do not repeat.
-  const bool repeats = single >= fewest_changes && none >= fewest_changes;
-  return several >= fewest_changes || repeats ? sum / static_cast<double>(single) : 0;
+  // At constant speed, and in a table at even steps, all changes are alike without a grid; but no value is
+  // repeated.
+  if (none < fewest_changes || std::max(single, several) < fewest_changes) return 0;
+  return sum / static_cast<double>(single);
 }
 
 const char* unit_of_joint(const Sanity& s, std::size_t joint) {
