@@ -1,0 +1,128 @@
+#include "diagnose/search/error_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace qerr {
+
+namespace {
+
+/// The variance of the samples is known from quantization and noise; a remainder may be this much below it by
+/// chance and by the correlation of the roundings.
+constexpr double least_variance = 0.9;
+
+/// Ratio of a residual to that of rounding and noise up to which nothing worth mentioning is left.
+constexpr double complete = 1.3;
+
+}  // namespace
+
+ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, const Scanned& scanned,
+                       const Eigen::ArrayXd& moved, double excess)
+    : record_(&record),
+      samples_(&samples),
+      excess_(excess),
+      candidates_(dictionary(samples.sampling, scanned, moved)),
+      base_(record.encoder.zero_known ? 0 : 1) {
+  list_groups();
+  weigh(scanned);
+  linear_.emplace(columns_, samples.error.matrix(), weight_.matrix(), base_);
+  floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
+}
+
+void ErrorModel::list_groups() {
+  Eigen::Index count = base_;
+  std::vector<std::string> families;
+  for (const Candidate& c : candidates_) {
+    ColumnGroup g;
+    g.first = count, g.count = c.term.size();
+    g.positive = c.term.positive, g.least = c.least, g.most = c.most;
+    const auto known = std::find(families.begin(), families.end(), c.family);
+    g.family = static_cast<int>(known - families.begin());
+    if (known == families.end()) families.push_back(c.family);
+    groups_.push_back(g);
+    count += g.count;
+  }
+  columns_.resize(samples_->size(), count);
+  columns_.leftCols(base_).setOnes();
+  for (std::size_t i = 0; i < candidates_.size(); ++i)
+    columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
+}
+
+void ErrorModel::weigh(const Scanned& scanned) {
+  // What is too small to be worth a term is variance.
+  const double unmodelled = std::max(excess_, std::pow(material * record_->step(), 2));
+  weight_ = (samples_->variance + unmodelled).inverse();
+  if (!few().ordered) return;
+  // A sample that a step divides belongs to neither side.
+  const double interval = few().time[few().rows() - 1] / static_cast<double>(record_->rows());
+  for (const Event& event : scanned.events)
+    weight_ = ((few().time - event.time).abs() < 2 * interval).select(0.0, weight_);
+  // Nor does one at which the side of a play is unknown.
+  if ((few().direction.abs() == 1).any()) weight_ = (few().direction.abs() == 1).select(weight_, 0.0);
+}
+
+void ErrorModel::price(double independent, double worth, double worth_of_shapes) {
+  const double least = worth * worth * weight_.sum(),
+               other = worth_of_shapes * worth_of_shapes * weight_.sum();
+  // A shape that the catalogue does not have must be better than a named one by what is material, and a
+  // table better than as many sines as have its number of coefficients.
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    const auto count = static_cast<double>(groups_[i].count);
+    groups_[i].price = count * std::log(std::max(independent, 2.0)) +
+                       2 * std::log(std::max(1.0, candidates_[i].alternatives));
+    groups_[i].least_gain = is_table(i)                   ? std::max(2.0, 0.5 * count) * other
+                            : candidates_[i].term.named() ? least
+                                                          : 2 * other;
+  }
+}
+
+double ErrorModel::criterion(const LinearModel::Set& set, double independent) const {
+  return linear_->criterion(groups_, set, fit(set).rss, independent, floor_);
+}
+
+Eigen::MatrixXd ErrorModel::columns(const LinearModel::Set& set) const {
+  Eigen::Index count = base_;
+  for (const std::size_t g : set) count += groups_[g].count;
+  Eigen::MatrixXd c(columns_.rows(), count);
+  c.leftCols(base_) = columns_.leftCols(base_);
+  Eigen::Index at = base_;
+  for (const std::size_t g : set) {
+    c.middleCols(at, groups_[g].count) = columns_.middleCols(groups_[g].first, groups_[g].count);
+    at += groups_[g].count;
+  }
+  return c;
+}
+
+Eigen::ArrayXd ErrorModel::residual(const LinearModel::Set& set, const LinearModel::Fit& f) const {
+  return samples_->error - (columns(set) * f.coefficients).array();
+}
+
+Eigen::VectorXd ErrorModel::coefficients(const LinearModel::Set& set, const LinearModel::Fit& f,
+                                         std::size_t position) const {
+  Eigen::Index at = base_;
+  for (std::size_t i = 0; i < position; ++i) at += groups_[set[i]].count;
+  return f.coefficients.segment(at, groups_[set[position]].count);
+}
+
+double ErrorModel::lost_without(const Choice& choice, std::size_t position) const {
+  LinearModel::Set without = choice.chosen;
+  without.erase(without.begin() + static_cast<std::ptrdiff_t>(position));
+  return std::max(0.0, fit(without).rss - choice.fit.rss);
+}
+
+bool ErrorModel::is_complete(const LinearModel::Set& set) const {
+  const Eigen::ArrayXd left = residual(set, fit(set));
+  const double rounding = record_->step() * record_->step() / 12 + record_->path_noise * record_->path_noise;
+  return mean_of_used(left.square() - samples_->variance) < (complete * complete - 1) * rounding;
+}
+
+double ErrorModel::mean_of_used(const Eigen::ArrayXd& x) const {
+  return (weight_ > 0).select(x, 0.0).sum() / rows();
+}
+
+double ErrorModel::scale(const Choice& choice) const {
+  return std::max(choice.fit.rss / rows(), floor_) * choice.correlation;
+}
+
+}  // namespace qerr

@@ -1,0 +1,108 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <vector>
+
+#include "diagnose/search/dictionary.hpp"
+#include "diagnose/search/linear_model.hpp"
+#include "diagnose/search/sampling.hpp"
+
+namespace qerr {
+
+/// Smallest error worth a term [counts, rms]: it raises the rms of the quantization error, 1/sqrt(12), by 6
+/// %.
+inline constexpr double material = 0.1;
+
+/// A set of an error model's candidates and the regression on them.
+struct Choice {
+  LinearModel::Set chosen;
+  LinearModel::Set richest;  ///< found as if all samples were independent
+  LinearModel::Fit fit;      ///< of the chosen ones
+  Eigen::ArrayXd residual;   ///< that they leave
+  double correlation = 1;    ///< integrated autocorrelation of what the richest set leaves
+};
+
+/// Weighted regression of an encoder's error samples on the candidates of a dictionary.
+class ErrorModel {
+ public:
+  /// @param moved   displacement of the path on which gear teeth and disc depend, one per sample
+  /// @param excess  variance of the samples beyond quantization and stated noise [rad^2 or m^2]
+  ErrorModel(const Evidence& record, const ErrorSamples&, const Scanned&, const Eigen::ArrayXd& moved,
+             double excess);
+
+  const Evidence& record() const { return *record_; }
+  const ErrorSamples& samples() const { return *samples_; }
+  /// The record at the samples.
+  const Evidence& few() const { return samples_->sampling.evidence; }
+
+  const std::vector<Candidate>& candidates() const { return candidates_; }
+  const Candidate& candidate(std::size_t i) const { return candidates_[i]; }
+  const Term& term(std::size_t i) const { return candidates_[i].term; }
+  const ColumnGroup& group(std::size_t i) const { return groups_[i]; }
+  const std::vector<ColumnGroup>& groups() const { return groups_; }
+  const LinearModel& linear() const { return *linear_; }
+  Eigen::Index base() const { return base_; }
+  const Eigen::ArrayXd& weight() const { return weight_; }
+  double rows() const { return linear_->rows(); }
+
+  /// Least variance of a residual, in units of the weights.
+  double floor() const { return floor_; }
+  double excess() const { return excess_; }
+
+  /// Schwarz's price of the coefficients, that of the number of alternatives, and what makes a term material:
+  /// a decrease of the mean square by the square of what is worth a term.
+  /// @param worth            smallest size worth a term [rad or m, rms]; beside a table it is larger
+  /// @param worth_of_shapes  the same of a shape that is not the catalogue's, and of a table
+  void price(double independent, double worth, double worth_of_shapes);
+
+  template <typename Which>
+  void allow(Which which) {
+    for (std::size_t i = 0; i < groups_.size(); ++i) groups_[i].allowed = which(i);
+  }
+
+  LinearModel::Fit fit(const LinearModel::Set& set) const { return linear_->fit(groups_, set); }
+  bool possible(const LinearModel::Set& set, const LinearModel::Fit& f) const {
+    return linear_->possible(groups_, set, f);
+  }
+  LinearModel::Set search(const LinearModel::Set& start, std::size_t locked, double independent) const {
+    return linear_->search(groups_, start, locked, independent, floor_);
+  }
+  double criterion(const LinearModel::Set&, double independent) const;
+
+  /// Base columns, then those of a set's groups in their order.
+  Eigen::MatrixXd columns(const LinearModel::Set&) const;
+  Eigen::ArrayXd residual(const LinearModel::Set&, const LinearModel::Fit&) const;
+  /// Coefficients of the member at a position of a set.
+  Eigen::VectorXd coefficients(const LinearModel::Set&, const LinearModel::Fit&, std::size_t position) const;
+  /// Rise of the weighted sum of squares without the member at a position of a choice.
+  double lost_without(const Choice&, std::size_t position) const;
+
+  /// Tables and polynomials.
+  bool is_table(std::size_t candidate) const {
+    return candidates_[candidate].family == "time" || candidates_[candidate].family == "position";
+  }
+  /// Whether a set leaves no more than 1.3 times what rounding and noise leave in the readings: nothing worth
+  /// mentioning.
+  bool is_complete(const LinearModel::Set&) const;
+  /// Mean over the samples that have a weight.
+  double mean_of_used(const Eigen::ArrayXd& x) const;
+  /// Residual variance per independent sample of a choice, in units of the weights.
+  double scale(const Choice&) const;
+
+ private:
+  void list_groups();
+  void weigh(const Scanned&);
+
+  const Evidence* record_;
+  const ErrorSamples* samples_;
+  double excess_, floor_ = 0;
+  std::vector<Candidate> candidates_;
+  std::vector<ColumnGroup> groups_;
+  Eigen::Index base_;
+  Eigen::MatrixXd columns_;
+  Eigen::ArrayXd weight_;
+  std::optional<LinearModel> linear_;
+};
+
+}  // namespace qerr

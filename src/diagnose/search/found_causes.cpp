@@ -1,0 +1,148 @@
+#include "diagnose/search/found_causes.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "core/probability.hpp"
+#include "core/statistics.hpp"
+#include "diagnose/search/visible_effects.hpp"
+#include "diagnose/terms/unnamed_terms.hpp"
+#include "effect/effects/effects.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Part of what a term explains that another one must reach to be its alternative: real errors differ from
+/// the textbook's shapes by some percent.
+constexpr double alternative_share = 0.92;
+
+/// Rise of the criterion up to which two terms cannot be told apart: the 99.95 % quantile of chi-squared with
+/// one degree of freedom.
+constexpr double indistinguishable = 12.1;
+
+/// Whether a term is of the same effect and order as another.
+bool same_term_type(const Term& a, const Term& b) {
+  return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
+}
+
+/// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude
+/// varies along the path, and one of its sidebands is a whole number by chance. Sidebands are of one size,
+/// within a factor of three.
+bool is_sideband(const ErrorModel& m, const Choice& choice, std::size_t i) {
+  const Candidate& c = m.candidate(choice.chosen[i]);
+  if (!c.term.named() || !c.term.harmonic || c.alternatives == 1) return false;
+  const double order = std::abs(wave_number(c.term.effect, m.few().encoder));
+  const double near = 6 * 2 * std::numbers::pi / m.few().range();
+  const auto size = [&](std::size_t k) { return m.coefficients(choice.chosen, choice.fit, k).norm(); };
+  for (std::size_t other = 0; other < choice.chosen.size(); ++other) {
+    const Term& t = m.term(choice.chosen[other]);
+    if (t.harmonic && !t.named() && std::abs(t.shape - order) < near && 3 * size(other) > size(i))
+      return true;
+  }
+  return false;
+}
+
+void make_free_order(Candidate& c, const Evidence& few) {
+  const double order = std::abs(wave_number(c.term.effect, few.encoder));
+  c.over = [order](const Sampling& s) {
+    Term t = free_order_term(s.evidence, order);
+    t.pattern = Shape::order;
+    return t;
+  };
+  c.term = free_order_term(few, order);
+  c.term.pattern = Shape::order;
+}
+
+/// Whether a candidate can stand in the place of a chosen term: of another effect, of no family of the other
+/// chosen ones, and, where it is an order, over half a period.
+bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::size_t candidate) {
+  const Candidate& c = m.candidate(candidate);
+  const std::size_t replaced = choice.chosen[i];
+  if (!c.term.named() || same_term_type(c.term, m.term(replaced)) ||
+      (c.term.harmonic && periods_covered(c.term, m.few()) < 0.5))
+    return false;
+  return std::none_of(choice.chosen.begin(), choice.chosen.end(),
+                      [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });
+}
+
+/// Named terms that could replace a chosen one: the criterion hardly rises, or what is lost is a small part
+/// of what the term explains.
+void find_replacements(const ErrorModel& m, const Choice& choice, std::size_t i, FoundCauses& result) {
+  LinearModel::Set other = choice.chosen;
+  const bool complete = m.is_complete(choice.chosen);
+  const double lost = m.lost_without(choice, i);
+  for (std::size_t g = 0; g < m.candidates().size(); ++g) {
+    if (!may_replace(m, choice, i, g)) continue;
+    other[i] = g;
+    const LinearModel::Fit f = m.fit(other);
+    if (!m.possible(other, f)) continue;
+    const double left = f.rss - choice.fit.rss, least = m.group(g).least_gain;
+    const bool likely = left / m.scale(choice) < indistinguishable;
+    // Where everything is explained, a small part that the other leaves of a small error is evidence
+    // against it; of a large error, it may be the idealization of its shape.
+    const bool near = left < (1 - alternative_share) * lost &&
+                      (!complete || (left < 2 * least && lost > 2 * least / (1 - alternative_share)));
+    if (likely || near) result.replacements.push_back({result.chosen.size(), m.term(g).effect});
+  }
+}
+
+ChosenTerm chosen_term(const ErrorModel& m, const Choice& choice, std::size_t i) {
+  const double lost = m.lost_without(choice, i), independent = m.rows() / choice.correlation;
+  const double free = std::max(1.0, independent - static_cast<double>(choice.fit.coefficients.size()));
+  ChosenTerm c{m.candidate(choice.chosen[i]), m.coefficients(choice.chosen, choice.fit, i)};
+  const auto d = static_cast<double>(c.candidate.term.size());
+  if (is_sideband(m, choice, i)) make_free_order(c.candidate, m.few());
+  c.p_value = std::min(1.0, fisher_f_tail(lost / d / m.scale(choice), d, free) * c.candidate.alternatives *
+                                static_cast<double>(m.candidates().size()));
+  c.lost = lost / m.weight().sum();
+  const Eigen::ArrayXd added = addition(c.candidate.term, c.coefficients);
+  c.rms = c.candidate.term.constant ? std::abs(added.mean()) : standard_deviation(added);
+  return c;
+}
+
+}  // namespace
+
+void distinguish_steps(const ErrorModel& m, Choice& choice) {
+  for (std::size_t i = 0; i < choice.chosen.size(); ++i) {
+    const std::size_t whole = choice.chosen[i];
+    if (!m.term(whole).whole) continue;
+    const double counts = m.coefficients(choice.chosen, choice.fit, i)[0];
+    const double error =
+        std::abs(counts) * std::sqrt(m.scale(choice) / std::max(m.lost_without(choice, i), 1e-300));
+    // Edges are displaced by some percent of a count.
+    if (std::abs(counts - std::round(counts)) < 4 * error + 0.05 && std::round(counts) != 0) continue;
+    for (std::size_t g = 0; g < m.candidates().size(); ++g)
+      if (m.candidate(g).family == m.candidate(whole).family && m.term(g).step && !m.term(g).named()) {
+        choice.chosen[i] = g;
+        break;
+      }
+  }
+  choice.fit = m.fit(choice.chosen);
+  choice.residual = m.residual(choice.chosen, choice.fit);
+}
+
+FoundCauses found_causes(const ErrorModel& m, const Choice& choice) {
+  FoundCauses result;
+  result.samples_per_reading = choice.correlation;
+  result.excess = m.excess();
+  result.explained = (m.fit({}).rss - choice.fit.rss) / m.weight().sum();
+  result.visible = visible_effects(m, choice);
+  std::vector<std::size_t> order(choice.chosen.size());
+  std::vector<double> left;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    order[i] = i;
+    left.push_back(m.fit({choice.chosen[i]}).rss);
+  }
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t a, std::size_t b) { return left[a] < left[b]; });
+  for (const std::size_t i : order) {
+    if (m.term(choice.chosen[i]).named()) find_replacements(m, choice, i, result);
+    result.chosen.push_back(chosen_term(m, choice, i));
+  }
+  return result;
+}
+
+}  // namespace qerr

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "diagnose/search/error_model.hpp"
+
+namespace qerr {
+
+/// What earlier passes of a search have taught about the choice of terms.
+struct ChoiceHistory {
+  std::vector<std::string> found;         ///< families of the previous pass's richest set
+  std::vector<std::string> refuted;       ///< families that no set may have
+  double worth = 0, worth_of_shapes = 0;  ///< ErrorModel::price
+};
+
+/// The set of least criterion. Searches twice: the first time as if all samples were independent, for the
+/// residual of the richest model, whose autocorrelation gives the number of independent samples.
+Choice choose_terms(ErrorModel&, const ChoiceHistory&);
+
+}  // namespace qerr
