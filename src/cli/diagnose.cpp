@@ -82,7 +82,7 @@ int run(const Values& v) {
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
   Log log = read_log({v.texts("LOG"), v.given("hold")}, spec, most_log_values, progress(v, "bytes"));
-  DiagnosisReport report = diagnosis_report(spec, std::move(log), options);
+  DiagnosisReport report = diagnosis_report(spec, std::move(log), options, table || residual);
   if (model) {
     finish(*model, extended_model(report, v.text("write-model")));
     report.extended_model = v.text("write-model");

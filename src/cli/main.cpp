@@ -1,5 +1,8 @@
 #include <fcntl.h>
 #include <unistd.h>
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 
 #include <algorithm>
 #include <csignal>
@@ -43,6 +46,17 @@ void occupy_standard_streams() {
     if (fcntl(stream, F_GETFD) < 0) open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
 }
 
+/// Columns of long logs come and go: memory that has been freed is used again in place of new pages, whose
+/// first use took a third of the time.
+void keep_freed_memory() {
+#ifdef __GLIBC__
+  constexpr int gibibyte = 1 << 30;
+  mallopt(M_MMAP_THRESHOLD, gibibyte);
+  mallopt(M_TRIM_THRESHOLD, gibibyte);
+  mallopt(M_ARENA_MAX, 1);  // what the reader has freed serves the threads, too
+#endif
+}
+
 int report(const std::string& text, qerr::Trouble trouble) {
   qerr::cli::clear_progress();
   const std::size_t width = qerr::cli::message_width();
@@ -53,6 +67,7 @@ int report(const std::string& text, qerr::Trouble trouble) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  keep_freed_memory();
   occupy_standard_streams();
   set_signals();
   const qerr::RunFiles files;

@@ -53,7 +53,7 @@ Explanation explained(const Evidence& e) {
   return m;
 }
 
-double least_p(const Evidence& e) { return comparison({e}, {}, {}).front().p_value; }
+double least_p(const Evidence& e) { return comparison(joint_statistics({e}, {}, {})).front().p_value; }
 
 TEST(Gain, OfAnEccentricDiscIsLimitedByQuantization) {
   const Evidence e = swing(3, eccentric);
@@ -110,7 +110,7 @@ TEST(Comparison, HasFewFalseAlarms) {
 }
 
 TEST(Comparison, RanksTheOrderOfAnEccentricDiscFirst) {
-  const auto rows = comparison({swing(5, eccentric)}, {}, {});
+  const auto rows = comparison(joint_statistics({swing(5, eccentric)}, {}, {}));
   EXPECT_EQ(rows.front().statistic, "by_angle");
   EXPECT_LT(rows.front().p_value, 1e-9);
   EXPECT_NEAR(rows.front().observed, eccentric / step, 0.1);
@@ -120,7 +120,7 @@ TEST(Comparison, IsEqualForAnyNumberOfThreads) {
   DiagnoseOptions one, three;
   one.threads = 1, three.threads = 3;
   const Evidence e = swing(6, 0.2 * eccentric);
-  const auto a = comparison({e}, {}, one), b = comparison({e}, {}, three);
+  const auto a = comparison(joint_statistics({e}, {}, one)), b = comparison(joint_statistics({e}, {}, three));
   ASSERT_EQ(a.size(), b.size());
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_EQ(a[i].p_value, b[i].p_value) << a[i].statistic;
 }

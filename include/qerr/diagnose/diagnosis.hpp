@@ -148,6 +148,6 @@ struct DiagnoseOptions {
 /// @throws std::out_of_range for an effect in `present` that is not in the catalogue; specs are checked when
 ///   they are read
 Diagnosis diagnose(const OperationalModel&, const std::vector<Filter>&, const std::vector<Effect>& present,
-                   const Log&, const DiagnoseOptions& = {});
+                   Log, const DiagnoseOptions& = {});
 
 }  // namespace qerr

@@ -13,15 +13,16 @@ namespace qerr {
 /// The result of `qerr diagnose`.
 struct DiagnosisReport {
   Spec spec;
-  Log log;  ///< with its values
+  Log log;  ///< with its values, if they were kept
   Diagnosis diagnosis;
   std::string extended_model;  ///< path of the file that --write-model wrote; "" without one
   std::vector<std::string> warnings;
 };
 
 /// Compares a log with its spec.
+/// @param keep_values  a look-up table and plots need them; without, a long log takes half the memory
 /// @throws Error (input) if the log lacks data that the diagnosis needs
-DiagnosisReport diagnosis_report(const Spec&, Log, const DiagnoseOptions&);
+DiagnosisReport diagnosis_report(const Spec&, Log, const DiagnoseOptions&, bool keep_values = true);
 
 /// A parameter of a cause. One that was not fitted, such as an order, has an interval of zero width.
 struct ReportedParameter {

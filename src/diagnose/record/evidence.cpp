@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <optional>
 #include <utility>
 
@@ -24,6 +25,19 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
   return out;
 }
 
+std::vector<Eigen::ArrayXd*> columns_of(Evidence& e) {
+  return {&e.time,       &e.reference,      &e.measured, &e.path,        &e.velocity,    &e.direction,
+          &e.joint_path, &e.joint_velocity, &e.effort,   &e.temperature, &e.random_sigma};
+}
+
+/// A row of the i-th of `most` equal sections of some rows. Evenly spaced rows could be commensurate with a
+/// periodic motion.
+Eigen::Index drawn_row(Eigen::Index rows, std::uint64_t seed, Eigen::Index i, Eigen::Index most) {
+  const Eigen::Index from = i * rows / most, to = (i + 1) * rows / most;
+  const double u = unit_interval(random_bits(seed, static_cast<std::uint64_t>(i), 0));
+  return from + static_cast<Eigen::Index>(u * static_cast<double>(to - from));
+}
+
 }  // namespace
 
 std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
@@ -39,26 +53,21 @@ std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Ei
       if (!sided || e.direction[first] != 0) all.push_back({first, k});
       first = k;
     }
+  return drawn(all, seed, most);
+}
+
+std::vector<RowGroup> drawn(const std::vector<RowGroup>& all, std::uint64_t seed, Eigen::Index most) {
   const auto count = static_cast<Eigen::Index>(all.size());
   if (count <= most) return all;
-  // Evenly spaced rows could be commensurate with a periodic motion.
-  std::vector<RowGroup> drawn;
-  for (Eigen::Index i = 0; i < most; ++i) {
-    const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
-    const double u = unit_interval(random_bits(seed, static_cast<std::uint64_t>(i), 0));
-    drawn.push_back(
-        all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
-  }
-  return drawn;
+  std::vector<RowGroup> some;
+  for (Eigen::Index i = 0; i < most; ++i)
+    some.push_back(all[static_cast<std::size_t>(drawn_row(count, seed, i, most))]);
+  return some;
 }
 
 Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
   Evidence grouped = e;
-  for (Eigen::ArrayXd* column :
-       {&grouped.time, &grouped.reference, &grouped.measured, &grouped.path, &grouped.velocity,
-        &grouped.direction, &grouped.joint_path, &grouped.joint_velocity, &grouped.effort,
-        &grouped.temperature, &grouped.random_sigma})
-    *column = means(*column, groups);
+  for (Eigen::ArrayXd* column : columns_of(grouped)) *column = means(*column, groups);
   return grouped;
 }
 
@@ -95,6 +104,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
   e.ordered = time.size() > 0 && !is_static(e.reference, e.encoder.resolution);
   if (e.ordered) {
     e.time = time;
+    e.interval = time[time.size() - 1] / static_cast<double>(time.size());
     SmoothPath smooth = smooth_path(time, e.reference, e.log_resolution);
     e.path = std::move(smooth.position);
     e.velocity = std::move(smooth.velocity);
@@ -125,15 +135,33 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
 
 }  // namespace
 
-std::vector<Evidence> evidence(const OperationalModel& model, const Log& log, unsigned threads) {
+std::vector<Evidence> evidence(const OperationalModel& model, const Log& log,
+                               const std::vector<std::size_t>& encoders, unsigned threads) {
   Eigen::ArrayXd time;
   if (const auto stamps = log.find(LogSignal::time)) time = log.values.col(*stamps) - log.values(0, *stamps);
-  std::vector<std::optional<Evidence>> found(model.chain.independent.size());
-  parallel_for(found.size(), threads, [&](std::size_t i) { found[i] = evidence_of(model, log, time, i); });
+  std::vector<std::optional<Evidence>> found(encoders.size());
+  parallel_for(found.size(), threads,
+               [&](std::size_t i) { found[i] = evidence_of(model, log, time, encoders[i]); });
   std::vector<Evidence> all;
   for (auto& e : found)
     if (e) all.push_back(std::move(*e));
   return all;
+}
+
+std::vector<std::size_t> all_encoders(const OperationalModel& model) {
+  std::vector<std::size_t> all(model.transmission.encoders.size());
+  std::iota(all.begin(), all.end(), std::size_t{0});
+  return all;
+}
+
+Evidence thinned(Evidence e, std::uint64_t seed) {
+  constexpr Eigen::Index most = 1 << 17;
+  if (e.rows() <= most) return e;
+  std::vector<Eigen::Index> rows;
+  for (Eigen::Index i = 0; i < most; ++i) rows.push_back(drawn_row(e.rows(), seed, i, most));
+  for (Eigen::ArrayXd* column : columns_of(e))
+    if (column->size() > 0) *column = (*column)(rows).eval();
+  return e;
 }
 
 }  // namespace qerr

@@ -20,6 +20,7 @@ struct Evidence : RecordSignals {
   double noise = 0;             ///< standard deviation of the reference's noise [rad or m]
   double path_noise = 0;        ///< standard deviation of the noise that remains in the path [rad or m]
   double log_resolution = 0;    ///< step of the recorded reference [rad or m]
+  double interval = 0;          ///< of the rows as recorded, in the mean [s]; 0: not ordered
 };
 
 /// Consecutive rows [first, end).
@@ -34,6 +35,9 @@ struct RowGroup {
 ///   beyond it, one group is drawn by the seed from each of `most` equal sections
 std::vector<RowGroup> independent_rows(const Evidence&, std::uint64_t seed, Eigen::Index most = 16384);
 
+/// One group drawn by the seed from each of `most` equal sections; all of them where they are no more.
+std::vector<RowGroup> drawn(const std::vector<RowGroup>&, std::uint64_t seed, Eigen::Index most);
+
 /// The evidence with the mean of each group in place of its rows.
 Evidence group_means(const Evidence&, const std::vector<RowGroup>&);
 
@@ -44,8 +48,16 @@ Evidence group_means(const Evidence&, const std::vector<RowGroup>&);
 /// @param step  resolution of the encoder [unit of the reference]
 bool is_static(const Eigen::ArrayXd& reference, double step);
 
-/// The evidence of every encoder whose joints have a reference.
+/// The evidence of those of the encoders whose joints have a reference.
 /// @param log  with its values
-std::vector<Evidence> evidence(const OperationalModel&, const Log& log, unsigned threads = 0);
+std::vector<Evidence> evidence(const OperationalModel&, const Log& log,
+                               const std::vector<std::size_t>& encoders, unsigned threads = 0);
+
+/// The numbers of all encoders.
+std::vector<std::size_t> all_encoders(const OperationalModel&);
+
+/// Of a record of more than 2^17 rows, one row drawn by the seed from each of as many equal sections: the
+/// search and the fits use fewer. Rows at random times have no aliases.
+Evidence thinned(Evidence, std::uint64_t seed);
 
 }  // namespace qerr

@@ -40,13 +40,16 @@ bool acts_before_teeth(const Term& t) {
 class CauseSearch {
  public:
   CauseSearch(const Evidence& record, std::uint64_t seed)
-      : record_(record), seed_(seed), samples_(error_samples(record, seed, most_samples)) {}
+      : record_(record),
+        seed_(seed),
+        samples_(error_samples(record, seed, most_samples)),
+        dictionary_(samples_.sampling) {}
 
   FoundCauses found() {
     if (samples_.size() < 8) return {};
     history_.worth = history_.worth_of_shapes = material * record_.step();
     for (int pass = 0; pass < most_passes; ++pass) {
-      model_.emplace(record_, samples_, scanned_, moved_, excess_);
+      model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);
       choose();
       if (!learn(pass == 0)) break;
     }
@@ -144,6 +147,7 @@ class CauseSearch {
   const Evidence& record_;
   std::uint64_t seed_;
   ErrorSamples samples_;
+  Dictionary dictionary_;
   Scanned scanned_;
   ChoiceHistory history_;
   std::vector<std::string> families_;  ///< of the previous pass's choice

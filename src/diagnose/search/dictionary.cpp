@@ -36,10 +36,12 @@ std::vector<double> joined(std::vector<double> a, const std::vector<double>& b) 
   return a;
 }
 
-class Dictionary {
+using Histories = std::map<std::pair<std::string, double>, Term>;
+
+class Candidates {
  public:
-  Dictionary(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved)
-      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved) {}
+  Candidates(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved, Histories& histories)
+      : s_(s), e_(s.evidence), scanned_(scanned), moved_(moved), histories_(histories) {}
 
   std::vector<Candidate> all() && {
     add_named();
@@ -115,8 +117,8 @@ class Dictionary {
         t.columns = s.averaged(original.hysteresis(s.record->path, size));
         return t;
       };
-      found_.push_back(
-          {over(s_), family, static_cast<double>(sizes.size()), size / 1.5, size * 1.5, 0, over});
+      found_.push_back({history(family, size, over), family, static_cast<double>(sizes.size()), size / 1.5,
+                        size * 1.5, 0, over});
     }
   }
 
@@ -219,25 +221,34 @@ class Dictionary {
            !e_.is_stationary();
   }
 
+  const Term& history(const std::string& name, double shape, const std::function<Term(const Sampling&)>& of) {
+    const auto [place, fresh] = histories_.try_emplace({name, shape});
+    if (fresh) place->second = of(s_);
+    return place->second;
+  }
+
+  void add_history(const std::string& family, const std::string& name, double shape, double alternatives,
+                   const std::function<Term(const Sampling&)>& of) {
+    add(history(name, shape, of), family, alternatives, of);
+  }
+
   void add_hystereses() {
     if (e_.is_stationary()) return;
     const Evidence& r = *s_.record;
-    const auto add_history = [&](const std::string& family, double size,
-                                 const std::function<Term(const Sampling&)>& of) {
-      add(of(s_), family, size, of);
-    };
     constexpr int travels = 10, constants = 10;
     for (const double travel : series(r.step(), 0.3 * r.range(), travels))
-      add_history("hysteresis", travels, [travel](const Sampling& s) { return friction_term(s, travel); });
+      add_history("hysteresis", "friction", travel, travels,
+                  [travel](const Sampling& s) { return friction_term(s, travel); });
     const double duration = e_.time[e_.rows() - 1];
     for (const double constant : series(duration / 300, duration / 10, constants))
-      add_history("relaxation", 2 * constants,
+      add_history("relaxation", "relaxation", constant, 2 * constants,
                   [constant](const Sampling& s) { return relaxation_term(s, constant); });
     for (const double constant : series(duration / 300, duration / 10, constants))
-      add_history("relaxation", 2 * constants,
+      add_history("relaxation", "settling", constant, 2 * constants,
                   [constant](const Sampling& s) { return settling_term(s, constant); });
     add_plain("speed", 1, [](const RecordSignals& s) { return speed_term(s); });
-    if (e_.counted) add_history("states", 1, [](const Sampling& s) { return state_pattern_term(s); });
+    if (e_.counted)
+      add_history("states", "states", 0, 1, [](const Sampling& s) { return state_pattern_term(s); });
   }
 
   void add_in_position() {
@@ -260,6 +271,7 @@ class Dictionary {
   const Evidence& e_;
   const Scanned& scanned_;
   const Eigen::ArrayXd& moved_;
+  Histories& histories_;
   std::size_t scanned_number_ = 0;
   std::vector<Candidate> found_;
 };
@@ -274,8 +286,8 @@ Term searchable(Term t) {
   return t;
 }
 
-std::vector<Candidate> dictionary(const Sampling& s, const Scanned& scanned, const Eigen::ArrayXd& moved) {
-  return Dictionary(s, scanned, moved).all();
+std::vector<Candidate> Dictionary::candidates(const Scanned& scanned, const Eigen::ArrayXd& moved) {
+  return Candidates(*sampling_, scanned, moved, histories_).all();
 }
 
 std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {

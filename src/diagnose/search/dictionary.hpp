@@ -1,7 +1,9 @@
 #pragma once
 
 #include <functional>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "diagnose/search/peaks.hpp"
@@ -37,9 +39,21 @@ struct Scanned {
 
 /// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes
 /// that the catalogue does not have.
-/// @param moved  displacement of the path on which gear teeth and disc depend [rad or m], one per sample;
-///   empty: none
-std::vector<Candidate> dictionary(const Sampling&, const Scanned&, const Eigen::ArrayXd& moved);
+class Dictionary {
+ public:
+  /// Borrows the sampling, which must outlive it.
+  explicit Dictionary(const Sampling& s) : sampling_(&s) {}
+
+  /// @param moved  displacement of the path on which gear teeth and disc depend [rad or m], one per sample;
+  ///   empty: none
+  std::vector<Candidate> candidates(const Scanned&, const Eigen::ArrayXd& moved);
+
+ private:
+  const Sampling* sampling_;
+  /// Columns that depend on the history of the whole record, by family and shape: they are the same in every
+  /// pass.
+  std::map<std::pair<std::string, double>, Term> histories_;
+};
 
 /// A term whose constant part is one more column: a linearization is searched as if its parts were free.
 Term searchable(Term);

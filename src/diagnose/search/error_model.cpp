@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 
 namespace qerr {
 
@@ -17,15 +18,15 @@ constexpr double complete = 1.3;
 
 }  // namespace
 
-ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, const Scanned& scanned,
-                       const Eigen::ArrayXd& moved, double excess)
+ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std::vector<Candidate> candidates,
+                       const std::vector<Event>& events, double excess)
     : record_(&record),
       samples_(&samples),
       excess_(excess),
-      candidates_(dictionary(samples.sampling, scanned, moved)),
+      candidates_(std::move(candidates)),
       base_(record.encoder.zero_known ? 0 : 1) {
   list_groups();
-  weigh(scanned);
+  weigh(events);
   linear_.emplace(columns_, samples.error.matrix(), weight_.matrix(), base_);
   floor_ = least_variance * (samples.variance * weight_).sum() / linear_->rows();
 }
@@ -49,15 +50,14 @@ void ErrorModel::list_groups() {
     columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
 }
 
-void ErrorModel::weigh(const Scanned& scanned) {
+void ErrorModel::weigh(const std::vector<Event>& events) {
   // What is too small to be worth a term is variance.
   const double unmodelled = std::max(excess_, std::pow(material * record_->step(), 2));
   weight_ = (samples_->variance + unmodelled).inverse();
   if (!few().ordered) return;
   // A sample that a step divides belongs to neither side.
-  const double interval = few().time[few().rows() - 1] / static_cast<double>(record_->rows());
-  for (const Event& event : scanned.events)
-    weight_ = ((few().time - event.time).abs() < 2 * interval).select(0.0, weight_);
+  for (const Event& event : events)
+    weight_ = ((few().time - event.time).abs() < 2 * few().interval).select(0.0, weight_);
   // Nor does one at which the side of a play is unknown.
   if ((few().direction.abs() == 1).any()) weight_ = (few().direction.abs() == 1).select(weight_, 0.0);
 }

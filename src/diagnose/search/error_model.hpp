@@ -26,10 +26,10 @@ struct Choice {
 /// Weighted regression of an encoder's error samples on the candidates of a dictionary.
 class ErrorModel {
  public:
-  /// @param moved   displacement of the path on which gear teeth and disc depend, one per sample
+  /// @param events  times at which samples may be divided by a step
   /// @param excess  variance of the samples beyond quantization and stated noise [rad^2 or m^2]
-  ErrorModel(const Evidence& record, const ErrorSamples&, const Scanned&, const Eigen::ArrayXd& moved,
-             double excess);
+  ErrorModel(const Evidence& record, const ErrorSamples&, std::vector<Candidate>,
+             const std::vector<Event>& events, double excess);
 
   const Evidence& record() const { return *record_; }
   const ErrorSamples& samples() const { return *samples_; }
@@ -92,7 +92,7 @@ class ErrorModel {
 
  private:
   void list_groups();
-  void weigh(const Scanned&);
+  void weigh(const std::vector<Event>&);
 
   const Evidence* record_;
   const ErrorSamples* samples_;

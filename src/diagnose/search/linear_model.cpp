@@ -1,5 +1,6 @@
 #include "diagnose/search/linear_model.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -22,26 +23,31 @@ constexpr double inseparable = 0.01;
 /// the group, and only the difference is known.
 constexpr double cancelling = 9;
 
-/// Lower Cholesky factor in place, with a ridge for nearly dependent columns.
+/// Upper Cholesky factor R of a = R' R in place, with a ridge for nearly dependent columns.
 /// @returns whether all pivots were above `collinear`
 bool factorize(Eigen::MatrixXd& a) {
-  bool regular = true;
-  for (Eigen::Index j = 0; j < a.cols(); ++j) {
-    double pivot = a(j, j) - a.row(j).head(j).squaredNorm();
-    if (pivot < collinear) regular = false, pivot = std::numeric_limits<double>::infinity();
-    a(j, j) = std::sqrt(pivot);
-    for (Eigen::Index i = j + 1; i < a.rows(); ++i)
-      a(i, j) = (a(i, j) - a.row(i).head(j).dot(a.row(j).head(j))) / a(j, j);
+  if (a.cols() == 0) return true;
+  const Eigen::LLT<Eigen::MatrixXd, Eigen::Upper> plain(a);
+  if (plain.info() == Eigen::Success && plain.matrixLLT().diagonal().minCoeff() > std::sqrt(collinear)) {
+    a = plain.matrixLLT();
+    return true;
   }
-  return regular;
+  for (Eigen::Index i = 0; i < a.cols(); ++i) {
+    for (Eigen::Index j = 0; j < i; ++j)
+      a(j, i) = (a(j, i) - a.col(i).head(j).dot(a.col(j).head(j))) / a(j, j);
+    const double pivot = a(i, i) - a.col(i).head(i).squaredNorm();
+    a(i, i) = pivot < collinear ? std::numeric_limits<double>::infinity() : std::sqrt(pivot);
+  }
+  return false;
 }
 
-void solve_lower(const Eigen::MatrixXd& l, Eigen::Ref<Eigen::MatrixXd> b) {
-  l.triangularView<Eigen::Lower>().solveInPlace(b);
+/// R'^-1 b in place.
+void solve_lower(const Eigen::MatrixXd& r, Eigen::Ref<Eigen::MatrixXd> b) {
+  r.transpose().triangularView<Eigen::Lower>().solveInPlace(b);
 }
 
-Eigen::VectorXd solve_upper(const Eigen::MatrixXd& l, const Eigen::VectorXd& b) {
-  return l.transpose().triangularView<Eigen::Upper>().solve(b);
+Eigen::VectorXd solve_upper(const Eigen::MatrixXd& r, const Eigen::VectorXd& b) {
+  return r.triangularView<Eigen::Upper>().solve(b);
 }
 
 }  // namespace
@@ -54,7 +60,9 @@ LinearModel::LinearModel(const Eigen::MatrixXd& columns, const Eigen::VectorXd& 
   scale_ = z.colwise().norm();
   for (double& s : scale_) s = s > 0 ? 1 / s : 0;
   z = z * scale_.asDiagonal();
-  gram_ = z.transpose() * z;
+  gram_.setZero(z.cols(), z.cols());
+  gram_.selfadjointView<Eigen::Lower>().rankUpdate(z.transpose());
+  gram_.triangularView<Eigen::StrictlyUpper>() = gram_.transpose();
   const Eigen::VectorXd target = root.cwiseProduct(y);
   moment_ = z.transpose() * target;
   total_ = target.squaredNorm();

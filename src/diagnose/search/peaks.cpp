@@ -6,24 +6,13 @@
 #include <tuple>
 #include <utility>
 
-#include "diagnose/terms/scan_kernels.hpp"
-#include "lanes/aligned.hpp"
+#include "diagnose/search/periodogram.hpp"
 
 namespace qerr {
 
 namespace {
 
-constexpr double most_rates = 200000;  ///< a limit of time: 0.3 s
-
-/// At most `most` values, padded with zeros to a multiple of `scanned_together`.
-AlignedNumbers decimated(const Eigen::ArrayXd& column, double shift, Eigen::Index most) {
-  const Eigen::Index rows = std::min(column.size(), most);
-  constexpr auto together = static_cast<Eigen::Index>(scanned_together);
-  AlignedNumbers out(static_cast<std::size_t>((rows + together - 1) / together * together));
-  for (Eigen::Index k = 0; k < rows; ++k)
-    out[static_cast<std::size_t>(k)] = column[k * column.size() / rows] - shift;
-  return out;
-}
+constexpr double most_rates = 200000;  ///< a limit of time: some 20 ms
 
 }  // namespace
 
@@ -38,29 +27,23 @@ std::vector<double> strongest_rates(const Eigen::ArrayXd& scores, const Eigen::A
                last = std::min(first + most_rates, std::floor(scan.most / spacing));
   if (!(first <= last)) return {};
   hypotheses = std::max(1.0, (last - first) / 4);
-  const ScanKernels& kernels = select_kernels<ScanKernels>(instruction_set());
   // The power does not depend on the origin of the argument; a small argument has an accurate sine.
-  const AlignedNumbers score = decimated(scores, 0, scan.most_rows),
-                       argument = decimated(arguments, lowest, scan.most_rows),
-                       angle = decimated(spacing * (arguments - lowest), 0, scan.most_rows);
-  std::vector<double> powers(static_cast<std::size_t>(last - first) + 1);
-  const AlignedNumbers scratch(4 * score.size() + 2 * scanned_at_once * 8);
-  kernels.powers(score.data(), angle.data(), score.size(), first, powers.size(), scratch.data(),
-                 powers.data());
+  const Eigen::ArrayXd argument = arguments - lowest;
+  std::vector<float> powers = periodogram(scores, argument, spacing, static_cast<Eigen::Index>(first),
+                                          static_cast<Eigen::Index>(last));
   std::vector<double> found;
   while (static_cast<Eigen::Index>(found.size()) < scan.most_peaks) {
     const auto strongest = std::max_element(powers.begin(), powers.end());
-    double power = *strongest;
-    if (!(power > 0)) break;
+    if (!(*strongest > 0)) break;
     double rate = (first + static_cast<double>(strongest - powers.begin())) * spacing;
+    double power = power_at(scores, argument, rate);
     for (double step = spacing / 2; step > spacing / 200; step /= 2)
       for (const double candidate : {rate - step, rate + step})
-        if (const double p = kernels.power(score.data(), argument.data(), score.size(), candidate); p > power)
-          power = p, rate = candidate;
+        if (const double p = power_at(scores, argument, candidate); p > power) power = p, rate = candidate;
     found.push_back(rate);
     const auto near = std::min<std::ptrdiff_t>(4, strongest - powers.begin());
     const auto beyond = std::min<std::ptrdiff_t>(5, powers.end() - strongest);
-    std::fill(strongest - near, strongest + beyond, 0.0);
+    std::fill(strongest - near, strongest + beyond, 0.0F);
   }
   return found;
 }
@@ -94,6 +77,25 @@ double gain_beside_constant(const Eigen::ArrayXd& residual, const Eigen::ArrayXd
   return power > 0 ? std::pow((centred * weight * residual).sum(), 2) / power : 0;
 }
 
+/// Weighted means of consecutive samples, some 2000 of them: enough to find a shape among many.
+struct Means {
+  Eigen::ArrayXd residual, weight, argument;
+};
+
+Means means_of(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight, const Eigen::ArrayXd& argument) {
+  constexpr Eigen::Index most = 2000;
+  const Eigen::Index n = residual.size(), count = std::min(n, most);
+  Means m{Eigen::ArrayXd::Zero(count), Eigen::ArrayXd::Zero(count), Eigen::ArrayXd::Zero(count)};
+  for (Eigen::Index i = 0; i < count; ++i) {
+    const Eigen::Index first = i * n / count, size = (i + 1) * n / count - first;
+    const auto w = weight.segment(first, size);
+    m.weight[i] = w.sum();
+    m.argument[i] = argument.segment(first, size).mean();
+    if (m.weight[i] > 0) m.residual[i] = (w * residual.segment(first, size)).sum() / m.weight[i];
+  }
+  return m;
+}
+
 /// Start and length of the transition with the largest gain: a grid about the step that is refined by halves.
 template <typename Transition>
 std::pair<double, double> best_transition(double time, double shortest, double longest, Transition gain) {
@@ -125,17 +127,22 @@ Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weig
   if (first == 0) return e;
   e.hypotheses = static_cast<double>(residual.size());
   e.time = 0.5 * (time[first] + time[first - 1]);
+  return e;
+}
+
+void find_transitions(Event& e, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                      const Eigen::ArrayXd& time) {
+  const Means m = means_of(residual, weight, time);
   const double duration = time[time.size() - 1] - time[0];
   const double shortest = 3 * duration / static_cast<double>(time.size()), longest = duration / 4;
   std::tie(e.ramp_start, e.ramp_duration) =
       best_transition(e.time, shortest, longest, [&](double start, double length) {
-        return gain_beside_constant(residual, weight, ((time - start) / length).max(0.0).min(1.0));
+        return gain_beside_constant(m.residual, m.weight, ((m.argument - start) / length).max(0.0).min(1.0));
       });
-  std::tie(e.approach_start, e.time_constant) =
-      best_transition(e.time, shortest, longest, [&](double start, double length) {
-        return gain_beside_constant(residual, weight, 1 - (-(time - start).max(0.0) / length).exp());
-      });
-  return e;
+  std::tie(e.approach_start,
+           e.time_constant) = best_transition(e.time, shortest, longest, [&](double start, double length) {
+    return gain_beside_constant(m.residual, m.weight, 1 - (-(m.argument - start).max(0.0) / length).exp());
+  });
 }
 
 Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
@@ -165,8 +172,12 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
     }
   best.hypotheses = 2 * bins;
   // The shape is a Gaussian: position and width by a grid that is refined by halves.
+  const Eigen::ArrayXd each = weights.tail(bins) - weights.head(bins);
+  const Eigen::ArrayXd means = (each > 0).select((sums.tail(bins) - sums.head(bins)) / each.max(1e-300), 0.0);
+  const Eigen::ArrayXd centres =
+      low + range / bins * Eigen::ArrayXd::LinSpaced(bins, 0.5, static_cast<double>(bins) - 0.5);
   const auto gain_of = [&](double centre, double width) {
-    return gain_beside_constant(residual, weight, (-0.5 * ((position - centre) / width).square()).exp());
+    return gain_beside_constant(means, each, (-0.5 * ((centres - centre) / width).square()).exp());
   };
   gain = gain_of(best.position, best.width);
   for (double step = 0.5; best.width > 0 && step > 0.01; step /= 2)

@@ -9,7 +9,6 @@ namespace qerr {
 struct RateScan {
   double least = 0, most = 0;  ///< rates to be scanned
   Eigen::Index most_peaks = 1;
-  Eigen::Index most_rows = 4096;  ///< scanned of a long record
 };
 
 /// Largest maxima of the periodogram |sum of scores e^{i rate argument}|^2, in descending order: on a grid
@@ -25,9 +24,13 @@ struct Event {
   double hypotheses = 0;  ///< number of times that were compared; 0: none, the record is too short
 };
 
-/// The strongest change of weighted residuals that begins at one time and persists.
+/// The strongest change of weighted residuals that begins at one time and persists: the time of its step.
 /// @param time  ascending
 Event strongest_event(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
+                      const Eigen::ArrayXd& time);
+
+/// Sets the ramp and the approach of an event.
+void find_transitions(Event&, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight,
                       const Eigen::ArrayXd& time);
 
 /// A window of positions in which weighted residuals deviate.

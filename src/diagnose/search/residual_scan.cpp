@@ -43,7 +43,8 @@ double highest_order(const Evidence& record) {
   if (moved.size() < 20) return of_counts;
   const auto tenth = moved.begin() + static_cast<std::ptrdiff_t>(moved.size() / 10);
   std::nth_element(moved.begin(), tenth, moved.end());
-  return std::min(of_counts, std::numbers::pi / *tenth);
+  const double recorded = record.interval * static_cast<double>(n) / (record.time[n] - record.time[0]);
+  return std::min(of_counts, std::numbers::pi / (*tenth * recorded));
 }
 
 bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known,
@@ -63,8 +64,7 @@ bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<
 
 bool scan_lines(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known,
                 double duration) {
-  const double interval = duration / static_cast<double>(m.record().rows());
-  const RateScan s{turn * 8 / duration, std::numbers::pi / interval, 3};
+  const RateScan s{turn * 8 / duration, std::numbers::pi / m.few().interval, 3};
   double hypotheses = 1;
   bool any = false;
   for (const double rate : strongest_rates(scores, m.few().time, s, hypotheses)) {
@@ -79,18 +79,19 @@ bool scan_events(const ErrorModel& m, Eigen::ArrayXd left, std::vector<Event>& k
   const Eigen::ArrayXd& weight = m.weight();
   bool any = false;
   for (int i = 0; i < most_events; ++i) {
-    const Event event = strongest_event(left, weight, m.few().time);
+    Event event = strongest_event(left, weight, m.few().time);
     if (event.hypotheses == 0) break;
     const Term t = offset_step_term(m.few(), event.time);
     const Eigen::ArrayXd step = t.columns.col(0) - (t.columns.col(0) * weight).sum() / weight.sum();
     const double size = (step * weight * left).sum() / (step.square() * weight).sum();
     if (size * size * (step.square() * weight).sum() < 2 * std::log(event.hypotheses)) break;
+    if (std::none_of(known.begin(), known.end(),
+                     [&](const Event& e) { return std::abs(e.time - event.time) < 2e-3 * duration; })) {
+      find_transitions(event, left, weight, m.few().time);
+      known.push_back(event);
+      any = true;
+    }
     left -= size * step;
-    if (std::any_of(known.begin(), known.end(),
-                    [&](const Event& e) { return std::abs(e.time - event.time) < 2e-3 * duration; }))
-      continue;
-    known.push_back(event);
-    any = true;
   }
   return any;
 }

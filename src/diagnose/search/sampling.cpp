@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "core/random.hpp"
-
 namespace qerr {
 
 Sampling::Sampling(const Evidence& all, std::vector<RowGroup> chosen)
@@ -52,20 +50,6 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
     k = std::max(k + 1, end - (end < n ? 1 : 0));
   }
   return groups;
-}
-
-std::vector<RowGroup> drawn(const std::vector<RowGroup>& all, std::uint64_t seed, Eigen::Index most) {
-  const auto count = static_cast<Eigen::Index>(all.size());
-  if (count <= most) return all;
-  std::vector<RowGroup> some;
-  for (Eigen::Index i = 0; i < most; ++i) {
-    // Evenly spaced samples could be commensurate with a periodic motion.
-    const Eigen::Index from = i * count / most, to = (i + 1) * count / most;
-    const double u = unit_interval(random_bits(seed, static_cast<std::uint64_t>(i), 0));
-    some.push_back(
-        all[static_cast<std::size_t>(from + static_cast<Eigen::Index>(u * static_cast<double>(to - from)))]);
-  }
-  return some;
 }
 
 }  // namespace

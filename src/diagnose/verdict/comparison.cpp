@@ -5,7 +5,6 @@
 
 #include "core/parallel.hpp"
 #include "core/probability.hpp"
-#include "diagnose/surrogates/residual_statistics.hpp"
 
 namespace qerr {
 
@@ -46,19 +45,25 @@ Judged judged(const std::string& joint, const ResidualStatistic& s) {
 
 }  // namespace
 
-std::vector<Comparison> comparison(const std::vector<Evidence>& all, const std::vector<Filter>& filters,
-                                   const DiagnoseOptions& options) {
+std::vector<JointStatistics> joint_statistics(const std::vector<Evidence>& all,
+                                              const std::vector<Filter>& filters,
+                                              const DiagnoseOptions& options) {
   // Joints beside each other, as what a joint's surrogates share is one thread's work; threads beyond are
   // the surrogates'.
   const unsigned threads = thread_count(options.threads);
   const unsigned each = std::max(1u, threads / static_cast<unsigned>(std::max<std::size_t>(1, all.size())));
-  std::vector<std::vector<ResidualStatistic>> statistics(all.size());
+  std::vector<JointStatistics> joints(all.size());
   parallel_for(all.size(), threads, [&](std::size_t i) {
-    statistics[i] = residual_statistics(all[i], filters, surrogates, options.seed * 64 + i, each);
+    const auto stream = options.seed * 64 + static_cast<std::uint64_t>(all[i].number);
+    joints[i] = {all[i].joint, residual_statistics(all[i], filters, surrogates, stream, each)};
   });
+  return joints;
+}
+
+std::vector<Comparison> comparison(const std::vector<JointStatistics>& joints) {
   std::vector<Judged> rows;
-  for (std::size_t i = 0; i < all.size(); ++i)
-    for (const ResidualStatistic& s : statistics[i]) rows.push_back(judged(all[i].joint, s));
+  for (const JointStatistics& j : joints)
+    for (const ResidualStatistic& s : j.statistics) rows.push_back(judged(j.joint, s));
   std::stable_sort(rows.begin(), rows.end(), [](const Judged& a, const Judged& b) {
     return a.row.p_value != b.row.p_value ? a.row.p_value < b.row.p_value : a.distance > b.distance;
   });

@@ -1,11 +1,18 @@
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "diagnose/record/evidence.hpp"
+#include "diagnose/surrogates/residual_statistics.hpp"
 #include "qerr/diagnose/diagnosis.hpp"
 
 namespace qerr {
+
+struct JointStatistics {
+  std::string joint;
+  std::vector<ResidualStatistic> statistics;
+};
 
 /// Compares the record with simulated readings of ideal encoders along the recorded path, 99 times
 /// (surrogate.hpp), statistic by statistic (residual_statistics.hpp).
@@ -17,7 +24,12 @@ namespace qerr {
 ///
 /// Of 116 generated logs without fault (14 kinds of record, some made to mislead) that no figure here was
 /// chosen by, 2 have a p-value below 0.01; of the 186 before them also 2.
-std::vector<Comparison> comparison(const std::vector<Evidence>&, const std::vector<Filter>&,
-                                   const DiagnoseOptions&);
+///
+/// @param joints  statistics of every encoder, by joint
+std::vector<Comparison> comparison(const std::vector<JointStatistics>& joints);
+
+/// The statistics of some encoders, side by side.
+std::vector<JointStatistics> joint_statistics(const std::vector<Evidence>&, const std::vector<Filter>&,
+                                              const DiagnoseOptions&);
 
 }  // namespace qerr

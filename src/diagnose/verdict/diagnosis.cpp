@@ -7,6 +7,7 @@
 #include <optional>
 #include <utility>
 
+#include "core/random.hpp"
 #include "core/text.hpp"
 #include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/tip/tip.hpp"
@@ -54,6 +55,10 @@ void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::
   }
 }
 
+bool has_tip(const Log& log) {
+  return log.find(LogSignal::tip, 0) || log.find(LogSignal::tip, 1) || log.find(LogSignal::tip, 2);
+}
+
 /// Why no reference is usable: the residual noise of each hides all errors worth reporting. Empty if one is
 /// usable.
 std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
@@ -65,6 +70,28 @@ std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
   return "the references' noise is " + significant(least, 2) + " counts (" + significant(recorded, 2) +
          " where the path is smooth): 0.3 or less is needed; use a better sensor, or a slower motion at the "
          "same rate";
+}
+
+/// Compares the record with simulations and collects its evidence, thinned where it is long: as many encoders
+/// at a time as have some million rows, so that memory does not grow with their number.
+std::vector<Comparison> simulated(const Sanity& sane, const std::vector<Filter>& filters,
+                                  const DiagnoseOptions& options, std::vector<Evidence>& all) {
+  constexpr std::size_t rows_at_once = 1 << 20;
+  const std::vector<std::size_t> encoders = all_encoders(sane.model);
+  const bool apart = sane.present.empty() || sane.model.transmission.coupling.isIdentity(0);
+  const std::size_t rows = std::max<std::size_t>(1, static_cast<std::size_t>(sane.log.values.rows()));
+  const std::size_t at_once = apart ? std::max<std::size_t>(1, rows_at_once / rows) : encoders.size();
+  std::vector<JointStatistics> statistics;
+  for (std::size_t first = 0; first < encoders.size(); first += at_once) {
+    const std::vector<std::size_t> some(
+        encoders.begin() + static_cast<std::ptrdiff_t>(first),
+        encoders.begin() + static_cast<std::ptrdiff_t>(std::min(first + at_once, encoders.size())));
+    std::vector<Evidence> part = evidence(sane, some, options.threads);
+    for (JointStatistics& s : joint_statistics(part, filters, options)) statistics.push_back(std::move(s));
+    // The same rows of all encoders: of couplings, what one joint adds to another is added row by row.
+    for (Evidence& e : part) all.push_back(thinned(std::move(e), stream_seed(options.seed, "thinned")));
+  }
+  return comparison(statistics);
 }
 
 /// Adds the diagnosis of the tip. Its gain is the total gain if no joint has a reference.
@@ -82,8 +109,8 @@ void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
-                   const std::vector<Effect>& present, const Log& log, const DiagnoseOptions& options) {
-  Sanity sane = check_sanity(model, filters, log, present);
+                   const std::vector<Effect>& present, Log log, const DiagnoseOptions& options) {
+  Sanity sane = check_sanity(model, filters, std::move(log), present);
   Diagnosis d;
   d.causes = sane.causes;
   d.unexplained = std::move(sane.unexplained);
@@ -98,10 +125,14 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     d.data.push_back({has, "", 1, {}, remedy});
     d.reason = has + ": " + remedy;
   }
-  const std::vector<Evidence> all = enough ? evidence(sane, options.threads) : std::vector<Evidence>{};
+  std::vector<Evidence> all;
+  if (enough) d.simulation = simulated(sane, filters, options, all);
   warn_of_unjudged(sane.model, sane.log, all, d.warnings);
-  d.simulation = comparison(all, filters, options);
-  const auto findings = findings_of(all, sane, options);
+  const std::optional<std::string> noisy = too_noisy(all);
+  const bool joints_judged = !all.empty();
+  // From here on, the first pose and a tracked tip are all that is needed of the log itself.
+  if (!has_tip(sane.log) && enough) sane.log.values = sane.log.values.topRows<1>().eval();
+  const auto findings = findings_of(std::move(all), sane, options);
   std::vector<HeldOut> held;
   for (const auto& finding : findings) {
     const Finding& f = *finding;
@@ -117,12 +148,11 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);
   TipDiagnosis tip;
   if (enough) tip = diagnose_tip(sane.model, sane.present, sane.log, options.seed, options.threads);
-  bool judged = !all.empty() || tip.judged;
-  if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty())
-    if (const auto why = too_noisy(all)) {
-      judged = false;
-      d.reason = *why;
-    }
+  bool judged = joints_judged || tip.judged;
+  if (judged && !tip.judged && d.causes.empty() && d.unexplained.empty() && noisy) {
+    judged = false;
+    d.reason = *noisy;
+  }
   if (!judged && !d.causes.empty()) {
     d.gain = d.causes.front().gain;
     d.warnings.push_back("positions are not judged: " + std::exchange(d.reason, ""));
@@ -131,7 +161,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
            b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
   });
-  add_tip(std::move(tip), !all.empty(), d);
+  add_tip(std::move(tip), joints_judged, d);
   d.verdict = verdict(d, judged);
   // What a repaired log shows is no all-clear for the log as it stands.
   if (d.verdict == Verdict::nothing_wrong && !sane.spoilt.empty()) {

@@ -84,7 +84,7 @@ std::string correction_table(const DiagnosisReport& r) {
       "# measured: counts times resolution, at the joint's side of the gear, before any coupling; "
       "encoder_angle: of the encoder's shaft.\r\n";
   std::string rows;
-  for (const Evidence& e : evidence(r.spec.model, r.log)) {
+  for (const Evidence& e : evidence(r.spec.model, r.log, all_encoders(r.spec.model))) {
     std::vector<Effect> held;
     for (const Cause& c : r.diagnosis.causes) {
       if (c.effect.joint != e.joint) continue;

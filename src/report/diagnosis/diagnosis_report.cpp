@@ -29,10 +29,23 @@ std::string figure_unit(const Spec& spec, const Unidentified& u, const std::stri
   return coordinate;
 }
 
-DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options) {
+namespace {
+
+/// A log without its values.
+Log described(const Log& log) {
+  return {log.file,        log.columns,  log.rows, log.first_time, log.last_time,
+          log.time_origin, log.warnings, {},       log.stretches,  log.stretch_rows};
+}
+
+}  // namespace
+
+DiagnosisReport diagnosis_report(const Spec& spec, Log log, const DiagnoseOptions& options,
+                                 bool keep_values) {
   std::vector<Filter> filters;
   for (const NamedFilter& f : spec.filters) filters.push_back(f.filter);
-  Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, log, options);
+  Log judged = keep_values ? log : std::move(log);
+  if (!keep_values) log = described(judged);
+  Diagnosis diagnosis = diagnose(spec.model, filters, spec.effects, std::move(judged), options);
   std::vector<std::string> warnings = spec.warnings;
   warnings.insert(warnings.end(), log.warnings.begin(), log.warnings.end());
   for (const std::string& text : diagnosis.warnings)

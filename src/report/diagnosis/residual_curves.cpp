@@ -53,7 +53,7 @@ Eigen::ArrayXd spectrum(const Eigen::ArrayXd& means, Eigen::Index steps) {
 
 ResidualCurves residual_curves(const DiagnosisReport& r) {
   ResidualCurves out;
-  for (const Evidence& e : evidence(r.spec.model, r.log)) {
+  for (const Evidence& e : evidence(r.spec.model, r.log, all_encoders(r.spec.model))) {
     const Eigen::ArrayXd before = e.measured - e.reference;
     const Eigen::ArrayXd after = before - explained(e, effects_of(r, e.joint));
     const std::string joint = csv_cell(e.joint) + ',', unit = e.prismatic ? ",m\r\n" : ",rad\r\n";

@@ -103,10 +103,10 @@ void check_reference_exists(Sanity& s) {
 
 }  // namespace sanity
 
-Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& filters, const Log& log,
+Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& filters, Log log,
                     const std::vector<Effect>& present) {
   Sanity s;
-  s.log = log;
+  s.log = std::move(log);
   s.model = model;
   s.present = present;
   s.rounding_sigma.assign(model.transmission.encoders.size(), 0);
@@ -124,7 +124,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
                                ? rms(read->counts * model.transmission.encoders[i].resolution - reference)
                                : 0);
   }
-  if (log.values.rows() < 8) return s;  // too few for any of the checks
+  if (s.log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
   sanity::check_exchange(s);
   for (const auto step : {sanity::check_constant_columns, sanity::check_unit, sanity::check_rollover,
@@ -140,8 +140,8 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   return s;
 }
 
-std::vector<Evidence> evidence(const Sanity& s, unsigned threads) {
-  std::vector<Evidence> all = evidence(s.model, s.log, threads);
+std::vector<Evidence> evidence(const Sanity& s, const std::vector<std::size_t>& encoders, unsigned threads) {
+  std::vector<Evidence> all = evidence(s.model, s.log, encoders, threads);
   add_coupled_effects(all, s.model.transmission, s.present);
   for (Evidence& e : all) {
     // The error of a rounded reference is not reduced by smoothing where it moves by less than its step a

@@ -55,10 +55,11 @@ struct Sanity {
 /// @param log      with its values
 /// @param present  effects of the spec: they are undone in the log, and only differences, such as another
 ///   modulus, are reported
-Sanity check_sanity(const OperationalModel&, const std::vector<Filter>& filters, const Log& log,
+Sanity check_sanity(const OperationalModel&, const std::vector<Filter>& filters, Log log,
                     const std::vector<Effect>& present = {});
 
-/// The evidence of a repaired log, with the remaining effects of the spec in the paths.
-std::vector<Evidence> evidence(const Sanity&, unsigned threads = 0);
+/// The evidence of some encoders of a repaired log, with the remaining effects of the spec in the paths.
+/// @param encoders  of couplings, those of all joints that share an encoder
+std::vector<Evidence> evidence(const Sanity&, const std::vector<std::size_t>& encoders, unsigned threads = 0);
 
 }  // namespace qerr

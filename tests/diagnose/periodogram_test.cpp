@@ -1,0 +1,49 @@
+#include "diagnose/search/periodogram.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "support/random_chain.hpp"
+
+namespace qerr {
+namespace {
+
+using testing::Dice;
+
+double plain_power(const Eigen::ArrayXd& score, const Eigen::ArrayXd& argument, double rate) {
+  std::complex<double> sum = 0;
+  for (Eigen::Index k = 0; k < score.size(); ++k) sum += score[k] * std::polar(1.0, rate * argument[k]);
+  return std::norm(sum);
+}
+
+TEST(Periodogram, HasThePowerOfEveryRate) {
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Dice dice(seed);
+    const Eigen::Index rows = 10 + static_cast<Eigen::Index>(dice.below(3000));
+    const Eigen::Index last = 8 + static_cast<Eigen::Index>(dice.below(2000));
+    const double range = dice.between(0.01, 100), spacing = 0.5 * std::numbers::pi / range;
+    Eigen::ArrayXd argument(rows), score(rows);
+    for (Eigen::Index k = 0; k < rows; ++k)
+      argument[k] = dice.between(0, range), score[k] = dice.between(-1, 1);
+    argument[0] = 0, argument[1] = range;
+    // A line, so that some power is large.
+    const double rate = dice.between(4, static_cast<double>(last)) * spacing;
+    for (Eigen::Index k = 0; k < rows; ++k) score[k] += std::cos(rate * argument[k]);
+    const std::vector<float> powers = periodogram(score, argument, spacing, 4, last);
+    ASSERT_EQ(static_cast<Eigen::Index>(powers.size()), last - 3);
+    const double most = *std::max_element(powers.begin(), powers.end());
+    for (Eigen::Index n = 4; n <= last; n += 1 + last / 50) {
+      const double expected = plain_power(score, argument, static_cast<double>(n) * spacing);
+      EXPECT_NEAR(powers[static_cast<std::size_t>(n - 4)], expected, 0.03 * most)
+          << "seed " << seed << ", " << n;
+      EXPECT_NEAR(power_at(score, argument, static_cast<double>(n) * spacing), expected, 1e-9 * most);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace qerr
