@@ -1,9 +1,10 @@
 #!/usr/bin/python3
 """Writes logs with a known hidden effect: one folder a case with spec.yaml, robot.urdf, log.csv, log2.csv and truth.json.
 
-usage: generate.py --out DIR --cases N --seed S [--kind a|b|c|d|e ...] [--name NAME] [--jobs N]
+usage: generate.py --out DIR --cases N --seed S [--kind a|b|c|d|e|w ...] [--name NAME] [--jobs N]
 
-Kinds: a clean, b one effect, c two effects, d outside the catalogue, e inseparable. --name asks for one effect, one clean
+Kinds: a clean, b one effect, c two effects, d outside the catalogue, e inseparable; w, alone, records as from a workshop, by a
+generator of their own (workshop/). --name asks for one effect, one clean
 record, one foreign effect or one pair (`--list` shows them). Case i of seed S is always the same.
 """
 import argparse
@@ -21,6 +22,7 @@ import clean
 import foreign
 import pairs
 import write
+from workshop import workshop
 
 SHARES = {"a": 0.22, "b": 0.42, "c": 0.12, "d": 0.12, "e": 0.12}
 NAMES = {"a": clean.CLEAN, "b": catalogue.MAKERS, "d": foreign.FOREIGN, "e": pairs.PAIRS}
@@ -68,11 +70,14 @@ def write_one(job):
 
 def generate(out, number, seed, kinds="abcde", name=None, jobs=1):
     """Writes the cases and returns their folders."""
-    work = [(seed, i, kinds, name, pathlib.Path(out)) for i in range(number)]
+    if kinds == "w":
+        one, work = workshop.write_one, [(seed, i, name, pathlib.Path(out)) for i in range(number)]
+    else:
+        one, work = write_one, [(seed, i, kinds, name, pathlib.Path(out)) for i in range(number)]
     if jobs == 1:
-        return [write_one(w) for w in work]
+        return [one(w) for w in work]
     with multiprocessing.Pool(jobs) as pool:
-        return pool.map(write_one, work, chunksize=1)
+        return pool.map(one, work, chunksize=1)
 
 
 def main():
@@ -80,20 +85,23 @@ def main():
     a.add_argument("--out", type=pathlib.Path)
     a.add_argument("--cases", type=int, default=60)
     a.add_argument("--seed", type=int, default=1)
-    a.add_argument("--kind", action="append", choices=sorted(SHARES), help="only this kind; may be repeated")
+    a.add_argument("--kind", action="append", choices=[*sorted(SHARES), "w"],
+                   help="only this kind; may be repeated (w stands alone)")
     a.add_argument("--name", help="only this effect, record or pair")
     a.add_argument("--jobs", type=int, default=1)
     a.add_argument("--list", action="store_true", help="the names that --name knows")
     o = a.parse_args()
     if o.list:
-        for kind, names in NAMES.items():
+        for kind, names in {**NAMES, "w": workshop.NAMES}.items():
             print(kind, *names)
         return 0
     if not o.out:
         a.error("--out is missing")
-    if o.name and not any(o.name in n for n in NAMES.values()):
-        a.error(f"nothing is called {o.name!r}; --list shows the names")
     kinds = "".join(sorted(set(o.kind))) if o.kind else "abcde"
+    if "w" in kinds and kinds != "w":
+        a.error("--kind w cannot stand beside other kinds")
+    if o.name and not any(o.name in n for n in ([workshop.NAMES] if kinds == "w" else NAMES.values())):
+        a.error(f"nothing is called {o.name!r}; --list shows the names")
     if o.name and not o.kind:
         kinds = "".join(k for k, n in NAMES.items() if o.name in n)
     folders = generate(o.out, o.cases, o.seed, kinds, o.name, o.jobs)

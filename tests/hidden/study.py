@@ -4,6 +4,7 @@
 usage: study.py --qerr PATH [--cases 400 --seed S --jobs 2 --out DIR]      generates the cases first
        study.py --qerr PATH --dir DIR                                      scores the cases in DIR
        study.py --qerr PATH --quick                                        60 cases, for the test suite
+       study.py --qerr PATH --workshop [--cases 120 --seed S --dir DIR]    records of the second generator, by its own judge
 
 Every case is diagnosed; its extended model diagnoses the second log and, if the truth permits, is simulated. The tables go to
 standard output; cases.csv, confusion.csv, intervals.csv and every answer to the folder of --out. Exit code 0: all
@@ -26,6 +27,7 @@ import time
 import generate
 import tables
 from score import causes_of, score
+from workshop import judge as workshop_judge
 
 
 def run(command, limit):
@@ -109,6 +111,22 @@ def judge(qerr, case, out, limit):
     return result
 
 
+def workshop_study(qerr, folders, out, jobs, limit):
+    """Diagnoses the workshop's records and prints the table; whether at least 85 % are right and at most 5 % wrong."""
+    def one(case):
+        answer, fault = diagnose(qerr, case / "spec.yaml", case / "log.csv", limit)
+        (case / "answer.json").write_text(json.dumps(answer, indent=1) + "\n", encoding="utf-8")
+        truth = json.loads((case / "truth.json").read_text(encoding="utf-8"))
+        grade, why = workshop_judge.judge(truth, answer) if answer else ("wrong", fault)
+        return {"case": case, "sub": truth["sub"], "clean": bool(truth.get("clean")), "grade": grade, "why": why,
+                "command": shlex.join([*qerr, "diagnose", str(case / "spec.yaml"), str(case / "log.csv")])}
+    with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
+        results = list(pool.map(one, folders))
+    print(workshop_judge.table(results))
+    print(f"records and answers: {out}")
+    return workshop_judge.passed(results)
+
+
 def wrong_cases(results):
     """A line and a command for every case that is not right."""
     for r in results:
@@ -151,14 +169,15 @@ def main():
     a.add_argument("--timeout", type=float, default=120, help="s for each run of qerr")
     a.add_argument("--out", type=pathlib.Path, help="where cases, answers and tables go; default: a new folder")
     a.add_argument("--quick", action="store_true")
+    a.add_argument("--workshop", action="store_true", help="the records of workshop/, with their own judge")
     o = a.parse_args()
     out = o.out or pathlib.Path(tempfile.mkdtemp(prefix="qerr_hidden_"))
     out.mkdir(parents=True, exist_ok=True)
     if o.dir:
         folders = sorted(p.parent for p in o.dir.rglob("truth.json") if (p.parent / "log.csv").exists())
     else:
-        kinds = "".join(sorted(set(o.kind))) if o.kind else "abcde"
-        if o.name and not o.kind:
+        kinds = "w" if o.workshop else "".join(sorted(set(o.kind))) if o.kind else "abcde"
+        if o.name and not o.kind and not o.workshop:
             kinds = "".join(k for k, n in generate.NAMES.items() if o.name in n) or kinds
         folders = [pathlib.Path(f) for f in generate.generate(out / "cases", 60 if o.quick else o.cases, o.seed, kinds, o.name,
                                                               o.jobs)]
@@ -169,6 +188,8 @@ def main():
     if shutil.which(qerr[0]) is None:
         print(f"cannot run {qerr[0]}", file=sys.stderr)
         return 2
+    if o.workshop:
+        return 0 if workshop_study(qerr, folders, out, o.jobs, o.timeout) else 1
     with concurrent.futures.ThreadPoolExecutor(o.jobs) as pool:
         results = list(pool.map(lambda f: judge(qerr, f, out, o.timeout), folders))
     print("\n".join(wrong_cases(results)))
