@@ -119,6 +119,7 @@ def workshop_study(qerr, folders, out, jobs, limit):
         truth = json.loads((case / "truth.json").read_text(encoding="utf-8"))
         grade, why = workshop_judge.judge(truth, answer) if answer else ("wrong", fault)
         return {"case": case, "sub": truth["sub"], "clean": bool(truth.get("clean")), "grade": grade, "why": why,
+                "unfounded": workshop_judge.unfounded(truth, answer),
                 "command": shlex.join([*qerr, "diagnose", str(case / "spec.yaml"), str(case / "log.csv")])}
     with concurrent.futures.ThreadPoolExecutor(jobs) as pool:
         results = list(pool.map(one, folders))

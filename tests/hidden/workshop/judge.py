@@ -63,6 +63,12 @@ def judge(truth, answer):
     return "acceptable", f"{verdict}: " + ("part of it named" if any(found) else "no cause")
 
 
+def unfounded(truth, answer):
+    """Findings about the data of a record of which the truth knows nothing; for the reader, not scored."""
+    known = (truth.get("says") or []) + ["does not move", "noise of", "grid", "changes in steps"]
+    return [str(d.get("what")) for d in rows(answer, "data") if not any(re.search(p, str(d.get("what"))) for p in known)]
+
+
 GRADES = ("right", "acceptable", "wrong")
 
 
@@ -74,6 +80,7 @@ def passed(results):
 
 def table(results):
     lines = [f"{r['grade']} {r['sub']}: {r['why']}\n      {r['command']}" for r in results if r["grade"] != "right"]
+    lines += [f"finding {r['sub']}: {w}\n      {r['command']}" for r in results for w in r["unfounded"]]
     lines.append(f"\n{'kind':24}" + "".join(f"{g:>12}" for g in GRADES))
     count = lambda rs: "".join(f"{sum(r['grade'] == g for r in rs):12}" for g in GRADES)
     for sub in sorted({r["sub"] for r in results}):

@@ -37,16 +37,17 @@ def wind_up(rng):
     fair(b, b.q - link, ["direction"])
     b.column("effort", "N m", 2e4 * (b.q - link) + 0.01 * gap * 1e4 * rng.standard_normal(len(link)))
     return b.record(rng, b.counter.count(b.q), {"causes": [slot("backlash", "compliance", "controller_droop")], "says": [LOST],
-                                                "tolerated": ["offset"]}, q=link)
+                                                "tolerated": ["offset", "noise"]}, q=link)
 
 
 def presliding(rng):
+    """Dahl's hysteresis. A play beside it, or in its place, is no wrong name: play is its limit of no travel."""
     b = bench.draw(rng, motions=paths.REVERSING, rows=(6000, 60000))
     width = size(rng, b, 2)
     travel = np.ptp(b.q) * rng.uniform(0.02, 0.08)
     lag = mechanics.presliding(b.q, width, travel)
     fair(b, lag, ["direction"])
-    return b.record(rng, b.counter.count(b.q - lag), {"causes": [], "says": [LOST], "tolerated": ["offset"]})
+    return b.record(rng, b.counter.count(b.q - lag), {"causes": [], "says": [LOST], "tolerated": ["offset", "backlash"]})
 
 
 def slip(rng):
@@ -83,20 +84,29 @@ def swinging_arm(rng):
     return b, link, torque, k
 
 
+def sensed(rng, torque):
+    """Noise of a load sensor, 0.1 to 1 % of what it measures. Times the compliance it is white like noise of the encoder: an
+    answer that names `noise` beside the compliance is tolerated."""
+    return rng.uniform(0.001, 0.01) * np.std(torque) * rng.standard_normal(len(torque))
+
+
 def elastic(rng):
     b, link, torque, k = swinging_arm(rng)
-    b.column("effort", "N m", torque * (1 + 0.005 * rng.standard_normal(len(torque))), "%.5g")
-    return b.record(rng, b.counter.count(b.q), {"causes": [slot("compliance", compliance=1 / k)], "tolerated": ["offset"]}, q=link)
+    b.column("effort", "N m", torque + sensed(rng, torque), "%.7g")
+    return b.record(rng, b.counter.count(b.q), {"causes": [slot("compliance", compliance=1 / k)], "tolerated": ["offset", "noise"],
+                                                "alone": True}, q=link)
 
 
 def elastic_with_friction(rng):
-    """The load is the motor's current, with Coulomb friction, viscous friction and an offset in it."""
+    """The load is the motor's current, with Coulomb friction, viscous friction and an offset in it. Subtracted again, the frictions
+    look like play and like a latency: both are tolerated beside the compliance."""
     b, link, torque, k = swinging_arm(rng)
     v = np.gradient(b.q, b.t)
-    part = rng.uniform(0.1, 0.35) * np.ptp(torque)
+    part = rng.uniform(0.05, 0.25) * np.ptp(torque)
     current = 0.5 * (torque + part * np.tanh(v / (0.02 * np.abs(v).max())) + part * v / np.abs(v).max()) + rng.normal()
-    b.column("effort", "A", current + 0.01 * np.std(current) * rng.standard_normal(len(v)), "%.5g")
-    return b.record(rng, b.counter.count(b.q), {"causes": [slot("compliance")], "tolerated": ["offset"]}, q=link)
+    b.column("effort", "A", current + sensed(rng, current), "%.7g")
+    return b.record(rng, b.counter.count(b.q), {"causes": [slot("compliance")], "alone": True,
+                                                "tolerated": ["offset", "noise", "backlash", "latency"]}, q=link)
 
 
 def droop(rng):

@@ -27,7 +27,7 @@ def make(seed, index, name=None):
             record = kind(rng)
         except bench.Unfair:
             continue
-        if record.single and "prismatic" not in record.spec and rng.random() < 0.33:
+        if record.single and "prismatic" not in record.spec and not record.truth.get("alone") and rng.random() < 0.33:
             record = bench.in_an_arm(rng, record)
         record.truth = {"kind": "w", "sub": kind.__name__, "id": f"w{index:04d}", **record.truth}
         return record
