@@ -116,7 +116,7 @@ def uneven_stamps(rng):
     b = bench.draw(rng, rows=(1500, 20000))
     b.t = np.round(np.sort(b.t + rng.uniform(-0.4, 0.4, len(b.t)) * (b.t[1] - b.t[0])), 6)
     b.t[0] = 0.0 if b.t[0] < 0 else b.t[0]
-    return b.record(rng, b.counter.count(b.q), dict(QUIET))
+    return b.record(rng, b.counter.count(b.q), {**QUIET, "says": ["stamps are uneven"]})
 
 
 def rounds_down(rng):

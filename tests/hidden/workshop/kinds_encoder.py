@@ -140,7 +140,7 @@ def rollover(rng):
     walk = np.cumsum(rng.standard_normal(len(b.t)))
     walk *= rng.uniform(0, 2) * b.count / max(1, np.ptp(walk))
     return b.record(rng, counts % m, {"causes": [slot("rollover", modulus=m)], "says": ["overflows"],
-                                      "tolerated": ["offset", "drift"]}, reference=b.reference(rng) + walk)
+                                      "tolerated": ["offset", "drift", "scale"]}, reference=b.reference(rng) + walk)
 
 
 def latency(rng):
@@ -153,7 +153,7 @@ def latency(rng):
 def latency_and_play(rng):
     b = bench.draw(rng, motions=paths.LIVELY)
     d, gap = size(rng, b, 1.5, 60) / np.abs(np.gradient(b.q, b.t)).max(), size(rng, b, 2, 60)
-    late = mechanics.play(b.path(b.t - d), gap)
+    late = mechanics.play_along(b.path, b.t - d, gap)
     fair(b, late - b.q, ["speed", "direction"], 0.93)
     return b.record(rng, b.counter.count(late), {"causes": [slot("latency", delay=d), slot("backlash", gap=gap)], "tolerated": ["offset"]})
 

@@ -14,7 +14,7 @@ def pure_play(rng):
     """The encoder leads on the motor, the joint follows through the clearance."""
     b = bench.draw(rng, motions=paths.REVERSING)
     gap = size(rng, b, 1)
-    link = mechanics.play(b.q, gap, rng.choice([-1, 0, 1]))
+    link = mechanics.play_along(b.path, b.t, gap, rng.choice([-1, 0, 1]))
     fair(b, b.q - link, ["direction"])
     return b.record(rng, b.counter.count(b.q), {"causes": [slot("backlash", gap=gap)], "tolerated": ["offset"]}, q=link)
 
@@ -23,7 +23,7 @@ def play_behind(rng):
     """The encoder itself is coupled with play: it lags the joint."""
     b = bench.draw(rng, motions=paths.REVERSING)
     gap = size(rng, b, 1)
-    lag = mechanics.play(b.q, gap)
+    lag = mechanics.play_along(b.path, b.t, gap)
     fair(b, lag - b.q, ["direction"])
     return b.record(rng, b.counter.count(lag), {"causes": [slot("backlash", gap=gap)], "tolerated": ["offset"]})
 
@@ -33,7 +33,7 @@ def wind_up(rng):
     a clearance of 2 F/k; the logged torque of the spring makes it a compliance as well. Either name is right."""
     b = bench.draw(rng, motions=paths.REVERSING, slide=False)
     gap = size(rng, b, 2)
-    link = mechanics.play(b.q, gap)
+    link = mechanics.play_along(b.path, b.t, gap)
     fair(b, b.q - link, ["direction"])
     b.column("effort", "N m", 2e4 * (b.q - link) + 0.01 * gap * 1e4 * rng.standard_normal(len(link)))
     return b.record(rng, b.counter.count(b.q), {"causes": [slot("backlash", "compliance", "controller_droop")], "says": [LOST],

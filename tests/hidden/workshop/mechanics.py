@@ -14,6 +14,15 @@ def play(drive, gap, side=0.0):
     return out
 
 
+FINE = 8  # steps of the clearance per row: it turns between the rows, too
+
+
+def play_along(path, t, gap, side=0.0):
+    """The driven side at the instants t, for a driver that follows `path`."""
+    grid = np.interp(np.arange(FINE * (len(t) - 1) + 1) / FINE, np.arange(len(t)), t)
+    return play(path(grid), gap, side)[::FINE]
+
+
 def presliding(x, width, travel):
     """Dahl's friction: z approaches sign(dx) over the travel, dz = (sign - z) |dx| / travel; lag = width/2 z."""
     z, out = 0.0, np.empty(len(x))
@@ -36,7 +45,7 @@ def spring_mass(motor, t, inertia, stiffness, damping, load):
     m = motor(grid)
     dm = np.gradient(m, h / 2)
     m, dm = m.tolist(), dm.tolist()
-    q, v = m[0] + load(m[0]) / stiffness, 0.0
+    q, v = m[0] + load(m[0]) / stiffness, dm[0]
     out = [q]
     for k in range(fine * (len(t) - 1)):
         i = 2 * k
