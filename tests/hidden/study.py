@@ -28,6 +28,7 @@ import generate
 import tables
 from score import causes_of, score
 from workshop import judge as workshop_judge
+from workshop import workshop
 
 
 def run(command, limit):
@@ -172,6 +173,8 @@ def main():
     a.add_argument("--quick", action="store_true")
     a.add_argument("--workshop", action="store_true", help="the records of workshop/, with their own judge")
     o = a.parse_args()
+    if o.workshop and o.name and o.name not in workshop.NAMES:
+        a.error(f"the workshop has no {o.name!r}; generate.py --list shows its names")
     out = o.out or pathlib.Path(tempfile.mkdtemp(prefix="qerr_hidden_"))
     out.mkdir(parents=True, exist_ok=True)
     if o.dir:

@@ -119,9 +119,13 @@ def missed(rng):
 def wrong_decoding(rng):
     b = bench.draw(rng, form="counts")
     f = float(rng.choice([0.25, 0.5, 2, 4]))
-    per, b.counter.per_rev = b.counter.per_rev, b.counter.per_rev * f
-    counts = b.counter.count(b.q)
-    b.counter.per_rev = per
+    if f < 1:  # every second or fourth edge counts
+        every = round(1 / f)
+        counts = (b.counter.count(b.q) + every // 2) // every
+    else:  # the disc has more lines than the spec says
+        per, b.counter.per_rev = b.counter.per_rev, b.counter.per_rev * f
+        counts = b.counter.count(b.q)
+        b.counter.per_rev = per
     return b.record(rng, counts, {"causes": [slot("decoding", factor=f)], "tolerated": ["offset"]})
 
 
