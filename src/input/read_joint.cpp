@@ -35,6 +35,9 @@ RobotModel read_joint(const Field& f, const std::string& file) {
   joint.type = prismatic ? JointType::prismatic : joint.limits ? JointType::revolute : JointType::continuous;
   // A table turns without end; its configurations are those of one turn.
   if (joint.type == JointType::continuous) joint.limits = Limits{-std::numbers::pi, std::numbers::pi};
+  // The errors of a slide do not depend on its position: any range that no slide exceeds.
+  constexpr double longest = 100;
+  if (prismatic && !joint.limits) joint.limits = Limits{-longest, longest};
   RobotModel model{joint.name, file, {"base", "tip"}, {joint}, {}, std::vector<Inertia>(2)};
   const auto radius = o.number("radius");
   if (!radius) return model;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/statistics.hpp"
+#include "diagnose/search/contrast_test.hpp"
 #include "diagnose/search/error_model.hpp"
 #include "diagnose/search/found_causes.hpp"
 #include "diagnose/search/refinement.hpp"
@@ -39,11 +40,13 @@ bool acts_before_teeth(const Term& t) {
 
 class CauseSearch {
  public:
-  CauseSearch(const Evidence& record, std::uint64_t seed)
+  CauseSearch(const Evidence& record, std::uint64_t seed, bool with_names)
       : record_(record),
         seed_(seed),
         samples_(error_samples(record, seed, most_samples)),
-        dictionary_(samples_.sampling) {}
+        dictionary_(samples_.sampling) {
+    history_.names = with_names;
+  }
 
   FoundCauses found() {
     if (samples_.size() < 8) return {};
@@ -53,7 +56,8 @@ class CauseSearch {
       choose();
       if (!learn(pass == 0)) break;
     }
-    while (refute()) choose();
+    while (refute(without_contrast(*model_, choice_))) choose();
+    while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
     distinguish_steps(*model_, choice_);
     return found_causes(*model_, choice_);
   }
@@ -99,13 +103,24 @@ class CauseSearch {
     return changed;
   }
 
-  /// What is left beyond the stated variance has one more variance, the same in every row.
+  /// What is left beyond the stated variance, by a regression of the squares on 1 and the square of the
+  /// speed.
   bool reweigh() {
+    const Eigen::ArrayXd used = (model_->weight() > 0).cast<double>();
     const double rows = model_->rows(), free = static_cast<double>(choice_.fit.coefficients.size());
-    const double excess = model_->mean_of_used(choice_.residual.square() - samples_.variance) * rows /
-                          std::max(1.0, rows - free);
-    const double now = std::max(0.0, excess), scale = now + model_->mean_of_used(samples_.variance);
-    const bool changed = std::abs(now - excess_) > 0.1 * scale;
+    const Eigen::ArrayXd squares =
+        used * (choice_.residual.square() * rows / std::max(1.0, rows - free) - samples_.variance);
+    const Eigen::ArrayXd speed = samples_.sampling.evidence.velocity.square() * used;
+    ExcessVariance now{std::max(0.0, squares.sum() / rows), 0};
+    const double mean = speed.sum() / rows, spread = speed.square().sum() / rows - mean * mean;
+    if (spread > 1e-3 * mean * mean) {
+      const double slope = ((squares * speed).sum() / rows - now.constant * mean) / spread;
+      now.per_speed = std::clamp(slope, 0.0, now.constant / mean);
+      now.constant -= now.per_speed * mean;
+    }
+    const double before = excess_.constant + excess_.per_speed * mean,
+                 after = now.constant + now.per_speed * mean;
+    const bool changed = std::abs(after - before) > 0.1 * (after + model_->mean_of_used(samples_.variance));
     excess_ = now;
     return changed;
   }
@@ -138,8 +153,7 @@ class CauseSearch {
     return scan_residual(*model_, model_->residual(curves, model_->fit(curves)), scanned_) || any;
   }
 
-  bool refute() {
-    const std::vector<std::string> refuted = brought_by_rounding(*model_, choice_, seed_);
+  bool refute(const std::vector<std::string>& refuted) {
     history_.refuted.insert(history_.refuted.end(), refuted.begin(), refuted.end());
     return !refuted.empty();
   }
@@ -152,15 +166,15 @@ class CauseSearch {
   ChoiceHistory history_;
   std::vector<std::string> families_;  ///< of the previous pass's choice
   Eigen::ArrayXd moved_;               ///< displacement on which the errors of teeth and disc depend
-  double excess_ = 0;                  ///< variance beyond quantization and stated noise [rad^2 or m^2]
+  ExcessVariance excess_;
   std::optional<ErrorModel> model_;
   Choice choice_;
 };
 
 }  // namespace
 
-FoundCauses search_causes(const Evidence& record, std::uint64_t seed) {
-  return CauseSearch(record, seed).found();
+FoundCauses search_causes(const Evidence& record, std::uint64_t seed, bool with_names) {
+  return CauseSearch(record, seed, with_names).found();
 }
 
 }  // namespace qerr

@@ -37,8 +37,7 @@ struct FoundCauses {
   std::vector<Replacement> replacements;
   std::vector<VisibleEffect> visible;
   double samples_per_reading = 1;  ///< integrated autocorrelation of the residual of the richest model
-  double excess = 0;     ///< mean square of the residual beyond quantization and stated noise [rad^2 or m^2]
-  double explained = 0;  ///< mean square that all terms remove [rad^2 or m^2]
+  double explained = 0;            ///< mean square that all terms remove [rad^2 or m^2]
 };
 
 /// Finds the set of terms that explains an encoder's error.
@@ -46,6 +45,7 @@ struct FoundCauses {
 /// A linear regression of error samples on all candidates of the dictionary, in which the set of terms is
 /// searched as a whole (linear_model.hpp), alternates with scans of the residual for orders, lines, steps and
 /// bumps and with the refinement of time constants and sizes; the search begins anew each time.
-FoundCauses search_causes(const Evidence& record, std::uint64_t seed);
+/// @param with_names  whether effects of the catalogue may be causes
+FoundCauses search_causes(const Evidence& record, std::uint64_t seed, bool with_names = true);
 
 }  // namespace qerr

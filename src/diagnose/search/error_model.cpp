@@ -19,7 +19,7 @@ constexpr double complete = 1.3;
 }  // namespace
 
 ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std::vector<Candidate> candidates,
-                       const std::vector<Event>& events, double excess)
+                       const std::vector<Event>& events, const ExcessVariance& excess)
     : record_(&record),
       samples_(&samples),
       excess_(excess),
@@ -50,10 +50,13 @@ void ErrorModel::list_groups() {
     columns_.middleCols(groups_[i].first, groups_[i].count) = candidates_[i].term.columns.matrix();
 }
 
+Eigen::ArrayXd ErrorModel::weights(const ErrorSamples& s) const {
+  const double immaterial = std::pow(material * record_->step(), 2);
+  return (s.variance + excess_.at(s.sampling.evidence).max(immaterial)).inverse();
+}
+
 void ErrorModel::weigh(const std::vector<Event>& events) {
-  // What is too small to be worth a term is variance.
-  const double unmodelled = std::max(excess_, std::pow(material * record_->step(), 2));
-  weight_ = (samples_->variance + unmodelled).inverse();
+  weight_ = weights(*samples_);
   if (!few().ordered) return;
   // A sample that a step divides belongs to neither side.
   for (const Event& event : events)
@@ -103,6 +106,14 @@ Eigen::VectorXd ErrorModel::coefficients(const LinearModel::Set& set, const Line
   Eigen::Index at = base_;
   for (std::size_t i = 0; i < position; ++i) at += groups_[set[i]].count;
   return f.coefficients.segment(at, groups_[set[position]].count);
+}
+
+double ErrorModel::gain(const Term& t, const Eigen::ArrayXd& residual) const {
+  Eigen::MatrixXd columns(residual.size(), t.size() + 1);
+  columns << Eigen::VectorXd::Ones(residual.size()), t.columns.matrix();
+  const LinearModel constant(columns.leftCols(1), residual.matrix(), weight_.matrix(), 1),
+      both(columns, residual.matrix(), weight_.matrix(), columns.cols());
+  return constant.fit({}, {}).rss - both.fit({}, {}).rss;
 }
 
 double ErrorModel::lost_without(const Choice& choice, std::size_t position) const {

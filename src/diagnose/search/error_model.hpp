@@ -14,6 +14,15 @@ namespace qerr {
 /// %.
 inline constexpr double material = 0.1;
 
+/// Variance of error samples beyond quantization and stated noise: constant, and in proportion to the square
+/// of the speed (jitter of the stamps).
+struct ExcessVariance {
+  double constant = 0;   ///< [rad^2 or m^2]
+  double per_speed = 0;  ///< [s^2]
+
+  Eigen::ArrayXd at(const Evidence& e) const { return constant + per_speed * e.velocity.square(); }
+};
+
 /// A set of an error model's candidates and the regression on them.
 struct Choice {
   LinearModel::Set chosen;
@@ -27,9 +36,8 @@ struct Choice {
 class ErrorModel {
  public:
   /// @param events  times at which samples may be divided by a step
-  /// @param excess  variance of the samples beyond quantization and stated noise [rad^2 or m^2]
   ErrorModel(const Evidence& record, const ErrorSamples&, std::vector<Candidate>,
-             const std::vector<Event>& events, double excess);
+             const std::vector<Event>& events, const ExcessVariance&);
 
   const Evidence& record() const { return *record_; }
   const ErrorSamples& samples() const { return *samples_; }
@@ -48,7 +56,8 @@ class ErrorModel {
 
   /// Least variance of a residual, in units of the weights.
   double floor() const { return floor_; }
-  double excess() const { return excess_; }
+  /// Weights of samples of the same motion: what is too small to be worth a term is variance.
+  Eigen::ArrayXd weights(const ErrorSamples&) const;
 
   /// Schwarz's price of the coefficients, that of the number of alternatives, and what makes a term material:
   /// a decrease of the mean square by the square of what is worth a term.
@@ -75,6 +84,8 @@ class ErrorModel {
   Eigen::ArrayXd residual(const LinearModel::Set&, const LinearModel::Fit&) const;
   /// Coefficients of the member at a position of a set.
   Eigen::VectorXd coefficients(const LinearModel::Set&, const LinearModel::Fit&, std::size_t position) const;
+  /// Decrease of the weighted sum of squares of a residual by a term beside a constant.
+  double gain(const Term&, const Eigen::ArrayXd& residual) const;
   /// Rise of the weighted sum of squares without the member at a position of a choice.
   double lost_without(const Choice&, std::size_t position) const;
 
@@ -96,7 +107,8 @@ class ErrorModel {
 
   const Evidence* record_;
   const ErrorSamples* samples_;
-  double excess_, floor_ = 0;
+  ExcessVariance excess_;
+  double floor_ = 0;
   std::vector<Candidate> candidates_;
   std::vector<ColumnGroup> groups_;
   Eigen::Index base_;

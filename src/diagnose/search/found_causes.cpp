@@ -2,14 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "core/probability.hpp"
 #include "core/statistics.hpp"
 #include "diagnose/search/visible_effects.hpp"
-#include "diagnose/terms/unnamed_terms.hpp"
-#include "effect/effects/effects.hpp"
 
 namespace qerr {
 
@@ -26,34 +23,6 @@ constexpr double indistinguishable = 12.1;
 /// Whether a term is of the same effect and order as another.
 bool same_term_type(const Term& a, const Term& b) {
   return a.effect.type == b.effect.type && a.effect.number_or("order", 0) == b.effect.number_or("order", 0);
-}
-
-/// Whether a whole order that a scan has found lies among fractions: these are one order whose amplitude
-/// varies along the path, and one of its sidebands is a whole number by chance. Sidebands are of one size,
-/// within a factor of three.
-bool is_sideband(const ErrorModel& m, const Choice& choice, std::size_t i) {
-  const Candidate& c = m.candidate(choice.chosen[i]);
-  if (!c.term.named() || !c.term.harmonic || c.alternatives == 1) return false;
-  const double order = std::abs(wave_number(c.term.effect, m.few().encoder));
-  const double near = 6 * 2 * std::numbers::pi / m.few().range();
-  const auto size = [&](std::size_t k) { return m.coefficients(choice.chosen, choice.fit, k).norm(); };
-  for (std::size_t other = 0; other < choice.chosen.size(); ++other) {
-    const Term& t = m.term(choice.chosen[other]);
-    if (t.harmonic && !t.named() && std::abs(t.shape - order) < near && 3 * size(other) > size(i))
-      return true;
-  }
-  return false;
-}
-
-void make_free_order(Candidate& c, const Evidence& few) {
-  const double order = std::abs(wave_number(c.term.effect, few.encoder));
-  c.over = [order](const Sampling& s) {
-    Term t = free_order_term(s.evidence, order);
-    t.pattern = Shape::order;
-    return t;
-  };
-  c.term = free_order_term(few, order);
-  c.term.pattern = Shape::order;
 }
 
 /// Whether a candidate can stand in the place of a chosen term: of another effect, of no family of the other
@@ -94,7 +63,6 @@ ChosenTerm chosen_term(const ErrorModel& m, const Choice& choice, std::size_t i)
   const double free = std::max(1.0, independent - static_cast<double>(choice.fit.coefficients.size()));
   ChosenTerm c{m.candidate(choice.chosen[i]), m.coefficients(choice.chosen, choice.fit, i)};
   const auto d = static_cast<double>(c.candidate.term.size());
-  if (is_sideband(m, choice, i)) make_free_order(c.candidate, m.few());
   c.p_value = std::min(1.0, fisher_f_tail(lost / d / m.scale(choice), d, free) * c.candidate.alternatives *
                                 static_cast<double>(m.candidates().size()));
   c.lost = lost / m.weight().sum();
@@ -127,7 +95,6 @@ void distinguish_steps(const ErrorModel& m, Choice& choice) {
 FoundCauses found_causes(const ErrorModel& m, const Choice& choice) {
   FoundCauses result;
   result.samples_per_reading = choice.correlation;
-  result.excess = m.excess();
   result.explained = (m.fit({}).rss - choice.fit.rss) / m.weight().sum();
   result.visible = visible_effects(m, choice);
   std::vector<std::size_t> order(choice.chosen.size());

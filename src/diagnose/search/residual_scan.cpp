@@ -16,8 +16,10 @@ constexpr double turn = 2 * std::numbers::pi;
 constexpr int most_events = 4;
 
 bool has_near(const std::vector<Scanned::Rate>& rates, double value, double within) {
-  return std::any_of(rates.begin(), rates.end(),
-                     [&](const Scanned::Rate& r) { return std::abs(r.value - value) < within; });
+  // Between two whole orders that are chosen there may be the one order that they imitate.
+  return std::any_of(rates.begin(), rates.end(), [&](const Scanned::Rate& r) {
+    return std::abs(r.value - value) < (r.whole ? 0.4 : 1) * within;
+  });
 }
 
 /// Decrease of the weighted sum of squares by a term alone.
@@ -47,14 +49,51 @@ double highest_order(const Evidence& record) {
   return std::min(of_counts, std::numbers::pi / (*tenth * recorded));
 }
 
-bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known,
-                 Eigen::Index most) {
+/// The order near one of a periodogram whose sine lowers the sum of squares most beside a constant. Where the
+/// path covers few periods, a peak of the periodogram is displaced by the mean and by its own side lobes.
+double refined_order(const ErrorModel& m, const Eigen::ArrayXd& residual, double order) {
+  constexpr double few_periods = 8;
+  const double resolution = turn / m.few().range();
+  if (order > few_periods * resolution) return order;
+  double best = m.gain(free_order_term(m.few(), order), residual);
+  for (double step = 0.25 * resolution; step > 0.005 * resolution; step /= 2)
+    for (bool better = true; better;) {
+      better = false;
+      for (const double other : {order - step, order + step}) {
+        if (other < 0.75 * resolution) continue;
+        if (const double gain = m.gain(free_order_term(m.few(), other), residual); gain > best * (1 + 1e-9)) {
+          best = gain, order = other, better = true;
+          break;
+        }
+      }
+    }
+  return order;
+}
+
+bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& scores,
+                 std::vector<Scanned::Rate>& known) {
   const double range = m.few().range();
-  const RateScan s{1.5 * turn / range, highest_order(m.record()), most};
+  const RateScan s{turn / range, highest_order(m.record()), 5};
   double hypotheses = 1;
   bool any = false;
-  for (const double rate : strongest_rates(scores, m.few().path, s, hypotheses)) {
+  for (double rate : strongest_rates(scores, m.few().path, s, hypotheses)) {
     if (gain_of(free_order_term(m.few(), rate), scores, m.weight()) < 2 * std::log(hypotheses)) break;
+    rate = refined_order(m, residual, rate);
+    if (has_near(known, rate, 0.25 * turn / range)) continue;
+    known.push_back({rate, hypotheses});
+    any = true;
+  }
+  return any;
+}
+
+bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
+                        std::vector<Scanned::Rate>& known) {
+  const double range = m.few().range();
+  const RateScan s{1.5 * turn / range, highest_order(m.record()), 2};
+  const Eigen::ArrayXd load = m.few().effort / std::max(1e-300, m.few().effort.abs().maxCoeff());
+  double hypotheses = 1;
+  bool any = false;
+  for (const double rate : strongest_rates(scores * load, m.few().path, s, hypotheses)) {
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
     any = true;
@@ -112,10 +151,9 @@ bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned&
   const Eigen::ArrayXd scores = (residual - (residual * weight).sum() / weight.sum()) * weight;
   const Evidence& few = m.few();
   bool any = false;
-  if (!few.is_stationary()) any |= scan_orders(m, scores, scanned.orders, 5);
+  if (!few.is_stationary()) any |= scan_orders(m, residual, scores, scanned.orders);
   if (!few.is_stationary() && few.effort.size() > 0)
-    any |= scan_orders(m, scores * (few.effort / std::max(1e-300, few.effort.abs().maxCoeff())),
-                       scanned.loaded_orders, 2);
+    any |= scan_loaded_orders(m, scores, scanned.loaded_orders);
   if (const double duration = few.ordered ? few.time[few.rows() - 1] : 0; duration > 0) {
     any |= scan_lines(m, scores, scanned.lines, duration);
     any |= scan_events(m, residual, scanned.events, duration);

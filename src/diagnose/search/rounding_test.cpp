@@ -30,8 +30,7 @@ double gain_in(const ErrorModel& m, const Evidence& simulated, std::uint64_t see
     columns.conservativeResize(Eigen::NoChange, columns.cols() + t.size());
     columns.rightCols(t.size()) = t.columns.matrix();
   }
-  const double unmodelled = std::max(m.excess(), std::pow(material * m.record().step(), 2));
-  const Eigen::ArrayXd weight = (s.variance + unmodelled).inverse();
+  const Eigen::ArrayXd weight = m.weights(s);
   const LinearModel model(columns, s.error.matrix(), weight.matrix(), m.base());
   std::iota(with.begin(), with.end(), std::size_t{0});
   const LinearModel::Set without(with.begin(), with.end() - 1);

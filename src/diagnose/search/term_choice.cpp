@@ -31,6 +31,7 @@ template <typename Which>
 void allow(ErrorModel& m, const ChoiceHistory& history, Which which) {
   m.allow([&](std::size_t i) {
     const std::vector<std::string>& refuted = history.refuted;
+    if (!history.names && m.term(i).named()) return false;
     return which(i) && std::find(refuted.begin(), refuted.end(), m.candidate(i).family) == refuted.end();
   });
 }

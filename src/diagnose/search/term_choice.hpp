@@ -11,6 +11,7 @@ namespace qerr {
 struct ChoiceHistory {
   std::vector<std::string> found;         ///< families of the previous pass's richest set
   std::vector<std::string> refuted;       ///< families that no set may have
+  bool names = true;                      ///< whether a set may have effects of the catalogue
   double worth = 0, worth_of_shapes = 0;  ///< ErrorModel::price
 };
 
