@@ -73,6 +73,19 @@ bool has_names(const FoundCauses& found) {
                      [](const ChosenTerm& c) { return c.candidate.term.named(); });
 }
 
+/// Without the name that explains least beside all others.
+void drop_least_name(FoundCauses& found) {
+  std::size_t least = found.chosen.size();
+  for (std::size_t i = 0; i < found.chosen.size(); ++i)
+    if (found.chosen[i].candidate.term.named() &&
+        (least == found.chosen.size() || found.chosen[i].lost < found.chosen[least].lost))
+      least = i;
+  found.chosen.erase(found.chosen.begin() + static_cast<std::ptrdiff_t>(least));
+  std::erase_if(found.replacements, [&](const Replacement& r) { return r.instead_of == least; });
+  for (Replacement& r : found.replacements)
+    if (r.instead_of > least) --r.instead_of;
+}
+
 /// Whether the names lower the residual of blocks to which they were not fitted, by a tenth of a percent at
 /// the least: names that do not only correct uncatalogued shapes.
 bool lowers_residual(const HeldOut& held) {
@@ -90,8 +103,9 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   };
   select();
-  if (has_names(found) && !lowers_residual(f->held)) {
-    found = search_causes(record, seed, false);
+  while (has_names(found) && !lowers_residual(f->held)) {
+    drop_least_name(found);
+    if (!has_names(found)) found = search_causes(record, seed, false);
     select();
   }
   f->visible = found.visible;

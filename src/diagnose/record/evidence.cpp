@@ -8,6 +8,7 @@
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/record/encoder_columns.hpp"
 #include "diagnose/record/smooth_path.hpp"
 
@@ -83,6 +84,15 @@ bool is_static(const Eigen::ArrayXd& reference, double step) {
 
 namespace {
 
+/// Standard deviation of the readings about the path from row to row. Readings with noise of their own do not
+/// tell when a play has been crossed, and rows that are chosen by them would be biased.
+double scatter_of_readings(const Evidence& e) {
+  constexpr double normal_median = 0.6745;
+  const Eigen::ArrayXd error = e.measured - e.path;
+  const Eigen::ArrayXd change = (error.tail(error.size() - 1) - error.head(error.size() - 1)).abs();
+  return median({change.begin(), change.end()}) / (normal_median * std::sqrt(2.0));
+}
+
 /// @param time  since the first row [s]; empty: the rows are not ordered
 std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& log, const Eigen::ArrayXd& time,
                                     std::size_t encoder) {
@@ -117,7 +127,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
       e.joint_velocity = std::move(own.velocity);
     }
     e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
-    if (!e.coupled())
+    if (!e.coupled() && scatter_of_readings(e) < 0.7 * e.step())
       e.direction = direction_with_readings(e.path, e.measured, std::move(e.direction),
                                             std::max(8 * e.path_noise, 0.25 * e.step()), e.step());
   } else {

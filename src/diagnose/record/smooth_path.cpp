@@ -24,7 +24,7 @@ constexpr Eigen::Index enough_rows = 20000;
 constexpr double normal_median = 0.6745;
 
 /// Excess of the residual over the noise at which the window distorts the path (convention).
-constexpr double distorted = 1.15;
+constexpr double distorted = 1.06;
 
 /// Distance of the rows that are used of a long record.
 Eigen::Index stride_of(Eigen::Index rows) { return std::max<Eigen::Index>(1, rows / enough_rows); }

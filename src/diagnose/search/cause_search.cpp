@@ -103,23 +103,28 @@ class CauseSearch {
     return changed;
   }
 
-  /// What is left beyond the stated variance, by a regression of the squares on 1 and the square of the
-  /// speed.
+  /// What is left beyond the stated variance: in its mean, and, where it is independent from row to row, as
+  /// the slower and the faster half of the samples have it. A structure that is still to be found is no
+  /// jitter.
   bool reweigh() {
     const Eigen::ArrayXd used = (model_->weight() > 0).cast<double>();
     const double rows = model_->rows(), free = static_cast<double>(choice_.fit.coefficients.size());
     const Eigen::ArrayXd squares =
-        used * (choice_.residual.square() * rows / std::max(1.0, rows - free) - samples_.variance);
-    const Eigen::ArrayXd speed = samples_.sampling.evidence.velocity.square() * used;
-    ExcessVariance now{std::max(0.0, squares.sum() / rows), 0};
-    const double mean = speed.sum() / rows, spread = speed.square().sum() / rows - mean * mean;
-    if (spread > 1e-3 * mean * mean) {
-      const double slope = ((squares * speed).sum() / rows - now.constant * mean) / spread;
-      now.per_speed = std::clamp(slope, 0.0, now.constant / mean);
-      now.constant -= now.per_speed * mean;
+        choice_.residual.square() * rows / std::max(1.0, rows - free) - samples_.variance;
+    const Eigen::ArrayXd speed = samples_.sampling.evidence.velocity.square();
+    const auto mean = [&](const Eigen::ArrayXd& x, const Eigen::ArrayXd& of) {
+      return (x * of).sum() / std::max(1.0, of.sum());
+    };
+    ExcessVariance now{std::max(0.0, mean(squares, used)), 0};
+    const double middle = median({speed.begin(), speed.end()});
+    const Eigen::ArrayXd fast = used * (speed > middle).cast<double>(), slow = used - fast;
+    const double apart = mean(speed, fast) - mean(speed, slow);
+    if (choice_.correlation < 1.5 && apart > 0) {
+      now.per_speed = std::max(0.0, (mean(squares, fast) - mean(squares, slow)) / apart);
+      now.constant = std::max(0.0, mean(squares, slow) - now.per_speed * mean(speed, slow));
     }
-    const double before = excess_.constant + excess_.per_speed * mean,
-                 after = now.constant + now.per_speed * mean;
+    const double before = mean(excess_.at(samples_.sampling.evidence), used),
+                 after = mean(now.at(samples_.sampling.evidence), used);
     const bool changed = std::abs(after - before) > 0.1 * (after + model_->mean_of_used(samples_.variance));
     excess_ = now;
     return changed;

@@ -26,6 +26,7 @@ bool is_among_neighbours(const ErrorModel& m, const Choice& c, std::size_t i) {
   if (!t.named() || !t.harmonic) return false;
   const double order = std::abs(wave_number(t.effect, m.few().encoder));
   const double resolution = 2 * std::numbers::pi / m.few().range();
+  if (order < resolution) return false;  // of less than a period there is no neighbour
   const Eigen::ArrayXd residual = c.residual + addition(t, m.coefficients(c.chosen, c.fit, i));
   double sum = 0;
   int count = 0;

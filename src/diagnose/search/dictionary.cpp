@@ -297,8 +297,10 @@ std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {
   for (const bool of_encoder : {true, false}) {
     if (!of_encoder && (s.prismatic || std::abs(ratio - 1) < 1e-9)) continue;
     const double shaft = of_encoder ? ratio : 1, nearest = std::round(order / shaft);
-    // A whole number within 0.03: an error rate of 6 % for an order that is a fraction.
-    if (nearest < 1 || std::abs(order - nearest * shaft) > std::min(resolution, 0.03 * shaft)) continue;
+    // A whole number within 0.03: an error rate of 6 % for an order that is a fraction. A short path does not
+    // tell an order that well.
+    const double off = std::abs(order - nearest * shaft);
+    if (nearest < 1 || off > std::min(resolution, std::max(0.03 * shaft, resolution / 4))) continue;
     whole.push_back(periodic_term(s, nearest, of_encoder));
   }
   return whole;

@@ -176,11 +176,12 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
   const Eigen::ArrayXd means = (each > 0).select((sums.tail(bins) - sums.head(bins)) / each.max(1e-300), 0.0);
   const Eigen::ArrayXd centres =
       low + range / bins * Eigen::ArrayXd::LinSpaced(bins, 0.5, static_cast<double>(bins) - 0.5);
-  // A bump between the samples would have any height.
+  // A bump between the samples would have any height, and a wide one is a curve.
   const double least_inside = 8 * weight.sum() / static_cast<double>(weight.size());
   const auto gain_of = [&](double centre, double width) {
     const Eigen::ArrayXd shape = (-0.5 * ((centres - centre) / width).square()).exp();
-    return (each * shape.square()).sum() < least_inside ? 0 : gain_beside_constant(means, each, shape);
+    const bool is_bump = width < range / 6 && (each * shape.square()).sum() > least_inside;
+    return is_bump ? gain_beside_constant(means, each, shape) : 0;
   };
   gain = gain_of(best.position, best.width);
   if (gain == 0) return {};

@@ -10,7 +10,7 @@ namespace {
 
 /// Part of what all terms explain that the leading names must reach to come first, and what makes a leading
 /// name.
-constexpr double named_share = 0.8, leading_part = 0.05;
+constexpr double named_share = 0.7, leading_part = 0.05;
 
 /// 1 + 2 sum of the autocorrelation (initial positive sequence, Geyer 1992).
 double integrated_correlation(const Eigen::ArrayXd& x) {

@@ -11,31 +11,69 @@ namespace qerr::sanity {
 
 namespace {
 
-/// Changes of up to `most_steps` steps show a grid. Values without a grid lie within `grid_tolerance` of a
-/// whole number of steps in one of five cases, so that 32 changes of two steps and more are never chance.
-constexpr double most_steps = 8, grid_tolerance = 0.1;
-constexpr Eigen::Index fewest_changes = 32;
+/// Values without a grid lie within `grid_tolerance` of a whole number of steps in one of five cases, so that
+/// 64 changes of several steps are never chance.
+constexpr double grid_tolerance = 0.1;
+constexpr int fewest_changes = 64;
 
-/// Step of a column whose values are on a grid coarser than `least`; else 0.
-double grid_of(const Eigen::ArrayXd& x, double least) {
-  double step = 1e300;
-  for (Eigen::Index k = 1; k < x.size(); ++k)
-    if (const double by = std::abs(x[k] - x[k - 1]); by > 0) step = std::min(step, by);
-  if (step < least || step == 1e300) return 0;
-  Eigen::Index single = 0, several = 0, none = 0;
-  double sum = 0;
-  for (Eigen::Index k = 1; k < x.size(); ++k) {
-    const double steps = std::abs(x[k] - x[k - 1]) / step;
-    none += steps == 0;
-    if (steps == 0 || steps > most_steps) continue;
-    if (std::abs(steps - std::round(steps)) > grid_tolerance) return 0;
-    ++(steps < 1.5 ? single : several);
-    if (steps < 1.5) sum += steps * step;
+/// Part of a count below which a grid of the reference is not looked for: its rounding has 4 % of the
+/// variance of that of the counts.
+constexpr double negligible_grid = 0.2;
+
+/// Changes of up to `most` steps, over some rows: their mean step, and how many are of several steps.
+struct Changes {
+  double step = 0;
+  int several = 0;
+  bool on_grid = true;
+};
+
+Changes changes_of(const Eigen::ArrayXd& x, double step, double most) {
+  Changes c;
+  double product = 0, square = 0;
+  for (const Eigen::Index rows : {1, 8, 64, 512})
+    for (Eigen::Index k = rows; k < x.size(); k += rows) {
+      const double by = std::abs(x[k] - x[k - rows]), steps = std::round(by / step);
+      if (by == 0 || steps > most) continue;
+      if (std::abs(by / step - steps) > grid_tolerance) return {0, 0, false};
+      product += by * steps, square += steps * steps;
+      c.several += steps > 1;
+    }
+  c.step = square > 0 ? product / square : 0;
+  return c;
+}
+
+/// At constant speed, and in a table at even steps, all changes are alike without a grid.
+bool is_varied(const Eigen::ArrayXd& x, double step) {
+  constexpr int fewest = 32;
+  const Eigen::ArrayXd by = (x.tail(x.size() - 1) - x.head(x.size() - 1)).abs();
+  return (by > 1.5 * step || by < 0.5 * step).count() >= fewest &&
+         ((by - by.mean()).abs() > 0.5 * step).count() >= fewest;
+}
+
+/// A step, refined by larger and larger changes; 0 if they are no multiples of it.
+double refined_step(const Eigen::ArrayXd& x, double step) {
+  int several = 0;
+  for (double most = 4; most <= 1024; most *= 4) {
+    const Changes c = changes_of(x, step, most);
+    if (!c.on_grid) return 0;
+    if (c.step > 0) step = c.step;
+    several = c.several;
   }
-  // At constant speed, and in a table at even steps, all changes are alike without a grid; but no value is
-  // repeated.
-  if (none < fewest_changes || std::max(single, several) < fewest_changes) return 0;
-  return sum / static_cast<double>(single);
+  return several >= fewest_changes && is_varied(x, step) ? step : 0;
+}
+
+/// Step of a column whose values are on a grid coarser than `least`; else 0. The smallest change is one step
+/// or a few.
+double grid_of(const Eigen::ArrayXd& x, double least) {
+  double smallest = 1e300;
+  for (Eigen::Index k = 1; k < x.size(); ++k)
+    if (const double by = std::abs(x[k] - x[k - 1]); by > 0) smallest = std::min(smallest, by);
+  if (smallest == 1e300) return 0;
+  for (const double steps : {1.0, 2.0, 3.0}) {
+    if (smallest / steps < least) break;
+    if (const double step = refined_step(x, smallest / steps); step > 0) return step;
+  }
+  return 0;
 }
 
 const char* unit_of_joint(const Sanity& s, std::size_t joint) {
@@ -48,9 +86,9 @@ void check_reference_grid(Sanity& s, std::size_t encoder) {
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
   if (reference.size() < 2 || !recorded_counts(s, encoder)) return;
   const double step = s.model.transmission.encoders[encoder].resolution;
-  const double grid = grid_of(reference, step);
-  if (grid == 0) return;
+  const double grid = grid_of(reference, negligible_grid * step);
   s.reference_grid[encoder] = grid;
+  if (grid < step) return;
   s.data.push_back({"the reference changes in steps of " + readable(grid, unit_of_joint(s, encoder)) + " = " +
                         significant(grid / step, 3) + " counts: it is coarser than the encoder",
                     s.model.chain.independent[encoder].name,
