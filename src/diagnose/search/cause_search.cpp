@@ -22,6 +22,7 @@ namespace qerr {
 namespace {
 
 constexpr int most_passes = 7;
+constexpr Eigen::Index fewest_samples = 8;
 
 /// Smallest part of the largest error that is worth a term, since the shapes are idealizations: no gear has
 /// exact sines.
@@ -38,6 +39,26 @@ bool acts_before_teeth(const Term& t) {
   return kind.stage < Stage::gear || kind.first_in_stage;
 }
 
+/// At rest only a constant error is visible: one that rounding and noise do not have.
+FoundCauses at_rest(const Evidence& record) {
+  const double mean = (record.measured - record.path).mean();
+  if (!record.encoder.zero_known || std::abs(mean) < record.step() + 4 * record.path_noise) return {};
+  const auto constant = [](const RecordSignals& s) {
+    std::vector<Term> all = named_terms(s);
+    return *std::find_if(all.begin(), all.end(), [](const Term& t) { return t.constant; });
+  };
+  FoundCauses found;
+  ChosenTerm offset;
+  offset.candidate.term = constant(record);
+  offset.candidate.family = offset.candidate.term.effect.type;
+  offset.candidate.over = [constant](const Sampling& s) { return constant(s.evidence); };
+  offset.coefficients = Eigen::VectorXd::Constant(1, mean);
+  offset.p_value = 0;
+  offset.lost = mean * mean, offset.rms = std::abs(mean);
+  found.chosen.push_back(std::move(offset));
+  return found;
+}
+
 class CauseSearch {
  public:
   CauseSearch(const Evidence& record, std::uint64_t seed, bool with_names)
@@ -49,7 +70,7 @@ class CauseSearch {
   }
 
   FoundCauses found() {
-    if (samples_.size() < 8) return {};
+    if (samples_.size() < fewest_samples) return at_rest(record_);
     history_.worth = history_.worth_of_shapes = material * record_.step();
     for (int pass = 0; pass < most_passes; ++pass) {
       model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);

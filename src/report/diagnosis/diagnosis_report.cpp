@@ -22,7 +22,7 @@ const Encoder* encoder_of(const Spec& spec, const std::string& joint) {
 
 std::string figure_unit(const Spec& spec, const Unidentified& u, const std::string& figure) {
   const std::string coordinate = coordinate_unit(spec, u.joint);
-  if (figure == "time" || figure == "time_constant") return "s";
+  if (figure == "time" || figure == "time_constant" || figure == "duration") return "s";
   if (figure == "frequency") return "Hz";
   if (figure == "divisor") return "counts";
   if (figure == "order") return coordinate == "m" ? "1/m" : "";

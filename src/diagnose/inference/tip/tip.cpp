@@ -157,16 +157,38 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
   for (auto& [removed, cause] : causes) d.causes.push_back(std::move(cause));
 }
 
-void report_frames(const TipModel& m, TipDiagnosis& d) {
-  if (!m.frames()) return;
+/// A position in the last link, by its components that matter.
+std::string by_axes(const Eigen::Vector3d& x) {
+  std::string text;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    if (std::abs(x[i]) > 0.1 * x.norm())
+      text += (text.empty() ? "" : ", ") + readable(x[i], "m") + " along its " + "xyz"[i];
+  return text;
+}
+
+void report_frames(const TipModel& m, const std::string& tip, TipDiagnosis& d) {
+  if (m.frames() == UnknownFrames::none) return;
+  const Eigen::Vector3d target = m.estimate().tool;
+  if (m.frames() == UnknownFrames::target) {
+    d.unexplained.push_back(
+        {"tip",
+         "the tool is longer than in the model, or the tracker's target is not at its tip",
+         {},
+         {},
+         target.norm()});
+    d.warnings.push_back("the tracked point lies " + by_axes(target) + " from '" + tip +
+                         "': no pose tells a longer tool from a target beside its tip: measure the tool, or "
+                         "where the target is held, and correct the URDF or robot.tool");
+    return;
+  }
   const Eigen::Vector3d shift = m.estimate().base.translation();
   const double angle = Eigen::AngleAxisd(m.estimate().base.linear()).angle();
   d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
-  d.warnings.push_back(
-      "tip.x/y/z are in the tracker's frame: the robot's base is displaced by " +
-      readable(shift.norm(), "m") + " and rotated by " + readable(angle, "rad") + ", its target " +
-      readable(m.estimate().tool.norm(), "m") +
-      " from the model's tip; both were fitted and removed, which also hides a displaced first joint");
+  d.warnings.push_back("tip.x/y/z are in the tracker's frame: the robot's base is displaced by " +
+                       readable(shift.norm(), "m") + " and rotated by " + readable(angle, "rad") +
+                       ", its target " + readable(target.norm(), "m") +
+                       " from the model's tip; both were fitted and removed, which also hides a displaced "
+                       "first joint");
 }
 
 }  // namespace
@@ -182,7 +204,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const TipSelection s = select_tip(model, *e, seed);
   d.gain = gain_of(s.model);
   name_causes(s, d);
-  report_frames(s.model, d);
+  report_frames(s.model, model.chain.tip, d);
   for (std::size_t i = 0; i < s.tilts.size(); ++i)
     d.unexplained.push_back(
         {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});
@@ -190,7 +212,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;
   });
-  if (at_base && !s.model.frames())
+  if (at_base && s.model.frames() != UnknownFrames::all)
     d.warnings.push_back(
         "a displacement of " + model.chain.joints.front().name +
         " is indistinguishable from one of the tracker's frame: survey the tracker at the base");

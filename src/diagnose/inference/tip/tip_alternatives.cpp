@@ -45,7 +45,7 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
   const TipEvidence wide =
       random_poses(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
-  TipModel poses(model, wide, false, fitted.seed());
+  TipModel poses(model, wide, UnknownFrames::none, fitted.seed());
   const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
   Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
   const auto append = [&](const TipTerm& t) {
@@ -54,10 +54,8 @@ bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size
   };
   for (std::size_t i = 0; i < fitted.terms().size(); ++i)
     if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
-  if (fitted.frames()) {
-    append({TipTerm::Kind::base, {}, 0});
-    append({TipTerm::Kind::tool, {}, 0});
-  }
+  if (fitted.frames() == UnknownFrames::all) append({TipTerm::Kind::base, {}, 0});
+  if (fitted.frames() != UnknownFrames::none) append({TipTerm::Kind::tool, {}, 0});
   const Eigen::VectorXd fit = least_norm_solution(rest, target);
   return (target - rest * fit).norm() < 1e-6 * target.norm();
 }

@@ -69,7 +69,8 @@ void TipModel::update_estimate() {
 /// Columns of the nuisance parameters: the tracker's frames and free encoder zeros.
 void TipModel::arrange_nuisance() {
   std::vector<TipTerm> free;
-  if (frames_) free = {{TipTerm::Kind::base, {}, 0}, {TipTerm::Kind::tool, {}, 0}};
+  if (frames_ == UnknownFrames::all) free.push_back({TipTerm::Kind::base, {}, 0});
+  if (frames_ != UnknownFrames::none) free.push_back({TipTerm::Kind::tool, {}, 0});
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
     if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
       free.push_back({TipTerm::Kind::encoder, {}, i});
@@ -123,6 +124,11 @@ void TipModel::linearize() {
 
 /// Brings the tracker's frame and its target to where the solution has them.
 void TipModel::move_frames() {
+  if (frames_ == UnknownFrames::none) return;
+  if (frames_ == UnknownFrames::target) {
+    estimate_.tool += solution_.theta.head<3>();
+    return;
+  }
   const Eigen::VectorXd s = solution_.theta.head<9>();
   const Eigen::Vector3d turn = s.segment<3>(3);
   Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
@@ -144,7 +150,7 @@ void TipModel::fit() {
     Eigen::VectorXd steps = solution_.theta;
     steps.tail(theta_.size()) = step;
     if (all.cols() > 0) moved = (all * steps).norm() / std::sqrt(static_cast<double>(y_.size()));
-    if (frames_) move_frames();
+    move_frames();
     if (moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2))) break;
   }
 }

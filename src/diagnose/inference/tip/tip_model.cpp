@@ -12,13 +12,13 @@ constexpr double negligible = 1e-5;
 
 }  // namespace
 
-TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, bool frames,
+TipModel::TipModel(const OperationalModel& model, const TipEvidence& evidence, UnknownFrames frames,
                    std::uint64_t seed)
     : model_(&model), evidence_(&evidence), frames_(frames), seed_(seed) {
   estimate_.chain = model.chain;
   estimate_.additions.setZero(static_cast<Eigen::Index>(evidence.encoders.size()), evidence.rows());
   theta_.resize(0);
-  if (frames_) align();
+  if (frames_ == UnknownFrames::all) align();
   fit();
   draw_surrogates();
 }

@@ -9,6 +9,10 @@
 
 namespace qerr {
 
+/// Frames that are fitted as nuisance parameters: none, the position of the tracker's target in the last link
+/// (3), or that and the frame of the tracker (9).
+enum class UnknownFrames { none, target, all };
+
 /// Model of the tracked tip, given the readings of the encoders.
 ///
 /// tip = FK(true joints, links as built) + white noise of the tracker; true joints = readings - additions of
@@ -20,8 +24,7 @@ class TipModel {
  public:
   /// Borrows the model and the evidence: both must outlive it.
   /// @param seed    of all random numbers
-  /// @param frames  whether the tracker's frame and its target are unknown: 9 nuisance parameters
-  TipModel(const OperationalModel&, const TipEvidence&, bool frames, std::uint64_t seed);
+  TipModel(const OperationalModel&, const TipEvidence&, UnknownFrames, std::uint64_t seed);
 
   void add(TipTerm, const Eigen::VectorXd& coefficients);
   void remove(std::size_t term);
@@ -60,7 +63,7 @@ class TipModel {
   Eigen::Index size() const;  ///< coefficients of all terms
   Eigen::VectorXd coefficients(std::size_t term) const;
   Eigen::Index position(std::size_t term) const;  ///< of its first coefficient in theta
-  bool frames() const { return frames_; }
+  UnknownFrames frames() const { return frames_; }
   std::uint64_t seed() const { return seed_; }
   const TipSolution& solution() const { return solution_; }
   const Eigen::VectorXd& entries() const { return y_; }  ///< estimate - true, without terms [m]
@@ -77,7 +80,7 @@ class TipModel {
 
   const OperationalModel* model_;
   const TipEvidence* evidence_;
-  bool frames_;
+  UnknownFrames frames_;
   std::uint64_t seed_;
   TipEstimate estimate_;
   std::vector<TipTerm> terms_;

@@ -179,31 +179,42 @@ void find_tilts(TipSelection& s, const TipSelectOptions& options) {
     s.tilt_sizes.push_back(now.theta.tail(extra.cols()).segment(2 * static_cast<Eigen::Index>(i), 2));
 }
 
-/// Whether an unknown frame and target of the tracker (9 parameters) are significant.
-bool needs_frames(const TipModel& model, const TipSelectOptions& options) {
-  TipTerm base{TipTerm::Kind::base, {}, 0}, tool{TipTerm::Kind::tool, {}, 0};
-  Eigen::MatrixXd columns(model.entries().size(), 9);
-  columns << model.columns(base), model.columns(tool);
+/// Whether unknown frames are significant beside a model without them.
+bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& options) {
+  Eigen::MatrixXd columns = model.columns({TipTerm::Kind::tool, {}, 0});
+  if (frames == UnknownFrames::all) {
+    columns.conservativeResize(Eigen::NoChange, 9);
+    columns.rightCols<6>() = model.columns({TipTerm::Kind::base, {}, 0});
+  }
   const TipSolution with = model.trial({}, columns);
   const Eigen::Index more = with.rank - model.solution().rank;
   if (more <= 0) return false;
   const double gained =
       (with.log_likelihood - model.solution().log_likelihood) / variance_inflation(model, with, columns);
   return gained > price(model, more) + unnamed_penalty && p_value(gained, more) < options.alpha &&
-         signal_to_noise(with, model.beyond({}, columns), with.theta.tail(9)) > 2.5 * options.least_amplitude;
+         signal_to_noise(with, model.beyond({}, columns), with.theta.tail(columns.cols())) >
+             2.5 * options.least_amplitude;
+}
+
+/// A model's value, with what its free frames cost.
+double value_with_frames(const TipModel& m) {
+  const Eigen::Index free = m.trial({}, {}).rank - m.size();
+  const double penalty = m.frames() == UnknownFrames::none     ? 0
+                         : m.frames() == UnknownFrames::target ? unnamed_penalty
+                                                               : 2 * unnamed_penalty;
+  return m.value(m.solution(), m.size() + free) - penalty;
 }
 
 }  // namespace
 
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
-  TipModel found = best_model(TipModel(model, e, false, seed), options);
-  if (needs_frames(found, options)) {
-    TipModel framed = best_model(TipModel(model, e, true, seed), options);
-    const Eigen::Index free = framed.trial({}, {}).rank - framed.size();
-    if (framed.value(framed.solution(), framed.size() + free) >
-        found.value(found.solution(), found.size()) + unnamed_penalty)
-      found = std::move(framed);
+  TipModel found = best_model(TipModel(model, e, UnknownFrames::none, seed), options);
+  const TipModel known = found;
+  for (const UnknownFrames frames : {UnknownFrames::target, UnknownFrames::all}) {
+    if (!needs(frames, known, options)) continue;
+    TipModel framed = best_model(TipModel(model, e, frames, seed), options);
+    if (value_with_frames(framed) > value_with_frames(found)) found = std::move(framed);
   }
   TipSelection s{std::move(found), {}, {}, {}, {}};
   find_tip_alternatives(model, s);
