@@ -73,17 +73,28 @@ bool has_names(const FoundCauses& found) {
                      [](const ChosenTerm& c) { return c.candidate.term.named(); });
 }
 
-/// Without the name that explains least beside all others.
-void drop_least_name(FoundCauses& found) {
+void drop(FoundCauses& found, std::size_t term) {
+  found.chosen.erase(found.chosen.begin() + static_cast<std::ptrdiff_t>(term));
+  std::erase_if(found.replacements, [&](const Replacement& r) { return r.instead_of == term; });
+  for (Replacement& r : found.replacements)
+    if (r.instead_of > term) --r.instead_of;
+}
+
+/// The name that explains least beside all others.
+std::size_t least_name(const FoundCauses& found) {
   std::size_t least = found.chosen.size();
   for (std::size_t i = 0; i < found.chosen.size(); ++i)
     if (found.chosen[i].candidate.term.named() &&
         (least == found.chosen.size() || found.chosen[i].lost < found.chosen[least].lost))
       least = i;
-  found.chosen.erase(found.chosen.begin() + static_cast<std::ptrdiff_t>(least));
-  std::erase_if(found.replacements, [&](const Replacement& r) { return r.instead_of == least; });
-  for (Replacement& r : found.replacements)
-    if (r.instead_of > least) --r.instead_of;
+  return least;
+}
+
+/// A term whose size the fit has made impossible, such as a negative play.
+std::optional<std::size_t> impossible_term(const Explanation& m) {
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (m.terms()[i].positive && m.coefficients(i)[0] < 0) return i;
+  return std::nullopt;
 }
 
 /// Whether the names lower the residual of blocks to which they were not fitted, by a tenth of a percent at
@@ -100,11 +111,15 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   FoundCauses found = search_causes(record, seed);
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
+    while (const auto impossible = impossible_term(f->selection->model)) {
+      drop(found, *impossible);
+      f->selection.emplace(selection_of(*f->sampling, found));
+    }
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   };
   select();
   while (has_names(found) && !lowers_residual(f->held)) {
-    drop_least_name(found);
+    drop(found, least_name(found));
     if (!has_names(found)) found = search_causes(record, seed, false);
     select();
   }

@@ -96,6 +96,33 @@ std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::Arra
   return rows;
 }
 
+/// Whether rows first .. end - 1 are off and the two on either side agree: else the error itself moves fast,
+/// in a vibration or a step.
+bool stand_alone(const Eigen::ArrayXd& error, Eigen::Index first, Eigen::Index end) {
+  const Eigen::Index n = error.size();
+  std::vector<double> around;
+  for (const Eigen::Index k : {first - 2, first - 1, end, end + 1})
+    if (k >= 0 && k < n) around.push_back(error[k]);
+  if (end - first > half || around.size() < 2) return false;
+  const auto [low, high] = std::minmax_element(around.begin(), around.end());
+  const double middle = 0.5 * (*low + *high);
+  return (error.segment(first, end - first) - middle).abs().minCoeff() > 3 * (*high - *low);
+}
+
+/// Of the rows that are far off, those that stand alone.
+std::vector<Eigen::Index> alone(const Eigen::ArrayXd& error, const std::vector<Eigen::Index>& rows) {
+  std::vector<Eigen::Index> single;
+  for (std::size_t i = 0; i < rows.size();) {
+    std::size_t end = i + 1;
+    while (end < rows.size() && rows[end] == rows[end - 1] + 1) ++end;
+    if (stand_alone(error, rows[i], rows[end - 1] + 1))
+      single.insert(single.end(), rows.begin() + static_cast<std::ptrdiff_t>(i),
+                    rows.begin() + static_cast<std::ptrdiff_t>(end));
+    i = end;
+  }
+  return single;
+}
+
 /// Deviation from the line through the two neighbours.
 double bend(const Eigen::ArrayXd& x, Eigen::Index k) {
   const Eigen::Index i = std::clamp<Eigen::Index>(k, 1, x.size() - 2);
@@ -110,7 +137,7 @@ std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
   if (!read || reference.size() == 0 || !stamps || n < static_cast<Eigen::Index>(fewest_of_class)) return {};
   const Eigen::ArrayXd motion = reference / s.model.transmission.encoders[encoder].resolution;
   const Eigen::ArrayXd error = read->counts - motion;
-  const std::vector<Eigen::Index> rows = far_off(error, motion);
+  const std::vector<Eigen::Index> rows = alone(error, far_off(error, motion));
   // A hundredth of the rows and more are not single readings, but a scatter.
   if (rows.empty() || static_cast<double>(rows.size()) > 0.01 * static_cast<double>(n)) return {};
   const Eigen::Index worst = *std::max_element(
