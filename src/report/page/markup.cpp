@@ -1,0 +1,68 @@
+#include "report/page/markup.hpp"
+
+#include <algorithm>
+#include <vector>
+
+#include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
+
+namespace qerr::page {
+
+namespace {
+
+constexpr std::string_view replacement = "\xEF\xBF\xBD";
+
+std::string_view escaped_symbol(std::string_view symbol) {
+  if (symbol.size() > 1) return symbol == "\xEF\xBF\xBE" || symbol == "\xEF\xBF\xBF" ? replacement : symbol;
+  const auto byte = static_cast<unsigned char>(symbol[0]);
+  if (byte < 0x20 && byte != '\n' && byte != '\t') return replacement;
+  switch (symbol[0]) {
+    case '&':
+      return "&amp;";
+    case '<':
+      return "&lt;";
+    case '>':
+      return "&gt;";
+    case '"':
+      return "&quot;";
+    case 0x7f:
+      return replacement;
+    default:
+      return symbol;
+  }
+}
+
+}  // namespace
+
+std::string escaped_markup(std::string_view text) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t length = utf8_length(text, at);
+    out += length == 0 ? replacement : escaped_symbol(text.substr(at, length));
+    at += length == 0 ? 1 : length;
+  }
+  return out;
+}
+
+std::string name_markup(std::string_view name) { return "<bdi>" + escaped_markup(name) + "</bdi>"; }
+
+std::string shortened(std::string_view name, std::size_t most) {
+  std::vector<std::string_view> symbols;
+  for (std::size_t at = 0; at < name.size(); at += symbols.back().size())
+    symbols.push_back(name.substr(at, std::max<std::size_t>(1, utf8_length(name, at))));
+  if (symbols.size() <= most) return std::string(name);
+  const std::size_t front = most / 2, back = most - 1 - front;
+  std::string out;
+  for (std::size_t i = 0; i < front; ++i) out += symbols[i];
+  out += "\u2026";
+  for (std::size_t i = symbols.size() - back; i < symbols.size(); ++i) out += symbols[i];
+  return out;
+}
+
+std::string drawn(double value) { return fixed_point(value, 2); }
+
+std::string data_attribute(std::string_view name, double value) {
+  return ' ' + std::string(name) + "=\"" + shortest(value) + '"';
+}
+
+}  // namespace qerr::page

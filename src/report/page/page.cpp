@@ -1,0 +1,53 @@
+#include "report/page/page.hpp"
+
+#include "report/page/markup.hpp"
+#include "report/page/page_style.hpp"
+
+namespace qerr::page {
+
+std::string table(const std::vector<std::string>& header, const std::vector<std::vector<std::string>>& rows) {
+  std::string out = "<div class=\"wide\"><table><thead><tr>";
+  for (const std::string& cell : header) out += "<th scope=\"col\">" + escaped_markup(cell) + "</th>";
+  out += "</tr></thead><tbody>\n";
+  for (const auto& row : rows) {
+    out += "<tr>";
+    for (const std::string& cell : row) out += "<td>" + name_markup(cell) + "</td>";
+    out += "</tr>\n";
+  }
+  return out + "</tbody></table></div>\n";
+}
+
+std::string choice(const std::string& label,
+                   const std::vector<std::pair<std::string, std::string>>& figures) {
+  std::string out = "<div class=\"choice\">";
+  if (figures.size() > 1) {
+    out += "<label hidden=\"hidden\">" + escaped_markup(label) + " <select>";
+    for (const auto& [name, body] : figures) out += "<option>" + escaped_markup(name) + "</option>";
+    out += "</select></label>";
+  }
+  for (const auto& [name, body] : figures) out += "<div class=\"option\">" + body + "</div>\n";
+  return out + "</div>\n";
+}
+
+std::string markup(const Page& page) {
+  std::string out =
+      "<!DOCTYPE html>\n<html xmlns=\"http://www.w3.org/1999/xhtml\" lang=\"en\"><head><meta "
+      "charset=\"utf-8\"/>"
+      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/><title>" +
+      escaped_markup(page.title) + "</title><style>" + std::string(style_sheet) +
+      "</style></head><body>\n<h1>" + name_markup(page.title) + "</h1>\n<p class=\"answer\">" +
+      escaped_markup(page.answer) + "</p>\n";
+  for (const Section& s : page.sections)
+    out += "<section><h2>" + escaped_markup(s.heading) + "</h2>\n" + s.body + "</section>\n";
+  if (!page.warnings.empty()) {
+    out += "<section><h2>Warnings and assumptions</h2><ul>\n";
+    for (const std::string& w : page.warnings) out += "<li>" + escaped_markup(w) + "</li>\n";
+    out += "</ul></section>\n";
+  }
+  if (!page.spec_text.empty())
+    out += "<details><summary>Spec " + name_markup(page.spec_file) + "</summary><pre>" +
+           escaped_markup(page.spec_text) + "</pre></details>\n";
+  return out + "<script>" + std::string(script) + "</script></body></html>\n";
+}
+
+}  // namespace qerr::page
