@@ -73,9 +73,7 @@ int run(const Values& v) {
   if (transient) finish(*transient, transient_csv(spec));
   if (impulse) finish(*impulse, impulse_csv(report));
   finish(out, report, v);
-  std::vector<std::string> warnings = spec.warnings;
-  for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
-  warn(warnings, v);
+  warn(report.warnings, v);
   return 0;
 }
 

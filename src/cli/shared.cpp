@@ -43,7 +43,7 @@ std::vector<Option> spec_options(std::string_view meaning) {
 std::vector<Option> output_options() {
   return {{.name = "--format",
            .value = "FORMAT",
-           .meaning = "table, json or csv (default: by the output's ending, else table)",
+           .meaning = "table, json, csv or html (default: by the output's ending, else table)",
            .choices = format_names,
            .choice = "format"},
           text_output_option()};

@@ -14,12 +14,21 @@ struct Exporter {
   Writer<Report>* write;
 };
 
+/// The page of a report; null: it has none.
+template <class Report>
+inline constexpr Writer<Report>* page_of = nullptr;
+template <>
+inline constexpr Writer<Analysis>* page_of<Analysis> = to_html;
+template <>
+inline constexpr Writer<FilterReport>* page_of<FilterReport> = to_html;
+
 /// The first row is the format of an output whose ending is not listed.
 template <class Report>
-inline constexpr std::array<Exporter<Report>, 3> exporters{{
+inline constexpr std::array<Exporter<Report>, 4> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
     {{"json", ".json", "everything, SI units"}, to_json},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
+    {{"html", ".html", "a page with pictures, of analyze and filter"}, page_of<Report>},
 }};
 
 std::vector<std::string> format_names() {
@@ -31,7 +40,16 @@ std::vector<std::string> format_names() {
 template <class Report>
 std::string written(const Report& report, std::string_view format, const Style& style) {
   for (const Exporter<Report>& exporter : exporters<Report>)
-    if (exporter.format.name == format) return exporter.write(report, style);
+    if (exporter.format.name == format) {
+      if (exporter.write == nullptr)
+        throw Error({{},
+                     "",
+                     "this report has no page",
+                     "'" + std::string(format) + "'",
+                     "choose table, json or csv with --format"},
+                    Trouble::usage);
+      return exporter.write(report, style);
+    }
   throw Error(
       {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
       Trouble::usage);

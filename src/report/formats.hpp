@@ -12,6 +12,8 @@
 
 /// The writers of every report, one per format.
 ///
+/// `html` has a writer where a report has a page; the others are refused.
+///
 /// To add a format: a row in `exporters` (formats.cpp), its writer's name beside the others below, and one
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
 namespace qerr {
@@ -30,5 +32,8 @@ Writer<DiagnosisReport> to_table, to_json, to_csv;
 Writer<PlanReport> to_table, to_json, to_csv;
 Writer<RobotReport> to_table, to_json, to_csv;
 Writer<ListReport> to_table, to_json, to_csv;
+
+Writer<Analysis> to_html;
+Writer<FilterReport> to_html;
 
 }  // namespace qerr

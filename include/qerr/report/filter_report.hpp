@@ -113,6 +113,8 @@ struct FilterReport {
   std::vector<FilterNoise> noise;  ///< one per filter if noise or motions are asked for, else empty
   std::vector<SineErrorRow> sine_errors = {};
   std::optional<EstimatorReport> estimators = {};
+  std::string spec_text = {};              ///< of the file
+  std::vector<std::string> warnings = {};  ///< of the spec and its filters
 };
 
 /// @throws Error (usage) for a frequency above half a filter's sample rate

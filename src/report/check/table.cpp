@@ -12,7 +12,7 @@ namespace qerr {
 namespace {
 
 /// `largest at j1 0.12 rad, j2 -1.5 rad`.
-std::string place_of(const Analysis& a, const Eigen::VectorXd& q) {
+std::string largest_place(const Analysis& a, const Eigen::VectorXd& q) {
   std::vector<std::string> joints;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
@@ -45,7 +45,7 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     at = end + 1;
     out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
     if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
-      out += wrapped(place_of(check.analysis, result.at_max), style.width, "      ");
+      out += wrapped(largest_place(check.analysis, result.at_max), style.width, "      ");
     if (result.undecided)
       out += wrapped("between " + readable(result.proven->lower, check.analysis.spec.requirements[i].unit) +
                          ", which is reached, and the proven bound: " + std::string(undecided_remedy),

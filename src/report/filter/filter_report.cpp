@@ -73,6 +73,9 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
     report.filters.push_back(figures_of(named, q));
   }
   if (q.estimators) report.estimators = estimator_report(spec, q.clock);
+  report.spec_text = spec.text;
+  report.warnings = spec.warnings;
+  for (std::string& warning : filter_warnings(spec)) report.warnings.push_back(std::move(warning));
   return report;
 }
 

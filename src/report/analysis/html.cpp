@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "report/analysis/figure_names.hpp"
+#include "report/analysis/page/pictures.hpp"
+#include "report/formats.hpp"
+#include "report/page/page.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+std::string isolated(const std::string& name) { return "\u2068" + name + "\u2069"; }
+
+/// The first figures of the tip, and the encoder to improve.
+std::string answer(const Analysis& a) {
+  std::string text;
+  for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
+    if (!text.empty() || name.bound != "worst_case") return;
+    text = "Over " + std::to_string(a.workspace.count) + " configurations the tip's " +
+           std::string(name.coordinate) + " is off by at most " + readable(s.max, name.unit) +
+           ", at the median by " + readable(s.p50, name.unit);
+  });
+  const std::vector<double> budget = encoder_budget(a);
+  const auto largest = std::max_element(budget.begin(), budget.end());
+  if (largest != budget.end() && *largest > 0)
+    text += "; the largest share of the variance, " + percent(*largest) + ", is due to encoder " +
+            isolated(a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name);
+  return text + '.';
+}
+
+std::string summary(const Analysis& a) {
+  std::vector<std::vector<std::string>> rows;
+  for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
+    const ProvenMaximum* proof = find_proof(a, name.figure);
+    rows.push_back({name.quantity(), readable(s.p50, name.unit), readable(s.p95, name.unit),
+                    readable(s.p99, name.unit), readable(s.max, name.unit),
+                    proof ? readable(proof->upper, name.unit) : "not asked for"});
+  });
+  return page::table({"quantity", "median", "p95", "p99", "max", "proven maximum"}, rows);
+}
+
+}  // namespace
+
+std::string to_html(const Analysis& a, const Style&) {
+  return markup(page::Page{"Accuracy of " + a.spec.robot_name,
+                           answer(a),
+                           {{"Error budget of the encoders", budget_figures(a)},
+                            {"Where the position is least certain", robot_figures(a)},
+                            {"Distribution over the configurations", distribution_figures(a)},
+                            {"All figures", summary(a)}},
+                           a.warnings,
+                           a.spec.file,
+                           a.spec.text});
+}
+
+}  // namespace qerr

@@ -1,0 +1,144 @@
+#include <cmath>
+#include <numbers>
+
+#include "core/text.hpp"
+#include "report/formats.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
+
+namespace qerr {
+
+namespace {
+
+using Points = std::vector<std::pair<double, double>>;
+
+std::string rate_unit(int derivative) {
+  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
+}
+
+/// Gain over frequency beside that of the derivative itself, (2 pi f)^d.
+std::string gain_figure(const FilterFigures& f) {
+  constexpr int points = 160;
+  const double last = 0.5 * f.filter.sample_rate;
+  const double first = std::min(1e-3 * f.filter.sample_rate, 1e-2 * f.bandwidth.value_or(last));
+  page::Series gain{"filter", {}}, ideal{"ideal derivative", {}};
+  if (f.filter.derivative == 0) ideal.name = "ideal position";
+  for (int i = 0; i <= points; ++i) {
+    const double frequency = first * std::pow(last / first, static_cast<double>(i) / points);
+    gain.points.emplace_back(frequency, std::abs(response(f.filter, frequency)));
+    ideal.points.emplace_back(frequency, std::pow(2 * std::numbers::pi * frequency, f.filter.derivative));
+  }
+  // Zeros of the response would stretch the logarithmic axis without bound: four decades below the peak is
+  // far below what passes.
+  double peak = 0;
+  for (const auto& [x, y] : gain.points) peak = std::max(peak, y);
+  std::erase_if(gain.points, [&](const auto& p) { return p.second < 1e-4 * peak; });
+  return figure(page::Plot{"Gain of " + f.name,
+                           "Magnitude of the response over frequency, beside the ideal derivative.",
+                           {"frequency", "Hz", true},
+                           {"gain", rate_unit(f.filter.derivative), true},
+                           {gain, ideal}});
+}
+
+/// Samples until the answer has settled; of a long one every n-th.
+struct Span {
+  std::size_t count, every;
+};
+
+Span span_of(const FilterFigures& f) {
+  constexpr double most_drawn = 200, most_computed = 2e6;
+  const double settling = f.settling_time.value_or(50 / f.filter.sample_rate);
+  const double wanted = std::min(1.5 * settling * f.filter.sample_rate + 8, most_computed);
+  const double every = std::ceil(wanted / most_drawn);
+  return {static_cast<std::size_t>(wanted / every), static_cast<std::size_t>(every)};
+}
+
+std::string impulse_figure(const FilterFigures& f) {
+  const Span s = span_of(f);
+  const std::vector<double> h = impulse_response(f.filter, s.count, s.every);
+  page::Series series{"impulse response", {}};
+  for (std::size_t k = 0; k < h.size(); ++k)
+    series.points.emplace_back(static_cast<double>(k * s.every) / f.filter.sample_rate, h[k]);
+  return figure(page::Plot{"Impulse response of " + f.name,
+                           "Answer to a sample of 1 among zeros.",
+                           {"time", "s"},
+                           {"answer", rate_unit(f.filter.derivative)},
+                           {series}});
+}
+
+std::string step_figure(const FilterFigures& f) {
+  const Span s = span_of(f);
+  const std::vector<double> h = impulse_response(f.filter, s.count * s.every);
+  page::Series series{"step response", {}};
+  double sum = 0;
+  for (std::size_t k = 0; k < h.size(); ++k) {
+    sum += h[k];
+    if (k % s.every == 0) series.points.emplace_back(static_cast<double>(k) / f.filter.sample_rate, sum);
+  }
+  return figure(page::Plot{"Step response of " + f.name,
+                           "Answer to a step of 1.",
+                           {"time", "s"},
+                           {"answer", rate_unit(f.filter.derivative)},
+                           {series}});
+}
+
+/// Noise against delay, of the filters that estimate one derivative.
+std::string noise_figure(const FilterReport& r, int derivative) {
+  page::Plot plot{"Noise against delay, derivative " + std::to_string(derivative),
+                  "H2 norm, the factor of white noise, over the group delay at low frequencies.",
+                  {"delay", "s"},
+                  {"H2 norm", rate_unit(derivative), true},
+                  {}};
+  for (const FilterFigures& f : r.filters)
+    if (f.filter.derivative == derivative)
+      plot.series.push_back({f.name, {{f.group_delay, f.norms.h2}}, true, false});
+  return plot.series.empty() ? "" : figure(plot);
+}
+
+std::string norm_rows(const FilterReport& r) {
+  std::vector<std::vector<std::string>> rows;
+  for (const FilterFigures& f : r.filters) {
+    const std::string unit = rate_unit(f.filter.derivative);
+    rows.push_back({f.name, readable(f.norms.h2, unit), readable(f.norms.l1.upper, unit),
+                    readable(f.group_delay, "s"), f.bandwidth ? readable(*f.bandwidth, "Hz") : "none",
+                    f.settling_time ? readable(*f.settling_time, "s") : "none"});
+  }
+  return page::table({"filter", "H2 norm (sigma)", "l1 norm (worst case)", "delay", "bandwidth", "settling"},
+                     rows);
+}
+
+std::string answer(const FilterReport& r) {
+  std::string text;
+  for (const FilterFigures& f : r.filters) {
+    const std::string unit = rate_unit(f.filter.derivative);
+    text += (text.empty() ? "" : "; ") + ("\u2068" + f.name + "\u2069") + " multiplies white noise by " +
+            readable(f.norms.h2, unit) + " and the worst case by " + readable(f.norms.l1.upper, unit) +
+            ", with a delay of " + readable(f.group_delay, "s");
+  }
+  return text + '.';
+}
+
+}  // namespace
+
+std::string to_html(const FilterReport& r, const Style&) {
+  using Choices = std::vector<std::pair<std::string, std::string>>;
+  Choices filters;
+  int highest = 0;
+  for (const FilterFigures& f : r.filters) {
+    filters.emplace_back(
+        f.name, "<div class=\"figures\">" + gain_figure(f) + impulse_figure(f) + step_figure(f) + "</div>");
+    highest = std::max(highest, f.filter.derivative);
+  }
+  std::string noise;
+  for (int d = 0; d <= highest; ++d) noise += noise_figure(r, d);
+  return markup(page::Page{"Filters of " + r.file,
+                           answer(r),
+                           {{"Figures", norm_rows(r)},
+                            {"Noise against delay", "<div class=\"figures\">" + noise + "</div>"},
+                            {"Responses", page::choice("Filter", filters)}},
+                           r.warnings,
+                           r.file,
+                           r.spec_text});
+}
+
+}  // namespace qerr
