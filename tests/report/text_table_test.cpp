@@ -43,7 +43,11 @@ TEST(Formats, WriteEveryFamilyThatCanBeListed) {
   for (const std::string& kind : list_kinds()) {
     const ListReport report = list_report(kind);
     EXPECT_FALSE(report.rows.empty()) << kind;
-    for (const Format& format : formats()) EXPECT_FALSE(write(report, format.name).empty()) << kind;
+    for (const Format& format : formats())
+      if (format.name == "html")  // a page is of analyze and filter
+        EXPECT_THROW(write(report, format.name), Error);
+      else
+        EXPECT_FALSE(write(report, format.name).empty()) << kind;
   }
 }
 

@@ -22,8 +22,11 @@ double round_step(double least) {
 }
 
 Axis linear(const AxisRange& range, double least, double largest, int most) {
-  if (!(largest > least)) {  // a single value: it lies in the middle
-    const double half = least == 0 ? 1 : 0.5 * std::abs(least);
+  const double magnitude = std::max(std::abs(least), std::abs(largest));
+  // Labels have six digits: a spread below 1e-4 would give ticks that read alike. It is drawn as one value in
+  // the middle.
+  if (!(largest - least > 1e-4 * magnitude)) {
+    const double half = magnitude == 0 ? 1 : 0.5 * magnitude;
     least -= half;
     largest += half;
   }
