@@ -9,7 +9,7 @@
 The blocks are run as session.py says, those of each file in a copy of their own; figures in the text are compared with the values of
 statements.py, and every other number must be a name or a formula that statements.py lists. The tables of configs/paper/README.md are
 computed anew by scripts/reproduce_paper. Excepted: the section "Speed" of .github/CONTRIBUTING.md, commands that install or build, workflows
-of GitHub. Standard library only (scripts/reproduce_paper needs numpy).
+of GitHub and GitLab. Standard library only (scripts/reproduce_paper needs numpy).
 """
 import argparse
 import difflib

@@ -171,6 +171,10 @@ def rates_of_table_3(v):
 HISTOGRAM = "src/bound/histogram.hpp"
 STATEMENTS = {
     "README.md": [
+        (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
+        (r"QERR_VERSION: (\S+)", lambda v: v.printed(r"qerr (\S+)", "--version")),
+        (r"## Changes [^#]*### (\S+)", lambda v: v.printed(r"qerr (\S+)", "--version")),
+        (r"cmake_minimum_required\(VERSION ([\d.]+)\)", lambda v: v.source("CMakeLists.txt", r"VERSION ([\d.]+)\)")),
         (r"plain CMake \(C\+\+(\d+);", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
         (r"within ([\d.]+ \w+) of where the encoders say", first_report("worst")),
         (r"at the worst of them ([\d.]+ \w+) off", first_report("max")),
@@ -180,7 +184,6 @@ STATEMENTS = {
         (r"if all are met, (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
     ],
     ".github/CONTRIBUTING.md": [
-        (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
         *[
             (rf" (\d) +{re.sub(' ', '  ', modules)} ", floor(modules))
             for modules in (
@@ -291,12 +294,14 @@ NAMES = {
         r"for a delay of 5 ms\?",
         r"`--shard 2/5` computes",
         r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
+        r"`h2_norm`, `l1_norm`",
+        r"actions/checkout@v4\b", r"actions/cache@v4\b", r"actions/upload-artifact@v4\b",
+        r"the format `qerr: 1` of",
     ],
     ".github/CONTRIBUTING.md": [
         r"\bH2\b",
         r"\bl1\b",
         r"AVX-512, AVX2 or",
-        r"`h2_norm`, `l1_norm`",
     ],
     TOPICS["spec"]: [
         r"`requirements\.0\.at_most` or `requirements\[0\]\.at_most`",

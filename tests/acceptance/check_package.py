@@ -1,0 +1,121 @@
+#!/usr/bin/env python3
+"""The Debian package of a build: its contents, the program in it, and a program that links the library in it.
+
+    check_package.py --build build/ [--verbose]
+
+The package is unpacked into a temporary folder. Without dpkg and cpack the installed tree is checked alone; lintian and
+man are asked where they are installed.
+"""
+import argparse
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+from tool import Tally, run
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+EXAMPLE = ROOT / "tests" / "documentation" / "budget.cpp"
+WANTED = ["bin/qerr", "include/qerr/qerr.hpp", "share/qerr/qerr.schema.json", "share/qerr/configs/kuka_lwr/spec.yaml",
+          "share/qerr/scripts/plot_diagnosis.py", "share/doc/qerr/copyright", "share/doc/qerr/README.md",
+          "share/bash-completion/completions/qerr", "share/zsh/site-functions/_qerr",
+          "share/fish/vendor_completions.d/qerr.fish", "share/doc/qerr/changelog.Debian.gz", "share/man/man1/qerr.1.gz",
+          "share/man/man7/qerr-spec.7.gz"]
+INSTALLED_ONLY = ("share/doc/qerr/changelog.Debian.gz",)
+
+
+def command(*words, **more):
+    return subprocess.run([str(word) for word in words], capture_output=True, text=True, **more)
+
+
+def packed(t, build, scratch):
+    """The folder usr/ of the package; of two packages of one build, all bytes must be the same."""
+    packages = []
+    for name in ("first", "second"):
+        done = command("cpack", "--config", build / "CPackConfig.cmake", "-B", scratch / name,
+                       env=dict(os.environ, SOURCE_DATE_EPOCH="1700000000"), cwd=scratch)
+        found = list((scratch / name).glob("qerr_*.deb"))
+        if not t.check(f"cpack makes one package ({name})", done.returncode == 0 and len(found) == 1, done.stderr[-500:]):
+            return None
+        packages += found
+    t.check("the same bytes again", packages[0].read_bytes() == packages[1].read_bytes())
+    depends = command("dpkg-deb", "--field", packages[0], "Depends").stdout
+    t.check("the shared libraries are dependencies", re.search(r"\blibc6 .*\byaml-cpp|libyaml-cpp", depends), depends)
+    t.check("packages for development are not needed to run", "-dev" not in depends, depends)
+    if shutil.which("lintian"):
+        said = command("lintian", "--fail-on", "error", "--tag-display-limit", "0", packages[0]).stdout
+        t.check("lintian finds no error", not re.search(r"^E:", said, re.M), said)
+    command("dpkg-deb", "--extract", packages[0], scratch / "root", check=True)
+    return scratch / "root" / "usr"
+
+
+def installed(t, build, scratch):
+    done = command("cmake", "--install", build, "--prefix", scratch / "root" / "usr")
+    t.check("cmake --install", done.returncode == 0, done.stderr[-500:])
+    return scratch / "root" / "usr"
+
+
+def check_tree(t, usr, is_package):
+    for name in WANTED:
+        if not is_package:
+            name = name.removesuffix(".gz") if "/man/" in name else name
+        if is_package or name not in INSTALLED_ONLY:
+            t.check(f"has {name}", (usr / name).is_file())
+    t.check("has a man page for each command", len(list((usr / "share/man/man1").iterdir())) > 10)
+    named = [str(ROOT).encode()]
+    holding = [p for p in usr.rglob("*") if p.is_file() and any(n in p.read_bytes() for n in named)]
+    t.check("no file holds a path of this build", not holding, str(holding[:3]))
+
+
+def check_program(t, usr):
+    qerr = usr / "bin" / "qerr"
+    ran = run(qerr, "analyze", "-q", usr / "share/qerr/configs/kuka_lwr/spec.yaml")
+    t.check("the program analyzes a config of the package", ran.code == 0 and b"kuka" in ran.out, str(ran.err[-300:]))
+    ran = run(qerr, "schema")
+    t.check("the schema is that of the program", ran.out == (usr / "share/qerr/qerr.schema.json").read_bytes())
+    if shutil.which("man"):
+        page = command("man", "-M", usr / "share/man", "qerr", env=dict(os.environ, MANPAGER="cat", MANWIDTH="80"))
+        t.check("man qerr", page.returncode == 0 and "analyze" in page.stdout, page.stderr)
+
+
+def check_library(t, usr, scratch):
+    """The example of README.md, compiled outside the project."""
+    (scratch / "example").mkdir()
+    shutil.copy(EXAMPLE, scratch / "example")
+    readme = (ROOT / "README.md").read_text()
+    block = re.search(r"```cmake\n(cmake_minimum_required.*?)```", readme, re.S)
+    if not t.check("README.md has the example's CMakeLists.txt", block):
+        return
+    t.check("README.md has the example", f"```cpp\n{EXAMPLE.read_text()}```" in readme)
+    (scratch / "example" / "CMakeLists.txt").write_text(block[1])
+    done = command("cmake", "-S", scratch / "example", "-B", scratch / "made", f"-DCMAKE_PREFIX_PATH={usr}")
+    t.check("find_package(qerr) finds it", done.returncode == 0, done.stderr[-800:])
+    done = command("cmake", "--build", scratch / "made")
+    t.check("the example is built", done.returncode == 0, done.stdout[-800:] + done.stderr[-800:])
+    if done.returncode == 0:
+        done = command(scratch / "made" / "budget", cwd=usr / "share/qerr/configs/kuka_lwr")
+        t.check("and runs", re.match(r"velocity: [0-9.e-]+ m/s\n{", done.stdout), done.stderr)
+
+
+def main():
+    parser = argparse.ArgumentParser()
+    parser.add_argument("--build", required=True, type=pathlib.Path)
+    parser.add_argument("--verbose", action="store_true")
+    given = parser.parse_args()
+    t, build = Tally(given.verbose), given.build.resolve()
+    is_package = bool(shutil.which("dpkg-deb") and shutil.which("dpkg-shlibdeps") and shutil.which("cpack"))
+    with tempfile.TemporaryDirectory() as folder:
+        scratch = pathlib.Path(folder)
+        usr = (packed if is_package else installed)(t, build, scratch)
+        if usr:
+            check_tree(t, usr, is_package)
+            check_program(t, usr)
+            check_library(t, usr, scratch)
+    return t.close()
+
+
+if __name__ == "__main__":
+    sys.exit(main())
