@@ -78,7 +78,8 @@ ComplexOf<Number> FrequencyResponse<Number>::product(double frequency_hz, int di
     if (divisions-- > 0) h = {h.im / omega, -h.re / omega};
   };
   for (const NumberSection& n : sections_) {
-    const auto in_w = [&](const Number* p) -> ComplexOf<Number> {
+    // Clang 14 does not capture structured bindings by reference.
+    const auto in_w = [&, c = c, s = s](const Number* p) -> ComplexOf<Number> {
       if (!n.second) return {p[0] * c, p[1] * s};
       return {p[0] * square - p[2] * below, p[1] * cross};
     };
