@@ -100,7 +100,8 @@ void UrdfReader::check_roots(const UrdfElement& root) {
     if (!parent_joint_.contains(link)) roots.push_back(link);
   if (roots.size() < 2) return;
   for (const UrdfElement& child : root.children) {
-    if (child.name != "link" || child.attribute("name")->value != roots[1]) continue;
+    const UrdfAttribute* name = child.attribute("name");  // null in a link that is reported for that
+    if (child.name != "link" || !name || name->value != roots[1]) continue;
     spoil(child, child.title(), "a robot must have one root link",
           counted(roots.size(), "root") + ": " + listed(roots), "join them by a joint, or name robot.base");
   }
