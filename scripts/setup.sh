@@ -5,6 +5,7 @@
 #   scripts/setup.sh --tests   and for the tests
 #   scripts/setup.sh --plots   and for the figures of the paper
 #   scripts/setup.sh --bench   and for the benchmarks
+#   scripts/setup.sh --fuzz    and for scripts/fuzz.sh
 #   scripts/setup.sh --slurm   and for the test of scripts/slurm_sweep.sh, which is skipped without them
 #
 # The only list of packages (Debian 12 or later).
@@ -40,6 +41,9 @@ bench_packages=(
   libcli11-dev          # command line of compare_peers
   python3-pandas        # bench_read_log
 )
+fuzz_packages=(
+  clang libclang-rt-14-dev   # libFuzzer
+)
 slurm_packages=(
   slurm-wlm munge       # 14 MB; apart from the tests', as they bring daemons that start with the machine
 )
@@ -49,8 +53,9 @@ case "${1-}" in
   --tests) packages+=("${test_packages[@]}") ;;
   --plots) packages+=("${plot_packages[@]}") ;;
   --bench) packages+=("${bench_packages[@]}") ;;
+  --fuzz) packages+=("${fuzz_packages[@]}") ;;
   --slurm) packages+=("${slurm_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--slurm]" >&2; exit 2 ;;
+  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--fuzz|--slurm]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

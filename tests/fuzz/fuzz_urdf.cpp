@@ -1,0 +1,9 @@
+#include "fuzz/target.hpp"
+#include "qerr/input/read_urdf.hpp"
+
+/// The bytes are a URDF.
+int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+  using namespace qerr::fuzz;
+  accept_or_refuse([&] { qerr::parse_urdf(text_of(data, size), "robot.urdf"); });
+  return 0;
+}
