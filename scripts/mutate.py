@@ -1,0 +1,232 @@
+#!/usr/bin/env python3
+"""Mutation test: changes one operator, constant or condition at a time, and looks whether a test fails.
+
+    mutate.py [--count 500] [--seed 1] [--folder src/bound ...] [--then REGEX] [--at-least PERCENT] [--list]
+
+Mutants are drawn by the seed from all places of the folders. They are made in a copy of the sources in build-mutation/,
+which is compiled once; each mutant compiles what it changes. A mutant is killed by a failed, crashed or endless unit test:
+first those of its own module, then the others of --tests. With --then, survivors also meet the tests of ctest that match
+REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
+
+Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it
+is below --at-least.
+"""
+import argparse
+import pathlib
+import random
+import re
+import resource
+import shutil
+import subprocess
+import sys
+import time
+
+ROOT = pathlib.Path(__file__).resolve().parents[1]
+WORK = ROOT / "build-mutation"
+TREE, BUILD = WORK / "tree", WORK / "build"
+FOLDERS = ["src/bound", "src/filter", "src/diagnose/inference"]
+TESTS = ["bound", "filter", "diagnose"]
+
+# clang-format writes spaces around binary operators only, so that ` < ` is no template and ` * ` no pointer.
+SWAPS = {
+    " < ": [" <= ", " > "], " <= ": [" < "], " > ": [" >= ", " < "], " >= ": [" > "], " == ": [" != "], " != ": [" == "],
+    " + ": [" - "], " - ": [" + "], " * ": [" / "], " / ": [" * "], " += ": [" -= "], " -= ": [" += "],
+    " *= ": [" /= "], " && ": [" || "], " || ": [" && "], "std::min(": ["std::max("], "std::max(": ["std::min("],
+    "true": ["false"], "false": ["true"],
+}
+SWAP = re.compile("|".join(rf"\b{k}\b" if k.isalpha() else re.escape(k) for k in sorted(SWAPS, key=len, reverse=True)))
+NUMBER = re.compile(r"(?<![\w.'])\d+(?:\.\d*)?(?:e[-+]?\d+)?(?![\w.'])")
+CONDITION = re.compile(r"\b(?:if|while) (?:constexpr )?\(")
+NOT_CODE = re.compile(r'//[^\n]*|/\*.*?\*/|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])\'|^#[^\n]*|\bstatic_assert\([^;]*;|'
+                      r"\btemplate <[^\n]*", re.M | re.S)
+
+
+def blanked(text):
+    """The text with spaces for comments, strings and what the preprocessor reads; places stay the same."""
+    return NOT_CODE.sub(lambda m: re.sub(r"[^\n]", " ", m[0]), text)
+
+
+def closing(text, start):
+    """The place behind the bracket that closes the one before `start`."""
+    depth = 1
+    for at in range(start, len(text)):
+        depth += (text[at] == "(") - (text[at] == ")")
+        if depth == 0:
+            return at
+    return -1
+
+
+def changed_number(word):
+    """A constant off by one, or by half of it: what a slip of the keyboard or of the algebra would be."""
+    if word.isdigit():
+        return str(int(word) + 1)
+    return repr(float(word) * 1.5) if float(word) else "1.0"
+
+
+def mutations(text):
+    """[(start, end, replacement)] of one source."""
+    code, found = blanked(text), []
+    for m in SWAP.finditer(code):
+        found += [(m.start(), m.end(), other) for other in SWAPS[m[0]]]
+    found += [(m.start(), m.end(), changed_number(m[0])) for m in NUMBER.finditer(code)]
+    for m in CONDITION.finditer(code):
+        end = closing(code, m.end())
+        if end > 0 and "constexpr" not in m[0] and ";" not in code[m.end():end]:
+            found.append((m.end(), end, f"!({text[m.end():end]})"))
+    return found
+
+
+def line_of(text, start, end):
+    """The number of the line, and the line before the change."""
+    first = text.rfind("\n", 0, start) + 1
+    last = text.find("\n", end)
+    return text.count("\n", 0, start) + 1, first, last if last >= 0 else len(text)
+
+
+def call(words, limit=None):
+    """Exit code, or "timeout", and the output. A mutant may ask for endless memory, too: 4 GB must do."""
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=WORK, text=True,
+                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
+    try:
+        output, _ = process.communicate(timeout=limit)
+        return process.returncode, output
+    except subprocess.TimeoutExpired:
+        process.kill()
+        process.communicate()
+        return "timeout", ""
+
+
+def must(words, purpose):
+    code, output = call(words)
+    if code != 0:
+        sys.exit(f"mutate: {purpose} failed:\n{output[-3000:]}")
+
+
+def prepare(tests):
+    """A copy of the sources, compiled: every file by itself, so that a mutant compiles one file."""
+    WORK.mkdir(exist_ok=True)
+    for name in ("CMakeLists.txt", "src", "include", "tests", "configs", "scripts", "README.md", "LICENSE"):
+        source, copy = ROOT / name, TREE / name
+        if source.is_dir():
+            for path in source.rglob("*"):
+                if path.is_file() and "__pycache__" not in path.parts:
+                    copy_if_changed(path, TREE / path.relative_to(ROOT))
+        else:
+            copy_if_changed(source, copy)
+    for path in [p for top in ("src", "include", "tests") for p in (TREE / top).rglob("*")]:
+        if path.is_file() and not (ROOT / path.relative_to(TREE)).exists():
+            path.unlink()
+    files = ";".join(f"{name}/*_test.cpp" for name in tests)
+    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -DNDEBUG",
+          "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON", f"-DQERR_TEST_FILES={files}"], "configuring")
+    print("mutate: building, which takes minutes the first time", file=sys.stderr)
+    must(["cmake", "--build", BUILD, "--target", "qerr_tests"], "the build")
+
+
+def copy_if_changed(source, copy):
+    copy.parent.mkdir(parents=True, exist_ok=True)
+    if not copy.exists() or copy.read_bytes() != source.read_bytes():
+        shutil.copyfile(source, copy)
+
+
+def suites(folder):
+    text = "\n".join(path.read_text() for path in (ROOT / "tests" / folder).glob("*_test.cpp"))
+    names = set(re.findall(r"\b(?:TEST|TEST_F|RC_GTEST_PROP)\((\w+)", text))
+    return sorted(names | {f"*/{name}" for name in re.findall(r"\bTEST_P\((\w+)", text)})
+
+
+def test_filters(module):
+    """Patterns of GoogleTest: of the module's own tests, and of all others."""
+    own = ":".join(f"{name}.*" for name in suites(module))
+    return [own, f"*-{own}"] if own else ["*"]
+
+
+def run_tests(pattern, limit):
+    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_filter={pattern}"], limit)[0]
+
+
+def outcome(path, module, limits, then):
+    """invalid, the test stage that killed the mutant, or survived."""
+    if call(["cmake", "--build", BUILD, "--target", "qerr_tests"], 600)[0] != 0:
+        return "invalid"
+    for pattern in test_filters(module):
+        code = run_tests(pattern, limits[pattern])
+        if code != 0:
+            return "killed (endless)" if code == "timeout" else "killed"
+    if then:
+        if call(["cmake", "--build", BUILD], 1200)[0] != 0:
+            return "invalid"
+        if call(["ctest", "--test-dir", BUILD, "-R", then, "--stop-on-failure"], 1200)[0] != 0:
+            return "killed (by a script)"
+    return "survived"
+
+
+def time_limits(modules):
+    """Ten times what the tests take without a change, as a mutant may be slow without being endless."""
+    limits = {}
+    for module in modules:
+        for pattern in test_filters(module):
+            if pattern not in limits:
+                start = time.monotonic()
+                if run_tests(pattern, None) != 0:
+                    sys.exit("mutate: the tests fail without any change")
+                limits[pattern] = 10 + 10 * (time.monotonic() - start)
+    return limits
+
+
+def arguments():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--count", type=int, default=500, help="mutants that compile (default 500)")
+    parser.add_argument("--seed", type=int, default=1)
+    parser.add_argument("--folder", action="append", help=f"default: {', '.join(FOLDERS)}")
+    parser.add_argument("--tests", nargs="+", default=TESTS, help=f"folders of tests/ to compile; default: {' '.join(TESTS)}")
+    parser.add_argument("--then", default="", help="tests of ctest (regular expression) that survivors meet, too")
+    parser.add_argument("--at-least", type=float, default=0, help="exit code 1 if less of them are killed [%%]")
+    parser.add_argument("--list", action="store_true", help="print the drawn mutants only")
+    return parser.parse_args()
+
+
+def main():
+    given = arguments()
+    sources = sorted(path for folder in given.folder or FOLDERS for path in (ROOT / folder).rglob("*.[ch]pp"))
+    texts = {path: path.read_text() for path in sources}
+    drawn = [(path, *change) for path in sources for change in mutations(texts[path])]
+    print(f"mutate: {len(drawn)} places in {len(sources)} files, seed {given.seed}", file=sys.stderr)
+    random.Random(given.seed).shuffle(drawn)
+    if not given.list:
+        prepare(given.tests)
+        limits = time_limits({path.relative_to(ROOT).parts[1] for path in sources})
+    counted, survivors, invalid = 0, [], 0
+    for path, start, end, replacement in drawn:
+        if counted == given.count:
+            break
+        text, name = texts[path], path.relative_to(ROOT)
+        mutant = text[:start] + replacement + text[end:]
+        line, first, last = line_of(text, start, end)
+        what = f"{name}:{line}: {text[first:last].strip()}  ->  {mutant[first:last + len(mutant) - len(text)].strip()}"
+        if given.list:
+            counted += 1
+            print(what)
+            continue
+        copy = TREE / name
+        try:
+            copy.write_text(mutant)
+            result = outcome(name, name.parts[1], limits, given.then)
+        finally:
+            copy.write_text(text)
+        invalid += result == "invalid"
+        counted += result != "invalid"
+        survivors += [what] if result == "survived" else []
+        print(f"{counted:4} {result:16} {what}", flush=True)
+    if given.list:
+        return 0
+    print("\nSurvivors")
+    for what in sorted(survivors):
+        print(f"  {what}")
+    percent = 100 * (counted - len(survivors)) / max(counted, 1)
+    print(f"{counted - len(survivors)} of {counted} killed, {percent:.1f} %; {invalid} did not compile")
+    return 1 if percent < given.at_least else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
