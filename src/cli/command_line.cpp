@@ -3,6 +3,7 @@
 #include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/parallel.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 
@@ -80,7 +81,11 @@ int run_command_line(const Words& words) {
   const Command* command = command_of(*place);
   if (!command) refuse_command(*place);
   if (help) return show_help(*place, rest);
-  return command->run(parse_arguments(*command, rest));
+  const Values values = parse_arguments(*command, rest);
+  const int code = command->run(values);
+  if (threads_refused())
+    warn({"the system permits fewer threads than asked for: slower, with the same result"}, values);
+  return code;
 }
 
 }  // namespace qerr::cli

@@ -9,7 +9,9 @@
 #include <cstdio>
 #include <exception>
 #include <new>
+#include <stdexcept>
 #include <string>
+#include <string_view>
 
 #include "cli/command.hpp"
 #include "cli/terminal.hpp"
@@ -32,12 +34,42 @@ extern "C" void stop(int signal) {
 void set_signals() {
   std::signal(SIGINT, stop);
   std::signal(SIGTERM, stop);
+  // The others that end a process, unless the caller has them ignored, as nohup does.
+  for (const int signal : {SIGHUP, SIGQUIT, SIGXCPU, SIGALRM, SIGVTALRM, SIGPROF, SIGUSR1, SIGUSR2})
+    if (std::signal(signal, stop) == SIG_IGN) std::signal(signal, SIG_IGN);
   // The process must remove its temporary files when the reader of its pipe has gone: write() then returns
   // EPIPE.
   std::signal(SIGPIPE, SIG_IGN);
   // A file beyond the limit of the shell (ulimit -f) is an error of write(), too.
   std::signal(SIGXFSZ, SIG_IGN);
 }
+
+/// Allocates nothing.
+int report_out_of_memory() noexcept {
+  constexpr std::string_view text = "qerr: out of memory; use fewer configurations or a smaller input\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+  return static_cast<int>(qerr::Trouble::internal);
+}
+
+/// Where an exception cannot be caught: memory may end in a constructor before main, or while another
+/// exception is on its way.
+[[noreturn]] void end_without_abort() noexcept {
+  qerr::remove_unfinished_outputs();
+  try {
+    if (const std::exception_ptr failure = std::current_exception()) std::rethrow_exception(failure);
+  } catch (const std::bad_alloc&) {
+    _exit(report_out_of_memory());
+  } catch (...) {
+  }
+  constexpr std::string_view text = "qerr: internal error: an exception was not handled\n";
+  [[maybe_unused]] const ssize_t written = write(STDERR_FILENO, text.data(), text.size());
+  _exit(static_cast<int>(qerr::Trouble::internal));
+}
+
+void set_terminate(int, char**, char**) { std::set_terminate(end_without_abort); }
+
+/// Called before the constructors of the libraries (ELF's preinit array).
+[[gnu::section(".preinit_array"), gnu::used]] void (*const at_start)(int, char**, char**) = set_terminate;
 
 /// Occupies the standard streams that the caller has closed, so that no file is opened as one of them.
 /// Reading from /dev/null that is open for writing fails, and the other way round.
@@ -64,6 +96,22 @@ int report(const std::string& text, qerr::Trouble trouble) {
   return static_cast<int>(trouble);
 }
 
+int run(int argc, char** argv) {
+  try {
+    return qerr::cli::run_command_line({argv + std::min(argc, 1), argv + argc});
+  } catch (const qerr::Error& e) {
+    return report(e.what(), e.trouble());
+  } catch (const qerr::ClosedPipe&) {
+    return closed_pipe_code;
+  } catch (const std::bad_alloc&) {
+    return report_out_of_memory();
+  } catch (const std::length_error&) {  // of a container that no memory could hold
+    return report_out_of_memory();
+  } catch (const std::exception& e) {
+    return report(std::string("qerr: internal error: ") + e.what(), qerr::Trouble::internal);
+  }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
@@ -72,15 +120,8 @@ int main(int argc, char** argv) {
   set_signals();
   const qerr::RunFiles files;
   try {
-    return qerr::cli::run_command_line({argv + std::min(argc, 1), argv + argc});
-  } catch (const qerr::Error& e) {
-    return report(e.what(), e.trouble());
-  } catch (const qerr::ClosedPipe&) {
-    return closed_pipe_code;
-  } catch (const std::bad_alloc&) {
-    return report("qerr: out of memory; use fewer configurations or a smaller input",
-                  qerr::Trouble::internal);
-  } catch (const std::exception& e) {
-    return report(std::string("qerr: internal error: ") + e.what(), qerr::Trouble::internal);
+    return run(argc, argv);
+  } catch (...) {  // the message of an error needs memory, too
+    return report_out_of_memory();
   }
 }

@@ -22,15 +22,12 @@ class OrderedTexts {
       : count_(count), most_held_(held_per_thread * threads), make_(make), pass_(pass) {}
 
   void work() {
-    while (const auto i = next()) {
-      std::string text;
-      std::exception_ptr failure;
-      try {
-        text = make_(*i);
-      } catch (...) {
-        failure = std::current_exception();
-      }
-      add(*i, {std::move(text), failure});
+    try {
+      make_texts();
+    } catch (...) {  // without memory for the result: the others must not wait for it
+      const std::lock_guard lock(mutex_);
+      failure_ = std::current_exception();
+      changed_.notify_all();
     }
   }
 
@@ -43,6 +40,19 @@ class OrderedTexts {
     std::string text;
     std::exception_ptr failure;
   };
+
+  void make_texts() {
+    while (const auto i = next()) {
+      std::string text;
+      std::exception_ptr failure;
+      try {
+        text = make_(*i);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      add(*i, {std::move(text), failure});
+    }
+  }
 
   std::optional<std::uint64_t> next() {
     std::unique_lock lock(mutex_);

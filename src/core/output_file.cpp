@@ -1,6 +1,7 @@
 #include "core/output_file.hpp"
 
 #include <fcntl.h>
+#include <sys/random.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -8,9 +9,12 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <ctime>
 #include <filesystem>
+#include <utility>
 
 #include "core/run_files.hpp"
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -45,6 +49,43 @@ bool is_special(const std::string& path) {
   return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 
+/// The folder of a file, as a path to open.
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
+/// A name for a temporary file in the folder of a file. It is random, as process ids repeat from container to
+/// container, and no file that a killed process has left must hinder a later one.
+std::string random_name(const std::string& path) {
+  std::array<unsigned char, 8> bytes{};
+  if (getrandom(bytes.data(), bytes.size(), GRND_NONBLOCK) < 0) {
+    const auto ticks = static_cast<std::uint64_t>(std::clock()) ^ static_cast<std::uint64_t>(getpid()) << 32;
+    std::memcpy(bytes.data(), &ticks, bytes.size());
+  }
+  std::string name = folder_of(path) + "/.qerr.";
+  for (const unsigned char byte : bytes) name += hexadecimal(byte);
+  return name + ".tmp";
+}
+
+constexpr int most_names = 100;
+
+/// The path under which the system shows an open file of this process.
+std::string path_of(int descriptor) { return "/proc/self/fd/" + std::to_string(descriptor); }
+
+/// Opens a file without a name in a folder, which disappears with the process; -1 where the file system has
+/// none, or the system does not show it (/proc), so that it could not be given a name.
+int open_unnamed(const std::string& folder) {
+#ifdef O_TMPFILE
+  const int descriptor = open(folder.c_str(), O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+  if (descriptor < 0) return -1;
+  struct stat status {};
+  if (stat(path_of(descriptor).c_str(), &status) == 0) return descriptor;
+  close(descriptor);
+#endif
+  return -1;
+}
+
 }  // namespace
 
 void remove_unfinished_outputs() {
@@ -64,22 +105,36 @@ OutputFile::OutputFile(std::string path, const std::string& option) : path_(std:
     // Symbolic links are resolved, so that their target is replaced and not the link.
     std::error_code ignored;
     const auto real = std::filesystem::canonical(path_, ignored);
-    const std::string target = ignored ? path_ : real.string();
-    if (!ignored) path_ = target;
-    temporary_ = target + ".tmp." + std::to_string(getpid());
-    descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+    if (!ignored) path_ = real.string();
+    struct stat status {};
+    if (stat(path_.c_str(), &status) != 0 && errno != ENOENT) fail("cannot be opened for writing", errno);
+    descriptor_ = open_unnamed(folder_of(path_));
+    unnamed_ = descriptor_ >= 0;
+    for (int i = 0; !unnamed_ && descriptor_ < 0 && i < most_names; ++i) {
+      begin_temporary();
+      descriptor_ = open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+      if (descriptor_ < 0) end_temporary();
+      if (descriptor_ < 0 && errno != EEXIST) break;
+    }
   }
-  if (descriptor_ >= 0 && !temporary_.empty()) slot_ = remember(temporary_);
-  if (descriptor_ < 0) {
-    temporary_.clear();
-    fail("cannot be opened for writing", errno);
-  }
+  if (descriptor_ < 0) fail("cannot be opened for writing", errno);
 }
 
 OutputFile::~OutputFile() {
   if (descriptor_ > STDERR_FILENO) ::close(descriptor_);
   if (!temporary_.empty()) unlink(temporary_.c_str());
+  end_temporary();
+}
+
+void OutputFile::begin_temporary() {
+  temporary_ = random_name(path_);
+  slot_ = remember(temporary_);
+}
+
+void OutputFile::end_temporary() {
   forget(slot_);
+  slot_ = -1;
+  temporary_.clear();
 }
 
 void OutputFile::fail(const std::string& what, int code) {
@@ -107,13 +162,39 @@ void OutputFile::flush() {
 void OutputFile::close() {
   flush();
   if (descriptor_ == STDOUT_FILENO) return;
-  if (!temporary_.empty() && fsync(descriptor_) != 0) fail("cannot be written", errno);
-  const int closed = ::close(descriptor_);
-  descriptor_ = -1;
+  const bool regular = unnamed_ || !temporary_.empty();
+  if (regular && fsync(descriptor_) != 0) fail("cannot be written", errno);
+  // A file without a name lives as long as it is open.
+  const int kept = unnamed_ ? fcntl(descriptor_, F_DUPFD_CLOEXEC, STDERR_FILENO + 1) : -1;
+  if (unnamed_ && kept < 0) fail("cannot be written", errno);
+  const int closed = ::close(std::exchange(descriptor_, kept));
   if (closed != 0) fail("cannot be written", errno);
-  if (temporary_.empty()) return;
+  if (regular) put_in_place();
+}
+
+void OutputFile::put_in_place() {
+  if (unnamed_) {
+    const std::string shown = path_of(descriptor_);
+    const auto link_as = [&](const std::string& name) {
+      return linkat(AT_FDCWD, shown.c_str(), AT_FDCWD, name.c_str(), AT_SYMLINK_FOLLOW) == 0;
+    };
+    bool linked = link_as(path_);
+    const bool whole = linked;
+    for (int i = 0; !linked && errno == EEXIST && i < most_names; ++i) {  // a link does not replace a file
+      end_temporary();
+      begin_temporary();
+      linked = link_as(temporary_);
+    }
+    if (!linked) {
+      const int code = errno;
+      end_temporary();
+      fail("cannot be replaced", code);
+    }
+    ::close(std::exchange(descriptor_, -1));
+    if (whole) return;
+  }
   if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("cannot be replaced", errno);
-  temporary_.clear();
+  end_temporary();
 }
 
 }  // namespace qerr

@@ -4,11 +4,20 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <new>
 #include <system_error>
 #include <thread>
 #include <vector>
 
 namespace qerr {
+
+namespace {
+
+std::atomic<bool> refused{false};
+
+}  // namespace
+
+bool threads_refused() { return refused; }
 
 unsigned thread_count(unsigned requested) {
   return requested > 0 ? requested : std::max(1u, std::thread::hardware_concurrency());
@@ -32,7 +41,9 @@ void parallel_for(std::size_t count, unsigned threads, const std::function<void(
   try {
     for (std::size_t k = 1; k < workers; ++k) pool.emplace_back(work);
   } catch (const std::system_error&) {
-    // The system permits no more threads; fewer of them give the same result.
+    refused = true;
+  } catch (const std::bad_alloc&) {
+    refused = true;
   }
   work();
   pool.clear();

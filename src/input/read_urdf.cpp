@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <mutex>
+#include <new>
 #include <unordered_map>
 #include <utility>
 
@@ -131,15 +132,21 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
   Dismantled parsed;
   try {
     parsed.tree = ::urdf::parseURDF(sanitized(model, written));
+  } catch (const std::bad_alloc&) {
+    throw;
   } catch (const std::exception& e) {
     output.first_error = e.what();
   }
+  // It was given what this reader has accepted: it lacked memory, which it reports in many ways, or one of
+  // the two is wrong.
   if (!parsed.tree || !output.first_error.empty())
-    throw Error(Fault{{model.file},
-                      "robot '" + model.name + "'",
-                      "urdfdom rejects this robot: " + output.first_error,
-                      "",
-                      ""});
+    throw Error(
+        Fault{{model.file},
+              "robot '" + model.name + "'",
+              "urdfdom rejects a robot that qerr accepts, perhaps for lack of memory: " + output.first_error,
+              "",
+              ""},
+        Trouble::internal);
   for (std::size_t i = 0; i < written.size(); ++i) {
     const WrittenJoint& w = written[i];
     if (!w.in_tree) continue;

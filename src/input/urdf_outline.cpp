@@ -179,6 +179,7 @@ void Outliner::add_text(std::string_view text) {
 
 void Outliner::malformed() {
   const XML_Error code = XML_GetErrorCode(parser_.get());
+  if (code == XML_ERROR_NO_MEMORY) throw std::bad_alloc();
   const std::string open = open_.empty() ? ""
                                          : "<" + open_.back().first + "> of line " +
                                                std::to_string(open_.back().second) + " is still open";

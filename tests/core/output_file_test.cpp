@@ -70,6 +70,29 @@ TEST_F(OutputFiles, AreRejectedAtTheStartIfTheyCannotBeWritten) {
   }
 }
 
+TEST_F(OutputFiles, HaveNoNameUntilTheyAreWhole) {
+  OutputFile out((folder_ / "a.json").string());
+  out.write("new");
+  // Where the file system has no files without a name, the temporary file does not stop another run.
+  EXPECT_LE(files(), 1u);
+  EXPECT_FALSE(std::filesystem::exists(folder_ / "a.json"));
+  out.close();
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFiles, ReplaceAFileThatAppearsWhileTheyAreWritten) {
+  OutputFile out((folder_ / "a.json").string());
+  std::ofstream(folder_ / "a.json") << "of another process";
+  out.write("new");
+  out.close();
+  EXPECT_EQ(read(folder_ / "a.json"), "new");
+  EXPECT_EQ(files(), 1u);
+}
+
+TEST_F(OutputFiles, AreRejectedAtTheStartIfTheirNameIsTooLong) {
+  EXPECT_THROW(OutputFile((folder_ / std::string(300, 'a')).string()), Error);
+}
+
 TEST_F(OutputFiles, ReportAFullDevice) {
   if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
   OutputFile out("/dev/full");
