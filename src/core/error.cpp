@@ -31,12 +31,9 @@ std::string line_of(const Fault& fault) {
 std::string escaped(const std::string& text, std::size_t limit) {
   std::string out;
   for (std::size_t i = 0; i < text.size();) {
-    const std::size_t length = utf8_length(text, i);
-    const auto byte = static_cast<unsigned char>(text[i]);
-    const std::size_t step = length == 0 ? 1 : length;
-    // U+0080..U+009F are control characters too: terminals read them as escape sequences.
-    const bool c1_control = length == 2 && byte == 0xC2 && static_cast<unsigned char>(text[i + 1]) < 0xA0;
-    if (length == 0 || byte < 0x20 || byte == 0x7F || c1_control) {
+    const std::size_t hidden = hidden_length(text, i);
+    const std::size_t step = hidden > 0 ? hidden : utf8_length(text, i);
+    if (hidden > 0) {
       for (std::size_t k = 0; k < step; ++k)
         out += "\\x" + hexadecimal(static_cast<unsigned char>(text[i + k]));
     } else {

@@ -19,20 +19,52 @@ std::string printed(double value, std::chars_format format, int precision) {
 
 }  // namespace
 
-std::size_t utf8_length(std::string_view text, std::size_t at) {
+namespace {
+
+/// Length of the sequence and its code point; length 0 if the bytes are not well formed.
+struct CodePoint {
+  std::size_t length = 0;
+  unsigned code = 0;
+};
+
+CodePoint decoded(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) { return static_cast<unsigned>(static_cast<unsigned char>(text[i])); };
   const unsigned first = byte(at);
-  if (first < 0x80) return 1;
+  if (first < 0x80) return {1, first};
   const std::size_t length = first >= 0xF0 ? 4 : first >= 0xE0 ? 3 : 2;
-  if (first < 0xC2 || first > 0xF4 || at + length > text.size()) return 0;
+  if (first < 0xC2 || first > 0xF4 || at + length > text.size()) return {};
   unsigned code = first & (0xFFu >> (length + 1));
   for (std::size_t i = 1; i < length; ++i) {
-    if ((byte(at + i) & 0xC0u) != 0x80u) return 0;
+    if ((byte(at + i) & 0xC0u) != 0x80u) return {};
     code = code << 6 | (byte(at + i) & 0x3Fu);
   }
   const bool overlong = (length == 3 && code < 0x800) || (length == 4 && code < 0x10000);
   const bool surrogate = code >= 0xD800 && code <= 0xDFFF;
-  return overlong || surrogate || code > 0x10FFFF ? 0 : length;
+  return overlong || surrogate || code > 0x10FFFF ? CodePoint{} : CodePoint{length, code};
+}
+
+struct CodeRange {
+  unsigned first, last;
+};
+
+/// Unicode's Cc, its format characters (Cf) except those of scripts, and the separators of lines.
+constexpr CodeRange hidden[]{{0x00, 0x1F},     {0x7F, 0x9F},     {0xAD, 0xAD},      {0x61C, 0x61C},
+                             {0x180E, 0x180E}, {0x200B, 0x200F}, {0x2028, 0x202E},  {0x2060, 0x206F},
+                             {0xFEFF, 0xFEFF}, {0xFFF9, 0xFFFB}, {0xE0000, 0xE007F}};
+
+}  // namespace
+
+std::size_t utf8_length(std::string_view text, std::size_t at) { return decoded(text, at).length; }
+
+unsigned code_point(std::string_view text, std::size_t at) { return decoded(text, at).code; }
+
+std::size_t hidden_length(std::string_view text, std::size_t at) {
+  const CodePoint c = decoded(text, at);
+  if (c.length == 0) return 1;
+  const bool is_hidden = std::any_of(std::begin(hidden), std::end(hidden), [&](const CodeRange& r) {
+    return r.first <= c.code && c.code <= r.last;
+  });
+  return is_hidden ? c.length : 0;
 }
 
 std::size_t display_width(std::string_view text) {

@@ -11,6 +11,14 @@ namespace qerr {
 /// surrogates); 0 if the bytes are not well formed.
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
+/// The character that starts at byte `at`; 0 if the bytes are not well formed.
+unsigned code_point(std::string_view text, std::size_t at);
+
+/// Length in bytes of the character at byte `at` if a reader cannot see it, or it changes what others look
+/// like: a control character (C0, DEL, C1), a character without width, or one that changes the direction of
+/// writing or breaks the line (Unicode Technical Report 36); also 1 if the bytes are not well formed. Else 0.
+std::size_t hidden_length(std::string_view text, std::size_t at);
+
 /// Width of the text on a terminal, counted as one column per code point.
 std::size_t display_width(std::string_view text);
 

@@ -31,10 +31,32 @@ std::string binary_format(std::string_view head) {
 
 }  // namespace
 
+namespace {
+
+/// Moves a place over a text; its column counts code points.
+void advance(Place& place, const char* begin, const char* end) {
+  const char* start = begin;
+  for (const char* p = begin; p != end; ++p)
+    if (*p == '\n') {
+      ++place.line;
+      place.column = 1;
+      start = p + 1;
+    }
+  place.column += static_cast<int>(display_width({start, static_cast<std::size_t>(end - start)}));
+}
+
+}  // namespace
+
 ColumnName column_name(const std::string& cell) {
-  const std::size_t open = cell.rfind('[');
-  if (open == std::string::npos || !cell.ends_with(']')) return {cell, {}};
-  return {trimmed(cell.substr(0, open)), trimmed(cell.substr(open + 1, cell.size() - open - 2))};
+  // Blanks before a name belong to it: an unquoted cell has none. An apostrophe says that it is no formula.
+  const bool marked =
+      cell.size() > 1 && cell[0] == '\'' && std::string_view("=+-@'").find(cell[1]) != std::string_view::npos;
+  const std::string text = cell.substr(marked ? 1 : 0);
+  const std::size_t open = text.rfind('[');
+  if (open == std::string::npos || !text.ends_with(']')) return {text, {}};
+  const std::size_t last = text.find_last_not_of(" \t\r", open - 1);
+  return {open == 0 || last == std::string::npos ? std::string() : text.substr(0, last + 1),
+          trimmed(text.substr(open + 1, text.size() - open - 2))};
 }
 
 CsvReader::CsvReader(const std::string& path, const CsvLimits& limits)
@@ -92,9 +114,13 @@ void CsvReader::read_header() {
     next_line_ += 1 + std::count(begin, end, '\n');
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     if (comment || std::all_of(begin, end, is_blank)) continue;
+    // From cell to cell, as the header may have very many.
+    Place place{file(), line(), 1};
     for (const Cell& cell : cells_of(begin, end)) {
+      advance(place, begin, cell.begin);
+      begin = cell.begin;
       header_.push_back(cell.text);
-      header_places_.push_back(place_at(cell.begin));
+      header_places_.push_back(place);
     }
     break;
   }
@@ -128,14 +154,10 @@ int CsvReader::line() const {
   return static_cast<int>(std::min<std::int64_t>(line_, std::numeric_limits<int>::max()));
 }
 
-/// The place of a cell; its column counts code points.
 Place CsvReader::place_at(const char* cell) const {
-  const char* const row = buffer_.data() + row_;
-  const char* start = cell;
-  while (start > row && start[-1] != '\n') --start;
-  const auto inner_lines = static_cast<int>(std::count(row, cell, '\n'));
-  const std::string_view before(start, static_cast<std::size_t>(cell - start));
-  return {file(), line() + inner_lines, static_cast<int>(display_width(before)) + 1};
+  Place place{file(), line(), 1};
+  advance(place, buffer_.data() + row_, cell);
+  return place;
 }
 
 Place CsvReader::place(std::size_t chosen) const { return cell_place(chosen_[chosen]); }

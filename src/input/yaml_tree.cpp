@@ -88,7 +88,8 @@ class TreeBuilder : public YAML::EventHandler {
   /// An escape such as "\e" or, in the path of another system, "\r": no value of a spec has one.
   void refuse_control_characters(const YAML::Mark& mark, const std::string& value) const {
     if (escaped(value, std::string::npos) == value || value.find('\n') != std::string::npos) return;
-    throw Error({place(mark), "", "a text must not contain control characters", "'" + value + "'",
+    throw Error({place(mark), "", "a text must not contain control or invisible characters",
+                 "'" + value + "'",
                  "in double quotation marks a backslash begins an escape: use single ones, or '/' in paths"});
   }
 

@@ -1,15 +1,34 @@
 #include "report/csv_text.hpp"
 
 #include <cmath>
+#include <string_view>
 
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
 
+namespace {
+
+/// Whether a spreadsheet would calculate the text, or an apostrophe before it would be taken for one of ours.
+bool is_formula(const std::string& text) {
+  std::string why;
+  return text.size() > 1 && std::string_view("=+-@'").find(text[0]) != std::string_view::npos &&
+         !parse_quantity(text, why);
+}
+
+/// Whether the text means itself without quotation marks: blanks at its ends are lost, and `#` begins a
+/// comment.
+bool is_plain(const std::string& text) {
+  return text.empty() || (text.find_first_of(",\"\r\n") == std::string::npos && text[0] != '#' &&
+                          text.front() != ' ' && text.back() != ' ');
+}
+
+}  // namespace
+
 std::string csv_cell(const std::string& cell) {
-  const std::string text = escaped(cell, std::string::npos);
-  if (text.find_first_of(",\"\r\n") == std::string::npos) return text;
+  const std::string text = (is_formula(cell) ? "'" : "") + escaped(cell, std::string::npos);
+  if (is_plain(text)) return text;
   std::string quoted = "\"";
   for (const char c : text) quoted += c == '"' ? std::string("\"\"") : std::string(1, c);
   return quoted + '"';

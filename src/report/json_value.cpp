@@ -76,19 +76,26 @@ struct JsonText {
     return object;
   }
 
-  /// DEL and the control characters U+0080..U+009F, which a terminal obeys, are valid in JSON: as \u00XX the
-  /// text is the same. They occur in strings only.
+  static std::string escaped_code(unsigned code) {
+    if (code >= 0x10000)  // two surrogates
+      return escaped_code(0xD800 + (code - 0x10000) / 0x400) + escaped_code(0xDC00 + code % 0x400);
+    return "\\u" + hexadecimal(static_cast<unsigned char>(code >> 8)) +
+           hexadecimal(static_cast<unsigned char>(code & 0xFF));
+  }
+
+  /// What a reader cannot see, or a terminal obeys, is valid in JSON: as \uXXXX the text is the same. It
+  /// occurs in strings only, except for line ends.
   static std::string terminal_safe(const std::string& text) {
     std::string out;
     out.reserve(text.size());
-    for (std::size_t i = 0; i < text.size(); ++i) {
-      const auto byte = static_cast<unsigned char>(text[i]);
-      const bool control =
-          byte == 0xC2 && i + 1 < text.size() && static_cast<unsigned char>(text[i + 1]) < 0xA0;
-      if (byte == 0x7F || control)
-        out += "\\u00" + hexadecimal(static_cast<unsigned char>(text[control ? ++i : i]));
+    for (std::size_t i = 0; i < text.size();) {
+      const std::size_t hidden = text[i] == '\n' ? 0 : hidden_length(text, i);
+      const std::size_t length = std::max<std::size_t>(utf8_length(text, i), 1);
+      if (hidden > 0)
+        out += escaped_code(code_point(text, i));
       else
-        out += text[i];
+        out.append(text, i, length);
+      i += length;
     }
     return out;
   }
@@ -112,9 +119,22 @@ Json::Json(const std::map<std::string, std::string>& members) : Json(object()) {
   for (const auto& [name, text] : members) std::get<Members>(value_).push_back({name, text});
 }
 
-Json::Json(const Json&) = default;
+// The copy is made outside the variant: libstdc++ 12 destroys a variant whose copy was interrupted by
+// bad_alloc as if it were whole.
+Json::Json(const Json& other) {
+  std::visit(
+      [this](const auto& value) {
+        auto copy = value;
+        value_ = std::move(copy);
+      },
+      other.value_);
+}
 Json::Json(Json&&) noexcept = default;
-Json& Json::operator=(const Json&) = default;
+Json& Json::operator=(const Json& other) {
+  Json copy(other);
+  value_ = std::move(copy.value_);
+  return *this;
+}
 Json& Json::operator=(Json&&) noexcept = default;
 Json::~Json() = default;
 

@@ -16,6 +16,15 @@ TEST(Utf8, AcceptsWellFormedTextOnly) {
     EXPECT_EQ(utf8_length(bad, 0), 0u);
 }
 
+TEST(HiddenCharacters, AreThoseThatNobodySees) {
+  for (const std::string hidden : {"\x1b", "\x7f", "\u0085", "\u009b", "\u200b", "\u200f", "\u202e", "\u2066",
+                                   "\ufeff", "\u2028", "\U000e0041"})
+    EXPECT_EQ(hidden_length(hidden, 0), hidden.size());
+  for (const std::string seen : {" ", "a", "é", "°", "µ", "€", "関", "😀"})
+    EXPECT_EQ(hidden_length(seen, 0), 0u);
+  EXPECT_EQ(hidden_length("\xFF", 0), 1u);
+}
+
 TEST(NumberText, IsThatOfTheCLocaleInEveryLocale) {
   const char* const before = std::setlocale(LC_NUMERIC, nullptr);
   const std::string previous = before ? before : "C";

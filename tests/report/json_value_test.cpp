@@ -29,6 +29,7 @@ TEST(JsonValue, EscapesWhatATerminalObeys) {
   const std::string name = "a\x1b[31m\x7f\u009b31m\u00e9";
   const std::string line = Json(name).line();
   EXPECT_EQ(line, "\"a\\u001b[31m\\u007F\\u009B31m\u00e9\"");
+  EXPECT_EQ(Json("\u202e\u200b\U000e0041\u20ac").line(), "\"\\u202E\\u200B\\uDB40\\uDC41\u20ac\"");
   EXPECT_EQ(Parsed::parse(line), name);
 }
 

@@ -6,7 +6,9 @@ namespace qerr {
 
 namespace {
 
-std::string xml(const std::string& text) {
+/// XML 1.0 has no way to write most control characters, and a viewer shows the others as they are.
+std::string xml(const std::string& raw) {
+  const std::string text = escaped(raw, std::string::npos);
   std::string out;
   for (const char c : text) {
     switch (c) {
@@ -23,8 +25,7 @@ std::string xml(const std::string& text) {
         out += "&quot;";
         break;
       default:
-        // XML 1.0 has no way to write most control characters.
-        out += static_cast<unsigned char>(c) < 0x20 ? ' ' : c;
+        out += c;
     }
   }
   return out;
