@@ -26,7 +26,8 @@ const std::vector<Parameter>& common_encoder_parameters() {
   static const std::vector<Parameter> common{
       {.name = "gear_ratio",
        .meaning = "encoder revolutions per joint revolution; negative if the directions are opposite",
-       .fallback = 1.0},
+       .fallback = 1.0,
+       .nonzero = true},
       {.name = "travel_per_rev",
        .dimension = dimension::length,
        .meaning = "prismatic joints: travel per revolution of screw or pulley, after the gear",

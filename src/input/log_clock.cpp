@@ -6,6 +6,8 @@
 #include <cmath>
 #include <string>
 
+#include "core/physical_range.hpp"
+
 namespace qerr {
 
 namespace {
@@ -117,7 +119,7 @@ std::optional<double> LogClock::seconds(std::string_view text, const Unit& unit,
   const bool plus = text.size() > 1 && text[0] == '+' && text[1] != '-';
   const bool decimal = read_number(text.data() + plus, number, written) == text.data() + text.size();
   const double rounded_seconds = unit.in_si(number);
-  if (decimal && !std::isfinite(rounded_seconds)) return std::nullopt;
+  if (decimal && !(std::abs(rounded_seconds) <= physical_range(dimension::time).largest)) return std::nullopt;
   const bool no_epoch = origin_ && origin_->seconds == 0;
   if (decimal && (no_epoch || (!origin_ && std::abs(rounded_seconds) < farthest))) {
     origin_ = TimeStamp{};

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/number_advice.hpp"
+#include "core/physical_range.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/quantity_words.hpp"
@@ -42,6 +43,9 @@ std::string range_remedy(const Parameter& p, Dimension expected) {
   const std::string unit = unit_name(expected).empty() ? "" : ' ' + unit_name(expected);
   if (p.least == p.most) return "give " + shortest(p.least) + unit;
   std::string range;
+  if (p.least < 0 && p.least == -p.most)
+    return (p.kind == Kind::integer ? "give a whole number" : "give a value") + std::string(" of at most ") +
+           shortest(p.most) + unit + " in magnitude";
   if (std::isfinite(p.least)) range = (p.open_below ? "above " : "of at least ") + shortest(p.least);
   if (std::isfinite(p.most))
     range += (range.empty() ? (p.open_above ? "" : "of ") : " and ") +
@@ -84,6 +88,11 @@ double read_number(const Field& f, const Parameter& p, Dimension coordinate) {
     throw Error(f.fault("must be a number, not text", "remove the quotation marks"));
   const double value = in_dimension(f, *quantity, p, expected);
   if (!in_range(p, value)) throw Error(f.fault("is out of range", range_remedy(p, expected)));
+  if (p.nonzero && value == 0)
+    throw Error(f.fault("must not be zero", "give " + std::string(p.meaning.substr(0, p.meaning.find(';')))));
+  const Parameter possible = with_physical_range(p, coordinate);
+  if (!in_range(possible, value))
+    throw Error(f.fault("is beyond any machine", range_remedy(possible, expected)));
   if (p.kind == Kind::integer && value != std::floor(value))
     throw Error(f.fault("must be an integer", range_remedy(p, expected)));
   return value;

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/physical_range.hpp"
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -13,6 +14,8 @@
 namespace qerr {
 
 namespace {
+
+constexpr double most_ratio = 1e6;  ///< of a coupling: joint angle per encoder angle after the gear
 
 void refuse_key(const Object& o, std::string_view key, const std::string& why, const std::string& remedy) {
   if (o.has(key)) throw Error(o.at(key).fault(why, remedy));
@@ -66,9 +69,6 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
   if (kind.counts_per_rev) {
     figures.counts_per_rev = kind.counts_per_rev(numbers, o.choices(kind.parameters));
     figures.gear_ratio = o.number("gear_ratio").value();
-    if (figures.gear_ratio == 0)
-      throw Error(
-          o.at("gear_ratio").fault("must not be zero", "give encoder revolutions per joint revolution"));
     const double travel = travel_of(o, joint, shared);
     encoder.resolution = travel / (figures.counts_per_rev * std::abs(figures.gear_ratio));
     encoder.shaft_ratio = 2 * std::numbers::pi * figures.gear_ratio / travel;
@@ -83,8 +83,12 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     encoder.accuracy = accuracy_at_joint(o, joint, std::nullopt);
     figures.counts_per_rev = 2 * std::numbers::pi / encoder.resolution;
   }
-  if (!(encoder.resolution > 0) || !std::isfinite(encoder.resolution))
-    throw Error({f.node->place, f.path, "the resolution must be a positive finite number",
+  const Dimension dimension = coordinate_dimension(joint);
+  const PhysicalRange possible = physical_range(dimension);
+  if (!(encoder.resolution >= possible.smallest && encoder.resolution <= possible.largest))
+    throw Error({f.node->place, f.path,
+                 "the resolution at the joint must be from " + shortest(possible.smallest) + " to " +
+                     shortest(possible.largest) + ' ' + unit_name(dimension),
                  shortest(encoder.resolution), "check counts and gear ratio"});
   if (!joint.prismatic() && encoder.resolution > 2 * std::numbers::pi)
     throw Error({f.node->place, f.path, "the encoder has less than one count per joint revolution",
@@ -173,7 +177,7 @@ void read_coupling(const Field& f, Spec& spec) {
     if (row.size() != n) throw Error(rows[i].fault("the coupling has the wrong size", shape));
     for (std::size_t j = 0; j < n; ++j)
       coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) =
-          read_number(row[j], {.name = "coupling"});
+          read_number(row[j], {.name = "coupling", .least = -most_ratio, .most = most_ratio});
   }
   if (!coupling.allFinite() || rank(coupling) < static_cast<Eigen::Index>(n))
     throw Error({f.node->place, f.path, "the coupling is singular: a joint motion moves no encoder",

@@ -140,6 +140,8 @@ Norms norms_of(const Filter& filter) {
   } catch (const Error& e) {
     throw out_of_range(e.faults().front().found);
   }
+  if (n.h2 == 0)
+    throw Error({{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
   if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
     throw Error({{},
                  "",

@@ -1,8 +1,11 @@
 #include "qerr/input/read_log.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "core/physical_range.hpp"
+#include "core/text.hpp"
 #include "input/count_grid.hpp"
 #include "input/log_columns.hpp"
 #include "input/log_table.hpp"
@@ -70,6 +73,8 @@ class LogReader::Rows {
         counts_.push_back({index, direction(transmission_.encoders[column.index]), {}, {}});
       const bool scaled = column.scale.factor != 1 || column.scale.divisor != 1;
       if (scaled && column.signal != LogSignal::time) scaled_.push_back(index);
+      if (column.signal != LogSignal::counts && column.signal != LogSignal::time)
+        bounds_.push_back(bound_of(column, index));
       const double turn = wrap_interval(column, spec);
       if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
       const bool has_turns = column.signal == LogSignal::reference || column.signal == LogSignal::command;
@@ -108,18 +113,44 @@ class LogReader::Rows {
     std::int64_t turns = 0;  // added to the column
     double last = 0;         // last difference from the measured position
   };
+  /// Largest magnitude of a column's values [SI units].
+  struct Bound {
+    Eigen::Index column;
+    double most;
+    bool of_counts;  ///< by the encoder's resolution, else by physics
+  };
   struct ColumnUnwrap {
     Eigen::Index column;
     Unwrap unwrap;
   };
 
-  /// Converts units, checks counts and time of a row, and gives counts the direction of the joint.
+  Bound bound_of(const LogColumn& column, Eigen::Index index) const {
+    const double physical = physical_range(column.scale.dimension).largest;
+    if (column.signal != LogSignal::measured && column.signal != LogSignal::reference &&
+        column.signal != LogSignal::command)
+      return {index, physical, false};
+    const auto joint = static_cast<Eigen::Index>(column.index);
+    const double step =
+        transmission_.coupling.row(joint).cwiseAbs().dot(resolutions(transmission_).transpose());
+    return {index, std::min(physical, most_counts * step), most_counts * step < physical};
+  }
+  std::string unit_of(Eigen::Index column) const {
+    const std::string unit = unit_name(log.columns[static_cast<std::size_t>(column)].scale.dimension);
+    return unit.empty() ? "" : ' ' + unit;
+  }
+
+  /// Converts units, checks ranges, counts and time of a row, and gives counts the direction of the joint.
   void check(Eigen::ArrayXXd& rows, Eigen::Index row) {
     for (const Eigen::Index c : scaled_) {
       double& value = rows(row, c);
       value = log.columns[static_cast<std::size_t>(c)].scale.in_si(value);
-      if (!std::isfinite(value)) refuse(c, "the number is too large", "");
     }
+    for (const auto& [c, most, counts] : bounds_)
+      if (std::abs(rows(row, c)) > most)  // false for a cell without a value
+        refuse(c,
+               counts ? "a position beyond 2^53 counts of its encoder cannot be compared with it"
+                      : "the number is too large: no machine reaches " + significant(most, 2) + unit_of(c),
+               "correct the cell, or the unit in the header");
     for (auto& [c, direction, grid, off_grid] : counts_) {
       double& value = rows(row, c);
       if (!(std::abs(value) <= most_counts))
@@ -200,6 +231,7 @@ class LogReader::Rows {
   }
 
   LogTable table_;
+  std::vector<Bound> bounds_;
   Transmission transmission_;
   Eigen::Index most_;
   std::function<void(std::uint64_t, std::uint64_t)> progress_;

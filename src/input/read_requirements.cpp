@@ -116,8 +116,10 @@ void read_limit(const Object& o, Spec& spec, Requirement& r) {
   const Dimension d = dimension_of(r, spec);
   r.unit = unit_of(r, spec);
   const std::string_view key = r.relation();
-  // A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly one.
-  const Parameter limit{.name = key, .dimension = d, .least = 0, .usual = d.metre ? 0.01 : 0.1};
+  // A limit may be as good as none. A metre or a radian is no requirement of a tip, 10 mm or 0.1 rad hardly
+  // one.
+  const Parameter limit{
+      .name = key, .dimension = d, .least = 0, .most = 1e300, .usual = d.metre ? 0.01 : 0.1};
   r.limit = read_number(o.at(key), limit);
   if (r.filter < 0) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
 }

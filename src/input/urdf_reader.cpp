@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/physical_range.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/urdf_vocabulary.hpp"
@@ -60,14 +61,26 @@ std::optional<std::array<double, N>> UrdfReader::numbers(const UrdfElement& elem
   const UrdfAttribute* attribute = element.attribute(name);
   if (!attribute) return {};
   const auto words = split(attribute->value);
+  // An axis is a direction, of any length.
+  const bool is_length = element.name == "origin" && name == std::string_view("xyz");
+  const double most = element.name == "axis"
+                          ? HUGE_VAL
+                          : physical_range(is_length ? dimension::length : dimension::none).largest;
+  bool too_large = false;
   std::array<double, N> values{};
   bool good = words.size() == N;
   for (std::size_t i = 0; good && i < N; ++i) {
     const auto value = parse_number(words[i]);
     good = value.has_value();
+    too_large = too_large || std::abs(value.value_or(0)) > most;
     values[i] = value.value_or(0);
   }
-  if (good) return values;
+  if (good && !too_large) return values;
+  if (good) {
+    spoil(*attribute, key, "'" + std::string(name) + "' of <" + element.name + "> is out of range",
+          quoted(attribute->value), "give values of at most " + shortest(most));
+    return {};
+  }
   const bool comma = attribute->value.find(',') != std::string::npos;
   spoil(*attribute, key,
         "'" + std::string(name) + "' of <" + element.name + "> must be " +
@@ -92,6 +105,9 @@ std::string UrdfReader::name_of(const UrdfElement& element) {
     spoil(element, element.name, "a " + element.name + " must have a name", "", "");
   else if (name->value.empty())
     spoil(*name, element.name, "the name of a " + element.name + " must not be empty", "", "");
+  else if (escaped(name->value, std::string::npos) != name->value)
+    spoil(*name, element.name, "a name must not contain control or invisible characters", quoted(name->value),
+          "type it anew");
   return name ? name->value : "";
 }
 

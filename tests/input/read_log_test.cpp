@@ -125,7 +125,7 @@ std::string number_text(std::mt19937_64& dice) {
       break;
     case 1:
       do x = std::bit_cast<double>(dice());
-      while (!std::isnormal(x));
+      while (!std::isnormal(x) || std::abs(x) > 1e60);  // beyond any machine
       break;
     default:
       x = std::ldexp(static_cast<double>(static_cast<std::int64_t>(dice())), -63 + below(40) - 20);

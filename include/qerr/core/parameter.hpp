@@ -29,6 +29,7 @@ struct Parameter {
   double most = std::numeric_limits<double>::infinity();
   bool open_below = false;  ///< `least` itself is out of range
   bool open_above = false;
+  bool nonzero = false;           ///< a number of either sign, but not 0
   std::string_view choices = {};  ///< of a choice: "matched|tustin"; the first one is the default
   bool coordinate = false;        ///< a joint coordinate: rad for a revolute joint, m for a prismatic one
   /// Largest usual magnitude in SI units: a number beyond it that is written without a unit was probably

@@ -73,6 +73,7 @@ EffectKind backlash_effect() {
                           .meaning = "full width of the play",
                           .required = true,
                           .least = 0,
+                          .most = 10,  // above a revolution, or of a machine tool's size in m
                           .coordinate = true},
                          {.name = "side",
                           .kind = Kind::choice,

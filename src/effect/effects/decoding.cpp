@@ -41,7 +41,8 @@ EffectKind decoding_effect() {
                           .meaning = "reading over right reading, such as 0.25, 2, -1",
                           .required = true,
                           .least = -1024,
-                          .most = 1024}},
+                          .most = 1024,
+                          .nonzero = true}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [factor = e.number("factor")](double x, const Moment&) {
               return std::floor(factor * x + 0.5);

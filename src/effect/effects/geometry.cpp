@@ -30,6 +30,8 @@ EffectKind geometry_effect() {
                           .dimension = dimension::length,
                           .meaning = "displacement of the joint's origin",
                           .required = true,
+                          .least = -largest_error,
+                          .most = largest_error,
                           .usual = 0.1}},
           // The true joint is displaced from the model's: estimate - true is minus the displacement.
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {

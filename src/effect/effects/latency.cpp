@@ -21,6 +21,8 @@ EffectKind latency_effect() {
                           .dimension = dimension::time,
                           .meaning = "age of the reading",
                           .required = true,
+                          .least = -longest_delay,
+                          .most = longest_delay,
                           .usual = 1}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [delay = e.number("delay")](double t, const Moment&) { return t - delay; };

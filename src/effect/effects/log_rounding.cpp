@@ -13,6 +13,7 @@ EffectKind log_rounding_effect() {
                           .meaning = "resolution of the logged positions",
                           .required = true,
                           .least = 0,
+                          .most = largest_error,
                           .coordinate = true}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [step = e.number("step")](double x, const Moment&) {

@@ -11,6 +11,7 @@ EffectKind noise_effect() {
                           .meaning = "standard deviation",
                           .required = true,
                           .least = 0,
+                          .most = largest_error,
                           .coordinate = true}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t seed) -> Action {
             return [sigma = e.number("sigma"), seed](double x, const Moment& m) {

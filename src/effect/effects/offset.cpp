@@ -28,8 +28,12 @@ EffectKind offset_effect() {
       .summary = "constant error: zero or index misplaced",
       .typical = "any; fractions of a degree after homing by hand",
       .stage = Stage::disc,
-      .parameters =
-          {{.name = "offset", .meaning = "estimate minus true", .required = true, .coordinate = true}},
+      .parameters = {{.name = "offset",
+                      .meaning = "estimate minus true",
+                      .required = true,
+                      .least = -largest_error,
+                      .most = largest_error,
+                      .coordinate = true}},
       .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
         return [offset = e.number("offset")](double x, const Moment&) { return x + offset; };
       },

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "effect/effects/effects.hpp"
+
 namespace qerr {
 
 Parameter periodic_amplitude() {
@@ -11,6 +13,7 @@ Parameter periodic_amplitude() {
           .meaning = "peak of the error at the joint",
           .required = true,
           .least = 0,
+          .most = largest_error,
           .coordinate = true};
 }
 

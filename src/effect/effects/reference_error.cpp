@@ -17,6 +17,7 @@ EffectKind reference_error_effect() {
                       .meaning = "periods per joint revolution",
                       .required = true,
                       .least = 0,
+                      .most = 1e6,
                       .open_below = true}},
       .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
         return [amplitude = e.number("amplitude"), phase = e.number("phase"), order = e.number("order")](

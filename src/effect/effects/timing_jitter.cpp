@@ -22,7 +22,8 @@ EffectKind timing_jitter_effect() {
                           .dimension = dimension::time,
                           .meaning = "standard deviation of the sampling instant",
                           .required = true,
-                          .least = 0}},
+                          .least = 0,
+                          .most = longest_delay}},
           .action = [](const Effect& e, const Encoder&, std::uint64_t seed) -> Action {
             return [sigma = e.number("sigma"), seed](double t, const Moment& m) {
               return sigma == 0 ? t : t + sigma * normal(seed, m.index);
