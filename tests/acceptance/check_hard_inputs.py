@@ -83,6 +83,24 @@ def check_log_cells(t, qerr, folder):
                     (ran.code == 0 or column.encode() in ran.err), f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
 
 
+def check_far_tips(t, qerr, folder):
+    """A tracker that shows the same far point all the time, or one of no size: an answer, whatever it is."""
+    spec, log, far = spec_with(folder, "j"), folder / "far_log.csv", folder / "far.csv"
+    run(qerr, "simulate", spec, "--log", log)
+    rows = [row.split(",") for row in log.read_text().splitlines()]
+    kept = [i for i, name in enumerate(rows[0]) if not name.endswith(".reference [rad]")]
+    for column in ("tip.x [m]", "tip.y [m]"):
+        for value in ("1e8", "-1e8", "3e6", "1e-310", "-9.5e-200", "0", "-2.5e-96", "7e7"):
+            for length in (9, 61, len(rows)):
+                table = [list(row) for row in rows[:length]]
+                for row in table[1:]:
+                    row[rows[0].index(column)] = value
+                far.write_text("".join(",".join(row[i] for i in kept) + "\n" for row in table))
+                ran = run(qerr, "diagnose", spec, far, "--format", "json", limit=20)
+                t.check(f"{value} as {column} of {length} rows: an answer", ran.code == 0 and ran.seconds < 5,
+                        f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
+
+
 def check_names(t, qerr, folder):
     log, table = folder / "log.csv", folder / "table.csv"
     for name in (" x ", " x", "x ", "#x", "=cmd|'/C calc'!A0", "+x", "-x", "@x", "'x", "''x", "'=x", "x,y", 'x"y', "x [rad]", "x[1]", "time", "ä", "x.counts"):
@@ -123,6 +141,7 @@ def main():
         folder = pathlib.Path(temporary)
         check_absurd_values(t, qerr, folder)
         check_log_cells(t, qerr, folder)
+        check_far_tips(t, qerr, folder)
         check_names(t, qerr, folder)
         check_many_columns(t, qerr, folder)
     return t.close()

@@ -25,7 +25,7 @@ double climb(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, doub
     for (const double by : {1 / factor, factor})
       while (sigma * by >= least) {
         const double next = log_likelihood(residual, known, sigma * by);
-        if (next <= best) break;
+        if (!(next > best)) break;  // also for a likelihood beyond the range of doubles
         sigma *= by;
         best = next;
       }
