@@ -38,7 +38,8 @@ Evidence swing(Flaw flaw, double counts_per_period = 4) {
   e.joint = "elbow";
   e.encoder = {step, Rounding::nearest, true, 10, counts_per_period};
   e.noise = 0.04 * step;
-  e.time = Eigen::ArrayXd::LinSpaced(n, 0, 1e-3 * static_cast<double>(n - 1));
+  e.interval = 1e-3;
+  e.time = Eigen::ArrayXd::LinSpaced(n, 0, e.interval * static_cast<double>(n - 1));
   e.reference = 1.1 * (2.1 * e.time).sin() + 0.2 * (7.7 * e.time + 1).cos();
   e.measured.resize(n);
   for (Eigen::Index k = 0; k < n; ++k) {
@@ -200,6 +201,48 @@ TEST(Search, FindsAnIntegerOrderOfEitherShaft) {
   ASSERT_EQ(names(of_joint.selection), Names{"transmission_error"});
   EXPECT_EQ(of_joint.selection.model.terms()[0].effect.number("order"), 37);
   EXPECT_EQ(of_joint.selection.model.terms()[0].effect.choices.at("shaft"), "joint");
+}
+
+TEST(Search, NamesNoWholeOrdersForAFraction) {
+  // Two whole orders on either side imitate it over few periods; and an amplitude that varies along the path
+  // has whole orders that are no more than their neighbours.
+  const Diagnosed fraction(
+      swing([](std::size_t, double, double q) { return 3 * step * std::sin(4.4 * q + 1); }));
+  ASSERT_EQ(fraction.selection.model.terms().size(), 1u);
+  const Term& t = fraction.selection.model.terms()[0];
+  EXPECT_EQ(t.pattern, Shape::order);
+  EXPECT_NEAR(t.effect.number("order"), 4.4, 0.05);
+  const Diagnosed varying(swing([](std::size_t, double time, double q) {
+    return 3 * step * std::sin(1.3 * time) * std::sin(24.4 * q + 1);
+  }));
+  for (const std::string& name : names(varying.selection)) EXPECT_EQ(name.rfind("unnamed", 0), 0u) << name;
+}
+
+TEST(Search, FindsAConstantErrorAtRest) {
+  Evidence e = swing(none);
+  e.reference = e.path = Eigen::ArrayXd::Constant(e.rows(), 0.41 * step);
+  e.measured.setConstant(7 * step);
+  e.velocity = e.direction = Eigen::ArrayXd::Zero(e.rows());
+  const FoundCauses found = search_causes(e, 1);
+  ASSERT_EQ(found.chosen.size(), 1u);
+  EXPECT_EQ(found.chosen[0].candidate.term.effect.type, "offset");
+  EXPECT_NEAR(found.chosen[0].coefficients[0], 6.59 * step, 1e-12);
+}
+
+TEST(Search, FindsTheSameInAThinnedRecord) {
+  Evidence e = swing([](std::size_t, double, double q) { return 2 * step * std::sin(q + 0.3); });
+  const Eigen::Index copies = 30, n = e.rows();
+  for (Eigen::ArrayXd* column : {&e.time, &e.reference, &e.measured, &e.path, &e.velocity, &e.direction}) {
+    const Eigen::ArrayXd once = *column;
+    column->resize(copies * n);
+    for (Eigen::Index i = 0; i < copies; ++i) column->segment(i * n, n) = once;
+  }
+  e.time = Eigen::ArrayXd::LinSpaced(e.rows(), 0, e.interval * static_cast<double>(e.rows() - 1));
+  const Evidence few = thinned(e, 1);
+  EXPECT_EQ(few.rows(), 1 << 17);
+  EXPECT_EQ(few.interval, e.interval);
+  EXPECT_TRUE((few.time.tail(few.rows() - 1) > few.time.head(few.rows() - 1)).all());
+  EXPECT_EQ(names(Diagnosed(few).selection), Names{"eccentricity"});
 }
 
 TEST(Search, SeparatesLatencyFromPlay) {

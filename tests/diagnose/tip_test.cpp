@@ -166,6 +166,23 @@ TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
   }
 }
 
+TEST(DiagnoseTip, TellsOfALongerToolOrADisplacedTarget) {
+  for (std::uint64_t seed = 1; seed <= 6; ++seed) {
+    Dice dice(3500 + seed);
+    const std::size_t joints = 3 + dice.below(4);
+    const Arm arm = random_arm(dice, joints);
+    const std::vector<double> resolution(joints, 1e-5);
+    Arm built = arm;
+    const Eigen::Vector3d longer = dice.between(2e-4, 2e-3) * dice.direction();
+    built.tool += longer;
+    const Diagnosis d =
+        judge(arm.model(resolution), log_of(dice, built, poses(dice, joints, 200), resolution, 1e-5));
+    ASSERT_FALSE(d.unexplained.empty()) << seed << ": " << summary(d);
+    EXPECT_NE(d.unexplained[0].what.find("tool"), std::string::npos) << seed << ": " << summary(d);
+    EXPECT_NEAR(d.unexplained[0].amplitude, longer.norm(), 0.05 * longer.norm()) << seed;
+  }
+}
+
 /// An uncalibrated arm of 6 joints, measured by a laser tracker in 200 poses: joint errors of a few tenths of
 /// a millimetre and of a milliradian, axes misaligned by `askew`, errors of tracker and target positions.
 Diagnosis uncalibrated(std::uint64_t seed, double askew) {
