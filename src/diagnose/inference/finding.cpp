@@ -5,6 +5,7 @@
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "diagnose/terms/with_effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 
 namespace qerr {
@@ -97,6 +98,29 @@ std::optional<std::size_t> impossible_term(const Explanation& m) {
   return std::nullopt;
 }
 
+double largest_unnamed(const Explanation& m) {
+  double largest = 0;
+  for (std::size_t i = 0; i < m.terms().size(); ++i)
+    if (!m.terms()[i].named()) largest = std::max(largest, size_of(m, i));
+  return largest;
+}
+
+/// Size of the displacement of a disc's edges [rad or m]; 0: none was found.
+double displaced_edges(const Scatter& s) {
+  double size = 0;
+  for (const ScatterCause& c : s.causes)
+    if (!effect_kind(c.effect.type).random()) size = std::max(size, c.rms);
+  return size;
+}
+
+/// @returns whether there was any
+bool drop_small_orders(FoundCauses& found, double size) {
+  bool any = false;
+  for (std::size_t i = found.chosen.size(); i-- > 0;)
+    if (found.chosen[i].candidate.term.harmonic && found.chosen[i].rms < size) drop(found, i), any = true;
+  return any;
+}
+
 /// Whether the names lower the residual of blocks to which they were not fitted, by a tenth of a percent at
 /// the least: names that do not only correct uncatalogued shapes.
 bool lowers_residual(const HeldOut& held) {
@@ -124,11 +148,14 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     select();
   }
   f->visible = found.visible;
-  double unnamed = 0;
+  f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
+  // Displaced edges have any high order where the rows beat with them.
+  if (const double displaced = displaced_edges(f->scatter); drop_small_orders(found, 0.5 * displaced)) {
+    select();
+    f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
+  }
   const Explanation& m = f->selection->model;
-  for (std::size_t i = 0; i < m.terms().size(); ++i)
-    if (!m.terms()[i].named()) unnamed = std::max(unnamed, size_of(m, i));
-  f->scatter = scatter_of(f->evidence(), m, unnamed);
+  const double unnamed = largest_unnamed(m);
   f->remainder = remainder_of(f->evidence(), m, f->scatter, unnamed);
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
   return f;

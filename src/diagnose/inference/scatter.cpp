@@ -42,11 +42,15 @@ std::pair<double, double> largest(Function function, double low, double high) {
   return {best, at_best};
 }
 
-/// Whether the residual's variance over the expected one differs by more than 3 between twelfths of the rows,
-/// sorted by `along`: an F variable of 40 and 40 degrees of freedom exceeds 3 with a probability of 4e-4.
-bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, const Eigen::ArrayXd& along) {
+/// Whether the residual's variance over the expected one differs between twelfths of the rows, sorted by
+/// `along`, by more than a ratio.
+///
+/// The ratio of two such variances of m rows has the standard deviation 2/sqrt m; of the largest and the
+/// least of twelve, six of them are exceeded with a probability below 1e-3. A scatter that depends on the
+/// speed is known less well: a factor of 2.2.
+bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, const Eigen::ArrayXd& along,
+               bool uniform) {
   constexpr Eigen::Index parts = 12, fewest = 40;
-  constexpr double largest_ratio = 3;
   const Eigen::Index n = squares.size();
   if (n < parts * fewest) return false;
   std::vector<Eigen::Index> order(static_cast<std::size_t>(n));
@@ -63,7 +67,9 @@ bool is_uneven(const Eigen::ArrayXd& squares, const Eigen::ArrayXd& variance, co
     least = std::min(least, observed / expected);
     most = std::max(most, observed / expected);
   }
-  return most > largest_ratio * least;
+  constexpr double of_speed = 2.2;
+  const double of_chance = 1 + 12 / std::sqrt(static_cast<double>(n / parts));
+  return most > (uniform ? std::min(of_chance, of_speed) : of_speed) * least;
 }
 
 struct ScatterCandidate {
@@ -217,7 +223,11 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   const Eigen::ArrayXd squares = (e.measured - e.path - m.addition() - mean_error(e.encoder)).square();
   // Quantization, 0.29 counts, is even in any case.
   const bool judged = s.size > 0.4 * e.step();
-  if (judged && (is_uneven(squares, expected, e.path) || (e.ordered && is_uneven(squares, expected, e.time))))
+  const bool uniform = std::all_of(random.begin(), random.end(), [](const ScatterCause& c) {
+    return effect_kind(c.effect.type).scattering->uniform;
+  });
+  if (judged && (is_uneven(squares, expected, e.path, uniform) ||
+                 (e.ordered && is_uneven(squares, expected, e.time, uniform))))
     return s;
   for (ScatterCause& cause : random) {
     s.expected += trials.added(cause.effect);

@@ -12,8 +12,14 @@ SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
                  "",
                  "add e.g. sweep: [{key: encoders.elbow.bits, values: [13, 15, 17]}] (qerr help variants)"});
   double total = 1;
+  for (const SweepAxis& axis : axes_) total *= static_cast<double>(axis.steps.size());
+  if (total > 0x1p53)
+    throw Error({{spec.file, 1, 1},
+                 "sweep",
+                 "has more than 2^53 variants",
+                 "",
+                 "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values"});
   for (const SweepAxis& axis : axes_) {
-    total *= static_cast<double>(axis.steps.size());
     count_ *= axis.steps.size();
     std::vector<Changes>& steps = changes_.emplace_back();
     for (const SweepStep& step : axis.steps) {
@@ -22,12 +28,6 @@ SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
         changes.values.push_back(spec_change(key, value, "sweep"));
       for (const std::string& effect : step.effects) changes.effects.push_back(parse_yaml(effect, "sweep"));
     }
-    if (total > 0x1p53)
-      throw Error({{spec.file, 1, 1},
-                   "sweep",
-                   "has more than 2^53 variants",
-                   "",
-                   "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values"});
   }
 }
 
