@@ -19,22 +19,45 @@ class Distortion {
   explicit Distortion(const Effect& e)
       : offset_sin_(e.number("offset_sin")),
         offset_cos_(e.number("offset_cos")),
+        sin_phase_(std::sin(e.number("phase"))),
+        cos_phase_(std::cos(e.number("phase"))),
         gain_(1 + e.number("gain")),
-        phase_(e.number("phase")),
         clip_(e.number("clipping")),
-        ideal_(offset_sin_ == 0 && offset_cos_ == 0 && gain_ == 1 && phase_ == 0 && clip_ >= 1) {}
+        ideal_(offset_sin_ == 0 && offset_cos_ == 0 && gain_ == 1 && sin_phase_ == 0 && clip_ >= 1) {}
 
-  double operator()(double angle) const {
+  double operator()(double angle) const { return at(std::sin(angle), std::cos(angle)); }
+
+  /// At the angle with this sine and cosine; the difference of the two angles is one arctangent of their
+  /// cross and dot product.
+  double at(double s, double c) const {
     if (ideal_) return 0;
-    const double sine = limited(gain_ * std::sin(angle + phase_) + offset_sin_);
-    const double cosine = limited(std::cos(angle) + offset_cos_);
-    return std::remainder(std::atan2(sine, cosine) - angle, turn);
+    const double sine = limited(sine_signal(s, c)), cosine = limited(c + offset_cos_);
+    return std::atan2(sine * c - cosine * s, cosine * c + sine * s);
+  }
+
+  /// Derivatives with respect to the coefficients, in their order.
+  std::array<double, 5> gradient(double s, double c) const {
+    const double raw_sine = sine_signal(s, c), raw_cosine = c + offset_cos_;
+    const double sine = limited(raw_sine), cosine = limited(raw_cosine);
+    const double square = std::max(sine * sine + cosine * cosine, 1e-12);
+    const double by_sine = cosine / square, by_cosine = -sine / square;
+    const double if_free = is_free(raw_sine) ? by_sine : 0;
+    return {if_free, is_free(raw_cosine) ? by_cosine : 0, if_free * (cos_phase_ * s + sin_phase_ * c),
+            if_free * gain_ * (cos_phase_ * c - sin_phase_ * s),
+            by_sine * clipped(raw_sine) + by_cosine * clipped(raw_cosine)};
   }
 
  private:
+  double sine_signal(double s, double c) const {
+    return gain_ * (cos_phase_ * s + sin_phase_ * c) + offset_sin_;
+  }
   double limited(double x) const { return clip_ < 1 ? std::clamp(x, -clip_, clip_) : x; }
+  bool is_free(double x) const { return clip_ >= 1 || std::abs(x) < clip_; }
+  /// Derivative of a signal with respect to the level. Peaks just below it count, else a fit that has reached
+  /// 1 would have no way back.
+  double clipped(double x) const { return std::abs(x) < clip_ - 1e-4 ? 0 : std::copysign(1.0, x); }
 
-  double offset_sin_, offset_cos_, gain_, phase_, clip_;
+  double offset_sin_, offset_cos_, sin_phase_, cos_phase_, gain_, clip_;
   bool ideal_;
 };
 
@@ -66,7 +89,7 @@ std::optional<Share> share(const Effect& e, const Encoder& encoder, const Usage&
 
 Action action(const Effect& e, const Encoder& encoder, std::uint64_t) {
   return [distortion = Distortion(e), unit = period(encoder) / turn](double x, const Moment&) {
-    return x + unit * distortion(std::remainder(x / unit, turn));
+    return x + unit * distortion(x / unit);
   };
 }
 
@@ -88,28 +111,27 @@ void fill(Effect& e, const Eigen::VectorXd& values) {
   for (Eigen::Index i = 0; i < p.size(); ++i) e.numbers[coefficients[static_cast<std::size_t>(i)]] = p[i];
 }
 
-/// Error along the path at parameters p.
-Eigen::ArrayXd added(const RecordSignals& s, const Term& t, const Eigen::VectorXd& p) {
-  Effect effect = t.effect;
-  fill(effect, p);
-  const Action distorted = action(effect, s.encoder, 0);
-  const Eigen::ArrayXd path = t.moved.size() > 0 ? Eigen::ArrayXd(s.path + t.moved) : s.path;
-  return path.unaryExpr([&](double x) { return distorted(x, {}) - x; });
-}
-
-/// The term linearized about parameters, by central differences.
+/// The term linearized about parameters.
 Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& values) {
-  constexpr double change = 1e-4;
   Term next = t;
   const Eigen::VectorXd p = limited(values);
+  Effect effect = t.effect;
+  fill(effect, p);
+  const Distortion distortion(effect);
+  const double unit = period(s.encoder) / turn;  // [rad or m] per electrical radian
   next.columns.resize(s.rows(), p.size());
-  for (Eigen::Index i = 0; i < p.size(); ++i) {
-    const Eigen::VectorXd step = change * Eigen::VectorXd::Unit(p.size(), i);
-    // The difference is one-sided at clipping = 1.
-    const Eigen::VectorXd upper = i == clipping && p[i] + change > 1 ? p : Eigen::VectorXd(p + step);
-    next.columns.col(i) = (added(s, t, upper) - added(s, t, p - step)) / (upper[i] - p[i] + change);
+  next.fixed.resize(p.isZero() ? 0 : s.rows());
+  for (Eigen::Index row = 0; row < s.rows(); ++row) {
+    const double angle = (t.moved.size() > 0 ? s.path[row] + t.moved[row] : s.path[row]) / unit;
+    const double sine = std::sin(angle), cosine = std::cos(angle);
+    const std::array<double, 5> gradient = distortion.gradient(sine, cosine);
+    double linear = 0;
+    for (Eigen::Index i = 0; i < p.size(); ++i) {
+      next.columns(row, i) = unit * gradient[static_cast<std::size_t>(i)];
+      linear += next.columns(row, i) * p[i];
+    }
+    if (next.fixed.size() > 0) next.fixed[row] = unit * distortion.at(sine, cosine) - linear;
   }
-  if (!p.isZero()) next.fixed = added(s, t, p) - (next.columns.matrix() * p).array();
   return next;
 }
 
