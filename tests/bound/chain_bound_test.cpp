@@ -18,7 +18,7 @@ namespace {
 using testing::ChainMix;
 using testing::Dice;
 using Figure = ChainBoundRequest::Figure;
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Index among the coordinates and lengths of the models below.
 constexpr std::size_t x = 0, rx = 3, xyz = 6, rxyz = 7;

@@ -29,7 +29,7 @@ double magnitude(double x) { return std::abs(x); }
 double square(double x) { return x * x; }
 
 /// |difference| within the rounding of sums of this size.
-bool near(double a, double b, double size) { return std::abs(a - b) <= 1e-12 * size + 1e-300; }
+bool same(double a, double b, double size) { return std::abs(a - b) <= 1e-12 * size + 1e-300; }
 
 SignalMoments random_moments(Dice& dice, std::size_t count) {
   const auto n = static_cast<Eigen::Index>(count);
@@ -68,10 +68,10 @@ RC_GTEST_PROP(ErrorColumns, AndWeightsGiveTheFiguresOfTheScalarFunctions, ()) {
       const double half = product(columns, c, i, w.half_width, magnitude);
       const double mean = std::abs(product(columns, c, i, w.mean, identity));
       const double worst = half + mean + w.added_worst[row];
-      RC_ASSERT(near(worst, e.worst_case[row], size));
-      RC_ASSERT(near(std::sqrt(product(columns, c, i, w.variance, square) + w.added_variance[row]),
+      RC_ASSERT(same(worst, e.worst_case[row], size));
+      RC_ASSERT(same(std::sqrt(product(columns, c, i, w.variance, square) + w.added_variance[row]),
                      e.sigma[row], size));
-      if (is_position(model.coordinates[c])) RC_ASSERT(near(worst + remainder, e.rigorous[row], size));
+      if (is_position(model.coordinates[c])) RC_ASSERT(same(worst + remainder, e.rigorous[row], size));
       OperationalModel ideal = model;  // derivative_error is without the error along a motion
       ideal.along_motion.reset();
       const OperationalError still = operational_error(ideal, q.col(static_cast<Eigen::Index>(i)));
@@ -79,9 +79,9 @@ RC_GTEST_PROP(ErrorColumns, AndWeightsGiveTheFiguresOfTheScalarFunctions, ()) {
         const Bounds b = derivative_error(still, row, all[f], sigma_ratios(model.sources, f, all[f].h2));
         const ErrorWeights::Filtered& behind = w.filtered[f];
         const double added = model.along_motion ? model.along_motion->filtered[f].peak[row] : 0;
-        RC_ASSERT(near(behind.l1 * half + behind.dc_gain * mean + behind.added_worst[row],
+        RC_ASSERT(same(behind.l1 * half + behind.dc_gain * mean + behind.added_worst[row],
                        b.worst_case + added, size * all[f].l1.upper));
-        RC_ASSERT(near(std::sqrt(product(columns, c, i, behind.variance, square)), b.sigma,
+        RC_ASSERT(same(std::sqrt(product(columns, c, i, behind.variance, square)), b.sigma,
                        size * all[f].l1.upper));
       }
     }

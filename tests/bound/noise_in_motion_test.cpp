@@ -16,7 +16,8 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi, phi = std::numbers::phi;
+using std::numbers::phi;
+using std::numbers::pi;
 
 /// Mean square of the filtered quantization error along the path x(k) from sample `settled` on, by the
 /// paper's recursion.

@@ -23,10 +23,6 @@ OperationalModel random_model(Dice& dice, const ChainMix& mix, double finest, do
   return model;
 }
 
-Eigen::VectorXd random_configuration(Dice& dice, const Chain& chain) {
-  return dice.vector(static_cast<Eigen::Index>(chain.independent.size()), -3, 3);
-}
-
 /// Errors of the encoders, each at a fraction -1 .. 1 of its range: [-Delta/2, Delta/2], or [-Delta, 0] for
 /// `down`.
 Eigen::VectorXd encoder_errors(const Transmission& t, const Eigen::VectorXd& fraction) {
@@ -67,7 +63,7 @@ TEST(OperationalError, LinearWorstCaseIsAttainedAtAVertexAndNeverExceeded) {
   for (std::uint64_t seed = 0; seed < 100; ++seed) {
     Dice dice(seed);
     const OperationalModel m = random_model(dice, {}, 1e-4, 1e-2);
-    const Eigen::VectorXd q = random_configuration(dice, m.chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, m.chain);
     const OperationalError e = operational_error(m, q);
     const Eigen::MatrixXd sensed = jacobian(m.chain, q) * m.transmission.coupling;
     Eigen::VectorXd largest = Eigen::VectorXd::Zero(6);
@@ -87,7 +83,7 @@ TEST(OperationalError, CovarianceIsThatOfUniformNoiseThroughTheJacobian) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Dice dice(seed);
     const OperationalModel m = random_model(dice, {}, 1e-3, 1e-2);
-    const Eigen::VectorXd q = random_configuration(dice, m.chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, m.chain);
     const OperationalError e = operational_error(m, q);
     const Eigen::MatrixXd sensed = jacobian(m.chain, q) * m.transmission.coupling;
     Eigen::MatrixXd products = Eigen::MatrixXd::Zero(6, 6);
@@ -117,7 +113,7 @@ TEST(OperationalError, RigorousBoundHoldsAtEveryCornerAndInsideWhereTheLinearOne
     ChainMix mix;
     mix.joints = 1 + seed % 7;
     const OperationalModel m = random_model(dice, mix, 1e-3, 0.1);
-    const Eigen::VectorXd q = random_configuration(dice, m.chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, m.chain);
     const OperationalError e = operational_error(m, q);
     const Eigen::VectorXd largest = largest_pose_error(m, q, dice, 1000);
     for (Eigen::Index i = 0; i < 6; ++i) {
@@ -134,7 +130,7 @@ TEST(OperationalError, RigorousBoundTendsToTheLinearOneWithTheResolutionSquared)
   for (std::uint64_t seed = 0; seed < 50; ++seed) {
     Dice dice(seed);
     OperationalModel m = random_model(dice, {}, 1e-3, 1e-2);
-    const Eigen::VectorXd q = random_configuration(dice, m.chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, m.chain);
     const OperationalError coarse = operational_error(m, q);
     for (Encoder& encoder : m.transmission.encoders) encoder.resolution /= 16;
     const OperationalError fine = operational_error(m, q);
@@ -151,7 +147,7 @@ TEST(OperationalError, IsExactlyLinearForPrismaticJoints) {
   ChainMix mix;
   mix.prismatic = 1;
   const OperationalModel m = random_model(dice, mix, 1e-2, 0.1);
-  const OperationalError e = operational_error(m, random_configuration(dice, m.chain));
+  const OperationalError e = operational_error(m, testing::random_configuration(dice, m.chain));
   EXPECT_EQ(e.rigorous, e.worst_case);
   EXPECT_EQ(e.worst_case.tail(3), Eigen::Vector3d::Zero());
 }

@@ -24,7 +24,7 @@ using testing::ChainMix;
 using testing::Dice;
 using Bound = ProvenFigure::Bound;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 Limits random_range(Dice& dice, bool prismatic) {
   if (prismatic) return {dice.between(-0.3, 0), dice.between(0.05, 0.4)};
@@ -60,7 +60,7 @@ OperationalModel random_model(Dice& dice, std::size_t joints) {
   return m;
 }
 
-Eigen::VectorXd random_configuration(Dice& dice, const std::vector<Limits>& ranges) {
+Eigen::VectorXd configuration_in(Dice& dice, const std::vector<Limits>& ranges) {
   Eigen::VectorXd q(static_cast<Eigen::Index>(ranges.size()));
   for (std::size_t j = 0; j < ranges.size(); ++j)  // the ends of the ranges often
     q[static_cast<Eigen::Index>(j)] = dice.chance(0.2)   ? ranges[j].lower
@@ -126,7 +126,7 @@ TEST(ProvenMaximum, IsReachedWhereItSaysAndNeverExceeded) {
     const auto proven = proven_maxima(m, filters, ranges, figures, {.gap = 0.05});
     FigureValues values(m, filters, {});
     std::vector<Eigen::VectorXd> points;
-    for (int i = 0; i < 4000; ++i) points.push_back(random_configuration(dice, ranges));
+    for (int i = 0; i < 4000; ++i) points.push_back(configuration_in(dice, ranges));
     const auto there = values(figures, points);
     for (std::size_t f = 0; f < figures.size(); ++f) {
       const double sampled = *std::max_element(there[f].begin(), there[f].end());
@@ -149,7 +149,7 @@ TEST(ProvenMaximum, BehindAFilterIsThatOfItsModel) {
     Dice dice(seed);
     OperationalModel m = random_model(dice, 4);
     for (ErrorSource& s : m.sources) s.sigma_ratios = {2, 3};
-    const Eigen::VectorXd q = random_configuration(dice, random_ranges(dice, m.chain));
+    const Eigen::VectorXd q = configuration_in(dice, random_ranges(dice, m.chain));
     const OperationalError e = operational_error(m, q);
     for (std::size_t f = 0; f < filters.size(); ++f) {
       const Eigen::VectorXd ratios = sigma_ratios(m.sources, f, filters[f].h2);
@@ -195,7 +195,7 @@ TEST(ProvenMaximum, StartsFromConfigurationsThatAreGiven) {
   const std::vector<Limits> ranges = random_ranges(dice, m.chain);
   FigureValues values(m, {}, {});
   const ProvenFigure figure{0, -1, Bound::worst_case};
-  const Eigen::VectorXd start = random_configuration(dice, ranges);
+  const Eigen::VectorXd start = configuration_in(dice, ranges);
   EXPECT_GE(proven_maxima(m, {}, ranges, {figure}, {.gap = 0.5, .starts = {start}})[0].lower,
             values({figure}, {start})[0][0]);
 }

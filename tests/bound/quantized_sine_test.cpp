@@ -8,7 +8,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 struct Moments {
   double mean = 0, mean_square = 0, correlation = 0;

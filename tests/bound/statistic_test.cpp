@@ -16,8 +16,6 @@ namespace {
 
 using testing::Dice;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 JoinedTally tally_of(const std::vector<double>& values, std::size_t block = 1000) {
   JoinedTally joined;
   for (std::size_t first = 0; first < values.size(); first += block) {
@@ -99,7 +97,7 @@ TEST(Histogram, PercentilesAreWithinTheirStatedError) {
 
 TEST(Histogram, IsIndependentOfItsPartsAndValidBeyondItsSpan) {
   Dice dice(9);
-  std::vector<double> values{0, 1e-300, 1e300, infinity};
+  std::vector<double> values{0, 1e-300, 1e300, INFINITY};
   for (int i = 0; i < 9999; ++i) values.push_back(dice.between(0, 7));
   const Statistic whole = binned_statistic_of(values, 3), parts = binned_statistic_of(values, 3, 5);
   EXPECT_EQ(whole.p50, parts.p50);
@@ -170,15 +168,15 @@ TEST(Statistic, InfiniteValuesGiveInfinitiesAndNoNaN) {
   const auto both = [](const std::vector<double>& values) {
     return std::vector{statistic_of(values), binned_statistic_of(values, 2)};
   };
-  for (const Statistic& some : both({1, 2, infinity, 3, 4})) {
-    EXPECT_EQ(some.max, infinity);
-    EXPECT_EQ(some.mean, infinity);
+  for (const Statistic& some : both({1, 2, INFINITY, 3, 4})) {
+    EXPECT_EQ(some.max, INFINITY);
+    EXPECT_EQ(some.mean, INFINITY);
     EXPECT_NEAR(some.p50, 3, 3e-3);
-    EXPECT_EQ(some.p95, infinity);
+    EXPECT_EQ(some.p95, INFINITY);
   }
-  for (const Statistic& all : both({infinity, infinity, infinity}))
+  for (const Statistic& all : both({INFINITY, INFINITY, INFINITY}))
     for (const double value : {all.min, all.mean, all.max, all.p50, all.p95, all.p99})
-      EXPECT_EQ(value, infinity);
+      EXPECT_EQ(value, INFINITY);
   for (const Statistic& none : both({0, 0, 0}))
     for (const double value : {none.min, none.mean, none.max, none.p50, none.p99}) EXPECT_EQ(value, 0);
 }

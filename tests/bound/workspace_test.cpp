@@ -21,8 +21,6 @@ namespace {
 
 using testing::Dice;
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 /// numpy.percentile(values, 100 p), method linear.
 double exact_percentile(std::vector<double> values, double p) {
   std::sort(values.begin(), values.end());
@@ -279,11 +277,11 @@ TEST(Workspace, MaximumOfAnUnboundedCoordinateIsAtItsSingularity) {
     c.count = count;
     const Workspace w = workspace(m, {}, c);
     EXPECT_EQ(w.exact_percentiles, count == 300);
-    EXPECT_EQ(w.coordinates[1].sigma.max, infinity);
-    EXPECT_EQ(w.coordinates[1].sigma.mean, infinity);
+    EXPECT_EQ(w.coordinates[1].sigma.max, INFINITY);
+    EXPECT_EQ(w.coordinates[1].sigma.mean, INFINITY);
     EXPECT_EQ(w.coordinates[1].sigma.at_max, Eigen::Vector2d(0, std::numbers::pi / 2));
-    EXPECT_EQ(w.mean_covariance(1, 1), infinity);
-    EXPECT_EQ(w.mean_covariance(1, 0), infinity);
+    EXPECT_EQ(w.mean_covariance(1, 1), INFINITY);
+    EXPECT_EQ(w.mean_covariance(1, 0), INFINITY);
     EXPECT_TRUE(std::isfinite(w.mean_covariance(0, 0)));
   }
 }

@@ -12,7 +12,7 @@
 namespace qerr {
 namespace {
 
-class OutputFiles : public testing::Test {
+class OutputFiles : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_output_" + std::to_string(getpid()));

@@ -13,7 +13,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 std::optional<Quantity> quantity(std::string_view text) {
   std::string why;

@@ -13,7 +13,7 @@
 namespace qerr {
 namespace {
 
-class FilesOfARun : public testing::Test {
+class FilesOfARun : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_run_files_" + std::to_string(getpid()));

@@ -14,20 +14,20 @@
 namespace qerr {
 namespace {
 
-constexpr double step = 1e-4, eccentric = 2.5e-4;
+constexpr double resolution = 1e-4, eccentric = 2.5e-4;
 
-double normal(std::uint64_t seed, std::uint64_t index) {
+double gaussian(std::uint64_t seed, std::uint64_t index) {
   const double u = unit_interval(random_bits(seed, index, 0)), v = unit_interval(random_bits(seed, index, 1));
   return std::sqrt(-2 * std::log1p(-u)) * std::cos(2 * std::numbers::pi * v);
 }
 
 /// A joint that oscillates over several revolutions of its encoder's shaft; the eccentricity of the disc
 /// gives the amplitude above at the joint, by the exact arctangent. The encoder rounds.
-Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step) {
+Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * resolution) {
   const Eigen::Index n = 4000;
   Evidence e;
   e.joint = "elbow";
-  e.encoder = {step, Rounding::nearest, true, 10, 4};
+  e.encoder = {resolution, Rounding::nearest, true, 10, 4};
   e.noise = noise;
   e.time = Eigen::ArrayXd::LinSpaced(n, 0, 1e-3 * static_cast<double>(n - 1));
   e.path = 1.1 * (2.1 * e.time).sin() + 0.2 * (7.7 * e.time + 1).cos();
@@ -37,8 +37,8 @@ Evidence swing(std::uint64_t seed, double amplitude, double noise = 0.05 * step)
   for (Eigen::Index k = 0; k < n; ++k) {
     const double shaft = 10 * e.path[k], off = 10 * amplitude;
     const double seen = shaft + std::atan2(off * std::sin(shaft), 1 - off * std::cos(shaft));
-    e.measured[k] = step * std::floor(seen / 10 / step + 0.5);
-    e.reference[k] += noise * normal(seed, static_cast<std::uint64_t>(k));
+    e.measured[k] = resolution * std::floor(seen / 10 / resolution + 0.5);
+    e.reference[k] += noise * gaussian(seed, static_cast<std::uint64_t>(k));
   }
   const SmoothPath smooth = smooth_path(e.time, e.reference, 0);
   e.path = smooth.position;
@@ -60,11 +60,11 @@ TEST(Gain, OfAnEccentricDiscIsLimitedByQuantization) {
   const auto starts = independent_rows(e, 1);
   const Evidence few = group_means(e, starts);
   const Gain g = gain({hold_out(e, few, starts, explained(few))}, 1);
-  const double left = std::hypot(step / std::sqrt(12.0), 0.05 * step);
+  const double left = std::hypot(resolution / std::sqrt(12.0), 0.05 * resolution);
   EXPECT_TRUE(g.held_out);
   EXPECT_NEAR(g.rms_before, std::sqrt((e.measured - e.reference).square().mean()), 1e-12);
   EXPECT_NEAR(g.rms_after, left, 0.04 * left);
-  EXPECT_NEAR(g.counts_after, g.rms_after / step, 1e-9);
+  EXPECT_NEAR(g.counts_after, g.rms_after / resolution, 1e-9);
   EXPECT_NEAR(g.sigma_ratio, 1, 0.04);
   EXPECT_NEAR(g.coverage, 0.95, 0.02);
   EXPECT_LT(g.lower, g.ratio());
@@ -113,7 +113,7 @@ TEST(Comparison, RanksTheOrderOfAnEccentricDiscFirst) {
   const auto rows = comparison(joint_statistics({swing(5, eccentric)}, {}, {}));
   EXPECT_EQ(rows.front().statistic, "by_angle");
   EXPECT_LT(rows.front().p_value, 1e-9);
-  EXPECT_NEAR(rows.front().observed, eccentric / step, 0.1);
+  EXPECT_NEAR(rows.front().observed, eccentric / resolution, 0.1);
 }
 
 TEST(Comparison, IsEqualForAnyNumberOfThreads) {

@@ -13,7 +13,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 constexpr double infinite = std::numeric_limits<double>::infinity();
 
 /// One revolute joint with an encoder of `counts` per revolution and a gear ratio of `ratio`.

@@ -11,12 +11,13 @@ namespace qerr {
 namespace {
 
 /// A known path, recorded with noise at uneven time stamps and rounded to a grid.
-struct Record {
+struct RecordedPath {
   Eigen::ArrayXd time, path, velocity, recorded;
   double noise = 0;
 
   template <class Path>
-  Record(std::mt19937& dice, int rows, double rate, double unevenness, double sigma, double grid, Path at)
+  RecordedPath(std::mt19937& dice, int rows, double rate, double unevenness, double sigma, double grid,
+               Path at)
       : time(rows),
         path(rows),
         velocity(rows),
@@ -61,7 +62,7 @@ TEST(SmoothPath, FindsTheNoiseAtEvenAndUnevenStampsFastAndSlow) {
         for (const double grid : {1e-7, 1e-5})
           for (const bool rests : {false, true}) {
             const int rows = 3000 + static_cast<int>(dice() % 4000);
-            const Record r(dice, rows, rate, unevenness, sigma, grid, rests ? ramps : two_sines);
+            const RecordedPath r(dice, rows, rate, unevenness, sigma, grid, rests ? ramps : two_sines);
             const SmoothPath s = smooth_path(r.time, r.recorded, grid);
             SCOPED_TRACE(std::to_string(rate) + " Hz, " + std::to_string(unevenness) + ", sigma " +
                          std::to_string(sigma * 1e6) + "e-6, grid " + std::to_string(grid * 1e6) + "e-6, " +
@@ -75,7 +76,7 @@ TEST(SmoothPath, FindsTheNoiseAtEvenAndUnevenStampsFastAndSlow) {
 TEST(SmoothPath, HalvesTheNoiseOfAFastRecordAndKeepsItsVelocity) {
   std::mt19937 dice(8);
   for (const double unevenness : {0.0, 0.3}) {
-    const Record r(dice, 6000, 1000, unevenness, 1e-5, 1e-7, two_sines);
+    const RecordedPath r(dice, 6000, 1000, unevenness, 1e-5, 1e-7, two_sines);
     const SmoothPath s = smooth_path(r.time, r.recorded, 1e-7);
     EXPECT_LT(rms(s.position - r.path), 0.5 * r.noise);
     EXPECT_LT(rms(s.velocity - r.velocity), 1e-3);
@@ -84,7 +85,7 @@ TEST(SmoothPath, HalvesTheNoiseOfAFastRecordAndKeepsItsVelocity) {
 
 TEST(SmoothPath, IsExactOnACubicAtAnyStamps) {
   std::mt19937 dice(5);
-  const Record r(dice, 400, 50, 0.3, 0, 1e-15, [](double t) {
+  const RecordedPath r(dice, 400, 50, 0.3, 0, 1e-15, [](double t) {
     return std::pair{1 + t * (2 - t * (0.5 - 0.1 * t)), 2 - t + 0.3 * t * t};
   });
   const SmoothPath s = smooth_path(r.time, r.recorded, 0);
@@ -95,7 +96,7 @@ TEST(SmoothPath, IsExactOnACubicAtAnyStamps) {
 
 TEST(SmoothPath, AcceptsCoincidentStamps) {
   std::mt19937 dice(6);
-  Record r(dice, 2000, 1000, 0, 1e-6, 1e-9, two_sines);
+  RecordedPath r(dice, 2000, 1000, 0, 1e-6, 1e-9, two_sines);
   for (Eigen::Index k = 1; k < r.time.size(); k += 7) r.time[k] = r.time[k - 1];
   const SmoothPath s = smooth_path(r.time, r.recorded, 1e-9);
   EXPECT_TRUE(s.position.isFinite().all());

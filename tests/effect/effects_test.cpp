@@ -12,7 +12,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// One revolute joint with an encoder of 4000 counts behind a gear of 20: quadrature, four counts per line.
 OperationalModel one_joint() {
@@ -40,14 +40,14 @@ double path(double t) {
   return 0.3 + 0.8 * std::sin(2 * pi * 0.31 * t + 0.2) + 0.1 * std::sin(2 * pi * 1.3 * t + 1);
 }
 
-struct Record {
+struct Readings {
   std::vector<double> time, truth, counts, measured, reference, logged;
 };
 
-Record record(const std::vector<Effect>& effects, double seconds = 4, std::uint64_t seed = 1,
-              const OperationalModel& model = one_joint()) {
+Readings record(const std::vector<Effect>& effects, double seconds = 4, std::uint64_t seed = 1,
+                const OperationalModel& model = one_joint()) {
   Sensing sensing(model, motion(seconds), effects, {Eigen::VectorXd::Zero(1), seed});
-  Record r;
+  Readings r;
   for (std::uint64_t k = 0; k < static_cast<std::uint64_t>(1000 * seconds); ++k) {
     const Reading& reading = sensing.read(k);
     r.time.push_back(reading.time);
@@ -63,7 +63,7 @@ Record record(const std::vector<Effect>& effects, double seconds = 4, std::uint6
 const double delta = 2 * pi / (4000 * 20);
 
 TEST(Sensing, IdealIsTheNearestCountOfTheTruePath) {
-  const Record r = record({});
+  const Readings r = record({});
   for (std::size_t k = 0; k < r.time.size(); ++k) {
     EXPECT_NEAR(r.truth[k], path(r.time[k]), 1e-13);
     EXPECT_LE(std::abs(r.measured[k] - r.truth[k]), 0.5 * delta * (1 + 1e-9));
@@ -84,7 +84,7 @@ TEST(Effects, RejectANameThatIsNotAParameter) {
 
 /// Every effect of magnitude zero equals the ideal machine, bitwise.
 TEST(Effects, OfMagnitudeZeroChangeNothing) {
-  const Record ideal = record({});
+  const Readings ideal = record({});
   const std::vector<Effect> none{
       {"offset", "elbow", {{"offset", 0}}, {}},
       {"scale", "elbow", {{"scale", 0}}, {}},
@@ -105,7 +105,7 @@ TEST(Effects, OfMagnitudeZeroChangeNothing) {
       {"log_rounding", "elbow", {{"step", 0}}, {}},
   };
   for (const Effect& effect : none) {
-    const Record r = record({effect});
+    const Readings r = record({effect});
     EXPECT_EQ(r.counts, ideal.counts) << effect.type;
     EXPECT_EQ(r.reference, ideal.reference) << effect.type;
     EXPECT_EQ(r.logged, ideal.logged) << effect.type;
@@ -116,7 +116,7 @@ TEST(Effects, OfMagnitudeZeroChangeNothing) {
 /// e from the shaft's centre; the head is at distance R from the shaft's centre.
 TEST(Effects, EccentricityIsThatOfADisplacedDisc) {
   const double ratio = 0.004, phase = 0.7;
-  const Record r =
+  const Readings r =
       record({{"eccentricity", "elbow", {{"amplitude", ratio / 20}, {"phase", phase}, {"order", 1}}, {}}});
   for (std::size_t k = 0; k < r.time.size(); k += 7) {
     const double shaft = 20 * r.truth[k];
@@ -137,7 +137,7 @@ TEST(Effects, StateWidthMovesTheEdgesOfTheSecondChannel) {
   OperationalModel down = one_joint();
   down.transmission.encoders[0].rounding = Rounding::down;
   const Effect width{"state_width", "elbow", {{"phase", phase}}, {}};
-  const std::vector<std::pair<Record, double>> records{
+  const std::vector<std::pair<Readings, double>> records{
       {record({width}), 0.5},
       {record({width}, 4, 1, down), 0.0},
       {record({width, {"truncation", "elbow", {}, {}}}), 0.0}};
@@ -164,7 +164,7 @@ TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
   encoder.shaft_ratio = 1;
   const double period = 2 * pi / 64;
   for (const double clip : {1.0, 0.7}) {
-    const Record r = record(
+    const Readings r = record(
         {{"subdivision_error",
           "elbow",
           {{"offset_sin", 0.02}, {"offset_cos", -0.01}, {"gain", 0.03}, {"phase", 0.05}, {"clipping", clip}},
@@ -188,7 +188,7 @@ TEST(Effects, SubdivisionErrorIsTheArcTangentOfTheDistortedSignals) {
 /// A motor that drives the joint through a gap: it touches one of two flanks and keeps the contact at rest.
 TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
   const double gap = 20 * delta;
-  const Record r = record({{"backlash", "elbow", {{"gap", gap}}, {}}});
+  const Readings r = record({{"backlash", "elbow", {{"gap", gap}}, {}}});
   double motor = path(0);
   for (std::size_t k = 1; k < r.time.size(); ++k) {
     const double joint = r.truth[k];
@@ -199,8 +199,8 @@ TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
 }
 
 TEST(Effects, OfTheClockSampleThePathAtOtherTimes) {
-  const Record late = record({{"latency", "elbow", {{"delay", 0.0123}}, {}}});
-  const Record fast = record({{"clock_drift", "elbow", {{"rate", 1e-3}}, {}}});
+  const Readings late = record({{"latency", "elbow", {{"delay", 0.0123}}, {}}});
+  const Readings fast = record({{"clock_drift", "elbow", {{"rate", 1e-3}}, {}}});
   for (std::size_t k = 20; k < late.time.size(); ++k) {
     EXPECT_NEAR(late.measured[k], path(late.time[k] - 0.0123), 0.51 * delta);
     EXPECT_NEAR(fast.measured[k], path(fast.time[k] * 1.001), 0.51 * delta);
@@ -216,11 +216,11 @@ double rms(const std::vector<double>& a, const std::vector<double>& b) {
 
 TEST(Effects, RandomOnesHaveTheirSigmaAndDependOnTheSeed) {
   const Effect noise{"noise", "elbow", {{"sigma", 5 * delta}}, {}};
-  const Record r = record({noise}, 40, 1), other = record({noise}, 40, 2);
+  const Readings r = record({noise}, 40, 1), other = record({noise}, 40, 2);
   EXPECT_NEAR(rms(r.measured, r.truth) / (delta * std::sqrt(25 + 1.0 / 12)), 1, 0.02);
   EXPECT_NE(r.counts, other.counts);
   EXPECT_EQ(r.counts, record({noise}, 40, 1).counts);
-  const Record jitter = record({{"timing_jitter", "elbow", {{"sigma", 1e-3}}, {}}}, 40);
+  const Readings jitter = record({{"timing_jitter", "elbow", {{"sigma", 1e-3}}, {}}}, 40);
   double speed = 0;
   for (const double t : jitter.time) speed += std::pow((path(t + 1e-5) - path(t - 1e-5)) / 2e-5, 2);
   speed = std::sqrt(speed / static_cast<double>(jitter.time.size()));
@@ -228,11 +228,11 @@ TEST(Effects, RandomOnesHaveTheirSigmaAndDependOnTheSeed) {
 }
 
 TEST(Effects, OfTheDecoderActOnIntegerCounts) {
-  const Record ideal = record({});
-  const Record missed = record({{"missed_counts", "elbow", {{"counts", -7}, {"time", 1.5}}, {}}});
-  const Record half = record({{"decoding", "elbow", {{"factor", 0.5}}, {}}});
-  const Record wrapped = record({{"rollover", "elbow", {{"modulus", 4096}}, {}}});
-  const Record down = record({{"truncation", "elbow", {}, {}}});
+  const Readings ideal = record({});
+  const Readings missed = record({{"missed_counts", "elbow", {{"counts", -7}, {"time", 1.5}}, {}}});
+  const Readings half = record({{"decoding", "elbow", {{"factor", 0.5}}, {}}});
+  const Readings wrapped = record({{"rollover", "elbow", {{"modulus", 4096}}, {}}});
+  const Readings down = record({{"truncation", "elbow", {}, {}}});
   for (std::size_t k = 0; k < ideal.time.size(); ++k) {
     EXPECT_EQ(missed.counts[k], ideal.counts[k] + (ideal.time[k] >= 1.5 ? -7 : 0));
     EXPECT_NEAR(half.counts[k], ideal.counts[k] / 2, 0.5);
@@ -245,9 +245,9 @@ TEST(Effects, OfTheDecoderActOnIntegerCounts) {
 }
 
 TEST(Effects, OfTheFileAndTheReferenceDoNotChangeTheCounts) {
-  const Record ideal = record({});
-  const Record rounded = record({{"log_rounding", "elbow", {{"step", 1e-3}}, {}}});
-  const Record wrong =
+  const Readings ideal = record({});
+  const Readings rounded = record({{"log_rounding", "elbow", {{"step", 1e-3}}, {}}});
+  const Readings wrong =
       record({{"reference_error", "elbow", {{"amplitude", 1e-3}, {"phase", 0.4}, {"order", 50}}, {}}});
   EXPECT_EQ(rounded.counts, ideal.counts);
   EXPECT_EQ(wrong.counts, ideal.counts);

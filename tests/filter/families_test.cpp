@@ -17,15 +17,13 @@
 namespace qerr {
 namespace {
 
-using Json = nlohmann::json;
-
 /// tests/golden/filters.json, by make_filters.py: mpmath and scipy, independent of qerr.
-Json golden() {
+nlohmann::json golden() {
   std::ifstream file(std::string(QERR_SOURCE_DIR) + "/tests/golden/filters.json");
-  return Json::parse(file);
+  return nlohmann::json::parse(file);
 }
 
-Filter filter_of(const Json& row) {
+Filter filter_of(const nlohmann::json& row) {
   if (row.contains("family")) {
     const SampleFilter sample{row["family"], row["numbers"], row["choices"]};
     return designed(sample, row["derivative"], row["sample_rate"]);
@@ -37,8 +35,8 @@ Filter filter_of(const Json& row) {
   throw std::runtime_error("no representation " + row["representation"].get<std::string>());
 }
 
-std::string title(const Json& row) {
-  Json short_row = row;
+std::string title(const nlohmann::json& row) {
+  nlohmann::json short_row = row;
   short_row.erase("impulse");
   return short_row.dump().substr(0, 300);
 }
@@ -158,7 +156,7 @@ TEST(EveryFamily, RejectsACutoffAtOrAboveNyquist) {
 
 TEST(H2Norm, OfEveryGoldenFilterIsThatOfMpmathTo1e13) {
   double worst = 0;
-  for (const Json& row : golden()) {
+  for (const nlohmann::json& row : golden()) {
     const double exact = std::stod(row["h2"].get<std::string>());
     const double error = std::abs(h2_norm(filter_of(row)) / exact - 1);
     EXPECT_LT(error, 1e-13) << title(row);
@@ -168,7 +166,7 @@ TEST(H2Norm, OfEveryGoldenFilterIsThatOfMpmathTo1e13) {
 }
 
 TEST(ImpulseResponse, OfEveryGoldenFilterIsThatOfMpmath) {
-  for (const Json& row : golden()) {
+  for (const nlohmann::json& row : golden()) {
     const std::vector<double> h = impulse_response(filter_of(row), row["impulse"].size());
     double largest = 0;
     for (const auto& x : row["impulse"])

@@ -84,8 +84,8 @@ void expect_exact(const std::vector<Row>& rows) {
     error = std::max(error, static_cast<double>(std::abs(n.h2 / row.h2 - 1)));
     width = std::max(width, (n.l1.upper - n.l1.lower) / n.l1.lower);
   }
-  testing::Test::RecordProperty("worst_h2_error", std::to_string(error * 1e15) + "e-15");
-  testing::Test::RecordProperty("worst_l1_width", std::to_string(width * 1e15) + "e-15");
+  ::testing::Test::RecordProperty("worst_h2_error", std::to_string(error * 1e15) + "e-15");
+  ::testing::Test::RecordProperty("worst_l1_width", std::to_string(width * 1e15) + "e-15");
 }
 
 TEST(Norms, OfTheFamiliesAreTheGoldenOnes) {

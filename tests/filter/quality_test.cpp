@@ -13,7 +13,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 TEST(Bandwidth, OfButterworthIsItsCutOffAtEveryOrder) {
   for (const double order : {1., 2., 5., 8.})

@@ -7,7 +7,7 @@
 namespace qerr {
 namespace {
 
-const std::string folder = std::string(QERR_SOURCE_DIR) + "/configs/planar_prr/";
+const std::string planar_robot = std::string(QERR_SOURCE_DIR) + "/configs/planar_prr/";
 
 /// A spec with comments, an unusual order and blank lines.
 const std::string base =
@@ -21,7 +21,7 @@ const std::string base =
     "  v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, order: 2, cutoff: 50 Hz}}\n";
 
 Spec spec_of(const std::string& text, const SpecOverrides& overrides = {}) {
-  return parse_spec(text, folder + "x.yaml", overrides);
+  return parse_spec(text, planar_robot + "x.yaml", overrides);
 }
 
 std::string a_joint() { return spec_of(base).model.chain.independent.back().name; }
@@ -32,7 +32,7 @@ AddedEffect backlash(double gap = 0.1 + 0.2) {
 
 std::string extended(const std::string& text, const std::vector<AddedEffect>& effects,
                      const SpecOverrides& overrides = {}) {
-  return extended_spec(spec_of(text, overrides), effects, "found in a log", folder + "y.yaml");
+  return extended_spec(spec_of(text, overrides), effects, "found in a log", planar_robot + "y.yaml");
 }
 
 TEST(ExtendedSpec, KeepsTheUsersTextAndAppends) {
@@ -141,7 +141,7 @@ TEST(ExtendedSpec, WritesMissedCountsAsIntegers) {
 
 TEST(ExtendedSpec, AddsOrReplacesAFoundFilter) {
   const auto with = [](const std::vector<AddedFilter>& filters) {
-    return extended_spec(spec_of(base), {}, "found in a log", folder + "y.yaml", filters);
+    return extended_spec(spec_of(base), {}, "found in a log", planar_robot + "y.yaml", filters);
   };
   const std::string beside = with({{"v_2", "first_order", 3, 12.5, "of the log"}});
   EXPECT_NE(beside.find("  # of the log\n"), std::string::npos) << beside;

@@ -10,7 +10,7 @@
 namespace qerr {
 namespace {
 
-const std::string folder = QERR_SOURCE_DIR "/configs/kuka_lwr/";
+const std::string kuka = QERR_SOURCE_DIR "/configs/kuka_lwr/";
 const std::string all_joints = "{counts_per_rev: 4096, gear_ratio: 100}";
 const std::string good = "qerr: 1\nrobot: {urdf: kuka_lwr.urdf}\nencoders:\n  '*': " + all_joints +
                          "\n"
@@ -42,7 +42,7 @@ std::string answer(const Node& mistake) {
   if (const std::size_t equals = change.find('='); equals != std::string::npos)
     overrides.values = {{change.substr(0, equals), change.substr(equals + 1)}};
   try {
-    parse_spec(whole.empty() ? good + value(mistake, "add") : whole, folder + "spec.yaml", overrides);
+    parse_spec(whole.empty() ? good + value(mistake, "add") : whole, kuka + "spec.yaml", overrides);
   } catch (const Error& e) {
     return e.what();
   }
@@ -58,7 +58,7 @@ TEST(Mistakes, AreAnsweredWithOneLineThatHasThePlaceAndTheRemedy) {
     const std::string change = value(mistake, "set");
     SCOPED_TRACE("line " + std::to_string(mistake.place.line) + ": " + message);
     const std::string begin =
-        change.empty() ? folder + "spec.yaml:" + place + ": " : "--set " + change.substr(0, change.find('='));
+        change.empty() ? kuka + "spec.yaml:" + place + ": " : "--set " + change.substr(0, change.find('='));
     EXPECT_EQ(message.substr(0, begin.size()), begin);
     EXPECT_NE(message.find("; " + value(mistake, "remedy")), std::string::npos);
     EXPECT_EQ(message.find('\n'), std::string::npos) << "one mistake, one message";

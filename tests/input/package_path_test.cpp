@@ -14,7 +14,7 @@ namespace {
 namespace fs = std::filesystem;
 
 /// A workspace of ROS: `installed/share/arm`, and `src/group/leg` with its package.xml.
-class PackagePath : public testing::Test {
+class PackagePath : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = fs::temp_directory_path() / ("qerr_packages_" + std::to_string(getpid()));

@@ -11,7 +11,7 @@
 namespace qerr {
 namespace {
 
-class Requirements : public testing::Test {
+class Requirements : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_requirements_" + std::to_string(getpid()));

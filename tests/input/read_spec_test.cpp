@@ -27,7 +27,7 @@ const std::string head = "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger}\n";
 const std::string encoders =
     "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n  lift: {resolution: 1 um}\n";
 
-class ReadSpec : public testing::Test {
+class ReadSpec : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_spec_" + std::to_string(getpid()));

@@ -10,7 +10,7 @@
 namespace qerr {
 namespace {
 
-const std::string folder = QERR_SOURCE_DIR "/configs/encoders/";
+const std::string catalogues = QERR_SOURCE_DIR "/configs/encoders/";
 
 /// An arm with the encoder of a row at its first joint.
 Spec with(const CatalogueRow& row) {
@@ -30,7 +30,7 @@ const CatalogueRow& named(const Catalogue& catalogue, const std::string& name) {
 
 TEST(ShippedCatalogues, EveryRowIsAnEncoder) {
   for (const char* file : {"encoders.csv", "joint_or_motor.csv"})
-    for (const CatalogueRow& row : read_catalogue(folder + file).rows) {
+    for (const CatalogueRow& row : read_catalogue(catalogues + file).rows) {
       const Spec spec = with(row);
       const Encoder& encoder = spec.model.transmission.encoders[0];
       EXPECT_GT(encoder.resolution, 1e-9) << row.name;
@@ -41,7 +41,7 @@ TEST(ShippedCatalogues, EveryRowIsAnEncoder) {
 }
 
 TEST(ShippedCatalogues, KnowLinesFromCounts) {
-  const Catalogue catalogue = read_catalogue(folder + "encoders.csv");
+  const Catalogue catalogue = read_catalogue(catalogues + "encoders.csv");
   EXPECT_GE(catalogue.rows.size(), 20u);
   const auto counts = [&](const char* name) {
     return with(named(catalogue, name)).encoder_figures[0].counts_per_rev;
@@ -54,14 +54,14 @@ TEST(ShippedCatalogues, KnowLinesFromCounts) {
 }
 
 TEST(ShippedCatalogues, BringTheBacklashOfAGear) {
-  const Catalogue catalogue = read_catalogue(folder + "joint_or_motor.csv");
+  const Catalogue catalogue = read_catalogue(catalogues + "joint_or_motor.csv");
   EXPECT_EQ(catalogue.price_unit, "EUR");
   EXPECT_EQ(with(named(catalogue, "motor 4096")).effects.size(), 1u);
   EXPECT_EQ(with(named(catalogue, "joint 17 bits")).effects.size(), 0u);
 }
 
 TEST(ShippedCatalogues, HaveASourceInEveryRow) {
-  std::ifstream file(folder + "encoders.csv");
+  std::ifstream file(catalogues + "encoders.csv");
   std::string line;
   std::getline(file, line);
   EXPECT_TRUE(line.ends_with("source,address")) << line;

@@ -11,12 +11,6 @@
 namespace qerr {
 namespace {
 
-std::vector<std::string> names_of(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const IndependentJoint& joint : chain.independent) names.push_back(joint.name);
-  return names;
-}
-
 Joint link_joint(const std::string& name, JointType type, const std::string& parent,
                  const std::string& child) {
   Joint joint;
@@ -53,7 +47,7 @@ TEST(Chain, MimicFoldsIntoItsMaster) {
   RobotModel robot = fork();
   robot.joints[1].mimic = Mimic{"a", -0.5, 0.25};  // b = 0.25 - a/2
   const Chain chain = make_chain(robot, "base", "left");
-  ASSERT_EQ(names_of(chain), (std::vector<std::string>{"a", "c"}));
+  ASSERT_EQ(testing::joint_names(chain), (std::vector<std::string>{"a", "c"}));
   ASSERT_EQ(chain.joints.size(), 3u);
   // By hand: tip = (1,0) + Rz(a)(1,0) + Rz(a+b)(1,0); its rotation is a + b + c.
   const double a = 0.3, c = -0.7, b = 0.25 - 0.5 * a;
@@ -71,7 +65,7 @@ TEST(Chain, MasterOffTheChainIsIndependent) {
   RobotModel robot = fork();
   robot.joints[2].mimic = Mimic{"d", 2, 0};  // c follows the slide on the other branch
   const Chain chain = make_chain(robot, "one", "left");
-  ASSERT_EQ(names_of(chain), (std::vector<std::string>{"b", "d"}));
+  ASSERT_EQ(testing::joint_names(chain), (std::vector<std::string>{"b", "d"}));
   EXPECT_FALSE(chain.independent[1].on_chain);
   EXPECT_TRUE(chain.independent[1].prismatic());
   EXPECT_FALSE(chain.joints[1].prismatic);
@@ -95,7 +89,7 @@ TEST(Chain, MasterAfterItsMimicKeepsItsPlace) {
   RobotModel robot = fork();
   robot.joints[0].mimic = Mimic{"c", 1, 0};
   const Chain chain = make_chain(robot, "base", "left");
-  EXPECT_EQ(names_of(chain), (std::vector<std::string>{"b", "c"}));
+  EXPECT_EQ(testing::joint_names(chain), (std::vector<std::string>{"b", "c"}));
   EXPECT_TRUE(chain.independent[1].on_chain);
 }
 
@@ -103,7 +97,7 @@ TEST(Chain, IsPartOfATree) {
   const Chain chain = make_chain(fork(), "one", "right");
   EXPECT_EQ(chain.base, "one");
   EXPECT_EQ(chain.tip, "right");
-  ASSERT_EQ(names_of(chain), (std::vector<std::string>{"b", "d"}));
+  ASSERT_EQ(testing::joint_names(chain), (std::vector<std::string>{"b", "d"}));
   const Eigen::Isometry3d pose = forward_kinematics(chain, Eigen::Vector2d(std::numbers::pi / 2, 0.5));
   EXPECT_NEAR(pose(0, 3), 1, 1e-15);
   EXPECT_NEAR(pose(1, 3), 1, 1e-15);

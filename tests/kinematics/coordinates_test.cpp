@@ -13,21 +13,6 @@ namespace {
 
 using testing::Dice;
 
-Eigen::VectorXd random_configuration(Dice& dice, const Chain& chain) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i)
-    q[i] = chain.independent[static_cast<std::size_t>(i)].prismatic() ? dice.between(-1, 1)
-                                                                      : dice.between(-3.2, 3.2);
-  return q;
-}
-
-/// f'(0) by five points; error h^4 f'''''/30 and 1e-16/h.
-template <class F>
-auto derivative_at_zero(const F& f) {
-  const double h = 3e-4;
-  return ((8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h)).eval();
-}
-
 Eigen::Vector3d roll_pitch_yaw(const Eigen::Matrix3d& r) {
   return {std::atan2(r(2, 1), r(2, 2)), std::asin(-r(2, 0)), std::atan2(r(1, 0), r(0, 0))};
 }
@@ -37,7 +22,7 @@ TEST(Coordinates, RatesOfRollPitchYawAreTheirDerivatives) {
   for (std::uint64_t seed = 0; seed < 200; ++seed) {
     Dice dice(seed);
     const Chain chain = make_chain(testing::random_robot(dice, {}), "", "");
-    const Eigen::VectorXd q = random_configuration(dice, chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, chain);
     Eigen::Isometry3d pose;
     const Jacobian joints = joint_jacobian(chain, q, &pose);
     const double cosine = cosine_of_pitch(pose.linear());
@@ -48,7 +33,7 @@ TEST(Coordinates, RatesOfRollPitchYawAreTheirDerivatives) {
         chain,
         coordinate_rows({Coordinate::roll, Coordinate::pitch, Coordinate::yaw}, joints, pose.linear()));
     for (Eigen::Index i = 0; i < q.size(); ++i, ++compared) {
-      const Eigen::Vector3d rate = derivative_at_zero([&](double t) -> Eigen::Vector3d {
+      const Eigen::Vector3d rate = testing::derivative_at_zero([&](double t) -> Eigen::Vector3d {
         Eigen::Vector3d change =
             roll_pitch_yaw(forward_kinematics(chain, q + t * Eigen::VectorXd::Unit(q.size(), i)).linear()) -
             here;

@@ -101,30 +101,16 @@ class KdlChain {
   std::vector<Mimic> drives_;
 };
 
-std::vector<std::string> names_of(const Chain& chain) {
-  std::vector<std::string> names;
-  for (const IndependentJoint& joint : chain.independent) names.push_back(joint.name);
-  return names;
-}
-
-Eigen::VectorXd random_configuration(Dice& dice, const Chain& chain) {
-  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
-  for (Eigen::Index i = 0; i < q.size(); ++i)
-    q[i] = chain.independent[static_cast<std::size_t>(i)].prismatic() ? dice.between(-1, 1)
-                                                                      : dice.between(-3.2, 3.2);
-  return q;
-}
-
 struct Gap {
   double pose = 0, jacobian = 0;  ///< largest difference over the largest entry
 };
 
 Gap gap_to_kdl(const RobotModel& robot, const Chain& chain, Dice& dice, int configurations) {
   const KdlChain peer(robot, chain.base, chain.tip);
-  const std::vector<std::string> names = names_of(chain);
+  const std::vector<std::string> names = testing::joint_names(chain);
   Gap gap;
   for (int i = 0; i < configurations; ++i) {
-    const Eigen::VectorXd q = random_configuration(dice, chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, chain);
     Eigen::Isometry3d pose, with_jacobian;
     Jacobian expected;
     peer.evaluate(names, q, pose, expected);
@@ -172,13 +158,6 @@ int compare_all_chains(const std::string& file, int configurations) {
   return compared;
 }
 
-/// f'(0) by five points; error h^4 f'''''/30 and 1e-16/h.
-template <class F>
-auto derivative_at_zero(const F& f) {
-  const double h = 3e-4;
-  return ((8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h)).eval();
-}
-
 TEST(Kinematics, AgreesWithKdlOnEveryShippedRobot) {
   const std::vector<std::string> files = urdfs(fs::path(QERR_SOURCE_DIR) / "configs", true);
   ASSERT_GE(files.size(), 7u);
@@ -209,12 +188,12 @@ TEST(Jacobian, IsTheDerivativeOfForwardKinematics) {
     Dice dice(seed);
     const RobotModel robot = testing::random_robot(dice, {});
     const Chain chain = make_chain(robot, "", "");
-    const Eigen::VectorXd q = random_configuration(dice, chain);
+    const Eigen::VectorXd q = testing::random_configuration(dice, chain);
     const Jacobian j = jacobian(chain, q);
     const Eigen::Matrix3d r = forward_kinematics(chain, q).linear();
     const double size = std::max(1.0, j.cwiseAbs().maxCoeff());
     for (Eigen::Index i = 0; i < q.size(); ++i) {
-      const Eigen::Matrix4d slope = derivative_at_zero([&](double t) -> Eigen::Matrix4d {
+      const Eigen::Matrix4d slope = testing::derivative_at_zero([&](double t) -> Eigen::Matrix4d {
         return forward_kinematics(chain, q + t * Eigen::VectorXd::Unit(q.size(), i)).matrix();
       });
       const Eigen::Matrix3d spin = slope.topLeftCorner<3, 3>() * r.transpose();

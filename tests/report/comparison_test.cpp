@@ -16,8 +16,6 @@
 namespace qerr {
 namespace {
 
-constexpr double infinity = std::numeric_limits<double>::infinity();
-
 NamedFigures figures(std::vector<NamedFigure> list) {
   NamedFigures f;
   f.file = "r.json";
@@ -43,12 +41,12 @@ TEST(ReportComparison, ChangesAreRelativeToTheFirstReport) {
   EXPECT_DOUBLE_EQ(change_of(-2e-3, -1e-3), 0.5) << "a larger one, such as a negative delay";
   EXPECT_EQ(change_of(0, 0), 0);
   EXPECT_EQ(change_of(0, -0.0), 0);
-  EXPECT_EQ(change_of(0, 1e-3), infinity);
+  EXPECT_EQ(change_of(0, 1e-3), INFINITY);
   EXPECT_DOUBLE_EQ(change_of(1e-3, 0), -1);
-  EXPECT_EQ(change_of(1e-3, infinity), infinity);
-  EXPECT_EQ(change_of(infinity, 1e-3), -1);
-  EXPECT_EQ(change_of(infinity, infinity), 0);
-  EXPECT_EQ(change_of(0, infinity), infinity);
+  EXPECT_EQ(change_of(1e-3, INFINITY), INFINITY);
+  EXPECT_EQ(change_of(INFINITY, 1e-3), -1);
+  EXPECT_EQ(change_of(INFINITY, INFINITY), 0);
+  EXPECT_EQ(change_of(0, INFINITY), INFINITY);
 }
 
 TEST(ReportComparison, RoundingIsNoChange) {
@@ -88,7 +86,7 @@ TEST(ReportComparison, RequirementsFlipInTheOrderOfTheirMargins) {
 TEST(ReportComparison, AnUnboundedFigureFlipsAtOnce) {
   NamedFigures a = figures({}), b = figures({});
   a.requirements = {{x_sigma(1), false, 2, true}};
-  b.requirements = {{x_sigma(infinity), false, 2, false}};
+  b.requirements = {{x_sigma(INFINITY), false, 2, false}};
   EXPECT_EQ(*compare(a, b).requirements[0].flips_after(), 0);
   EXPECT_EQ(*compare(b, a).requirements[0].flips_after(), 1);
 }
@@ -250,9 +248,9 @@ TEST_F(SpecReports, TakeNullForUnboundedAndLeaveOutWhatIsNotKnown) {
       if (f.name() == name) return f.value;
     return {};
   };
-  EXPECT_EQ(value("position.x.worst_case max"), infinity);
+  EXPECT_EQ(value("position.x.worst_case max"), INFINITY);
   EXPECT_EQ(value("position.x.worst_case_rigorous max"), std::nullopt);
-  EXPECT_EQ(value("velocity.l1_norm"), infinity);
+  EXPECT_EQ(value("velocity.l1_norm"), INFINITY);
   const ReportComparison c = compare(read, read);
   EXPECT_EQ(c.figures.front().relative, 0);
   EXPECT_NE(write(c, "table").find("all unchanged"), std::string::npos);

@@ -12,7 +12,7 @@
 namespace qerr {
 namespace {
 
-class DesignOfSpec : public testing::Test {
+class DesignOfSpec : public ::testing::Test {
  protected:
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_design_" + std::to_string(getpid()));

@@ -13,17 +13,16 @@
 namespace qerr {
 namespace {
 
-using Json = nlohmann::json;
-
-Json json(const DiagnosisReport& r) { return Json::parse(write(r, "json", Style{})); }
+nlohmann::json json(const DiagnosisReport& r) { return nlohmann::json::parse(write(r, "json", Style{})); }
 
 TEST(DiagnosisReport, GivesParametersTheUnitOfTheirJoint) {
   const Spec s = spec();
   const std::string slide = joint_of(s, true), turn = joint_of(s, false);
-  const Json j = json(report(Verdict::explained, {cause("backlash", turn, {{"gap", 1e-3, 0.9e-3, 1.1e-3}}),
-                                                  cause("backlash", slide, {{"gap", 1e-5, 0.9e-5, 1.1e-5}}),
-                                                  cause("compliance", slide, {{"compliance", 1e-7, 0, 2e-7}}),
-                                                  cause("latency", turn, {{"delay", 0.01, 0, 0.02}})}));
+  const nlohmann::json j =
+      json(report(Verdict::explained, {cause("backlash", turn, {{"gap", 1e-3, 0.9e-3, 1.1e-3}}),
+                                       cause("backlash", slide, {{"gap", 1e-5, 0.9e-5, 1.1e-5}}),
+                                       cause("compliance", slide, {{"compliance", 1e-7, 0, 2e-7}}),
+                                       cause("latency", turn, {{"delay", 0.01, 0, 0.02}})}));
   EXPECT_EQ(j["causes"][0]["parameters"][0]["unit"], "rad");
   EXPECT_EQ(j["causes"][1]["parameters"][0]["unit"], "m");
   EXPECT_EQ(j["causes"][1]["gain"]["unit"], "m");
@@ -35,7 +34,7 @@ TEST(DiagnosisReport, WritesAllParametersInTheOrderOfTheEffectsRow) {
   Cause c =
       cause("transmission_error", joint_of(spec(), false), {{"phase", 1, 0.9, 1.1}, {"amplitude", 2, 1, 3}});
   c.effect.numbers["order"] = 2;
-  const Json p = json(report(Verdict::explained, {c}))["causes"][0]["parameters"];
+  const nlohmann::json p = json(report(Verdict::explained, {c}))["causes"][0]["parameters"];
   ASSERT_EQ(p.size(), 3u);
   EXPECT_EQ(p[0]["name"], "amplitude");
   EXPECT_EQ(p[1]["name"], "phase");
@@ -47,7 +46,7 @@ TEST(DiagnosisReport, WritesNonFiniteNumbersAsNull) {
   DiagnosisReport r = report(Verdict::explained,
                              {cause("backlash", joint_of(spec(), false), {{"gap", 1e-3, NAN, INFINITY}})});
   r.diagnosis.simulation.push_back({"elbow", "mean", NAN, 0, 0.5});
-  const Json j = json(r);
+  const nlohmann::json j = json(r);
   EXPECT_TRUE(j["causes"][0]["parameters"][0]["lower"].is_null());
   EXPECT_TRUE(j["causes"][0]["parameters"][0]["upper"].is_null());
   EXPECT_TRUE(j["simulation"][0]["observed"].is_null());
@@ -58,11 +57,12 @@ TEST(DiagnosisReport, WritesFindingsAboutTheDataWithTheirPlace) {
   DiagnosisReport r = report(Verdict::cannot_judge, {});
   r.diagnosis.data = {{"counts are held for 4 rows", "elbow", 17, {}, "log at the sensor's rate"},
                       {"the clock stops", "", {}, 2.5, "log monotonic stamps"}};
-  const Json data = json(r)["data"];
+  const nlohmann::json data = json(r)["data"];
   ASSERT_EQ(data.size(), 2u);
-  EXPECT_EQ(data[0], Json::parse(R"({"what": "counts are held for 4 rows", "joint": "elbow", "row": 17,
+  EXPECT_EQ(data[0],
+            nlohmann::json::parse(R"({"what": "counts are held for 4 rows", "joint": "elbow", "row": 17,
                                      "remedy": "log at the sensor's rate"})"));
-  EXPECT_EQ(data[1], Json::parse(R"({"what": "the clock stops", "joint": null, "time": 2.5,
+  EXPECT_EQ(data[1], nlohmann::json::parse(R"({"what": "the clock stops", "joint": null, "time": 2.5,
                                      "remedy": "log monotonic stamps"})"));
   const std::string csv = write(r, "csv", Style{});
   EXPECT_NE(csv.find("data,elbow,counts are held for 4 rows,row,17,,,,,log at the sensor's rate\r\n"),
@@ -76,10 +76,10 @@ TEST(DiagnosisReport, WritesTheSmallestVisibleSizesAndWhatHidesTheOthers) {
   DiagnosisReport r = report(Verdict::nothing_wrong, {});
   r.diagnosis.visible = {{"offset", "elbow", 2e-5, "offset", "rad", ""},
                          {"backlash", "elbow", NAN, "gap", "rad", "one way"}};
-  const Json visible = json(r)["visible"];
-  EXPECT_EQ(visible[0], Json::parse(R"({"effect": "offset", "joint": "elbow", "parameter": "offset",
+  const nlohmann::json visible = json(r)["visible"];
+  EXPECT_EQ(visible[0], nlohmann::json::parse(R"({"effect": "offset", "joint": "elbow", "parameter": "offset",
                                         "smallest": 2e-5, "unit": "rad", "hidden_by": null})"));
-  EXPECT_EQ(visible[1], Json::parse(R"({"effect": "backlash", "joint": "elbow", "parameter": "gap",
+  EXPECT_EQ(visible[1], nlohmann::json::parse(R"({"effect": "backlash", "joint": "elbow", "parameter": "gap",
                                         "smallest": null, "unit": "rad", "hidden_by": "one way"})"));
   const std::string csv = write(r, "csv", Style{});
   EXPECT_NE(csv.find("visible,elbow,backlash,smallest gap,,,,,rad,one way\r\n"), std::string::npos) << csv;
@@ -90,10 +90,10 @@ TEST(DiagnosisReport, WritesTheShapeOfAResidualWithItsFiguresInSi) {
   DiagnosisReport r = report(Verdict::unexplained, {});
   r.diagnosis.unexplained = {{slide, "", {}, {}, 1e-4, Shape::bump, {{"angle", 0.2}, {"width", 0.01}}},
                              {"elbow", "", {}, 50.0, 1e-4, Shape::line, {{"frequency", 50.0}}}};
-  const Json list = json(r)["unexplained"];
+  const nlohmann::json list = json(r)["unexplained"];
   EXPECT_EQ(list[0]["shape"], "bump");
-  EXPECT_EQ(list[0]["figures"], Json::parse(R"({"angle": 0.2, "width": 0.01})"));
-  EXPECT_EQ(list[0]["units"], Json::parse(R"({"angle": "m", "width": "m"})"));
+  EXPECT_EQ(list[0]["figures"], nlohmann::json::parse(R"({"angle": 0.2, "width": 0.01})"));
+  EXPECT_EQ(list[0]["units"], nlohmann::json::parse(R"({"angle": "m", "width": "m"})"));
   EXPECT_TRUE(list[0]["curve"].is_null());
   EXPECT_EQ(list[1]["units"]["frequency"], "Hz");
   EXPECT_EQ(list[1]["frequency"], 50.0);
@@ -110,7 +110,7 @@ TEST(DiagnosisReport, WritesWhatEachCauseAddsAndItsCurve) {
   c.rms = 4e-4;
   c.rms_without = 5e-4;
   c.curve = {"direction", "", {-1, 1}, {-4e-4, NAN}, {-4e-4, 4e-4}};
-  const Json entry = json(r)["causes"][0];
+  const nlohmann::json entry = json(r)["causes"][0];
   const std::size_t place = spec().model.chain.independent.front().name == joint ? 0 : 1;
   EXPECT_DOUBLE_EQ(entry["counts"], c.rms / spec().model.transmission.encoders[place].resolution);
   EXPECT_EQ(entry["rms_without"], 5e-4);
@@ -119,10 +119,10 @@ TEST(DiagnosisReport, WritesWhatEachCauseAddsAndItsCurve) {
 }
 
 /// Whether the report has the form of its own schema.
-bool conforms(const Json& report) {
+bool conforms(const nlohmann::json& report) {
   valijson::Schema schema;
   valijson::SchemaParser parser;
-  const Json text = Json::parse(output_schema("diagnose"));
+  const nlohmann::json text = nlohmann::json::parse(output_schema("diagnose"));
   parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(text), schema);
   valijson::Validator validator;
   return validator.validate(schema, valijson::adapters::NlohmannJsonAdapter(report), nullptr);
@@ -136,17 +136,17 @@ TEST(DiagnosisReport, ConformsToItsSchemaWithAllMembers) {
   r.diagnosis.visible = {{"offset", joint, 1e-5, "offset", "rad", ""}, {"drift", joint, NAN, "", "", "rest"}};
   r.diagnosis.unexplained = {{joint, "", {}, {}, 1e-4, Shape::step, {{"time", 9}}},
                              {joint, "slow", 2.0, 3.0, 1e-4, Shape::unknown, {}}};
-  const Json whole = json(r);
+  const nlohmann::json whole = json(r);
   EXPECT_TRUE(conforms(whole)) << whole.dump(1);
   for (const auto& [list, member] : {std::pair{"data", "what"},
                                      {"visible", "smallest"},
                                      {"unexplained", "shape"},
                                      {"causes", "rms_without"}}) {
-    Json broken = whole;
+    nlohmann::json broken = whole;
     broken[list][0].erase(member);
     EXPECT_FALSE(conforms(broken)) << list << '.' << member << " is required";
   }
-  Json wrong = whole;
+  nlohmann::json wrong = whole;
   wrong["unexplained"][0]["shape"] = "zigzag";
   EXPECT_FALSE(conforms(wrong));
 }
@@ -169,7 +169,7 @@ TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {
   at_tip.unit = "m";
   at_tip.of_tip = true;
   r.diagnosis.causes[0].gain = r.diagnosis.gain = at_tip;
-  const Json of_cause = json(r)["causes"][0]["gain"];
+  const nlohmann::json of_cause = json(r)["causes"][0]["gain"];
   EXPECT_EQ(of_cause["unit"], "m");
   EXPECT_TRUE(of_cause["counts_before"].is_null());
   EXPECT_TRUE(of_cause["coverage"].is_null());
@@ -187,7 +187,7 @@ TEST(DiagnosisReport, GivesTheGainAtTheTipInMetresWithoutCounts) {
 TEST(DiagnosisReport, HasTheSameFiguresOfTheGainInCsvAsInJson) {
   const DiagnosisReport r = report(Verdict::nothing_wrong, {});
   const std::string csv = write(r, "csv", Style{});
-  const Json gain = json(r)["gain"];
+  const nlohmann::json gain = json(r)["gain"];
   for (const char* figure : {"rms_before", "rms_after", "ratio", "counts_before", "counts_after",
                              "sigma_ratio", "log_score", "coverage"}) {
     const std::string row = std::string("gain,,,") + figure + ',' + shortest(gain[figure]) + ',';

@@ -9,7 +9,7 @@
 namespace qerr {
 namespace {
 
-class FilterReports : public testing::Test {
+class FilterReports : public ::testing::Test {
  protected:
   Spec spec = read_spec(QERR_SOURCE_DIR "/configs/planar_prr/spec.yaml");
 };

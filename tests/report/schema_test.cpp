@@ -19,17 +19,16 @@ namespace qerr {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 /// A spec as an editor's YAML server parses it.
-Json to_json(const YAML::Node& node) {
+nlohmann::json to_json(const YAML::Node& node) {
   if (node.IsSequence()) {
-    Json list = Json::array();
+    nlohmann::json list = nlohmann::json::array();
     for (const YAML::Node& item : node) list.push_back(to_json(item));
     return list;
   }
   if (node.IsMap()) {
-    Json object = Json::object();
+    nlohmann::json object = nlohmann::json::object();
     for (const auto& entry : node) object[entry.first.as<std::string>()] = to_json(entry.second);
     return object;
   }
@@ -40,18 +39,18 @@ Json to_json(const YAML::Node& node) {
   const auto number = parse_number(text);
   if (number && *number == std::floor(*number) && std::abs(*number) < 1e15)
     return static_cast<std::int64_t>(*number);
-  return number ? Json(*number) : Json(text);
+  return number ? nlohmann::json(*number) : nlohmann::json(text);
 }
 
-class SpecSchema : public testing::Test {
+class SpecSchema : public ::testing::Test {
  protected:
   void SetUp() override {
-    const Json json = Json::parse(json_schema());
+    const nlohmann::json json = nlohmann::json::parse(json_schema());
     valijson::SchemaParser parser;
     parser.populateSchema(valijson::adapters::NlohmannJsonAdapter(json), schema_);
   }
 
-  bool valid(const Json& spec) {
+  bool valid(const nlohmann::json& spec) {
     valijson::Validator validator;
     return validator.validate(schema_, valijson::adapters::NlohmannJsonAdapter(spec), nullptr);
   }
@@ -101,20 +100,21 @@ TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
   const fs::path file = fs::temp_directory_path() / ("qerr_schema_" + std::to_string(getpid()) + ".yaml");
   const std::set<std::string> free_keys{"/encoders",      "/filters",         "/configurations/limits",
                                         "/motion/joints", "/design/encoders", "/design/filters"};
-  const auto read = [&](const Json& spec) {
+  const auto read = [&](const nlohmann::json& spec) {
     std::ofstream(file) << spec.dump();  // JSON is YAML
     read_spec(file.string());
   };
   std::size_t changed = 0;
-  const auto walk = [&](auto&& self, const Json& whole, const Json::json_pointer& at) -> void {
-    const Json& value = whole[at];
+  const auto walk = [&](auto&& self, const nlohmann::json& whole,
+                        const nlohmann::json::json_pointer& at) -> void {
+    const nlohmann::json& value = whole[at];
     if (value.is_array())
       for (std::size_t i = 0; i < value.size(); ++i) self(self, whole, at / i);
     if (!value.is_object()) return;
     for (const auto& [key, child] : value.items()) {
       self(self, whole, at / key);
       if (free_keys.contains(at.to_string())) continue;
-      Json other = whole;
+      nlohmann::json other = whole;
       other[at][key + "x"] = child;
       EXPECT_FALSE(valid(other)) << at.to_string() << '/' << key << 'x';
       EXPECT_THROW(read(other), Error) << at.to_string() << '/' << key << 'x';
@@ -122,7 +122,7 @@ TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
     }
   };
   for (const fs::path& path : specs("tests/corpus/good_specs")) {
-    Json spec = to_json(YAML::LoadFile(path.string()));
+    nlohmann::json spec = to_json(YAML::LoadFile(path.string()));
     spec["robot"]["urdf"] =
         fs::absolute(path.parent_path() / spec["robot"]["urdf"].get<std::string>()).string();
     for (const char* section : {"configurations", "motion"})
@@ -130,7 +130,7 @@ TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
         spec[section]["file"] =
             fs::absolute(path.parent_path() / spec[section]["file"].get<std::string>()).string();
     ASSERT_NO_THROW(read(spec)) << path;
-    walk(walk, spec, Json::json_pointer(""));
+    walk(walk, spec, nlohmann::json::json_pointer(""));
   }
   fs::remove(file);
   EXPECT_GE(changed, 100u);

@@ -16,7 +16,8 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi, rate = 1000;
+using std::numbers::pi;
+constexpr double rate = 1000;
 
 /// Two sines, as a motion and as a function of time.
 struct TwoSines {

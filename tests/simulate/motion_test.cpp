@@ -35,7 +35,7 @@ TEST(MotionPath, SumsCenterVelocityAndSines) {
   }
 }
 
-class Moves : public testing::TestWithParam<int> {};
+class Moves : public ::testing::TestWithParam<int> {};
 
 TEST_P(Moves, KeepTheirLimitsAndStopAtTheirEnds) {
   std::mt19937 engine(static_cast<unsigned>(GetParam()));
@@ -70,7 +70,7 @@ TEST_P(Moves, KeepTheirLimitsAndStopAtTheirEnds) {
     EXPECT_TRUE(fastest > 0.99 * out.velocity || hardest > 0.99 * out.acceleration);
   }
 }
-INSTANTIATE_TEST_SUITE_P(Random, Moves, testing::Range(0, 60));
+INSTANTIATE_TEST_SUITE_P(Random, Moves, ::testing::Range(0, 60));
 
 /// By hand: 1 rad within 1 rad/s and 2 rad/s^2 takes 1/1 + 1/2 s.
 TEST(MotionPath, ATrapezoidTakesDistanceOverSpeedPlusSpeedOverAcceleration) {
@@ -106,7 +106,7 @@ TEST(MotionPath, ATableOfAStraightLineIsAStraightLine) {
   for (double t = 0; t <= 1; t += 0.01) EXPECT_NEAR(path.position(0, t), 1 + 2 * t, 1e-12);
 }
 
-class MotionSpec : public testing::Test {
+class MotionSpec : public ::testing::Test {
  protected:
   std::string message(const std::string& motion, const std::string& csv = "") {
     const auto folder = std::filesystem::temp_directory_path() / ("qerr_motion_" + std::to_string(getpid()));

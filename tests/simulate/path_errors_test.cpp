@@ -43,7 +43,7 @@ std::vector<ErrorSource> random_sources(Dice& dice, const Chain& chain) {
   return sources;
 }
 
-Motion random_motion(Dice& dice, std::size_t joints, double seconds) {
+Motion random_sines(Dice& dice, std::size_t joints, double seconds) {
   Motion motion{1000, seconds, {}, {}, {}};
   for (std::size_t i = 0; i < joints; ++i) {
     JointMotion joint{dice.between(-1, 1), dice.chance(0.3) ? dice.between(-1, 1) : 0, {}, {}};
@@ -158,7 +158,7 @@ TEST(PathErrors, AreThoseOfTheScalarFunctionsOnRandomChains) {
     for (std::size_t trial = 0; trial < 40; ++trial) {
       SCOPED_TRACE(std::string(name_of(set)) + ", trial " + std::to_string(trial));
       const OperationalModel model = full_model(dice, 1 + trial % 14, trial % 2 == 1);
-      const Motion motion = random_motion(dice, model.chain.independent.size(), 1);
+      const Motion motion = random_sines(dice, model.chain.independent.size(), 1);
       expect_scalar_errors(dice, model, model.chain, motion, trial, set);
     }
 }
@@ -171,8 +171,7 @@ TEST(PathErrors, OfARobotWithGeometricErrorsReferToItsTrueTip) {
       const OperationalModel model = full_model(dice, 2 + trial % 7, true);
       Chain built = model.chain;
       for (ChainJoint& joint : built.joints) joint.origin.pretranslate(0.1 * dice.direction());
-      expect_scalar_errors(dice, model, built, random_motion(dice, model.chain.independent.size(), 1), 3,
-                           set);
+      expect_scalar_errors(dice, model, built, random_sines(dice, model.chain.independent.size(), 1), 3, set);
     }
 }
 
@@ -184,8 +183,8 @@ TEST(PathErrors, MayBeLarge) {
       SCOPED_TRACE(std::string(name_of(set)) + ", trial " + std::to_string(trial));
       OperationalModel model = full_model(dice, 2 + trial % 7, false);
       for (Encoder& encoder : model.transmission.encoders) encoder.resolution = dice.between(0.02, 2);
-      expect_scalar_errors(dice, model, model.chain, random_motion(dice, model.chain.independent.size(), 1),
-                           3, set);
+      expect_scalar_errors(dice, model, model.chain, random_sines(dice, model.chain.independent.size(), 1), 3,
+                           set);
     }
 }
 
@@ -196,14 +195,14 @@ TEST(PathErrors, HoldForLargeAngles) {
     for (std::size_t trial = 0; trial < 6; ++trial) {
       SCOPED_TRACE(std::string(name_of(set)) + ", trial " + std::to_string(trial));
       const OperationalModel model = full_model(dice, 2 + trial, true);
-      Motion motion = random_motion(dice, model.chain.independent.size(), 1);
+      Motion motion = random_sines(dice, model.chain.independent.size(), 1);
       for (JointMotion& joint : motion.joints)
         if (trial % 2 == 0) joint.velocity = 3e6;
       expect_scalar_errors(dice, model, model.chain, motion, trial % 2 == 0 ? 40 : 40'000'000, set);
     }
 }
 
-struct Experiment {
+struct PathExperiment {
   OperationalModel model;
   std::vector<Filter> filters;
   std::vector<Norms> norms;
@@ -211,12 +210,12 @@ struct Experiment {
   std::vector<Effect> effects;
 };
 
-Simulation run(const Experiment& e, const SimulationOptions& options = {}) {
+Simulation run(const PathExperiment& e, const SimulationOptions& options = {}) {
   return simulate(e.model, e.filters, e.norms, e.motion, e.effects, options);
 }
 
 /// Compares every figure of a run with that of the scalar reference.
-void expect_scalar_run(const Experiment& e, InstructionSet set) {
+void expect_scalar_run(const PathExperiment& e, InstructionSet set) {
   SimulationOptions options;
   options.instructions = set;
   const Simulation s = run(e, options);
@@ -248,15 +247,15 @@ void expect_scalar_run(const Experiment& e, InstructionSet set) {
     }
 }
 
-Experiment random_experiment(Dice& dice, std::size_t joints, double seconds) {
-  Experiment e;
+PathExperiment random_path_experiment(Dice& dice, std::size_t joints, double seconds) {
+  PathExperiment e;
   e.model = random_model(dice, joints, 1e-4, 1e-2);
   e.model.coordinates.resize(6);
   for (Encoder& encoder : e.model.transmission.encoders) encoder.rounding = Rounding::nearest;
   e.filters = {cascade(1, 1), design_filter("butterworth", 2, 500, 2, 50),
                design_filter("first_order", 1, 1000.0 / 7, 1, 20)};
   for (const Filter& f : e.filters) e.norms.push_back(norms(f));
-  e.motion = random_motion(dice, e.model.chain.independent.size(), seconds);
+  e.motion = random_sines(dice, e.model.chain.independent.size(), seconds);
   return e;
 }
 
@@ -270,7 +269,7 @@ TEST(Simulate, EqualsTheScalarSimulationAtAllBoundariesOfBatches) {
         if (settling + 14 >= static_cast<double>(samples) && settling > 0) continue;
         SCOPED_TRACE(std::string(name_of(set)) + ", " + std::to_string(samples) + " samples, settling " +
                      std::to_string(settling));
-        Experiment e = random_experiment(dice, 1 + samples % 5, static_cast<double>(samples) / 1000);
+        PathExperiment e = random_path_experiment(dice, 1 + samples % 5, static_cast<double>(samples) / 1000);
         e.motion.settling = settling / 1000;
         expect_scalar_run(e, set);
       }
@@ -281,7 +280,7 @@ TEST(Simulate, EqualsTheScalarSimulationWithEffectsOfEveryStage) {
   for (const InstructionSet set : available_instruction_sets())
     for (std::size_t trial = 0; trial < 6; ++trial) {
       SCOPED_TRACE(std::string(name_of(set)) + ", trial " + std::to_string(trial));
-      Experiment e = random_experiment(dice, 5, 0.7);
+      PathExperiment e = random_path_experiment(dice, 5, 0.7);
       const auto joint = [&] {
         return e.model.chain.independent[dice.below(e.model.chain.independent.size())].name;
       };
@@ -296,7 +295,7 @@ TEST(Simulate, EqualsTheScalarSimulationWithEffectsOfEveryStage) {
 
 TEST(Simulate, OfManyRunsIsTheSameForAnyNumberOfThreadsOnEverySet) {
   Dice dice(48);
-  const Experiment e = random_experiment(dice, 6, 0.333);
+  const PathExperiment e = random_path_experiment(dice, 6, 0.333);
   for (const InstructionSet set : available_instruction_sets()) {
     SimulationOptions options;
     options.runs = 130;
@@ -313,7 +312,7 @@ TEST(Simulate, OfManyRunsIsTheSameForAnyNumberOfThreadsOnEverySet) {
 
 TEST(Simulate, IsAccurateWithALargeMean) {
   Dice dice(49);
-  Experiment e = random_experiment(dice, 4, 2.0);
+  PathExperiment e = random_path_experiment(dice, 4, 2.0);
   const std::string joint = e.model.chain.independent[0].name;
   e.effects = {{"offset", joint, {{"offset", 0.7}}, {}}};
   for (const InstructionSet set : available_instruction_sets()) expect_scalar_run(e, set);

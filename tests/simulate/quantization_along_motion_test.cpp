@@ -14,7 +14,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// Position at time t of moves with trapezoidal velocity between 0 and `to`, `dwell` at both ends.
 double trapezoids(double to, double velocity, double acceleration, double dwell, double t) {

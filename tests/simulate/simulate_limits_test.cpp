@@ -15,7 +15,7 @@ namespace {
 
 using testing::Experiment;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A wrist that rotates about z, then about y around a mean pitch, and a third joint at rest. For a mean
 /// pitch of 90 deg its first sample and some later ones are at the gimbal lock.

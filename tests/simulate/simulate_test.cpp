@@ -20,7 +20,7 @@ using testing::Dice;
 using testing::expect_same;
 using testing::Experiment;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A random robot whose encoders pass 30 to 100 counts a sample at their fastest, at incommensurable
 /// frequencies.

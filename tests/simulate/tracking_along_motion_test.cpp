@@ -16,7 +16,7 @@
 namespace qerr {
 namespace {
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 /// A slider along x: its tip is where its joint is.
 Spec slider(const std::vector<std::pair<std::string, std::string>>& changes = {}) {

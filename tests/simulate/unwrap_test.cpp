@@ -11,7 +11,7 @@ namespace {
 
 using ReadLog = testing::LogFile;
 
-constexpr double pi = std::numbers::pi;
+using std::numbers::pi;
 
 double wrapped(double x, double turn, double from) { return x - turn * std::floor((x - from) / turn); }
 

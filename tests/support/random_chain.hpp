@@ -134,4 +134,26 @@ inline Transmission random_transmission(Dice& dice, const Chain& chain, double f
   return t;
 }
 
+inline std::vector<std::string> joint_names(const Chain& chain) {
+  std::vector<std::string> names;
+  for (const IndependentJoint& joint : chain.independent) names.push_back(joint.name);
+  return names;
+}
+
+/// Of the independent joints [rad or m].
+inline Eigen::VectorXd random_configuration(Dice& dice, const Chain& chain) {
+  Eigen::VectorXd q(static_cast<Eigen::Index>(chain.independent.size()));
+  for (Eigen::Index i = 0; i < q.size(); ++i)
+    q[i] = chain.independent[static_cast<std::size_t>(i)].prismatic() ? dice.between(-1, 1)
+                                                                      : dice.between(-3.2, 3.2);
+  return q;
+}
+
+/// f'(0) by five points; error h^4 f'''''/30 and 1e-16/h.
+template <class F>
+auto derivative_at_zero(const F& f) {
+  const double h = 3e-4;
+  return ((8 * (f(h) - f(-h)) - (f(2 * h) - f(-2 * h))) / (12 * h)).eval();
+}
+
 }  // namespace qerr::testing
