@@ -1,11 +1,15 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <set>
 
 #include "report/page/axis.hpp"
+#include "report/page/bars.hpp"
+#include "report/page/heat_map.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page_style.hpp"
 #include "report/page/plot.hpp"
+#include "report/page/png.hpp"
 
 namespace qerr::page {
 namespace {
@@ -56,6 +60,78 @@ TEST(Plot, LeavesOutWhatItsAxesCannotShow) {
   EXPECT_NE(svg.find("data-points=\"1,2 100,4\""), std::string::npos) << svg;
   EXPECT_EQ(svg.find("nan"), std::string::npos);
   EXPECT_EQ(svg.find("<s>"), std::string::npos);
+}
+
+TEST(Markup, ShortensToTheWidthThatIsLeft) {
+  EXPECT_EQ(fitted("a1", 100, 10), "a1");
+  const std::string cut = fitted(std::string(60, 'm'), 100, 10);
+  EXPECT_LE(10 * text_width(cut), 100);
+  EXPECT_GT(10 * text_width(cut), 80);
+}
+
+TEST(Plot, TellsSeriesApartByShapeAndDashBesideColour) {
+  Plot p{"t", "d", {"x", "m"}, {"y", "m"}, {}};
+  for (int i = 0; i < 25; ++i) p.series.push_back({"n" + std::to_string(i), {{1.0 + i, 2.0}}, true});
+  const std::string svg = figure(p);
+  std::set<std::string> styles;
+  for (std::size_t at = svg.find("\"mark "); at < svg.find("</svg>"); at = svg.find("\"mark ", at + 1))
+    styles.insert(svg.substr(at, svg.find('"', at + 1) - at));
+  EXPECT_EQ(styles.size(), 25u);
+}
+
+TEST(Plot, DrawsIntervalsInsideItsAxes) {
+  const std::string svg =
+      figure(Plot{"t", "d", {"x", ""}, {"y", "m"}, {{"a", {{1, 2}}, true, false, {{-3, 8}}}}});
+  EXPECT_NE(svg.find("data-from=\"-3\" data-to=\"8\""), std::string::npos) << svg;
+  EXPECT_NE(svg.find(">-5</text>"), std::string::npos) << svg;
+  EXPECT_NE(svg.find(">10</text>"), std::string::npos) << svg;
+}
+
+TEST(Plot, FillsABandBetweenItsBounds) {
+  Series s{"bounds", {{0, 0}, {1, 0}}, false, false, {{-1, 1}, {-2, 3}}};
+  s.band = true;
+  const std::string svg = figure(Plot{"t", "d", {"x", ""}, {"y", ""}, {s}});
+  EXPECT_NE(svg.find("data-band=\"0,-1,1 1,-2,3\""), std::string::npos) << svg;
+  EXPECT_EQ(svg.find("class=\"error"), std::string::npos);
+}
+
+TEST(Plot, NamesALimitThatWouldSqueezeTheData) {
+  Plot p{"t", "d", {"x", "m"}, {"y", "m"}, {{"a", {{0, 0}, {1, 1}}}}};
+  p.levels = {{"near", 2}, {"far", 50}};
+  const std::string svg = figure(p);
+  EXPECT_NE(svg.find("data-limit=\"2\""), std::string::npos) << svg;
+  EXPECT_EQ(svg.find("data-limit=\"50\""), std::string::npos);
+  EXPECT_NE(svg.find("<bdi>far</bdi>: 50.0 m (outside the picture)"), std::string::npos) << svg;
+}
+
+TEST(Bars, ShortenNamesBesideLongValues) {
+  const std::string svg = figure(Bars{"t", "d", {{std::string(60, 'm'), 1, "12.3 um, 45.6 % of the whole"}}});
+  const std::size_t from = svg.find(">", svg.find("class=\"name\"")) + 1;
+  const std::string shown = svg.substr(from, svg.find('<', from) - from);
+  EXPECT_LE(11 * (text_width(shown) + text_width("12.3 um, 45.6 % of the whole")), 400);
+}
+
+TEST(Png, EncodesBytesInBase64) {  // RFC 4648, section 10
+  EXPECT_EQ(base64(""), "");
+  EXPECT_EQ(base64("f"), "Zg==");
+  EXPECT_EQ(base64("fo"), "Zm8=");
+  EXPECT_EQ(base64("foobar"), "Zm9vYmFy");
+}
+
+TEST(Png, TakesFewBytesForRuns) {
+  const std::vector<Colour> palette{{0, 0, 0}, {255, 255, 255}};
+  const std::string file = png(100, 100, std::vector<std::uint8_t>(10000, 1), palette);
+  EXPECT_EQ(file.substr(0, 8), "\x89PNG\r\n\x1a\n");
+  EXPECT_EQ(file.substr(file.size() - 8), "IEND\xAE\x42\x60\x82");  // its CRC, of every PNG
+  EXPECT_LT(file.size(), 600u);
+}
+
+TEST(HeatMap, RoundsItsScaleAndLeavesCellsEmpty) {
+  const std::string svg =
+      figure(HeatMap{"t", "d", {"x", "m"}, {"z", "m"}, {"error", "m"}, {0, 2}, {0, 1}, 2, 1, {3e-6, NAN}});
+  EXPECT_NE(svg.find("error [um]"), std::string::npos);
+  EXPECT_NE(svg.find("data-span=\"0 2 0 1\""), std::string::npos);
+  EXPECT_NE(svg.find("data:image/png;base64,"), std::string::npos);
 }
 
 TEST(Script, IsSmallAndNeedsNoEscapes) {

@@ -11,7 +11,7 @@ namespace qerr::page {
 namespace {
 
 constexpr double chart_width = 400, row = 30, bar_top = 15, bar_height = 9, margin = 2;
-constexpr std::size_t longest_name = 50;  ///< code points beside a value of 12 at 11 px in `chart_width`
+constexpr double font = 11, gap = 12;
 
 double largest_of(const Bars& b) {
   double largest = 0;
@@ -21,10 +21,11 @@ double largest_of(const Bars& b) {
 
 std::string drawn_bar(const Bar& bar, double y, double scale) {
   const std::string full = bar.name + ": " + bar.text;
+  const double free = chart_width - 2 * margin - gap - font * text_width(bar.text);
   std::string out = "<g class=\"row\" data-name=\"" + escaped_markup(bar.name) + '"' +
                     data_attribute("data-value", bar.value) + "><title>" + escaped_markup(full) +
                     "</title><text class=\"name\" x=\"2\" y=\"" + drawn(y + 11) + "\">" +
-                    escaped_markup(shortened(bar.name, longest_name)) + "</text><text class=\"end\" x=\"" +
+                    escaped_markup(fitted(bar.name, free, font)) + "</text><text class=\"end\" x=\"" +
                     drawn(chart_width - margin) + "\" y=\"" + drawn(y + 11) + "\">" +
                     escaped_markup(bar.text) + "</text><rect class=\"bar\" x=\"" + drawn(margin) + "\" y=\"" +
                     drawn(y + bar_top) + "\" width=\"" + drawn(bar.value * scale) + "\" height=\"" +

@@ -59,6 +59,27 @@ std::string shortened(std::string_view name, std::size_t most) {
   return out;
 }
 
+double text_width(std::string_view text) {
+  constexpr double narrow = 0.62, capital = 0.8, square = 1.05;  // DejaVu Sans, the widest usual font
+  constexpr unsigned first_square = 0x1100;                      // Hangul; the scripts of East Asia follow
+  double width = 0;
+  for (std::size_t at = 0; at < text.size(); at += std::max<std::size_t>(1, utf8_length(text, at))) {
+    const unsigned symbol = code_point(text, at);
+    const bool punctuation = symbol >= 0x2000 && symbol < 0x2100;
+    width += symbol >= 'A' && symbol <= 'Z'           ? capital
+             : symbol >= first_square && !punctuation ? square
+                                                      : narrow;
+  }
+  return width;
+}
+
+std::string fitted(std::string_view text, double width, double font_size) {
+  std::string out(text);
+  for (std::size_t most = display_width(text); most > 1 && text_width(out) * font_size > width; --most)
+    out = shortened(text, most - 1);
+  return out;
+}
+
 std::string drawn(double value) { return fixed_point(value, 2); }
 
 std::string data_attribute(std::string_view name, double value) {

@@ -16,6 +16,13 @@ std::string name_markup(std::string_view name);
 /// At most `most` code points of a name: the middle of a longer one is an ellipsis.
 std::string shortened(std::string_view name, std::size_t most);
 
+/// Width of a text in pictures, estimated from above for the sans-serif fonts of browsers [font sizes]:
+/// more for capital letters, most for scripts with square characters.
+double text_width(std::string_view text);
+
+/// The text, shortened in its middle to the width [pixels] that is left for it.
+std::string fitted(std::string_view text, double width, double font_size);
+
 /// A coordinate in a picture, two decimals.
 std::string drawn(double value);
 

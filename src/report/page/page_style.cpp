@@ -12,13 +12,16 @@ svg{display:block;width:100%;height:auto;font:11px system-ui,sans-serif;fill:var
 text{unicode-bidi:isolate}
 .tick{font-size:10px;fill:var(--soft)}.mid{text-anchor:middle}.end{text-anchor:end}
 .grid{stroke:var(--grid);fill:none;stroke-width:.7}.line{fill:none;stroke-width:1.8}
-.limit{stroke:var(--ink);stroke-width:1.4;stroke-dasharray:1 3;fill:none}.error{stroke:var(--ink);fill:none}
-.bar{fill:var(--c0)}
-.line.s0{stroke:var(--c0)}.line.s1{stroke:var(--c1);stroke-dasharray:7 3}.line.s2{stroke:var(--c2);stroke-dasharray:2 2}
-.line.s3{stroke:var(--c3);stroke-dasharray:8 2 2 2}.line.s4{stroke:var(--c4);stroke-dasharray:12 4}
-circle.s0{fill:var(--c0)}circle.s1{fill:var(--c1)}circle.s2{fill:var(--c2)}circle.s3{fill:var(--c3)}circle.s4{fill:var(--c4)}
+.limit{stroke:var(--ink);stroke-width:1.4;fill:none}.l0{stroke-dasharray:1 3}.l1{stroke-dasharray:9 3 1 3}.l2{stroke-dasharray:14 4}
+.error{stroke:var(--ink);fill:none}.bar{fill:var(--c0)}
+.s0{--c:var(--c0)}.s1{--c:var(--c1)}.s2{--c:var(--c2)}.s3{--c:var(--c3)}.s4{--c:var(--c4)}
+.line,.error.s0,.error.s1,.error.s2,.error.s3,.error.s4{stroke:var(--c)}.band{fill:var(--c);fill-opacity:.22;stroke:var(--c);stroke-width:.5}
+.d1{stroke-dasharray:7 3}.d2{stroke-dasharray:2 2}.d3{stroke-dasharray:8 2 2 2}.d4{stroke-dasharray:12 4}
+.mark{fill:var(--c);stroke:var(--paper);stroke-width:.8}.mark.m4{fill:none;stroke:var(--c);stroke-width:2}
+.cells{image-rendering:pixelated}.edge{fill:none;stroke:var(--soft);stroke-width:.7}
 .legend{list-style:none;margin:.2rem 0;padding:0;display:flex;flex-wrap:wrap;gap:.1rem 1rem;font-size:.85rem}
-.key{display:inline-block;width:28px;height:8px;vertical-align:middle}
+.legend li{min-width:0}.key{display:inline-block;width:28px;height:12px;vertical-align:middle}
+.option[hidden]{display:none}
 .wide{overflow-x:auto}table{border-collapse:collapse;font-size:.9rem;font-variant-numeric:tabular-nums}
 th,td{padding:.15rem .6rem;border-bottom:1px solid var(--grid);text-align:right}
 th,td{overflow-wrap:normal}td{white-space:nowrap}
@@ -27,7 +30,8 @@ select{font:inherit;max-width:100%;color:inherit;background:var(--paper)}
 pre{white-space:pre-wrap;font-size:.85rem}output{display:block;min-height:1.4em;font-size:.85rem;color:var(--soft)}
 @media (prefers-color-scheme:dark){:root{--ink:#ececec;--soft:#b5b5b5;--paper:#15171a;--grid:#3a3d42;--c0:#56b4e9;--c1:#f08a3c;--c2:#35c79b;--c3:#dd92bd;--c4:#e0c341}}
 @media print{:root{--ink:#000;--soft:#333;--paper:#fff;--grid:#ccc;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;--c3:#a0437c;--c4:#806600}
-body{font-size:10pt;padding:0}.figures{grid-template-columns:1fr 1fr}output{display:none}.wide{overflow:visible}}
+body{font-size:10pt;padding:0}.figures{grid-template-columns:1fr 1fr}output,.choice label{display:none}.wide{overflow:visible}
+.option,.option[hidden]{display:block;margin-bottom:.6rem}h2{break-after:avoid}svg,.bar,.band,.cells{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )";
 
 const std::string_view script = R"(
@@ -37,18 +41,49 @@ if(!list)return;
 box.querySelector('label').hidden=false;
 function show(){parts.forEach(function(p,i){p.hidden=i!==list.selectedIndex})}
 list.addEventListener('change',show);show()});
+function value(text,unit){
+var v=Number(text),p=0;
+if(unit===''||v===0||/^(%|deg|1)/.test(unit))return Number(v.toPrecision(4))+(unit?' '+unit:'');
+p=Math.min(3,Math.max(-4,Math.floor(Math.log10(Math.abs(v)*1.0000001)/3)));
+return Number((v/Math.pow(1000,p)).toPrecision(4))+' '+['p','n','u','m','','k','M','G'][p+4]+unit}
 document.querySelectorAll('figure').forEach(function(f){
-var lines=f.querySelectorAll('[data-points]');
-if(!lines.length)return;
-var says=document.createElement('output');f.appendChild(says);
-f.querySelector('svg').addEventListener('pointermove',function(e){
-var best=null,near=900;
+var svg=f.querySelector('svg[data-units]'),lines=f.querySelectorAll('[data-points]'),marks=f.querySelectorAll('[data-x]');
+if(!svg||lines.length+marks.length===0)return;
+var units=svg.getAttribute('data-units').split('|'),says=document.createElement('output');
+f.insertBefore(says,svg.nextSibling);
+svg.addEventListener('pointermove',function(e){
+var best='',near=900;
+function look(item,px,py,x,y){
+var map=svg.getScreenCTM(),dx=px*map.a+map.e-e.clientX,dy=py*map.d+map.f-e.clientY,d=dx*dx+dy*dy;
+if(near>d){near=d;best='\u2068'+item.parentNode.getAttribute('data-series')+'\u2069: '+value(x,units[0])+', '+value(y,units[1])}}
 lines.forEach(function(l){
-var map=l.getScreenCTM(),at=l.getAttribute('d').slice(1).split(/[ML]/),data=l.getAttribute('data-points').split(' ');
-at.forEach(function(t,i){
-var xy=t.split(' '),dx=xy[0]*map.a+map.e-e.clientX,dy=xy[1]*map.d+map.f-e.clientY,d=dx*dx+dy*dy;
-if(near>d){near=d;best=l.parentNode.getAttribute('data-series')+': '+data[i].replace(',',', ')+' (SI units)'}})});
-says.textContent=best||''})});
+var at=l.getAttribute('d').slice(1).split(/[ML]/),data=l.getAttribute('data-points').split(' ');
+at.forEach(function(t,i){var a=t.split(' '),b=data[i].split(',');look(l,a[0],a[1],b[0],b[1])})});
+marks.forEach(function(m){
+var a=m.getBBox();look(m,a.x+a.width/2,a.y+a.height/2,m.getAttribute('data-x'),m.getAttribute('data-y'))});
+says.textContent=best})});
+function pixels(item,use){
+var p=new Image();
+p.onload=function(){
+var c=document.createElement('canvas'),t=c.getContext('2d',{willReadFrequently:true});
+c.width=p.width;c.height=p.height;t.drawImage(p,0,0);use(t.getImageData(0,0,c.width,c.height))};
+p.setAttribute('src',item.getAttribute('href'))}
+document.querySelectorAll('image[data-span]').forEach(function(m){
+var svg=m.ownerSVGElement,says=document.createElement('output'),steps={},grid=null;
+svg.parentNode.appendChild(says);
+function number(name){return Number(m.getAttribute(name))}
+function colour(d,i){return d[4*i]+','+d[4*i+1]+','+d[4*i+2]}
+pixels(svg.querySelector('image.scale'),function(b){
+Array.from({length:b.height}).forEach(function(_,i){steps[colour(b.data,i)]=1-i/(b.height-1)})});
+pixels(m,function(g){grid=g});
+svg.addEventListener('pointermove',function(e){
+var map=svg.getScreenCTM(),s=m.getAttribute('data-span').split(' ').map(Number),units=svg.getAttribute('data-units').split('|');
+var u=((e.clientX-map.e)/map.a-number('x'))/number('width'),v=((e.clientY-map.f)/map.d-number('y'))/number('height');
+says.textContent='';
+if(!grid||0>u||0>v||u>=1||v>=1)return;
+var i=Math.floor(v*grid.height)*grid.width+Math.floor(u*grid.width),from=number('data-from');
+if(grid.data[4*i+3]===0)return;
+says.textContent=value(s[0]+u*(s[1]-s[0]),units[0])+', '+value(s[3]-v*(s[3]-s[2]),units[1])+': '+value(from+steps[colour(grid.data,i)]*(number('data-to')-from),m.getAttribute('data-unit'))})});
 )";
 
 }  // namespace qerr::page

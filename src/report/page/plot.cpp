@@ -1,149 +1,234 @@
 #include "report/page/plot.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/text.hpp"
+#include "report/page/frame.hpp"
 #include "report/page/markup.hpp"
 
 namespace qerr::page {
 
 namespace {
 
-constexpr double width = 400, height = 250, left = 52, right = 14, top = 22, bottom = 40;
-constexpr std::size_t styles = 5;  ///< of lines in the page's CSS
+constexpr double top = top_margin, bottom = picture_height - bottom_margin;
+constexpr std::size_t styles = 5;  ///< of colours, of dashes and of shapes in the page's CSS
 
-struct Frame {
-  Axis x, y;
-
-  double at_x(double value) const { return left + x.part(value) * (width - left - right); }
-  double at_y(double value) const { return height - bottom - y.part(value) * (height - top - bottom); }
-};
+/// Colours repeat after five series, then with other dashes and shapes.
+std::string colour_of(std::size_t i) { return 's' + std::to_string(i % styles); }
+std::size_t shape_of(std::size_t i) { return (i + i / styles) % styles; }
 
 bool shown(const Plot& p, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!p.x.logarithmic || x > 0) && (!p.y.logarithmic || y > 0);
 }
 
-/// The axis from `least` to `largest` themselves.
-Axis unrounded(const AxisRange& range, double least, double largest) {
-  Axis a = axis(range, least, largest, 5);
-  a.from = least, a.to = largest;
-  std::erase_if(a.ticks, [&](const Tick& t) { return t.value < least || t.value > largest; });
-  return a;
+struct Extent {
+  double low = INFINITY, high = -INFINITY;
+
+  void include(double value) { low = std::min(low, value), high = std::max(high, value); }
+  void include_empty() {
+    if (!(low <= high)) low = 1, high = 10;
+  }
+  /// Whether the data keep a fifth of a linear axis beside the limit.
+  bool has_room_for(double limit) const {
+    const double spread = high > low ? high - low : std::max(std::abs(high), std::abs(low));
+    return std::max(high, limit) - std::min(low, limit) <= 5 * spread;
+  }
+};
+
+void include_limits(const std::vector<Marker>& limits, const AxisRange& range, Extent& e) {
+  const Extent data = e;
+  for (const Marker& m : limits) {
+    const bool drawable = std::isfinite(m.value) && (!range.logarithmic || m.value > 0);
+    const bool alone = !(data.low <= data.high);
+    if (drawable && (alone || range.logarithmic || data.has_room_for(m.value))) e.include(m.value);
+  }
 }
 
-Frame with_equal_scales(const Plot& p, double low_x, double high_x, double low_y, double high_y) {
-  constexpr double room = 1.1, wide = width - left - right, tall = height - top - bottom;
-  const double metres_a_pixel = room * std::max({(high_x - low_x) / wide, (high_y - low_y) / tall, 1e-9});
-  const double half_x = 0.5 * metres_a_pixel * wide, half_y = 0.5 * metres_a_pixel * tall;
-  const double middle_x = 0.5 * (low_x + high_x), middle_y = 0.5 * (low_y + high_y);
-  return {unrounded(p.x, middle_x - half_x, middle_x + half_x),
-          unrounded(p.y, middle_y - half_y, middle_y + half_y)};
+bool within(const Axis& a, double value) {
+  return std::isfinite(value) && (!a.logarithmic || value > 0) && a.part(value) > -1e-9 &&
+         a.part(value) < 1 + 1e-9;
+}
+
+bool has_interval(const Plot& p, const Series& s, std::size_t k) {
+  return k < s.intervals.size() && shown(p, s.points[k].first, s.intervals[k].first) &&
+         shown(p, s.points[k].first, s.intervals[k].second);
+}
+
+Frame with_equal_scales(const Plot& p, const Extent& x, const Extent& y) {
+  constexpr double room = 1.1, wide = picture_width - least_left - right_margin, tall = bottom - top;
+  const double metres_a_pixel = room * std::max({(x.high - x.low) / wide, (y.high - y.low) / tall, 1e-9});
+  const double half_y = 0.5 * metres_a_pixel * tall, middle_y = 0.5 * (y.low + y.high);
+  Axis ordinate = unrounded(p.y, middle_y - half_y, middle_y + half_y);
+  Frame f = framed({}, std::move(ordinate));
+  const double half_x = 0.5 * metres_a_pixel * (f.right - f.left), middle_x = 0.5 * (x.low + x.high);
+  f.x = unrounded(p.x, middle_x - half_x, middle_x + half_x);
+  return f;
 }
 
 Frame frame_of(const Plot& p) {
-  double low_x = INFINITY, high_x = -INFINITY, low_y = INFINITY, high_y = -INFINITY;
+  Extent x, y;
   for (const Series& s : p.series)
-    for (const auto& [x, y] : s.points) {
-      if (!shown(p, x, y)) continue;
-      low_x = std::min(low_x, x), high_x = std::max(high_x, x);
-      low_y = std::min(low_y, y), high_y = std::max(high_y, y);
+    for (std::size_t k = 0; k < s.points.size(); ++k) {
+      if (has_interval(p, s, k)) {
+        y.include(s.intervals[k].first), y.include(s.intervals[k].second);
+        x.include(s.points[k].first);
+      }
+      if (shown(p, s.points[k].first, s.points[k].second))
+        x.include(s.points[k].first), y.include(s.points[k].second);
     }
-  for (const Marker& m : p.markers)
-    if (shown(p, m.value, 1)) low_x = std::min(low_x, m.value), high_x = std::max(high_x, m.value);
-  if (!(low_x <= high_x)) low_x = 1, high_x = 10;
-  if (!(low_y <= high_y)) low_y = 1, high_y = 10;
-  if (p.equal_scales) return with_equal_scales(p, low_x, high_x, low_y, high_y);
-  return {axis(p.x, low_x, high_x, 5), axis(p.y, low_y, high_y, 5)};
+  for (const Series& s : p.series)
+    for (const auto& [at_x, at_y] : s.marked)
+      if (shown(p, at_x, at_y)) x.include(at_x), y.include(at_y);
+  include_limits(p.markers, p.x, x);
+  include_limits(p.levels, p.y, y);
+  x.include_empty();
+  y.include_empty();
+  if (p.equal_scales) return with_equal_scales(p, x, y);
+  return framed(axis(p.x, x.low, x.high, 5), axis(p.y, y.low, y.high, 5));
 }
 
-std::string text(double x, double y, const std::string& kind, const std::string& what) {
-  return "<text x=\"" + drawn(x) + "\" y=\"" + drawn(y) + "\" class=\"" + kind + "\">" +
-         escaped_markup(what) + "</text>";
+/// A mark of 8 pixels: circle, square, triangle, diamond or cross.
+std::string drawn_mark(std::size_t series, double x, double y, const std::string& attributes,
+                       const std::string& title) {
+  static constexpr std::array<const char*, styles> outlines{
+      "", "m-3.6-3.6h7.2v7.2h-7.2z", "m0-4.8l4.6 8.2h-9.2z", "m0-5.2l5.2 5.2l-5.2 5.2l-5.2-5.2z",
+      "m-4-4l8 8m0-8l-8 8"};
+  const std::size_t shape = shape_of(series);
+  const std::string inside = title.empty() ? "" : "<title>" + escaped_markup(title) + "</title>";
+  const std::string style = " class=\"mark m" + std::to_string(shape) + ' ' + colour_of(series) + '"';
+  if (shape == 0)
+    return "<circle" + style + " r=\"4\" cx=\"" + drawn(x) + "\" cy=\"" + drawn(y) + '"' + attributes + '>' +
+           inside + "</circle>";
+  return "<path" + style + " d=\"M" + drawn(x) + ' ' + drawn(y) + outlines[shape] + '"' + attributes + '>' +
+         inside + "</path>";
 }
 
-std::string line(double x1, double y1, double x2, double y2, const std::string& kind) {
-  return "<path class=\"" + kind + "\" d=\"M" + drawn(x1) + ' ' + drawn(y1) + 'L' + drawn(x2) + ' ' +
-         drawn(y2) + "\"/>";
-}
-
-/// Grid, ticks and titles; a tick whose label would touch the one before has none.
-std::string axes(const Frame& f) {
-  constexpr double character = 5.6, gap = 6;  // of the font of ticks, 10 px
-  std::string out;
-  double free_from = -INFINITY;
-  for (const Tick& t : f.x.ticks) {
-    const double at = f.at_x(t.value), half = 0.5 * character * static_cast<double>(display_width(t.label));
-    out += line(at, top, at, height - bottom, "grid");
-    if (at - half < free_from || at + half > width) continue;
-    out += text(at, height - bottom + 13, "tick mid", t.label);
-    free_from = at + half + gap;
-  }
-  for (const Tick& t : f.y.ticks) {
-    const double at = f.at_y(t.value);
-    out += line(left, at, width - right, at, "grid") + text(left - 4, at + 3.5, "tick end", t.label);
-  }
-  return out + text(0.5 * (left + width - right), height - 8, "label mid", f.x.title) +
-         text(4, 11, "label", f.y.title);
-}
-
-std::string drawn_series(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_marks(const Plot& p, const Frame& f, std::size_t i) {
   const Series& s = p.series[i];
-  const std::string kind = "s" + std::to_string(i % styles);
-  std::string path, data, marks;
+  std::string out;
+  const auto draw = [&](double x, double y, const std::string& title) {
+    if (shown(p, x, y))
+      out += drawn_mark(i, f.at_x(x), f.at_y(y), data_attribute("data-x", x) + data_attribute("data-y", y),
+                        title);
+  };
+  if (s.marks)
+    for (const auto& [x, y] : s.points)
+      draw(x, y, s.name + ": " + readable(x, p.x.unit) + ", " + readable(y, p.y.unit));
+  for (const auto& [x, y] : s.marked) draw(x, y, "");
+  return out;
+}
+
+std::string drawn_intervals(const Plot& p, const Frame& f, std::size_t i) {
+  const Series& s = p.series[i];
+  std::string out;
+  for (std::size_t k = 0; k < s.points.size(); ++k) {
+    if (!has_interval(p, s, k)) continue;
+    const auto& [from, to] = s.intervals[k];
+    const std::string x = drawn(f.at_x(s.points[k].first) - 3);
+    out += "<path class=\"error " + colour_of(i) + '"' + data_attribute("data-from", from) +
+           data_attribute("data-to", to) + " d=\"M" + x + ' ' + drawn(f.at_y(from)) + "h6m-3 0V" +
+           drawn(f.at_y(to)) + "m-3 0h6\"/>";
+  }
+  return out;
+}
+
+/// Out along the upper edge, back along the lower one.
+std::string drawn_band(const Plot& p, const Frame& f, std::size_t i) {
+  const Series& s = p.series[i];
+  std::string upper, lower, data;
+  for (std::size_t k = 0; k < s.points.size(); ++k) {
+    if (!has_interval(p, s, k)) continue;
+    const double x = s.points[k].first;
+    const auto& [from, to] = s.intervals[k];
+    upper += (upper.empty() ? 'M' : 'L') + drawn(f.at_x(x)) + ' ' + drawn(f.at_y(to));
+    lower = 'L' + drawn(f.at_x(x)) + ' ' + drawn(f.at_y(from)) + lower;
+    data +=
+        (data.empty() ? "" : " ") + significant(x, 6) + ',' + significant(from, 6) + ',' + significant(to, 6);
+  }
+  if (upper.empty()) return "";
+  return "<path class=\"band " + colour_of(i) + "\" data-band=\"" + data + "\" d=\"" + upper + lower +
+         "Z\"/>";
+}
+
+std::string line_style(std::size_t i) { return "line " + colour_of(i) + " d" + std::to_string(shape_of(i)); }
+
+std::string drawn_path(const Plot& p, const Frame& f, std::size_t i) {
+  std::string path, data;
   bool pen = false;
-  for (const auto& [x, y] : s.points) {
+  for (const auto& [x, y] : p.series[i].points) {
     if (!shown(p, x, y)) {
       pen = false;
       continue;
     }
-    path += (pen ? 'L' : 'M') + drawn(f.at_x(x)) + ' ' + drawn(f.at_y(y));
+    path += (pen ? 'L' : 'M') + fixed_point(f.at_x(x), 1) + ' ' + fixed_point(f.at_y(y), 1);
     data += (data.empty() ? "" : " ") + significant(x, 6) + ',' + significant(y, 6);
     pen = true;
-    if (s.marks)
-      marks += "<circle class=\"" + kind + "\" r=\"4\" cx=\"" + drawn(f.at_x(x)) + "\" cy=\"" +
-               drawn(f.at_y(y)) + '"' + data_attribute("data-x", x) + data_attribute("data-y", y) +
-               "><title>" +
-               escaped_markup(s.name + ": " + readable(x, p.x.unit) + ", " + readable(y, p.y.unit)) +
-               "</title></circle>";
   }
-  if (s.line && !path.empty())
-    path = "<path class=\"line " + kind + "\" d=\"" + path + "\" data-points=\"" + data + "\"/>";
-  else
-    path.clear();
-  return "<g data-series=\"" + escaped_markup(s.name) + "\">" + path + marks + "</g>";
+  if (path.empty()) return "";
+  return "<path class=\"" + line_style(i) + "\" d=\"" + path + "\" data-points=\"" + data + "\"/>";
 }
 
-std::string legend(const Plot& p) {
+std::string drawn_series(const Plot& p, const Frame& f, std::size_t i) {
+  const Series& s = p.series[i];
+  return "<g data-series=\"" + escaped_markup(s.name) + "\">" + (s.band ? drawn_band(p, f, i) : "") +
+         (s.line ? drawn_path(p, f, i) : "") + (s.band ? "" : drawn_intervals(p, f, i)) +
+         drawn_marks(p, f, i) + "</g>";
+}
+
+std::string limit_style(std::size_t i) { return "limit l" + std::to_string(i % 3); }
+
+std::string key(const std::string& body) {
+  return "<li><svg class=\"key\" viewBox=\"0 0 28 12\" aria-hidden=\"true\">" + body + "</svg> ";
+}
+
+std::string limit_keys(const std::vector<Marker>& limits, std::size_t first, const Axis& a,
+                       const std::string& unit) {
+  std::string out;
+  for (const Marker& m : limits)
+    out += key("<path class=\"" + limit_style(first++) + "\" d=\"M0 6L28 6\"/>") + name_markup(m.name) +
+           ": " + escaped_markup(readable(m.value, unit)) +
+           (within(a, m.value) ? "" : " (outside the picture)") + "</li>";
+  return out;
+}
+
+std::string legend(const Plot& p, const Frame& f) {
   std::string out = "<ul class=\"legend\">";
   for (std::size_t i = 0; i < p.series.size(); ++i) {
-    const std::string kind = "s" + std::to_string(i % styles);
-    out += "<li><svg class=\"key\" viewBox=\"0 0 28 8\" aria-hidden=\"true\">";
-    if (p.series[i].line) out += "<path class=\"line " + kind + "\" d=\"M0 4L28 4\"/>";
-    if (p.series[i].marks) out += "<circle class=\"" + kind + "\" r=\"4\" cx=\"14\" cy=\"4\"/>";
-    out += "</svg> " + name_markup(p.series[i].name) + "</li>";
+    const Series& s = p.series[i];
+    std::string body;
+    if (s.band) body += "<path class=\"band " + colour_of(i) + "\" d=\"M0 1H28V11H0Z\"/>";
+    if (s.line) body += "<path class=\"" + line_style(i) + "\" d=\"M0 6L28 6\"/>";
+    if (s.marks || !s.marked.empty()) body += drawn_mark(i, 14, 6, "", "");
+    out += key(body) + name_markup(s.name) + "</li>";
   }
-  for (const Marker& m : p.markers)
-    out +=
-        "<li><svg class=\"key\" viewBox=\"0 0 28 8\" aria-hidden=\"true\"><path class=\"limit\" "
-        "d=\"M0 4L28 4\"/></svg> " +
-        name_markup(m.name) + ": " + escaped_markup(readable(m.value, p.x.unit)) + "</li>";
-  return out + "</ul>";
+  return out + limit_keys(p.markers, 0, f.x, p.x.unit) +
+         limit_keys(p.levels, p.markers.size(), f.y, p.y.unit) + "</ul>";
+}
+
+std::string drawn_limits(const Plot& p, const Frame& f) {
+  std::string out;
+  std::size_t i = 0;
+  for (const Marker& m : p.markers) {
+    const std::string style = limit_style(i++), data = data_attribute("data-limit", m.value);
+    if (within(f.x, m.value)) out += drawn_line(f.at_x(m.value), top, f.at_x(m.value), bottom, style, data);
+  }
+  for (const Marker& m : p.levels) {
+    const std::string style = limit_style(i++), data = data_attribute("data-limit", m.value);
+    if (within(f.y, m.value))
+      out += drawn_line(f.left, f.at_y(m.value), f.right, f.at_y(m.value), style, data);
+  }
+  return out;
 }
 
 }  // namespace
 
 std::string figure(const Plot& p) {
   const Frame f = frame_of(p);
-  std::string out = "<figure><figcaption>" + escaped_markup(p.title) +
-                    "</figcaption><svg role=\"img\" viewBox=\"0 0 " + fixed_point(width, 0) + ' ' +
-                    fixed_point(height, 0) + "\" xmlns=\"http://www.w3.org/2000/svg\"><title>" +
-                    escaped_markup(p.title) + "</title><desc>" + escaped_markup(p.description) + "</desc>" +
-                    axes(f);
+  std::string out = figure_begin(p.title, p.description, p.x, p.y) + drawn_axes(f);
   for (std::size_t i = 0; i < p.series.size(); ++i) out += drawn_series(p, f, i);
-  for (const Marker& m : p.markers)
-    if (shown(p, m.value, 1)) out += line(f.at_x(m.value), top, f.at_x(m.value), height - bottom, "limit");
-  return out + "</svg>" + legend(p) + "</figure>\n";
+  return out + drawn_limits(p, f) + "</svg>" + legend(p, f) + "</figure>\n";
 }
 
 }  // namespace qerr::page

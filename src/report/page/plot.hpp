@@ -14,9 +14,13 @@ struct Series {
   std::vector<std::pair<double, double>> points;  ///< [SI]; those that an axis cannot show are left out
   bool marks = false;                             ///< a mark at each point
   bool line = true;
+  /// [point]: ordinate from, to [SI]: an error bar; empty: none. A pair that is not finite is left out.
+  std::vector<std::pair<double, double>> intervals = {};
+  bool band = false;  ///< the area between the intervals in place of error bars
+  std::vector<std::pair<double, double>> marked = {};  ///< [SI]: marks beside those of `points`, untitled
 };
 
-/// A limit on the abscissa.
+/// A limit. One that would squeeze the data into a fifth of a linear axis is named in the legend only.
 struct Marker {
   std::string name;
   double value = 0;
@@ -27,12 +31,15 @@ struct Plot {
   std::string description;  ///< for screen readers: what one sees
   AxisRange x, y;
   std::vector<Series> series;
-  std::vector<Marker> markers = {};
-  bool equal_scales = false;  ///< a metre is as long on both axes
+  std::vector<Marker> markers = {};  ///< on the abscissa
+  bool equal_scales = false;         ///< a metre is as long on both axes
+  std::vector<Marker> levels = {};   ///< limits on the ordinate
 };
 
-/// The picture with its legend. Lines differ in colour and in dashes; a line carries its values as
-/// `data-points="x,y x,y"` with six digits, a mark all digits as `data-x`, `data-y`.
+/// The picture with its legend. Lines differ in colour and in dashes, marks in colour and in shape: 25
+/// combinations. A line carries its values as `data-points="x,y x,y"` with six digits, a band as
+/// `data-band="x,from,to x,from,to"`, a mark all digits as `data-x`, `data-y`, an error bar as `data-from`,
+/// `data-to`, a limit as `data-limit`.
 std::string figure(const Plot&);
 
 }  // namespace qerr::page
