@@ -1,13 +1,22 @@
 #!/usr/bin/env python3
-"""Pages of analyze and filter: well-formed, without requests, small, the same for any threads; what they draw is what JSON and CSV say.
+"""Pages of analyze and filter: well-formed and valid, without requests, small, the same for any threads; what they draw is what JSON and CSV say.
 
     check_pages.py --qerr build/qerr [--verbose]
+
+Debian's `tidy` validates the HTML, and `chromium` shows the pages; without one of them its checks are skipped, which is said.
 """
+import base64
+import csv
+import io
 import json
+import math
 import pathlib
 import re
+import shutil
+import subprocess
 import tempfile
 import xml.etree.ElementTree as Xml
+import zlib
 
 from tool import program_and_tally, run
 
@@ -15,6 +24,8 @@ CONFIGS = pathlib.Path(__file__).resolve().parents[2] / "configs"
 LARGEST = 300_000
 SVG, HTML = "{http://www.w3.org/2000/svg}", "{http://www.w3.org/1999/xhtml}"
 NAMESPACES = ("http://www.w3.org/1999/xhtml", "http://www.w3.org/2000/svg")
+TIDY, CHROMIUM = shutil.which("tidy"), shutil.which("chromium")
+PICTURE = re.compile(r'href="data:image/png;base64,[A-Za-z0-9+/]+=*"')
 
 
 def page(t, qerr, name, *arguments):
@@ -26,8 +37,11 @@ def page(t, qerr, name, *arguments):
     bare = text
     for namespace in NAMESPACES:
         bare = bare.replace(f'xmlns="{namespace}"', "")
-    bare = re.sub(r"<pre>.*?</pre>", "", bare, flags=re.S)
-    t.check(f"{name}: fetches nothing", not re.search(r"https?:|\bsrc=|\bhref=|url\(|@import|fetch\(|XMLHttp", bare))
+    bare = PICTURE.sub("", re.sub(r"<pre>.*?</pre>", "", bare, flags=re.S))
+    t.check(f"{name}: fetches nothing", not re.search(r"https?:|\bsrc=|\bhref=|url\(|@import|fetch\(|XMLHttp|data:", bare))
+    if TIDY:
+        found = subprocess.run([TIDY, "-q", "-e", "-utf8"], input=made[0].out, capture_output=True)
+        t.check(f"{name}: valid HTML", found.returncode == 0, found.stderr.decode()[:500])
     root = Xml.fromstring(text)
     pictures = [s for s in root.iter(SVG + "svg") if s.get("role") == "img"]
     t.check(f"{name}: has pictures with title and description",
@@ -40,15 +54,113 @@ def figures(root):
     return {f.find(HTML + "figcaption").text: f for f in root.iter(HTML + "figure")}
 
 
+def group(figure, series):
+    return next(g for g in figure.iter(SVG + "g") if g.get("data-series") == series)
+
+
 def marks(figure, series):
-    group = next(g for g in figure.iter(SVG + "g") if g.get("data-series") == series)
-    return [(float(c.get("data-x")), float(c.get("data-y"))) for c in group.iter(SVG + "circle")]
+    return [(float(c.get("data-x")), float(c.get("data-y"))) for c in group(figure, series) if c.get("data-x")]
+
+
+def line(figure, series):
+    path = next(p for p in group(figure, series) if p.get("data-points"))
+    return [tuple(map(float, p.split(","))) for p in path.get("data-points").split()]
+
+
+def axis_titles(figure):
+    labels = {text.get("class"): text.text for text in figure.iter(SVG + "text")}
+    return labels["label mid"], labels["label"]
+
+
+def close(found, wanted, tolerance=1e-5):
+    """Six digits are written."""
+    return abs(found - wanted) <= tolerance * abs(wanted) + 1e-15
+
+
+def decoded(image):
+    """Width, height and palette indices of our PNG, row by row from the top."""
+    data = base64.b64decode(image.get("href").split(",")[1], validate=True)
+    chunks, at = {}, 8
+    while at < len(data):
+        length = int.from_bytes(data[at:at + 4], "big")
+        body = data[at + 4:at + 8 + length]
+        assert zlib.crc32(body) == int.from_bytes(data[at + 8 + length:at + 12 + length], "big")
+        chunks[body[:4]] = body[4:]
+        at += 12 + length
+    width, height = (int.from_bytes(chunks[b"IHDR"][i:i + 4], "big") for i in (0, 4))
+    rows = zlib.decompress(chunks[b"IDAT"])
+    assert len(rows) == height * (width + 1) and len(chunks[b"PLTE"]) == 3 * 256
+    return width, height, [rows[r * (width + 1) + 1:(r + 1) * (width + 1)] for r in range(height)]
+
+
+def check_heat_map(t, name, figure, coordinate, rows):
+    image = next(i for i in figure.iter(SVG + "image") if i.get("data-span"))
+    width, height, pixels = decoded(image)
+    x0, x1, y0, y1 = map(float, image.get("data-span").split())
+    low, high = float(image.get("data-from")), float(image.get("data-to"))
+    x, y = (f"tip.{title.split()[0]} [m]" for title in axis_titles(figure))
+    column = next(c for c in rows[0] if c.startswith(f"position.{coordinate}.worst_case ["))
+    largest = {}
+    for row in rows:
+        at = (min(int((float(row[x]) - x0) / (x1 - x0) * width), width - 1),
+              min(int((float(row[y]) - y0) / (y1 - y0) * height), height - 1))
+        largest[at] = max(largest.get(at, 0), float(row[column]))
+    wrong = []
+    for c in range(width):
+        for r in range(height):
+            index, value = pixels[height - 1 - r][c], largest.get((c, r))
+            wanted = 0 if value is None else 1 + 254 * (value - low) / (high - low)
+            if abs(index - wanted) > (0.5 + 1e-6 if value is not None else 0):
+                wrong.append((c, r, index, wanted))
+    t.check(f"{name}: heat map of {coordinate} as in CSV", not wrong and len(largest) > 3, f"{len(wrong)}: {wrong[:3]}")
+
+
+def percentile(ordered, percentage):
+    at = percentage / 100 * (len(ordered) - 1)
+    k = min(int(at), len(ordered) - 2)
+    return ordered[k] + (at - k) * (ordered[k + 1] - ordered[k])
+
+
+def check_distribution(t, name, figure, bound, column, rows):
+    ordered = sorted(float(row[column]) for row in rows)
+    drawn = line(figure, bound)
+    t.check(f"{name}: distribution of {column} as in CSV",
+            len(drawn) > 20 and all(close(x, percentile(ordered, y)) for x, y in drawn), str(drawn[:3]))
+
+
+def check_robot(t, name, drawn, report, rows):
+    """The outline at the tip of the least certain configuration against covariance and worst case of JSON and CSV."""
+    at, joints = report["covariance"]["largest_at"], list(report["covariance"]["largest_at"])
+    row = next(r for r in rows if all(
+        close(float(next(v for k, v in r.items() if k.startswith(j + " ["))), at[j], 1e-12) for j in joints))
+    names = report["covariance"]["coordinates"]
+    covariance = report["covariance"]["at_largest"]
+    for view in ("xy", "xz", "yz"):
+        figure = drawn[f"View {view}, largest variance"]
+        groups = [g.get("data-series") for g in figure.iter(SVG + "g") if g.get("data-series")]
+        factor = float(next(re.search(r"one sigma, (\S+) times", g)[1] for g in groups if "one sigma" in g))
+        tip = marks(figure, "robot")[-1]
+        ellipse, box = (line(figure, next(g for g in groups if g.startswith(s))) for s in ("one sigma", "worst case"))
+        for k, axis in enumerate(view):
+            t.check(f"{name}: tip {axis} in view {view}", close(tip[k], float(row[f"tip.{axis} [m]"]), 1e-9))
+            sigma = math.sqrt(covariance[names.index(axis)][names.index(axis)])
+            worst = float(row[f"position.{axis}.worst_case [m]"])
+            tolerance = 2e-5 * abs(tip[k])
+            reached = max(p[k] for p in ellipse) - tip[k]
+            # 36 points: the farthest is at least cos(5 deg) of the outline's reach.
+            t.check(f"{name}: sigma of {axis} in view {view}",
+                    0.996 * factor * sigma - tolerance <= reached <= factor * sigma + tolerance, f"{reached}, {factor * sigma}")
+            t.check(f"{name}: worst case of {axis} in view {view}",
+                    abs(max(p[k] for p in box) - tip[k] - factor * worst) <= tolerance)
 
 
 def check_analysis(t, qerr, spec, *more):
     name = spec.parent.name
     root = page(t, qerr, f"analyze {name}", "analyze", spec, *more)
-    report = json.loads(run(qerr, "analyze", spec, *more, "--format", "json", "--quiet").out)
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "points.csv"
+        report = json.loads(run(qerr, "analyze", spec, *more, "--format", "json", "--quiet", "--per-configuration", file).out)
+        rows = list(csv.DictReader(io.StringIO(file.read_text())))
     drawn = figures(root)
     blocks = [("position", report["position"])] + [(f["filter"], f["coordinates"]) for f in report["derivatives"]]
     for block, coordinates in blocks:
@@ -60,12 +172,54 @@ def check_analysis(t, qerr, spec, *more):
                 wanted = [(c[bound][k], y) for k, y in (("min", 0), ("p50", 50), ("p95", 95), ("p99", 99), ("max", 100))]
                 t.check(f"{name}: {block} {c['coordinate']} {bound} as in JSON", marks(figure, bound) == wanted,
                         f"{marks(figure, bound)} for {wanted}")
+                before = "position." + c["coordinate"] if block == "position" else f"{block}.{c['coordinate']}"
+                column = next(k for k in rows[0] if k.startswith(f"{before}.{bound} ["))
+                check_distribution(t, name, figure, bound, column, rows)
     for c in report["position"]:
+        check_heat_map(t, name, drawn[f"Worst case of {c['coordinate']} over the workspace"], c["coordinate"], rows)
         caption = f"Share of the variance of {c['coordinate']}"
         if "share" in c:
             bars = {g.get("data-name"): float(g.get("data-value"))
                     for g in drawn[caption].iter(SVG + "g") if g.get("data-name")}
             t.check(f"{name}: shares of {c['coordinate']} as in JSON", bars == c["share"], f"{bars} for {c['share']}")
+
+
+    if {"x", "y", "z"} <= {c["coordinate"] for c in report["position"]}:
+        check_robot(t, name, drawn, report, rows)
+
+
+# Appended to a copy of the page: it writes what was loaded, also in vain.
+TELL_REQUESTS = """<script>addEventListener("load",function(){var p=document.createElement("pre");p.id="requests";
+p.textContent=performance.getEntriesByType("resource").map(function(e){return e.name}).join(" ");document.body.appendChild(p)})</script>"""
+
+
+def shown(folder, text):
+    """The browser's messages, the page's requests and its DOM."""
+    file = pathlib.Path(folder) / "shown.html"
+    file.write_text(text.replace("</body>", TELL_REQUESTS + "</body>"))
+    command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
+               f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--dump-dom", file.as_uri()]
+    made = subprocess.run(command, capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
+    dom = made.stdout.decode()
+    messages = [line for line in made.stderr.decode(errors="replace").splitlines() if "CONSOLE" in line]
+    told = re.search('<pre id="requests">(.*?)</pre>', dom, re.S)
+    sent = None if told is None else [url for url in told[1].split() if not url.startswith("data:")]
+    return messages, sent, dom
+
+
+def check_in_browser(t, qerr):
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as folder:
+        page_file = pathlib.Path(folder) / "report.html"
+        run(qerr, "analyze", CONFIGS / "kuka_lwr/spec.yaml", "-o", page_file, "--quiet")
+        text = page_file.read_text()
+        messages, sent, dom = shown(folder, text)
+        t.check("browser: no message on the console", not messages, str(messages[:3]))
+        t.check("browser: no request", sent == [], str(sent))
+        t.check("browser: the script has run", "<output>" in dom and 'class="option" hidden' in dom)
+        wrong = '<img alt="" src="http://127.0.0.1:9/x"/><script>undefined_name()</script></body>'
+        messages, sent, dom = shown(folder, text.replace("</body>", wrong))
+        t.check("browser: a request and an error would be seen", sent == ["http://127.0.0.1:9/x"] and len(messages) >= 1,
+                f"{sent}, {messages}")
 
 
 def check_filters(t, qerr, spec):
@@ -80,11 +234,10 @@ def check_filters(t, qerr, spec):
         with tempfile.TemporaryDirectory() as folder:
             file = pathlib.Path(folder) / "impulse.csv"
             run(qerr, "filter", spec, "--impulse", file, "--quiet")
-            rows = [line.rsplit(",", 2) for line in file.read_text().splitlines()[1:]]
+            rows = [text.rsplit(",", 2) for text in file.read_text().splitlines()[1:]]
         values = {f"{float(time):.6g}": float(value) for who, time, value in rows if who == f["name"]}
-        line = next(p for p in drawn[f"Impulse response of {f['name']}"].iter(SVG + "path") if p.get("data-points"))
-        points = [p.split(",") for p in line.get("data-points").split()]
-        common = [(float(y), values[f"{float(x):.6g}"]) for x, y in points if f"{float(x):.6g}" in values]
+        points = line(drawn[f"Impulse response of {f['name']}"], "impulse response")
+        common = [(y, values[f"{x:.6g}"]) for x, y in points if f"{x:.6g}" in values]
         largest = max(abs(v) for v in values.values())
         # Six digits are written; values beyond the CSV's end have decayed.
         t.check(f"{name}: impulse response of {f['name']} as in CSV",
@@ -107,4 +260,9 @@ if __name__ == "__main__":
         check_analysis(tally, program, CONFIGS / arm / "spec.yaml", "--set", "configurations.count=500")
         check_filters(tally, program, CONFIGS / arm / "spec.yaml")
     check_refusal(tally, program)
+    if CHROMIUM:
+        check_in_browser(tally, program)
+    for name, found in (("tidy", TIDY), ("chromium", CHROMIUM)):
+        if not found:
+            print(f"skip  checks with {name}, which is not installed")
     raise SystemExit(tally.close())

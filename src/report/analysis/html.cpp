@@ -45,15 +45,18 @@ std::string summary(const Analysis& a) {
 }  // namespace
 
 std::string to_html(const Analysis& a, const Style&) {
-  return markup(page::Page{"Accuracy of " + a.spec.robot_name,
-                           answer(a),
-                           {{"Error budget of the encoders", budget_figures(a)},
-                            {"Where the position is least certain", robot_figures(a)},
-                            {"Distribution over the configurations", distribution_figures(a)},
-                            {"All figures", summary(a)}},
-                           a.warnings,
-                           a.spec.file,
-                           a.spec.text});
+  const ConfigurationSample sample = configuration_sample(a);
+  return markup(page::Page{
+      "Accuracy of " + a.spec.robot_name,
+      answer(a),
+      {{"Error budget of the encoders", budget_figures(a)},
+       {"The robot where its position is least certain, and where it is as usual", robot_figures(a, sample)},
+       {"Error over the workspace", workspace_figures(a, sample)},
+       {"Distribution over the configurations", distribution_figures(a, sample)},
+       {"All figures", summary(a)}},
+      a.warnings,
+      a.spec.file,
+      a.spec.text});
 }
 
 }  // namespace qerr

@@ -39,7 +39,14 @@ std::string budget_figures(const Analysis& a) {
       all.emplace_back(name + ", worst case",
                        figure(bars_of(a, "Share of the worst case of " + name, c.share_worst_case)));
   }
-  return page::choice("Coordinate and bound", all);
+  const std::string filters =
+      a.spec.filters.empty() ? ""
+      : a.spec.model.sources.empty() && !a.spec.model.along_motion
+          ? "<p>Behind each filter the shares are the same: its norm multiplies every encoder's part.</p>"
+          : "<p>The shares are those of the unfiltered position: behind a filter the effects of the spec "
+            "have "
+            "other shares, according to their spectra.</p>";
+  return page::choice("Coordinate and bound", all) + filters;
 }
 
 }  // namespace qerr

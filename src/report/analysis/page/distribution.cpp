@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "report/analysis/figure_names.hpp"
@@ -9,9 +10,29 @@ namespace qerr {
 
 namespace {
 
-/// The percentiles that reports show, from the smallest value to the largest.
-page::Series series_of(const FigureName& name, const Statistic& s) {
-  return {std::string(name.bound), {{s.min, 0}, {s.p50, 50}, {s.p95, 95}, {s.p99, 99}, {s.max, 100}}, true};
+/// Percentages at which the curve is drawn, closer where reports have their percentiles.
+std::vector<double> drawn_percentages() {
+  std::vector<double> all{0, 0.5, 1, 2, 3};
+  for (int p = 5; p < 95; p += 5) all.push_back(p);
+  for (const double p : {95.0, 96.0, 97.0, 98.0, 99.0, 99.5, 100.0}) all.push_back(p);
+  return all;
+}
+
+/// Between order statistics linear, as percentiles of reports.
+double percentile(const std::vector<double>& sorted, double percentage) {
+  const double at = percentage / 100 * static_cast<double>(sorted.size() - 1);
+  const auto k = std::min(static_cast<std::size_t>(at), sorted.size() - 1);
+  return k + 1 < sorted.size() ? std::lerp(sorted[k], sorted[k + 1], at - static_cast<double>(k)) : sorted[k];
+}
+
+/// The distribution over the sample, with the figures of the report as marks; its ends are those of the
+/// report.
+page::Series series_of(const FigureName& name, const Statistic& s, const std::vector<double>& sorted) {
+  page::Series series{std::string(name.bound), {}};
+  for (const double p : drawn_percentages())
+    series.points.emplace_back(p == 0 ? s.min : p == 100 ? s.max : percentile(sorted, p), p);
+  series.marked = {{s.min, 0}, {s.p50, 50}, {s.p95, 95}, {s.p99, 99}, {s.max, 100}};
+  return series;
 }
 
 void add_markers(page::Plot& plot, const Analysis& a, const FigureName& name) {
@@ -23,28 +44,31 @@ void add_markers(page::Plot& plot, const Analysis& a, const FigureName& name) {
 
 }  // namespace
 
-std::string distribution_figures(const Analysis& a) {
+std::string distribution_figures(const Analysis& a, const ConfigurationSample& sample) {
   std::vector<std::pair<std::string, std::string>> all;
   std::vector<page::Plot> plots;
   std::vector<std::string> names;
+  std::size_t figure_index = 0;
+  if (sample.q.empty()) return "<p>Without a configuration there is no distribution.</p>";
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     const std::string of =
         (name.filter.empty() ? std::string(name.signal) : name.filter) + ' ' + std::string(name.coordinate);
     if (names.empty() || names.back() != of) {
       names.push_back(of);
-      plots.push_back({"Error of " + of,
-                       "Percentage of the configurations whose error is at most the value on the abscissa: "
-                       "smallest, median, 95 %, 99 %, largest.",
-                       {"error", name.unit},
-                       {"configurations", "%"},
-                       {}});
+      plots.push_back(
+          {"Error of " + of,
+           "Percentage of the configurations whose error is at most the value on the abscissa; marks at "
+           "the smallest, median, 95 %, 99 % and largest.",
+           {"error", name.unit},
+           {"configurations", "%"},
+           {}});
     }
-    plots.back().series.push_back(series_of(name, s));
+    plots.back().series.push_back(series_of(name, s, sample.distributions[figure_index++]));
     add_markers(plots.back(), a, name);
   });
   for (std::size_t i = 0; i < plots.size(); ++i) all.emplace_back(names[i], figure(plots[i]));
-  return "<p>Percentage of the configurations with at most this error: smallest, median, 95 %, 99 % and "
-         "largest, joined by straight lines.</p>" +
+  return "<p>Percentage of the " + std::to_string(sample.of) + " configurations with at most this error" +
+         sampled_note(sample) + ". Marks: smallest, median, 95 %, 99 % and largest, of all.</p>" +
          page::choice("Quantity", all);
 }
 

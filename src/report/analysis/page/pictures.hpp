@@ -3,6 +3,7 @@
 #include <string>
 
 #include "qerr/report/analysis.hpp"
+#include "report/analysis/page/sample.hpp"
 
 /// Pictures of the page of `analyze`, as markup.
 namespace qerr {
@@ -11,11 +12,15 @@ namespace qerr {
 /// of each coordinate, one to be chosen.
 std::string budget_figures(const Analysis&);
 
-/// Percentiles of every bound, one quantity to be chosen, with limits required of them and proven maxima.
-std::string distribution_figures(const Analysis&);
+/// The largest worst case of each coordinate by the position of the tip, one coordinate to be chosen.
+std::string workspace_figures(const Analysis&, const ConfigurationSample&);
 
-/// The robot where the trace of the position's covariance is largest, with the ellipsoid of one sigma at the
-/// tip, in three views; a sentence without x, y and z.
-std::string robot_figures(const Analysis&);
+/// The distribution of every bound, one quantity to be chosen, with limits required of them and proven
+/// maxima.
+std::string distribution_figures(const Analysis&, const ConfigurationSample&);
+
+/// The robot where the trace of the position's covariance is largest, and where it is the median of the
+/// sample, with the ellipsoid of one sigma and the box of the worst case at the tip, in three views each.
+std::string robot_figures(const Analysis&, const ConfigurationSample&);
 
 }  // namespace qerr

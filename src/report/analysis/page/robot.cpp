@@ -1,9 +1,11 @@
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
+#include "bound/error_ellipsoid.hpp"
 #include "core/text.hpp"
-#include "report/analysis/ellipsoids.hpp"
 #include "report/analysis/page/pictures.hpp"
 #include "report/page/plot.hpp"
 
@@ -29,63 +31,128 @@ std::vector<Eigen::Vector3d> skeleton(const Chain& chain, const Eigen::VectorXd&
   return points;
 }
 
-/// The largest of 1, 2, 5 times a power of ten by which the ellipsoid spans at most a sixth of the reach.
-double magnification(double reach, double sigma) {
-  const double most = reach / 6 / sigma, power = std::pow(10, std::floor(std::log10(most)));
+/// The largest of 1, 2, 5 times a power of ten by which the error spans at most a sixth of the reach.
+double magnification(double reach, double error) {
+  if (!(reach > 0 && error > 0)) return 1;
+  const double most = reach / 6 / error, power = std::pow(10, std::floor(std::log10(most)));
   return power * (most >= 5 * power ? 5 : most >= 2 * power ? 2 : 1);
 }
 
-/// The outline of the ellipsoid's projection: C = D diag(s^2) D^T has the outline C^(1/2) (cos t, sin t) of
-/// its block of two rows.
-page::Series outline(const Eigen::Matrix3d& covariance, const Eigen::Vector3d& tip, std::array<int, 2> rows,
-                     double factor) {
-  const double a = covariance(rows[0], rows[0]), b = covariance(rows[0], rows[1]),
-               c = covariance(rows[1], rows[1]);
-  const double first = std::sqrt(a), second = a > 0 ? b / first : 0;  // Cholesky
-  const double rest = std::sqrt(std::max(0.0, c - second * second));
+/// What is drawn of a configuration, in the axes of the base [m].
+struct Pose {
+  std::string name;
+  std::vector<Eigen::Vector3d> points;
+  Eigen::Matrix3d covariance;
+  Eigen::Matrix3d box;  ///< columns: half edges of the worst case
+};
+
+/// The model with x, y and z alone.
+OperationalModel of_position(OperationalModel model) {
+  model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
+  model.lengths.clear();
+  return model;
+}
+
+Pose pose(const OperationalModel& model, const std::string& name, const Eigen::VectorXd& q) {
+  const auto& all = model.coordinates;
+  std::array<Eigen::Index, 3> at{};
+  for (std::size_t i = 0; i < 3; ++i)
+    at[i] = std::find(all.begin(), all.end(), std::array{Coordinate::x, Coordinate::y, Coordinate::z}[i]) -
+            all.begin();
+  const OperationalError error = operational_error(model, q);
+  Eigen::MatrixXd sigma = covariance(error);
+  if (model.along_motion) sigma += model.along_motion->tip.covariance;
+  const Eigen::Matrix3d axes = model.frame == CoordinateFrame::tip
+                                   ? Eigen::Matrix3d(forward_kinematics(model.chain, q).linear())
+                                   : Eigen::Matrix3d::Identity();
+  return {name, skeleton(model.chain, q), axes * sigma(at, at) * axes.transpose(),
+          axes * error.worst_case(at).asDiagonal()};
+}
+
+/// The outline of the ellipsoid's projection: C = L L^T has the outline L (cos t, sin t) of its block of two
+/// rows.
+page::Series outline(const Pose& pose, std::array<int, 2> rows, double factor) {
+  const Eigen::Matrix3d& c = pose.covariance;
+  const double first = std::sqrt(std::max(0.0, c(rows[0], rows[0])));
+  const double second = first > 0 ? c(rows[0], rows[1]) / first : 0;  // Cholesky
+  const double last = std::sqrt(std::max(0.0, c(rows[1], rows[1]) - second * second));
   page::Series s{"one sigma, " + significant(factor, 6) + " times larger", {}};
-  constexpr int points = 48;
+  constexpr int points = 36;
+  const Eigen::Vector3d& tip = pose.points.back();
   for (int i = 0; i <= points; ++i) {
     const double t = 2 * std::numbers::pi * i / points;
     s.points.emplace_back(tip[rows[0]] + factor * first * std::cos(t),
-                          tip[rows[1]] + factor * (second * std::cos(t) + rest * std::sin(t)));
+                          tip[rows[1]] + factor * (second * std::cos(t) + last * std::sin(t)));
   }
   return s;
 }
 
-}  // namespace
+/// The edges of the box of the worst case.
+page::Series edges(const Pose& pose, std::array<int, 2> rows, double factor) {
+  page::Series s{"worst case, " + significant(factor, 6) + " times larger", {}};
+  // A path along all twelve edges of a cube; bit k of a corner is the side along axis k.
+  for (const int corner : {0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4}) {
+    Eigen::Vector3d side;
+    for (int k = 0; k < 3; ++k) side[k] = (corner >> k & 1) != 0 ? 1 : -1;
+    const Eigen::Vector3d at = pose.points.back() + factor * (pose.box * side);
+    s.points.emplace_back(at[rows[0]], at[rows[1]]);
+  }
+  return s;
+}
 
-std::string robot_figures(const Analysis& a) {
-  const std::vector<TipEllipsoids> all = tip_ellipsoids(a);
-  if (all.empty() || all[0].of != "position" || a.workspace.largest_at.size() == 0)
-    return "<p>Without x, y and z among the coordinates there is no ellipsoid.</p>";
-  const Eigen::VectorXd& q = a.workspace.largest_at;
-  const ErrorEllipsoid& e = all[0].at_largest;
-  const std::vector<Eigen::Vector3d> points = skeleton(a.spec.model.chain, q);
-  double reach = 0;
-  for (const Eigen::Vector3d& p : points) reach = std::max(reach, p.norm());
-  Eigen::Matrix3d d = e.directions;
-  if (a.spec.model.frame == CoordinateFrame::tip) d = forward_kinematics(a.spec.model.chain, q).linear() * d;
-  const Eigen::Matrix3d covariance = d * e.semi_axes.cwiseAbs2().asDiagonal() * d.transpose();
-  const double factor = e.semi_axes[0] > 0 && reach > 0 ? magnification(reach, e.semi_axes[0]) : 1;
-  std::string out = "<p>Semi-axes of one sigma: " + readable(e.semi_axes[0], "m") + ", " +
-                    readable(e.semi_axes[1], "m") + ", " + readable(e.semi_axes[2], "m") +
+std::string views(const Pose& pose, double factor) {
+  const Eigen::Vector3d semi_axes = error_ellipsoid(pose.covariance).semi_axes;
+  std::string out = "<p>Configuration of the " + pose.name +
+                    " of the position. Semi-axes of one sigma: " + readable(semi_axes[0], "m") + ", " +
+                    readable(semi_axes[1], "m") + ", " + readable(semi_axes[2], "m") +
                     ".</p><div class=\"figures\">";
   constexpr std::array<const char*, 3> axes{"x", "y", "z"};
   for (const std::array<int, 2> rows : {std::array{0, 1}, {0, 2}, {1, 2}}) {
     const std::string x = axes[static_cast<std::size_t>(rows[0])],
                       y = axes[static_cast<std::size_t>(rows[1])];
     page::Series robot{"robot", {}, true};
-    for (const Eigen::Vector3d& p : points) robot.points.emplace_back(p[rows[0]], p[rows[1]]);
-    page::Plot plot{"View " + x + y,
-                    "The robot in the base frame, with the ellipsoid of one sigma at its tip.",
+    for (const Eigen::Vector3d& p : pose.points) robot.points.emplace_back(p[rows[0]], p[rows[1]]);
+    page::Plot plot{"View " + x + y + ", " + pose.name,
+                    "The robot in the base frame, with the ellipsoid of one sigma and the box of the worst "
+                    "case at its tip.",
                     {x, "m", false, false},
                     {y, "m", false, false},
-                    {robot, outline(covariance, points.back(), rows, factor)}};
+                    {robot, outline(pose, rows, factor), edges(pose, rows, factor)}};
     plot.equal_scales = true;
     out += figure(plot);
   }
   return out + "</div>";
+}
+
+/// The configuration of the sample with the median variance of the position.
+const Eigen::VectorXd& median_configuration(const ConfigurationSample& sample) {
+  std::vector<std::size_t> order(sample.trace.size());
+  std::iota(order.begin(), order.end(), std::size_t{0});
+  const auto middle = order.begin() + static_cast<std::ptrdiff_t>((order.size() - 1) / 2);
+  std::nth_element(order.begin(), middle, order.end(), [&](std::size_t a, std::size_t b) {
+    return std::pair(sample.trace[a], a) < std::pair(sample.trace[b], b);
+  });
+  return sample.q[*middle];
+}
+
+}  // namespace
+
+std::string robot_figures(const Analysis& a, const ConfigurationSample& sample) {
+  if (sample.q.empty()) return "<p>Without a configuration there is no robot to draw.</p>";
+  OperationalModel model = a.spec.model;
+  const bool complete = std::count_if(model.coordinates.begin(), model.coordinates.end(), is_position) == 3;
+  if (!complete && model.along_motion)
+    return "<p>Errors along a motion are known of the spec's coordinates alone: without x, y and z among "
+           "them "
+           "there is no ellipsoid.</p>";
+  if (!complete) model = of_position(model);
+  const std::array poses{pose(model, "largest variance", a.workspace.largest_at),
+                         pose(model, "median variance", median_configuration(sample))};
+  double reach = 0, error = 0;
+  for (const Eigen::Vector3d& p : poses[0].points) reach = std::max(reach, p.norm());
+  for (const Pose& p : poses) error = std::max(error, p.box.colwise().norm().maxCoeff());
+  const double factor = magnification(reach, std::isfinite(error) ? error : 0);
+  return views(poses[0], factor) + views(poses[1], factor);
 }
 
 }  // namespace qerr
