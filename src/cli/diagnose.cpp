@@ -82,7 +82,10 @@ int run(const Values& v) {
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
   Log log = read_log({v.texts("LOG"), v.given("hold")}, spec, most_log_values, progress(v, "bytes"));
-  DiagnosisReport report = diagnosis_report(spec, std::move(log), options, table || residual);
+  const std::string format = chosen_format(v);
+  // A page draws the record.
+  const bool keep_values = table || residual || format == "html";
+  DiagnosisReport report = diagnosis_report(spec, std::move(log), options, keep_values);
   if (model) {
     finish(*model, extended_model(report, v.text("write-model")));
     report.extended_model = v.text("write-model");
@@ -91,7 +94,7 @@ int run(const Values& v) {
   if (residual) write_plots(report, *residual, *spectrum);
   Style shown = style(v);
   shown.details = v.given("details");
-  finish(out, write(report, chosen_format(v), shown));
+  finish(out, write(report, format, shown));
   warn(report.warnings, v);
   return v.given("check") && report.diagnosis.verdict != Verdict::nothing_wrong ? 1 : 0;
 }

@@ -35,5 +35,6 @@ Writer<ListReport> to_table, to_json, to_csv;
 
 Writer<Analysis> to_html;
 Writer<FilterReport> to_html;
+Writer<DiagnosisReport> to_html;
 
 }  // namespace qerr

@@ -33,37 +33,14 @@ std::string parameter_text(const DiagnosisReport& r, const Cause& c, const Repor
 
 /// `backlash of j2: gap 400.03 +- 0.11 urad = 1.38 arcmin = 5.49 counts`.
 std::string size_line(const DiagnosisReport& r, const Cause& c, const Style& style) {
-  std::vector<std::string> parts;
-  bool in_counts = false;
-  for (const ReportedParameter& p : reported_parameters(r.spec, c)) {
-    if (p.figure.name == "order") continue;  // in the label
-    in_counts = in_counts || is_coordinate(c, p.figure.name);
-    parts.push_back(parameter_text(r, c, p));
-  }
-  for (const auto& [choice, word] : c.effect.choices) parts.push_back(choice + ' ' + word);
-  const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
-  if (!in_counts && encoder && c.rms > 0)
-    parts.push_back(significant(c.rms / encoder->resolution, 3) + " counts rms in this record");
-  std::string out = "  " + painted(label(c), Paint::bold, style);
-  for (std::size_t i = 0; i < parts.size(); ++i) out += (i ? ", " : ": ") + parts[i];
-  return out + '\n';
+  const std::string size = size_words(r, c);
+  return "  " + painted(label(c), Paint::bold, style) + (size.empty() ? "" : ": " + size) + '\n';
 }
 
 /// `2.77 counts (202 urad)`.
 std::string rms_text(double rms, const std::string& unit, const Encoder* encoder) {
   const std::string text = readable(rms, unit);
   return encoder ? significant(rms / encoder->resolution, 3) + " counts (" + text + ')' : text;
-}
-
-/// What is lost without the cause; where that is unknown, what all causes of its place remove together.
-std::string loss_line(const DiagnosisReport& r, const Cause& c) {
-  const Encoder* encoder = c.gain.of_tip ? nullptr : encoder_of(r.spec, c.effect.joint);
-  const bool alone = std::isfinite(c.rms_without);
-  const double without = alone ? c.rms_without : c.gain.rms_before;
-  if (!(without > 0)) return "";
-  return "    residual at " + place_of(c) + ": " + rms_text(without, c.gain.unit, encoder) + " rms without " +
-         (alone ? "it" : "any cause") + ", " + rms_text(c.gain.rms_after, c.gain.unit, encoder) + " with " +
-         (alone ? "it" : "all") + '\n';
 }
 
 /// The cause that an alternative replaces: that of its joint, else the first one of that effect; null: none.
@@ -84,9 +61,49 @@ std::string alternative_name(const AlternativeCause& a, const Cause* cause) {
   return (a.effect == a.instead_of ? "another " : "") + a.effect;
 }
 
-/// One line for all alternatives to the cause, or to what is no cause of the list, with the same advice.
 std::string alternatives_of(const Diagnosis& d, const Cause* cause, const Style& style) {
   constexpr std::size_t most = 4;
+  const std::vector<std::string> all = alternatives_to(d, cause);
+  const std::size_t rows = style.details ? all.size() : std::min(most, all.size());
+  std::string out;
+  for (std::size_t i = 0; i < rows; ++i) out += (cause ? "    or: " : "  ") + all[i] + '\n';
+  return out + (rows < all.size()
+                    ? "    and " + std::to_string(all.size() - rows) + " more alternatives: --details\n"
+                    : "");
+}
+
+}  // namespace
+
+std::string place_of(const Cause& c) { return c.gain.of_tip ? "the tip" : shown(c.effect.joint); }
+
+std::string size_words(const DiagnosisReport& r, const Cause& c) {
+  std::vector<std::string> parts;
+  bool in_counts = false;
+  for (const ReportedParameter& p : reported_parameters(r.spec, c)) {
+    if (p.figure.name == "order") continue;  // in the label
+    in_counts = in_counts || is_coordinate(c, p.figure.name);
+    parts.push_back(parameter_text(r, c, p));
+  }
+  for (const auto& [choice, word] : c.effect.choices) parts.push_back(choice + ' ' + word);
+  const Encoder* encoder = encoder_of(r.spec, c.effect.joint);
+  if (!in_counts && encoder && c.rms > 0)
+    parts.push_back(significant(c.rms / encoder->resolution, 3) + " counts rms in this record");
+  std::string out;
+  for (const std::string& part : parts) out += (out.empty() ? "" : ", ") + part;
+  return out;
+}
+
+std::string loss_words(const DiagnosisReport& r, const Cause& c) {
+  const Encoder* encoder = c.gain.of_tip ? nullptr : encoder_of(r.spec, c.effect.joint);
+  const bool alone = std::isfinite(c.rms_without);
+  const double without = alone ? c.rms_without : c.gain.rms_before;
+  if (!(without > 0)) return "";
+  return "residual at " + place_of(c) + ": " + rms_text(without, c.gain.unit, encoder) + " rms without " +
+         (alone ? "it" : "any cause") + ", " + rms_text(c.gain.rms_after, c.gain.unit, encoder) + " with " +
+         (alone ? "it" : "all");
+}
+
+std::vector<std::string> alternatives_to(const Diagnosis& d, const Cause* cause) {
   std::vector<std::pair<std::string, std::vector<std::string>>> groups;  // advice, names
   for (const AlternativeCause& a : d.alternatives) {
     if (replaced(d, a) != cause) continue;
@@ -95,30 +112,22 @@ std::string alternatives_of(const Diagnosis& d, const Cause* cause, const Style&
     if (group == groups.end()) group = groups.insert(group, {a.record, {}});
     add_once(group->second, alternative_name(a, cause));
   }
-  const std::size_t rows = style.details ? groups.size() : std::min(most, groups.size());
-  std::string out;
-  for (std::size_t i = 0; i < rows; ++i) {
-    const auto& [record, names] = groups[i];
-    out += (cause ? "    or: " : "  ") + listed(names);
-    if (!record.empty()) out += "; to tell them apart, record " + escaped(record);
-    out += '\n';
-  }
-  return out + (rows < groups.size()
-                    ? "    and " + std::to_string(groups.size() - rows) + " more alternatives: --details\n"
-                    : "");
+  std::vector<std::string> lines;
+  for (const auto& [record, names] : groups)
+    lines.push_back(listed(names) +
+                    (record.empty() ? "" : "; to tell them apart, record " + escaped(record)));
+  return lines;
 }
-
-}  // namespace
-
-std::string place_of(const Cause& c) { return c.gain.of_tip ? "the tip" : shown(c.effect.joint); }
 
 std::string causes_section(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   std::string out;
-  for (const Cause& c : d.causes)
-    out += size_line(r, c, style) + loss_line(r, c) +
+  for (const Cause& c : d.causes) {
+    const std::string loss = loss_words(r, c);
+    out += size_line(r, c, style) + (loss.empty() ? "" : "    " + loss + '\n') +
            "    remedy: " + std::string(effect_kind(c.effect.type).remedy.text) + '\n' +
            alternatives_of(d, &c, style) + curve_picture(r.spec, c.effect.joint, c.curve, style);
+  }
   out += alternatives_of(d, nullptr, style);
   return out.empty() ? "" : heading("Causes", style) + out;
 }

@@ -35,8 +35,20 @@ std::string simulation_table(const Diagnosis& d, const Style& style) {
                              : "");
 }
 
-/// The figure with its interval, and a coordinate also in counts.
-std::string parameter_line(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
+std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
+  const auto in_counts = [](double value) { return std::isfinite(value) ? significant(value, 3) : "-"; };
+  return {label,
+          readable(g.rms_before, g.unit),
+          readable(g.rms_after, g.unit),
+          in_counts(g.counts_before),
+          in_counts(g.counts_after),
+          significant(g.ratio(), 3),
+          g.upper > 0 ? significant(g.lower, 3) + " .. " + significant(g.upper, 3) : ""};
+}
+
+}  // namespace
+
+std::string parameter_size(const Spec& spec, const Cause& cause, const ReportedParameter& p) {
   std::string text = with_interval(p);
   const Encoder* encoder = encoder_of(spec, cause.effect.joint);
   if (!encoder) return text;
@@ -45,6 +57,33 @@ std::string parameter_line(const Spec& spec, const Cause& cause, const ReportedP
       text += " = " + significant(p.figure.value / encoder->resolution, 3) + " counts";
   return text;
 }
+
+std::vector<std::vector<std::string>> gain_rows(const Diagnosis& d) {
+  std::vector<std::vector<std::string>> rows{
+      {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
+  std::vector<std::string> seen;
+  for (const Cause& c : d.causes) {
+    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
+    seen.push_back(place_of(c));
+    rows.push_back(gain_row(seen.back(), c.gain));
+  }
+  // The total of a single place would repeat its row.
+  if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
+    rows.push_back(gain_row(d.gain.of_tip ? "the tip" : "all joints", d.gain));
+  return rows;
+}
+
+std::vector<std::string> prediction_lines(const Gain& g) {
+  std::vector<std::string> out;
+  if (std::isfinite(g.coverage))
+    out.push_back(percent(g.coverage) + " of the readings are in the extended model's central 95 % interval");
+  if (std::isfinite(g.log_score))
+    out.push_back("log-likelihood per reading: " + significant(g.log_score, 3) +
+                  " more than without the causes");
+  return out;
+}
+
+namespace {
 
 std::string share_of(double share) {
   return share < 0.01 ? "under 1 %" : std::to_string(std::lround(100 * std::min(share, 1.0))) + " %";
@@ -59,47 +98,16 @@ std::string causes_table(const DiagnosisReport& r) {
     out += '\n';
     std::vector<std::vector<std::string>> rows;
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
-      rows.push_back({p.figure.name + "  " + parameter_line(r.spec, c, p)});
+      rows.push_back({p.figure.name + "  " + parameter_size(r.spec, c, p)});
     out += aligned(rows, "    ");
   }
   return out;
 }
 
-std::vector<std::string> gain_row(const std::string& label, const Gain& g) {
-  const auto in_counts = [](double value) { return std::isfinite(value) ? significant(value, 3) : "-"; };
-  return {label,
-          readable(g.rms_before, g.unit),
-          readable(g.rms_after, g.unit),
-          in_counts(g.counts_before),
-          in_counts(g.counts_after),
-          significant(g.ratio(), 3),
-          g.upper > 0 ? significant(g.lower, 3) + " .. " + significant(g.upper, 3) : ""};
-}
-
 std::string gain_table(const Diagnosis& d, const Style& style) {
-  std::vector<std::vector<std::string>> rows{
-      {"residual, rms", "before", "after", "counts before", "after", "ratio", "95 %"}};
-  std::vector<std::string> seen;
-  for (const Cause& c : d.causes) {
-    if (std::find(seen.begin(), seen.end(), place_of(c)) != seen.end()) continue;
-    seen.push_back(place_of(c));
-    rows.push_back(gain_row(seen.back(), c.gain));
-  }
-  // The total of a single place would repeat its row.
-  if (seen.size() != 1 || d.causes.front().gain.rms_before != d.gain.rms_before)
-    rows.push_back(gain_row("all joints", d.gain));
-  return fitted_table(rows, style.width) +
-         (d.gain.held_out ? "  after: on held-out blocks of the log\n" : "");
-}
-
-/// How well the extended model predicts each reading.
-std::string prediction(const Gain& g) {
-  std::string out;
-  if (std::isfinite(g.coverage))
-    out +=
-        "  " + percent(g.coverage) + " of the readings are in the extended model's central 95 % interval\n";
-  if (std::isfinite(g.log_score))
-    out += "  log-likelihood per reading: " + significant(g.log_score, 3) + " more than without the causes\n";
+  std::string out = fitted_table(gain_rows(d), style.width) +
+                    (d.gain.held_out ? "  after: on held-out blocks of the log\n" : "");
+  for (const std::string& line : prediction_lines(d.gain)) out += "  " + line + '\n';
   return out;
 }
 
@@ -111,7 +119,7 @@ std::string details_section(const DiagnosisReport& r, const Style& style) {
   if (!d.causes.empty()) out += heading("Parameters, with 95 % intervals", style) + causes_table(r);
   if (d.verdict == Verdict::cannot_judge) return out;
   return out + heading(d.causes.empty() ? "Residual" : "Improvement with the extended model", style) +
-         gain_table(d, style) + prediction(d.gain);
+         gain_table(d, style);
 }
 
 }  // namespace qerr

@@ -61,9 +61,9 @@ Eigen::ArrayXd explained(const Evidence& e, const std::vector<Effect>& effects) 
   for (const Effect& effect : effects)
     if (const auto replay = effect_kind(effect.type).replay) sum += replay(effect, e);
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
-    const double position = e.ordered ? at(e, reading.sampled_at(e.time[k])) : e.path[k];
     // Without a clock effect the interpolation error of the path must not appear as an effect.
-    const double truth = reading.sampled_at(e.time[k]) == e.time[k] ? e.path[k] : position;
+    const double sampled = reading.sampled_at(e.time[k]);
+    const double truth = e.ordered && sampled != e.time[k] ? at(e, sampled) : e.path[k];
     const Moment moment{static_cast<std::uint64_t>(k), e.time[k], truth, e.effort.size() ? e.effort[k] : 0,
                         e.temperature.size() ? e.temperature[k] : 0};
     sum[k] += reading(truth, moment) - reading.reference(e.path[k], moment);

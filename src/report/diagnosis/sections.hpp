@@ -38,6 +38,47 @@ std::string visible_section(const DiagnosisReport&, const Style&);
 /// Statistics, intervals, p-values and gains.
 std::string details_section(const DiagnosisReport&, const Style&);
 
+/// What the sections are made of, for other formats too.
+
+/// `'log.csv': 5000 rows over 10 s`, and which columns were unwrapped.
+std::string record_words(const Log&);
+
+/// `gap 400.03 +- 0.11 urad = 1.38 arcmin = 5.49 counts`: the parameters and choices of a cause.
+std::string size_words(const DiagnosisReport&, const Cause&);
+
+/// What is lost without the cause; where that is unknown, what all causes of its place remove together.
+std::string loss_words(const DiagnosisReport&, const Cause&);
+
+/// Alternatives to the cause (null: to what is no cause of the list), those with the same advice together:
+/// `latency and timing_jitter; to tell them apart, record ...`.
+std::vector<std::string> alternatives_to(const Diagnosis&, const Cause*);
+
+/// A parameter with its interval, and a coordinate also in counts.
+std::string parameter_size(const Spec&, const Cause&, const ReportedParameter&);
+
+/// The residual of the extended model: one line per joint with a cause, or for the tip; without causes one
+/// for all joints.
+std::vector<std::string> remainder_lines(const Diagnosis&);
+
+/// What to inspect or to record, once for each shape.
+std::vector<std::string> advice_lines(const Diagnosis&);
+
+/// Rms of the residual before and after, in units and counts: a header and a row for each place.
+std::vector<std::vector<std::string>> gain_rows(const Diagnosis&);
+
+/// How well the extended model predicts each reading.
+std::vector<std::string> prediction_lines(const Gain&);
+
+/// The smallest visible sizes under a header: effects as rows, joints as columns, without those in which
+/// nothing is visible.
+std::vector<std::vector<std::string>> visible_sizes(const Diagnosis&);
+
+/// One line for all effects of a joint that are hidden for the same reason.
+std::vector<std::string> hidden_lines(const Diagnosis&);
+
+/// `j1, row 17`.
+std::string place_of(const DataFinding&);
+
 /// `a step of 37.4 counts = 2.73 mrad = 9.39 arcmin at 9.00 s`.
 std::string shape_words(const Spec&, const Unidentified&);
 

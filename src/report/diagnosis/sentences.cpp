@@ -51,6 +51,14 @@ bool has_one_shape(const Diagnosis& d) {
 
 }  // namespace
 
+std::string verdict_title(Verdict v) {
+  std::string word(name(v));
+  std::replace(word.begin(), word.end(), '_', ' ');
+  std::transform(word.begin(), word.end(), word.begin(),
+                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
+  return word;
+}
+
 std::string verdict_words(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   switch (d.verdict) {

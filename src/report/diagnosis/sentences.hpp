@@ -9,6 +9,9 @@ namespace qerr {
 /// `eccentricity of elbow`; a periodic error with its order.
 std::string label(const Cause&);
 
+/// `NOTHING WRONG`.
+std::string verdict_title(Verdict);
+
 /// The sentence behind the verdict: the causes and their joints; a single remainder by its shape.
 std::string verdict_words(const DiagnosisReport&);
 

@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "core/text.hpp"
 #include "report/diagnosis/sections.hpp"
 #include "report/diagnosis/sentences.hpp"
@@ -13,29 +11,25 @@ namespace {
 
 std::string verdict_line(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
-  std::string word(name(d.verdict));
-  std::replace(word.begin(), word.end(), '_', ' ');
-  std::transform(word.begin(), word.end(), word.begin(),
-                 [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
   const Paint color = d.verdict == Verdict::nothing_wrong ? Paint::green : Paint::yellow;
-  return painted(word, color, style) + ": " + verdict_words(r) + "\n";
+  return painted(verdict_title(d.verdict), color, style) + ": " + verdict_words(r) + "\n";
 }
 
-std::string record_line(const Log& log) {
+}  // namespace
+
+std::string record_words(const Log& log) {
   std::string out = "'" + escaped(log.file) + "': " + counted(log.rows, "row");
   if (log.has_time()) out += " over " + significant(log.last_time - log.first_time, 4) + " s";
   for (const LogColumn& c : log.columns)
     if (c.wraps.count > 0 || c.wraps.start != 0)
       out += "\n  unwrapped: " + escaped(c.header) + ", " + counted(c.wraps.count, "full turn") +
              (c.wraps.start ? ", " + std::to_string(c.wraps.start) + " at the start" : "");
-  return out + '\n';
+  return out;
 }
-
-}  // namespace
 
 std::string to_table(const DiagnosisReport& r, const Style& style) {
   std::string out = painted("qerr diagnose", Paint::bold, style) + "  robot '" +
-                    escaped(r.spec.robot_name, 60) + "', " + record_line(r.log) + '\n' +
+                    escaped(r.spec.robot_name, 60) + "', " + record_words(r.log) + "\n\n" +
                     verdict_line(r, style);
   out += data_section(r, style) + causes_section(r, style) + remainder_section(r, style) +
          next_section(r, style) + visible_section(r, style);

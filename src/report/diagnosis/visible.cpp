@@ -21,50 +21,53 @@ std::string cell(const Diagnosis& d, const std::string& effect, const std::strin
   return "-";
 }
 
-/// Effects as rows, joints as columns; without rows and columns in which nothing is visible.
-std::string sizes(const Diagnosis& d, const Style& style) {
+}  // namespace
+
+std::vector<std::vector<std::string>> visible_sizes(const Diagnosis& d) {
   std::vector<std::string> effects, joints;
   for (const Visible& v : d.visible)
     if (std::isfinite(v.smallest)) add_once(effects, v.effect), add_once(joints, v.joint);
-  if (effects.empty()) return "";
+  if (effects.empty()) return {};
   std::vector<std::vector<std::string>> rows{{"effect"}};
   for (const std::string& joint : joints) rows.front().push_back(shown(joint));
   for (const std::string& effect : effects) {
     rows.push_back({effect});
     for (const std::string& joint : joints) rows.back().push_back(cell(d, effect, joint));
   }
-  return heading("What this record would have shown, from these sizes on", style) +
-         fitted_table(rows, style.width);
+  return rows;
 }
 
-/// One line for all effects of a joint that are hidden for the same reason.
-std::string hidden(const Diagnosis& d, const Style& style) {
+std::vector<std::string> hidden_lines(const Diagnosis& d) {
   std::vector<std::pair<std::string, std::string>> groups;  // joint, reason
   for (const Visible& v : d.visible) {
     const std::pair<std::string, std::string> group{v.joint, v.hidden_by};
     if (!std::isfinite(v.smallest) && std::find(groups.begin(), groups.end(), group) == groups.end())
       groups.push_back(group);
   }
-  std::string out;
+  std::vector<std::string> out;
   for (const auto& [joint, reason] : groups) {
     std::vector<std::string> effects;
     for (const Visible& v : d.visible)
       if (!std::isfinite(v.smallest) && v.joint == joint && v.hidden_by == reason)
         add_once(effects, v.effect);
-    out +=
-        "  " + shown(joint) + (reason.empty() ? "" : ", " + escaped(reason)) + ": " + listed(effects) + '\n';
+    out.push_back(shown(joint) + (reason.empty() ? "" : ", " + escaped(reason)) + ": " + listed(effects));
   }
-  if (out.empty()) return "";
-  return heading("What this motion hides", style) + out +
-         "  `qerr diagnose SPEC --plan` proposes a motion that shows more.\n";
+  return out;
 }
-
-}  // namespace
 
 std::string visible_section(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
   if (d.verdict != Verdict::nothing_wrong && !style.details) return "";
-  return sizes(d, style) + hidden(d, style);
+  const std::vector<std::vector<std::string>> sizes = visible_sizes(d);
+  const std::vector<std::string> hidden = hidden_lines(d);
+  std::string out;
+  if (!sizes.empty())
+    out = heading("What this record would have shown, from these sizes on", style) +
+          fitted_table(sizes, style.width);
+  if (hidden.empty()) return out;
+  out += heading("What this motion hides", style);
+  for (const std::string& line : hidden) out += "  " + line + '\n';
+  return out + "  `qerr diagnose SPEC --plan` proposes a motion that shows more.\n";
 }
 
 }  // namespace qerr

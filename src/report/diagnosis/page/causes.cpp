@@ -1,0 +1,110 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "qerr/effect/effect_kind.hpp"
+#include "report/diagnosis/page/pictures.hpp"
+#include "report/diagnosis/parts.hpp"
+#include "report/diagnosis/sections.hpp"
+#include "report/diagnosis/sentences.hpp"
+#include "report/page/bars.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Phases and what was not fitted have no size.
+bool is_size(const ReportedParameter& p) {
+  return !p.fixed && p.figure.name != "phase" && std::isfinite(p.figure.value) &&
+         std::isfinite(p.figure.lower) && std::isfinite(p.figure.upper);
+}
+
+/// By magnitude: of an interval that contains zero, the end farther from zero remains.
+page::Bar size_bar(const Cause& c, const ReportedParameter& p) {
+  const auto& [name, value, lower, upper] = p.figure;
+  page::Bar bar{label(c) + ", " + name, std::abs(value), readable(value, p.unit)};
+  if (lower <= 0 && upper >= 0)
+    bar.error = {0, std::max(-lower, upper)};
+  else
+    bar.error = {std::min(std::abs(lower), std::abs(upper)), std::max(std::abs(lower), std::abs(upper))};
+  return bar;
+}
+
+std::string size_figures(const DiagnosisReport& r) {
+  std::vector<page::Bars> all;
+  std::vector<std::string> units;
+  for (const Cause& c : r.diagnosis.causes)
+    for (const ReportedParameter& p : reported_parameters(r.spec, c)) {
+      if (!is_size(p)) continue;
+      const auto known = std::find(units.begin(), units.end(), p.unit) - units.begin();
+      if (known == static_cast<std::ptrdiff_t>(units.size())) {
+        units.push_back(p.unit);
+        all.push_back({p.unit.empty() ? "Ratios" : "Sizes [" + p.unit + "]",
+                       "Magnitude of each fitted parameter, with its 95 % interval.",
+                       {}});
+      }
+      all[static_cast<std::size_t>(known)].bars.push_back(size_bar(c, p));
+    }
+  std::string out;
+  for (const page::Bars& bars : all) out += figure(bars);
+  return out;
+}
+
+std::string probability_text(double p) { return p < 1e-15 ? "< 1e-15" : significant(p, 2); }
+
+}  // namespace
+
+std::string curve_figure(const Spec& spec, const std::string& title, const std::string& joint,
+                         const ResidualCurve& curve) {
+  if (curve.at.empty()) return "";
+  const std::string unit = curve.unit.starts_with("count") || curve.unit == "1" ? "" : curve.unit;
+  page::Plot plot{
+      title,
+      curve.fit.empty()
+          ? "Mean residual in bins of the abscissa."
+          : "Mean residual without this cause in bins of the abscissa, and the fitted contribution.",
+      {curve.against + (unit.empty() && !curve.unit.empty() ? " [" + curve.unit + "]" : ""), unit, false,
+       !unit.starts_with("rad")},
+      {"residual", coordinate_unit(spec, joint)},
+      {}};
+  page::Series residual{curve.fit.empty() ? "residual" : "residual without this", {}, true, false};
+  page::Series fit{"fit", {}};
+  for (std::size_t i = 0; i < curve.at.size(); ++i) {
+    residual.points.emplace_back(curve.at[i], curve.residual[i]);
+    if (!curve.fit.empty()) fit.points.emplace_back(curve.at[i], curve.fit[i]);
+  }
+  plot.series.push_back(residual);
+  if (!curve.fit.empty()) plot.series.push_back(fit);
+  return figure(plot);
+}
+
+std::string causes_part(const DiagnosisReport& r) {
+  std::string out;
+  for (const Cause& c : r.diagnosis.causes) {
+    std::vector<std::string> facts;
+    for (const std::string& fact : {size_words(r, c), loss_words(r, c)})
+      if (!fact.empty()) facts.push_back(fact);
+    if (const auto remedy = effect_kind(c.effect.type).remedy.text; !remedy.empty())
+      facts.push_back("remedy: " + std::string(remedy));
+    for (const std::string& other : alternatives_to(r.diagnosis, &c)) facts.push_back("or: " + other);
+    out += "<div class=\"cause\">" + page::subtitle(label(c)) + page::list(facts) +
+           curve_figure(r.spec, "Residual without " + label(c) + ", and its fit", c.effect.joint, c.curve) +
+           "</div>\n";
+  }
+  return page::side_by_side(out) + page::list(alternatives_to(r.diagnosis, nullptr));
+}
+
+std::string parameters_part(const DiagnosisReport& r) {
+  std::vector<std::vector<std::string>> rows;
+  for (const Cause& c : r.diagnosis.causes)
+    for (const ReportedParameter& p : reported_parameters(r.spec, c))
+      rows.push_back({label(c), p.figure.name, parameter_size(r.spec, c, p), probability_text(c.p_value)});
+  if (rows.empty()) return "";
+  return page::table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows) +
+         page::side_by_side(size_figures(r));
+}
+
+}  // namespace qerr
