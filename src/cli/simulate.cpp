@@ -82,6 +82,9 @@ int run(const Values& v) {
   options.exact = !search;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
+  const std::string format = chosen_format(v);
+  constexpr std::uint64_t samples_of_a_page = 1 << 16;
+  if (format == "html" && !search) options.traced = samples_of_a_page;
   options.progress = progress(v, "samples");
   if (log) {
     log->write(rows.header());
@@ -90,7 +93,7 @@ int run(const Values& v) {
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
   if (log) log->close();
-  finish(out, report, v);
+  finish(out, write(report, format, style(v)));
   warn(report.warnings, v);
   return 0;
 }

@@ -22,6 +22,8 @@ inline constexpr Writer<Analysis>* page_of<Analysis> = to_html;
 template <>
 inline constexpr Writer<FilterReport>* page_of<FilterReport> = to_html;
 template <>
+inline constexpr Writer<SimulationReport>* page_of<SimulationReport> = to_html;
+template <>
 inline constexpr Writer<DiagnosisReport>* page_of<DiagnosisReport> = to_html;
 
 /// The first row is the format of an output whose ending is not listed.
@@ -30,7 +32,7 @@ inline constexpr std::array<Exporter<Report>, 4> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
     {{"json", ".json", "everything, SI units"}, to_json},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
-    {{"html", ".html", "a page with pictures, of analyze, filter and diagnose"}, page_of<Report>},
+    {{"html", ".html", "a page with pictures, of analyze, filter, simulate and diagnose"}, page_of<Report>},
 }};
 
 std::vector<std::string> format_names() {

@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "core/random.hpp"
+#include "simulate/error_tracer.hpp"
 #include "simulate/fused_filter.hpp"
 #include "simulate/path_errors.hpp"
 
@@ -69,6 +70,7 @@ class Runs {
         path_(job.motion, job.options.instructions),
         errors_(job.model, as_built(job.model.chain, job.effects), job.mean, job.options.instructions),
         thinned_(std::any_of(job.every.begin(), job.every.end(), [](std::uint64_t n) { return n > 1; })) {
+    if (first == 0 && job.options.traced > 0) tracer_.emplace(job, channels_.coordinates, errors_.width());
     const SimulationKernels& kernels = select_kernels<SimulationKernels>(job.options.instructions);
     for (std::uint64_t index = first; index < first + count; ++index) {
       const bool visited = index == 0 && job.options.visit;
@@ -97,7 +99,8 @@ class Runs {
         if (first % tick_samples == 0) tick();
       }
     }
-    RunsResult result{{}, {errors_.rigorous(), errors_.deviation()}};
+    RunsResult result{{}, {errors_.rigorous(), errors_.deviation()}, {}};
+    if (tracer_) result.traces = std::move(*tracer_).traces();
     for (Run& run : runs_) {
       for (RunStatistics& output : run.outputs) output.finish();
       result.outputs.push_back(std::move(run.outputs));
@@ -119,11 +122,13 @@ class Runs {
     const SensedBatch& sensed = run.sensing.sense(path_);
     for (std::size_t i = 0; run.visited && i < path_.count(); ++i) job_.options.visit(run.sensing.reading(i));
     const bool in_lanes = is_whole_batch(blocks_), in_rows = !in_lanes && !blocks_.empty();
-    errors_(sensed, {in_rows || !run.filters.empty(), in_lanes ? &run.outputs[0] : nullptr,
+    const bool traced = tracer_ && &run == &runs_.front();
+    errors_(sensed, {in_rows || traced || !run.filters.empty(), in_lanes ? &run.outputs[0] : nullptr,
                      in_lanes ? blocks_[0].number : 0, in_rows || thinned_});
     // The first error is assumed before the start, so that a constant error causes no transient.
     if (first == 0)
       for (FusedFilter& filter : run.filters) filter.settle(errors_.rows());
+    if (traced) tracer_->add(errors_.rows(), first, path_.count());
     const std::size_t settling = blocks_.empty() ? path_.count() : blocks_[0].from;
     filter(run, 0, settling, {});
     for (const Part& block : blocks_) {
@@ -177,8 +182,9 @@ class Runs {
   Channels channels_;
   PathBatch path_;
   PathErrors errors_;
-  bool thinned_;              // a filter uses only every n-th sample
-  std::vector<Part> blocks_;  // of the batch
+  bool thinned_;                       // a filter uses only every n-th sample
+  std::optional<ErrorTracer> tracer_;  // of the first run
+  std::vector<Part> blocks_;           // of the batch
   std::vector<Run> runs_;
 };
 

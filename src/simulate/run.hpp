@@ -32,6 +32,7 @@ double even_spread(Eigen::Index dimensions);
 struct RunsResult {
   std::vector<std::vector<RunStatistics>> outputs;  ///< [run][0: position, then the filters]
   BoundsAlongPath bounds;
+  std::vector<ErrorTrace> traces;  ///< [0: position, then the filters]; of the first run alone
 };
 
 /// Simulates runs first .. first + count - 1 together, batch by batch, since all of them share the path of

@@ -5,6 +5,7 @@
 #include <limits>
 #include <mutex>
 #include <optional>
+#include <utility>
 
 #include "core/parallel.hpp"
 #include "qerr/core/error.hpp"
@@ -77,6 +78,7 @@ SimulatedSignal signal_of(const RunStatistics& s, const SignalTheory& theory, do
 struct AllRuns {
   std::vector<RunStatistics> outputs;
   BoundsAlongPath bounds;
+  std::vector<ErrorTrace> traces;
 };
 
 /// Runs are joined in their order, 64 at a time, so that memory does not grow with their number. Grouping
@@ -96,6 +98,7 @@ AllRuns run_all(const Job& job, const std::function<void()>& tick) {
     parallel_for(results.size(), job.options.threads, [&](std::size_t i) {
       results[i] = run_together(job, first + i * together, std::min(together, count - i * together), tick);
     });
+    if (first == 0) all.traces = std::move(results.front()->traces);
     for (const auto& result : results) {
       for (const auto& outputs : result->outputs)
         for (std::size_t f = 0; f < all.outputs.size(); ++f) all.outputs[f].append(outputs[f]);
@@ -159,6 +162,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
           : zeros_of_simulation(travels(nearest, none, UnroundedRecord(motion, motion.sample_rate, 0)),
                                 job.samples);
   of_zeros.visit = {};
+  of_zeros.traced = 0;
   const Job zeros{.model = nearest,
                   .filters = filters,
                   .motion = motion,
@@ -180,11 +184,12 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
     done += std::min(tick_samples, job.samples);
     if (options.progress) options.progress(std::min(done, total), total);
   };
-  const AllRuns all = run_all(job, tick), exact = run_all(zeros, tick);
+  AllRuns all = run_all(job, tick);
+  const AllRuns exact = run_all(zeros, tick);
   Eigen::VectorXd squares(channels.coordinates);
   for (Eigen::Index c = 0; c < squares.size(); ++c) squares[c] = all.outputs[0].expected(c);
   const auto theory = theory_along_path(middle, norms, squares, all.bounds);
-  Simulation result{options.runs, job.samples, job.settling, {}};
+  Simulation result{options.runs, job.samples, job.settling, {}, std::move(all.traces)};
   for (std::size_t f = 0; f < all.outputs.size(); ++f) {
     auto& row = result.results.emplace_back();
     for (Eigen::Index c = 0; c < channels.coordinates; ++c) {

@@ -51,11 +51,20 @@ struct SimulatedSignal {
   double total_rms = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// The error of every coordinate behind one filter in the first run, from the end of the settling on, sample
+/// by sample of the filter [m or rad, per s^derivative].
+struct ErrorTrace {
+  double first_time = 0;                   ///< [s]
+  double sample_rate = 0;                  ///< [Hz]
+  std::vector<std::vector<double>> error;  ///< [coordinate][sample]
+};
+
 struct Simulation {
   std::uint64_t runs = 0;
   std::uint64_t samples = 0;                          ///< of one run
   std::uint64_t settling = 0;                         ///< samples of each run that statistics exclude
   std::vector<std::vector<SimulatedSignal>> results;  ///< [0: position, then the filters][coordinate]
+  std::vector<ErrorTrace> traces = {};                ///< the same order; empty: not asked for
 };
 
 /// Signals of controller and reference sensor at one sample.
@@ -78,6 +87,7 @@ struct SimulationOptions {
   std::uint64_t runs = 1;
   bool tracking = false;      ///< also the errors that the filters make without any of the encoders
   bool exact = true;          ///< compute sigma_exact, which takes runs of its own; else it is NaN
+  std::uint64_t traced = 0;   ///< samples of the motion, behind the settling, whose errors are kept
   bool random_phase = false;  ///< every run is displaced by a random fraction of a count of each encoder
   std::uint64_t seed = 1;
   unsigned threads = 0;

@@ -18,6 +18,23 @@ struct NamedSignal {
 /// All signals, in the order of every format. Valid as long as the report.
 std::vector<NamedSignal> signals_of(const SimulationReport&);
 
+/// `velocity x`.
+std::string label_of(const NamedSignal&);
+
+/// The sigma of a constant error is rounding of the computation: below 1e-6 of the IPQN sigma it counts as 0.
+bool is_constant(const SimulatedSignal&);
+
+/// Roll or yaw in a motion through the gimbal lock.
+bool is_unbounded(const SimulatedSignal&);
+
+/// Why IPQN at the centre of the motion misses the sigma of some signals, and of which.
+struct IpqnDeviation {
+  std::string why, signals;
+};
+
+/// The signals whose sigma IPQN misses by more than 5 %, grouped by the factor that deviates most from 1.
+std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
+
 /// Names and values.
 using Figures = std::vector<std::pair<const char*, double>>;
 

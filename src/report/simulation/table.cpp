@@ -15,27 +15,15 @@ namespace qerr {
 
 namespace {
 
-std::string ratio(double over, double under) {
+std::string ratio_text(double over, double under) {
   if (!(under > 0) || !std::isfinite(under)) return "";
   const double r = over / under;
   return r < 1000 ? significant(r, 3) : r < 1e6 ? significant(std::round(r), 6) : ">1e6";
 }
 
-/// The sigma of a constant error is rounding of the computation: below 1e-6 of the IPQN sigma it counts as 0.
-bool is_constant(const SimulatedSignal& s) {
-  return std::isfinite(s.sigma_ipqn_path) && s.sigma_simulated <= 1e-6 * s.sigma_ipqn_path;
-}
-
-/// Roll or yaw in a motion through the gimbal lock.
-bool is_unbounded(const SimulatedSignal& s) {
-  return !std::isfinite(s.sigma_ipqn) || !std::isfinite(s.ladder.joint_error);
-}
-
 std::string factor(double value, int digits) {
   return std::isfinite(value) ? significant(value, digits) : "";
 }
-
-std::string label_of(const NamedSignal& s) { return escaped(s.filter, 40) + ' ' + s.coordinate; }
 
 std::string sigma_table(const SimulationReport& r, const Style& style) {
   std::vector<std::vector<std::string>> rows{
@@ -45,8 +33,8 @@ std::string sigma_table(const SimulationReport& r, const Style& style) {
     const double sigma = is_constant(s) ? 0 : s.sigma_simulated, half = 0.5 * (s.sigma_upper - s.sigma_lower);
     rows.push_back({label_of(named), readable(sigma, named.unit),
                     is_constant(s) ? "" : "+-" + percent(half / s.sigma_simulated),
-                    readable(s.sigma_ipqn, named.unit), ratio(sigma, s.sigma_ipqn),
-                    ratio(sigma, s.sigma_ipqn_path), ratio(sigma, s.sigma_exact)});
+                    readable(s.sigma_ipqn, named.unit), ratio_text(sigma, s.sigma_ipqn),
+                    ratio_text(sigma, s.sigma_ipqn_path), ratio_text(sigma, s.sigma_exact)});
   }
   return fitted_table(rows, style.width) + (r.simulation.runs > 1
                                                 ? "  interval: 95 %, over the runs\n"
@@ -98,60 +86,20 @@ std::string ladder_table(const SimulationReport& r, const Style& style) {
       {"", "sim/IPQN", "=", "Jacobian", "joint error", "correlation", "non-linear"}};
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
-    rows.push_back({label_of(named), ratio(s.sigma_simulated, s.sigma_ipqn), "=",
+    rows.push_back({label_of(named), ratio_text(s.sigma_simulated, s.sigma_ipqn), "=",
                     factor(s.ladder.varying_jacobian, 4), factor(s.ladder.joint_error, 4),
                     factor(s.ladder.correlated_joints, 4), factor(s.ladder.nonlinear, 5)});
   }
   return fitted_table(rows, style.width);
 }
 
-/// The signals whose sigma IPQN misses by more than 5 %, grouped by the factor that deviates most from 1.
-std::string causes(const SimulationReport& r) {
-  constexpr double noteworthy = 0.05;
-  const bool ideal = r.spec.effects.empty();
-  const std::array<const char*, 4> names{
-      ideal ? "the Jacobian varies along the path"
-            : "the Jacobian varies along the path, with constant errors too",
-      ideal ? "the errors of the encoders are not white or not uniform"
-            : "the effects add errors at the joints",
-      "the errors of the joints are correlated",
-      ideal ? "the kinematics are not linear" : "the kinematics are not linear, or not those of the model"};
-  std::array<std::vector<std::string>, 4> found;
-  std::vector<std::string> constant, unbounded;
-  for (const NamedSignal& named : signals_of(r)) {
-    const SimulatedSignal& s = named.signal;
-    if (is_unbounded(s)) {
-      unbounded.push_back(label_of(named));
-      continue;
-    }
-    const double off = s.sigma_ipqn > 0 ? s.sigma_simulated / s.sigma_ipqn - 1 : 0;
-    if (!(std::abs(off) > noteworthy)) continue;
-    if (is_constant(s)) {
-      constant.push_back(label_of(named));
-      continue;
-    }
-    const std::array factors{s.ladder.varying_jacobian, s.ladder.joint_error, s.ladder.correlated_joints,
-                             s.ladder.nonlinear};
-    const auto worst = std::max_element(factors.begin(), factors.end(), [](double a, double b) {
-      return std::abs(std::log(a)) < std::abs(std::log(b));
-    });
-    found[static_cast<std::size_t>(worst - factors.begin())].push_back(
-        label_of(named) + (off > 0 ? " (+" : " (") + percent(off) + ')');
-  }
-  std::string text;
-  const auto line = [&](const std::string& why, const std::vector<std::string>& labels) {
-    if (labels.empty()) return;
-    constexpr std::size_t most = 3;
-    text += "  " + why + ":\n    ";
-    for (std::size_t k = 0; k < std::min(labels.size(), most); ++k) text += (k ? ", " : "") + labels[k];
-    if (labels.size() > most) text += " and " + std::to_string(labels.size() - most) + " more";
-    text += '\n';
-  };
-  for (std::size_t i = 0; i < found.size(); ++i) line(names[i], found[i]);
-  line("IPQN is unbounded at the gimbal lock, which the motion passes", unbounded);
-  line("the error is constant: no motion, or whole counts per sample", constant);
-  return text.empty() ? "\nIPQN at the centre of the motion is within 5 % everywhere.\n"
-                      : "\nIPQN at the centre of the motion is off by more than 5 %, mostly because\n" + text;
+/// What remains to be said of the deviations, at the end of the table.
+std::string deviations(const SimulationReport& r) {
+  const std::vector<IpqnDeviation> all = ipqn_deviations(r);
+  if (all.empty()) return "\nIPQN at the centre of the motion is within 5 % everywhere.\n";
+  std::string text = "\nIPQN at the centre of the motion is off by more than 5 %, mostly because\n";
+  for (const auto& [why, signals] : all) text += "  " + why + ":\n    " + signals + '\n';
+  return text;
 }
 
 }  // namespace
@@ -173,7 +121,7 @@ std::string to_table(const SimulationReport& r, const Style& style) {
                   style) +
           sigma_table(r, style) + heading("Peak compared with the worst case along the path", style) +
           peak_table(r, style) + tracking_table(r, style) +
-          heading("Factors from IPQN to the simulation", style) + ladder_table(r, style) + causes(r),
+          heading("Factors from IPQN to the simulation", style) + ladder_table(r, style) + deviations(r),
       style.width);
 }
 

@@ -1,0 +1,160 @@
+#include <algorithm>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "report/formats.hpp"
+#include "report/page/page.hpp"
+#include "report/page/prose.hpp"
+#include "report/simulation/cutoffs.hpp"
+#include "report/simulation/page/pictures.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Smallest and largest of some values as text: `0.93 to 1.08`; "" without any.
+class Range {
+ public:
+  void add(double value) { least_ = std::min(least_, value), largest_ = std::max(largest_, value); }
+  bool empty() const { return !(least_ <= largest_); }
+  double largest() const { return largest_; }
+  std::string text() const {
+    const std::string from = significant(least_, 3), to = significant(largest_, 3);
+    return from == to ? from : from + " to " + to;
+  }
+
+ private:
+  double least_ = INFINITY, largest_ = -INFINITY;
+};
+
+std::string cutoff_answer(const SimulationReport& r) {
+  const std::vector<CutoffChoice> choices = cutoff_choices(r);
+  const std::size_t best = best_of(choices);
+  const bool at_end = best == 0 || best + 1 == choices.size();
+  return "Filter \u2068" + r.cutoffs->filter + "\u2069 has the least error along the motion, " +
+         readable(choices[best].total, cutoff_unit(r)) + " rms, with a cut-off of " +
+         readable(choices[best].cutoff, "Hz") + (at_end ? ", which is an end of the range: widen it." : ".");
+}
+
+std::string simulation_answer(const SimulationReport& r) {
+  Range sigma, peak;
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (s.sigma_ipqn > 0 && std::isfinite(s.sigma_ipqn) && !is_constant(s))
+      sigma.add(s.sigma_simulated / s.sigma_ipqn);
+    if (s.worst_case_path > 0 && std::isfinite(s.worst_case_path))
+      peak.add(s.peak_simulated / s.worst_case_path);
+  }
+  std::string text = "Along the motion ";
+  text += sigma.empty()
+              ? "all errors are constant"
+              : "the simulated sigma is " + sigma.text() + " times IPQN at the centre of the motion";
+  if (!peak.empty()) text += ", and no error exceeds " + percent(peak.largest()) + " of its worst case";
+  return text + '.';
+}
+
+std::string sigma_rows(const SimulationReport& r) {
+  std::vector<std::vector<std::string>> rows;
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    rows.push_back({label_of(named), readable(s.sigma_simulated, named.unit),
+                    readable(s.sigma_lower, named.unit) + " .. " + readable(s.sigma_upper, named.unit),
+                    readable(s.sigma_ipqn, named.unit), readable(s.sigma_ipqn_path, named.unit),
+                    readable(s.sigma_exact, named.unit), readable(s.mean_simulated, named.unit),
+                    readable(s.peak_simulated, named.unit), readable(s.worst_case_path, named.unit)});
+  }
+  return page::table({"", "sigma", "95 % interval", "IPQN at the centre", "IPQN along the path",
+                      "exact at its speeds", "mean", "peak", "worst case"},
+                     rows);
+}
+
+std::string tracking_rows(const SimulationReport& r) {
+  std::vector<std::vector<std::string>> rows;
+  for (const NamedSignal& named : signals_of(r)) {
+    const SimulatedSignal& s = named.signal;
+    if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
+    rows.push_back({label_of(named), readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.unit),
+                    readable(s.tracking_rms, named.unit), readable(s.tracking_peak, named.unit),
+                    readable(s.total_rms, named.unit)});
+  }
+  if (rows.empty()) return "";
+  return page::table({"", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"}, rows);
+}
+
+std::string deviation_list(const SimulationReport& r) {
+  const std::vector<IpqnDeviation> all = ipqn_deviations(r);
+  if (all.empty()) return page::paragraph("IPQN at the centre of the motion is within 5 % everywhere.");
+  std::vector<std::string> items;
+  for (const auto& [why, signals] : all) items.push_back(why + ": " + signals);
+  return page::paragraph("IPQN at the centre of the motion is off by more than 5 %, mostly because") +
+         page::list(items);
+}
+
+/// A page stays below 300 kB: the figures of a signal take some 6 kB without their lines, a point 35 bytes.
+constexpr std::size_t bytes_of_signals = 245000, bytes_of_figures = 5900, bytes_of_point = 35,
+                      most_signals = 24;
+
+/// Of each signal: error in time, spectrum, ladder.
+std::string signal_figures(const SimulationReport& r) {
+  if (r.simulation.traces.empty()) return "";
+  const std::vector<NamedSignal> signals = signals_of(r);
+  const std::size_t drawn = std::min(signals.size(), most_signals);
+  const std::size_t points = (bytes_of_signals / drawn - bytes_of_figures) / bytes_of_point;
+  const std::size_t of_spectrum = std::clamp<std::size_t>(points / 6, 20, 120);
+  const std::size_t of_time =
+      std::clamp<std::size_t>((points - std::min(points, 2 * of_spectrum)) / 2, 30, 320);
+  const std::size_t coordinates = r.spec.model.coordinates.size();
+  std::vector<std::pair<std::string, std::string>> all;
+  for (std::size_t i = 0; i < drawn; ++i) {
+    const std::size_t output = i / coordinates, c = i % coordinates;
+    const ErrorTrace& trace = r.simulation.traces[output];
+    const std::vector<double>& error = trace.error[c];
+    const Filter* filter = output > 0 ? &r.spec.filters[output - 1].filter : nullptr;
+    all.emplace_back(label_of(signals[i]),
+                     page::side_by_side(error_figure(signals[i], trace, error, of_time) +
+                                        spectrum_figure(signals[i], r.simulation.results[0][c], filter, trace,
+                                                        error, of_spectrum) +
+                                        ladder_figure(signals[i])));
+  }
+  std::string out = page::paragraph(
+      "The first run, from the end of the settling on: the line passes through the smallest and the largest "
+      "value of each interval.");
+  const Simulation& s = r.simulation;
+  if (const std::size_t kept = s.traces[0].error.empty() ? 0 : s.traces[0].error[0].size();
+      kept < s.samples - s.settling)
+    out += page::paragraph("Drawn are " + std::to_string(kept) + " of " +
+                           std::to_string(s.samples - s.settling) + " samples.");
+  if (drawn < signals.size())
+    out += page::paragraph("Drawn are the first " + std::to_string(drawn) + " of " +
+                           std::to_string(signals.size()) + " signals; the table below has all.");
+  return out + page::choice("Signal", all);
+}
+
+}  // namespace
+
+std::string to_html(const SimulationReport& r, const Style&) {
+  page::Page page{"Simulation of " + r.spec.robot_name,
+                  r.cutoffs ? cutoff_answer(r) : simulation_answer(r),
+                  {},
+                  r.warnings,
+                  r.spec.file,
+                  r.spec.text};
+  const auto add = [&](const std::string& heading, const std::string& body) {
+    if (!body.empty()) page.sections.push_back({heading, body});
+  };
+  add("The simulation",
+      page::paragraph(counted(r.simulation.runs, "run") + " of " + counted(r.simulation.samples, "sample") +
+                      ", the first " + std::to_string(r.simulation.settling) + " discarded."));
+  if (r.cutoffs) {
+    add("Cut-offs of " + r.cutoffs->filter, cutoff_figures(r));
+    return markup(page);
+  }
+  add("Simulation and theory", prediction_figures(r) + deviation_list(r));
+  add("Errors in time, and their spectrum", signal_figures(r));
+  add("All figures", sigma_rows(r));
+  add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
+  return markup(page);
+}
+
+}  // namespace qerr

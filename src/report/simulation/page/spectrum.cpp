@@ -1,0 +1,96 @@
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <numbers>
+
+#include "report/fourier.hpp"
+#include "report/page/plot.hpp"
+#include "report/simulation/page/pictures.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// A quarter of the values, so that seven sections or more are averaged.
+std::size_t section_length(std::size_t values) {
+  constexpr std::size_t longest = 4096;
+  return std::min(longest, std::bit_floor(values / 4));
+}
+
+/// Root of the mean square in each of equal intervals of the frequency's logarithm, at its mean frequency.
+std::vector<std::pair<double, double>> in_intervals(const std::vector<std::pair<double, double>>& density,
+                                                    std::size_t intervals) {
+  std::vector<std::pair<double, double>> all;
+  if (density.size() < 2) return density;
+  const double first = std::log(density.front().first),
+               width = (std::log(density.back().first) - first) / static_cast<double>(intervals);
+  for (std::size_t i = 0; i < density.size();) {
+    const double end = first + width * (std::floor((std::log(density[i].first) - first) / width + 1e-9) + 1);
+    double frequency = 0, square = 0, count = 0;
+    for (; i < density.size() && (count == 0 || std::log(density[i].first) < end - 1e-9 * width); ++i) {
+      frequency += density[i].first;
+      square += density[i].second * density[i].second;
+      ++count;
+    }
+    all.emplace_back(frequency / count, std::sqrt(square / count));
+  }
+  return all;
+}
+
+}  // namespace
+
+std::vector<std::pair<double, double>> amplitude_density(const std::vector<double>& values, double rate) {
+  if (values.size() < 32) return {};
+  const std::size_t length = section_length(values.size());
+  double mean = 0;
+  for (const double v : values) mean += v / static_cast<double>(values.size());
+  std::vector<double> window(length), power(length / 2 + 1, 0.0), section(length);
+  double window_square = 0;
+  for (std::size_t k = 0; k < length; ++k) {
+    window[k] =
+        0.5 - 0.5 * std::cos(2 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(length));
+    window_square += window[k] * window[k];
+  }
+  double sections = 0;
+  for (std::size_t from = 0; from + length <= values.size(); from += length / 2, ++sections) {
+    for (std::size_t k = 0; k < length; ++k) section[k] = window[k] * (values[from + k] - mean);
+    const auto spectrum = half_spectrum(section);
+    for (std::size_t n = 0; n < power.size(); ++n) power[n] += std::norm(spectrum[n]);
+  }
+  std::vector<std::pair<double, double>> density;
+  for (std::size_t n = 1; n < power.size(); ++n) {
+    // Of a real signal, each frequency but the last one stands twice in the transform.
+    const double sides = n + 1 == power.size() ? 1 : 2;
+    density.emplace_back(static_cast<double>(n) * rate / static_cast<double>(length),
+                         std::sqrt(sides * power[n] / (sections * rate * window_square)));
+  }
+  return density;
+}
+
+std::string spectrum_figure(const NamedSignal& s, const SimulatedSignal& position, const Filter* filter,
+                            const ErrorTrace& trace, const std::vector<double>& error,
+                            std::size_t intervals) {
+  page::Series simulated{"simulated", in_intervals(amplitude_density(error, trace.sample_rate), intervals)};
+  if (simulated.points.empty() || is_constant(s.signal)) return "";
+  page::Series white{"white (IPQN)", {}};
+  double largest = 0;
+  for (const auto& [frequency, density] : simulated.points) largest = std::max(largest, density);
+  for (const auto& [frequency, density] : simulated.points) {
+    const double gain = filter ? std::abs(response(*filter, frequency)) : 1;
+    white.points.emplace_back(frequency, position.sigma_ipqn_path * std::sqrt(2 / trace.sample_rate) * gain);
+    largest = std::max(largest, white.points.back().second);
+  }
+  // Zeros of a response would stretch the logarithmic axis without bound.
+  for (page::Series* series : {&simulated, &white})
+    std::erase_if(series->points, [&](const auto& p) { return !(p.second >= 1e-6 * largest); });
+  page::Plot plot{"Spectrum of " + label_of(s),
+                  "Amplitude spectral density of the simulated error, beside that of white errors with the "
+                  "sigma of the theory behind the filter.",
+                  {"frequency", "Hz", true},
+                  {"density", s.unit + "/sqrt(Hz)", true},
+                  {simulated}};
+  if (!white.points.empty()) plot.series.push_back(white);
+  return figure(plot);
+}
+
+}  // namespace qerr
