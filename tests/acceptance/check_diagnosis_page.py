@@ -203,6 +203,31 @@ motion:
     t.check("arm: the gain", any(row and row[0] == "all joints" and row[3] == wanted for row in gain), f"{gain} for {wanted}")
 
 
+def check_many_causes(t, qerr, folder):
+    """Three causes at each of seven joints: the page draws all of them, and as many joints as stay below its size."""
+    spec = folder / "arm.yaml"
+    joints = [f"a{i}" for i in range(1, 8)]
+    spec.write_text(f"""qerr: 1
+robot: {{urdf: {CONFIGS}/kuka_lwr/kuka_lwr.urdf}}
+encoders: {{'*': {{counts_per_rev: 4096, gear_ratio: 100}}}}
+motion:
+  sample_rate: 1 kHz
+  duration: 60 s
+  joints: {{{', '.join(f'{j}: {{sines: [{{amplitude: 30 deg, frequency: 0.0{k}7 Hz}}]}}' for k, j in enumerate(joints, 2))}}}
+""")
+    effects = ", ".join(f"{{type: backlash, joint: {j}, gap: 1 arcmin}}, {{type: eccentricity, joint: {j}, amplitude: 0.1 mrad, "
+                        f"phase: 20 deg}}, {{type: transmission_error, joint: {j}, order: 2, amplitude: 0.3 mrad, phase: 1 rad}}"
+                        for j in joints)
+    log = simulated(t, qerr, spec, folder / "arm.csv", f"effects=[{effects}]")
+    root = page(t, qerr, "many causes", "diagnose", spec, log)
+    report = json.loads(run(qerr, "diagnose", spec, log, "--format", "json", "--quiet").out)
+    t.check("many causes: found", len(report["causes"]) >= 18, str(len(report["causes"])))
+    check_causes(t, "many causes", root, report)
+    drawn = [caption for caption in figures(root) if caption.startswith("Residual of") and caption.endswith("in time")]
+    told = [item.text for item in root.iter(HTML + "li") if "rms as recorded" in (item.text or "")]
+    t.check("many causes: each joint is drawn or told", len(drawn) >= 1 and len(drawn) + len(told) == 7, f"{drawn}, {told}")
+
+
 def check_remainder(t, qerr, folder):
     """A step that no effect has: its curve, its advice."""
     spec, joint = axis(folder, "axis")
@@ -258,7 +283,7 @@ def check_speed(t, qerr, folder):
 
 if __name__ == "__main__":
     program, tally = program_and_tally()
-    for check in (check_two_effects, check_arm, check_remainder, check_without_pictures, check_speed):
+    for check in (check_two_effects, check_arm, check_many_causes, check_remainder, check_without_pictures, check_speed):
         with tempfile.TemporaryDirectory() as work:
             check(tally, program, pathlib.Path(work))
     raise SystemExit(tally.close())

@@ -7,6 +7,7 @@
 #include "report/diagnosis/page/residual_picture.hpp"
 #include "report/fourier.hpp"
 #include "report/page/envelope.hpp"
+#include "report/page/prose.hpp"
 
 namespace qerr {
 namespace {
@@ -23,6 +24,14 @@ TEST(Envelope, CoversARecordAtOneInstant) {
   page::Envelope e(3, 3, 4);
   e.add(3, 1), e.add(3, 2);
   EXPECT_EQ(e.points().size(), 2u);
+}
+
+TEST(IsolatedRuns, KeepTheOrderOfWhatIsBesideThem) {
+  EXPECT_EQ(page::isolated_runs("elbow: 4 counts"), "elbow: 4 counts");
+  EXPECT_EQ(page::isolated_runs("\u05D0 \u05D1: 4"), "\u200E\u2068\u05D0 \u05D1\u2069: 4");
+  EXPECT_EQ(page::isolated_runs("of \u0627 and \u05D1 "),
+            "\u200Eof \u2068\u0627\u2069 and \u2068\u05D1\u2069 ");
+  EXPECT_EQ(page::isolated_runs("\xff"), "\xff");
 }
 
 TEST(HalfSpectrum, IsTheSumOfItsDefinition) {

@@ -1,4 +1,4 @@
-#include <algorithm>
+#include <utility>
 
 #include "report/diagnosis/page/pictures.hpp"
 #include "report/diagnosis/sections.hpp"
@@ -11,17 +11,13 @@ namespace qerr {
 
 namespace {
 
-/// Points of all lines of a page below 300 kB, at about 35 bytes each, beside its text.
-constexpr std::size_t most_points = 6000;
-
-/// Of the record's lines: what the curves of causes and of what remains leave. A mark takes five points'
-/// bytes.
-std::size_t points_of_residuals(const Diagnosis& d) {
-  constexpr std::size_t per_mark = 5, per_line = 1, fewest = 600;
-  std::size_t taken = 0;
-  for (const Cause& c : d.causes) taken += (per_mark + per_line) * c.curve.at.size();
-  for (const Unidentified& u : d.unexplained) taken += (per_mark + per_line) * u.curve.at.size();
-  return std::max(fewest, most_points - std::min(most_points, taken));
+/// A page stays below 300 kB: what the other parts, style and script leave is for the lines of the record.
+std::size_t bytes_of_residuals(const page::Page& others) {
+  constexpr std::size_t page = 285000, style_and_script = 14000, fewest = 40000;
+  std::size_t taken = style_and_script + others.spec_text.size();
+  for (const page::Section& s : others.sections) taken += s.body.size();
+  for (const std::string& w : others.warnings) taken += w.size();
+  return page > taken + fewest ? page - taken : fewest;
 }
 
 }  // namespace
@@ -29,7 +25,7 @@ std::size_t points_of_residuals(const Diagnosis& d) {
 std::string to_html(const DiagnosisReport& r, const Style&) {
   const Diagnosis& d = r.diagnosis;
   page::Page page{"Diagnosis of " + r.spec.robot_name,
-                  verdict_title(d.verdict) + ": " + verdict_words(r) + ".",
+                  page::isolated_runs(verdict_title(d.verdict) + ": " + verdict_words(r) + "."),
                   {},
                   r.warnings,
                   r.spec.file,
@@ -41,10 +37,13 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   add("Faults of the record itself", record_part(r));
   add("Causes", causes_part(r));
   add("Sizes of the causes", parameters_part(r));
-  add("Before and after", residuals_part(r, points_of_residuals(d)));
+  const auto before_and_after = static_cast<std::ptrdiff_t>(page.sections.size());
   add("What remains", remainder_part(r));
   add("What the record would have shown", visible_part(r));
   add("Gain", gain_part(r));
+  if (std::string residuals = residuals_part(r, bytes_of_residuals(page)); !residuals.empty())
+    page.sections.insert(page.sections.begin() + before_and_after,
+                         {"Before and after", std::move(residuals)});
   return markup(page);
 }
 

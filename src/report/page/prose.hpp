@@ -6,6 +6,10 @@
 /// Text between the pictures of a page.
 namespace qerr::page {
 
+/// The text with each run of a right-to-left script isolated (U+2068, U+2069), so that the numbers and words
+/// beside a name keep their order, and written from the left (U+200E). Other texts are not changed.
+std::string isolated_runs(const std::string& text);
+
 /// A paragraph; "" without text.
 std::string paragraph(const std::string& text);
 
@@ -14,6 +18,9 @@ std::string list(const std::vector<std::string>& items);
 
 /// A title within a section. @param name  text
 std::string subtitle(const std::string& name);
+
+/// As page::table, with isolated runs in its cells.
+std::string isolated_table(std::vector<std::string> header, std::vector<std::vector<std::string>> rows);
 
 /// Figures beside each other where there is space; "" without any.
 std::string side_by_side(const std::string& figures);

@@ -64,9 +64,9 @@ std::string sigma_rows(const SimulationReport& r) {
                     readable(s.sigma_exact, named.unit), readable(s.mean_simulated, named.unit),
                     readable(s.peak_simulated, named.unit), readable(s.worst_case_path, named.unit)});
   }
-  return page::table({"", "sigma", "95 % interval", "IPQN at the centre", "IPQN along the path",
-                      "exact at its speeds", "mean", "peak", "worst case"},
-                     rows);
+  return page::isolated_table({"", "sigma", "95 % interval", "IPQN at the centre", "IPQN along the path",
+                               "exact at its speeds", "mean", "peak", "worst case"},
+                              rows);
 }
 
 std::string tracking_rows(const SimulationReport& r) {
@@ -79,7 +79,8 @@ std::string tracking_rows(const SimulationReport& r) {
                     readable(s.total_rms, named.unit)});
   }
   if (rows.empty()) return "";
-  return page::table({"", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"}, rows);
+  return page::isolated_table({"", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"},
+                              rows);
 }
 
 std::string deviation_list(const SimulationReport& r) {

@@ -25,7 +25,8 @@ bool is_size(const ReportedParameter& p) {
 /// By magnitude: of an interval that contains zero, the end farther from zero remains.
 page::Bar size_bar(const Cause& c, const ReportedParameter& p) {
   const auto& [name, value, lower, upper] = p.figure;
-  page::Bar bar{label(c) + ", " + name, std::abs(value), readable(value, p.unit)};
+  page::Bar bar{page::isolated_runs(label(c) + ", " + name), std::abs(value),
+                p.unit.empty() ? readable_number(value) : readable(value, p.unit)};
   if (lower <= 0 && upper >= 0)
     bar.error = {0, std::max(-lower, upper)};
   else
@@ -58,11 +59,11 @@ std::string probability_text(double p) { return p < 1e-15 ? "< 1e-15" : signific
 }  // namespace
 
 std::string curve_figure(const Spec& spec, const std::string& title, const std::string& joint,
-                         const ResidualCurve& curve) {
+                         const ResidualCurve& curve, bool marks) {
   if (curve.at.empty()) return "";
   const std::string unit = curve.unit.starts_with("count") || curve.unit == "1" ? "" : curve.unit;
   page::Plot plot{
-      title,
+      page::isolated_runs(title),
       curve.fit.empty()
           ? "Mean residual in bins of the abscissa."
           : "Mean residual without this cause in bins of the abscissa, and the fitted contribution.",
@@ -70,7 +71,7 @@ std::string curve_figure(const Spec& spec, const std::string& title, const std::
        !unit.starts_with("rad")},
       {"residual", coordinate_unit(spec, joint)},
       {}};
-  page::Series residual{curve.fit.empty() ? "residual" : "residual without this", {}, true, false};
+  page::Series residual{curve.fit.empty() ? "residual" : "residual without this", {}, marks, !marks};
   page::Series fit{"fit", {}};
   for (std::size_t i = 0; i < curve.at.size(); ++i) {
     residual.points.emplace_back(curve.at[i], curve.residual[i]);
@@ -81,7 +82,16 @@ std::string curve_figure(const Spec& spec, const std::string& title, const std::
   return figure(plot);
 }
 
+bool has_few_curves(const Diagnosis& d) {
+  constexpr std::ptrdiff_t few = 6;
+  const auto drawn = [](const auto& part) { return !part.curve.at.empty(); };
+  return std::count_if(d.causes.begin(), d.causes.end(), drawn) +
+             std::count_if(d.unexplained.begin(), d.unexplained.end(), drawn) <=
+         few;
+}
+
 std::string causes_part(const DiagnosisReport& r) {
+  const bool marks = has_few_curves(r.diagnosis);
   std::string out;
   for (const Cause& c : r.diagnosis.causes) {
     std::vector<std::string> facts;
@@ -91,7 +101,8 @@ std::string causes_part(const DiagnosisReport& r) {
       facts.push_back("remedy: " + std::string(remedy));
     for (const std::string& other : alternatives_to(r.diagnosis, &c)) facts.push_back("or: " + other);
     out += "<div class=\"cause\">" + page::subtitle(label(c)) + page::list(facts) +
-           curve_figure(r.spec, "Residual without " + label(c) + ", and its fit", c.effect.joint, c.curve) +
+           curve_figure(r.spec, "Residual without " + label(c) + ", and its fit", c.effect.joint, c.curve,
+                        marks) +
            "</div>\n";
   }
   return page::side_by_side(out) + page::list(alternatives_to(r.diagnosis, nullptr));
@@ -103,7 +114,7 @@ std::string parameters_part(const DiagnosisReport& r) {
     for (const ReportedParameter& p : reported_parameters(r.spec, c))
       rows.push_back({label(c), p.figure.name, parameter_size(r.spec, c, p), probability_text(c.p_value)});
   if (rows.empty()) return "";
-  return page::table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows) +
+  return page::isolated_table({"cause", "parameter", "value with 95 % interval", "p of the cause"}, rows) +
          page::side_by_side(size_figures(r));
 }
 

@@ -15,8 +15,8 @@ std::string causes_part(const DiagnosisReport&);
 std::string parameters_part(const DiagnosisReport&);
 
 /// Measured - reference of each joint before and after subtraction of the causes.
-/// @param points  of all its lines together, about
-std::string residuals_part(const DiagnosisReport&, std::size_t points);
+/// @param bytes  that it may take, about: joints beyond are named, but not drawn
+std::string residuals_part(const DiagnosisReport&, std::size_t bytes);
 
 /// What no cause explains, and what to do about it.
 std::string remainder_part(const DiagnosisReport&);
@@ -30,9 +30,14 @@ std::string visible_part(const DiagnosisReport&);
 /// Rms before and after.
 std::string gain_part(const DiagnosisReport&);
 
+/// Whether the curves of all causes, and of what remains, may have marks, each of which takes as many bytes
+/// as five points of a line.
+bool has_few_curves(const Diagnosis&);
+
 /// The curve with the fit, if it has one; "" without a curve.
 /// @param joint  or coordinate of the tip
+/// @param marks  the residual as marks, else as a line
 std::string curve_figure(const Spec&, const std::string& title, const std::string& joint,
-                         const ResidualCurve&);
+                         const ResidualCurve&, bool marks);
 
 }  // namespace qerr

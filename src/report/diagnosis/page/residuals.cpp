@@ -18,7 +18,7 @@ using Curve = std::pair<std::string, const ResidualPicture::Points*>;
 
 page::Plot residual_plot(const ResidualPicture& p, const std::string& title, const std::string& description,
                          const page::AxisRange& x, const std::vector<Curve>& curves) {
-  page::Plot plot{title, description, x, {"measured - reference", p.unit}, {}};
+  page::Plot plot{page::isolated_runs(title), description, x, {"measured - reference", p.unit}, {}};
   for (const auto& [name, points] : curves)
     if (!points->empty()) plot.series.push_back({name, *points});
   return plot;
@@ -105,37 +105,62 @@ void sort_by_interest(std::vector<ResidualPicture>& all) {
   });
 }
 
-constexpr std::size_t lines_per_joint = 16;  ///< with a cause: their points are two per interval
-constexpr std::size_t fewest_intervals = 40, most_intervals = 320;
+/// Joints that are drawn, and the intervals of their lines.
+struct Extent {
+  std::size_t joints, intervals;
+};
+
+/// @param corrected  of the encoders, which are drawn first and have more lines
+Extent extent(std::size_t bytes, std::size_t encoders, std::size_t corrected) {
+  constexpr std::size_t fewest = 40, most = 320, per_point = 36;
+  // Axes and legends of six figures or five, and the means by count; points of all lines in an interval.
+  const auto fixed = [](bool with_fit) -> std::size_t { return with_fit ? 18000 : 13000; };
+  const auto per_interval = [](bool with_fit) -> std::size_t { return per_point * (with_fit ? 18 : 8); };
+  for (std::size_t joints = encoders;; --joints) {
+    std::size_t needed = 0, of_intervals = 0;
+    for (std::size_t i = 0; i < joints; ++i)
+      needed += fixed(i < corrected), of_intervals += per_interval(i < corrected);
+    if (joints > 1 && needed + fewest * of_intervals > bytes) continue;
+    const std::size_t left = bytes > needed ? bytes - needed : 0;
+    return {joints, std::clamp(left / of_intervals, fewest, most)};
+  }
+}
+
+std::size_t joints_with_a_cause(const DiagnosisReport& r) {
+  const auto& joints = r.spec.model.chain.independent;
+  return static_cast<std::size_t>(
+      std::count_if(joints.begin(), joints.end(), [&](const IndependentJoint& joint) {
+        return std::any_of(r.diagnosis.causes.begin(), r.diagnosis.causes.end(),
+                           [&](const Cause& c) { return c.effect.joint == joint.name; });
+      }));
+}
 
 }  // namespace
 
-std::string residuals_part(const DiagnosisReport& r, std::size_t points) {
+std::string residuals_part(const DiagnosisReport& r, std::size_t bytes) {
   const std::size_t encoders = r.spec.model.transmission.encoders.size();
-  const std::size_t most_joints = std::max<std::size_t>(1, points / (lines_per_joint * fewest_intervals));
-  const std::size_t drawn = std::min(most_joints, encoders);
-  const std::size_t intervals =
-      std::clamp(points / (lines_per_joint * drawn), fewest_intervals, most_intervals);
-  std::vector<ResidualPicture> of_encoder(encoders);
+  if (encoders == 0 || r.log.values.size() == 0) return "";
+  const Extent drawn = extent(bytes, encoders, joints_with_a_cause(r));
+  std::vector<ResidualPicture> all(encoders);
   for_each_residual(r, [&](const JointResidual& residual) {
-    of_encoder[static_cast<std::size_t>(residual.evidence.number)] = residual_picture(residual, intervals);
+    all[static_cast<std::size_t>(residual.evidence.number)] = residual_picture(residual, drawn.intervals);
   });
-  std::erase_if(of_encoder, [](const ResidualPicture& p) { return p.rows == 0; });
-  if (of_encoder.empty()) return "";
-  sort_by_interest(of_encoder);
+  std::erase_if(all, [](const ResidualPicture& p) { return p.rows == 0; });
+  if (all.empty()) return "";
+  sort_by_interest(all);
   std::string out = page::paragraph(
       "The line of a record passes through the smallest and the largest value of each interval of the "
       "abscissa. Residuals are those of the log as it was recorded.");
-  if (of_encoder.size() > drawn) {
+  if (all.size() > drawn.joints) {
     std::vector<std::string> left;
-    for (std::size_t i = drawn; i < of_encoder.size(); ++i) left.push_back(summary(of_encoder[i]));
-    out += page::paragraph("Drawn are the " + std::to_string(drawn) +
-                           " joints with the largest residuals, those with a cause first. The others:") +
+    for (std::size_t i = drawn.joints; i < all.size(); ++i) left.push_back(summary(all[i]));
+    out += page::paragraph("Drawn: " + counted(drawn.joints, "joint") +
+                           " with the largest residuals, those with a cause first. The others:") +
            page::list(left);
-    of_encoder.resize(drawn);
+    all.resize(drawn.joints);
   }
   std::vector<std::pair<std::string, std::string>> figures;
-  for (const ResidualPicture& p : of_encoder)
+  for (const ResidualPicture& p : all)
     figures.emplace_back(shown(p.joint), page::paragraph(summary(p)) +
                                              page::side_by_side(time_figure(p) + position_figures(p) +
                                                                 count_figure(p) + spectrum_figure(p)));

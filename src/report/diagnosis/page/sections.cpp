@@ -10,10 +10,11 @@ namespace qerr {
 
 std::string remainder_part(const DiagnosisReport& r) {
   std::string out = page::list(remainder_lines(r.diagnosis)), curves;
+  const bool marks = has_few_curves(r.diagnosis);
   std::vector<std::string> shapes;
   for (const Unidentified& u : r.diagnosis.unexplained) {
     shapes.push_back(shown(u.joint) + ": " + shape_words(r.spec, u));
-    curves += curve_figure(r.spec, "Unidentified: " + shapes.back(), u.joint, u.curve);
+    curves += curve_figure(r.spec, "Unidentified: " + shapes.back(), u.joint, u.curve, marks);
   }
   if (!shapes.empty()) out += page::subtitle("Significant, unidentified") + page::list(shapes);
   out += page::side_by_side(curves);
@@ -36,7 +37,8 @@ std::string visible_part(const DiagnosisReport& r) {
   if (!sizes.empty()) {
     const std::vector<std::string> header = sizes.front();
     sizes.erase(sizes.begin());
-    out = page::paragraph("Each effect from this size on, had it been there:") + page::table(header, sizes);
+    out = page::paragraph("Each effect from this size on, had it been there:") +
+          page::isolated_table(header, sizes);
   }
   const std::vector<std::string> hidden = hidden_lines(r.diagnosis);
   if (hidden.empty()) return out;
@@ -52,7 +54,7 @@ std::string gain_part(const DiagnosisReport& r) {
   rows.erase(rows.begin());
   std::vector<std::string> remarks = prediction_lines(d.gain);
   if (d.gain.held_out) remarks.insert(remarks.begin(), "after: on held-out blocks of the log");
-  return page::table(header, rows) + page::list(remarks);
+  return page::isolated_table(header, rows) + page::list(remarks);
 }
 
 }  // namespace qerr

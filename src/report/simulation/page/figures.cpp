@@ -36,14 +36,14 @@ std::string prediction_figures(const SimulationReport& r) {
     const SimulatedSignal& s = named.signal;
     if (s.sigma_ipqn_path > 0 && std::isfinite(s.sigma_ipqn_path) && !is_constant(s)) {
       const double ratio = s.sigma_simulated / s.sigma_ipqn_path;
-      page::Bar bar{label_of(named), ratio, significant(ratio, 3)};
+      page::Bar bar{page::isolated_runs(label_of(named)), ratio, significant(ratio, 3)};
       const double lower = s.sigma_lower / s.sigma_ipqn_path, upper = s.sigma_upper / s.sigma_ipqn_path;
       if (std::isfinite(lower) && std::isfinite(upper)) bar.error = {std::max(lower, 0.0), upper};
       sigma.bars.push_back(bar);
     }
     if (s.worst_case_path > 0 && std::isfinite(s.worst_case_path)) {
       const double part = s.peak_simulated / s.worst_case_path;
-      peak.bars.push_back({label_of(named), part, percent(part)});
+      peak.bars.push_back({page::isolated_runs(label_of(named)), part, percent(part)});
     }
   }
   std::string out;
@@ -60,7 +60,7 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
   page::Envelope line(first, last, intervals);
   for (std::size_t k = 0; k < error.size(); ++k)
     line.add(first + static_cast<double>(k) / trace.sample_rate, error[k]);
-  page::Plot plot{"Error of " + label_of(s) + " in time",
+  page::Plot plot{page::isolated_runs("Error of " + label_of(s) + " in time"),
                   "Smallest and largest error in each interval of the first run, inside the worst case and "
                   "sigma along the path.",
                   {"time", "s"},
@@ -76,7 +76,7 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
 std::string ladder_figure(const NamedSignal& s) {
   const Figures factors = factors_of(s.signal.ladder);
   if (is_unbounded(s.signal) || is_constant(s.signal) || !(s.signal.sigma_ipqn > 0)) return "";
-  page::Waterfall w{"From IPQN to the simulated sigma of " + label_of(s),
+  page::Waterfall w{page::isolated_runs("From IPQN to the simulated sigma of " + label_of(s)),
                     "The theory at the centre of the motion times each factor is the simulated sigma.",
                     "IPQN at the centre of the motion",
                     "simulated sigma",
@@ -113,7 +113,7 @@ std::string cutoff_figures(const SimulationReport& r) {
       {noise, tracking, total},
       {{"least total", best.cutoff}}};
   return page::side_by_side(figure(plot)) +
-         page::table({"cut-off", "encoder error", "tracking error", "total"}, rows);
+         page::isolated_table({"cut-off", "encoder error", "tracking error", "total"}, rows);
 }
 
 }  // namespace qerr

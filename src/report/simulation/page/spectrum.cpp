@@ -5,6 +5,7 @@
 
 #include "report/fourier.hpp"
 #include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
 #include "report/simulation/page/pictures.hpp"
 
 namespace qerr {
@@ -83,7 +84,7 @@ std::string spectrum_figure(const NamedSignal& s, const SimulatedSignal& positio
   // Zeros of a response would stretch the logarithmic axis without bound.
   for (page::Series* series : {&simulated, &white})
     std::erase_if(series->points, [&](const auto& p) { return !(p.second >= 1e-6 * largest); });
-  page::Plot plot{"Spectrum of " + label_of(s),
+  page::Plot plot{page::isolated_runs("Spectrum of " + label_of(s)),
                   "Amplitude spectral density of the simulated error, beside that of white errors with the "
                   "sigma of the theory behind the filter.",
                   {"frequency", "Hz", true},
