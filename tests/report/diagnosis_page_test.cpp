@@ -88,7 +88,9 @@ TEST(ResidualPicture, DrawsTheSameExtremesWithFewPoints) {
 
 TEST(ResidualPicture, OfAJointAtRestIsDrawnInTimeAlone) {
   JointResidual r = sine_residual(9, 0);
-  r.evidence.reference.setZero();
+  // Noise of the reference is no motion.
+  r.evidence.reference = 1e-4 * (7 * r.evidence.time).sin();
+  r.evidence.path = r.evidence.reference;
   r.evidence.measured.setConstant(1e-3);
   r.before = r.after = r.evidence.measured;
   const ResidualPicture p = residual_picture(r, 50);

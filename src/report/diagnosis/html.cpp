@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <utility>
 
 #include "report/diagnosis/page/pictures.hpp"
@@ -5,19 +6,25 @@
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
+#include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// A page stays below 300 kB: what the other parts, style and script leave is for the lines of the record.
-std::size_t bytes_of_residuals(const page::Page& others) {
-  constexpr std::size_t page = 285000, style_and_script = 14000, fewest = 40000;
-  std::size_t taken = style_and_script + others.spec_text.size();
-  for (const page::Section& s : others.sections) taken += s.body.size();
-  for (const std::string& w : others.warnings) taken += w.size();
-  return page > taken + fewest ? page - taken : fewest;
+/// Lines of a terminal's table as clauses of a sentence.
+std::string in_one_line(const std::string& lines) {
+  std::string out;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    if (lines[i] != '\n') {
+      out += lines[i];
+      continue;
+    }
+    out += "; ";
+    i = std::min(lines.find_first_not_of(' ', i + 1), lines.size()) - 1;
+  }
+  return out;
 }
 
 }  // namespace
@@ -33,7 +40,7 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   const auto add = [&](const std::string& heading, const std::string& body) {
     if (!body.empty()) page.sections.push_back({heading, body});
   };
-  add("The record", page::paragraph(record_words(r.log) + "."));
+  add("The record", page::paragraph(in_one_line(record_words(r.log)) + "."));
   add("Faults of the record itself", record_part(r));
   add("Causes", causes_part(r));
   add("Sizes of the causes", parameters_part(r));
@@ -41,7 +48,7 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   add("What remains", remainder_part(r));
   add("What the record would have shown", visible_part(r));
   add("Gain", gain_part(r));
-  if (std::string residuals = residuals_part(r, bytes_of_residuals(page)); !residuals.empty())
+  if (std::string residuals = residuals_part(r, page::bytes_left(page)); !residuals.empty())
     page.sections.insert(page.sections.begin() + before_and_after,
                          {"Before and after", std::move(residuals)});
   return markup(page);

@@ -1,9 +1,11 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "core/text.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
+#include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 #include "report/simulation/cutoffs.hpp"
 #include "report/simulation/page/pictures.hpp"
@@ -54,19 +56,24 @@ std::string simulation_answer(const SimulationReport& r) {
   return text + '.';
 }
 
-std::string sigma_rows(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows;
+/// Two tables, which fit a printed page.
+std::string figure_tables(const SimulationReport& r) {
+  std::vector<std::vector<std::string>> sigmas, peaks;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
-    rows.push_back({label_of(named), readable(s.sigma_simulated, named.unit),
-                    readable(s.sigma_lower, named.unit) + " .. " + readable(s.sigma_upper, named.unit),
-                    readable(s.sigma_ipqn, named.unit), readable(s.sigma_ipqn_path, named.unit),
-                    readable(s.sigma_exact, named.unit), readable(s.mean_simulated, named.unit),
-                    readable(s.peak_simulated, named.unit), readable(s.worst_case_path, named.unit)});
+    sigmas.push_back({label_of(named), readable(s.sigma_simulated, named.unit),
+                      readable(s.sigma_lower, named.unit) + " .. " + readable(s.sigma_upper, named.unit),
+                      readable(s.sigma_ipqn, named.unit), readable(s.sigma_ipqn_path, named.unit),
+                      readable(s.sigma_exact, named.unit)});
+    peaks.push_back({label_of(named), readable(s.mean_simulated, named.unit),
+                     readable(s.peak_simulated, named.unit), readable(s.worst_case, named.unit),
+                     readable(s.worst_case_path, named.unit)});
   }
-  return page::isolated_table({"", "sigma", "95 % interval", "IPQN at the centre", "IPQN along the path",
-                               "exact at its speeds", "mean", "peak", "worst case"},
-                              rows);
+  return page::isolated_table({"sigma of", "simulated", "95 % interval", "IPQN at the centre",
+                               "IPQN along the path", "exact at its speeds"},
+                              sigmas) +
+         page::isolated_table(
+             {"error of", "mean", "peak", "worst case at the centre", "worst case along the path"}, peaks);
 }
 
 std::string tracking_rows(const SimulationReport& r) {
@@ -79,8 +86,8 @@ std::string tracking_rows(const SimulationReport& r) {
                     readable(s.total_rms, named.unit)});
   }
   if (rows.empty()) return "";
-  return page::isolated_table({"", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"},
-                              rows);
+  return page::isolated_table(
+      {"estimate", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"}, rows);
 }
 
 std::string deviation_list(const SimulationReport& r) {
@@ -92,19 +99,27 @@ std::string deviation_list(const SimulationReport& r) {
          page::list(items);
 }
 
-/// A page stays below 300 kB: the figures of a signal take some 6 kB without their lines, a point 35 bytes.
-constexpr std::size_t bytes_of_signals = 245000, bytes_of_figures = 5900, bytes_of_point = 35,
-                      most_signals = 24;
+/// How many signals are drawn, and the intervals of their lines.
+struct SignalExtent {
+  std::size_t signals, of_time, of_spectrum;
+};
+
+SignalExtent signal_extent(std::size_t bytes, std::size_t signals) {
+  // Axes and legends of a signal's figures; one point; the coarsest lines.
+  constexpr std::size_t fixed = 6300, per_point = 35, of_time = 26, of_spectrum = 14;
+  constexpr std::size_t least = fixed + per_point * 2 * (of_time + of_spectrum);
+  const std::size_t drawn = std::clamp<std::size_t>(bytes / least, 1, signals);
+  const std::size_t points = std::max(bytes / drawn, least) / per_point - fixed / per_point;
+  const std::size_t spectrum = std::clamp<std::size_t>(points / 6, of_spectrum, 120);
+  return {drawn, std::clamp<std::size_t>(points / 2 - spectrum, of_time, 320), spectrum};
+}
 
 /// Of each signal: error in time, spectrum, ladder.
-std::string signal_figures(const SimulationReport& r) {
+std::string signal_figures(const SimulationReport& r, std::size_t bytes) {
   if (r.simulation.traces.empty()) return "";
   const std::vector<NamedSignal> signals = signals_of(r);
-  const std::size_t drawn = std::min(signals.size(), most_signals);
-  const std::size_t points = (bytes_of_signals / drawn - bytes_of_figures) / bytes_of_point;
-  const std::size_t of_spectrum = std::clamp<std::size_t>(points / 6, 20, 120);
-  const std::size_t of_time =
-      std::clamp<std::size_t>((points - std::min(points, 2 * of_spectrum)) / 2, 30, 320);
+  if (signals.empty()) return "";
+  const auto [drawn, of_time, of_spectrum] = signal_extent(bytes, signals.size());
   const std::size_t coordinates = r.spec.model.coordinates.size();
   std::vector<std::pair<std::string, std::string>> all;
   for (std::size_t i = 0; i < drawn; ++i) {
@@ -152,9 +167,12 @@ std::string to_html(const SimulationReport& r, const Style&) {
     return markup(page);
   }
   add("Simulation and theory", prediction_figures(r) + deviation_list(r));
-  add("Errors in time, and their spectrum", signal_figures(r));
-  add("All figures", sigma_rows(r));
+  const auto signals = static_cast<std::ptrdiff_t>(page.sections.size());
+  add("All figures", figure_tables(r));
   add("Errors of the estimates, by the encoders and by the filter", tracking_rows(r));
+  if (std::string figures = signal_figures(r, page::bytes_left(page)); !figures.empty())
+    page.sections.insert(page.sections.begin() + signals,
+                         {"Errors in time, and their spectrum", std::move(figures)});
   return markup(page);
 }
 

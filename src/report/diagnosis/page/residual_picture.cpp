@@ -130,6 +130,8 @@ ResidualPicture residual_picture(const JointResidual& r, std::size_t intervals) 
   p.rms_after = rms(r.after);
   p.corrected = (r.before != r.after).any();
   draw_in_time(r, intervals, p);
+  // At rest the reference's noise is all that moves: it has neither directions nor orders.
+  if (e.is_stationary()) return p;
   draw_by_position(r, intervals, p);
   draw_by_count(r, p);
   draw_spectrum(r, intervals, p);
