@@ -78,10 +78,10 @@ PositionSpectrum position_spectrum(const JointResidual& residual) {
   const Evidence& e = residual.evidence;
   const double span = e.reference.maxCoeff() - e.reference.minCoeff();
   if (!(span > 0)) return {};
-  PositionSpectrum s{{},
-                     {},
-                     amplitudes(means_by_position(e.reference, residual.before)),
-                     amplitudes(means_by_position(e.reference, residual.after))};
+  PositionSpectrum s{{}, {}, amplitudes(means_by_position(e.reference, residual.before)), {}};
+  s.after = (residual.before == residual.after).all()
+                ? s.before
+                : amplitudes(means_by_position(e.reference, residual.after));
   for (std::size_t i = 0; i < s.before.size(); ++i) {
     const double waves = 0.5 * static_cast<double>(i + 1) / span;  // per rad or m
     s.order.push_back(e.prismatic ? waves : 2 * std::numbers::pi * waves);

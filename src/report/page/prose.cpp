@@ -67,6 +67,8 @@ std::string subtitle(const std::string& name) {
   return "<h3>" + escaped_markup(isolated_runs(name)) + "</h3>\n";
 }
 
+AxisRange time_axis(double last) { return {"time", "s", false, last < 1}; }
+
 std::string side_by_side(const std::string& figures) {
   return figures.empty() ? "" : "<div class=\"figures\">" + figures + "</div>\n";
 }

@@ -3,6 +3,8 @@
 #include <string>
 #include <vector>
 
+#include "report/page/axis.hpp"
+
 /// Text between the pictures of a page.
 namespace qerr::page {
 
@@ -21,6 +23,9 @@ std::string subtitle(const std::string& name);
 
 /// As page::table, with isolated runs in its cells.
 std::string isolated_table(std::vector<std::string> header, std::vector<std::vector<std::string>> rows);
+
+/// The axis of a time that ends at `last` [s]: a thousand seconds are not a kilosecond.
+AxisRange time_axis(double last);
 
 /// Figures beside each other where there is space; "" without any.
 std::string side_by_side(const std::string& figures);

@@ -68,7 +68,7 @@ std::string curve_figure(const Spec& spec, const std::string& title, const std::
           ? "Mean residual in bins of the abscissa."
           : "Mean residual without this cause in bins of the abscissa, and the fitted contribution.",
       {curve.against + (unit.empty() && !curve.unit.empty() ? " [" + curve.unit + "]" : ""), unit, false,
-       !unit.starts_with("rad")},
+       unit == "s" ? page::time_axis(curve.at.back()).prefix : !unit.starts_with("rad")},
       {"residual", coordinate_unit(spec, joint)},
       {}};
   page::Series residual{curve.fit.empty() ? "residual" : "residual without this", {}, marks, !marks};

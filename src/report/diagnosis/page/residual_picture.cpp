@@ -17,8 +17,8 @@ void draw_in_time(const JointResidual& r, std::size_t intervals, ResidualPicture
   const Evidence& e = r.evidence;
   const Eigen::Index last = e.rows() - 1;
   page::Envelope before(e.time[0], e.time[last], intervals), after = before;
-  for (Eigen::Index k = 0; k <= last; ++k)
-    before.add(e.time[k], r.before[k]), after.add(e.time[k], r.after[k]);
+  for (Eigen::Index k = 0; k <= last; ++k) before.add(e.time[k], r.before[k]);
+  for (Eigen::Index k = 0; p.corrected && k <= last; ++k) after.add(e.time[k], r.after[k]);
   p.before = before.points();
   if (p.corrected) p.after = after.points();
 }

@@ -27,8 +27,9 @@ page::Plot residual_plot(const ResidualPicture& p, const std::string& title, con
 std::string of_joint(const ResidualPicture& p) { return " of " + shown(p.joint); }
 
 std::string time_figure(const ResidualPicture& p) {
+  if (p.before.empty()) return "";
   const page::AxisRange x =
-      p.in_time ? page::AxisRange{"time", "s"} : page::AxisRange{"row", "", false, false};
+      p.in_time ? page::time_axis(p.before.back().first) : page::AxisRange{"row", "", false, false};
   return figure(
       residual_plot(p, "Residual" + of_joint(p) + (p.in_time ? " in time" : " by row"),
                     "Smallest and largest residual in each interval, before and after subtraction of "

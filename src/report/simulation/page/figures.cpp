@@ -63,7 +63,7 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
   page::Plot plot{page::isolated_runs("Error of " + label_of(s) + " in time"),
                   "Smallest and largest error in each interval of the first run, inside the worst case and "
                   "sigma along the path.",
-                  {"time", "s"},
+                  page::time_axis(last),
                   {"error", s.unit},
                   {{"error", line.points()}}};
   for (const page::Series& limit :
