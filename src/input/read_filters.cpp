@@ -89,7 +89,8 @@ std::string keys_of_representations() {
   return text;
 }
 
-Filter design(const Object& o) {
+/// @param designed  set if a family has made the filter
+Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
   FilterDesign d;
   d.derivative = static_cast<int>(*o.number("derivative"));
   d.sample_rate = *o.number("sample_rate");
@@ -121,6 +122,7 @@ Filter design(const Object& o) {
   const Object parameters(lowpass, format);
   d.numbers = parameters.numbers(family.parameters);
   d.choices = parameters.choices(family.parameters);
+  designed = std::make_shared<FamilyDesign>(FamilyDesign{&family, d});
   return family.design(d);
 }
 
@@ -231,8 +233,9 @@ void read_filters(const Field& f, Spec& spec, Faults& faults) {
       const Object o(field, spec_format::filter());
       warn_of_name(field.path, key.name, o, spec.warnings);
       try {
-        const Filter filter = design(o);
-        spec.filters.push_back({key.name, filter, norms_of(filter)});
+        std::shared_ptr<const FamilyDesign> designed;
+        const Filter filter = design(o, designed);
+        spec.filters.push_back({key.name, filter, norms_of(filter), std::move(designed)});
       } catch (const Error& e) {
         throw placed(e, field);
       }

@@ -30,6 +30,12 @@ struct FilterFamily {
   std::vector<int> velocity_orders = {};
 };
 
+/// What a family has made a filter of, so that its neighbours can be made, too.
+struct FamilyDesign {
+  const FilterFamily* family = nullptr;  ///< a row of `filter_families`
+  FilterDesign parameters;
+};
+
 /// All families, `lowpass: {family: NAME}` in the spec, in the order of `qerr list filters`.
 const std::vector<FilterFamily>& filter_families();
 

@@ -11,6 +11,7 @@
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/design/requirement.hpp"
 #include "qerr/effect/effect.hpp"
+#include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/robot_model.hpp"
@@ -23,6 +24,7 @@ struct NamedFilter {
   std::string name;
   Filter filter;
   Norms norms;
+  std::shared_ptr<const FamilyDesign> designed = {};  ///< null: given by coefficients, or a pure difference
 };
 
 /// Properties of one encoder that the bounds do not need.

@@ -46,6 +46,7 @@ struct FilterFigures {
   std::optional<double> settling_time;    ///< to 2 % [s]
   std::vector<Fidelity> fidelity;
   std::optional<BandTracking> tracking;
+  std::shared_ptr<const FamilyDesign> designed = {};  ///< as of NamedFilter
 };
 
 /// sigma of the filtered error of one encoder in one motion, exact for a uniformly random zero of the

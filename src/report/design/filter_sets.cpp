@@ -151,6 +151,7 @@ FilterSets filter_sets(const Spec& spec, const DesignRequest& request, const std
         NamedFilter& filter = added.filters[options.filter];
         filter.filter = c.candidate.filter;
         filter.norms = c.norms;
+        filter.designed = nullptr;  // describes the filter that is replaced
         added.designed.push_back({filter.name,
                                   c.candidate.family,
                                   c.candidate.order,

@@ -24,7 +24,8 @@ FilterFigures figures_of(const NamedFilter& named, const FilterQuestions& q) {
                                                    : std::nullopt,
                   settling_time(filter),
                   {},
-                  {}};
+                  {},
+                  named.designed};
   for (const double frequency : q.frequencies) f.fidelity.push_back(fidelity(filter, frequency));
   if (q.motion_band) f.tracking = band_tracking(filter, q.motion_band->first, q.motion_band->second);
   return f;

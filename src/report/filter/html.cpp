@@ -2,6 +2,7 @@
 #include <numbers>
 
 #include "core/text.hpp"
+#include "report/filter/pictures.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
@@ -11,10 +12,6 @@ namespace qerr {
 namespace {
 
 using Points = std::vector<std::pair<double, double>>;
-
-std::string rate_unit(int derivative) {
-  return derivative == 0 ? "" : derivative == 1 ? "1/s" : "1/s^" + std::to_string(derivative);
-}
 
 /// Gain over frequency beside that of the derivative itself, (2 pi f)^d.
 std::string gain_figure(const FilterFigures& f) {
@@ -82,19 +79,6 @@ std::string step_figure(const FilterFigures& f) {
                            {series}});
 }
 
-/// Noise against delay, of the filters that estimate one derivative.
-std::string noise_figure(const FilterReport& r, int derivative) {
-  page::Plot plot{"Noise against delay, derivative " + std::to_string(derivative),
-                  "H2 norm, the factor of white noise, over the group delay at low frequencies.",
-                  {"delay", "s"},
-                  {"H2 norm", rate_unit(derivative), true},
-                  {}};
-  for (const FilterFigures& f : r.filters)
-    if (f.filter.derivative == derivative)
-      plot.series.push_back({f.name, {{f.group_delay, f.norms.h2}}, true, false});
-  return plot.series.empty() ? "" : figure(plot);
-}
-
 std::string norm_rows(const FilterReport& r) {
   std::vector<std::vector<std::string>> rows;
   for (const FilterFigures& f : r.filters) {
@@ -123,19 +107,15 @@ std::string answer(const FilterReport& r) {
 std::string to_html(const FilterReport& r, const Style&) {
   using Choices = std::vector<std::pair<std::string, std::string>>;
   Choices filters;
-  int highest = 0;
   for (const FilterFigures& f : r.filters) {
-    filters.emplace_back(
-        f.name, "<div class=\"figures\">" + gain_figure(f) + impulse_figure(f) + step_figure(f) + "</div>");
-    highest = std::max(highest, f.filter.derivative);
+    filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f) +
+                                     impulse_figure(f) + step_figure(f) + "</div>");
   }
-  std::string noise;
-  for (int d = 0; d <= highest; ++d) noise += noise_figure(r, d);
   return markup(page::Page{"Filters of " + r.file,
                            answer(r),
                            {{"Figures", norm_rows(r)},
-                            {"Noise against delay", "<div class=\"figures\">" + noise + "</div>"},
-                            {"Responses", page::choice("Filter", filters)}},
+                            {"Noise against delay", noise_figures(r)},
+                            {"Cut-off and responses", page::choice("Filter", filters)}},
                            r.warnings,
                            r.file,
                            r.spec_text});

@@ -1,0 +1,90 @@
+#!/usr/bin/env python3
+"""Pages of filter, compare, sweep and design: what they draw is what JSON says, or what other runs compute.
+
+    check_choice_pages.py --qerr build/qerr [--verbose]
+"""
+import json
+import math
+import pathlib
+import re
+import tempfile
+import xml.etree.ElementTree as Xml
+
+from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, marks, page
+from tool import program_and_tally, run
+
+HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
+
+
+def report(qerr, *arguments, code=0):
+    made = run(qerr, *arguments, "--format", "json", "--quiet")
+    assert made.code == code, made.err.decode()
+    return json.loads(made.out)
+
+
+def bars(figure):
+    return {g.get("data-name"): float(g.get("data-value")) for g in figure.iter(SVG + "g") if g.get("data-name")}
+
+
+def line(figure, series):
+    """Points of a line, six digits each, and those of its marks, all digits."""
+    group = next(g for g in figure.iter(SVG + "g") if g.get("data-series") == series)
+    paths = [p.get("data-points") for p in group.iter(SVG + "path") if p.get("data-points")]
+    return [tuple(map(float, p.split(","))) for p in " ".join(paths).split()]
+
+
+def near(a, b):
+    """But for the sixth digit."""
+    return abs(a - b) <= 1e-5 * abs(b)
+
+
+def same_points(found, wanted):
+    return len(found) == len(wanted) > 0 and all(near(a, b) and near(c, d) for (a, c), (b, d) in zip(found, wanted))
+
+
+def text_of(root):
+    return " ".join(" ".join(root.itertext()).split())
+
+
+def check_filter(t, qerr, folder):
+    spec = CONFIGS / "kuka_lwr/spec.yaml"
+    root = page(t, qerr, "filter", "filter", spec)
+    drawn = figures(root)
+    for f in report(qerr, "filter", spec)["filters"]:
+        caption = f"Norms of {f['name']} over the cut-off"
+        if caption not in drawn:
+            t.check(f"{f['name']}: said to have no cut-off", "there are no norms over a cut-off" in text_of(root))
+            continue
+        own = marks(drawn[caption], "this filter")
+        cutoff = own[0][0]
+        t.check(f"{f['name']}: marked at its norms", own == [(cutoff, f["h2_norm"]), (cutoff, f["l1_norm"]["upper"])])
+        sigma, worst = (line(drawn[caption], s) for s in ("sigma, H2 norm", "worst case, l1 norm"))
+        t.check(f"{f['name']}: over at least a decade", len(sigma) == len(worst) >= 9 and sigma[-1][0] > 2 * sigma[0][0])
+        for i in (0, len(sigma) // 3, len(sigma) - 1):
+            key = f"filters.{f['name']}.lowpass.cutoff={sigma[i][0]} Hz"
+            other = next(g for g in report(qerr, "filter", spec, "--set", key)["filters"] if g["name"] == f["name"])
+            # The cut-off has six digits, and the norms grow with up to its third power.
+            for what, found, wanted in (("H2", sigma[i][1], other["h2_norm"]), ("l1", worst[i][1], other["l1_norm"]["upper"])):
+                t.check(f"{f['name']}: {what} at {sigma[i][0]} Hz", abs(found - wanted) <= 3e-5 * wanted, f"{found} for {wanted}")
+        front = line(drawn[f"Noise against delay, derivative {f['derivative']}"], "undominated low-passes")
+        t.check(f"{f['name']}: no filter of the front equals another in noise and delay",
+                len(front) > 5 and all(a[0] < b[0] and a[1] > b[1] for a, b in zip(front, front[1:])), str(front[:4]))
+    check_coefficients(t, qerr, folder)
+
+
+def check_coefficients(t, qerr, folder):
+    """Coefficients have no cut-off; names that markup must not read."""
+    spec = folder / "coefficients.yaml"
+    spec.write_text(json.dumps({"qerr": 1, "robot": {"urdf": str(CONFIGS / "kuka_lwr/kuka_lwr.urdf")}, "encoders": {"*": {"bits": 14}},
+                                "filters": {HARD_NAME: {"derivative": 1, "sample_rate": 1000, "numerator": [1000, -1000],
+                                                        "denominator": [1]}}}))
+    root = page(t, qerr, "filter by coefficients", "filter", spec)
+    t.check("coefficients: said to have no cut-off", "is given by its coefficients" in text_of(root))
+    t.check("coefficients: the name as it is", HARD_NAME in text_of(root))
+
+
+if __name__ == "__main__":
+    program, tally = program_and_tally()
+    with tempfile.TemporaryDirectory() as made:
+        check_filter(tally, program, pathlib.Path(made))
+    raise SystemExit(tally.close())
