@@ -20,6 +20,8 @@ inline constexpr Writer<Report>* page_of = nullptr;
 template <>
 inline constexpr Writer<Analysis>* page_of<Analysis> = to_html;
 template <>
+inline constexpr Writer<ReportComparison>* page_of<ReportComparison> = to_html;
+template <>
 inline constexpr Writer<FilterReport>* page_of<FilterReport> = to_html;
 template <>
 inline constexpr Writer<SimulationReport>* page_of<SimulationReport> = to_html;
@@ -32,7 +34,7 @@ inline constexpr std::array<Exporter<Report>, 4> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
     {{"json", ".json", "everything, SI units"}, to_json},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
-    {{"html", ".html", "a page with pictures, of analyze, filter, simulate and diagnose"}, page_of<Report>},
+    {{"html", ".html", "a page with pictures"}, page_of<Report>},
 }};
 
 std::vector<std::string> format_names() {

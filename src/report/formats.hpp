@@ -34,6 +34,7 @@ Writer<RobotReport> to_table, to_json, to_csv;
 Writer<ListReport> to_table, to_json, to_csv;
 
 Writer<Analysis> to_html;
+Writer<ReportComparison> to_html;
 Writer<FilterReport> to_html;
 Writer<SimulationReport> to_html;
 Writer<DiagnosisReport> to_html;

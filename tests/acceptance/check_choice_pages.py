@@ -83,8 +83,41 @@ def check_coefficients(t, qerr, folder):
     t.check("coefficients: the name as it is", HARD_NAME in text_of(root))
 
 
+def check_compare(t, qerr):
+    spec = CONFIGS / "scara/spec.yaml"
+    arguments = ("compare", spec, spec, "--set", "encoders.elbow.counts_per_rev=1024", "--set", "configurations.count=300")
+    root = page(t, qerr, "compare", *arguments)
+    found, drawn = report(qerr, *arguments), figures(root)
+    changed = {f"{f['figure']} {f['statistic']}".strip(): f for f in found["figures"]}
+    pairs = [(name, bars(figure)) for name, figure in drawn.items() if set(bars(figure)) == {"A", "B"}]
+    t.check("compare: figures are drawn", len(pairs) >= 3)
+    for name, pair in pairs:
+        t.check(f"compare: {name} as in JSON", pair == {"A": changed[name]["a"], "B": changed[name]["b"]})
+    shares = {f"{s['encoder']}, {side}": s[side.lower()] for s in found["shares"] for side in "AB"}
+    t.check("compare: shares as in JSON", bars(drawn["Shares of the tip's mean variance"]) == shares)
+    flipped = [r for r in found["requirements"] if r["flipped"]]
+    t.check("compare: a requirement flips", flipped)
+    heights = bars(drawn["Part of the change after which a requirement flips"])
+    t.check("compare: when requirements flip as in JSON",
+            sorted(heights.values()) == sorted(r["flips_after"] for r in flipped))
+    first = f"{flipped[0]['quantity']} {flipped[0]['statistic'] or ''}".strip()
+    t.check("compare: the first one to flip is named",
+            re.search("First to flip on the way from A to B[^:]*: .?" + re.escape(first), text_of(root)))
+    same = page_without_pictures(t, qerr, "compare with itself", "compare", spec, spec)
+    t.check("compare with itself: said", "all unchanged" in same and "No requirement flips" in same)
+
+
+def page_without_pictures(t, qerr, name, *arguments, code=0):
+    made = [run(qerr, *arguments, "--format", "html", "--threads", n, "--quiet") for n in (1, 2)]
+    t.check(f"{name}: ends with {code}", made[0].code == code, made[0].err.decode(errors="replace"))
+    t.check(f"{name}: the same bytes for one and two threads", made[0].out == made[1].out)
+    t.check(f"{name}: below 300 kB", 0 < len(made[0].out) < LARGEST, str(len(made[0].out)))
+    return text_of(Xml.fromstring(made[0].out.decode()))
+
+
 if __name__ == "__main__":
     program, tally = program_and_tally()
     with tempfile.TemporaryDirectory() as made:
         check_filter(tally, program, pathlib.Path(made))
+        check_compare(tally, program)
     raise SystemExit(tally.close())

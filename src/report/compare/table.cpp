@@ -21,61 +21,12 @@ std::string shown_value(const std::optional<double>& value, const std::string& u
   return value ? readable(*value, unit) : "-";
 }
 
-bool changed_in_print(const FigureChange& c) {
-  return c.in_both() && c.relative != 0 && readable(*c.a, c.figure.unit) != readable(*c.b, c.figure.unit);
-}
-
-/// A rigorous bound that is printed as the linear one is.
-bool repeats_another(const FigureChange& f, const std::vector<FigureChange>& all) {
-  constexpr std::string_view suffix = "_rigorous";
-  if (!f.figure.quantity.ends_with(suffix)) return false;
-  const std::string linear = f.figure.quantity.substr(0, f.figure.quantity.size() - suffix.size());
-  const auto same = [&](double x, double y) {
-    return readable(x, f.figure.unit) == readable(y, f.figure.unit);
-  };
-  return std::any_of(all.begin(), all.end(), [&](const FigureChange& o) {
-    return o.figure.quantity == linear && o.figure.statistic == f.figure.statistic && o.in_both() &&
-           same(*o.a, *f.a) && same(*o.b, *f.b);
-  });
-}
-
-/// Without --details the maximum of a quantity speaks for its other statistics, if it has changed.
-std::vector<FigureChange> told_figures(const ReportComparison& c) {
-  std::vector<FigureChange> told;
-  std::set<std::string> spoken_for;
-  for (const FigureChange& f : c.figures)
-    if (is_main(f.figure) && changed_in_print(f)) spoken_for.insert(f.figure.quantity);
-  for (const FigureChange& f : c.figures) {
-    if (!f.in_both()) continue;
-    const bool wanted = is_main(f.figure) || !spoken_for.contains(f.figure.quantity);
-    if (c.details || (wanted && changed_in_print(f) && !repeats_another(f, c.figures))) told.push_back(f);
-  }
-  return told;
-}
-
-std::string requirement_text(const std::optional<JudgedRequirement>& r) {
-  if (!r) return "no such requirement";
-  const char* const relation = r->at_least ? (r->met ? " >= " : " < ") : (r->met ? " <= " : " > ");
-  return readable(r->figure.value, r->figure.unit) + relation + readable(r->limit, r->figure.unit);
-}
-
-/// `NOT MET any more`: which way a verdict flipped.
-std::string flip_text(const RequirementChange& r) {
-  if (!r.a || !r.b) return r.a ? "only in A" : r.b->met ? "only in B, met" : "only in B, NOT MET";
-  if (r.flipped()) return r.b->met ? "NOW MET" : "NOT MET any more";
-  return r.b->met ? "met in both" : "NOT MET in both";
-}
-
-/// The requirement that is met in both and has the smallest margin in B.
-std::string next_to_flip(const ReportComparison& c, const Style& style) {
-  for (const RequirementChange& r : c.requirements) {
-    if (!r.a || !r.b || r.flipped() || !r.b->met || std::isnan(margin(*r.b))) continue;
-    const auto text = [](const JudgedRequirement& j) { return percent(margin(j)); };
-    return wrapped("next to flip: " + shown(r.any().figure.name()) + ", margin " + text(*r.a) + " in A, " +
-                       text(*r.b) + " in B",
-                   style.width, "  ");
-  }
-  return "";
+std::string next_line(const ReportComparison& c, const Style& style) {
+  const RequirementChange* r = next_to_flip(c);
+  if (r == nullptr) return "";
+  return wrapped("next to flip: " + shown(r->any().figure.name()) + ", margin " + percent(margin(*r->a)) +
+                     " in A, " + percent(margin(*r->b)) + " in B",
+                 style.width, "  ");
 }
 
 std::string requirements_section(const ReportComparison& c, const Style& style) {
@@ -95,12 +46,12 @@ std::string requirements_section(const ReportComparison& c, const Style& style) 
     else if (r.flipped())
       title = painted(title, Paint::green, style);
     out += title + '\n';
-    std::string values = "A " + requirement_text(r.a) + "; B " + requirement_text(r.b);
+    std::string values = "A " + judged_text(r.a) + "; B " + judged_text(r.b);
     if (const auto after = r.flips_after()) values += "; flips after " + percent(*after) + " of the change";
     out += wrapped(values, style.width, "      ");
   }
   if (same > 0) out += "  " + counted(same, "requirement") + " met in both\n";
-  return out + next_to_flip(c, style);
+  return out + next_line(c, style);
 }
 
 std::string figures_section(const ReportComparison& c, const Style& style) {
@@ -155,54 +106,15 @@ std::string side_line(const char* side, const NamedFigures& f, const Style& styl
   return wrapped(text, style.width, "   ", side, LongWords::cut);
 }
 
-std::string flips_sentence(const ReportComparison& c) {
-  std::size_t broken = 0, mended = 0;
-  for (const RequirementChange& r : c.requirements)
-    if (r.flipped()) ++(r.b->met ? mended : broken);
-  if (c.requirements.empty()) return "";
-  if (broken + mended == 0) return "no requirement flipped; ";
-  std::string text;
-  if (broken > 0) text += counted(broken, "requirement") + " NOT MET any more; ";
-  if (mended > 0) text += counted(mended, "requirement") + " now met; ";
-  return text;
-}
-
 std::string summary(const ReportComparison& c, const Style& style) {
-  std::size_t both = 0, larger = 0, smaller = 0;
-  for (const FigureChange& f : c.figures) {
-    both += f.in_both();
-    larger += f.relative > 0;
-    smaller += f.relative < 0;
-  }
-  std::string text = flips_sentence(c);
-  if (both == 0)
-    text += "the reports have no figure in common";
-  else if (larger + smaller == 0)
-    text += counted(both, "figure") + " in both, all unchanged";
-  else
-    text += counted(both, "figure") + " in both: " + std::to_string(larger) + " larger, " +
-            std::to_string(smaller) + " smaller, " + std::to_string(both - larger - smaller) +
-            " unchanged; the largest change is " + change_text(c.figures.front());
-  const bool bad = text.find("NOT MET") != std::string::npos;
+  const std::string text = comparison_sentence(c);
   std::string line = wrapped(text, style.width);
   line.pop_back();
+  const bool bad = text.find("NOT MET") != std::string::npos;
   return (bad ? painted(line, Paint::red, style) : painted(line, Paint::bold, style)) + '\n';
 }
 
 }  // namespace
-
-std::string change_text(const FigureChange& c) {
-  if (!c.in_both()) return "";
-  if (c.relative == 0) return "unchanged";
-  if (std::isinf(*c.a)) return "now bounded";
-  if (std::isinf(*c.b)) return "now unbounded";
-  if (std::isinf(c.relative)) return "from zero";
-  if (c.relative > 10 && *c.a > 0)
-    return "x " + (c.relative > 998 ? significant(1 + c.relative, 3) : fixed_point(1 + c.relative, 1));
-  const std::string size = std::abs(c.relative) < 1e-5 ? significant(100 * std::abs(c.relative), 1) + " %"
-                                                       : percent(std::abs(c.relative));
-  return (c.relative > 0 ? "+" : "-") + size;
-}
 
 std::string to_table(const ReportComparison& c, const Style& style) {
   return side_line("A: ", c.a, style) + side_line("B: ", c.b, style) + summary(c, style) +
