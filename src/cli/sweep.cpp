@@ -8,6 +8,7 @@
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/sweep/shard_file.hpp"
+#include "report/sweep/sweep_page.hpp"
 #include "report/sweep/sweep_report.hpp"
 
 namespace qerr::cli {
@@ -142,6 +143,21 @@ int write_table(SweepJob job, const Values& v) {
   return 0;
 }
 
+int write_html(SweepJob job, const Values& v) {
+  OutputFile out(v.text("output"), "--output");
+  SweepPage page(job.variants, job.grid);
+  job.judged = true;
+  job.statistics = {find_statistic("max")};
+  job.text = [&](const SweptVariant& variant) { return page.row(variant); };
+  const FailedVariants failed =
+      SweepRun(std::move(job))
+          .run(
+              0, [&](const std::string& rows) { page.add(rows); }, progress(v, "variants"));
+  finish(out, page.text(failed));
+  warn_of(failed, v);
+  return 0;
+}
+
 int run(const Values& v) {
   const std::string format = format_of_sweep(v);
   const Shard shard = chosen_shard(v);
@@ -161,7 +177,10 @@ int run(const Values& v) {
                      .text = {}};
   limit_work(variants.base(), work(job), "sweep", "configurations", v);
   warn_of(variants.base(), v);
-  return format == "csv" ? write_csv(job, v) : format == "json" ? write_json(job, v) : write_table(job, v);
+  return format == "csv"    ? write_csv(job, v)
+         : format == "json" ? write_json(job, v)
+         : format == "html" ? write_html(job, v)
+                            : write_table(job, v);
 }
 
 }  // namespace

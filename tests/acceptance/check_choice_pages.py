@@ -13,6 +13,7 @@ import xml.etree.ElementTree as Xml
 from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, marks, page
 from tool import program_and_tally, run
 
+UNITS = {"": 1, "Hz": 1, "kHz": 1e3, "mrad": 1e-3, "deg": math.pi / 180}
 HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
 
 
@@ -115,9 +116,99 @@ def page_without_pictures(t, qerr, name, *arguments, code=0):
     return text_of(Xml.fromstring(made[0].out.decode()))
 
 
+def number(text):
+    value, unit = re.fullmatch(r"([-+.\deE]+) *(\w*)", text).groups()
+    return float(value) * UNITS[unit]
+
+
+def swept(found, figure):
+    """Values of a figure by the values of all keys."""
+    values = {}
+    for v in found["variants"]:
+        named = {f"{f['quantity']} max": f["max"] for f in v.get("figures", [])}
+        named.update({f"{r['quantity']} {r.get('statistic', '')}".strip(): r["value"] for r in v.get("requirements", [])})
+        if named.get(figure) is not None:
+            values[tuple(v["values"].items())] = named[figure]
+    return values
+
+
+def check_sweep_lines(t, qerr, name, spec, key, *more):
+    """Every line of every picture over a key."""
+    root = page(t, qerr, name, "sweep", spec, *more)
+    found, drawn = report(qerr, "sweep", spec, *more), figures(root)
+    compared = 0
+    for caption, figure in drawn.items():
+        values = swept(found, caption)
+        t.check(f"{name}: {caption} is a figure", values)
+        groups = [g.get("data-series") for g in figure.iter(SVG + "g") if g.get("data-series")]
+        for series in groups:
+            if series.startswith("required: "):
+                continue
+            wanted = []
+            for keys, value in values.items():
+                others = ", ".join(f"{k} = {v}" for k, v in keys if k != key) or "all variants"
+                if others == series:
+                    wanted.append((number(dict(keys)[key]), value))
+            points = line(figure, series)
+            every = set((float(f"{x:.6g}"), float(f"{y:.6g}")) for x, y in wanted)
+            t.check(f"{name}: {caption}, {series} as in JSON", points and set(points) <= every and points == sorted(points),
+                    f"{points[:3]} for {sorted(every)[:3]}")
+            t.check(f"{name}: {caption}, {series}: marks have all digits", set(marks(figure, series)) <= set(wanted))
+            compared += len(points)
+    t.check(f"{name}: points are compared", compared >= 8, str(compared))
+    return root, found
+
+
+def check_sweeps(t, qerr, folder):
+    few = ("--set", "configurations.count=100")
+    root, _ = check_sweep_lines(t, qerr, "sweep scara", CONFIGS / "scara/spec.yaml", "encoders.wrist.bits", *few)
+    t.check("sweep scara: the rest of the lines is said", re.search(r"\d of 9 combinations of the other keys", text_of(root)))
+    cutoff = "filters.velocity.lowpass.cutoff"
+    one_axis = (*few, "--set", f"sweep=[{{key: {cutoff}, from: 10 Hz, to: 1 kHz, count: 7, scale: log}}]")
+    root, found = check_sweep_lines(t, qerr, "sweep over log", CONFIGS / "scara/spec.yaml", cutoff, *one_axis)
+    t.check("sweep over log: the axis is logarithmic", f"Over {cutoff}, logarithmic." in text_of(root))
+    met = sum(v.get("met", False) for v in found["variants"])
+    if any("met" in v for v in found["variants"]):
+        t.check("sweep over log: how many meet the requirements", f"{met} of 7 variants meet" in text_of(root))
+    # A variant that cannot be computed leaves a gap, and is said.
+    faulty = (*few, "--set", f"sweep=[{{key: {cutoff}, values: [10 Hz, 100 Hz, 1 MHz]}}]")
+    root, _ = check_sweep_lines(t, qerr, "sweep with an error", CONFIGS / "scara/spec.yaml", cutoff, *faulty)
+    t.check("sweep with an error: said", "1 variant cannot be computed or judged" in text_of(root))
+    check_bars(t, qerr, few)
+    check_long_sweep(t, qerr)
+
+
+def check_bars(t, qerr, few):
+    """Keys without numbers, and a sweep of one variant."""
+    family = "filters.velocity.lowpass.family"
+    for name, axis in (("families", f"{{key: {family}, values: [butterworth, bessel, chebyshev1]}}"),
+                       ("one variant", "{key: encoders.wrist.bits, values: [14]}")):
+        arguments = (CONFIGS / "scara/spec.yaml", *few, "--set", f"sweep=[{axis}]")
+        root = page(t, qerr, f"sweep of {name}", "sweep", *arguments)
+        found = report(qerr, "sweep", *arguments)
+        for caption, figure in figures(root).items():
+            wanted = {", ".join(f"{k} = {v}" for k, v in keys): value for keys, value in swept(found, caption).items()}
+            t.check(f"sweep of {name}: {caption} as in JSON", bars(figure) == wanted, f"{bars(figure)} for {wanted}")
+
+
+def check_long_sweep(t, qerr):
+    """Thousands of variants: a page of the size of others, and the ends of the lines are drawn."""
+    gears = "sweep=[{key: encoders.*.gear_ratio, from: 10, to: 200, count: 60}, " \
+            "{key: filters.velocity.sample_rate, from: 1 kHz, to: 4 kHz, count: 30}]"
+    root = page(t, qerr, "long sweep", "sweep", CONFIGS / "kuka_lwr/spec.yaml", "--set", "configurations.count=2", "--set", gears)
+    t.check("long sweep: lines that are left out are said", "4 of 30 combinations" in text_of(root))
+    for caption, figure in figures(root).items():
+        for group in figure.iter(SVG + "g"):
+            if group.get("data-series", "required").startswith("required"):
+                continue
+            points = line(figure, group.get("data-series"))
+            t.check(f"long sweep: {caption} from end to end", points[0][0] == 10 and points[-1][0] == 200)
+
+
 if __name__ == "__main__":
     program, tally = program_and_tally()
     with tempfile.TemporaryDirectory() as made:
         check_filter(tally, program, pathlib.Path(made))
         check_compare(tally, program)
+        check_sweeps(tally, program, pathlib.Path(made))
     raise SystemExit(tally.close())

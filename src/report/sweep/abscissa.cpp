@@ -1,0 +1,72 @@
+#include "report/sweep/abscissa.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "qerr/core/quantity.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Whether ascending values have equal ratios, within the digits with which a spec states them, and do not
+/// have equal differences.
+bool equal_ratios(const std::vector<double>& v) {
+  constexpr double tolerance = 0.02;
+  if (v.size() < 3 || !(v.front() > 0)) return false;
+  const double steps = static_cast<double>(v.size() - 1);
+  const double ratio = std::log(v.back() / v.front()) / steps, step = (v.back() - v.front()) / steps;
+  bool in_log = true, linear = true;
+  for (std::size_t i = 1; i < v.size(); ++i) {
+    in_log = in_log && std::abs(std::log(v[i] / v[i - 1]) - ratio) <= tolerance * ratio;
+    linear = linear && std::abs(v[i] - v[i - 1] - step) <= tolerance * step;
+  }
+  return in_log && !linear;
+}
+
+/// The values of a key, or none if they are not numbers of one dimension, two different ones at least.
+std::optional<SweepAbscissa> numeric_key(const SweepAxis& axis, std::size_t key) {
+  SweepAbscissa a;
+  std::optional<Dimension> dimension;
+  for (const SweepStep& step : axis.steps) {
+    std::string why;
+    const auto q = parse_quantity(step.names[key], why);
+    if (!q || (!a.values.empty() && q->dimension != dimension)) return std::nullopt;
+    dimension = q->dimension;
+    a.values.push_back(q->value);
+  }
+  a.key = axis.keys[key];
+  a.unit = dimension ? unit_name(*dimension) : "";
+  a.order.resize(a.values.size());
+  std::iota(a.order.begin(), a.order.end(), std::size_t{0});
+  std::stable_sort(a.order.begin(), a.order.end(),
+                   [&](std::size_t x, std::size_t y) { return a.values[x] < a.values[y]; });
+  if (a.values.empty() || a.values[a.order.front()] == a.values[a.order.back()]) return std::nullopt;
+  std::vector<double> ascending;
+  for (const std::size_t step : a.order)
+    if (ascending.empty() || a.values[step] > ascending.back()) ascending.push_back(a.values[step]);
+  a.logarithmic = equal_ratios(ascending);
+  return a;
+}
+
+}  // namespace
+
+std::optional<SweepAbscissa> abscissa_of(const SweepGrid& grid) {
+  for (std::size_t i = 0; i < grid.axes().size(); ++i)
+    for (std::size_t key = 0; key < grid.axes()[i].keys.size(); ++key)
+      if (auto a = numeric_key(grid.axes()[i], key)) {
+        a->axis = i;
+        return a;
+      }
+  return std::nullopt;
+}
+
+std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {
+  std::vector<std::size_t> chosen;
+  const std::size_t wanted = std::min(count, most);
+  for (std::size_t i = 0; i < wanted; ++i) chosen.push_back(wanted == 1 ? 0 : i * (count - 1) / (wanted - 1));
+  return chosen;
+}
+
+}  // namespace qerr

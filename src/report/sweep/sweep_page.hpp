@@ -1,0 +1,63 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "report/sweep/drawn_variants.hpp"
+#include "report/sweep/run_sweep.hpp"
+
+namespace qerr {
+
+/// A sweep as a page: its requirements' values, the largest worst case of every coordinate and the largest
+/// sigma behind every filter, over the first key that has numbers, one line for each combination of the
+/// others.
+///
+/// What is kept does not grow with the number of variants beyond what is drawn.
+class SweepPage {
+ public:
+  SweepPage(const SpecVariants&, const SweepGrid&);
+
+  /// The figures of a variant, to be given to `add` in order; called on any thread.
+  std::string row(const SweptVariant&) const;
+  /// @param rows  of one or several variants
+  void add(const std::string& rows);
+  std::string text(const FailedVariants&) const;
+
+ private:
+  struct Figure {
+    std::string name, unit;
+    std::ptrdiff_t requirement = -1;  ///< of the spec; -1: a figure by its name
+  };
+  /// The figures of a variant, NaN where it has none.
+  struct Row {
+    char verdict = '-';  ///< of its requirements: y met, n not, - not judged
+    std::vector<double> values;
+  };
+  struct Extreme {
+    double value = 0;
+    std::uint64_t variant = 0;
+  };
+
+  void add_figures();
+  void take(const Row&);
+  std::string answer() const;
+  std::string picture(std::size_t figure) const;
+  std::string plot(std::size_t figure) const;
+  std::string bars(std::size_t figure) const;
+  std::string what_is_drawn() const;
+  std::string table() const;
+
+  const SpecVariants& variants_;
+  const SweepGrid& grid_;
+  std::vector<Figure> figures_;
+  DrawnVariants drawn_;
+  std::map<std::uint64_t, Row> kept_;  ///< rows that are drawn or in the table; empty until they are added
+  std::uint64_t next_ = 0;             ///< number of the variant that is added next
+  std::uint64_t met_ = 0, judged_ = 0;
+  std::vector<std::optional<Extreme>> least_, largest_;  ///< of every figure
+  bool limits_vary_ = false;                             ///< the sweep changes a requirement
+};
+
+}  // namespace qerr

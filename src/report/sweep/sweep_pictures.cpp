@@ -1,0 +1,161 @@
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+
+#include "report/page/bars.hpp"
+#include "report/page/markup.hpp"
+#include "report/page/page.hpp"
+#include "report/page/plot.hpp"
+#include "report/sweep/sweep_page.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Up to this many points of a picture each has a mark with all its digits.
+constexpr std::size_t most_marks = 250;
+/// Beyond this ratio of the values the small ones would lie on a linear axis.
+constexpr double wide_range = 20;
+
+std::string first_upper(std::string text) {
+  if (!text.empty()) text.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(text.front())));
+  return text;
+}
+
+}  // namespace
+
+std::string SweepPage::answer() const {
+  std::string text;
+  if (judged_ > 0)
+    text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
+           (met_ == 1 ? " meets" : " meet") + " all requirements";
+  const auto known = std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); });
+  if (known == least_.end()) return text.empty() ? "No variant has a figure." : text + '.';
+  const auto i = static_cast<std::size_t>(known - least_.begin());
+  const Extreme &least = *least_[i], &largest = *largest_[i];
+  if (!text.empty()) text += "; ";
+  const std::string name = "\u2068" + figures_[i].name + "\u2069";
+  if (least.value == largest.value)
+    return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
+  return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with \u2068" +
+         grid_.description(least.variant) + "\u2069, and largest, " +
+         readable(largest.value, figures_[i].unit) + ", with \u2068" + grid_.description(largest.variant) +
+         "\u2069.";
+}
+
+std::string SweepPage::plot(std::size_t figure) const {
+  const Figure& f = figures_[figure];
+  const SweepAbscissa& a = *drawn_.abscissa;
+  page::Plot plot{f.name,
+                  "The figure over the values of a key of the spec, one line for each combination of the "
+                  "other keys.",
+                  {page::shortened(a.key, 46), a.unit, a.logarithmic},
+                  {"figure", f.unit},
+                  {}};
+  std::size_t marks = 0;
+  for (const DrawnVariants::Line& line : drawn_.lines) marks += figures_.size() * line.variants.size();
+  double least = INFINITY, largest = 0;
+  for (const DrawnVariants::Line& line : drawn_.lines) {
+    page::Series series{line.name, {}, marks <= most_marks};
+    for (const std::uint64_t v : line.variants) {
+      const std::vector<double>& values = kept_.at(v).values;
+      const double y = figure < values.size() ? values[figure] : NAN;
+      series.points.emplace_back(drawn_.value(grid_, v), y);
+      if (std::isfinite(y)) least = std::min(least, y), largest = std::max(largest, y);
+    }
+    plot.series.push_back(std::move(series));
+  }
+  if (!(least <= largest)) return "<p>No variant that is drawn has this figure.</p>";
+  plot.y.logarithmic = least > 0 && largest > wide_range * least;
+  if (f.requirement >= 0 && !limits_vary_) {
+    const Requirement& r = variants_.base().requirements[static_cast<std::size_t>(f.requirement)];
+    plot.series.push_back(
+        {std::string("required: at ") + (r.at_least ? "least " : "most ") + readable(r.limit, r.unit),
+         {{a.values[a.order.front()], r.limit}, {a.values[a.order.back()], r.limit}}});
+  }
+  return page::figure(plot);
+}
+
+std::string SweepPage::bars(std::size_t figure) const {
+  const Figure& f = figures_[figure];
+  page::Bars bars{f.name, "The figure of each variant.", {}};
+  for (const std::uint64_t v : drawn_.lines.front().variants) {
+    const std::vector<double>& values = kept_.at(v).values;
+    if (figure < values.size() && std::isfinite(values[figure]) && values[figure] >= 0)
+      bars.bars.push_back({grid_.description(v), values[figure], readable(values[figure], f.unit)});
+  }
+  return bars.bars.empty() ? "<p>No variant that is drawn has this figure.</p>" : page::figure(bars);
+}
+
+std::string SweepPage::picture(std::size_t figure) const {
+  return drawn_.abscissa ? plot(figure) : bars(figure);
+}
+
+std::string SweepPage::what_is_drawn() const {
+  const std::size_t points = drawn_.lines.front().variants.size();
+  std::string text;
+  if (drawn_.abscissa)
+    text = "Over " + drawn_.abscissa->key + (drawn_.abscissa->logarithmic ? ", logarithmic. " : ". ");
+  if (drawn_.lines.size() < drawn_.lines_in_all)
+    text += std::to_string(drawn_.lines.size()) + " of " + std::to_string(drawn_.lines_in_all) +
+            " combinations of the other keys are drawn, evenly spread over the grid. ";
+  if (points < drawn_.points_in_all)
+    text += std::to_string(points) + " of " + std::to_string(drawn_.points_in_all) +
+            (drawn_.abscissa ? " values of the key" : " variants") + " are drawn, evenly spread. ";
+  if (limits_vary_) text += "The sweep changes the requirements, so that no limit is drawn. ";
+  return text.empty() ? "" : "<p>" + page::escaped_markup(text) + "</p>";
+}
+
+std::string SweepPage::table() const {
+  constexpr std::size_t columns = 4, most_bytes = 60'000;
+  const std::size_t shown_figures = std::min(columns, figures_.size());
+  std::vector<std::string> header{"variant"};
+  for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(figures_[i].name);
+  if (judged_ > 0) header.emplace_back("met");
+  std::vector<std::vector<std::string>> rows;
+  std::size_t bytes = 0;
+  for (const auto& [variant, row] : kept_) {
+    if (variant != rows.size()) break;  // rows beyond the first ones are kept for the pictures only
+    std::vector<std::string> cells{std::to_string(variant) + ": " + grid_.description(variant)};
+    for (std::size_t i = 0; i < shown_figures; ++i) {
+      const double value = i < row.values.size() ? row.values[i] : NAN;
+      cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
+    }
+    if (judged_ > 0) cells.emplace_back(row.verdict == 'y' ? "yes" : row.verdict == 'n' ? "NO" : "-");
+    for (const std::string& cell : cells) bytes += cell.size() + 20;
+    if (bytes > most_bytes) break;
+    rows.push_back(std::move(cells));
+  }
+  std::string out = page::table(header, rows);
+  if (rows.size() < grid_.count() || shown_figures < figures_.size())
+    out += "<p>The first " + std::to_string(rows.size()) + " of " +
+           counted(static_cast<std::size_t>(grid_.count()), "variant") + ", the first " +
+           std::to_string(shown_figures) + " of " + counted(figures_.size(), "figure") +
+           ": the CSV of the sweep has all.</p>";
+  return out;
+}
+
+std::string SweepPage::text(const FailedVariants& failed) const {
+  constexpr std::size_t most_spec = 40'000;
+  std::vector<std::pair<std::string, std::string>> pictures;
+  for (std::size_t i = 0; i < figures_.size(); ++i) pictures.emplace_back(figures_[i].name, picture(i));
+  const Spec& spec = variants_.base();
+  page::Page page{
+      "Sweep of " + spec.robot_name,
+      answer(),
+      {{"Figures over the keys", what_is_drawn() + page::choice("Figure", pictures)}, {"Variants", table()}}};
+  for (const std::string& warning : spec.warnings)
+    if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
+  page.warnings.insert(page.warnings.end(), failed.first.begin(), failed.first.end());
+  if (failed.count > 0)
+    page.warnings.push_back(counted(static_cast<std::size_t>(failed.count), "variant") +
+                            " cannot be computed or judged; the lines have gaps there");
+  page.spec_file = spec.file;
+  page.spec_text = spec.text.size() <= most_spec
+                       ? spec.text
+                       : spec.text.substr(0, spec.text.rfind('\n', most_spec)) + "\n... (cut)\n";
+  return markup(page);
+}
+
+}  // namespace qerr
