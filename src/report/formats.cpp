@@ -22,6 +22,8 @@ inline constexpr Writer<Analysis>* page_of<Analysis> = to_html;
 template <>
 inline constexpr Writer<ReportComparison>* page_of<ReportComparison> = to_html;
 template <>
+inline constexpr Writer<DesignReport>* page_of<DesignReport> = to_html;
+template <>
 inline constexpr Writer<FilterReport>* page_of<FilterReport> = to_html;
 template <>
 inline constexpr Writer<SimulationReport>* page_of<SimulationReport> = to_html;

@@ -35,6 +35,7 @@ Writer<ListReport> to_table, to_json, to_csv;
 
 Writer<Analysis> to_html;
 Writer<ReportComparison> to_html;
+Writer<DesignReport> to_html;
 Writer<FilterReport> to_html;
 Writer<SimulationReport> to_html;
 Writer<DiagnosisReport> to_html;

@@ -205,10 +205,46 @@ def check_long_sweep(t, qerr):
             t.check(f"long sweep: {caption} from end to end", points[0][0] == 10 and points[-1][0] == 200)
 
 
+CATALOGUE = "name,price [EUR],bits\n\"low & \"\"cheap\"\"\",10,13\n<middle>,25,16\nfine,70,19\n"
+DESIGN = """qerr: 1
+robot: {{urdf: {urdf}}}
+encoders: {{"*": {{bits: 12}}}}
+configurations: {{method: sobol, count: 500, seed: 3}}
+requirements: [{{quantity: position.x.sigma, statistic: p99, at_most: {limit} um}}]
+design: {{encoders: {{"*": {{catalogue: encoders.csv}}}}}}
+"""
+
+
+def check_design(t, qerr, folder):
+    urdf = CONFIGS / "kuka_lwr/kuka_lwr.urdf"
+    (folder / "encoders.csv").write_text(CATALOGUE)
+    spec = folder / "design.yaml"
+    spec.write_text(DESIGN.format(urdf=urdf, limit=60))
+    root = page(t, qerr, "design", "design", spec)
+    found, drawn = report(qerr, "design", spec), figures(root)
+    optimum, figure = found["optimal"], drawn["Price against position.x.sigma p99"]
+    t.check("design: the front as in JSON", marks(figure, "front") == [(p["price"], p["value"]) for p in found["pareto"]])
+    for name, key in (("optimum", "optimal"), ("runner-up", "runner_up")):
+        wanted = [(found[key]["price"], found[key]["requirements"][0]["value"])]
+        t.check(f"design: the {name} as in JSON", marks(figure, name) == wanted, f"{marks(figure, name)} for {wanted}")
+    prices = list(bars(drawn["Price with one requirement relaxed"]).values())
+    t.check("design: prices of requirements as in JSON",
+            prices == [optimum["price"]] + [p["price"] for p in found["price_of_requirements"]])
+    used = list(bars(drawn["Part of the limit that is used"]).values())
+    t.check("design: use of the limits as in JSON", used == [r["value"] / r["at_most"] for r in optimum["requirements"]])
+    cells = [c.text if c.find(HTML + "bdi") is None else c.find(HTML + "bdi").text for c in root.iter(HTML + "td")]
+    t.check("design: the table names each encoder", all(joint in cells and name in cells for joint, name in optimum["encoders"].items()))
+    spec.write_text(DESIGN.format(urdf=urdf, limit=1e-4))
+    text = page_without_pictures(t, qerr, "infeasible design", "design", spec, code=1)
+    t.check("infeasible design: what hinders", "No design meets the requirements" in text and "What hinders" in text
+            and all(" ".join(o.split()) in text for o in report(qerr, "design", spec, code=1)["obstacles"]))
+
+
 if __name__ == "__main__":
     program, tally = program_and_tally()
     with tempfile.TemporaryDirectory() as made:
         check_filter(tally, program, pathlib.Path(made))
         check_compare(tally, program)
         check_sweeps(tally, program, pathlib.Path(made))
+        check_design(tally, program, pathlib.Path(made))
     raise SystemExit(tally.close())

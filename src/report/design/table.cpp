@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/design/sentences.hpp"
 #include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
@@ -10,40 +11,9 @@ namespace qerr {
 
 namespace {
 
-std::string priced(double price, const std::string& unit) {
-  const double cents = std::round(100 * price);
-  const bool whole = std::fmod(cents, 100) == 0;
-  return (whole ? fixed_point(price, 0) : fixed_point(price, 2)) + (unit.empty() ? "" : ' ' + shown(unit));
-}
-
-std::string bits_text(double bits) { return fixed_point(bits, 2) + " bits"; }
-
-/// What the design costs: its price, or the sum of its bits.
-std::string cost_of(const DesignReport& r, double price, double bits) {
-  return r.goal == "resolution" ? bits_text(bits) : priced(price, r.price_unit);
-}
-
-std::string filter_line(const DesignedFilter& f) {
-  const std::string unit = f.filter.filter.derivative == 0 ? "" : "1/s";
-  std::string text = shown(f.name) + ": " + f.family + ", order " + std::to_string(f.order) + ", " +
-                     readable(f.cutoff, "Hz") + "; noise " + significant(f.filter.norms.h2, 4) +
-                     (unit.empty() ? "" : ' ' + unit) + ", delay " + readable(f.delay, "s");
-  if (f.tracking) text += ", tracking error " + percent(*f.tracking) + " up to " + readable(f.band, "Hz");
-  return text;
-}
-
-std::string best_linear_line(const DesignedFilter& f) {
-  if (!f.best_linear) return "";
-  const auto& b = *f.best_linear;
-  const double memory = static_cast<double>(b.taps) / f.filter.filter.sample_rate;
-  return "the quietest linear filter of that tracking error with a memory of " + readable(memory, "s") +
-         " (" + std::to_string(b.taps) + " taps): " + significant(b.h2, 4) + "; the chosen one has " +
-         significant(f.filter.norms.h2 / b.h2, 3) + " times its noise";
-}
-
-std::string margin(const Requirement& r, const RequirementResult& result) {
-  if (!(r.limit > 0)) return "";
-  return percent(r.at_least ? result.value / r.limit - 1 : 1 - result.value / r.limit);
+std::string margin_text(const Requirement& r, const RequirementResult& result) {
+  const std::optional<double> part = design_margin(r, result);
+  return part ? percent(*part) : "";
 }
 
 std::string requirement_table(const DesignReport& report, const Design& d, const Style& style) {
@@ -59,7 +29,7 @@ std::string requirement_table(const DesignReport& report, const Design& d, const
         r.at_least ? (d.results[i].met ? ">=" : "<") : (d.results[i].met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
                     readable(d.results[i].value, r.unit), relation, readable(r.limit, r.unit),
-                    d.results[i].met ? margin(r, d.results[i]) : "NOT MET", looser});
+                    d.results[i].met ? margin_text(r, d.results[i]) : "NOT MET", looser});
   }
   if (report.requirement_prices.empty())
     for (auto& row : rows) row.pop_back();
@@ -76,42 +46,11 @@ std::string choices(const DesignReport& report, const Design& d, const Style& st
     out += fitted_table(rows, style.width);
   }
   for (const DesignedFilter& f : d.filters) {
-    out += wrapped(filter_line(f), style.width, "  ");
-    const std::string best = best_linear_line(f);
+    out += wrapped(filter_sentence(f), style.width, "  ");
+    const std::string best = best_linear_sentence(f);
     if (!best.empty()) out += wrapped(best, style.width, "    ");
   }
   return out;
-}
-
-std::string answer(const DesignReport& report, const Design& d) {
-  std::string text = report.goal == "price" ? "cheapest: " + priced(d.price, report.price_unit)
-                     : report.goal == "resolution"
-                         ? "coarsest: " + bits_text(d.bits)
-                         : "least " + report.goal + ": " + readable(*d.minimized, report.goal_unit) +
-                               (d.encoders.empty() ? "" : " for " + priced(d.price, report.price_unit));
-  if (report.proven) return text + (d.encoders.empty() ? "" : ", proven");
-  text += ", NOT proven";
-  if (report.bound)
-    text +=
-        ": the optimum is at least " +
-        (report.goal == "resolution" ? bits_text(*report.bound) : priced(*report.bound, report.price_unit));
-  return text;
-}
-
-/// What the runner-up changes.
-std::string runner_up_line(const DesignReport& report) {
-  const Design &a = *report.optimal, &b = *report.runner_up;
-  std::vector<std::string> changes;
-  for (std::size_t i = 0; i < a.encoders.size(); ++i)
-    if (a.encoders[i].name != b.encoders[i].name)
-      changes.push_back(shown(b.encoders[i].joint) + ' ' + shown(b.encoders[i].name));
-  if (changes.empty())
-    for (const DesignedFilter& f : b.filters) changes.push_back(filter_line(f));
-  const std::string price = b.encoders.empty() ? "" : " for " + priced(b.price, report.price_unit);
-  const std::string cost = b.minimized          ? readable(*b.minimized, report.goal_unit) + price
-                           : b.encoders.empty() ? "no dearer"
-                                                : cost_of(report, b.price, b.bits);
-  return "runner-up: " + cost + ", with " + listed(changes);
 }
 
 std::string front_table(const DesignReport& report, const Style& style) {
@@ -142,13 +81,13 @@ std::string infeasible(const DesignReport& report, const Style& style) {
 std::string to_table(const DesignReport& report, const Style& style) {
   if (!report.optimal) return infeasible(report, style);
   std::string out =
-      painted(answer(report, *report.optimal), report.proven ? Paint::bold : Paint::yellow, style) + '\n';
+      painted(optimum_sentence(report), report.proven ? Paint::bold : Paint::yellow, style) + '\n';
   out += choices(report, *report.optimal, style);
   const std::string requirements = requirement_table(report, *report.optimal, style);
   if (!requirements.empty()) out += '\n' + requirements;
   for (const std::size_t i : report.without_influence)
     out += wrapped("no option changes " + shown(report.spec.requirements[i].name()), style.width, "  ");
-  if (report.runner_up) out += wrapped(runner_up_line(report), style.width);
+  if (report.runner_up) out += wrapped(runner_up_sentence(report), style.width);
   return out + front_table(report, style);
 }
 
