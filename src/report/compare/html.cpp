@@ -81,11 +81,11 @@ std::string first_flip(const ReportComparison& c) {
 std::string flip_picture(const ReportComparison& c) {
   page::Bars bars{"Part of the change after which a requirement flips",
                   "The values are taken to change evenly from A to B.",
-                  {}};
+                  {{"the whole change", 1, percent(1)}}};
   for (const RequirementChange& r : c.requirements)
-    if (const auto after = r.flips_after(); after && bars.bars.size() < most_pictures)
+    if (const auto after = r.flips_after(); after && bars.bars.size() <= most_pictures)
       bars.bars.push_back({r.any().figure.name() + ", " + flip_text(r), *after, percent(*after)});
-  return bars.bars.empty() ? "" : figure(bars);
+  return bars.bars.size() == 1 ? "" : figure(bars);
 }
 
 std::string requirement_section(const ReportComparison& c) {

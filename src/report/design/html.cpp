@@ -46,7 +46,7 @@ page::Bars use_of_limits(const DesignReport& r, const Design& d) {
   page::Bars bars{"Part of the limit that is used",
                   "The value over the limit; for a lower limit the limit over the value. A requirement is "
                   "met up to 100 %.",
-                  {}};
+                  {{"the limit", 1, percent(1)}}};
   for (std::size_t i = 0; i < d.results.size(); ++i) {
     const Requirement& q = r.spec.requirements[i];
     const double value = d.results[i].value;
@@ -67,7 +67,7 @@ std::string margin_section(const DesignReport& r, const Design& d) {
                     margin ? percent(*margin) : "", d.results[i].met ? "met" : "NOT MET"});
   }
   const page::Bars bars = use_of_limits(r, d);
-  std::string out = (bars.bars.empty() ? "" : figure(bars)) +
+  std::string out = (bars.bars.size() == 1 ? "" : figure(bars)) +
                     page::table({"requirement", "value", "limit", "margin", "verdict"}, rows);
   for (const std::size_t i : r.without_influence)
     out += "<p>No option changes " + page::name_markup(r.spec.requirements[i].name()) + ".</p>";
@@ -117,7 +117,7 @@ std::string front_section(const DesignReport& r) {
                   "Designs that no cheaper one equals in this figure; the optimum and the runner-up are "
                   "marked.",
                   {by_bits(r) ? "bits of all joints" : "price", by_bits(r) ? "" : r.price_unit},
-                  {"figure", r.pareto_unit},
+                  {page::shortened(r.pareto_figure, 46), r.pareto_unit},
                   {}};
   plot.x.prefix = false;  // 1.2 kEUR is no price
   page::Series front{"front", {}, true};
@@ -176,7 +176,8 @@ page::Page feasible_page(const DesignReport& r) {
   if (r.budget) answer += "; the budget is " + priced(*r.budget, r.price_unit);
   return {"Design of " + r.spec.robot_name,
           answer + '.',
-          {{"What to choose", chosen_section(r, d) + (r.runner_up ? paragraph(runner_up_sentence(r)) : "")},
+          {{"What to choose",
+            chosen_section(r, d) + (r.runner_up ? paragraph("The " + runner_up_sentence(r) + '.') : "")},
            {"Requirements and their margins", margin_section(r, d)},
            {"What each requirement costs", price_section(r)},
            {"What each step of accuracy costs", front_section(r)}}};

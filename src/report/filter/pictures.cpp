@@ -129,6 +129,9 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
   for (const FilterFigures* f : filters)
     plot.series.push_back({f->name, {{f->group_delay, f->norms.h2}}, true, false});
   const std::vector<ScannedFilter> front = front_of(filters);
+  // Delays of the front span decades; those of predictors, at or below 0, have no logarithm.
+  plot.x.logarithmic = std::all_of(filters.begin(), filters.end(),
+                                   [](const FilterFigures* filter) { return filter->group_delay > 0; });
   page::Series line{"undominated low-passes", {}};
   for (const ScannedFilter& f : front) line.points.emplace_back(f.delay, f.h2);
   plot.series.push_back(line);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -60,6 +61,13 @@ std::optional<SweepAbscissa> abscissa_of(const SweepGrid& grid) {
         return a;
       }
   return std::nullopt;
+}
+
+std::string short_value(const std::string& name) {
+  constexpr std::size_t long_number = 9;
+  const std::string number = name.substr(0, name.find_first_not_of("0123456789.+-eE"));
+  const auto value = parse_number(number);
+  return value && number.size() >= long_number ? significant(*value, 6) + name.substr(number.size()) : name;
 }
 
 std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most) {

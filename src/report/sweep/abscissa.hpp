@@ -21,6 +21,10 @@ struct SweepAbscissa {
 /// Of the first axis that has such a key, with two values at least; empty: there is none.
 std::optional<SweepAbscissa> abscissa_of(const SweepGrid&);
 
+/// A value of a key for people: a number of many digits, such as the steps of a logarithmic range have, with
+/// six of them.
+std::string short_value(const std::string& name);
+
 /// `most` of `count` numbers from 0 on, evenly spread, the first and the last one among them.
 std::vector<std::size_t> evenly_chosen(std::size_t count, std::size_t most);
 

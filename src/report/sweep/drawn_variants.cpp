@@ -34,7 +34,7 @@ std::string name_of_line(const SweepGrid& grid, std::size_t without, const std::
     if (a == without) continue;
     const SweepAxis& axis = grid.axes()[a];
     for (std::size_t k = 0; k < axis.keys.size(); ++k)
-      name += (name.empty() ? "" : ", ") + axis.keys[k] + " = " + axis.steps[steps[a]].names[k];
+      name += (name.empty() ? "" : ", ") + axis.keys[k] + " = " + short_value(axis.steps[steps[a]].names[k]);
   }
   return name.empty() ? "all variants" : name;
 }

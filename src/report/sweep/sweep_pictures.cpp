@@ -23,6 +23,12 @@ std::string first_upper(std::string text) {
   return text;
 }
 
+/// Words that a narrow column can break: of a dotted path each.
+std::string in_words(std::string path) {
+  std::replace(path.begin(), path.end(), '.', ' ');
+  return path;
+}
+
 }  // namespace
 
 std::string SweepPage::answer() const {
@@ -30,9 +36,14 @@ std::string SweepPage::answer() const {
   if (judged_ > 0)
     text = std::to_string(met_) + " of " + counted(static_cast<std::size_t>(grid_.count()), "variant") +
            (met_ == 1 ? " meets" : " meet") + " all requirements";
-  const auto known = std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); });
-  if (known == least_.end()) return text.empty() ? "No variant has a figure." : text + '.';
-  const auto i = static_cast<std::size_t>(known - least_.begin());
+  // The first figure that varies says most.
+  std::size_t i = 0;
+  while (i < least_.size() && (!least_[i] || least_[i]->value == largest_[i]->value)) ++i;
+  if (i == least_.size())
+    i = static_cast<std::size_t>(
+        std::find_if(least_.begin(), least_.end(), [](const auto& e) { return e.has_value(); }) -
+        least_.begin());
+  if (i == least_.size()) return text.empty() ? "No variant has a figure." : text + '.';
   const Extreme &least = *least_[i], &largest = *largest_[i];
   if (!text.empty()) text += "; ";
   const std::string name = "\u2068" + figures_[i].name + "\u2069";
@@ -51,7 +62,7 @@ std::string SweepPage::plot(std::size_t figure) const {
                   "The figure over the values of a key of the spec, one line for each combination of the "
                   "other keys.",
                   {page::shortened(a.key, 46), a.unit, a.logarithmic},
-                  {"figure", f.unit},
+                  {page::shortened(f.name, 46), f.unit},
                   {}};
   std::size_t marks = 0;
   for (const DrawnVariants::Line& line : drawn_.lines) marks += figures_.size() * line.variants.size();
@@ -111,13 +122,15 @@ std::string SweepPage::table() const {
   constexpr std::size_t columns = 4, most_bytes = 60'000;
   const std::size_t shown_figures = std::min(columns, figures_.size());
   std::vector<std::string> header{"variant"};
-  for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(figures_[i].name);
+  for (const std::string& key : grid_.keys()) header.push_back(in_words(key));
+  for (std::size_t i = 0; i < shown_figures; ++i) header.push_back(in_words(figures_[i].name));
   if (judged_ > 0) header.emplace_back("met");
   std::vector<std::vector<std::string>> rows;
   std::size_t bytes = 0;
   for (const auto& [variant, row] : kept_) {
     if (variant != rows.size()) break;  // rows beyond the first ones are kept for the pictures only
-    std::vector<std::string> cells{std::to_string(variant) + ": " + grid_.description(variant)};
+    std::vector<std::string> cells{std::to_string(variant)};
+    for (const std::string& value : grid_.names(variant)) cells.push_back(short_value(value));
     for (std::size_t i = 0; i < shown_figures; ++i) {
       const double value = i < row.values.size() ? row.values[i] : NAN;
       cells.push_back(std::isnan(value) ? "-" : readable(value, figures_[i].unit));
@@ -128,11 +141,12 @@ std::string SweepPage::table() const {
     rows.push_back(std::move(cells));
   }
   std::string out = page::table(header, rows);
-  if (rows.size() < grid_.count() || shown_figures < figures_.size())
+  if (rows.size() < grid_.count())
     out += "<p>The first " + std::to_string(rows.size()) + " of " +
-           counted(static_cast<std::size_t>(grid_.count()), "variant") + ", the first " +
-           std::to_string(shown_figures) + " of " + counted(figures_.size(), "figure") +
+           counted(static_cast<std::size_t>(grid_.count()), "variant") +
            ": the CSV of the sweep has all.</p>";
+  if (shown_figures < figures_.size())
+    out += "<p>The other figures are drawn above, and in the CSV of the sweep.</p>";
   return out;
 }
 
