@@ -19,6 +19,7 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/core/unit.hpp"
 
+#include "qerr/encoder/coupling.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/encoder/transmission.hpp"

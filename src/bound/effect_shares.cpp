@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 
-#include "core/solve.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -76,7 +75,7 @@ RobotUsage usage_from_limits(const OperationalModel& model, const std::vector<Li
     if (joint.velocity_limit) u.velocity = uniform(-*joint.velocity_limit, *joint.velocity_limit);
     if (joint.effort_limit) u.effort = uniform(-*joint.effort_limit, *joint.effort_limit);
   }
-  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
+  const Coupling to_encoders = model.transmission.coupling.inverse();
   for (std::size_t i = 0; i < ranges.size(); ++i) {
     const Eigen::RowVectorXd weights = to_encoders.row(static_cast<Eigen::Index>(i));
     Usage u = usage.joints[i];
@@ -95,7 +94,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
   Eigen::VectorXd at_joints = Eigen::VectorXd::Zero(n), at_encoders = at_joints;  // worst case so far
   for (int stage = 0; stage <= static_cast<int>(Stage::kinematics); ++stage) {
     const auto current = static_cast<Stage>(stage);
-    if (current == Stage::disc) at_encoders = inverse(model.transmission.coupling).cwiseAbs() * at_joints;
+    if (current == Stage::disc) at_encoders = model.transmission.coupling.inverse().magnitudes() * at_joints;
     Eigen::VectorXd& before = at_joint(current) ? at_joints : at_encoders;
     for (EffectShare& s : shares) {
       const EffectKind& kind = effect_kind(s.effect.type);

@@ -35,7 +35,7 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Erro
       padded_((count_ + batch_size - 1) / batch_size * batch_size),
       coordinates_(model.coordinates.size()),
       joints_(model.chain.joints.size()),
-      coupled_(!model.transmission.coupling.isIdentity(0)) {
+      coupled_(!model.transmission.coupling.is_identity()) {
   const std::size_t encoders = model.transmission.encoders.size();
   for (std::size_t e = 0; e < encoders; ++e) places_.push_back({ErrorSource::Where::encoder, e});
   for (ErrorSource s : sources) {

@@ -4,13 +4,22 @@
 
 namespace qerr {
 
+namespace {
+
+Eigen::VectorXd joint_sigma(const Coupling& coupling, const Eigen::VectorXd& delta) {
+  if (coupling.is_identity()) return delta / std::sqrt(12.0);
+  return (coupling.dense() * delta.asDiagonal()).rowwise().norm() / std::sqrt(12.0);
+}
+
+}  // namespace
+
 JointError joint_error(const Transmission& t, const std::vector<ErrorSource>& sources,
                        const SignalMoments* along_motion) {
   const Eigen::VectorXd delta = resolutions(t);
   JointError e;
   e.mean = t.coupling * mean_errors(t);
-  e.half_width = 0.5 * t.coupling.cwiseAbs() * delta;
-  e.sigma = (t.coupling * delta.asDiagonal()).rowwise().norm() / std::sqrt(12.0);
+  e.half_width = 0.5 * (t.coupling.magnitudes() * delta);
+  e.sigma = joint_sigma(t.coupling, delta);
   for (const ErrorSource& s : sources) {
     if (s.where == ErrorSource::Where::origin) continue;
     const auto i = static_cast<Eigen::Index>(s.owner);

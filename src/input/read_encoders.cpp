@@ -138,8 +138,7 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
   Transmission& transmission = spec.model.transmission;
   const std::size_t n = chain.independent.size();
   transmission.encoders.resize(n);
-  transmission.coupling =
-      Eigen::MatrixXd::Identity(static_cast<Eigen::Index>(n), static_cast<Eigen::Index>(n));
+  transmission.coupling = Coupling::identity(static_cast<Eigen::Index>(n));
   spec.encoder_figures.resize(n);
   refuse_bare_encoder(f, chain);
   const std::vector<JointEntry> entries = joint_entries(f, robot, spec, faults);

@@ -130,8 +130,7 @@ class LogReader::Rows {
         column.signal != LogSignal::command)
       return {index, physical, false};
     const auto joint = static_cast<Eigen::Index>(column.index);
-    const double step =
-        transmission_.coupling.row(joint).cwiseAbs().dot(resolutions(transmission_).transpose());
+    const double step = transmission_.coupling.row(joint).cwiseAbs().dot(resolutions(transmission_));
     return {index, std::min(physical, most_counts * step), most_counts * step < physical};
   }
   std::string unit_of(Eigen::Index column) const {

@@ -60,7 +60,7 @@ void PathErrors::add_columns(const OperationalModel& model) {
     else if (s.where == ErrorSource::Where::encoder)
       add_column(model.chain, t.coupling.col(i), s.mean, s.half_width);
     else
-      add_column(model.chain, Eigen::VectorXd::Unit(t.coupling.rows(), i), s.mean, s.half_width);
+      add_column(model.chain, Eigen::VectorXd::Unit(t.coupling.size(), i), s.mean, s.half_width);
   }
 }
 

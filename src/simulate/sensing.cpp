@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/solve.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
@@ -42,8 +41,7 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
     : built_(as_built(model.chain, effects)),
       transmission_(model.transmission),
       path_(motion, set),
-      to_encoders_(inverse(model.transmission.coupling)),
-      uncoupled_(model.transmission.coupling.isIdentity(0)),
+      to_encoders_(model.transmission.coupling.inverse()),
       shift_(model.transmission.coupling * options.displacement),
       actions_(model.transmission.encoders.size()),
       effort_(has_masses(built_) && (options.effort || needs_effort(effects))),
@@ -75,7 +73,7 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
                                [](const Actions& a) { return !a.clock.empty() || !a.motion.empty(); });
   const std::size_t n = actions_.size();
   for (AlignedNumbers* rows : {&joint_, &counts_, &measured_}) *rows = AlignedNumbers(n * batch_size);
-  if (!uncoupled_)
+  if (!transmission_.coupling.is_identity())
     for (AlignedNumbers* rows : {&encoder_, &shaft_, &estimate_}) *rows = AlignedNumbers(n * batch_size);
   if (shaft_differs_) shaft_joint_ = AlignedNumbers(n * batch_size);
   if (effort_) efforts_ = AlignedNumbers(n * batch_size);
@@ -154,10 +152,9 @@ double Sensing::count(std::size_t encoder, double shaft, std::size_t i) {
 }
 
 /// The rows multiplied by a matrix; the rows themselves if the transmission is not coupled.
-const double* Sensing::mixed(const Eigen::MatrixXd& m, const AlignedNumbers& from,
-                             const AlignedNumbers& to) const {
-  if (uncoupled_) return from.data();
-  const Eigen::MatrixXd by_row = m.transpose();
+const double* Sensing::mixed(const Coupling& c, const AlignedNumbers& from, const AlignedNumbers& to) const {
+  if (c.is_identity()) return from.data();
+  const Eigen::MatrixXd by_row = c.dense().transpose();
   select_kernels<SimulationKernels>(set_).mix(actions_.size(), by_row.data(), from.data(), to.data());
   return to.data();
 }

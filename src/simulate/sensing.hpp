@@ -109,7 +109,7 @@ class Sensing {
   double count(std::size_t encoder, double shaft, std::size_t in_batch);
   double count_of(std::size_t encoder, double position) const;
   Moment moment(std::size_t joint, std::size_t in_batch) const;
-  const double* mixed(const Eigen::MatrixXd&, const AlignedNumbers& from, const AlignedNumbers& to) const;
+  const double* mixed(const Coupling&, const AlignedNumbers& from, const AlignedNumbers& to) const;
   const double* shaft_positions(std::size_t count);
   void count_shaft(std::size_t encoder, const double* shaft, std::size_t count);
   static void repeat_last(const AlignedNumbers& rows, std::size_t count);
@@ -118,8 +118,7 @@ class Sensing {
   Chain built_;
   Transmission transmission_;
   PathBatch path_;
-  Eigen::MatrixXd to_encoders_;
-  bool uncoupled_;
+  Coupling to_encoders_;
   Eigen::VectorXd shift_;  // of the joints
   std::vector<Actions> actions_;
   bool effort_, shaft_differs_;  // efforts are computed; shaft angles differ from the true joint angles

@@ -5,7 +5,6 @@
 #include <optional>
 #include <span>
 
-#include "core/solve.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "simulate/motion_path.hpp"
 
@@ -83,8 +82,8 @@ void include(Spread& s, double value) {
 }
 
 /// Extends the ranges to `margin` before and after the motion; means stay those of the motion.
-void include_margin(const MotionPath& path, const Motion& motion, double margin,
-                    const Eigen::MatrixXd& to_encoders, RobotUsage& usage) {
+void include_margin(const MotionPath& path, const Motion& motion, double margin, const Coupling& to_encoders,
+                    RobotUsage& usage) {
   constexpr int steps = 512;
   for (int k = 1; k <= steps; ++k) {
     const double beyond = margin * k / steps;
@@ -114,7 +113,7 @@ void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motio
 
 RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, double margin) {
   const MotionPath path(motion);
-  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
+  const Coupling to_encoders = model.transmission.coupling.inverse();
   Path joints(path.joints()), encoders(path.joints());
   for (const double t : instants(motion, most_usage_samples)) {
     const Eigen::VectorXd q = path.position(t), v = path.velocity(t);

@@ -207,10 +207,10 @@ TEST(ChainBound, IsReachedByCouplingsOfNeighbours) {
     SCOPED_TRACE(i);
     OperationalModel m = model_of(testing::random_robot(dice, ChainMix{3, 0.2, 0}));
     const Eigen::Index first = i % 2, last = first + 1;
-    m.transmission.coupling(first, last) = 0.5;
-    m.transmission.coupling(last, first) = -0.5;
-    m.transmission.coupling(last, last) = 0.5;
-    m.transmission.coupling(first, first) = 0.5;
+    Eigen::MatrixXd coupling = m.transmission.coupling.dense();
+    coupling(first, last) = coupling(last, last) = coupling(first, first) = 0.5;
+    coupling(last, first) = -0.5;
+    m.transmission.coupling = coupling;
     m.frame = i < 3 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz})

@@ -57,7 +57,7 @@ OperationalModel gantry(Rounding rounding) {
     robot.joints.push_back(joint);
   }
   Transmission t{{{1e-3, rounding, true}, {7e-4, Rounding::nearest, true}}, Eigen::Matrix2d::Identity()};
-  t.coupling << 1, 0.3, -0.2, 1;
+  t.coupling = (Eigen::Matrix2d() << 1, 0.3, -0.2, 1).finished();
   return {make_chain(robot, "", ""), t, {Coordinate::x, Coordinate::y, Coordinate::z}};
 }
 
@@ -81,7 +81,7 @@ TEST(DerivativeError, DominatesEverySimulatedError) {
     const OperationalModel m = gantry(rounding);
     const OperationalError e = operational_error(m, Eigen::Vector2d::Zero());
     const Eigen::MatrixXd j = jacobian(m.chain, Eigen::Vector2d::Zero());
-    const Eigen::Matrix2d to_encoders = m.transmission.coupling.inverse();
+    const Eigen::Matrix2d to_encoders = m.transmission.coupling.inverse().dense();
     for (int motion = 0; motion < 6; ++motion) {
       const double speed = std::pow(10.0, motion - 3);
       std::vector<std::vector<double>> error(3);

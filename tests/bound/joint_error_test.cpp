@@ -22,7 +22,7 @@ TEST(JointError, DifferentialOfTheWamHasTheWorstCaseOfASingleGearAndLessSigma) {
 
 TEST(JointError, RoundingDownAddsItsMeanToTheWorstCaseAndNothingToSigma) {
   Transmission t{{{0.2, Rounding::down, true}, {0.1, Rounding::nearest, true}}, Eigen::Matrix2d::Identity()};
-  t.coupling << 1, 2, -1, 1;
+  t.coupling = (Eigen::Matrix2d() << 1, 2, -1, 1).finished();
   const JointError e = joint_error(t);
   // By hand: means C (-0.1, 0); half widths |C| (0.1, 0.05); variances (0.04 + 4 * 0.01)/12 and (0.04 +
   // 0.01)/12.

@@ -59,7 +59,7 @@ OperationalModel single() { return with({{{1e-3}}, Eigen::MatrixXd::Identity(1, 
 /// A differential: encoder 1 reads joint 1, encoder 2 the difference of the joints.
 OperationalModel differential() {
   Transmission t{{{1e-3}, {2e-3}}, Eigen::Matrix2d()};
-  t.coupling << 1, 0, 1, 1;
+  t.coupling = (Eigen::Matrix2d() << 1, 0, 1, 1).finished();
   return with(t);
 }
 

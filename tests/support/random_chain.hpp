@@ -122,7 +122,8 @@ inline RobotModel random_robot(Dice& dice, const ChainMix& mix) {
 inline Transmission random_transmission(Dice& dice, const Chain& chain, double finest, double coarsest,
                                         bool coupled) {
   const auto n = static_cast<Eigen::Index>(chain.independent.size());
-  Transmission t{{}, Eigen::MatrixXd::Identity(n, n)};
+  Transmission t{{}, {}};
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Identity(n, n);
   for (Eigen::Index i = 0; i < n; ++i) {
     const double resolution = finest * std::pow(coarsest / finest, dice.between(0, 1));
     t.encoders.push_back({resolution, dice.chance(0.25) ? Rounding::down : Rounding::nearest, true});
@@ -130,7 +131,8 @@ inline Transmission random_transmission(Dice& dice, const Chain& chain, double f
   if (coupled)
     for (Eigen::Index i = 0; i < n; ++i)
       for (Eigen::Index j = 0; j < n; ++j)
-        if (i != j && dice.chance(0.4)) t.coupling(i, j) = dice.between(-0.8, 0.8) / static_cast<double>(n);
+        if (i != j && dice.chance(0.4)) coupling(i, j) = dice.between(-0.8, 0.8) / static_cast<double>(n);
+  t.coupling = coupling;
   return t;
 }
 

@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "qerr/encoder/coupling.hpp"
 #include "qerr/encoder/encoder.hpp"
 
 namespace qerr {
@@ -15,8 +16,8 @@ namespace qerr {
 /// independent: propagation from encoder space is exact, Eq. (9) of the paper is not.
 struct Transmission {
   std::vector<Encoder>
-      encoders;              ///< one per independent joint, in chain order, on the joint side of its gear
-  Eigen::MatrixXd coupling;  ///< n x n, row: joint, column: encoder; not singular
+      encoders;       ///< one per independent joint, in chain order, on the joint side of its gear
+  Coupling coupling;  ///< n x n, row: joint, column: encoder; not singular
 };
 
 /// Quantization interval of every encoder, in chain order [rad or m].

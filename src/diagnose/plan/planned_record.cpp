@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/solve.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/terms/with_effects.hpp"
 #include "kinematics/inverse_dynamics.hpp"
@@ -44,7 +43,7 @@ SampledMotion sampled(const OperationalModel& model, const Motion& motion, Eigen
     if (masses)
       c.effort.col(k) = inverse_dynamics(model.chain, c.position.col(k), c.velocity.col(k), acceleration);
   }
-  const Eigen::MatrixXd to_encoders = inverse(model.transmission.coupling);
+  const Coupling to_encoders = model.transmission.coupling.inverse();
   c.position = to_encoders * c.position;
   c.velocity = to_encoders * c.velocity;
   return c;

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/solve.hpp"
-
 namespace qerr {
 
 namespace {
@@ -13,7 +11,7 @@ constexpr double negligible = 1e-12;  ///< weight, by rounding errors
 
 /// Change of the encoder's coordinate per unit of every joint.
 Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index encoder) {
-  return inverse(model.transmission.coupling).row(encoder);
+  return model.transmission.coupling.inverse().row(encoder);
 }
 
 }  // namespace

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/solve.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -100,7 +99,7 @@ void add_coupled_effects(std::vector<Evidence>& all, const Transmission& transmi
                          const std::vector<Effect>& effects) {
   if (effects.empty() || std::none_of(all.begin(), all.end(), [](const Evidence& e) { return e.coupled(); }))
     return;
-  const Eigen::MatrixXd to_encoders = inverse(transmission.coupling);
+  const Coupling to_encoders = transmission.coupling.inverse();
   std::vector<Eigen::ArrayXd> added;
   for (const Evidence& e : all) added.push_back(joint_addition(e, effects));
   for (Evidence& e : all)

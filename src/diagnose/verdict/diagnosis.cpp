@@ -78,7 +78,7 @@ std::vector<Comparison> simulated(const Sanity& sane, const std::vector<Filter>&
                                   const DiagnoseOptions& options, std::vector<Evidence>& all) {
   constexpr std::size_t rows_at_once = 1 << 20;
   const std::vector<std::size_t> encoders = all_encoders(sane.model);
-  const bool apart = sane.present.empty() || sane.model.transmission.coupling.isIdentity(0);
+  const bool apart = sane.present.empty() || sane.model.transmission.coupling.is_identity();
   const std::size_t rows = std::max<std::size_t>(1, static_cast<std::size_t>(sane.log.values.rows()));
   const std::size_t at_once = apart ? std::max<std::size_t>(1, rows_at_once / rows) : encoders.size();
   std::vector<JointStatistics> statistics;

@@ -83,7 +83,7 @@ Problem read_problem(const std::string& file, const std::string& base, const std
     p.motions.row(k) = (joint.multiplier * p.points.row(master).array() + joint.offset).matrix();
   }
   p.fold = to_independent(chain, Eigen::MatrixXd::Identity(joints, joints));
-  p.weights = p.model.transmission.coupling * resolutions(p.model.transmission).asDiagonal();
+  p.weights = p.model.transmission.coupling.dense() * resolutions(p.model.transmission).asDiagonal();
   return p;
 }
 

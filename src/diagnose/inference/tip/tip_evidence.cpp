@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "core/parallel.hpp"
-#include "core/solve.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/terms/with_effects.hpp"
 
@@ -135,7 +134,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     if (e.ordered) e.noise = std::max(e.noise, noise_of_path(time, log.values.col(column), e.log_resolution));
   e.joints.resize(count, rows);
   e.joint_noise.setZero(count);
-  e.to_joints = model.transmission.coupling;
+  e.to_joints = model.transmission.coupling.dense();
   Eigen::MatrixXd read(count, rows);
   for (Eigen::Index j = 0; j < count; ++j) {
     const auto joint = static_cast<std::size_t>(j);
@@ -153,7 +152,7 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
     }
     read.row(j) = measured ? measured->matrix().transpose() : e.joints.row(j).eval();
   }
-  const Eigen::MatrixXd turned = inverse(model.transmission.coupling) * read;
+  const Eigen::MatrixXd turned = model.transmission.coupling.inverse() * read;
   e.encoders.resize(static_cast<std::size_t>(count));
   parallel_for(e.encoders.size(), threads, [&](std::size_t i) {
     e.encoders[i] = own_evidence(model, log, i, turned.row(static_cast<Eigen::Index>(i)).array(), time);

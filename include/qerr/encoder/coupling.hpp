@@ -1,0 +1,41 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace qerr {
+
+/// A square matrix that is mostly the identity, which takes no memory: robots of thousands of joints have it.
+class Coupling {
+ public:
+  Coupling() = default;  ///< 0 x 0
+  static Coupling identity(Eigen::Index size);
+  template <class Derived>
+  Coupling(const Eigen::MatrixBase<Derived>& matrix)  // NOLINT: a matrix is a coupling
+      : size_(matrix.rows()), matrix_(matrix) {
+    if (matrix_.isIdentity(0)) matrix_.resize(0, 0);
+  }
+
+  Eigen::Index size() const { return size_; }
+  bool is_identity() const { return matrix_.size() == 0; }
+  double operator()(Eigen::Index row, Eigen::Index column) const {
+    return is_identity() ? static_cast<double>(row == column) : matrix_(row, column);
+  }
+  Eigen::VectorXd col(Eigen::Index) const;
+  Eigen::RowVectorXd row(Eigen::Index) const;
+  Eigen::MatrixXd dense() const;
+
+  /// @pre not singular
+  Coupling inverse() const;
+  Coupling magnitudes() const;  ///< of the entries
+
+  // Friends, as two matrices are no couplings.
+  friend Eigen::MatrixXd operator*(const Coupling&, const Eigen::MatrixXd&);
+  friend Eigen::VectorXd operator*(const Coupling&, const Eigen::VectorXd&);
+  friend Eigen::MatrixXd operator*(const Eigen::MatrixXd&, const Coupling&);
+
+ private:
+  Eigen::Index size_ = 0;
+  Eigen::MatrixXd matrix_;  ///< empty: the identity
+};
+
+}  // namespace qerr

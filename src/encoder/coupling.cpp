@@ -1,0 +1,42 @@
+#include "qerr/encoder/coupling.hpp"
+
+#include "core/solve.hpp"
+
+namespace qerr {
+
+Coupling Coupling::identity(Eigen::Index size) {
+  Coupling c;
+  c.size_ = size;
+  return c;
+}
+
+Eigen::VectorXd Coupling::col(Eigen::Index i) const {
+  return is_identity() ? Eigen::VectorXd(Eigen::VectorXd::Unit(size_, i)) : Eigen::VectorXd(matrix_.col(i));
+}
+
+Eigen::RowVectorXd Coupling::row(Eigen::Index i) const {
+  return is_identity() ? Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(size_, i))
+                       : Eigen::RowVectorXd(matrix_.row(i));
+}
+
+Eigen::MatrixXd Coupling::dense() const {
+  return is_identity() ? Eigen::MatrixXd(Eigen::MatrixXd::Identity(size_, size_)) : matrix_;
+}
+
+Coupling Coupling::inverse() const { return is_identity() ? *this : Coupling(qerr::inverse(matrix_)); }
+
+Coupling Coupling::magnitudes() const { return is_identity() ? *this : Coupling(matrix_.cwiseAbs()); }
+
+Eigen::MatrixXd operator*(const Coupling& c, const Eigen::MatrixXd& m) {
+  return c.is_identity() ? m : Eigen::MatrixXd(c.dense() * m);
+}
+
+Eigen::VectorXd operator*(const Coupling& c, const Eigen::VectorXd& v) {
+  return c.is_identity() ? v : Eigen::VectorXd(c.dense() * v);
+}
+
+Eigen::MatrixXd operator*(const Eigen::MatrixXd& m, const Coupling& c) {
+  return c.is_identity() ? m : Eigen::MatrixXd(m * c.dense());
+}
+
+}  // namespace qerr
