@@ -188,23 +188,38 @@ def check_analysis(t, qerr, spec, *more):
         check_robot(t, name, drawn, report, rows)
 
 
-# Appended to a copy of the page: it writes what was loaded, also in vain.
-TELL_REQUESTS = """<script>addEventListener("load",function(){var p=document.createElement("pre");p.id="requests";
-p.textContent=performance.getEntriesByType("resource").map(function(e){return e.name}).join(" ");document.body.appendChild(p)})</script>"""
+# Appended to a copy of the page: it writes what was loaded, also in vain, and what the page says at the pointer.
+TELL = """<script>addEventListener("load",function(){setTimeout(function(){
+function write(id,text){var p=document.createElement("pre");p.id=id;p.textContent=text;document.body.appendChild(p)}
+write("requests",performance.getEntriesByType("resource").map(function(e){return e.name}).join(" "));
+var map=document.querySelector("image[data-span]"),box=map.getBoundingClientRect();
+map.ownerSVGElement.dispatchEvent(new PointerEvent("pointermove",{clientX:box.left+0.503*box.width,clientY:box.top+0.503*box.height}));
+write("pointer",map.closest("figure").querySelector("output").textContent)},300)})</script>"""
 
 
 def shown(folder, text):
-    """The browser's messages, the page's requests and its DOM."""
+    """The browser's messages, the page's requests, its words at the pointer and its DOM."""
     file = pathlib.Path(folder) / "shown.html"
-    file.write_text(text.replace("</body>", TELL_REQUESTS + "</body>"))
+    file.write_text(text.replace("</body>", TELL + "</body>"))
     command = [CHROMIUM, "--headless", "--no-sandbox", "--disable-gpu", "--disable-background-networking", "--no-first-run",
-               f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--dump-dom", file.as_uri()]
+               f"--user-data-dir={folder}/profile", "--enable-logging=stderr", "--virtual-time-budget=2000",
+               "--dump-dom", file.as_uri()]
     made = subprocess.run(command, capture_output=True, timeout=60, stdin=subprocess.DEVNULL)
     dom = made.stdout.decode()
     messages = [line for line in made.stderr.decode(errors="replace").splitlines() if "CONSOLE" in line]
     told = re.search('<pre id="requests">(.*?)</pre>', dom, re.S)
     sent = None if told is None else [url for url in told[1].split() if not url.startswith("data:")]
-    return messages, sent, dom
+    pointer = re.search('<pre id="pointer">(.*?)</pre>', dom, re.S)
+    return messages, sent, pointer and pointer[1], dom
+
+
+def value_of_middle(root):
+    """Of the cell in the middle of the first heat map, as its colour says."""
+    image = next(i for i in root.iter(SVG + "image") if i.get("data-span"))
+    width, height, pixels = decoded(image)
+    index = pixels[int(0.503 * height)][int(0.503 * width)]
+    low, high = float(image.get("data-from")), float(image.get("data-to"))
+    return low + (index - 1) / 254 * (high - low)
 
 
 def check_in_browser(t, qerr):
@@ -212,12 +227,15 @@ def check_in_browser(t, qerr):
         page_file = pathlib.Path(folder) / "report.html"
         run(qerr, "analyze", CONFIGS / "kuka_lwr/spec.yaml", "-o", page_file, "--quiet")
         text = page_file.read_text()
-        messages, sent, dom = shown(folder, text)
+        messages, sent, pointer, dom = shown(folder, text)
         t.check("browser: no message on the console", not messages, str(messages[:3]))
         t.check("browser: no request", sent == [], str(sent))
         t.check("browser: the script has run", "<output>" in dom and 'class="option" hidden' in dom)
+        said = re.fullmatch(r"-?[\d.]+ [mu]?m, -?[\d.]+ [mu]?m: ([\d.]+) um", pointer or "")
+        t.check("browser: position and value at the pointer, with prefix and unit",
+                said and close(float(said[1]) * 1e-6, value_of_middle(Xml.fromstring(text)), 1e-3), pointer)
         wrong = '<img alt="" src="http://127.0.0.1:9/x"/><script>undefined_name()</script></body>'
-        messages, sent, dom = shown(folder, text.replace("</body>", wrong))
+        messages, sent, _, _ = shown(folder, text.replace("</body>", wrong))
         t.check("browser: a request and an error would be seen", sent == ["http://127.0.0.1:9/x"] and len(messages) >= 1,
                 f"{sent}, {messages}")
 
@@ -245,6 +263,40 @@ def check_filters(t, qerr, spec):
                 str(common[:5]))
 
 
+def check_sample(t, qerr):
+    """Of more configurations the page draws a part, which it says; its ends and marks are those of all."""
+    spec, more = CONFIGS / "scara/spec.yaml", ("--set", "configurations.count=40000")
+    root = page(t, qerr, "analyze of 40000 configurations", "analyze", spec, *more)
+    text = " ".join("".join(p.itertext()) for p in root.iter(HTML + "p"))
+    t.check("a part of the configurations is said to be one", text.count("drawn from 32768 of them") == 2)
+    with tempfile.TemporaryDirectory() as folder:
+        file = pathlib.Path(folder) / "points.csv"
+        run(qerr, "analyze", spec, *more, "--quiet", "--per-configuration", file)
+        rows = [float(row["position.x.worst_case [m]"]) for row in csv.DictReader(io.StringIO(file.read_text()))]
+    drawn, some = line(figures(root)["Error of position x"], "worst_case"), sorted(rows[:32768])
+    wanted = [(min(rows) if y == 0 else max(rows) if y == 100 else percentile(some, y), y) for _, y in drawn]
+    t.check("distribution of a part as in CSV", all(close(a[0], b[0]) for a, b in zip(drawn, wanted)), str(drawn[:3]))
+    for method in ("grid", "random"):
+        page(t, qerr, f"analyze, {method}", "analyze", spec, "--set", f"configurations.method={method}", "--set",
+             f"configurations.count={16 if method == 'grid' else 40000}")
+
+
+def drawn_limits(root, caption):
+    return {float(p.get("data-limit")) for p in figures(root)[caption].iter(SVG + "path") if p.get("data-limit")}
+
+
+def check_limits(t, qerr):
+    some = ("--set", "configurations.count=500")
+    root = page(t, qerr, "analyze with requirements", "analyze", CONFIGS / "kuka_lwr/spec.yaml", *some)
+    drawn = drawn_limits(root, "Error of position z")
+    t.check("the required limit is drawn", drawn == {0.00015}, str(drawn))
+    arguments = ("analyze", CONFIGS / "scara/spec.yaml", *some, "--prove")
+    root = page(t, qerr, "analyze --prove", *arguments)
+    x = json.loads(run(qerr, *arguments, "--format", "json", "--quiet").out)["position"][0]
+    drawn, proven = drawn_limits(root, "Error of position x"), {x[b]["proven"]["upper"] for b in ("worst_case", "sigma")}
+    t.check("proven limits are drawn", proven <= drawn, f"{drawn} for {proven}")
+
+
 def check_refusal(t, qerr):
     made = run(qerr, "robot", CONFIGS / "kuka_lwr/kuka_lwr.urdf", "--format", "html")
     t.check("a report without a page is refused", made.code == 2 and not made.out, made.err.decode())
@@ -259,6 +311,8 @@ if __name__ == "__main__":
     for arm in ("kuka_lwr", "scara", "barrett_wam"):
         check_analysis(tally, program, CONFIGS / arm / "spec.yaml", "--set", "configurations.count=500")
         check_filters(tally, program, CONFIGS / arm / "spec.yaml")
+    check_sample(tally, program)
+    check_limits(tally, program)
     check_refusal(tally, program)
     if CHROMIUM:
         check_in_browser(tally, program)

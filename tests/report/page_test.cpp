@@ -64,9 +64,14 @@ TEST(Plot, LeavesOutWhatItsAxesCannotShow) {
 
 TEST(Markup, ShortensToTheWidthThatIsLeft) {
   EXPECT_EQ(fitted("a1", 100, 10), "a1");
-  const std::string cut = fitted(std::string(60, 'm'), 100, 10);
-  EXPECT_LE(10 * text_width(cut), 100);
-  EXPECT_GT(10 * text_width(cut), 80);
+  for (const char letter : {'i', 'm', 'W'}) {
+    const std::string cut = fitted(std::string(60, letter), 100, 10);
+    EXPECT_LE(10 * text_width(cut), 100);
+    EXPECT_GT(10 * text_width(cut), 80);
+  }
+  EXPECT_GE(text_width("W"), 0.989);  // advance of DejaVu Sans
+  EXPECT_GE(text_width("m"), 0.974);
+  EXPECT_GE(text_width("0"), 0.636);
 }
 
 TEST(Plot, TellsSeriesApartByShapeAndDashBesideColour) {

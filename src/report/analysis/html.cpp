@@ -31,11 +31,17 @@ std::string answer(const Analysis& a) {
   return text + '.';
 }
 
+/// As requirements name it; the filter's name keeps its writing direction to itself.
+std::string isolated_quantity(const FigureName& name) {
+  const std::string quantity = name.quantity();
+  return name.filter.empty() ? quantity : isolated(name.filter) + quantity.substr(name.filter.size());
+}
+
 std::string summary(const Analysis& a) {
   std::vector<std::vector<std::string>> rows;
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     const ProvenMaximum* proof = find_proof(a, name.figure);
-    rows.push_back({name.quantity(), readable(s.p50, name.unit), readable(s.p95, name.unit),
+    rows.push_back({isolated_quantity(name), readable(s.p50, name.unit), readable(s.p95, name.unit),
                     readable(s.p99, name.unit), readable(s.max, name.unit),
                     proof ? readable(proof->upper, name.unit) : "not asked for"});
   });

@@ -60,15 +60,16 @@ std::string shortened(std::string_view name, std::size_t most) {
 }
 
 double text_width(std::string_view text) {
-  constexpr double narrow = 0.62, capital = 0.8, square = 1.05;  // DejaVu Sans, the widest usual font
+  constexpr double narrow = 0.65, capital = 0.8, square = 1.05;  // DejaVu Sans, the widest usual font
   constexpr unsigned first_square = 0x1100;                      // Hangul; the scripts of East Asia follow
   double width = 0;
   for (std::size_t at = 0; at < text.size(); at += std::max<std::size_t>(1, utf8_length(text, at))) {
     const unsigned symbol = code_point(text, at);
     const bool punctuation = symbol >= 0x2000 && symbol < 0x2100;
-    width += symbol >= 'A' && symbol <= 'Z'           ? capital
-             : symbol >= first_square && !punctuation ? square
-                                                      : narrow;
+    const bool wide = std::string_view("MWmw@%").find(text[at]) != std::string_view::npos;
+    width += wide || symbol == 0x2026 || (symbol >= first_square && !punctuation) ? square
+             : symbol >= 'A' && symbol <= 'Z'                                     ? capital
+                                                                                  : narrow;
   }
   return width;
 }

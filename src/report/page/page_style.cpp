@@ -31,7 +31,7 @@ pre{white-space:pre-wrap;font-size:.85rem}output{display:block;min-height:1.4em;
 @media (prefers-color-scheme:dark){:root{--ink:#ececec;--soft:#b5b5b5;--paper:#15171a;--grid:#3a3d42;--c0:#56b4e9;--c1:#f08a3c;--c2:#35c79b;--c3:#dd92bd;--c4:#e0c341}}
 @media print{:root{--ink:#000;--soft:#333;--paper:#fff;--grid:#ccc;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;--c3:#a0437c;--c4:#806600}
 body{font-size:10pt;padding:0}.figures{grid-template-columns:1fr 1fr}output,.choice label{display:none}.wide{overflow:visible}
-.option,.option[hidden]{display:block;margin-bottom:.6rem}h2{break-after:avoid}svg,.bar,.band,.cells{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
+.choice{display:grid;grid-template-columns:1fr 1fr;gap:.5rem 1rem}.option,.option[hidden]{display:block;min-width:0;break-inside:avoid}.option:has(.figures,table){grid-column:1/-1}h2,section>p{break-after:avoid}svg,.bar,.band,.cells{print-color-adjust:exact;-webkit-print-color-adjust:exact}}
 )";
 
 const std::string_view script = R"(
