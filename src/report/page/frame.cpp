@@ -22,7 +22,7 @@ std::string drawn_title(double x, double y, std::string_view style, const std::s
 
 }  // namespace
 
-Frame framed(Axis x, Axis y, double right) {
+PictureFrame framed(Axis x, Axis y, double right) {
   double widest = 0;
   for (const Tick& t : y.ticks) widest = std::max(widest, tick_font * text_width(t.label));
   return {std::move(x), std::move(y), std::max(least_left, widest + 2 * tick_gap), right};
@@ -35,7 +35,7 @@ Axis unrounded(const AxisRange& range, double least, double largest) {
   return a;
 }
 
-std::string drawn_axes(const Frame& f) {
+std::string drawn_axes(const PictureFrame& f) {
   constexpr double bottom = picture_height - bottom_margin, gap = 6;
   std::string out, grid;
   double free_from = -INFINITY;

@@ -12,7 +12,7 @@ namespace qerr::page {
 inline constexpr double picture_width = 400, picture_height = 250;
 inline constexpr double least_left = 40, right_margin = 14, top_margin = 22, bottom_margin = 40;
 
-struct Frame {
+struct PictureFrame {
   Axis x, y;
   double left = least_left, right = picture_width - right_margin;
   double title_room = picture_width - 8;  ///< of the ordinate's title
@@ -25,14 +25,14 @@ struct Frame {
 
 /// The area of the axes: it leaves room for the labels of the ordinate.
 /// @param right  end of the area [pixels]
-Frame framed(Axis x, Axis y, double right = picture_width - right_margin);
+PictureFrame framed(Axis x, Axis y, double right = picture_width - right_margin);
 
 /// The axis from `least` to `largest` themselves, not to round numbers.
 Axis unrounded(const AxisRange&, double least, double largest);
 
 /// Grid, ticks and titles; a tick whose label would touch the one before has none, a title that is too long
 /// is shortened.
-std::string drawn_axes(const Frame&);
+std::string drawn_axes(const PictureFrame&);
 
 /// Text in the class of the style sheet.
 std::string drawn_text(double x, double y, std::string_view style, const std::string& text);

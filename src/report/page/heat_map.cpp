@@ -53,13 +53,13 @@ std::string image(const std::string& style, double left, double top, double righ
 }
 
 /// The area of the map: it ends before the colour bar. With equal scales the longer span fills its axis.
-Frame frame_of(const HeatMap& m) {
+PictureFrame frame_of(const HeatMap& m) {
   constexpr double end = bar_left - 16;
   auto [x0, x1] = m.x_span;
   auto [y0, y1] = m.y_span;
   if (!m.equal_scales) return framed(unrounded(m.x, x0, x1), unrounded(m.y, y0, y1), end);
   const double tall = bottom_edge - top_edge;
-  Frame f = framed({}, unrounded(m.y, y0, y1), end);
+  PictureFrame f = framed({}, unrounded(m.y, y0, y1), end);
   const double scale = std::max((x1 - x0) / (f.right - f.left), (y1 - y0) / tall);
   const double more_x = 0.5 * (scale * (f.right - f.left) - (x1 - x0)),
                more_y = 0.5 * (scale * tall - (y1 - y0));
@@ -68,7 +68,7 @@ Frame frame_of(const HeatMap& m) {
   return f;
 }
 
-Frame beside_bar(Frame f) {
+PictureFrame beside_bar(PictureFrame f) {
   f.title_room = 0.4 * picture_width;
   return f;
 }
@@ -104,7 +104,7 @@ std::string figure(const HeatMap& m) {
   for (std::size_t r = m.rows; r-- > 0;)
     for (std::size_t c = 0; c < m.columns; ++c)
       pixels.push_back(index_of(m.cells[r * m.columns + c], scale.from, scale.to));
-  const Frame f = beside_bar(frame_of(m));
+  const PictureFrame f = beside_bar(frame_of(m));
   const auto [x0, x1] = m.x_span;
   const auto [y0, y1] = m.y_span;
   return figure_begin(m.title, m.description, m.x, m.y) + drawn_axes(f) +

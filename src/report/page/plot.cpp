@@ -23,7 +23,7 @@ bool shown(const Plot& p, double x, double y) {
   return std::isfinite(x) && std::isfinite(y) && (!p.x.logarithmic || x > 0) && (!p.y.logarithmic || y > 0);
 }
 
-struct Extent {
+struct AxisExtent {
   double low = INFINITY, high = -INFINITY;
 
   void include(double value) { low = std::min(low, value), high = std::max(high, value); }
@@ -37,8 +37,8 @@ struct Extent {
   }
 };
 
-void include_limits(const std::vector<Marker>& limits, const AxisRange& range, Extent& e) {
-  const Extent data = e;
+void include_limits(const std::vector<Marker>& limits, const AxisRange& range, AxisExtent& e) {
+  const AxisExtent data = e;
   for (const Marker& m : limits) {
     const bool drawable = std::isfinite(m.value) && (!range.logarithmic || m.value > 0);
     const bool alone = !(data.low <= data.high);
@@ -56,19 +56,19 @@ bool has_interval(const Plot& p, const Series& s, std::size_t k) {
          shown(p, s.points[k].first, s.intervals[k].second);
 }
 
-Frame with_equal_scales(const Plot& p, const Extent& x, const Extent& y) {
+PictureFrame with_equal_scales(const Plot& p, const AxisExtent& x, const AxisExtent& y) {
   constexpr double room = 1.1, wide = picture_width - least_left - right_margin, tall = bottom - top;
   const double metres_a_pixel = room * std::max({(x.high - x.low) / wide, (y.high - y.low) / tall, 1e-9});
   const double half_y = 0.5 * metres_a_pixel * tall, middle_y = 0.5 * (y.low + y.high);
   Axis ordinate = unrounded(p.y, middle_y - half_y, middle_y + half_y);
-  Frame f = framed({}, std::move(ordinate));
+  PictureFrame f = framed({}, std::move(ordinate));
   const double half_x = 0.5 * metres_a_pixel * (f.right - f.left), middle_x = 0.5 * (x.low + x.high);
   f.x = unrounded(p.x, middle_x - half_x, middle_x + half_x);
   return f;
 }
 
-Frame frame_of(const Plot& p) {
-  Extent x, y;
+PictureFrame frame_of(const Plot& p) {
+  AxisExtent x, y;
   for (const Series& s : p.series)
     for (std::size_t k = 0; k < s.points.size(); ++k) {
       if (has_interval(p, s, k)) {
@@ -105,7 +105,7 @@ std::string drawn_mark(std::size_t series, double x, double y, const std::string
          inside + "</path>";
 }
 
-std::string drawn_marks(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_marks(const Plot& p, const PictureFrame& f, std::size_t i) {
   const Series& s = p.series[i];
   std::string out;
   const auto draw = [&](double x, double y, const std::string& title) {
@@ -120,7 +120,7 @@ std::string drawn_marks(const Plot& p, const Frame& f, std::size_t i) {
   return out;
 }
 
-std::string drawn_intervals(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_intervals(const Plot& p, const PictureFrame& f, std::size_t i) {
   const Series& s = p.series[i];
   std::string out;
   for (std::size_t k = 0; k < s.points.size(); ++k) {
@@ -135,7 +135,7 @@ std::string drawn_intervals(const Plot& p, const Frame& f, std::size_t i) {
 }
 
 /// Out along the upper edge, back along the lower one.
-std::string drawn_band(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_band(const Plot& p, const PictureFrame& f, std::size_t i) {
   const Series& s = p.series[i];
   std::string upper, lower, data;
   for (std::size_t k = 0; k < s.points.size(); ++k) {
@@ -154,7 +154,7 @@ std::string drawn_band(const Plot& p, const Frame& f, std::size_t i) {
 
 std::string line_style(std::size_t i) { return "line " + colour_of(i) + " d" + std::to_string(shape_of(i)); }
 
-std::string drawn_path(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_path(const Plot& p, const PictureFrame& f, std::size_t i) {
   std::string path, data;
   bool pen = false;
   for (const auto& [x, y] : p.series[i].points) {
@@ -170,7 +170,7 @@ std::string drawn_path(const Plot& p, const Frame& f, std::size_t i) {
   return "<path class=\"" + line_style(i) + "\" d=\"" + path + "\" data-points=\"" + data + "\"/>";
 }
 
-std::string drawn_series(const Plot& p, const Frame& f, std::size_t i) {
+std::string drawn_series(const Plot& p, const PictureFrame& f, std::size_t i) {
   const Series& s = p.series[i];
   return "<g data-series=\"" + escaped_markup(s.name) + "\">" + (s.band ? drawn_band(p, f, i) : "") +
          (s.line ? drawn_path(p, f, i) : "") + (s.band ? "" : drawn_intervals(p, f, i)) +
@@ -193,7 +193,7 @@ std::string limit_keys(const std::vector<Marker>& limits, std::size_t first, con
   return out;
 }
 
-std::string legend(const Plot& p, const Frame& f) {
+std::string legend(const Plot& p, const PictureFrame& f) {
   std::string out = "<ul class=\"legend\">";
   for (std::size_t i = 0; i < p.series.size(); ++i) {
     const Series& s = p.series[i];
@@ -207,7 +207,7 @@ std::string legend(const Plot& p, const Frame& f) {
          limit_keys(p.levels, p.markers.size(), f.y, p.y.unit) + "</ul>";
 }
 
-std::string drawn_limits(const Plot& p, const Frame& f) {
+std::string drawn_limits(const Plot& p, const PictureFrame& f) {
   std::string out;
   std::size_t i = 0;
   for (const Marker& m : p.markers) {
@@ -225,7 +225,7 @@ std::string drawn_limits(const Plot& p, const Frame& f) {
 }  // namespace
 
 std::string figure(const Plot& p) {
-  const Frame f = frame_of(p);
+  const PictureFrame f = frame_of(p);
   std::string out = figure_begin(p.title, p.description, p.x, p.y) + drawn_axes(f);
   for (std::size_t i = 0; i < p.series.size(); ++i) out += drawn_series(p, f, i);
   return out + drawn_limits(p, f) + "</svg>" + legend(p, f) + "</figure>\n";

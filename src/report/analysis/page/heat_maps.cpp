@@ -24,7 +24,7 @@ std::array<Eigen::Index, 2> plane_of(const Eigen::Vector3d& extent) {
   return {std::min(a, b), std::max(a, b)};
 }
 
-struct Grid {
+struct TipGrid {
   std::array<Eigen::Index, 2> axes;
   std::array<std::pair<double, double>, 2> span;
   std::array<std::size_t, 2> cells;
@@ -33,11 +33,11 @@ struct Grid {
 
 /// About six configurations a cell, so that few cells inside the workspace are empty, and a hundred by a
 /// hundred cells at most: a cell is then three pixels.
-Grid grid_of(const ConfigurationSample& sample) {
+TipGrid tip_grid(const ConfigurationSample& sample) {
   constexpr double configurations_a_cell = 6, most_cells = 1e4;
   Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
   for (const Eigen::Vector3d& tip : sample.tips) low = low.cwiseMin(tip), high = high.cwiseMax(tip);
-  Grid g{plane_of(high - low), {}, {}, {}};
+  TipGrid g{plane_of(high - low), {}, {}, {}};
   const double longest = (high - low).maxCoeff();
   const double cells =
       std::clamp(static_cast<double>(sample.tips.size()) / configurations_a_cell, 16.0, most_cells);
@@ -62,7 +62,7 @@ Grid grid_of(const ConfigurationSample& sample) {
   return g;
 }
 
-std::string map_of(const Grid& g, const std::vector<double>& values, const CoordinateInfo& c) {
+std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, const CoordinateInfo& c) {
   page::HeatMap map{"Worst case of " + std::string(c.name) + " over the workspace",
                     "Largest worst case among the configurations with the tip in a cell.",
                     {axis_names[static_cast<std::size_t>(g.axes[0])], "m", false, false},
@@ -85,11 +85,11 @@ std::string map_of(const Grid& g, const std::vector<double>& values, const Coord
 
 std::string workspace_figures(const Analysis& a, const ConfigurationSample& sample) {
   if (sample.tips.empty()) return "<p>Without a configuration there is no workspace.</p>";
-  const Grid grid = grid_of(sample);
+  const TipGrid grid = tip_grid(sample);
   const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
   std::vector<std::pair<std::string, std::string>> all;
   for (std::size_t c = 0; c < sample.worst.size(); ++c)
-    all.emplace_back(info(coordinates[c]).name, map_of(grid, sample.worst[c], info(coordinates[c])));
+    all.emplace_back(info(coordinates[c]).name, worst_case_map(grid, sample.worst[c], info(coordinates[c])));
   return "<p>By the position of the tip in the base frame, seen along the third axis: the largest worst case "
          "of the configurations in a cell, of " +
          std::to_string(sample.of) + " configurations" + sampled_note(sample) +

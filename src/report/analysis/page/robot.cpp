@@ -39,7 +39,7 @@ double magnification(double reach, double error) {
 }
 
 /// What is drawn of a configuration, in the axes of the base [m].
-struct Pose {
+struct DrawnPose {
   std::string name;
   std::vector<Eigen::Vector3d> points;
   Eigen::Matrix3d covariance;
@@ -53,7 +53,7 @@ OperationalModel of_position(OperationalModel model) {
   return model;
 }
 
-Pose pose(const OperationalModel& model, const std::string& name, const Eigen::VectorXd& q) {
+DrawnPose drawn_pose(const OperationalModel& model, const std::string& name, const Eigen::VectorXd& q) {
   const auto& all = model.coordinates;
   std::array<Eigen::Index, 3> at{};
   for (std::size_t i = 0; i < 3; ++i)
@@ -71,7 +71,7 @@ Pose pose(const OperationalModel& model, const std::string& name, const Eigen::V
 
 /// The outline of the ellipsoid's projection: C = L L^T has the outline L (cos t, sin t) of its block of two
 /// rows.
-page::Series outline(const Pose& pose, std::array<int, 2> rows, double factor) {
+page::Series outline(const DrawnPose& pose, std::array<int, 2> rows, double factor) {
   const Eigen::Matrix3d& c = pose.covariance;
   const double first = std::sqrt(std::max(0.0, c(rows[0], rows[0])));
   const double second = first > 0 ? c(rows[0], rows[1]) / first : 0;  // Cholesky
@@ -88,7 +88,7 @@ page::Series outline(const Pose& pose, std::array<int, 2> rows, double factor) {
 }
 
 /// The edges of the box of the worst case.
-page::Series edges(const Pose& pose, std::array<int, 2> rows, double factor) {
+page::Series edges(const DrawnPose& pose, std::array<int, 2> rows, double factor) {
   page::Series s{"worst case, " + significant(factor, 6) + " times larger", {}};
   // A path along all twelve edges of a cube; bit k of a corner is the side along axis k.
   for (const int corner : {0, 1, 3, 2, 0, 4, 5, 1, 5, 7, 3, 7, 6, 2, 6, 4}) {
@@ -100,7 +100,7 @@ page::Series edges(const Pose& pose, std::array<int, 2> rows, double factor) {
   return s;
 }
 
-std::string views(const Pose& pose, double factor) {
+std::string views(const DrawnPose& pose, double factor) {
   const Eigen::Vector3d semi_axes = error_ellipsoid(pose.covariance).semi_axes;
   std::string out = "<p>Configuration of the " + pose.name +
                     " of the position. Semi-axes of one sigma: " + readable(semi_axes[0], "m") + ", " +
@@ -146,11 +146,11 @@ std::string robot_figures(const Analysis& a, const ConfigurationSample& sample) 
            "them "
            "there is no ellipsoid.</p>";
   if (!complete) model = of_position(model);
-  const std::array poses{pose(model, "largest variance", a.workspace.largest_at),
-                         pose(model, "median variance", median_configuration(sample))};
+  const std::array poses{drawn_pose(model, "largest variance", a.workspace.largest_at),
+                         drawn_pose(model, "median variance", median_configuration(sample))};
   double reach = 0, error = 0;
   for (const Eigen::Vector3d& p : poses[0].points) reach = std::max(reach, p.norm());
-  for (const Pose& p : poses) error = std::max(error, p.box.colwise().norm().maxCoeff());
+  for (const DrawnPose& p : poses) error = std::max(error, p.box.colwise().norm().maxCoeff());
   const double factor = magnification(reach, std::isfinite(error) ? error : 0);
   return views(poses[0], factor) + views(poses[1], factor);
 }

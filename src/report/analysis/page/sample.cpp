@@ -31,12 +31,12 @@ Configurations reduced(const Configurations& all) {
 }
 
 /// Where a figure of the analysis stands in a batch, and the norm by which it is multiplied.
-struct Column {
+struct BatchColumn {
   std::size_t figure;
   double factor;
 };
 
-Column column_of(const Analysis& a, const FigureLayout& at, const ProvenFigure& f) {
+BatchColumn column_of(const Analysis& a, const FigureLayout& at, const ProvenFigure& f) {
   using Bound = ProvenFigure::Bound;
   const std::size_t c = f.coordinate;
   if (f.filter < 0)
@@ -50,16 +50,16 @@ Column column_of(const Analysis& a, const FigureLayout& at, const ProvenFigure& 
   const Norms& norms = a.spec.filters[filter].norms;
   if (f.bound == Bound::sigma_in_motion) return {at.in_motion + behind, 1};
   if (f.bound == Bound::worst_case)
-    return at.filtered_sigma > at.filtered_worst ? Column{at.filtered_worst + behind, 1}
-                                                 : Column{at.worst_case + c, norms.l1.upper};
-  return at.in_motion > at.filtered_sigma ? Column{at.filtered_sigma + behind, 1}
-                                          : Column{at.sigma + c, norms.h2};
+    return at.filtered_sigma > at.filtered_worst ? BatchColumn{at.filtered_worst + behind, 1}
+                                                 : BatchColumn{at.worst_case + c, norms.l1.upper};
+  return at.in_motion > at.filtered_sigma ? BatchColumn{at.filtered_sigma + behind, 1}
+                                          : BatchColumn{at.sigma + c, norms.h2};
 }
 
 /// Receives batches from any thread; each writes to places of its own.
-class Collector {
+class SampleCollector {
  public:
-  Collector(const Analysis& a, std::size_t count) : a_(a) {
+  SampleCollector(const Analysis& a, std::size_t count) : a_(a) {
     for_each_figure(a, [&](const FigureName& name, const Statistic&) { figures_.push_back(name.figure); });
     sample_.of = a.workspace.count;
     sample_.q.resize(count);
@@ -71,7 +71,7 @@ class Collector {
 
   void add(const ConfigurationBatch& batch) {
     const Chain& chain = a_.spec.model.chain;
-    std::vector<Column> columns;
+    std::vector<BatchColumn> columns;
     for (const ProvenFigure& f : figures_) columns.push_back(column_of(a_, batch.layout, f));
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t to = static_cast<std::size_t>(batch.first) + i;
@@ -107,7 +107,7 @@ class Collector {
 ConfigurationSample configuration_sample(const Analysis& a) {
   const Configurations some = reduced(a.spec.configurations);
   const auto count = static_cast<std::size_t>(size(some));
-  Collector collector(a, count);
+  SampleCollector collector(a, count);
   WorkspaceOptions options;
   options.noise_in_motion = a.noise_in_motion;
   options.visit = [&](const ConfigurationBatch& batch) { collector.add(batch); };
