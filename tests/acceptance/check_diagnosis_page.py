@@ -7,6 +7,7 @@
 import csv
 import json
 import pathlib
+import random
 import re
 import resource
 import tempfile
@@ -204,6 +205,25 @@ motion:
     t.check("arm: the gain", any(row and row[0] == "all joints" and row[3] == wanted for row in gain), f"{gain} for {wanted}")
 
 
+def check_poses(t, qerr, folder):
+    """A table of poses has no time and no directions; the joint's name is written from the right."""
+    spec, joint = axis(folder, "\u05de\u05e4\u05e8\u05e7")
+    log = simulated(t, qerr, spec, folder / "log.csv", FAULTS.format(name=joint).replace("type: backlash", "type: offset").replace("gap", "offset"))
+    lines = log.read_text(encoding="utf-8").splitlines()
+    poses = random.Random(3).sample(lines[1:], 800)
+    log.write_text("\n".join(",".join(line.split(",")[1:3]) for line in [lines[0], *poses]) + "\n", encoding="utf-8")
+    root = page(t, qerr, "poses", "diagnose", spec, log)
+    run(qerr, "diagnose", spec, log, "--plots", folder / "plots", "-o", folder / "report.json", "--quiet")
+    drawn = {re.sub("[\u200e\u2068\u2069]", "", caption): f for caption, f in figures(root).items()}
+    residual = rows(folder / "plots/residual.csv")
+    position = [(float(r["reference"]), float(r["before"])) for r in residual]
+    check_extremes(t, "poses: by position", drawn_lines(drawn[f"Residual of {joint} by position"])["before"], position)
+    check_extremes(t, "poses: by row", drawn_lines(drawn[f"Residual of {joint} by row"])["after"],
+                   [(k, float(r["after"])) for k, r in enumerate(residual)])
+    summary = next(p.text for p in root.iter(HTML + "p") if "rms as recorded" in (p.text or ""))
+    t.check("poses: the name does not take the number behind it", summary.startswith(f"\u200e\u2068{joint}\u2069: "), repr(summary))
+
+
 def check_many_causes(t, qerr, folder):
     """Three causes at each of seven joints: the page draws all of them, and as many joints as stay below its size."""
     spec = folder / "arm.yaml"
@@ -292,7 +312,7 @@ def check_speed(t, qerr, folder):
 
 if __name__ == "__main__":
     program, tally = program_and_tally()
-    for check in (check_two_effects, check_arm, check_many_causes, check_remainder, check_without_pictures, check_speed):
+    for check in (check_two_effects, check_arm, check_poses, check_many_causes, check_remainder, check_without_pictures, check_speed):
         with tempfile.TemporaryDirectory() as work:
             check(tally, program, pathlib.Path(work))
     raise SystemExit(tally.close())

@@ -16,7 +16,7 @@ namespace qerr {
 namespace {
 
 /// Smallest and largest of some values as text: `0.93 to 1.08`; "" without any.
-class Range {
+class RatioRange {
  public:
   void add(double value) { least_ = std::min(least_, value), largest_ = std::max(largest_, value); }
   bool empty() const { return !(least_ <= largest_); }
@@ -40,7 +40,7 @@ std::string cutoff_answer(const SimulationReport& r) {
 }
 
 std::string simulation_answer(const SimulationReport& r) {
-  Range sigma, peak;
+  RatioRange sigma, peak;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     if (s.sigma_ipqn > 0 && std::isfinite(s.sigma_ipqn) && !is_constant(s))
