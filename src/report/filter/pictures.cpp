@@ -38,11 +38,11 @@ std::optional<Norms> norms_at(const FamilyDesign& design, double cutoff) {
   }
 }
 
-/// A low-pass of the scan.
+/// A low-pass of the scan, or a filter of the report.
 struct ScannedFilter {
-  std::string family;
-  int order = 0;
-  double cutoff = 0, delay = 0, h2 = 0;
+  std::string name;
+  std::optional<double> cutoff;
+  double delay = 0, h2 = 0;
 };
 
 bool has_parameter(const FilterFamily& family, std::string_view name) {
@@ -72,7 +72,8 @@ void scan_family(const FilterFamily& family, int derivative, double sample_rate,
       if (!filter || !estimates_its_derivative(*filter)) continue;
       const double h2 = h2_norm(*filter);
       if (std::isfinite(h2))
-        to.push_back({std::string(family.name), order, cutoff, group_delay(*filter), h2});
+        to.push_back({std::string(family.name) + ", order " + std::to_string(order), cutoff,
+                      group_delay(*filter), h2});
     }
   }
 }
@@ -104,16 +105,19 @@ std::vector<ScannedFilter> front_of(const std::vector<const FilterFigures*>& fil
   for (const FilterFamily& family : filter_families())
     if (has_parameter(family, "cutoff"))
       scan_family(family, like.derivative, like.sample_rate, cutoffs_between(least, most), all);
+  for (const FilterFigures* f : filters)
+    if (estimates_its_derivative(f->filter))
+      all.push_back({f->name, stated_cutoff(*f), f->group_delay, f->norms.h2});
   return undominated(std::move(all));
 }
 
 std::string front_table(const std::vector<ScannedFilter>& front, const std::string& unit) {
   std::vector<std::vector<std::string>> rows;
   for (const ScannedFilter& f : front)
-    rows.push_back({f.family + ", order " + std::to_string(f.order), readable(f.cutoff, "Hz"),
-                    readable(f.delay, "s"), readable(f.h2, unit)});
+    rows.push_back({f.name, f.cutoff ? readable(*f.cutoff, "Hz") : "none", readable(f.delay, "s"),
+                    readable(f.h2, unit)});
   return "<details><summary>Filters of the front</summary>" +
-         page::table({"low-pass", "cut-off", "delay", "H2 norm"}, rows) + "</details>";
+         page::table({"filter", "cut-off", "delay", "H2 norm"}, rows) + "</details>";
 }
 
 /// @param title  of the picture
@@ -132,8 +136,12 @@ std::string noise_figure(const std::string& title, const std::vector<const Filte
   // Delays of the front span decades; those of predictors, at or below 0, have no logarithm.
   plot.x.logarithmic = std::all_of(filters.begin(), filters.end(),
                                    [](const FilterFigures* filter) { return filter->group_delay > 0; });
+  // Of finitely many filters the front is a staircase: what lies above it is equalled by a step's filter.
   page::Series line{"undominated low-passes", {}};
-  for (const ScannedFilter& f : front) line.points.emplace_back(f.delay, f.h2);
+  for (std::size_t i = 0; i < front.size(); ++i) {
+    if (i > 0) line.points.emplace_back(front[i].delay, front[i - 1].h2);
+    line.points.emplace_back(front[i].delay, front[i].h2);
+  }
   plot.series.push_back(line);
   return "<div>" + figure(plot) + (front.empty() ? "" : front_table(front, unit)) + "</div>";
 }
@@ -173,9 +181,9 @@ std::string noise_figures(const FilterReport& r) {
   std::map<std::pair<int, double>, std::vector<const FilterFigures*>> groups;
   for (const FilterFigures& f : r.filters) groups[{f.filter.derivative, f.filter.sample_rate}].push_back(&f);
   std::string out =
-      "<p>Every low-pass family with a cut-off, at orders 1, 2 and 4: none of them lies below the line. A "
-      "filter above it has a quieter one of its delay, or a faster one of its noise; how far they track the "
-      "motion is not compared.</p><div class=\"figures\">";
+      "<p>Every low-pass family with a cut-off, at orders 1, 2 and 4, and the filters of the spec: none of "
+      "them lies below the line. A filter above it has a quieter one of its delay, or a faster one of its "
+      "noise; how far they track the motion is not compared.</p><div class=\"figures\">";
   for (const auto& [like, filters] : groups) {
     const auto& [derivative, rate] = like;
     const bool several_rates = std::count_if(groups.begin(), groups.end(),

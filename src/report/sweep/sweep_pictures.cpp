@@ -23,6 +23,15 @@ std::string first_upper(std::string text) {
   return text;
 }
 
+/// The values of the keys, for people.
+std::string short_description(const SweepGrid& grid, std::uint64_t variant) {
+  const std::vector<std::string> keys = grid.keys(), names = grid.names(variant);
+  std::string text;
+  for (std::size_t k = 0; k < keys.size(); ++k)
+    text += (k > 0 ? ", " : "") + keys[k] + " = " + short_value(names[k]);
+  return text;
+}
+
 /// Words that a narrow column can break: of a dotted path each.
 std::string in_words(std::string path) {
   std::replace(path.begin(), path.end(), '.', ' ');
@@ -50,9 +59,9 @@ std::string SweepPage::answer() const {
   if (least.value == largest.value)
     return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
   return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with \u2068" +
-         grid_.description(least.variant) + "\u2069, and largest, " +
-         readable(largest.value, figures_[i].unit) + ", with \u2068" + grid_.description(largest.variant) +
-         "\u2069.";
+         short_description(grid_, least.variant) + "\u2069, and largest, " +
+         readable(largest.value, figures_[i].unit) + ", with \u2068" +
+         short_description(grid_, largest.variant) + "\u2069.";
 }
 
 std::string SweepPage::plot(std::size_t figure) const {
