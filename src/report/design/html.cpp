@@ -125,8 +125,9 @@ std::string front_section(const DesignReport& r) {
   plot.series.push_back(front);
   mark_design(plot, r, "optimum", r.optimal);
   mark_design(plot, r, "runner-up", r.runner_up);
-  return "<p>No design lies below the front. The figure is " + page::name_markup(r.pareto_figure) + ".</p>" +
-         figure(plot) + front_list(r);
+  return "<p>Each mark of the front is a design that no cheaper one equals in " +
+         page::name_markup(r.pareto_figure) + "; the line between them guides the eye.</p>" + figure(plot) +
+         front_list(r);
 }
 
 std::string price_section(const DesignReport& r) {
