@@ -63,6 +63,7 @@ def check_filter(t, qerr, folder):
                 len(front) > 5 and all(a[0] <= b[0] and a[1] >= b[1] for a, b in zip(front, front[1:])), str(front[:4]))
         t.check(f"{f['name']}: a step of the front is at most its noise at its delay",
                 min(h2 for delay, h2 in front if delay <= f["group_delay_s"] * (1 + 1e-5)) <= f["h2_norm"] * (1 + 1e-5))
+    page(t, qerr, "many filters", "filter", CONFIGS / "filters/filters.yaml")
     check_coefficients(t, qerr, folder)
 
 

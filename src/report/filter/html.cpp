@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,9 +14,17 @@ namespace {
 
 using Points = std::vector<std::pair<double, double>>;
 
+/// Points of a line: fewer where a page has the lines of many filters, so that it stays below 300 kB.
+int points_of_line(std::size_t filters, int usual) {
+  constexpr std::size_t usual_filters = 8;
+  constexpr int least = 24;
+  return std::max(
+      least, usual * static_cast<int>(usual_filters) / static_cast<int>(std::max(filters, usual_filters)));
+}
+
 /// Gain over frequency beside that of the derivative itself, (2 pi f)^d.
-std::string gain_figure(const FilterFigures& f) {
-  constexpr int points = 160;
+std::string gain_figure(const FilterFigures& f, std::size_t filters) {
+  const int points = points_of_line(filters, 160);
   const double last = 0.5 * f.filter.sample_rate;
   const double first = std::min(1e-3 * f.filter.sample_rate, 1e-2 * f.bandwidth.value_or(last));
   page::Series gain{"filter", {}}, ideal{"ideal derivative", {}};
@@ -42,16 +51,17 @@ struct Span {
   std::size_t count, every;
 };
 
-Span span_of(const FilterFigures& f) {
-  constexpr double most_drawn = 200, most_computed = 2e6;
+Span span_of(const FilterFigures& f, std::size_t filters) {
+  constexpr double most_computed = 2e6;
+  const double most_drawn = points_of_line(filters, 200);
   const double settling = f.settling_time.value_or(50 / f.filter.sample_rate);
   const double wanted = std::min(1.5 * settling * f.filter.sample_rate + 8, most_computed);
   const double every = std::ceil(wanted / most_drawn);
   return {static_cast<std::size_t>(wanted / every), static_cast<std::size_t>(every)};
 }
 
-std::string impulse_figure(const FilterFigures& f) {
-  const Span s = span_of(f);
+std::string impulse_figure(const FilterFigures& f, std::size_t filters) {
+  const Span s = span_of(f, filters);
   const std::vector<double> h = impulse_response(f.filter, s.count, s.every);
   page::Series series{"impulse response", {}};
   for (std::size_t k = 0; k < h.size(); ++k)
@@ -63,8 +73,8 @@ std::string impulse_figure(const FilterFigures& f) {
                            {series}});
 }
 
-std::string step_figure(const FilterFigures& f) {
-  const Span s = span_of(f);
+std::string step_figure(const FilterFigures& f, std::size_t filters) {
+  const Span s = span_of(f, filters);
   const std::vector<double> h = impulse_response(f.filter, s.count * s.every);
   page::Series series{"step response", {}};
   double sum = 0;
@@ -107,9 +117,10 @@ std::string answer(const FilterReport& r) {
 std::string to_html(const FilterReport& r, const Style&) {
   using Choices = std::vector<std::pair<std::string, std::string>>;
   Choices filters;
+  const std::size_t count = r.filters.size();
   for (const FilterFigures& f : r.filters) {
-    filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f) +
-                                     impulse_figure(f) + step_figure(f) + "</div>");
+    filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f, count) +
+                                     impulse_figure(f, count) + step_figure(f, count) + "</div>");
   }
   return markup(page::Page{"Filters of " + r.file,
                            answer(r),
