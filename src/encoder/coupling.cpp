@@ -27,16 +27,12 @@ Coupling Coupling::inverse() const { return is_identity() ? *this : Coupling(qer
 
 Coupling Coupling::magnitudes() const { return is_identity() ? *this : Coupling(matrix_.cwiseAbs()); }
 
-Eigen::MatrixXd operator*(const Coupling& c, const Eigen::MatrixXd& m) {
-  return c.is_identity() ? m : Eigen::MatrixXd(c.dense() * m);
+Eigen::MatrixXd Coupling::times(const Eigen::MatrixXd& m) const {
+  return is_identity() ? m : Eigen::MatrixXd(matrix_ * m);
 }
 
-Eigen::VectorXd operator*(const Coupling& c, const Eigen::VectorXd& v) {
-  return c.is_identity() ? v : Eigen::VectorXd(c.dense() * v);
-}
-
-Eigen::MatrixXd operator*(const Eigen::MatrixXd& m, const Coupling& c) {
-  return c.is_identity() ? m : Eigen::MatrixXd(m * c.dense());
+Eigen::MatrixXd Coupling::after(const Eigen::MatrixXd& m) const {
+  return is_identity() ? m : Eigen::MatrixXd(m * matrix_);
 }
 
 }  // namespace qerr

@@ -28,12 +28,15 @@ class Coupling {
   Coupling inverse() const;
   Coupling magnitudes() const;  ///< of the entries
 
-  // Friends, as two matrices are no couplings.
-  friend Eigen::MatrixXd operator*(const Coupling&, const Eigen::MatrixXd&);
-  friend Eigen::VectorXd operator*(const Coupling&, const Eigen::VectorXd&);
-  friend Eigen::MatrixXd operator*(const Eigen::MatrixXd&, const Coupling&);
+  // Friends that are found by a coupling among the operands only: two matrices are no couplings.
+  friend Eigen::MatrixXd operator*(const Coupling& c, const Eigen::MatrixXd& m) { return c.times(m); }
+  friend Eigen::VectorXd operator*(const Coupling& c, const Eigen::VectorXd& v) { return c.times(v); }
+  friend Eigen::MatrixXd operator*(const Eigen::MatrixXd& m, const Coupling& c) { return c.after(m); }
 
  private:
+  Eigen::MatrixXd times(const Eigen::MatrixXd&) const;
+  Eigen::MatrixXd after(const Eigen::MatrixXd&) const;
+
   Eigen::Index size_ = 0;
   Eigen::MatrixXd matrix_;  ///< empty: the identity
 };
