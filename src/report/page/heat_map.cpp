@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
 #include "report/page/frame.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/png.hpp"
