@@ -9,6 +9,7 @@
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -77,6 +78,7 @@ CheckReport read_and_check(const Values& v, bool annotated) {
 }
 
 int run(const Values& v) {
+  refuse_page(chosen_format(v));
   const auto verdicts = opened(v, "junit");
   // Verdicts on standard output stand there alone: without -o or --format there is no other report.
   const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");

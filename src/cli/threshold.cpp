@@ -1,12 +1,14 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/formats.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
 int run(const Values& v) {
+  refuse_page(chosen_format(v));
   refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {

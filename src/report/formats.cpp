@@ -45,17 +45,16 @@ std::vector<std::string> format_names() {
   return names;
 }
 
+Error no_page() {
+  return {{{}, "", "this report has no page", "'html'", "choose table, json or csv with --format"},
+          Trouble::usage};
+}
+
 template <class Report>
 std::string written(const Report& report, std::string_view format, const Style& style) {
   for (const Exporter<Report>& exporter : exporters<Report>)
     if (exporter.format.name == format) {
-      if (exporter.write == nullptr)
-        throw Error({{},
-                     "",
-                     "this report has no page",
-                     "'" + std::string(format) + "'",
-                     "choose table, json or csv with --format"},
-                    Trouble::usage);
+      if (exporter.write == nullptr) throw no_page();
       return exporter.write(report, style);
     }
   throw Error(
@@ -64,6 +63,10 @@ std::string written(const Report& report, std::string_view format, const Style& 
 }
 
 }  // namespace
+
+void refuse_page(std::string_view format) {
+  if (format == "html") throw no_page();
+}
 
 std::string_view version() { return QERR_VERSION; }
 

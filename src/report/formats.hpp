@@ -1,5 +1,8 @@
 #pragma once
 
+#include <string>
+#include <string_view>
+
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/design_report.hpp"
@@ -17,6 +20,10 @@
 /// To add a format: a row in `exporters` (formats.cpp), its writer's name beside the others below, and one
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
 namespace qerr {
+
+/// For commands whose report has no page, before the work that their report takes.
+/// @throws Error (usage) for `html`
+void refuse_page(std::string_view format);
 
 template <class Report>
 using Writer = std::string(const Report&, const Style&);

@@ -44,7 +44,9 @@ std::string escaped_markup(std::string_view text) {
   return out;
 }
 
-std::string name_markup(std::string_view name) { return "<bdi>" + escaped_markup(name) + "</bdi>"; }
+std::string name_markup(std::string_view name) {
+  return name.empty() ? "" : "<bdi>" + escaped_markup(name) + "</bdi>";
+}
 
 std::string shortened(std::string_view name, std::size_t most) {
   std::vector<std::string_view> symbols;
