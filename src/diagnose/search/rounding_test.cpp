@@ -7,6 +7,7 @@
 
 #include "core/probability.hpp"
 #include "core/random.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 
