@@ -46,8 +46,8 @@ std::vector<std::string> format_names() {
 }
 
 Error no_page() {
-  return {{{}, "", "this report has no page", "'html'", "choose table, json or csv with --format"},
-          Trouble::usage};
+  return Error({{}, "", "this report has no page", "'html'", "choose table, json or csv with --format"},
+               Trouble::usage);
 }
 
 template <class Report>
