@@ -60,7 +60,9 @@ std::vector<Row> read_rows(const std::string& path, const std::array<std::size_t
 }
 
 /// Sample rates to 1 MHz, cut-offs from 0.1 Hz (tests/golden/make_filter_norms.py).
-std::vector<Row> golden() { return read_rows("/tests/golden/filter_norms.csv", {0, 1, 2, 3, 4, 5, 6, 7}); }
+std::vector<Row> golden_norms() {
+  return read_rows("/tests/golden/filter_norms.csv", {0, 1, 2, 3, 4, 5, 6, 7});
+}
 
 /// 300 more (theory.md, section 2), which are not part of the project.
 std::vector<Row> oracle() {
@@ -89,7 +91,7 @@ void expect_exact(const std::vector<Row>& rows) {
 }
 
 TEST(Norms, OfTheFamiliesAreTheGoldenOnes) {
-  const std::vector<Row> rows = golden();
+  const std::vector<Row> rows = golden_norms();
   ASSERT_EQ(rows.size(), 237u);
   expect_exact(rows);
 }

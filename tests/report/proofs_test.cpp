@@ -31,7 +31,7 @@ std::string required(const std::string& relation, double limit,
          std::to_string(limit * 1e6) + " um}";
 }
 
-Requirement limit(bool at_least, double value) {
+Requirement limit_on_proof(bool at_least, double value) {
   Requirement r;
   r.proven = true;
   r.at_least = at_least;
@@ -41,23 +41,23 @@ Requirement limit(bool at_least, double value) {
 
 TEST(ProvenRequirement, IsMetWhereTheProofDecides) {
   const ProvenMaximum proven{1.0, 1.02, Eigen::VectorXd::Zero(1)};
-  EXPECT_TRUE(evaluate(limit(false, 1.02), proven).met);
-  EXPECT_FALSE(evaluate(limit(false, 1.019), proven).met);
-  EXPECT_TRUE(evaluate(limit(false, 1.019), proven).undecided);
-  EXPECT_FALSE(evaluate(limit(false, 0.999), proven).met);
-  EXPECT_FALSE(evaluate(limit(false, 0.999), proven).undecided);
-  EXPECT_TRUE(evaluate(limit(true, 1.0), proven).met);
-  EXPECT_TRUE(evaluate(limit(true, 1.01), proven).undecided);
-  EXPECT_FALSE(evaluate(limit(true, 1.03), proven).undecided);
-  EXPECT_EQ(evaluate(limit(false, 1), proven).value, 1.02);
-  EXPECT_EQ(evaluate(limit(true, 1), proven).value, 1.0);
+  EXPECT_TRUE(evaluate(limit_on_proof(false, 1.02), proven).met);
+  EXPECT_FALSE(evaluate(limit_on_proof(false, 1.019), proven).met);
+  EXPECT_TRUE(evaluate(limit_on_proof(false, 1.019), proven).undecided);
+  EXPECT_FALSE(evaluate(limit_on_proof(false, 0.999), proven).met);
+  EXPECT_FALSE(evaluate(limit_on_proof(false, 0.999), proven).undecided);
+  EXPECT_TRUE(evaluate(limit_on_proof(true, 1.0), proven).met);
+  EXPECT_TRUE(evaluate(limit_on_proof(true, 1.01), proven).undecided);
+  EXPECT_FALSE(evaluate(limit_on_proof(true, 1.03), proven).undecided);
+  EXPECT_EQ(evaluate(limit_on_proof(false, 1), proven).value, 1.02);
+  EXPECT_EQ(evaluate(limit_on_proof(true, 1), proven).value, 1.0);
 }
 
 TEST(ProvenRequirement, IsProvenAgainWithTheGapThatDecides) {
   const ProvenMaximum proven{1.0, 1.01, {}};
-  EXPECT_NEAR(deciding_gap(limit(false, 1.004), proven, 0.01), 0.004, 1e-15);
-  EXPECT_NEAR(deciding_gap(limit(false, 1.0001), proven, 0.01), 0.001, 1e-15);
-  EXPECT_NEAR(deciding_gap(limit(false, 2), proven, 0.01), 0.01, 1e-15);
+  EXPECT_NEAR(deciding_gap(limit_on_proof(false, 1.004), proven, 0.01), 0.004, 1e-15);
+  EXPECT_NEAR(deciding_gap(limit_on_proof(false, 1.0001), proven, 0.01), 0.001, 1e-15);
+  EXPECT_NEAR(deciding_gap(limit_on_proof(false, 2), proven, 0.01), 0.01, 1e-15);
 }
 
 TEST(ProvenRequirement, IsDecidedWithinATenthOfTheGap) {

@@ -19,7 +19,7 @@ namespace {
 using std::numbers::pi;
 
 /// A slider along x: its tip is where its joint is.
-Spec slider(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
+Spec tracked_slider(const std::vector<std::pair<std::string, std::string>>& changes = {}) {
   SpecOverrides all{{{"encoders", "{'*': {resolution: 1 nm}}"},
                      {"coordinates", "[x, y, rx]"},
                      {"filters",
@@ -42,7 +42,7 @@ SimulatedSignal simulated(const Spec& spec, std::size_t coordinate = 0) {
 
 TEST(TrackingAlongMotion, OfASineIsTheFiltersErrorAtItsFrequency) {
   for (const char* derivative : {"1", "2"}) {
-    const Spec spec = slider({{"filters.v.derivative", derivative}});
+    const Spec spec = tracked_slider({{"filters.v.derivative", derivative}});
     const Filter& filter = spec.filters[0].filter;
     const SimulatedSignal s = simulated(spec);
     const double amplitude =
@@ -54,16 +54,16 @@ TEST(TrackingAlongMotion, OfASineIsTheFiltersErrorAtItsFrequency) {
 }
 
 TEST(TrackingAlongMotion, OfAConstantVelocityIsTheDelayOfThePosition) {
-  const Spec spec =
-      slider({{"filters.v.derivative", "0"}, {"motion.joints", "{slider: {center: 0.5, velocity: 0.1}}"}});
+  const Spec spec = tracked_slider(
+      {{"filters.v.derivative", "0"}, {"motion.joints", "{slider: {center: 0.5, velocity: 0.1}}"}});
   const double lag = 0.1 * *find_filter_figure("delay")->value(spec.filters[0].filter, spec.filters[0].norms);
   EXPECT_NEAR(simulated(spec).tracking_rms, lag, 1e-9 * lag);
-  const Spec velocity = slider({{"motion.joints", "{slider: {velocity: 0.1}}"}});
+  const Spec velocity = tracked_slider({{"motion.joints", "{slider: {velocity: 0.1}}"}});
   EXPECT_LT(simulated(velocity).tracking_rms, 1e-10) << "a constant velocity has settled";
 }
 
 TEST(TrackingAlongMotion, AddsToTheErrorOfALatencyWithItsSign) {
-  const Spec late = slider({{"effects", "[{type: latency, joint: slider, delay: 4 ms}]"}});
+  const Spec late = tracked_slider({{"effects", "[{type: latency, joint: slider, delay: 4 ms}]"}});
   const Filter& filter = late.filters[0].filter;
   const double omega = 2 * pi * 6;
   const Fidelity f = fidelity(filter, 6);
@@ -75,9 +75,9 @@ TEST(TrackingAlongMotion, AddsToTheErrorOfALatencyWithItsSign) {
 }
 
 TEST(TrackingAlongMotion, IsKnownForPositionsOnly) {
-  EXPECT_TRUE(std::isnan(simulated(slider(), 2).tracking_rms));
-  EXPECT_EQ(simulated(slider(), 1).tracking_rms, 0) << "y does not move";
-  EXPECT_TRUE(std::isnan(simulated(slider({{"filters.v.derivative", "3"}})).tracking_rms));
+  EXPECT_TRUE(std::isnan(simulated(tracked_slider(), 2).tracking_rms));
+  EXPECT_EQ(simulated(tracked_slider(), 1).tracking_rms, 0) << "y does not move";
+  EXPECT_TRUE(std::isnan(simulated(tracked_slider({{"filters.v.derivative", "3"}})).tracking_rms));
 }
 
 TEST(TrackingAlongMotion, OfATurningTipHasTheSameLengthInBothFrames) {
@@ -101,14 +101,14 @@ TEST(TrackingAlongMotion, OfATurningTipHasTheSameLengthInBothFrames) {
 }
 
 TEST(Cutoffs, TheLeastTotalIsBetweenNoiseAndLag) {
-  Spec spec = slider({{"encoders", "{'*': {resolution: 1 mm}}"}});
+  Spec spec = tracked_slider({{"encoders", "{'*': {resolution: 1 mm}}"}});
   SimulationReport report{spec, {}, 1, {}, CutoffSearch{"v", cutoffs_between(5, 200, 9)}};
   EXPECT_EQ(report.cutoffs->values.front(), 5);
   EXPECT_EQ(report.cutoffs->values.back(), 200);
   report.spec.filters.clear();
   for (const double cutoff : report.cutoffs->values)
     report.spec.filters.push_back(
-        slider({{"filters.v.lowpass.cutoff", std::to_string(cutoff) + " Hz"}}).filters[0]);
+        tracked_slider({{"filters.v.lowpass.cutoff", std::to_string(cutoff) + " Hz"}}).filters[0]);
   SimulationOptions options;
   options.tracking = true;
   report.simulation = simulation_report(report.spec, options).simulation;

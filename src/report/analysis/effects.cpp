@@ -10,6 +10,7 @@
 #include "simulate/effects_along_motion.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/settling.hpp"
+#include "simulate/unrounded_record.hpp"
 #include "simulate/usage.hpp"
 
 namespace qerr {
