@@ -94,7 +94,7 @@ TEST(DerivativeError, DominatesEverySimulatedError) {
         Eigen::Vector2d read;
         for (Eigen::Index i = 0; i < 2; ++i)
           read[i] = quantize(m.transmission.encoders[static_cast<std::size_t>(i)], angles[i]);
-        const Eigen::VectorXd x = j * (m.transmission.coupling * read - q);
+        const Eigen::VectorXd x = j * (m.transmission.coupling * Eigen::VectorXd(read) - q);
         for (Eigen::Index c = 0; c < 3; ++c) error[static_cast<std::size_t>(c)].push_back(x[c]);
       }
       for (const Filter& filter : derivative_filters())

@@ -212,7 +212,8 @@ RobotCase coupled_in_place_of_mimics(const RobotCase& r) {
         independent_index(c.model.chain, r.model.chain.independent[coordinate].name));
   };
   Transmission& t = c.model.transmission;
-  t = {std::vector<Encoder>(joints.size(), Encoder{1e-30}), Eigen::MatrixXd::Zero(n, n)};
+  t.encoders.assign(joints.size(), Encoder{1e-30});
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Zero(n, n);
   c.configurations.ranges.assign(joints.size(), {-10, 10});
   c.configurations.points.assign(r.configurations.points.size(), Eigen::VectorXd(n));
   for (std::size_t k = 0; k < joints.size(); ++k) {
@@ -221,14 +222,15 @@ RobotCase coupled_in_place_of_mimics(const RobotCase& r) {
     if (own(k))
       t.encoders[static_cast<std::size_t>(row)] = r.model.transmission.encoders[joints[k].coordinate];
     else
-      t.coupling(row, row) = 1;
+      coupling(row, row) = 1;
     for (std::size_t e = 0; e < r.model.chain.independent.size(); ++e)
-      t.coupling(row, column(e)) +=
+      coupling(row, column(e)) +=
           joints[k].multiplier * r.model.transmission.coupling(master, static_cast<Eigen::Index>(e));
     for (std::size_t i = 0; i < c.configurations.points.size(); ++i)
       c.configurations.points[i][row] =
           joints[k].multiplier * r.configurations.points[i][master] + joints[k].offset;
   }
+  t.coupling = coupling;
   return c;
 }
 
