@@ -1,25 +1,31 @@
 #!/usr/bin/env python3
 """Mutation test: changes one operator, constant or condition at a time, and looks whether a test fails.
 
-    mutate.py [--count 500] [--seed 1] [--folder src/bound ...] [--then REGEX] [--at-least PERCENT] [--list]
+    mutate.py [--count 500] [--seed 1] [--folder src/bound ...] [--then REGEX] [--at-least PERCENT]
+              [--skip N] [--list]
 
 Mutants are drawn by the seed from all places of the folders. They are made in a copy of the sources in build-mutation/,
 which is compiled once; each mutant compiles what it changes. A mutant is killed by a failed, crashed or endless unit test:
-first those of its own module, then the others of --tests. With --then, survivors also meet the tests of ctest that match
-REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
+first those of its own module, then, of the others in --tests, those of modules that include it. With --then, survivors also
+meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
+--skip goes on after a run that was stopped.
 
 Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it
 is below --at-least.
 """
 import argparse
+import os
 import pathlib
 import random
 import re
 import resource
 import shutil
+import signal
 import subprocess
 import sys
 import time
+
+from check_floors import ALLOWED, FLOORS
 
 ROOT = pathlib.Path(__file__).resolve().parents[1]
 WORK = ROOT / "build-mutation"
@@ -85,15 +91,17 @@ def line_of(text, start, end):
 
 def call(words, limit=None):
     """Exit code, or "timeout", and the output. A mutant may ask for endless memory, too: 4 GB must do."""
-    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=WORK, text=True,
-                               preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
+    process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=WORK, text=True, errors="replace",
+                               start_new_session=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
     try:
         output, _ = process.communicate(timeout=limit)
         return process.returncode, output
-    except subprocess.TimeoutExpired:
-        process.kill()
+    except BaseException as stopped:  # an interrupt, too: it does not reach the new session
+        os.killpg(process.pid, signal.SIGKILL)  # with the compilers of a build, which hold the pipe open
         process.communicate()
-        return "timeout", ""
+        if isinstance(stopped, subprocess.TimeoutExpired):
+            return "timeout", ""
+        raise
 
 
 def must(words, purpose):
@@ -135,43 +143,44 @@ def suites(folder):
     return sorted(names | {f"*/{name}" for name in re.findall(r"\bTEST_P\((\w+)", text)})
 
 
-def test_filters(module):
-    """Patterns of GoogleTest: of the module's own tests, and of all others."""
-    own = ":".join(f"{name}.*" for name in suites(module))
-    return [own, f"*-{own}"] if own else ["*"]
+def stages(module, tests):
+    """Folders of tests that a mutant of a module meets: its own first, then those of modules that include it."""
+    above = [name for name in tests if FLOORS[name] > FLOORS[module] or (name, module) in ALLOWED]
+    return [folders for folders in ([name for name in tests if name == module], above) if folders]
 
 
-def run_tests(pattern, limit):
-    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_filter={pattern}"], limit)[0]
+def run_tests(folders, limit):
+    pattern = ":".join(f"{name}.*" for folder in folders for name in suites(folder))
+    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_filter={pattern}"], limit)
 
 
-def outcome(path, module, limits, then):
+def outcome(path, given, seconds):
     """invalid, the test stage that killed the mutant, or survived."""
     if call(["cmake", "--build", BUILD, "--target", "qerr_tests"], 600)[0] != 0:
         return "invalid"
-    for pattern in test_filters(module):
-        code = run_tests(pattern, limits[pattern])
+    for folders in stages(path.parts[1], given.tests):
+        # A mutant may be slow without being endless.
+        code, _ = run_tests(folders, 10 + 10 * sum(seconds[name] for name in folders))
         if code != 0:
             return "killed (endless)" if code == "timeout" else "killed"
-    if then:
+    if given.then:
         if call(["cmake", "--build", BUILD], 1200)[0] != 0:
             return "invalid"
-        if call(["ctest", "--test-dir", BUILD, "-R", then, "--stop-on-failure"], 1200)[0] != 0:
+        if call(["ctest", "--test-dir", BUILD, "-R", given.then, "--stop-on-failure"], 1200)[0] != 0:
             return "killed (by a script)"
     return "survived"
 
 
-def time_limits(modules):
-    """Ten times what the tests take without a change, as a mutant may be slow without being endless."""
-    limits = {}
-    for module in modules:
-        for pattern in test_filters(module):
-            if pattern not in limits:
-                start = time.monotonic()
-                if run_tests(pattern, None) != 0:
-                    sys.exit("mutate: the tests fail without any change")
-                limits[pattern] = 10 + 10 * (time.monotonic() - start)
-    return limits
+def durations(tests):
+    """Of the tests in each folder, without a change [s]."""
+    seconds = {}
+    for folder in tests:
+        start = time.monotonic()
+        code, output = run_tests([folder], None)
+        if code != 0:
+            sys.exit(f"mutate: tests/{folder} fails without any change:\n{output[-3000:]}")
+        seconds[folder] = time.monotonic() - start
+    return seconds
 
 
 def arguments():
@@ -182,6 +191,7 @@ def arguments():
     parser.add_argument("--tests", nargs="+", default=TESTS, help=f"folders of tests/ to compile; default: {' '.join(TESTS)}")
     parser.add_argument("--then", default="", help="tests of ctest (regular expression) that survivors meet, too")
     parser.add_argument("--at-least", type=float, default=0, help="exit code 1 if less of them are killed [%%]")
+    parser.add_argument("--skip", type=int, default=0, help="leave out the first N that are drawn, compiled or not")
     parser.add_argument("--list", action="store_true", help="print the drawn mutants only")
     return parser.parse_args()
 
@@ -195,9 +205,9 @@ def main():
     random.Random(given.seed).shuffle(drawn)
     if not given.list:
         prepare(given.tests)
-        limits = time_limits({path.relative_to(ROOT).parts[1] for path in sources})
+        seconds = durations(given.tests)
     counted, survivors, invalid = 0, [], 0
-    for path, start, end, replacement in drawn:
+    for path, start, end, replacement in drawn[given.skip:]:
         if counted == given.count:
             break
         text, name = texts[path], path.relative_to(ROOT)
@@ -211,7 +221,7 @@ def main():
         copy = TREE / name
         try:
             copy.write_text(mutant)
-            result = outcome(name, name.parts[1], limits, given.then)
+            result = outcome(name, given, seconds)
         finally:
             copy.write_text(text)
         invalid += result == "invalid"

@@ -2,8 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
+#include "bound/proven/moment_disc.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {
@@ -55,6 +57,29 @@ TEST(LineMaximum, IsNotBelowAnySample) {
     }
     EXPECT_NEAR(squares(argmax_by_search(squares, range, 64)), squares(of_squares),
                 1e-6 * squares(of_squares));
+  }
+}
+
+// A cell has side `step`: its corners are at most sqrt(2) steps outside the disc that it meets. 2e-6 of the
+// reach are left for the rounding of positions in floats.
+TEST(MomentDisc, HasTheCornersOfAllCellsThatMeetTheDiscAndNoFartherNodes) {
+  for (const int nodes : {3, 5, 17, 65}) {
+    const MomentDisc d = moment_disc(0.7, nodes);
+    const auto distance = [&](int a, int b) { return std::hypot(d.at(a), d.at(b)); };
+    double farthest = 0;
+    for (int a = 0; a < nodes; ++a)
+      for (int b = 0; b < nodes; ++b) {
+        const auto row = static_cast<std::size_t>(a);
+        const bool filled = d.begin[row] <= b && b < d.end[row];
+        if (filled) farthest = std::max(farthest, distance(a, b));
+        // The corner of a cell that is nearest to the middle of the grid is within the disc.
+        const int inner_a = a + (2 * a < nodes - 1) - (2 * a > nodes - 1);
+        const int inner_b = b + (2 * b < nodes - 1) - (2 * b > nodes - 1);
+        EXPECT_TRUE(filled || distance(inner_a, inner_b) > d.radius) << nodes << ' ' << a << ' ' << b;
+      }
+    EXPECT_LE(farthest, (d.radius + std::sqrt(2.0) * d.step) * (1 + 2e-6)) << nodes;
+    EXPECT_GE(d.at(nodes - 1), d.radius) << "the grid covers the disc";
+    EXPECT_EQ(d.at((nodes - 1) / 2), 0);
   }
 }
 
