@@ -17,7 +17,7 @@ struct Page {
   std::string answer;  ///< one sentence, text
   std::vector<Section> sections;
   std::vector<std::string> warnings = {};
-  std::string spec_file, spec_text;  ///< as given; folded at the end
+  std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
 };
 
 /// A table for people and screen readers. The cells are text.
