@@ -19,7 +19,7 @@ targets=("$@")
 "$root/scripts/setup.sh" --fuzz
 
 options=(-DQERR_FUZZ=ON -DQERR_TESTS=OFF -DCMAKE_CXX_COMPILER=clang++ "-DQERR_SANITIZE=fuzzer-no-link,address,undefined"
-         -DQERR_UNITY=OFF -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1 -DNDEBUG")
+         -DQERR_UNITY=ON -DCMAKE_BUILD_TYPE=RelWithDebInfo "-DCMAKE_CXX_FLAGS_RELWITHDEBINFO=-O1 -g1 -DNDEBUG")
 if [[ ! -f $build/CMakeCache.txt ]]; then
   options+=(-G Ninja)
 fi
