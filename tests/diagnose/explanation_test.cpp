@@ -32,8 +32,7 @@ using Flaw = double (*)(std::size_t row, double time, double angle);
 double none(std::size_t, double, double) { return 0; }
 
 /// An oscillating joint; its encoder rounds the sum of the true angle and the error.
-Evidence swing(Flaw flaw, double counts_per_period = 4) {
-  const Eigen::Index n = 6000;
+Evidence swing(Flaw flaw, double counts_per_period = 4, Eigen::Index n = 6000) {
   Evidence e;
   e.joint = "elbow";
   e.encoder = {step, Rounding::nearest, true, 10, counts_per_period};
@@ -284,6 +283,18 @@ TEST(Search, FindsNoOrdersForAJointAtRest) {
   e.velocity = e.direction = Eigen::ArrayXd::Zero(e.rows());
   EXPECT_TRUE(e.is_stationary());
   EXPECT_EQ(names(Diagnosed(e).selection), Names{});
+}
+
+// An error that the model lacks gives all scores one sign: the sums over b blocks of n rows have n/b times
+// the variance of independent ones. Fewer than four blocks of eight rows tell nothing.
+TEST(Explanation, InflatesTheVarianceOfCorrelatedScoresOfThirtyTwoRowsOrMore) {
+  const auto inflation = [](Eigen::Index rows) {
+    const Evidence e = swing([](std::size_t, double, double) { return 3 * step; }, 4, rows);
+    return Explanation(e).variance_inflation(Eigen::ArrayXXd::Ones(rows, 1));
+  };
+  EXPECT_EQ(inflation(31), 1);
+  EXPECT_GT(inflation(32), 4);
+  EXPECT_LE(inflation(32), 8);
 }
 
 TEST(Scatter, FindsNoiseAndJitterTogether) {
