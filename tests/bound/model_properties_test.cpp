@@ -99,16 +99,18 @@ RobotCase enlarged(const RobotCase& r, double factor) {
   }
   large.model.chain.tip_offset.translation() *= factor;
   Transmission& t = large.model.transmission;
+  Eigen::MatrixXd coupling = t.coupling.dense();
   for (std::size_t i = 0; i < t.encoders.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
     if (!slides(chain, i)) continue;
     t.encoders[i].resolution *= factor;
-    t.coupling.row(at) *= factor;
-    t.coupling.col(at) /= factor;
+    coupling.row(at) *= factor;
+    coupling.col(at) /= factor;
     large.configurations.ranges[i].lower *= factor;
     large.configurations.ranges[i].upper *= factor;
     for (Eigen::VectorXd& point : large.configurations.points) point[at] *= factor;
   }
+  t.coupling = coupling;
   for (ErrorSource& s : large.model.sources)
     if (s.where == ErrorSource::Where::origin || slides(chain, s.owner))
       s.mean *= factor, s.half_width *= factor, s.sigma *= factor;
