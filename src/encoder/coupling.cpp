@@ -10,11 +10,11 @@ Coupling Coupling::identity(Eigen::Index size) {
   return c;
 }
 
-Eigen::VectorXd Coupling::col(Eigen::Index i) const {
+const Eigen::VectorXd Coupling::col(Eigen::Index i) const {
   return is_identity() ? Eigen::VectorXd(Eigen::VectorXd::Unit(size_, i)) : Eigen::VectorXd(matrix_.col(i));
 }
 
-Eigen::RowVectorXd Coupling::row(Eigen::Index i) const {
+const Eigen::RowVectorXd Coupling::row(Eigen::Index i) const {
   return is_identity() ? Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(size_, i))
                        : Eigen::RowVectorXd(matrix_.row(i));
 }

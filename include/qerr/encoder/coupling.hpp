@@ -20,8 +20,9 @@ class Coupling {
   double operator()(Eigen::Index row, Eigen::Index column) const {
     return is_identity() ? static_cast<double>(row == column) : matrix_(row, column);
   }
-  Eigen::VectorXd col(Eigen::Index) const;
-  Eigen::RowVectorXd row(Eigen::Index) const;
+  /// Copies; constant, as a change of them would change nothing.
+  const Eigen::VectorXd col(Eigen::Index) const;
+  const Eigen::RowVectorXd row(Eigen::Index) const;
   Eigen::MatrixXd dense() const;
 
   /// @pre not singular

@@ -7,6 +7,7 @@
 #include "bound/configuration_batch.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
+#include "report/analysis/figure_column.hpp"
 
 namespace qerr {
 
@@ -44,34 +45,13 @@ double round_step(double least) {
 
 constexpr double most_shells = 10;  // that fit on a terminal beside the other tables
 
-/// The bound that a requirement limits, at configuration i of a batch.
-double bound_at(const Requirement& r, const std::vector<NamedFilter>& filters, const ConfigurationBatch& b,
-                std::size_t i) {
-  using Bound = Requirement::Bound;
-  const FigureLayout& at = b.layout;
-  const auto figure = [&](std::size_t f) { return b.figures[f * batch_size + i]; };
-  if (r.filter < 0)
-    return figure((r.bound == Bound::worst_case            ? at.worst_case
-                   : r.bound == Bound::worst_case_rigorous ? at.rigorous
-                                                           : at.sigma) +
-                  r.coordinate);
-  const auto filter = static_cast<std::size_t>(r.filter);
-  const std::size_t behind = filter * at.coordinates + r.coordinate;
-  const Norms& norms = filters[filter].norms;
-  const bool own_worst = at.filtered_sigma > at.filtered_worst, own_sigma = at.in_motion > at.filtered_sigma;
-  if (r.bound == Bound::sigma_in_motion) return figure(at.in_motion + behind);
-  if (r.bound == Bound::worst_case)
-    return own_worst ? figure(at.filtered_worst + behind)
-                     : norms.l1.upper * figure(at.worst_case + r.coordinate);
-  return own_sigma ? figure(at.filtered_sigma + behind) : norms.h2 * figure(at.sigma + r.coordinate);
-}
-
 }  // namespace
 
 struct ExceedanceCounter::Job {
   Chain chain;
   std::vector<NamedFilter> filters;
   std::vector<Requirement> limits;
+  std::vector<ProvenFigure> figures;  // of the limits
   double step;
   std::mutex guard;
   std::vector<Exceedance> counts;  // [limit]; sums and extremes do not depend on the order of the batches
@@ -85,9 +65,11 @@ struct ExceedanceCounter::Job {
       tips.push_back(forward_kinematics(chain, q).translation());
     }
     const std::lock_guard lock(guard);
-    for (std::size_t l = 0; l < limits.size(); ++l)
+    for (std::size_t l = 0; l < limits.size(); ++l) {
+      const auto [figure, factor] = figure_column(figures[l], filters, batch.layout);
       for (std::size_t i = 0; i < batch.count; ++i)
-        add(counts[l], tips[i], bound_at(limits[l], filters, batch, i) > limits[l].limit);
+        add(counts[l], tips[i], factor * batch.figures[figure * batch_size + i] > limits[l].limit);
+    }
   }
 
   void add(Exceedance& e, const Eigen::Vector3d& tip, bool above) const {
@@ -114,6 +96,7 @@ ExceedanceCounter::ExceedanceCounter(const Spec& spec, std::vector<Requirement> 
   job_->step = step;
   for (const Requirement& r : limits) {
     job_->counts.push_back(empty);
+    job_->figures.push_back(proven_figure(r, spec.model));
     job_->counts.back().quantity = r.quantity;
     job_->counts.back().limit = r.limit;
     job_->counts.back().unit = r.unit;

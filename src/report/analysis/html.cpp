@@ -6,13 +6,12 @@
 #include "report/analysis/page/pictures.hpp"
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
+#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
 
 namespace {
-
-std::string isolated(const std::string& name) { return "\u2068" + name + "\u2069"; }
 
 /// The first figures of the tip, and the encoder to improve.
 std::string answer(const Analysis& a) {
@@ -27,14 +26,15 @@ std::string answer(const Analysis& a) {
   const auto largest = std::max_element(budget.begin(), budget.end());
   if (largest != budget.end() && *largest > 0)
     text += "; the largest share of the variance, " + percent(*largest) + ", is due to encoder " +
-            isolated(a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name);
+            page::isolated(
+                a.spec.model.chain.independent[static_cast<std::size_t>(largest - budget.begin())].name);
   return text + '.';
 }
 
 /// As requirements name it; the filter's name keeps its writing direction to itself.
 std::string isolated_quantity(const FigureName& name) {
   const std::string quantity = name.quantity();
-  return name.filter.empty() ? quantity : isolated(name.filter) + quantity.substr(name.filter.size());
+  return name.filter.empty() ? quantity : page::isolated(name.filter) + quantity.substr(name.filter.size());
 }
 
 std::string summary(const Analysis& a) {

@@ -8,6 +8,7 @@
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
+#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -17,12 +18,10 @@ namespace {
 /// Pictures beyond which a page would be a list.
 constexpr std::size_t most_pictures = 24, most_compared_rows = 400;
 
-std::string isolated_name(const std::string& name) { return "\u2068" + name + "\u2069"; }
-
 std::string side_text(const NamedFigures& f) {
-  std::string text = isolated_name(f.file);
+  std::string text = page::isolated(f.file);
   for (std::size_t i = 0; i < f.changes.size(); ++i)
-    text += (i ? ", " : " with ") + isolated_name(f.changes[i]);
+    text += (i ? ", " : " with ") + page::isolated(f.changes[i]);
   return text;
 }
 
@@ -69,11 +68,11 @@ std::string first_flip(const ReportComparison& c) {
   if (!c.requirements.empty() && c.requirements.front().flipped()) {
     const RequirementChange& r = c.requirements.front();
     return "First to flip on the way from A to B, if the figures change evenly: " +
-           isolated_name(r.any().figure.name()) + ", after " + percent(*r.flips_after()) +
+           page::isolated(r.any().figure.name()) + ", after " + percent(*r.flips_after()) +
            " of the change (" + flip_text(r) + ").";
   }
   if (const RequirementChange* r = next_to_flip(c))
-    return "No requirement flips. The next to flip is " + isolated_name(r->any().figure.name()) +
+    return "No requirement flips. The next to flip is " + page::isolated(r->any().figure.name()) +
            ": its margin is " + percent(margin(*r->a)) + " in A and " + percent(margin(*r->b)) + " in B.";
   return "No requirement flips.";
 }

@@ -7,6 +7,7 @@
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -101,7 +102,7 @@ std::string front_list(const DesignReport& r) {
   for (const ParetoPoint& p : r.pareto) {
     std::string encoders;
     for (const DesignedEncoder& e : p.encoders)
-      encoders += (encoders.empty() ? "" : ", ") + ("\u2068" + e.joint + "\u2069 \u2068" + e.name + "\u2069");
+      encoders += (encoders.empty() ? "" : ", ") + page::isolated(e.joint) + ' ' + page::isolated(e.name);
     rows.push_back({encoders, by_bits(r) ? bits_text(p.bits) : priced(p.price, r.price_unit),
                     readable(p.value, r.pareto_unit), p.proven ? "yes" : "NO"});
   }

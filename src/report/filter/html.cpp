@@ -7,6 +7,7 @@
 #include "report/formats.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
 
 namespace qerr {
 
@@ -105,7 +106,7 @@ std::string answer(const FilterReport& r) {
   std::string text;
   for (const FilterFigures& f : r.filters) {
     const std::string unit = rate_unit(f.filter.derivative);
-    text += (text.empty() ? "" : "; ") + ("\u2068" + f.name + "\u2069") + " multiplies white noise by " +
+    text += (text.empty() ? "" : "; ") + page::isolated(f.name) + " multiplies white noise by " +
             readable(f.norms.h2, unit) + " and the worst case by " + readable(f.norms.l1.upper, unit) +
             ", with a delay of " + readable(f.group_delay, "s");
   }

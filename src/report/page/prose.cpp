@@ -45,6 +45,8 @@ std::string isolated_runs(const std::string& text) {
   return any ? "\u200E" + out : out;
 }
 
+std::string isolated(const std::string& name) { return "\u2068" + name + "\u2069"; }
+
 std::string isolated_table(std::vector<std::string> header, std::vector<std::vector<std::string>> rows) {
   for (std::string& cell : header) cell = isolated_runs(cell);
   for (auto& row : rows)

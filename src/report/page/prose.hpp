@@ -12,6 +12,9 @@ namespace qerr::page {
 /// beside a name keep their order, and written from the left (U+200E). Other texts are not changed.
 std::string isolated_runs(const std::string& text);
 
+/// A name among other words, which keeps its writing direction to itself.
+std::string isolated(const std::string& name);
+
 /// A paragraph; "" without text.
 std::string paragraph(const std::string& text);
 

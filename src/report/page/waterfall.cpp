@@ -20,7 +20,7 @@ struct Piece {
 std::vector<Piece> pieces_of(const Waterfall& w) {
   double value = w.start;
   std::vector<Piece> all{{w.first, readable(value, w.unit), 0, value, data_attribute("data-value", value)}};
-  for (const Factor& f : w.factors) {
+  for (const WaterfallFactor& f : w.factors) {
     const double next = value * f.value;
     all.push_back({f.name, "\u00d7 " + significant(f.value, 4), value, next,
                    data_attribute("data-value", f.value) + data_attribute("data-from", value) +

@@ -6,7 +6,7 @@
 /// How factors lead from one value to another, as SVG.
 namespace qerr::page {
 
-struct Factor {
+struct WaterfallFactor {
   std::string name;
   double value = 1;  ///< >= 0
 };
@@ -16,7 +16,7 @@ struct Waterfall {
   std::string first, last;  ///< names of the values
   double start = 0;         ///< [SI], not negative
   std::string unit;
-  std::vector<Factor> factors;
+  std::vector<WaterfallFactor> factors;
 };
 
 /// A bar of the start, a piece between the products before and after each factor, and a bar of the product of

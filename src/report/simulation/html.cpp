@@ -34,7 +34,7 @@ std::string cutoff_answer(const SimulationReport& r) {
   const std::vector<CutoffChoice> choices = cutoff_choices(r);
   const std::size_t best = best_of(choices);
   const bool at_end = best == 0 || best + 1 == choices.size();
-  return "Filter \u2068" + r.cutoffs->filter + "\u2069 has the least error along the motion, " +
+  return "Filter " + page::isolated(r.cutoffs->filter) + " has the least error along the motion, " +
          readable(choices[best].total, cutoff_unit(r)) + " rms, with a cut-off of " +
          readable(choices[best].cutoff, "Hz") + (at_end ? ", which is an end of the range: widen it." : ".");
 }
@@ -77,14 +77,7 @@ std::string figure_tables(const SimulationReport& r) {
 }
 
 std::string tracking_rows(const SimulationReport& r) {
-  std::vector<std::vector<std::string>> rows;
-  for (const NamedSignal& named : signals_of(r)) {
-    const SimulatedSignal& s = named.signal;
-    if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
-    rows.push_back({label_of(named), readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.unit),
-                    readable(s.tracking_rms, named.unit), readable(s.tracking_peak, named.unit),
-                    readable(s.total_rms, named.unit)});
-  }
+  const std::vector<std::vector<std::string>> rows = tracking_cells(r);
   if (rows.empty()) return "";
   return page::isolated_table(
       {"estimate", "encoder error, rms", "tracking error, rms", "its peak", "total, rms"}, rows);

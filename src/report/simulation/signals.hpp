@@ -35,6 +35,9 @@ struct IpqnDeviation {
 /// The signals whose sigma IPQN misses by more than 5 %, grouped by the factor that deviates most from 1.
 std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
 
+/// Of each estimate with a tracking error: label, encoder error, tracking error, its peak, total.
+std::vector<std::vector<std::string>> tracking_cells(const SimulationReport&);
+
 /// Names and values.
 using Figures = std::vector<std::pair<const char*, double>>;
 

@@ -69,13 +69,7 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
 /// Noise and tracking errors, where these were asked for.
 std::string tracking_table(const SimulationReport& r, const Style& style) {
   std::vector<std::vector<std::string>> rows{{"", "encoder error", "tracking error", "its peak", "total"}};
-  for (const NamedSignal& named : signals_of(r)) {
-    const SimulatedSignal& s = named.signal;
-    if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
-    rows.push_back({label_of(named), readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.unit),
-                    readable(s.tracking_rms, named.unit), readable(s.tracking_peak, named.unit),
-                    readable(s.total_rms, named.unit)});
-  }
+  for (auto& cells : tracking_cells(r)) rows.push_back(std::move(cells));
   if (rows.size() == 1) return "";
   return heading("Root mean square errors of the estimates: by the encoders and by the filter", style) +
          fitted_table(rows, style.width);

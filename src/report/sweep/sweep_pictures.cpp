@@ -6,6 +6,7 @@
 #include "report/page/markup.hpp"
 #include "report/page/page.hpp"
 #include "report/page/plot.hpp"
+#include "report/page/prose.hpp"
 #include "report/sweep/sweep_page.hpp"
 #include "report/text_table.hpp"
 
@@ -55,13 +56,13 @@ std::string SweepPage::answer() const {
   if (i == least_.size()) return text.empty() ? "No variant has a figure." : text + '.';
   const Extreme &least = *least_[i], &largest = *largest_[i];
   if (!text.empty()) text += "; ";
-  const std::string name = "\u2068" + figures_[i].name + "\u2069";
+  const std::string name = page::isolated(figures_[i].name);
   if (least.value == largest.value)
     return first_upper(text + name + " is " + readable(least.value, figures_[i].unit) + " in every variant.");
-  return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with \u2068" +
-         short_description(grid_, least.variant) + "\u2069, and largest, " +
-         readable(largest.value, figures_[i].unit) + ", with \u2068" +
-         short_description(grid_, largest.variant) + "\u2069.";
+  return text + name + " is least, " + readable(least.value, figures_[i].unit) + ", with " +
+         page::isolated(short_description(grid_, least.variant)) + ", and largest, " +
+         readable(largest.value, figures_[i].unit) + ", with " +
+         page::isolated(short_description(grid_, largest.variant)) + ".";
 }
 
 std::string SweepPage::plot(std::size_t figure) const {

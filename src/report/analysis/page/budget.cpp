@@ -44,8 +44,7 @@ std::string budget_figures(const Analysis& a) {
       : a.spec.model.sources.empty() && !a.spec.model.along_motion
           ? "<p>Behind each filter the shares are the same: its norm multiplies every encoder's part.</p>"
           : "<p>The shares are those of the unfiltered position: behind a filter the effects of the spec "
-            "have "
-            "other shares, according to their spectra.</p>";
+            "have other shares, according to their spectra.</p>";
   return page::choice("Coordinate and bound", all) + filters;
 }
 

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "bound/joined_tally.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/page/pictures.hpp"
 #include "report/page/page.hpp"
@@ -18,19 +19,16 @@ std::vector<double> drawn_percentages() {
   return all;
 }
 
-/// Between order statistics linear, as percentiles of reports.
-double percentile(const std::vector<double>& sorted, double percentage) {
-  const double at = percentage / 100 * static_cast<double>(sorted.size() - 1);
-  const auto k = std::min(static_cast<std::size_t>(at), sorted.size() - 1);
-  return k + 1 < sorted.size() ? std::lerp(sorted[k], sorted[k + 1], at - static_cast<double>(k)) : sorted[k];
-}
-
 /// The distribution over the sample, with the figures of the report as marks; its ends are those of the
 /// report.
 page::Series series_of(const FigureName& name, const Statistic& s, const std::vector<double>& sorted) {
   page::Series series{std::string(name.bound), {}};
+  const auto value = [&](std::uint64_t rank) { return sorted[static_cast<std::size_t>(rank)]; };
   for (const double p : drawn_percentages())
-    series.points.emplace_back(p == 0 ? s.min : p == 100 ? s.max : percentile(sorted, p), p);
+    series.points.emplace_back(p == 0     ? s.min
+                               : p == 100 ? s.max
+                                          : percentile(p / 100, sorted.size(), value),
+                               p);
   series.marked = {{s.min, 0}, {s.p50, 50}, {s.p95, 95}, {s.p99, 99}, {s.max, 100}};
   return series;
 }

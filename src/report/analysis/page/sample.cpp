@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/figure_column.hpp"
 #include "report/analysis/figure_names.hpp"
 
 namespace qerr {
@@ -30,32 +31,6 @@ Configurations reduced(const Configurations& all) {
   return some;
 }
 
-/// Where a figure of the analysis stands in a batch, and the norm by which it is multiplied.
-struct BatchColumn {
-  std::size_t figure;
-  double factor;
-};
-
-BatchColumn column_of(const Analysis& a, const FigureLayout& at, const ProvenFigure& f) {
-  using Bound = ProvenFigure::Bound;
-  const std::size_t c = f.coordinate;
-  if (f.filter < 0)
-    return {(f.bound == Bound::worst_case            ? at.worst_case
-             : f.bound == Bound::worst_case_rigorous ? at.rigorous
-                                                     : at.sigma) +
-                c,
-            1};
-  const auto filter = static_cast<std::size_t>(f.filter);
-  const std::size_t behind = filter * at.coordinates + c;
-  const Norms& norms = a.spec.filters[filter].norms;
-  if (f.bound == Bound::sigma_in_motion) return {at.in_motion + behind, 1};
-  if (f.bound == Bound::worst_case)
-    return at.filtered_sigma > at.filtered_worst ? BatchColumn{at.filtered_worst + behind, 1}
-                                                 : BatchColumn{at.worst_case + c, norms.l1.upper};
-  return at.in_motion > at.filtered_sigma ? BatchColumn{at.filtered_sigma + behind, 1}
-                                          : BatchColumn{at.sigma + c, norms.h2};
-}
-
 /// Receives batches from any thread; each writes to places of its own.
 class SampleCollector {
  public:
@@ -71,8 +46,8 @@ class SampleCollector {
 
   void add(const ConfigurationBatch& batch) {
     const Chain& chain = a_.spec.model.chain;
-    std::vector<BatchColumn> columns;
-    for (const ProvenFigure& f : figures_) columns.push_back(column_of(a_, batch.layout, f));
+    std::vector<FigureColumn> columns;
+    for (const ProvenFigure& f : figures_) columns.push_back(figure_column(f, a_.spec.filters, batch.layout));
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t to = static_cast<std::size_t>(batch.first) + i;
       const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };

@@ -23,10 +23,10 @@ void draw_in_time(const JointResidual& r, std::size_t intervals, ResidualPicture
   if (p.corrected) p.after = after.points();
 }
 
-/// Means in equal intervals.
-class Means {
+/// IntervalMeans in equal intervals.
+class IntervalMeans {
  public:
-  Means(double from, double to, std::size_t intervals)
+  IntervalMeans(double from, double to, std::size_t intervals)
       : from_(from),
         per_unit_(static_cast<double>(intervals) / (to - from)),
         sums_(intervals),
@@ -55,7 +55,7 @@ void draw_by_position(const JointResidual& r, std::size_t intervals, ResidualPic
   if (!(to > from)) return;
   const page::Envelope none(from, to, intervals);
   std::array before{none, none, none}, after = before;
-  const Means no_rows(from, to, intervals);
+  const IntervalMeans no_rows(from, to, intervals);
   std::array fit{no_rows, no_rows, no_rows};
   for (Eigen::Index k = 0; k < e.rows(); ++k) {
     const double direction = e.direction.size() > 0 ? e.direction[k] : 0;

@@ -23,11 +23,9 @@ std::string remainder_part(const DiagnosisReport& r) {
 }
 
 std::string record_part(const DiagnosisReport& r) {
-  std::vector<std::vector<std::string>> rows;
-  for (const DataFinding& f : r.diagnosis.data) rows.push_back({f.what, place_of(f), f.remedy});
   std::vector<std::string> items;
-  for (const auto& row : rows)
-    items.push_back(row[1] + ": " + row[0] + (row[2].empty() ? "" : ". Remedy: " + row[2]));
+  for (const DataFinding& f : r.diagnosis.data)
+    items.push_back(place_of(f) + ": " + f.what + (f.remedy.empty() ? "" : ". Remedy: " + f.remedy));
   return page::list(items);
 }
 
