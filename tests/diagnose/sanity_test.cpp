@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "support/one_joint_record.hpp"
 
 namespace qerr {
@@ -60,6 +62,55 @@ TEST(Sanity, FindsTheModulusOfARolloverAndUndoesIt) {
     EXPECT_EQ(s.causes[0].effect.number("modulus"), modulus) << "seed " << seed;
     EXPECT_LT(worst(s, m), 0.51 * m.resolution) << "seed " << seed;
     EXPECT_GT(s.causes[0].gain.ratio(), 100);
+  }
+}
+
+/// A jump of the reference alone is none of the counter, however large, also beside a true overflow.
+TEST(Sanity, DoesNotTreatSingleCellsOfTheReferenceAsOverflows) {
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    Machine m(seed);
+    const Column counts = m.counted(m.path);
+    const double modulus = std::exp2(std::floor(std::log2(1.6 * counts.abs().maxCoeff())));
+    const Column wrapped =
+        counts.unaryExpr([&](double c) { return c - modulus * std::floor(c / modulus + 0.5); });
+    for (const Column& read : {counts, wrapped}) {
+      Column reference = m.reference();
+      const auto cell = static_cast<Eigen::Index>(m.dice() % static_cast<unsigned>(m.rows - 20)) + 10;
+      reference[cell] += std::pow(10, m.between(0, 9)) * (seed % 2 == 0 ? 1 : -1);
+      const Sanity s = check_sanity(model_of(m), {},
+                                    log_of({{LogSignal::time, m.time, 7},
+                                            {LogSignal::counts, read, 0},
+                                            {LogSignal::reference, reference}}));
+      ASSERT_EQ(s.causes.size(), (read == counts).all() ? 0u : 1u) << "seed " << seed;
+      for (const Cause& c : s.causes) EXPECT_EQ(c.effect.number("modulus"), modulus) << "seed " << seed;
+      EXPECT_TRUE(s.unexplained.empty()) << "seed " << seed;
+      const bool found = std::any_of(s.data.begin(), s.data.end(), [&](const DataFinding& f) {
+        return f.what.find("reference is far off") != std::string::npos &&
+               f.row == static_cast<std::uint64_t>(cell) + 1;
+      });
+      EXPECT_TRUE(found) << "seed " << seed;
+    }
+  }
+}
+
+TEST(Sanity, FindsAReferenceThatDoesNotFollowTheEncoder) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const double size = std::pow(10, m.between(2, 6));
+    Column noise = m.path, useful = m.path;
+    for (double& x : noise) x = size * m.normal();
+    for (double& x : useful) x += 0.2 * m.normal();  // more than a thousand counts, but it follows
+    const auto checked = [&](const Column& reference) {
+      return check_sanity(model_of(m), {},
+                          log_of({{LogSignal::time, m.time, 7},
+                                  {LogSignal::counts, m.counted(m.path), 0},
+                                  {LogSignal::reference, reference}}));
+    };
+    const Sanity s = checked(noise);
+    ASSERT_EQ(s.unexplained.size(), 1u) << "seed " << seed;
+    EXPECT_EQ(s.unexplained[0].what, "the reference does not follow the encoder");
+    EXPECT_FALSE(s.log.find(LogSignal::reference, 0));
+    EXPECT_TRUE(checked(useful).unexplained.empty()) << "seed " << seed;
   }
 }
 

@@ -3,6 +3,7 @@
 #include <cmath>
 #include <numbers>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 #include "core/text.hpp"
@@ -40,6 +41,14 @@ Eigen::ArrayXd jumps_of(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& refe
     out[k] -= median(std::move(changes));
   }
   return out;
+}
+
+/// The jumps without those of the reference alone, such as a cell that is far off: at an overflow the counts
+/// themselves change by a modulus less the motion, which is shorter than half of it.
+Eigen::ArrayXd jumps_of_counter(Eigen::ArrayXd jumps, const Eigen::ArrayXd& counts) {
+  for (Eigen::Index k = 1; k < counts.size(); ++k)
+    if (2 * std::abs(counts[k] - counts[k - 1]) < std::abs(jumps[k])) jumps[k] = 0;
+  return jumps;
 }
 
 /// Whether noise of the reference could reach the size of the smallest jump that is looked for: six standard
@@ -172,7 +181,7 @@ void undo_specified_rollover(Sanity& s, std::size_t encoder) {
   remove_effect(s, effect);
   const Encoder& model = s.model.transmission.encoders[encoder];
   const Eigen::ArrayXd reference = encoder_reference(s, encoder) / model.resolution;
-  const Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
+  const Eigen::ArrayXd jumps = jumps_of_counter(jumps_of(read->counts, reference), read->counts);
   const double observed = modulus_of(jumps).counts;
   const bool other =
       observed > 0 && std::abs(observed - modulus) > std::max(2 * slack, relative_slack * modulus);
@@ -213,7 +222,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   Eigen::ArrayXd jumps = jumps_of(read->counts, reference);
   // The counts themselves have no noise of the reference.
   const bool noisy = reference.size() > 0 && is_hidden_by_noise(jumps);
-  if (noisy) jumps = jumps_of(read->counts, {});
+  jumps = noisy ? jumps_of(read->counts, {}) : jumps_of_counter(std::move(jumps), read->counts);
   auto [modulus, power_of_two] = modulus_of(jumps);
   // The range of a counter is its modulus.
   if (modulus == 0 || peak_to_peak(read->counts) > modulus + slack) return;

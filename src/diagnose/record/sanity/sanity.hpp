@@ -43,7 +43,7 @@ struct Sanity {
 /// - `log_rounding`: positions recorded more coarsely than the encoder resolves, in the file or the counter;
 /// - columns in another unit than their header says, exchanged columns, single readings far off;
 /// - sensors that are read less often than the log has rows, references on a grid coarser than the encoder;
-/// - stuck sensors, references that are constant or coarser than the encoder;
+/// - stuck sensors, references that are constant, coarser than the encoder or unrelated to it;
 /// - stamps that are rounded, duplicate, uneven, or have gaps;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;
 /// - `filter_mismatch`: JOINT.velocity is the output of another filter than the spec's;

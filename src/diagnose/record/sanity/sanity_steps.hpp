@@ -8,6 +8,9 @@
 /// The steps of check_sanity, in their order. Each step reads the log as the previous steps have repaired it.
 namespace qerr::sanity {
 
+/// Rows from which a slope says something (convention).
+inline constexpr Eigen::Index fewest_rows_of_slope = 16;
+
 /// The counts of one encoder.
 struct RecordedCounts {
   Eigen::Index column = 0;  ///< of the log
@@ -67,6 +70,7 @@ void check_exchange(Sanity&);
 void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
 void check_held_sensors(Sanity&);
+void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);
 void check_reference_noise(Sanity&, std::size_t encoder);
 void check_constant_columns(Sanity&, std::size_t encoder);

@@ -14,6 +14,10 @@ namespace {
 /// Motion that a sensor must have missed to be called stuck [counts] (convention).
 constexpr double missed_motion = 20;
 
+/// Of two columns without any relation [1]: less than half a correlation, and a slope below which neither a
+/// wrong ratio, nor play, nor noise of a reference that is of use explains it (convention).
+constexpr double unrelated_slope = 0.02;
+
 /// Rows in which the readings do not change: first, and one past the last.
 struct ConstantRun {
   Eigen::Index first, end;
@@ -62,6 +66,36 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
   s.warnings.push_back(s.log.columns[static_cast<std::size_t>(read->column)].header +
                        ": constant: no verdict on this joint");
   drop_column(s.log, read->column);
+}
+
+void check_unrelated(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!read || !column) return;
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder) / resolution;
+  if (reference.size() < fewest_rows_of_slope || peak_to_peak(read->counts) < missed_motion ||
+      peak_to_peak(reference) < missed_motion)
+    return;
+  const Line line = fit_line(reference, read->counts);
+  const double explained = std::abs(line.slope) * standard_deviation(reference);
+  if (std::abs(line.slope) > unrelated_slope || explained > line.residual_rms / std::sqrt(3.0)) return;
+  const std::string& joint = s.model.chain.independent[encoder].name;
+  s.unexplained.push_back({joint,
+                           "the reference does not follow the encoder",
+                           {},
+                           {},
+                           rms(read->counts - reference) * resolution});
+  s.data.push_back(
+      {"the reference varies by " + significant(standard_deviation(reference), 3) +
+           " counts (standard deviation), the encoder by " +
+           significant(standard_deviation(read->counts), 3) + ", and they are not correlated",
+       joint,
+       1,
+       {},
+       "no verdict on this joint: look whether the column is that of another joint, or noise of an "
+       "input without a sensor"});
+  drop_column(s.log, *column);
 }
 
 void check_stuck_sensor(Sanity& s, std::size_t encoder) {

@@ -39,7 +39,7 @@ constexpr double proportional = 0.98;
 /// The factors differ by 4 % and more, so that each slope has one factor at most.
 constexpr double same_factor = 0.02;
 
-constexpr Eigen::Index fewest_rows = 16, most_rows = 8192;
+constexpr Eigen::Index most_rows = 8192;
 
 /// At most `most_rows` rows, evenly spaced.
 Eigen::ArrayXd thinned(const Eigen::ArrayXd& x) {
@@ -64,7 +64,7 @@ Pair pair_of(const Sanity& s, std::size_t joint) {
   Pair p;
   const auto column = s.log.find(LogSignal::reference, joint);
   const auto measured = measured_joint(s.log, s.log.values, s.model.transmission, joint);
-  if (!column || !measured || s.log.values.rows() < fewest_rows) return p;
+  if (!column || !measured || s.log.values.rows() < fewest_rows_of_slope) return p;
   p.measured = thinned(*measured);
   p.reference = thinned(s.log.values.col(*column));
   // Eight counts: less has no slope.
