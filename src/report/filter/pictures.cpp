@@ -185,9 +185,10 @@ std::string noise_figures(const FilterReport& r) {
       "them lies below the line. A filter above it has a quieter one of its delay, or a faster one of its "
       "noise; how far they track the motion is not compared.</p><div class=\"figures\">";
   for (const auto& [like, filters] : groups) {
-    const auto& [derivative, rate] = like;
-    const bool several_rates = std::count_if(groups.begin(), groups.end(),
-                                             [&](const auto& g) { return g.first.first == like.first; }) > 1;
+    const auto [derivative, rate] = like;
+    const bool several_rates =
+        std::count_if(groups.begin(), groups.end(),
+                      [order = derivative](const auto& g) { return g.first.first == order; }) > 1;
     out += noise_figure("Noise against delay, derivative " + std::to_string(derivative) +
                             (several_rates ? " at " + readable(rate, "Hz") : ""),
                         filters);
