@@ -3,12 +3,16 @@
 #
 #   scripts/run_tests.sh [CTEST OPTIONS]    such as -R Filter
 #
-# The floors and the format of the sources are checked first. With CI=true warnings are errors.
+# The floors and the format of the sources are checked first. With CI=true warnings are errors, and a minute of fuzzing is one of
+# the tests.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 
 "$root/scripts/setup.sh" --tests
+if [[ ${CI-} == true ]]; then
+  "$root/scripts/setup.sh" --libfuzzer
+fi
 
 echo "== floors" >&2
 python3 "$root/scripts/check_floors.py" --self-test
@@ -24,7 +28,7 @@ if [[ ! -f $root/build/CMakeCache.txt ]]; then
   options+=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
 fi
 if [[ ${CI-} == true ]]; then
-  options+=(-DQERR_WERROR=ON)
+  options+=(-DQERR_WERROR=ON -DQERR_FUZZ=ON)
 fi
 cmake -S "$root" -B "$root/build" "${options[@]}"
 cmake --build "$root/build" --parallel "$(nproc)"

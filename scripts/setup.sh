@@ -6,6 +6,7 @@
 #   scripts/setup.sh --plots   and for the figures of the paper
 #   scripts/setup.sh --bench   and for the benchmarks
 #   scripts/setup.sh --fuzz    and for scripts/fuzz.sh
+#   scripts/setup.sh --libfuzzer   and for the fuzz targets without Clang, as continuous integration runs them
 #   scripts/setup.sh --slurm   and for the test of scripts/slurm_sweep.sh, which is skipped without them
 #
 # The only list of packages (Debian 12 or later).
@@ -42,8 +43,11 @@ bench_packages=(
   libcli11-dev          # command line of compare_peers
   python3-pandas        # bench_read_log
 )
+libfuzzer_packages=(
+  libclang-rt-14-dev
+)
 fuzz_packages=(
-  clang libclang-rt-14-dev   # libFuzzer
+  clang "${libfuzzer_packages[@]}"
 )
 slurm_packages=(
   slurm-wlm munge       # 14 MB; apart from the tests', as they bring daemons that start with the machine
@@ -55,8 +59,9 @@ case "${1-}" in
   --plots) packages+=("${plot_packages[@]}") ;;
   --bench) packages+=("${bench_packages[@]}") ;;
   --fuzz) packages+=("${fuzz_packages[@]}") ;;
+  --libfuzzer) packages+=("${libfuzzer_packages[@]}") ;;
   --slurm) packages+=("${slurm_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--fuzz|--slurm]" >&2; exit 2 ;;
+  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--fuzz|--libfuzzer|--slurm]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

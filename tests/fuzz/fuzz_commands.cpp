@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdio>
 #include <vector>
 
 #include "cli/command.hpp"
@@ -14,20 +15,31 @@ namespace {
 using namespace qerr::fuzz;
 using Words = std::vector<std::string>;
 
-const std::string spec_file = folder().file("spec.yaml"), log_file = folder().file("log.csv");
+const std::string spec_file = folder().file("spec.yaml"), log_file = folder().file("log.csv"),
+                  model_file = folder().file("model.yaml"), report_file = folder().file("report.json"),
+                  sweep_file = folder().file("sweep.csv"), plots_folder = folder().file("plots");
+const std::string spec_of_arm =
+    folder().text("arm.yaml", arm_spec("configurations: {count: 5, limits: {wrist: [0, 1]}}\n"));
 constexpr const char* nowhere = "/dev/null";
 
 /// Each is one way through the program; of several command lines, the later read what the earlier wrote.
 const std::vector<std::vector<Words>>& uses() {
   static const std::vector<std::vector<Words>> all = {
-      {{"analyze", "-q", spec_file, "-o", nowhere}},
-      {{"analyze", "-q", spec_file, "--format", "json", "-o", nowhere}},
-      {{"check", "-q", spec_file, "-o", nowhere}},
-      {{"filter", "-q", spec_file, "-o", nowhere}},
-      {{"threshold", "-q", spec_file, "-o", nowhere}},
-      {{"simulate", "-q", spec_file, "-o", nowhere, "--log", log_file},
-       {"diagnose", "-q", spec_file, log_file, "-o", nowhere}},
-      {{"sweep", "-q", spec_file, "-o", nowhere}},
+      {{"analyze", spec_file}},
+      {{"analyze", spec_file, "--format", "html"}},
+      {{"analyze", spec_file, "--format", "json", "-o", report_file}, {"compare", report_file, spec_of_arm}},
+      {{"check", spec_file, "--format", "html"}},
+      {{"filter", spec_file}},
+      {{"filter", spec_file, "--format", "html"}},
+      {{"threshold", spec_file, "--format", "csv"}},
+      {{"simulate", spec_file, "--log", log_file, "--format", "html"},
+       {"diagnose", spec_file, log_file, "--write-model", model_file, "--plots", plots_folder},
+       {"analyze", model_file, "--format", "json"}},
+      {{"diagnose", spec_file, "--plan"}},
+      {{"sweep", spec_file, "--format", "csv", "-o", sweep_file}, {"merge", "--spec", spec_file, sweep_file}},
+      {{"sweep", spec_file, "--format", "html"}},
+      {{"design", spec_file, "--format", "html"}},
+      {{"compare", spec_of_arm, spec_file, "--format", "html"}},
   };
   return all;
 }
@@ -51,8 +63,12 @@ int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
     return -1;  // what fuzz_spec is for
   }
   folder().write("spec.yaml", data + 1, size - 1);
+  for (const std::string& file : {log_file, model_file, report_file, sweep_file}) std::remove(file.c_str());
   accept_or_refuse([&] {
-    for (const Words& words : uses()[data[0] % uses().size()]) {
+    for (Words words : uses()[data[0] % uses().size()]) {
+      words.insert(words.end(), {"-q", "--threads", "1"});
+      if (std::find(words.begin(), words.end(), "-o") == words.end())
+        words.insert(words.end(), {"-o", nowhere});
       const qerr::RunFiles files;
       const int code = qerr::cli::run_command_line(words);
       if (code != 0 && code != 1) std::abort();

@@ -51,6 +51,9 @@ class Folder {
         .write(reinterpret_cast<const char*>(data), static_cast<long>(size));
     return file(name);
   }
+  std::string text(const std::string& name, const std::string& content) const {
+    return write(name, reinterpret_cast<const std::uint8_t*>(content.data()), content.size());
+  }
 
  private:
   std::filesystem::path top_;
