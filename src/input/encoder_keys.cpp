@@ -63,7 +63,7 @@ void check_keys(const Field& f, const EncoderKind* kind) {
     if (std::find(known.begin(), known.end(), key) == known.end())
       faults.push_back(unknown_key(f, entry, known));
     else if (kind && !has_row(all_keys_of(*kind), key))
-      faults.push_back({entry.key.place, f.path + '.' + key,
+      faults.push_back({entry.key.place, f.path_of(key),
                         "does not belong to an encoder that is stated by " + std::string(kind->name),
                         quoted(key), "remove it, or state the encoder in the other way"});
   }
@@ -78,9 +78,8 @@ void refuse_kind_as_unit(const Field& f, const EncoderKind& kind) {
   const std::string unit = text.substr(at), number = text.substr(0, text.find_last_not_of(' ', at - 1) + 1);
   for (const EncoderKind& other : encoder_kinds())
     if (&other != &kind && (unit == other.name || unit + 's' == other.name))
-      throw Error({f.node->find(kind.name)->place, f.path + '.' + std::string(kind.name),
-                   "has the wrong kind of unit", quoted(text),
-                   "write " + std::string(other.name) + ": " + number});
+      throw Error({f.node->find(kind.name)->place, f.path_of(kind.name), "has the wrong kind of unit",
+                   quoted(text), "write " + std::string(other.name) + ": " + number});
 }
 
 const EncoderKind& stated_kind(const Field& f) {
@@ -107,7 +106,7 @@ void refuse_bare_encoder(const Field& f, const Chain& chain) {
   for (const Node::Entry& entry : f.node->entries)
     if (std::find(keys.begin(), keys.end(), entry.key.name) != keys.end() &&
         std::find(joints.begin(), joints.end(), entry.key.name) == joints.end())
-      throw Error({entry.key.place, f.path + '.' + entry.key.name, "this is a key of an encoder, not a joint",
+      throw Error({entry.key.place, f.path_of(entry.key.name), "this is a key of an encoder, not a joint",
                    quoted(entry.key.name),
                    "name the joints: '*': {" + std::string(first_kind(false).example) + "} for all"});
 }

@@ -104,8 +104,8 @@ void warn_of_bare_numbers(const Field& map, const std::vector<Parameter>& rows, 
     const Node* value = map.node->find(p.name);
     const auto number = value && value->type == Node::Type::scalar ? parse_number(value->text) : std::nullopt;
     if (!number || std::abs(*number) < p.usual) continue;
-    const std::string text = map.path + '.' + std::string(p.name) + ": " + value->text +
-                             " without a unit is in " + unit_name(p.coordinate ? coordinate : p.dimension) +
+    const std::string text = map.path_of(p.name) + ": " + value->text + " without a unit is in " +
+                             unit_name(p.coordinate ? coordinate : p.dimension) +
                              ", which is much; write the unit that is meant";
     if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
   }
@@ -166,7 +166,7 @@ std::vector<std::pair<Node::Key, Field>> read_map(const Field& f) {
   if (f.node->type != Node::Type::mapping) throw Error(f.fault("must be a mapping", "write 'name: value'"));
   std::vector<std::pair<Node::Key, Field>> entries;
   for (const auto& [key, value] : f.node->entries)
-    entries.emplace_back(key, Field{&value, f.path.empty() ? key.name : f.path + '.' + key.name});
+    entries.emplace_back(key, Field{&value, f.path_of(key.name)});
   return entries;
 }
 
@@ -198,18 +198,14 @@ Object::Object(const Field& field, const std::vector<Parameter>& format) : field
   for (const Parameter& p : format)
     if (p.required && !has(p.name))
       missing.push_back(
-          {field.node->place,
-           field.path.empty() ? std::string(p.name) : field.path + '.' + std::string(p.name), "missing key",
-           "", "add '" + std::string(p.name) + ": " + placeholder(p) + "' (" + std::string(p.meaning) + ")"});
+          {field.node->place, field.path_of(p.name), "missing key", "",
+           "add '" + std::string(p.name) + ": " + placeholder(p) + "' (" + std::string(p.meaning) + ")"});
   drop_explained(missing, faults, known);
   faults.insert(faults.end(), missing.begin(), missing.end());
   if (!faults.empty()) throw Error(faults);
 }
 
-Field Object::at(std::string_view key) const {
-  return {field_.node->find(key),
-          field_.path.empty() ? std::string(key) : field_.path + '.' + std::string(key)};
-}
+Field Object::at(std::string_view key) const { return {field_.node->find(key), field_.path_of(key)}; }
 
 const Parameter& Object::row(std::string_view key) const {
   return *std::find_if(format_.begin(), format_.end(), [&](const Parameter& p) { return p.name == key; });

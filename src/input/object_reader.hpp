@@ -45,6 +45,11 @@ struct Field {
   Fault fault(std::string rule, std::string remedy) const {
     return {node->place, path, std::move(rule), described(*node), std::move(remedy)};
   }
+
+  /// Of a key of this mapping, also of the whole spec, whose path is empty.
+  std::string path_of(std::string_view key) const {
+    return path.empty() ? std::string(key) : path + '.' + std::string(key);
+  }
 };
 
 /// A number with an optional unit, in SI units.

@@ -98,7 +98,7 @@ class OptionReader {
     return std::find(keys.begin(), keys.end(), key) != keys.end();
   }
 
-  Field at(const std::string& key) const { return {field_.node->find(key), field_.path + '.' + key}; }
+  Field at(const std::string& key) const { return {field_.node->find(key), field_.path_of(key)}; }
 
   void check_keys() const {
     if (field_.node->type != Node::Type::mapping)
@@ -107,7 +107,7 @@ class OptionReader {
     known.insert(known.end(), {"catalogue", "price", "gear_price"});
     for (const Node::Entry& entry : field_.node->entries)
       if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-        throw Error({entry.key.place, field_.path + '.' + entry.key.name, "unknown key",
+        throw Error({entry.key.place, field_.path_of(entry.key.name), "unknown key",
                      qerr::quoted(entry.key.name), did_you_mean(entry.key.name, known)});
     if (field_.node->find("catalogue") && field_.node->find("price"))
       throw Error(at("price").fault("the catalogue has the prices", "remove price"));

@@ -115,14 +115,14 @@ void refuse_missing(const Field& f, const Chain& chain, const std::vector<std::s
   for (const std::size_t i : missing) {
     const IndependentJoint& joint = chain.independent[i];
     if (joint.prismatic())
-      faults.push_back({f.node->place, f.path + '.' + joint.name, "the prismatic joint has no encoder", "",
+      faults.push_back({f.node->place, f.path_of(joint.name), "the prismatic joint has no encoder", "",
                         own_entry_of_prismatic(joint)});
     else
       revolute.push_back(joint.name);
   }
   if (!revolute.empty()) {
     const bool one = revolute.size() == 1;
-    faults.push_back({f.node->place, one ? f.path + '.' + revolute.front() : f.path,
+    faults.push_back({f.node->place, one ? f.path_of(revolute.front()) : f.path,
                       one ? "the joint has no encoder" : "joints have no encoder",
                       one ? "" : list_of_names(revolute),
                       "add '" + revolute.front() + ": {" + std::string(first_kind(false).example) +

@@ -72,7 +72,7 @@ Filter represented(const Object& o, const FilterRepresentation& r, const FilterD
   needed.insert(needed.end(), r.beside.begin(), r.beside.end());
   for (const Parameter& p : needed)
     if (p.required && !o.has(p.name))
-      throw Error({o.self().node->place, o.self().path + '.' + std::string(p.name), "missing key", "",
+      throw Error({o.self().node->place, o.self().path_of(p.name), "missing key", "",
                    "add '" + std::string(p.name) + ": ...' (" + std::string(p.meaning) + ")"});
   std::map<std::string, Rows> values;
   read_values(o, r.beside, values);

@@ -228,7 +228,7 @@ void read_motion(const Field& f, const std::string& folder, const RobotModel& ro
   } else {
     for (const std::string key : {"sample_rate", "duration"})
       if (!o.has(key))
-        throw Error({f.node->place, f.path + '.' + key, "missing key", "", "add '" + key + ": ...'"});
+        throw Error({f.node->place, f.path_of(key), "missing key", "", "add '" + key + ": ...'"});
     motion.joints.resize(places.size());
     bool valid = true;
     for (const auto& entry : read_map(o.at("joints"))) {

@@ -16,7 +16,7 @@ namespace {
 
 Quantity end_of_range(const Object& o, const std::string& key) {
   if (!o.has(key))
-    throw Error({o.self().node->place, o.self().path + '.' + key, "missing key", "",
+    throw Error({o.self().node->place, o.self().path_of(key), "missing key", "",
                  "give values: [...], or from, to and count"});
   const Field f = o.at(key);
   std::string why = "must be a number";

@@ -57,7 +57,8 @@ std::optional<Fault> after_decimal_comma(const Field& map, const Node::Entry& en
     if (&entries[i] == &entry && entries[i - 1].value.type == Node::Type::scalar) {
       const std::string text = entries[i - 1].value.text + ',' + rest;
       const NumberAdvice advice = advice_on_number(text, "");
-      return Fault{entries[i - 1].value.place, map.path + '.' + entries[i - 1].key.name, advice.rule,
+      if (advice.remedy.empty()) return std::nullopt;
+      return Fault{entries[i - 1].value.place, map.path_of(entries[i - 1].key.name), advice.rule,
                    quoted(text), advice.remedy};
     }
   return std::nullopt;
@@ -90,7 +91,7 @@ std::string with_space_after_colon(const std::string& text) {
 
 Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known) {
   const std::string& name = entry.key.name;
-  const std::string path = map.path.empty() ? name : map.path + '.' + name;
+  const std::string path = map.path_of(name);
   if (const std::string corrected = with_space_after_colon(name);
       !corrected.empty() && entry.value.type == Node::Type::null)
     return {entry.key.place, path, "a colon after a key must be followed by a space", quoted(name),
