@@ -10,7 +10,7 @@ root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
 build=$root/build-package
 output=${1-$build}
 
-"$root/scripts/setup.sh"
+"$root/scripts/setup.sh" --package
 
 if [[ -z ${SOURCE_DATE_EPOCH-} ]]; then
   # Without a clone (an archive of the sources), the newest source has the date of the release.

@@ -1,13 +1,14 @@
 #!/usr/bin/env bash
 # Installs the missing ones of the Debian packages that qerr needs.
 #
-#   scripts/setup.sh           packages for the program
-#   scripts/setup.sh --tests   and for the tests
-#   scripts/setup.sh --plots   and for the figures of the paper
-#   scripts/setup.sh --bench   and for the benchmarks
-#   scripts/setup.sh --fuzz    and for scripts/fuzz.sh
-#   scripts/setup.sh --libfuzzer   and for the fuzz targets without Clang, as continuous integration runs them
-#   scripts/setup.sh --slurm   and for the test of scripts/slurm_sweep.sh, which is skipped without them
+#   scripts/setup.sh              packages for the program
+#   scripts/setup.sh --tests      and for the tests
+#   scripts/setup.sh --package    and for scripts/package.sh
+#   scripts/setup.sh --plots      and for the figures of the paper
+#   scripts/setup.sh --bench      and for the benchmarks
+#   scripts/setup.sh --fuzz       and for scripts/fuzz.sh
+#   scripts/setup.sh --libfuzzer  and for the fuzz targets without Clang, as continuous integration runs them
+#   scripts/setup.sh --slurm      and for the test of scripts/slurm_sweep.sh, which is skipped without them
 #
 # The only list of packages (Debian 12 or later).
 set -euo pipefail
@@ -34,6 +35,9 @@ test_packages=(
   parallel              # scripts/parallel_sweep.sh
   clang-format
 )
+package_packages=(
+  dpkg-dev file         # libraries that the program needs, by package
+)
 plot_packages=(
   python3 python3-numpy python3-matplotlib
 )
@@ -56,12 +60,13 @@ slurm_packages=(
 case "${1-}" in
   "") ;;
   --tests) packages+=("${test_packages[@]}") ;;
+  --package) packages+=("${package_packages[@]}") ;;
   --plots) packages+=("${plot_packages[@]}") ;;
   --bench) packages+=("${bench_packages[@]}") ;;
   --fuzz) packages+=("${fuzz_packages[@]}") ;;
   --libfuzzer) packages+=("${libfuzzer_packages[@]}") ;;
   --slurm) packages+=("${slurm_packages[@]}") ;;
-  *) echo "usage: ${0##*/} [--tests|--plots|--bench|--fuzz|--libfuzzer|--slurm]" >&2; exit 2 ;;
+  *) echo "usage: ${0##*/} [--tests|--package|--plots|--bench|--fuzz|--libfuzzer|--slurm]" >&2; exit 2 ;;
 esac
 
 if ! command -v apt-get >/dev/null || ! command -v dpkg-query >/dev/null; then

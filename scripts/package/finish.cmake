@@ -21,6 +21,9 @@ if(texts)
   execute_process(COMMAND gzip --best --no-name --force ${texts} COMMAND_ERROR_IS_FATAL ANY)
 endif()
 
+# The folder that Debian's zsh searches.
+file(RENAME ${usr}/share/zsh/site-functions ${usr}/share/zsh/vendor-completions)
+
 file(GLOB_RECURSE archives ${usr}/lib/*.a)
 list(SORT archives)
 foreach(archive ${archives})

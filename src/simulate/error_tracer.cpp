@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "lanes/batch.hpp"
+
 namespace qerr {
 
 ErrorTracer::ErrorTracer(const Job& job, Eigen::Index coordinates, std::size_t width)
