@@ -93,8 +93,8 @@ TEST(TrackingAlongMotion, OfATurningTipHasTheSameLengthInBothFrames) {
     SimulationOptions options;
     options.tracking = true;
     double square = 0;
-    for (const SimulatedSignal& s : simulation_report(spec, options).simulation.results[1])
-      square += s.tracking_rms * s.tracking_rms;
+    const SimulationReport report = simulation_report(spec, options);
+    for (const SimulatedSignal& s : report.simulation.results[1]) square += s.tracking_rms * s.tracking_rms;
     return std::sqrt(square);
   };
   EXPECT_NEAR(length("tip") / length("base"), 1, 1e-12);

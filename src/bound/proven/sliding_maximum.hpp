@@ -19,7 +19,7 @@ void sliding_maximum(Number* values, std::size_t count, std::size_t window, std:
     if (i % window == 0)
       std::copy(from, from + width, to);
     else
-      for (std::size_t c = 0; c < width; ++c) to[c] = std::max(to[c - width], from[c]);
+      for (std::size_t c = 0; c < width; ++c) to[c] = std::max(memory[(i - 1) * width + c], from[c]);
   }
   for (std::size_t i = count - 1; i-- > 0;) {
     if ((i + 1) % window == 0) continue;

@@ -63,7 +63,8 @@ std::string per_configuration_rows(const Spec& spec, const std::vector<Eigen::Ve
       }
     out += positions;
     for (Eigen::Index j = 0; j < q.size(); ++j) q[j] = batch.q[static_cast<std::size_t>(j) * batch_size + i];
-    for (const double x : forward_kinematics(spec.model.chain, q).translation()) out += ',' + csv_number(x);
+    const Eigen::Vector3d tip = forward_kinematics(spec.model.chain, q).translation();
+    for (const double x : tip) out += ',' + csv_number(x);
     out += "\r\n";
   }
   return out;
