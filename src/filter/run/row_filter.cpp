@@ -21,14 +21,14 @@ void RowFilter::reset() {
 void RowFilter::settle(const double* row) {
   for (std::size_t c = 0; c < width_; ++c) {
     double x = row[c];
-    double* state = state_.data() + c;
+    std::size_t at = c;
     for (const NormalizedSection<double>& s : plan_.sections) {
       // In steady state high = 0, s1 = band = 0 for second order, and k0 low = x.
       const double low = x / s.k0;
-      state[0] = s.second ? 0 : low;
-      state[width_] = s.second ? low : 0;
+      state_[at] = s.second ? 0 : low;
+      state_[at + width_] = s.second ? low : 0;
       x = s.b0 * low;
-      state += 2 * width_;
+      at += 2 * width_;
     }
     for (std::size_t k = 0; k + 1 < plan_.taps.size(); ++k) past_[k * width_ + c] = x;
   }
