@@ -1,5 +1,6 @@
 #include <cmath>
 
+#include "core/physical_range.hpp"
 #include "input/spec_format.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -32,9 +33,10 @@ Json non_empty_list_of(Json items) {
 }
 Json required(std::initializer_list<Json> names) { return {{"required", Json::array(names)}}; }
 
-/// A bare number within the row's range, or text with a number and a unit (whose range only the reader can
-/// judge).
-Json of_number(const Parameter& p) {
+/// A bare number within the row's range and that of physics, or text with a number and a unit (whose range
+/// only the reader can judge). Of a joint coordinate the range of angles, as it includes that of lengths.
+Json of_number(const Parameter& row) {
+  const Parameter p = with_physical_range(row, dimension::angle);
   Json bare = {{"type", p.kind == Kind::integer ? "integer" : "number"}};
   if (std::isfinite(p.least)) bare[p.open_below ? "exclusiveMinimum" : "minimum"] = p.least;
   if (std::isfinite(p.most)) bare[p.open_above ? "exclusiveMaximum" : "maximum"] = p.most;
