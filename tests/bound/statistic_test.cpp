@@ -78,6 +78,16 @@ TEST(Statistic, PercentilesAreNumpysLinearOnes) {
   }
 }
 
+// What a job counts, so that it need not count again.
+TEST(Statistic, TheRanksOfPercentilesAreThoseBetweenWhichTheyLie) {
+  using Ranks = std::vector<std::uint64_t>;
+  EXPECT_EQ(percentile_ranks(0.5, 4), (Ranks{1, 2}));
+  EXPECT_EQ(percentile_ranks(0.5, 5), Ranks{2});
+  EXPECT_EQ(percentile_ranks(0.95, 101), Ranks{95});
+  EXPECT_EQ(percentile_ranks(0.99, 102), (Ranks{99, 100}));
+  EXPECT_EQ(percentile_ranks(102), (Ranks{99, 100, 95, 96, 50, 51}));
+}
+
 // Tolerance 1e-3 for any values; 5e-5 for 200000 uniform values.
 TEST(Histogram, PercentilesAreWithinTheirStatedError) {
   Dice dice(1);
