@@ -6,7 +6,7 @@
 
 Mutants are drawn by the seed from all places of the folders. They are made in a copy of the sources in build-mutation/,
 which is compiled once; each mutant compiles what it changes. A mutant is killed by a failed, crashed or endless unit test:
-first those of its own module, then, of the others in --tests, those of modules that include it. With --then, survivors also
+first those that include its header, then those of its module, then, of the others in --tests, those of modules above it. With --then, survivors also
 meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
 --skip goes on after a run that was stopped.
 
@@ -14,6 +14,7 @@ Prints one line a mutant, then the survivors (FILE:LINE, change) and the share t
 is below --at-least.
 """
 import argparse
+import json
 import os
 import pathlib
 import random
@@ -23,7 +24,6 @@ import shutil
 import signal
 import subprocess
 import sys
-import time
 
 from check_floors import ALLOWED, FLOORS
 
@@ -125,8 +125,7 @@ def prepare(tests):
         if path.is_file() and not (ROOT / path.relative_to(TREE)).exists():
             path.unlink()
     files = ";".join(f"{name}/*_test.cpp" for name in tests)
-    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Debug", "-DCMAKE_CXX_FLAGS_DEBUG=-O1 -DNDEBUG",
-          "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON", f"-DQERR_TEST_FILES={files}"], "configuring")
+    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON", f"-DQERR_TEST_FILES={files}"], "configuring")
     print("mutate: building, which takes minutes the first time", file=sys.stderr)
     must(["cmake", "--build", BUILD, "--target", "qerr_tests"], "the build")
 
@@ -137,30 +136,59 @@ def copy_if_changed(source, copy):
         shutil.copyfile(source, copy)
 
 
-def suites(folder):
-    text = "\n".join(path.read_text() for path in (ROOT / "tests" / folder).glob("*_test.cpp"))
-    names = set(re.findall(r"\b(?:TEST|TEST_F|RC_GTEST_PROP)\((\w+)", text))
-    return sorted(names | {f"*/{name}" for name in re.findall(r"\bTEST_P\((\w+)", text)})
+def suites(files):
+    """The names of the suites of test files."""
+    text = "\n".join(path.read_text() for path in files)
+    return set(re.findall(r"\b(?:TEST|TEST_F|TEST_P|RC_GTEST_PROP)\((\w+)", text))
 
 
-def stages(module, tests):
-    """Folders of tests that a mutant of a module meets: its own first, then those of modules that include it."""
-    above = [name for name in tests if FLOORS[name] > FLOORS[module] or (name, module) in ALLOWED]
-    return [folders for folders in ([name for name in tests if name == module], above) if folders]
+def test_files(folder):
+    return sorted((ROOT / "tests" / folder).glob("*_test.cpp"))
 
 
-def run_tests(folders, limit):
-    pattern = ":".join(f"{name}.*" for folder in folders for name in suites(folder))
-    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_filter={pattern}"], limit)
+def run_tests(names, limit):
+    """Exit code and output of some tests, which stop at the first failure."""
+    listed = WORK / "tests.txt"  # a filter of many names is too long for a command line's single word
+    listed.write_text("--gtest_filter=" + ":".join(names) + "\n")
+    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_flagfile={listed}"], limit)
+
+
+def durations(tests):
+    """Seconds of each test of the folders, without a change."""
+    report = WORK / "durations.json"
+    patterns = [f"{start}{suite}.*" for folder in tests for suite in suites(test_files(folder)) for start in ("", "*/")]
+    listed = WORK / "tests.txt"
+    listed.write_text("--gtest_filter=" + ":".join(patterns) + "\n")
+    code, output = call([BUILD / "tests" / "qerr_tests", "--gtest_brief=1", f"--gtest_flagfile={listed}", f"--gtest_output=json:{report}"])
+    if code != 0:
+        sys.exit(f"mutate: tests fail without any change:\n{output[-3000:]}")
+    return {f"{suite['name']}.{test['name']}": float(test["time"].rstrip("s"))
+            for suite in json.loads(report.read_text())["testsuites"] for test in suite["testsuite"]}
+
+
+def stages(path, tests, seconds):
+    """Lists of tests that a mutant meets in turn: those that include its header, of its module, of those above; quick ones first."""
+    module, header = path.parts[1], f"/{path.stem}.hpp\""
+    own = test_files(module) if module in tests else []
+    nearest = [file for file in own if header in file.read_text()]
+    above = [file for name in tests if FLOORS[name] > FLOORS[module] or (name, module) in ALLOWED for file in test_files(name)]
+    met = set()
+    for files, quick in ((nearest, True), (own, True), (nearest, False), (own, False), (above, True), (above, False)):
+        wanted = suites(files)
+        names = [name for name, taken in seconds.items()
+                 if name not in met and name.split(".")[0].split("/")[-1] in wanted and (taken < 0.3 or not quick)]
+        met.update(names)
+        if names:
+            yield names
 
 
 def outcome(path, given, seconds):
     """invalid, the test stage that killed the mutant, or survived."""
     if call(["cmake", "--build", BUILD, "--target", "qerr_tests"], 600)[0] != 0:
         return "invalid"
-    for folders in stages(path.parts[1], given.tests):
+    for names in stages(path, given.tests, seconds):
         # A mutant may be slow without being endless.
-        code, _ = run_tests(folders, 10 + 10 * sum(seconds[name] for name in folders))
+        code, _ = run_tests(names, 10 + 10 * sum(seconds[name] for name in names))
         if code != 0:
             return "killed (endless)" if code == "timeout" else "killed"
     if given.then:
@@ -169,18 +197,6 @@ def outcome(path, given, seconds):
         if call(["ctest", "--test-dir", BUILD, "-R", given.then, "--stop-on-failure"], 1200)[0] != 0:
             return "killed (by a script)"
     return "survived"
-
-
-def durations(tests):
-    """Of the tests in each folder, without a change [s]."""
-    seconds = {}
-    for folder in tests:
-        start = time.monotonic()
-        code, output = run_tests([folder], None)
-        if code != 0:
-            sys.exit(f"mutate: tests/{folder} fails without any change:\n{output[-3000:]}")
-        seconds[folder] = time.monotonic() - start
-    return seconds
 
 
 def arguments():
