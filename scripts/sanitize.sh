@@ -50,6 +50,6 @@ threaded() {
 selected=()
 [[ $mode == address ]] || selected=(--tests-regex "$(threaded)")
 
-# Left out: tests that limit memory or CPU time, or preload a library ahead of the sanitizer's.
+# Left out: tests that limit memory or CPU time, or watch it by other means.
 "${command_prefix[@]}" ctest --test-dir "$build" --output-on-failure --no-tests=error --parallel "$(nproc)" \
-  --exclude-regex '^acceptance[.](bad_input|hard_inputs|diagnosis_page|faults|package)$' "${selected[@]}" "$@"
+  --exclude-regex '^acceptance[.](bad_input|hard_inputs|diagnosis_page|faults|memory|package)$' "${selected[@]}" "$@"
