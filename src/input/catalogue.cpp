@@ -170,10 +170,14 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
       if (!seen.insert(name).second)
         throw Error({csv.header_place(i), name, "duplicate column", quoted(name), "keep one of the two"});
     });
+  // A file of another kind may hold what is nobody's business: its first line is not repeated.
+  const bool known = std::any_of(columns.begin(), columns.end(), [](const CatalogueColumn& c) {
+    return c.role != CatalogueColumn::Role::description;
+  });
   if (!seen.contains("name"))
     faults.guard([&] {
       throw Error({csv.header_place(0), "name", "the catalogue has no column of this name",
-                   list_of_names(csv.header()), "add it: it names the rows in reports"});
+                   known ? list_of_names(csv.header()) : "", "add it: it names the rows in reports"});
     });
   return columns;
 }

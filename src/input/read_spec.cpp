@@ -5,6 +5,7 @@
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/read_text.hpp"
+#include "input/spec_format.hpp"
 #include "input/spec_reader.hpp"
 
 namespace qerr {
@@ -21,6 +22,7 @@ std::optional<Fault> fault_of_variant(const Node& root, const std::string& file,
     for (const SpecChange& change : in_order(std::move(changes))) apply_override(variant, change);
     SpecReader(file).read(variant);
   } catch (const Error& e) {
+    if (e.trouble() != Trouble::input) throw;
     return e.faults().front();
   }
   return std::nullopt;
@@ -60,6 +62,47 @@ void refuse_xml(const std::string& text, const std::string& path) {
                            : "begin with 'qerr: 1'"});
 }
 
+/// Whether a key of the top level stands anywhere in a text, with its colon.
+bool names_a_section(const std::string& text) {
+  return std::any_of(spec_format::top().begin(), spec_format::top().end(), [&](const Parameter& p) {
+    for (std::size_t at = 0; (at = text.find(p.name, at)) != std::string::npos; at += p.name.size())
+      if (const std::size_t colon = text.find_first_not_of("\"' ", at + p.name.size());
+          colon != std::string::npos && text[colon] == ':')
+        return true;
+    return false;
+  });
+}
+
+/// Whether there is a line other than comments, which alone are an empty spec.
+bool has_content(const std::string& text) {
+  for (std::size_t at = 0; at < text.size(); at = text.find('\n', at)) {
+    at = text.find_first_not_of(" \t\r\n", at);
+    if (at == std::string::npos) return false;
+    if (text[at] != '#') return true;
+  }
+  return false;
+}
+
+/// Files that are given in place of a spec. What they hold may be nobody's business: it is not repeated.
+void refuse_other_files(const std::string& text, const std::string& path) {
+  refuse_xml(text, path);
+  const std::size_t begin = text.find_first_not_of(" \t\r\n");
+  if (begin == std::string::npos) return;
+  if (text[begin] == '{' && text.find("\"command\":") < text.find("\"position\":") &&
+      text.find("\"qerr\":") != std::string::npos)
+    throw Error(Fault{{path, 1, 1},
+                      "",
+                      "this is a JSON report of qerr, not a spec",
+                      "",
+                      "give the spec of which it is; qerr compare takes reports"});
+  if (has_content(text) && !names_a_section(text))
+    throw Error(Fault{{path, 1, 1},
+                      "",
+                      "this is no spec: it has none of the keys of one",
+                      "",
+                      "begin with 'qerr: 1' (qerr help spec)"});
+}
+
 }  // namespace
 
 Error unopened(const Field& f, const std::string& path, const Error& e) {
@@ -77,7 +120,7 @@ Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
 }
 
 Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& overrides) {
-  refuse_xml(text, path);
+  refuse_other_files(text, path);
   Node root = parse_yaml(text, path);
   if (root.type == Node::Type::mapping)
     for (const SpecChange& change : in_order(spec_changes(overrides.values))) apply_override(root, change);

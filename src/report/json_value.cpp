@@ -18,7 +18,12 @@ struct JsonText {
                        const std::string& rule) {
     const std::string rest =
         text.substr(byte, std::min(text.find_first_of("\r\n", byte) - byte, std::size_t{30}));
-    return Error(Fault{place_of_byte(text, byte, file), "", rule, rest.empty() ? "its end" : quoted(rest),
+    // What a file of another kind holds may be nobody's business.
+    const bool report = text.find("\"qerr\"") != std::string::npos;
+    return Error(Fault{place_of_byte(text, byte, file), "", rule,
+                       rest.empty() ? "its end"
+                       : report     ? quoted(rest)
+                                    : "",
                        "write the file anew with --format json"});
   }
 

@@ -135,6 +135,29 @@ def grown_specs(folder):
         yield path
 
 
+def check_foreign_files(t, qerr, folder):
+    """A file of another kind in each place that takes one: refused, without a word of what it holds."""
+    spec = spec_around(folder, CORPUS / "two_joints.urdf", "requirements: [{quantity: position.x.sigma, statistic: max, at_most: 1 m}]\n")
+    report = folder / "report.json"
+    run(qerr, "analyze", spec, "-o", report)
+    kinds = {"passwords": "root:$6$SECRET:19000:0:99999:7:::\ndaemon:*SECRET:19000::\n", "table": "SECRET1,SECRET2\n1,2\n",
+             "words": "SECRET words\nand SECRET more\n", "json": '{"SECRET": SECRET}\n'}
+    for kind, text in kinds.items():
+        foreign = folder / kind
+        foreign.write_text(text)
+        for words in (["analyze", foreign], ["compare", foreign, spec], ["check", spec, "--baseline", foreign], ["merge", foreign],
+                      ["diagnose", spec, foreign], ["robot", foreign], ["analyze", spec, "--set", f"robot.urdf={foreign}"],
+                      ["analyze", spec, "--set", f"configurations={{method: file, file: {foreign}}}"],
+                      ["simulate", spec, "--set", f"motion={{file: {foreign}}}"],
+                      ["design", spec, "--set", f"design={{encoders: {{'*': {{catalogue: {foreign}}}}}}}"],
+                      ["sweep", spec, "--set", f"sweep=[{{key: encoders.*, catalogue: {foreign}}}]"]):
+            ran = run(qerr, *words)
+            t.check(f"{words[0]} of {kind}: 3, without its content", ran.code == 3 and not ran.out and b"SECRET" not in ran.err,
+                    f"exit {ran.code}: {ran.err.decode()[:300]}")
+    ran = run(qerr, "analyze", report)
+    t.check("a report as a spec: 3, by name", ran.code == 3 and b"report" in ran.err, ran.err.decode()[:300])
+
+
 def main():
     qerr, t = program_and_tally()
     with tempfile.TemporaryDirectory() as temporary:
@@ -145,6 +168,7 @@ def main():
             t.check(f"a generated spec: {path.stem}", not problem, problem)
         check_urdfs(t, qerr, folder)
         check_flawed_urdfs(t, qerr, folder)
+        check_foreign_files(t, qerr, folder)
         exit_codes.check_good_specs(t, qerr, CORPUS)
         exit_codes.check_exit_codes(t, qerr, folder, spec_around(folder, CORPUS / "two_joints.urdf"))
     return t.close()
