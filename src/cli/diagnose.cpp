@@ -43,6 +43,8 @@ std::string prepared_folder(const std::string& path) {
 
 int run_plan(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
+  limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate : 0, "motion.duration",
+             "samples", v);
   OutputFile out(v.text("output"));
   PlanOptions options;
   options.reference_noise = v.number("reference-noise");
@@ -140,6 +142,7 @@ Command diagnose_command() {
             {.name = "--plots",
              .value = "FOLDER",
              .meaning = "write residual.csv and spectrum.csv there, for scripts/plot_diagnosis.py"}},
+           long_work_option(),
            output_options()}),
       run,
       {{"qerr diagnose arm.yaml log.csv", "what is wrong with the measured data, and why"},

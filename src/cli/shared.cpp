@@ -153,17 +153,15 @@ void finish(OutputFile& file, const std::string& text) {
 }
 
 void limit_work(const Spec& spec, double amount, const std::string& key, const std::string& noun,
-                const Values& v) {
+                const Values& v, double rate) {
   constexpr double most = 1e10;
-  constexpr double rate =
-      2e7;  // per second: an arm of 7 joints, 6 coordinates and 2 filters on two cores of 2023
   if (amount <= most || v.given("allow-long")) return;
-  throw Error(
-      {{spec.file},
-       key,
-       "more than 1e10 " + noun + " need --allow-long",
-       significant(amount, 3) + ", which take about " + duration(amount / rate) + " at 20 million a second",
-       "add --allow-long, or make them fewer"});
+  throw Error({{spec.file},
+               key,
+               "more than 1e10 " + noun + " need --allow-long",
+               significant(amount, 3) + ", which take about " + duration(amount / rate) + " at " +
+                   readable_number(rate) + " a second",
+               "add --allow-long, or make them fewer"});
 }
 
 void limit_configurations(const Spec& spec, const Values& v) {

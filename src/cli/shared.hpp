@@ -75,7 +75,10 @@ void finish(OutputFile& file, const Report& report, const Values& v) {
 /// Refuses work that takes hours unless --allow-long permits it: more than 1e10 configurations or samples.
 /// @param key  of the spec, which decides how much it is
 /// @throws Error (input) with the time that it would take
-void limit_work(const Spec&, double amount, const std::string& key, const std::string& noun, const Values&);
+/// @param rate  how many a second; by default configurations or samples of an arm of 7 joints, 6 coordinates
+///   and 2 filters on two cores of 2023
+void limit_work(const Spec&, double amount, const std::string& key, const std::string& noun, const Values&,
+                double rate = 2e7);
 void limit_configurations(const Spec&, const Values&);
 
 /// Warnings to standard error, one line each, unless --quiet.

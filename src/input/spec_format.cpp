@@ -298,7 +298,7 @@ const std::vector<Parameter>& sweep() {
        .meaning = "CSV file, relative to this file: its rows are entries of encoders"},
       {.name = "from", .kind = Kind::any, .meaning = "first value of a range"},
       {.name = "to", .kind = Kind::any, .meaning = "last value of a range"},
-      {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e6},
+      {.name = "count", .kind = Kind::integer, .meaning = "values in the range", .least = 2, .most = 1e5},
       {.name = "scale", .kind = Kind::choice, .meaning = "spacing of the range", .choices = "linear|log"},
   };
   return rows;

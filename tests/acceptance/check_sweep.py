@@ -144,6 +144,26 @@ def check_shards(t, qerr, spec, whole, folder, options, rng):
     t.check("merge to standard output", run(qerr, "merge", *shards).out == whole.read_bytes())
 
 
+def check_shards_of_one_variant(t, qerr, folder):
+    """As many shards as variants, or more: numbers alone do not tell how many there are."""
+    spec = CONFIGS / "scara" / "spec.yaml"
+    axis = ["--set", "sweep=[{key: configurations.seed, values: [1, 2, 3, 4]}]", "--set", "configurations.count=10"]
+    for options in (axis, [*axis, "--wide"]):
+        whole = run(qerr, "sweep", "-q", spec, *options, "--format", "csv").out
+        for count in (4, 6):
+            shards = [folder / f"one{k}of{count}.csv" for k in range(1, count + 1)]
+            for k, shard in enumerate(shards, 1):
+                run(qerr, "sweep", "-q", spec, *options, "--shard", f"{k}/{count}", "-o", shard)
+            t.check(f"{count} shards of 4 variants", run(qerr, "merge", *shards[::-1]).out == whole)
+            t.check(f"{count} shards of 4 variants, with --spec", run(qerr, "merge", *shards, "--spec", spec, *options).out == whole)
+            for left in range(count):
+                expect(t, f"{count} shards of 4 variants without {left + 1}", run(qerr, "merge", *shards[:left], *shards[left + 1:]), 3)
+            expect(t, "one of them alone", run(qerr, "merge", shards[0]), 3, words=["shards"])
+            expect(t, "one of them twice", run(qerr, "merge", *shards, shards[-1]), 3)
+            again = run(qerr, "sweep", "-q", spec, *options, "--shard", f"2/{count}", "--resume", "-o", shards[1])
+            t.check("one of them resumed", again.code == 0 and run(qerr, "merge", *shards).out == whole, again.err.decode()[:200])
+
+
 def check_wide(t, qerr, spec, folder):
     wide, tidy = folder / "wide.csv", folder / "tidy.csv"
     run(qerr, "sweep", "-q", spec, "--wide", "-o", wide)
@@ -287,6 +307,7 @@ def main():
             run(qerr, "sweep", "-q", spec, "--shard", f"{k}/5", "-o", folder / f"{k}of5.csv")
         run(qerr, "sweep", "-q", spec, "--shard", "3/13", "-o", folder / "3of13.csv")
         check_errors(t, qerr, spec, whole, folder)
+        check_shards_of_one_variant(t, qerr, folder)
     return t.close()
 
 

@@ -10,6 +10,10 @@ namespace qerr {
 /// What ends a line of the CSV that qerr writes; no cell has one.
 inline constexpr std::string_view csv_line_break = "\r\n";
 
+/// The last column of shards that have one variant at most each: K/N. The numbers of the variants do not tell
+/// then how many shards there are; qerr merge takes it off again.
+inline constexpr std::string_view shard_column = ",shard";
+
 /// The lines of a file that qerr has written, one after the other; a file is never held whole.
 class CsvLines {
  public:

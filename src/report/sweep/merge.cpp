@@ -26,9 +26,10 @@ class ShardReader {
           return text;
         }) {
     if (!lines_.next() || !lines_.line().starts_with("variant,"))
-      refuse("is no CSV of qerr sweep", quoted(std::string(lines_.line().substr(0, 60))),
-             "give the files that qerr sweep --shard wrote");
+      refuse("is no CSV of qerr sweep", "", "give the files that qerr sweep --shard wrote");
     header_ = lines_.line();
+    marked_ = header_.ends_with(shard_column);
+    if (marked_) header_.resize(header_.size() - shard_column.size());
     require_break();
     more_ = lines_.next();
     read_number();
@@ -36,6 +37,10 @@ class ShardReader {
 
   const std::string& path() const { return path_; }
   const std::string& header() const { return header_; }
+  /// Whether each line ends with the shard that it is of.
+  bool marked() const { return marked_; }
+  /// That shard; empty if the file has no line.
+  const std::string& shard() const { return shard_; }
   /// The variant that `take` returns next; empty at the end.
   std::optional<std::uint64_t> variant() const { return variant_; }
 
@@ -44,7 +49,7 @@ class ShardReader {
     std::string text;
     const std::uint64_t taken = *variant_;
     while (variant_ == taken) {
-      text.append(lines_.line()).append(csv_line_break);
+      text.append(line_).append(csv_line_break);
       require_break();
       more_ = lines_.next();
       read_number();
@@ -67,23 +72,34 @@ class ShardReader {
   void read_number() {
     variant_.reset();
     if (!more_) return;
-    const std::string_view line = lines_.line();
+    line_ = lines_.line();
+    if (marked_ && lines_.ended()) read_shard();
+    const std::string_view line = line_;
     std::uint64_t number = 0;
     const auto [end, failure] = std::from_chars(line.data(), line.data() + line.size(), number);
     if (failure == std::errc{} && end != line.data() + line.size() && *end == ',')
       variant_ = number;
     else if (lines_.ended())
-      refuse("a line does not begin with the number of a variant", quoted(std::string(line.substr(0, 60))),
+      refuse("a line does not begin with the number of a variant", "",
              "give the files that qerr sweep --shard wrote");
     else
       require_break();
   }
 
+  /// Takes the last cell off the line.
+  void read_shard() {
+    const std::string cell = line_.substr(line_.rfind(',') + 1);
+    if (cell.find('/') == std::string::npos || !(shard_.empty() || shard_ == cell))
+      refuse("a line does not end with the shard that it is of", "", "compute this shard anew");
+    shard_ = cell;
+    line_.resize(line_.size() - cell.size() - 1);
+  }
+
   std::string path_;
   ByteSource source_;
   CsvLines lines_;
-  std::string header_;
-  bool more_ = false;
+  std::string header_, line_, shard_;
+  bool more_ = false, marked_ = false;
   std::optional<std::uint64_t> variant_;
 };
 
@@ -98,8 +114,12 @@ class Merge {
       if (shard.header() != shards_.front().header())
         shard.refuse("has other columns than " + quoted(shards_.front().path()) + ": it is of another sweep",
                      "", "merge the shards of one sweep, written with the same options");
+      if (shard.marked() != shards_.front().marked())
+        shard.refuse("is divided into another number of shards than " + quoted(shards_.front().path()), "",
+                     "merge the shards of one sweep, divided into the same number of shards");
       put_back(shard);
     }
+    if (shards_.front().marked() && !expected_) check_marks();
   }
 
   const std::string& header() const { return shards_.front().header(); }
@@ -108,13 +128,6 @@ class Merge {
   std::optional<std::string> next() {
     if (waiting_.empty()) {
       if (expected_ && variant_ < expected_->count) refuse_end();
-      // With one variant in each file nothing tells how many shards there are.
-      if (!expected_ && stride_ == 0 && shards_.size() > 1)
-        throw Error(Fault{{shards_.front().path(), 0, 0},
-                          "",
-                          "no file has two variants: whether the last shard is missing cannot be seen",
-                          counted(shards_.size(), "file"),
-                          "add --spec SPEC and the options of the sweep"});
       return std::nullopt;
     }
     ShardReader& shard = *waiting_.begin()->second;
@@ -148,6 +161,27 @@ class Merge {
                           " is missing, in this and all other files",
                       "",
                       "give the files of all shards"});
+  }
+
+  /// Of shards with one variant at most each, the number of files must be that of the shards: some of the
+  /// last ones have none.
+  void check_marks() const {
+    std::string total;
+    for (const ShardReader& shard : shards_) {
+      if (shard.shard().empty()) continue;
+      const std::string own = shard.shard().substr(shard.shard().find('/') + 1);
+      if (!total.empty() && own != total)
+        shard.refuse("is shard " + shard.shard() + ", and another file is one of " + total, "",
+                     "merge the shards of one sweep, divided into the same number of shards");
+      total = own;
+    }
+    if (total == std::to_string(shards_.size())) return;
+    throw Error(Fault{{shards_.front().path()},
+                      "",
+                      total.empty() ? "no file has a variant"
+                                    : "there are " + total + " shards, some of them without a variant",
+                      counted(shards_.size(), "file"),
+                      "give the file of each shard once"});
   }
 
   void put_back(ShardReader& shard) {
