@@ -20,6 +20,7 @@ using Identity = std::tuple<dev_t, ino_t, std::string>;
 
 struct Noted {
   std::map<Identity, std::string> inputs, outputs;  ///< with the names as given
+  std::map<std::string, std::string> piped;         ///< texts by the names as given
   bool standard_output = false;
 };
 
@@ -70,6 +71,18 @@ void note_input(const std::string& path) {
   if (const auto output = noted->outputs.find(*identity); output != noted->outputs.end())
     refuse(output->second, "", overwriting, name, rename_it);
   noted->inputs.emplace(*identity, name);
+}
+
+std::optional<std::string> piped_text(const std::string& path) {
+  const std::lock_guard lock(guard);
+  if (!noted) return {};
+  const auto text = noted->piped.find(path);
+  return text == noted->piped.end() ? std::nullopt : std::optional(text->second);
+}
+
+void keep_piped(const std::string& path, const std::string& text) {
+  const std::lock_guard lock(guard);
+  if (noted) noted->piped[path] = text;
 }
 
 void note_output(const std::string& path, const std::string& option) {

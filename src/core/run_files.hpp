@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 
 namespace qerr {
@@ -25,5 +26,10 @@ void note_input(const std::string& path);
 /// @param option  of the command line that names it, for the message; may be empty
 /// @throws Error (usage) if it is an input or another output of the run
 void note_output(const std::string& path, const std::string& option = {});
+
+/// The text that a pipe gave, kept by `keep_piped` for the rest of the run: a pipe gives it once, and a spec
+/// is read several times where variants of it are. Empty if there is none.
+std::optional<std::string> piped_text(const std::string& path);
+void keep_piped(const std::string& path, const std::string& text);
 
 }  // namespace qerr

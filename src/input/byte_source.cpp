@@ -41,8 +41,8 @@ int open_input(const std::string& path) {
 ByteSource::ByteSource(const std::string& path)
     : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {
   struct stat status {};
-  if (fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode))
-    size_ = static_cast<std::uint64_t>(status.st_size);
+  regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
+  if (regular_) size_ = static_cast<std::uint64_t>(status.st_size);
 }
 
 ByteSource::~ByteSource() {
@@ -52,6 +52,8 @@ ByteSource::~ByteSource() {
 std::size_t ByteSource::read(char* buffer, std::size_t most) {
   while (true) {
     const ssize_t count = ::read(descriptor_, buffer, most);
+    if (count == 0 && most > 0 && position_ < size_)
+      unreadable(name_, "became shorter while it was read", "repeat this when the file is whole");
     if (count >= 0) {
       position_ += static_cast<std::uint64_t>(count);
       return static_cast<std::size_t>(count);

@@ -16,9 +16,10 @@ class ByteSource {
   ~ByteSource();
 
   /// Reads at most `most` bytes. @returns their number; 0 at the end
-  /// @throws Error (file_system) if the system reports an error
+  /// @throws Error (file_system) if the system reports an error, or a file ends before the size that it had
   std::size_t read(char* buffer, std::size_t most);
 
+  bool regular() const { return regular_; }  ///< a file that can be read again, and no pipe
   /// Bytes of a regular file; 0 of a pipe.
   std::uint64_t size() const { return size_; }
   /// Bytes read so far.
@@ -30,6 +31,7 @@ class ByteSource {
  private:
   std::string name_;
   int descriptor_ = -1;
+  bool regular_ = false;
   std::uint64_t size_ = 0, position_ = 0;
 };
 

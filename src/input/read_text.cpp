@@ -1,5 +1,6 @@
 #include "input/read_text.hpp"
 
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
@@ -26,6 +27,7 @@ Place place_of_byte(const std::string& text, std::size_t byte, const std::string
 }
 
 std::string read_text(const std::string& path) {
+  if (auto text = piped_text(path)) return *text;
   ByteSource source(path);
   const std::string& file = source.name();
   std::string text;
@@ -37,6 +39,7 @@ std::string read_text(const std::string& path) {
   }
   check_text(text, file);
   if (text.starts_with("\xEF\xBB\xBF")) text.erase(0, 3);
+  if (!source.regular()) keep_piped(path, text);
   return text;
 }
 

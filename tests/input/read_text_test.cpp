@@ -1,11 +1,15 @@
 #include "input/read_text.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/stat.h>
 
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <thread>
 
+#include "core/run_files.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -20,6 +24,36 @@ TEST(ReadText, RejectsUnreadableFiles) {
       EXPECT_EQ(e.trouble(), Trouble::file_system) << e.what();
     }
   }
+}
+
+TEST(ReadText, RejectsAFileThatBecomesShorterWhileItIsRead) {
+  const auto path =
+      std::filesystem::temp_directory_path() / ("qerr_shorter_" + std::to_string(std::rand()) + ".csv");
+  std::ofstream(path) << std::string(1000, 'x');
+  ByteSource source(path.string());
+  char some[100];
+  EXPECT_EQ(source.read(some, sizeof some), 100u);
+  std::filesystem::resize_file(path, 100);
+  try {
+    source.read(some, sizeof some);
+    ADD_FAILURE() << "accepted";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.trouble(), Trouble::file_system);
+  }
+  std::filesystem::remove(path);
+}
+
+/// `--set robot.urdf=<(xacro ...)` of a spec that is read several times.
+TEST(ReadText, KeepsWhatAPipeGaveForTheRun) {
+  const std::string path =
+      (std::filesystem::temp_directory_path() / ("qerr_pipe_" + std::to_string(std::rand()))).string();
+  ASSERT_EQ(mkfifo(path.c_str(), 0600), 0);
+  std::thread writer([&] { std::ofstream(path) << "once"; });
+  const RunFiles run;
+  EXPECT_EQ(read_text(path), "once");
+  writer.join();
+  EXPECT_EQ(read_text(path), "once");
+  std::filesystem::remove(path);
 }
 
 TEST(ReadText, DropsAByteOrderMarkAndRejectsBadBytesAndHugeFiles) {
