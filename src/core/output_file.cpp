@@ -11,6 +11,7 @@
 #include <cstring>
 #include <ctime>
 #include <filesystem>
+#include <tuple>
 #include <utility>
 
 #include "core/run_files.hpp"
@@ -47,6 +48,19 @@ void forget(int slot) {
 bool is_special(const std::string& path) {
   struct stat status {};
   return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
+}
+
+/// What a path stands for when symbolic links are followed, also to a file that does not exist yet: that is
+/// replaced, and not the link. Of links in a circle one of them.
+std::string target_of(std::filesystem::path path) {
+  constexpr int most_links = 40;  // as the kernel's
+  std::error_code none;
+  for (int i = 0; i < most_links; ++i) {
+    const std::filesystem::path target = std::filesystem::read_symlink(path, none);
+    if (none) break;
+    path = target.is_absolute() ? target : path.parent_path() / target;
+  }
+  return path.string();
 }
 
 /// The folder of a file, as a path to open.
@@ -102,12 +116,10 @@ OutputFile::OutputFile(std::string path, const std::string& option) : path_(std:
   if (is_special(path_)) {
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
-    // Symbolic links are resolved, so that their target is replaced and not the link.
-    std::error_code ignored;
-    const auto real = std::filesystem::canonical(path_, ignored);
-    if (!ignored) path_ = real.string();
+    path_ = target_of(path_);
     struct stat status {};
-    if (stat(path_.c_str(), &status) != 0 && errno != ENOENT) fail("cannot be opened for writing", errno);
+    const bool replaces = stat(path_.c_str(), &status) == 0;
+    if (!replaces && errno != ENOENT) fail("cannot be opened for writing", errno);
     descriptor_ = open_unnamed(folder_of(path_));
     unnamed_ = descriptor_ >= 0;
     for (int i = 0; !unnamed_ && descriptor_ < 0 && i < most_names; ++i) {
@@ -116,6 +128,8 @@ OutputFile::OutputFile(std::string path, const std::string& option) : path_(std:
       if (descriptor_ < 0) end_temporary();
       if (descriptor_ < 0 && errno != EEXIST) break;
     }
+    // What others may not read must not become readable. Where it fails the file belongs to somebody else.
+    if (descriptor_ >= 0 && replaces) std::ignore = fchmod(descriptor_, status.st_mode & 0777);
   }
   if (descriptor_ < 0) fail("cannot be opened for writing", errno);
 }

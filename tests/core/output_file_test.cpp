@@ -60,6 +60,38 @@ TEST_F(OutputFiles, WriteThroughALinkWithoutReplacingIt) {
   EXPECT_EQ(read(folder_ / "real.txt"), "new");
 }
 
+TEST_F(OutputFiles, WriteThroughALinkToAFileThatIsMissing) {
+  std::filesystem::create_symlink("missing.txt", folder_ / "link.txt");
+  std::filesystem::create_symlink(folder_ / "link.txt", folder_ / "link_of_link.txt");
+  OutputFile out((folder_ / "link_of_link.txt").string());
+  out.write("new");
+  out.close();
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link.txt"));
+  EXPECT_TRUE(std::filesystem::is_symlink(folder_ / "link_of_link.txt"));
+  EXPECT_EQ(read(folder_ / "missing.txt"), "new");
+}
+
+TEST_F(OutputFiles, AreReadableByThoseWhoMayReadTheOldFile) {
+  using std::filesystem::perms;
+  for (const perms mode :
+       {perms::owner_read | perms::owner_write, perms::owner_all | perms::group_read | perms::others_read}) {
+    const auto path = folder_ / "private.json";
+    std::ofstream(path) << "old";
+    std::filesystem::permissions(path, mode);
+    OutputFile out(path.string());
+    out.write("new");
+    out.close();
+    EXPECT_EQ(read(path), "new");
+    EXPECT_EQ(std::filesystem::status(path).permissions(), mode);
+  }
+}
+
+TEST_F(OutputFiles, AreRejectedIfTheirLinksGoInACircle) {
+  std::filesystem::create_symlink("b.txt", folder_ / "a.txt");
+  std::filesystem::create_symlink("a.txt", folder_ / "b.txt");
+  EXPECT_THROW(OutputFile((folder_ / "a.txt").string()), Error);
+}
+
 TEST_F(OutputFiles, AreRejectedAtTheStartIfTheyCannotBeWritten) {
   try {
     OutputFile out((folder_ / "missing" / "a.json").string());
