@@ -110,8 +110,8 @@ std::optional<NumberAdvice> lookalikes(std::string_view text) {
   return std::nullopt;
 }
 
-/// The symbol of a unit that is written out or in other letters; "" if no unit is near.
-std::string unit_symbol(std::string_view word) {
+/// The symbol of a unit that is written out or in other letters; "" if there is none.
+std::string known_symbol(std::string_view word) {
   static const std::vector<std::pair<std::string_view, std::string_view>> names{{"degree", "deg"},
                                                                                 {"degrees", "deg"},
                                                                                 {"radian", "rad"},
@@ -180,6 +180,20 @@ std::string unit_symbol(std::string_view word) {
                                                                                 {"newton", "N"}};
   for (const auto& [name, symbol] : names)
     if (word == name) return std::string(symbol);
+  std::string ignored;
+  return parse_unit(word, ignored) ? std::string(word) : "";
+}
+
+/// The symbol that is meant, or nearly written; "" if no unit is near. A unit in front of which a letter
+/// stands is none: that may be a prefix, such as the G of GHz.
+std::string unit_symbol(std::string_view word) {
+  if (std::string known = known_symbol(word); !known.empty()) return known;
+  if (const std::size_t slash = word.find('/'); slash != std::string_view::npos) {
+    const std::string above = known_symbol(word.substr(0, slash)),
+                      below = known_symbol(word.substr(slash + 1));
+    if (!above.empty() && !below.empty()) return above + '/' + below;
+  }
+  if (word.size() > 1 && !known_symbol(word.substr(1)).empty()) return "";
   return nearest(word,
                  {"deg", "rad", "mrad", "urad", "arcmin", "arcsec", "rev",  "rpm",     "Hz",     "kHz", "MHz",
                   "mm",  "um",  "ms",   "us",   "rad/s",  "deg/s",  "mm/s", "rad/s^2", "counts", "bits"});

@@ -34,6 +34,8 @@ TEST(NumberAdvice, SaysHowToWriteWhatPeopleWrite) {
       {"50 hz", "write 50 Hz"},
       {"1 KHz", "write 1 kHz"},
       {"10 degrees/s", "write 10 deg/s"},
+      {"0.1 rad/sec", "write 0.1 rad/s"},
+      {"0.1 GHz", ""},  // 0.1 Hz is not meant
       {"010", "write 10"},
       {"pi/2", "write its value"},
       {"0.5*pi", "write its value"},

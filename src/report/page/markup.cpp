@@ -12,10 +12,13 @@ namespace {
 
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
 
+/// Marks that isolate a name in a text, U+2068 and U+2069, which qerr sets in pairs.
+bool isolates(std::string_view symbol) { return symbol == "\xE2\x81\xA8" || symbol == "\xE2\x81\xA9"; }
+
 std::string_view escaped_symbol(std::string_view symbol) {
-  if (symbol.size() > 1) return symbol == "\xEF\xBF\xBE" || symbol == "\xEF\xBF\xBF" ? replacement : symbol;
-  const auto byte = static_cast<unsigned char>(symbol[0]);
-  if (byte < 0x20 && byte != '\n' && byte != '\t') return replacement;
+  if (symbol == "\xEF\xBF\xBE" || symbol == "\xEF\xBF\xBF") return replacement;  // no characters of XML
+  if (symbol == "\n" || symbol == "\t" || isolates(symbol)) return symbol;
+  if (hidden_length(symbol, 0) > 0) return replacement;
   switch (symbol[0]) {
     case '&':
       return "&amp;";
@@ -25,8 +28,6 @@ std::string_view escaped_symbol(std::string_view symbol) {
       return "&gt;";
     case '"':
       return "&quot;";
-    case 0x7f:
-      return replacement;
     default:
       return symbol;
   }
