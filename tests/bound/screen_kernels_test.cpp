@@ -90,7 +90,9 @@ TEST(ScreenKernels, KeepWhatLiesInTheBandsInItsOrder) {
             ++count;
           }
           ASSERT_EQ(band.count, count) << seed << ' ' << f << ' ' << b;
-          if (!only_top) ASSERT_EQ(band.below, below);
+          if (!only_top) {
+            ASSERT_EQ(band.below, below);
+          }
         }
     }
 }
