@@ -189,7 +189,7 @@ std::string known_symbol(std::string_view word) {
 std::string unit_symbol(std::string_view word) {
   if (std::string known = known_symbol(word); !known.empty()) return known;
   if (const std::size_t slash = word.find('/'); slash != std::string_view::npos) {
-    const std::string above = known_symbol(word.substr(0, slash)),
+    const std::string above = unit_symbol(word.substr(0, slash)),
                       below = known_symbol(word.substr(slash + 1));
     if (!above.empty() && !below.empty()) return above + '/' + below;
   }
@@ -208,12 +208,7 @@ std::optional<NumberAdvice> unknown_unit(std::string_view text, const std::strin
   const std::string unit(text.substr(at));
   if (unit == "k" || unit == "K") return corrected(why, number + "e3");
   if (unit == "x" || unit == "X" || unit == "\u00D7") return NumberAdvice{why, "write " + number};
-  std::string symbol = unit_symbol(unit);
-  if (symbol.empty()) {
-    const std::size_t slash = unit.find('/');
-    const std::string above = unit_symbol(unit.substr(0, slash));
-    if (slash != std::string::npos && !above.empty()) symbol = above + unit.substr(slash);
-  }
+  const std::string symbol = unit_symbol(unit);
   const std::string whole = number + ' ' + symbol;
   if (symbol.empty() || !readable_quantity(whole)) return std::nullopt;
   return NumberAdvice{why, "write " + whole};

@@ -50,19 +50,6 @@ bool is_special(const std::string& path) {
   return stat(path.c_str(), &status) == 0 && !S_ISREG(status.st_mode);
 }
 
-/// What a path stands for when symbolic links are followed, also to a file that does not exist yet: that is
-/// replaced, and not the link. Of links in a circle one of them.
-std::string target_of(std::filesystem::path path) {
-  constexpr int most_links = 40;  // as the kernel's
-  std::error_code none;
-  for (int i = 0; i < most_links; ++i) {
-    const std::filesystem::path target = std::filesystem::read_symlink(path, none);
-    if (none) break;
-    path = target.is_absolute() ? target : path.parent_path() / target;
-  }
-  return path.string();
-}
-
 /// The folder of a file, as a path to open.
 std::string folder_of(const std::string& path) {
   const std::string folder = std::filesystem::path(path).parent_path().string();
@@ -116,7 +103,7 @@ OutputFile::OutputFile(std::string path, const std::string& option) : path_(std:
   if (is_special(path_)) {
     descriptor_ = open(path_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
-    path_ = target_of(path_);
+    path_ = link_target(path_);  // is replaced, and not the link
     struct stat status {};
     const bool replaces = stat(path_.c_str(), &status) == 0;
     if (!replaces && errno != ENOENT) fail("cannot be opened for writing", errno);

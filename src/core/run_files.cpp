@@ -36,7 +36,7 @@ std::optional<Identity> identity_of(const std::string& path, int stream) {
   struct stat status {};
   if (path == "-") return fstat(stream, &status) == 0 ? identity_of(status) : std::nullopt;
   if (stat(path.c_str(), &status) == 0) return identity_of(status);
-  const std::filesystem::path file(path);
+  const std::filesystem::path file(link_target(path));
   const std::string folder = file.has_parent_path() ? file.parent_path().string() : ".";
   if (stat(folder.c_str(), &status) != 0) return {};
   return Identity{status.st_dev, status.st_ino, file.filename().string()};
@@ -52,6 +52,18 @@ constexpr const char* overwriting = "an output must not be an input of the same 
 constexpr const char* rename_it = "give the output another name";
 
 }  // namespace
+
+std::string link_target(const std::string& path) {
+  constexpr int most_links = 40;  // as the kernel's
+  std::filesystem::path file(path);
+  std::error_code none;
+  for (int i = 0; i < most_links; ++i) {
+    const std::filesystem::path target = std::filesystem::read_symlink(file, none);
+    if (none) break;
+    file = target.is_absolute() ? target : file.parent_path() / target;
+  }
+  return file.string();
+}
 
 RunFiles::RunFiles() {
   const std::lock_guard lock(guard);

@@ -18,6 +18,10 @@ class RunFiles {
   RunFiles& operator=(const RunFiles&) = delete;
 };
 
+/// What a path stands for when symbolic links are followed, also to a file that does not exist yet. Of links
+/// in a circle one of them.
+std::string link_target(const std::string& path);
+
 /// An input of the run; "-" is standard input. Names that do not exist are ignored.
 /// @throws Error (usage) if it is an output of the run
 void note_input(const std::string& path);

@@ -42,7 +42,9 @@ ByteSource::ByteSource(const std::string& path)
     : name_(path == "-" ? "(standard input)" : path), descriptor_(open_input(path)) {
   struct stat status {};
   regular_ = fstat(descriptor_, &status) == 0 && S_ISREG(status.st_mode);
-  if (regular_) size_ = static_cast<std::uint64_t>(status.st_size);
+  // Standard input may begin within its file, as behind `head` in a shell's brackets.
+  const off_t begin = regular_ ? lseek(descriptor_, 0, SEEK_CUR) : -1;
+  if (begin >= 0 && begin < status.st_size) size_ = static_cast<std::uint64_t>(status.st_size - begin);
 }
 
 ByteSource::~ByteSource() {

@@ -20,7 +20,7 @@ class ByteSource {
   std::size_t read(char* buffer, std::size_t most);
 
   bool regular() const { return regular_; }  ///< a file that can be read again, and no pipe
-  /// Bytes of a regular file; 0 of a pipe.
+  /// Bytes of a regular file, of standard input those that are left; 0 of a pipe.
   std::uint64_t size() const { return size_; }
   /// Bytes read so far.
   std::uint64_t position() const { return position_; }

@@ -59,6 +59,9 @@ TEST_F(FilesOfARun, RefuseTwoOutputsThatAreOneFile) {
   note_output(file("spec.yaml"));
   EXPECT_NE(refusal([&] { note_output(file("spec.yaml")); }), "");
   EXPECT_EQ(refusal([&] { note_output(file("other.csv")); }), "");
+  std::filesystem::create_symlink("missing.csv", file("link.csv"));
+  note_output(file("link.csv"));
+  EXPECT_NE(refusal([&] { note_output(file("missing.csv")); }), "") << "behind a link";
 }
 
 TEST_F(FilesOfARun, LeaveStandardOutputToOneResult) {

@@ -1,7 +1,9 @@
 #include "input/read_text.hpp"
 
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include <cstdlib>
 #include <filesystem>
@@ -40,6 +42,20 @@ TEST(ReadText, RejectsAFileThatBecomesShorterWhileItIsRead) {
   } catch (const Error& e) {
     EXPECT_EQ(e.trouble(), Trouble::file_system);
   }
+  std::filesystem::remove(path);
+}
+
+/// As behind `head` in a shell's brackets.
+TEST(ReadText, TakesStandardInputFromWhereItStands) {
+  const auto path = std::filesystem::temp_directory_path() / ("qerr_within_" + std::to_string(std::rand()));
+  std::ofstream(path) << "first\nsecond\n";
+  const int old = dup(STDIN_FILENO), file = open(path.c_str(), O_RDONLY);
+  ASSERT_EQ(dup2(file, STDIN_FILENO), STDIN_FILENO);
+  lseek(STDIN_FILENO, 6, SEEK_SET);
+  EXPECT_EQ(read_text("-"), "second\n");
+  dup2(old, STDIN_FILENO);
+  close(old);
+  close(file);
   std::filesystem::remove(path);
 }
 
