@@ -88,8 +88,8 @@ void refuse_other_files(const std::string& text, const std::string& path) {
   refuse_xml(text, path);
   const std::size_t begin = text.find_first_not_of(" \t\r\n");
   if (begin == std::string::npos) return;
-  if (text[begin] == '{' && text.find("\"command\":") < text.find("\"position\":") &&
-      text.find("\"qerr\":") != std::string::npos)
+  const auto has = [&](const char* key) { return text.find(key) != std::string::npos; };
+  if (text[begin] == '{' && has("\"qerr\":") && has("\"command\":"))
     throw Error(Fault{{path, 1, 1},
                       "",
                       "this is a JSON report of qerr, not a spec",

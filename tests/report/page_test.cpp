@@ -19,7 +19,7 @@ TEST(Markup, EscapesWhatXmlReadsAndWhatItExcludes) {
   EXPECT_EQ(escaped_markup("\x01\xff"), "\uFFFD\uFFFD");
   EXPECT_EQ(escaped_markup("\xEF\xBF\xBF"), "\uFFFD");
   EXPECT_EQ(escaped_markup("\x7F\xC2\x9B\u202Ea\u200Bb"), "\uFFFD\uFFFD\uFFFDa\uFFFDb");
-  EXPECT_EQ(escaped_markup("\u2068\u05D0\n\t\u2069"), "\u2068\u05D0\n\t\u2069");
+  EXPECT_EQ(escaped_markup("\u200E\u2068\u05D0\n\t\u2069"), "\u200E\u2068\u05D0\n\t\u2069");
   EXPECT_EQ(name_markup("\u05D0"), "<bdi>\u05D0</bdi>");
 }
 

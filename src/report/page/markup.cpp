@@ -13,13 +13,13 @@ namespace {
 constexpr std::string_view replacement = "\xEF\xBF\xBD";
 
 /// Marks that qerr sets itself (prose.hpp): U+2068 and U+2069 isolate a name, U+200E begins a text.
-bool isolates(std::string_view symbol) {
+bool set_by_qerr(std::string_view symbol) {
   return symbol == "\xE2\x81\xA8" || symbol == "\xE2\x81\xA9" || symbol == "\xE2\x80\x8E";
 }
 
 std::string_view escaped_symbol(std::string_view symbol) {
   if (symbol == "\xEF\xBF\xBE" || symbol == "\xEF\xBF\xBF") return replacement;  // no characters of XML
-  if (symbol == "\n" || symbol == "\t" || isolates(symbol)) return symbol;
+  if (symbol == "\n" || symbol == "\t" || set_by_qerr(symbol)) return symbol;
   if (hidden_length(symbol, 0) > 0) return replacement;
   switch (symbol[0]) {
     case '&':
