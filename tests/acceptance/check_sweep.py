@@ -11,9 +11,11 @@ import json
 import os
 import pathlib
 import random
+import re
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 
 from exit_codes import expect
@@ -164,6 +166,20 @@ def check_shards_of_one_variant(t, qerr, folder):
             t.check("one of them resumed", again.code == 0 and run(qerr, "merge", *shards).out == whole, again.err.decode()[:200])
 
 
+def check_said_at_once(t, qerr, folder):
+    """A sweep of hours says so before its first variant."""
+    axes = ", ".join(f"{{key: configurations.{key}, from: 1, to: 9000, count: 9000}}" for key in ("seed", "count"))
+    process = subprocess.Popen([str(qerr), "sweep", str(CONFIGS / "scara" / "spec.yaml"), "--set", f"sweep=[{axes}]", "-o", str(folder / "hours.csv")],
+                               stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
+    timer = threading.Timer(20, process.kill)
+    timer.start()
+    said = next((line for line in process.stderr if b"8.10e+07 variants" in line or b"8.1e+07 variants" in line), b"")
+    timer.cancel()
+    process.kill()
+    process.wait()
+    t.check("a sweep of hours says so", re.search(rb"take \d+ h", said) is not None, said.decode())
+
+
 def check_wide(t, qerr, spec, folder):
     wide, tidy = folder / "wide.csv", folder / "tidy.csv"
     run(qerr, "sweep", "-q", spec, "--wide", "-o", wide)
@@ -308,6 +324,7 @@ def main():
         run(qerr, "sweep", "-q", spec, "--shard", "3/13", "-o", folder / "3of13.csv")
         check_errors(t, qerr, spec, whole, folder)
         check_shards_of_one_variant(t, qerr, folder)
+        check_said_at_once(t, qerr, folder)
     return t.close()
 
 

@@ -198,6 +198,7 @@ def check_long_work(t, qerr, folder):
                          (["sweep", spec, "--set", "sweep=[{key: threshold.length, from: 1, to: 2, count: 100000}, "
                            "{key: motion.sample_rate, from: 1, to: 2, count: 100000}, {key: motion.duration, values: [1, 2]}]"], "sweep"),
                          (["simulate", spec, "--set", "motion.duration=1e12"], "motion.duration"),
+                         (["diagnose", spec, "--plan", "--set", "motion.duration=1e12"], "motion.duration"),
                          (["simulate", spec, "--runs", "1e8", "--set", "motion.duration=1000"], "motion.duration")):
         expect(t, f"{' '.join(map(str, words[2:]))} without --allow-long: 3", run(qerr, *words), 3, words=["--allow-long", named, "take about"])
 

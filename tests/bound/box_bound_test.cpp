@@ -6,7 +6,7 @@
 
 #include "bound/proven/ascent.hpp"
 #include "bound/proven/branch_and_bound.hpp"
-#include "support/random_chain.hpp"
+#include "support/random_model.hpp"
 
 namespace qerr {
 namespace {
@@ -24,13 +24,7 @@ OperationalModel random_model(Dice& dice) {
   m.lengths = {Coordinate::xyz, Coordinate::rxyz};
   m.frame = dice.chance(0.5) ? CoordinateFrame::tip : CoordinateFrame::base;
   for (int i = 0; i < 2; ++i)
-    if (dice.chance(0.4))
-      m.sources.push_back({.where = ErrorSource::Where::origin,
-                           .link = dice.below(m.chain.joints.size()),
-                           .direction = dice.direction(),
-                           .mean = 1e-5,
-                           .half_width = 2e-4,
-                           .sigma = 1e-4});
+    if (dice.chance(0.4)) m.sources.push_back(testing::displaced_origin(dice, m.chain));
   return m;
 }
 

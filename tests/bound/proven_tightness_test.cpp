@@ -12,7 +12,7 @@
 #include "bound/proven/position_worst_case.hpp"
 #include "bound/proven/rotation_bound.hpp"
 #include "bound/proven/tip_component.hpp"
-#include "support/random_chain.hpp"
+#include "support/random_model.hpp"
 
 /// How tight the upper bounds are. That they are never exceeded is tested elsewhere, against searches; a
 /// bound that is looser than it was holds as well, and makes a proof slower or impossible. The values are
@@ -49,7 +49,7 @@ class Measured {
   std::map<std::string, double> values_;
 };
 
-OperationalModel random_model(Dice& dice, const ChainMix& mix) {
+OperationalModel model_of_mix(Dice& dice, const ChainMix& mix) {
   OperationalModel m{make_chain(testing::random_robot(dice, mix), "", ""), {}, {}};
   m.transmission = testing::random_transmission(dice, m.chain, 1e-4, 1e-3, false);
   m.coordinates = {Coordinate::x,  Coordinate::y,  Coordinate::z,
@@ -69,17 +69,8 @@ void couple_neighbours(Dice& dice, OperationalModel& m) {
   m.transmission.coupling = coupling;
 }
 
-void add_origin(Dice& dice, OperationalModel& m) {
-  m.sources.push_back({.where = ErrorSource::Where::origin,
-                       .link = dice.below(m.chain.joints.size()),
-                       .direction = dice.direction(),
-                       .mean = 1e-5,
-                       .half_width = 2e-4,
-                       .sigma = 1e-4});
-}
-
 /// Whole turns, arcs, and joints that hardly move.
-std::vector<Limits> random_ranges(Dice& dice, std::size_t count) {
+std::vector<Limits> ranges_of_all_kinds(Dice& dice, std::size_t count) {
   std::vector<Limits> ranges;
   for (std::size_t i = 0; i < count; ++i) {
     const double middle = dice.between(-2, 2), half = dice.chance(0.25) ? 3.2 : dice.between(0, 2);
@@ -92,12 +83,12 @@ TEST(ChainBound, IsAsTightAsMeasured) {
   const Measured measured;
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Dice dice(500 + seed);
-    OperationalModel m = random_model(dice, ChainMix{1 + seed % 4, 0.25, 0});
+    OperationalModel m = model_of_mix(dice, ChainMix{1 + seed % 4, 0.25, 0});
     if (seed % 3 == 1) couple_neighbours(dice, m);
-    if (seed % 3 == 2) add_origin(dice, m);
+    if (seed % 3 == 2) m.sources.push_back(testing::displaced_origin(dice, m.chain));
     const bool tip = seed % 2 == 1;
     const RotationAxes axes = tip ? RotationAxes::tip : RotationAxes::base;
-    const ChainForm form = chain_form(m, random_ranges(dice, m.chain.independent.size()));
+    const ChainForm form = chain_form(m, ranges_of_all_kinds(dice, m.chain.independent.size()));
     const std::vector<Eigen::Vector3d> along{Eigen::Vector3d::UnitX(), dice.direction()};
     for (const double cells : {4.0, 11.0}) {
       const auto expect = [&](const char* figure, double value) {
@@ -136,8 +127,8 @@ TEST(BoxBound, IsAsTightAsMeasured) {
     Dice dice(700 + seed);
     ChainMix mix{1 + seed % 5};
     mix.square = seed % 3 == 0 ? 0.7 : 0;
-    OperationalModel m = random_model(dice, mix);
-    if (seed % 4 == 1) add_origin(dice, m);
+    OperationalModel m = model_of_mix(dice, mix);
+    if (seed % 4 == 1) m.sources.push_back(testing::displaced_origin(dice, m.chain));
     const std::size_t joints = m.chain.independent.size();
     const Eigen::VectorXd middle = dice.vector(static_cast<Eigen::Index>(joints) + 2, -1.5, 1.5),
                           part = dice.vector(static_cast<Eigen::Index>(joints) + 2, 0.5, 1);

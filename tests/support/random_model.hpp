@@ -27,6 +27,16 @@ inline ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t fil
   return s;
 }
 
+/// A displaced origin of the frame of a random joint.
+inline ErrorSource displaced_origin(Dice& dice, const Chain& chain) {
+  return {.where = ErrorSource::Where::origin,
+          .link = dice.below(chain.joints.size()),
+          .direction = dice.direction(),
+          .mean = 1e-5,
+          .half_width = 2e-4,
+          .sigma = 1e-4};
+}
+
 /// A random robot with random encoders, coordinates and sources; or one of the two specialized cases.
 /// @param square  fraction of frames at right angles, for which the kernel is specialized, too
 inline OperationalModel random_model(Dice& dice, std::size_t filters, double square) {
