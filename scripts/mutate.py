@@ -6,8 +6,8 @@
 
 Mutants are drawn by the seed from all places of the folders. They are made in a copy of the sources in build-mutation/,
 which is compiled once; each mutant compiles what it changes. A mutant is killed by a failed, crashed or endless unit test:
-first those that include its header, then those of its module, then, of the others in --tests, those of modules above it. With --then, survivors also
-meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
+first those that include its header, then those of its module, then, of the others in --tests, those of modules above
+it. With --then, survivors also meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
 --skip goes on after a run that was stopped.
 
 Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it
@@ -125,7 +125,8 @@ def prepare(tests):
         if path.is_file() and not (ROOT / path.relative_to(TREE)).exists():
             path.unlink()
     files = ";".join(f"{name}/*_test.cpp" for name in tests)
-    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON", f"-DQERR_TEST_FILES={files}"], "configuring")
+    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON",
+          f"-DQERR_TEST_FILES={files}"], "configuring")
     print("mutate: building, which takes minutes the first time", file=sys.stderr)
     must(["cmake", "--build", BUILD, "--target", "qerr_tests"], "the build")
 
@@ -146,20 +147,18 @@ def test_files(folder):
     return sorted((ROOT / "tests" / folder).glob("*_test.cpp"))
 
 
-def run_tests(names, limit):
+def run_tests(names, limit, *options):
     """Exit code and output of some tests, which stop at the first failure."""
-    listed = WORK / "tests.txt"  # a filter of many names is too long for a command line's single word
+    listed = WORK / "tests.txt"  # a filter of many names may be too long for a command line
     listed.write_text("--gtest_filter=" + ":".join(names) + "\n")
-    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_flagfile={listed}"], limit)
+    return call([BUILD / "tests" / "qerr_tests", "--gtest_fail_fast", "--gtest_brief=1", f"--gtest_flagfile={listed}", *options], limit)
 
 
 def durations(tests):
     """Seconds of each test of the folders, without a change."""
     report = WORK / "durations.json"
     patterns = [f"{start}{suite}.*" for folder in tests for suite in suites(test_files(folder)) for start in ("", "*/")]
-    listed = WORK / "tests.txt"
-    listed.write_text("--gtest_filter=" + ":".join(patterns) + "\n")
-    code, output = call([BUILD / "tests" / "qerr_tests", "--gtest_brief=1", f"--gtest_flagfile={listed}", f"--gtest_output=json:{report}"])
+    code, output = run_tests(patterns, None, f"--gtest_output=json:{report}")
     if code != 0:
         sys.exit(f"mutate: tests fail without any change:\n{output[-3000:]}")
     return {f"{suite['name']}.{test['name']}": float(test["time"].rstrip("s"))
@@ -167,7 +166,7 @@ def durations(tests):
 
 
 def stages(path, tests, seconds):
-    """Lists of tests that a mutant meets in turn: those that include its header, of its module, of those above; quick ones first."""
+    """Lists of tests that a mutant meets in turn: of its header, of its module, of those above; quick ones first."""
     module, header = path.parts[1], f"/{path.stem}.hpp\""
     own = test_files(module) if module in tests else []
     nearest = [file for file in own if header in file.read_text()]

@@ -4,7 +4,7 @@
 #   scripts/sanitize.sh            addresses and undefined behaviour: all tests, in build-address/
 #   scripts/sanitize.sh thread     data races: the tests that run threads, in build-thread/
 #
-# Further arguments are passed to ctest, such as -R Filter. About 15 minutes a mode on two cores.
+# Further arguments are passed to ctest, such as -R Filter. The build alone takes ten minutes or more.
 set -euo pipefail
 
 root=$(cd "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -24,7 +24,7 @@ export ASAN_OPTIONS=strict_string_checks=1:detect_stack_use_after_return=1
 export UBSAN_OPTIONS=halt_on_error=1:print_stacktrace=1
 export TSAN_OPTIONS=halt_on_error=1:second_deadlock_stack=1
 
-# The thread sanitizer of Clang 14 fails to start if the kernel randomizes addresses over too many bits.
+# A thread sanitizer may fail to start, as GCC 12's does, if the kernel randomizes addresses over too many bits.
 command_prefix=()
 if [[ $mode == thread ]] && setarch "$(uname -m)" --addr-no-randomize true 2>/dev/null; then
   command_prefix=(setarch "$(uname -m)" --addr-no-randomize)
@@ -43,7 +43,7 @@ cmake -S "$root" -B "$build" "${options[@]}"
 # A regular expression: the suites in the files, and the scripts, that ask for threads.
 threaded() {
   local suites scripts
-  suites=$(grep -lE 'threads|parallel|in_order' "$root"/tests/*/*_test.cpp | xargs sed -nE 's/^(TEST|TEST_F|TEST_P|RC_GTEST_PROP)\(([A-Za-z]+).*/\2/p')
+  suites=$(grep -lE 'threads|parallel|in_order' "$root"/tests/*/*_test.cpp | xargs sed -nE 's/^(TEST|TEST_F|TEST_P|RC_GTEST_PROP)\(([A-Za-z0-9_]+).*/\2/p')
   scripts=$(grep -l -e --threads "$root"/tests/acceptance/check_*.py | sed -E 's/.*check_(.*)[.]py/acceptance.\1/')
   printf '^(.*/)?(%s)([.].*)?$' "$(printf '%s\n' $suites $scripts | sort -u | paste -sd '|')"
 }
