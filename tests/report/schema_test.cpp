@@ -95,18 +95,19 @@ TEST_F(SpecSchema, RejectsMostSpecsThatTheReaderRejects) {
   EXPECT_GE(refused, 100u);
 }
 
-/// A key with one letter added is unknown to both reader and schema, at every depth.
 TEST_F(SpecSchema, HasTheBoundsOfPhysics) {
   const auto with_rate = [&](const std::string& rate) {
-    return valid(to_json(YAML::Load("{qerr: 1, robot: {urdf: a.urdf}, encoders: {'*': {bits: 12}}, "
-                                    "filters: {v: {derivative: 1, sample_rate: " +
-                                    rate + "}}}")));
+    return valid(
+        to_json(YAML::Load("{qerr: 1, robot: {urdf: a.urdf}, encoders: {'*': {bits: 12}}, "
+                           "filters: {v: {derivative: 1, sample_rate: " +
+                           rate + "}}}")));
   };
   EXPECT_TRUE(with_rate("1000"));
   EXPECT_FALSE(with_rate("1e300"));
   EXPECT_FALSE(with_rate("1e-300"));
 }
 
+/// A key with one letter added is unknown to both reader and schema, at every depth.
 TEST_F(SpecSchema, HasExactlyTheKeysOfTheReader) {
   const fs::path file = fs::temp_directory_path() / ("qerr_schema_" + std::to_string(getpid()) + ".yaml");
   const std::set<std::string> free_keys{"/encoders",      "/filters",         "/configurations/limits",
