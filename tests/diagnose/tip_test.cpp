@@ -230,6 +230,34 @@ TEST(DiagnoseTip, LeavesSkewAxesUnexplainedAndIdentifiesTheDimensions) {
   }
 }
 
+/// A joint whose axis lies askew in its link, with or without all that follows.
+TEST(DiagnoseTip, GivesASkewAxisTheNameOfNoEffect) {
+  int found = 0, drawn = 0;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    Dice dice(9000 + seed);
+    const std::size_t joints = 2 + seed % 4, at = dice.below(joints);
+    const Arm arm = random_arm(dice, joints);
+    Arm built = arm;
+    // Across the axis: a turn about it would be an offset of the joint.
+    const Eigen::Matrix3d turn =
+        rotation(arm.axis[at].cross(dice.direction()).normalized(), dice.between(1e-3, 4e-3));
+    const bool with_link = seed % 3 == 0 && at > 0;
+    for (std::size_t i = at; i < (with_link ? joints : at + 1); ++i) {
+      built.axis[i] = turn * built.axis[i];
+      if (i > at) built.place[i] = turn * built.place[i];
+    }
+    if (with_link) built.tool = turn * built.tool;
+    const Record r = seed % 2 == 0 ? poses(dice, joints, 200) : motion(dice, joints, 1500);
+    const std::vector<double> resolution(joints, 2e-4);
+    const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, 1e-5));
+    EXPECT_TRUE(d.causes.empty()) << seed << ": " << summary(d);
+    ++drawn;
+    found += d.unexplained.size() == 1 && d.unexplained[0].joint == "j" + std::to_string(at + 1) &&
+             d.unexplained[0].what == "the axis of the joint is askew";
+  }
+  EXPECT_GE(found, drawn - 2);
+}
+
 TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(5000 + seed);

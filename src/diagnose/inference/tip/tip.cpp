@@ -138,8 +138,10 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
     Effect effect = t.term.effect;
     t.term.fill(effect, c);
     if (!t.term.named()) {
-      d.unexplained.push_back(
-          {effect.joint, t.term.unnamed, effect.number_or("order", 0), {}, effect.number_or("amplitude", 0)});
+      Unidentified u{effect.joint, t.term.unnamed, {}, {}, effect.number_or("amplitude", 0)};
+      if (const auto order = effect.numbers.find("order"); order != effect.numbers.end())
+        u.order = order->second;
+      d.unexplained.push_back(std::move(u));
       continue;
     }
     const Eigen::MatrixXd covariance =
@@ -205,9 +207,6 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   d.gain = gain_of(s.model);
   name_causes(s, d);
   report_frames(s.model, model.chain.tip, d);
-  for (std::size_t i = 0; i < s.tilts.size(); ++i)
-    d.unexplained.push_back(
-        {s.tilts[i].term.effect.joint, s.tilts[i].term.unnamed, {}, {}, s.tilt_sizes[i].norm()});
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

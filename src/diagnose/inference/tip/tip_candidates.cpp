@@ -85,6 +85,7 @@ bool chosen(const TipModel& model, const TipTerm& t) {
 std::vector<TipTerm> tip_candidates(const TipModel& model) {
   const TipEvidence& e = model.evidence();
   std::vector<TipTerm> all = tip_terms(e, model.estimate());
+  for (TipTerm& t : tilt_terms(model.estimate().chain)) all.push_back(std::move(t));
   if (e.ordered && e.rows() >= 500) {
     const Eigen::MatrixXd scores = encoder_scores(model);
     for (std::size_t i = 0; i < e.encoders.size(); ++i) {

@@ -9,8 +9,8 @@ namespace qerr {
 /// Number of orders and times that a scan at the tip tests, for the correction of its p-value.
 inline constexpr int scanned_at_tip = 600;
 
-/// What the model may be extended by: the catalogue, and what a scan of the present scores suggests. Nothing
-/// that it has.
+/// What the model may be extended by: the catalogue, tilts of axes, and what a scan of the present scores
+/// suggests. Nothing that it has.
 std::vector<TipTerm> tip_candidates(const TipModel&);
 
 /// Whether the model has this cause already.

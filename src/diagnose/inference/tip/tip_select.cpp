@@ -45,7 +45,7 @@ std::optional<TipStep> next_step(const TipModel& model, const TipSelectOptions& 
     const double gained = (s.log_likelihood - model.solution().log_likelihood) / correlated;
     const double cost = price(model, size) + penalty(model, all[i]);
     if (gained < cost + better_by) continue;
-    const bool scanned = !all[i].term.named() || all[i].term.step;
+    const bool scanned = !all[i].kinematic() && (!all[i].term.named() || all[i].term.step);
     const double tests = static_cast<double>(all.size()) * (scanned ? scanned_at_tip : 1);
     if (p_value(gained, size) * tests > options.alpha) continue;
     // Correlated rows reduce the difference between two candidates, too.
@@ -133,50 +133,10 @@ TipModel with_all_dimensions(TipModel model) {
 TipModel best_model(TipModel start, const TipSelectOptions& options) {
   TipModel model = grown(std::move(start), options);
   const auto dimensions = std::count_if(model.terms().begin(), model.terms().end(),
-                                        [](const TipTerm& t) { return t.kinematic(); });
+                                        [](const TipTerm& t) { return t.kinematic() && t.term.named(); });
   if (dimensions < 3) return model;
   TipModel other = with_all_dimensions(model);
   return value_of(other) > value_of(model) + better_by ? std::move(other) : std::move(model);
-}
-
-/// Tilts of joint axes, beside all named terms.
-void find_tilts(TipSelection& s, const TipSelectOptions& options) {
-  const TipModel& m = s.model;
-  std::vector<TipTerm> all = tilt_terms(m.estimate().chain);
-  const auto tests = static_cast<double>(all.size());
-  Eigen::MatrixXd extra(m.entries().size(), 0);
-  TipSolution now = m.solution();
-  for (std::size_t round = 0; round < 6; ++round) {
-    std::optional<std::size_t> best;
-    TipSolution best_solution;
-    double best_value = m.value(now, m.size() + extra.cols());
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      const Eigen::MatrixXd columns = m.columns(all[i]);
-      if (m.beyond({}, columns).colwise().norm().minCoeff() == 0) continue;
-      Eigen::MatrixXd wider(extra.rows(), extra.cols() + columns.cols());
-      wider << extra, columns;
-      const TipSolution with = m.trial({}, wider);
-      const double value = m.value(with, m.size() + wider.cols()) - unnamed_penalty;
-      const double gained = (with.log_likelihood - now.log_likelihood) / variance_inflation(m, with, columns);
-      if (value < best_value + better_by || gained < price(m, columns.cols()) + unnamed_penalty + better_by ||
-          p_value(gained, columns.cols()) * tests > options.alpha ||
-          signal_to_noise(with, m.beyond({}, columns), with.theta.tail(columns.cols())) <
-              options.least_amplitude)
-        continue;
-      best_value = value;
-      best = i;
-      best_solution = with;
-    }
-    if (!best) break;
-    const Eigen::MatrixXd columns = m.columns(all[*best]);
-    extra.conservativeResize(Eigen::NoChange, extra.cols() + columns.cols());
-    extra.rightCols(columns.cols()) = columns;
-    now = best_solution;
-    s.tilts.push_back(all[*best]);
-    all.erase(all.begin() + static_cast<std::ptrdiff_t>(*best));
-  }
-  for (std::size_t i = 0; i < s.tilts.size(); ++i)
-    s.tilt_sizes.push_back(now.theta.tail(extra.cols()).segment(2 * static_cast<Eigen::Index>(i), 2));
 }
 
 /// Whether unknown frames are significant beside a model without them.
@@ -196,34 +156,36 @@ bool needs(UnknownFrames frames, const TipModel& model, const TipSelectOptions& 
              2.5 * options.least_amplitude;
 }
 
-/// A model's value, with what its free frames cost.
-double value_with_frames(const TipModel& m) {
+/// A model's value, with what free frames and terms cost beyond their coefficients.
+double value_with_penalties(const TipModel& m) {
   const Eigen::Index free = m.trial({}, {}).rank - m.size();
-  const double penalty = m.frames() == UnknownFrames::none     ? 0
-                         : m.frames() == UnknownFrames::target ? unnamed_penalty
-                                                               : 2 * unnamed_penalty;
-  return m.value(m.solution(), m.size() + free) - penalty;
+  double cost = m.frames() == UnknownFrames::none     ? 0
+                : m.frames() == UnknownFrames::target ? unnamed_penalty
+                                                      : 2 * unnamed_penalty;
+  for (const TipTerm& t : m.terms()) cost += penalty(m, t);
+  return m.value(m.solution(), m.size() + free) - cost;
 }
 
 }  // namespace
 
 TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std::uint64_t seed,
                         const TipSelectOptions& options) {
-  TipModel found = best_model(TipModel(model, e, UnknownFrames::none, seed), options);
+  const TipModel ideal(model, e, UnknownFrames::none, seed);
+  TipModel found = best_model(ideal, options);
   const TipModel known = found;
   for (const UnknownFrames frames : {UnknownFrames::target, UnknownFrames::all}) {
-    if (!needs(frames, known, options)) continue;
+    // Many terms together may imitate a frame.
+    if (!needs(frames, ideal, options) && !needs(frames, known, options)) continue;
     TipModel framed = best_model(TipModel(model, e, frames, seed), options);
-    if (value_with_frames(framed) > value_with_frames(found)) found = std::move(framed);
+    if (value_with_penalties(framed) > value_with_penalties(found)) found = std::move(framed);
   }
-  TipSelection s{std::move(found), {}, {}, {}, {}};
+  TipSelection s{std::move(found), {}, {}};
   find_tip_alternatives(model, s);
   for (std::size_t i = 0; i < s.model.terms().size(); ++i) {
     const TipTerm& t = s.model.terms()[i];
     const double gained = s.model.solution().log_likelihood - s.model.trial({i}, {}).log_likelihood;
     s.p_values.push_back(p_value(gained / variance_inflation(s.model, i), t.size()));
   }
-  find_tilts(s, options);
   return s;
 }
 

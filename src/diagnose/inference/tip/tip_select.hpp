@@ -24,8 +24,6 @@ struct TipSelection {
   TipModel model;
   std::vector<double> p_values;  ///< of each term against the model without it
   std::vector<TipAlternative> alternatives;
-  std::vector<TipTerm> tilts;  ///< significant tilts of joint axes, which are not in the catalogue
-  std::vector<Eigen::VectorXd> tilt_sizes;
 };
 
 /// Selects the terms of a tracked tip: forward by likelihood among those that pass their test, with a refit

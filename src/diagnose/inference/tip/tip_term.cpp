@@ -17,11 +17,12 @@ Eigen::Vector3d across(const Eigen::Vector3d& z) { return z.unitOrthogonal(); }
 TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
   const auto count = static_cast<Eigen::Index>(chain.joints.size());
   const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
-  TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}};
+  TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}, {}};
   Eigen::Isometry3d frame = base;
   for (Eigen::Index j = 0; j < count; ++j) {
     const ChainJoint& joint = chain.joints[static_cast<std::size_t>(j)];
     const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    p.motion.push_back(motion);
     p.parent.push_back(frame.linear() * joint.parent_axes);
     frame = frame * joint.origin;
     p.origin.col(j) = frame.translation();
@@ -51,6 +52,7 @@ Eigen::Index TipTerm::size() const {
     case Kind::geometry:
       return 1;
     case Kind::tilt:
+    case Kind::axis:
       return 2;
     case Kind::base:
       return 6;
@@ -71,12 +73,19 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       // The true joint is displaced from the model's: estimate - true is minus the displacement.
       columns = -p.parent[where] * direction;
       break;
-    case Kind::tilt: {
+    case Kind::tilt:
+    case Kind::axis: {
       // Across the axis in the frame before the joint, so that the tilt does not rotate with the joint.
       const Eigen::Matrix3d& frame = p.parent[where];
       const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
       const Eigen::Vector3d u = frame * across(frame.transpose() * axis);
-      columns << -u.cross(arm), -axis.cross(u).cross(arm);
+      const auto displaced = [&](const Eigen::Vector3d& about) -> Eigen::Vector3d {
+        if (kind == Kind::tilt) return about.cross(arm);
+        if (slides) return p.motion[where] * about.cross(axis);
+        // There and, after the joint, back: R(a + da, q) = T R(a, q) T^-1.
+        return (about - Eigen::AngleAxisd(p.motion[where], axis) * about).cross(arm);
+      };
+      columns << -displaced(u), -displaced(axis.cross(u));
       break;
     }
     case Kind::base:
@@ -121,14 +130,30 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
 
 std::vector<TipTerm> tilt_terms(const Chain& chain) {
   std::vector<TipTerm> terms;
-  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
-    TipTerm t{TipTerm::Kind::tilt, {}, j};
-    t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
-    t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
-    t.term.unnamed = "the axis of the joint is askew";
-    if (!chain.joints[j].prismatic) terms.push_back(std::move(t));
-  }
+  for (std::size_t j = 0; j < chain.joints.size(); ++j)
+    for (const TipTerm::Kind kind : {TipTerm::Kind::tilt, TipTerm::Kind::axis}) {
+      if (kind == TipTerm::Kind::tilt && (j == 0 || chain.joints[j].prismatic)) continue;
+      TipTerm t{kind, {}, j};
+      t.slides = chain.joints[j].prismatic;
+      t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
+      t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
+      t.term.unnamed = "the axis of the joint is askew";
+      terms.push_back(std::move(t));
+    }
   return terms;
+}
+
+void tilt(ChainJoint& joint, TipTerm::Kind kind, const Eigen::Vector2d& angles) {
+  const Eigen::Matrix3d frame = joint.origin.linear();
+  const Eigen::Vector3d axis = frame * joint.axis,
+                        u = joint.parent_axes * across(joint.parent_axes.transpose() * axis);
+  const Eigen::Vector3d about = angles[0] * u + angles[1] * axis.cross(u);
+  if (about.norm() == 0) return;
+  const Eigen::AngleAxisd turn(about.norm(), about.normalized());
+  if (kind == TipTerm::Kind::axis)
+    joint.axis = frame.transpose() * (turn * axis);
+  else
+    joint.origin.linear() = turn * frame;
 }
 
 void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const TipEstimate& estimate) {

@@ -11,6 +11,7 @@ namespace qerr {
 /// Kinematic quantities at one row, from which the columns of terms are computed. Base frame, [m].
 struct TipPose {
   Eigen::Matrix3Xd origin, axis;        ///< of the moving joints
+  std::vector<double> motion;           ///< of each from its zero [rad or m]
   std::vector<Eigen::Matrix3d> parent;  ///< axes of the frame in which each joint's origin is stated
   Eigen::Matrix3d tool;                 ///< axes of the tip
   Eigen::Vector3d tip;
@@ -33,7 +34,8 @@ struct TipTerm {
   enum class Kind {
     encoder,   ///< adds to the reading of an encoder
     geometry,  ///< displaces a joint's origin along `direction`, in its parent link's frame
-    tilt,      ///< rotates a joint's axis about two axes normal to it
+    tilt,      ///< rotates a joint's frame about two axes normal to its own: origin of the URDF
+    axis,      ///< the same of the axis alone, whose zero pose stays: axis of the URDF
     base,      ///< displaces and rotates the robot in the tracker's frame
     tool       ///< displaces the target in the tip's frame
   };
@@ -41,6 +43,7 @@ struct TipTerm {
   Term term;              ///< its effect and fill; of an encoder's the columns too
   std::size_t where = 0;  ///< encoder or moving joint
   Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of geometry, in its parent link's axes
+  bool slides = false;                                  ///< of an axis: its joint is prismatic
   bool kinematic() const {                              ///< whether it depends on the pose alone
     return kind != Kind::encoder || term.constant;
   }
@@ -53,8 +56,12 @@ struct TipTerm {
 /// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference.
 std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 
-/// The tilt of every joint's axis; it is not in the catalogue.
+/// Tilts of every joint's frame, but of the first, which is one of the tracker's frame, and of every joint's
+/// axis. They are not in the catalogue.
 std::vector<TipTerm> tilt_terms(const Chain&);
+
+/// Applies a tilt to its joint [rad].
+void tilt(ChainJoint&, TipTerm::Kind, const Eigen::Vector2d& angles);
 
 /// An encoder's evidence with the estimated additions subtracted from its path.
 Evidence corrected_evidence(const TipEvidence&, const TipEstimate&, std::size_t encoder);
