@@ -13,13 +13,14 @@ struct RecordSignals {
   std::string joint;  ///< whose encoder it is
   bool prismatic = false;
   Encoder encoder;
-  bool ordered = true;       ///< the rows follow each other in time
-  bool counted = true;       ///< readings are whole counts
-  bool loaded = true;        ///< the joint's own weight can load it
-  Eigen::ArrayXd time;       ///< from the first row [s]; the row's number if the record has no time
-  Eigen::ArrayXd path;       ///< the reference without its noise [rad or m]
-  Eigen::ArrayXd velocity;   ///< of the path [rad/s or m/s]
-  Eigen::ArrayXd direction;  ///< direction of the joint's last motion: -1, +1, or 0 before the first
+  bool ordered = true;          ///< the rows follow each other in time
+  bool counted = true;          ///< readings are whole counts
+  bool loaded = true;           ///< the joint's own weight can load it
+  Eigen::ArrayXd time;          ///< from the first row [s]; the row's number if the record has no time
+  Eigen::ArrayXd path;          ///< the reference without its noise [rad or m]
+  Eigen::ArrayXd velocity;      ///< of the path [rad/s or m/s]
+  Eigen::ArrayXd acceleration;  ///< of the joint's own path [rad/s^2 or m/s^2]; empty where it is not known
+  Eigen::ArrayXd direction;     ///< direction of the joint's last motion: -1, +1, or 0 before the first
   /// The joint's own position and velocity where its encoder measures other joints too (coupling); else
   /// empty.
   Eigen::ArrayXd joint_path, joint_velocity;

@@ -26,11 +26,6 @@ Eigen::ArrayXd means(const Eigen::ArrayXd& column, const std::vector<RowGroup>& 
   return out;
 }
 
-std::vector<Eigen::ArrayXd*> columns_of(Evidence& e) {
-  return {&e.time,       &e.reference,      &e.measured, &e.path,        &e.velocity,    &e.direction,
-          &e.joint_path, &e.joint_velocity, &e.effort,   &e.temperature, &e.random_sigma};
-}
-
 /// A row of the i-th of `most` equal sections of some rows. Evenly spaced rows could be commensurate with a
 /// periodic motion.
 Eigen::Index drawn_row(Eigen::Index rows, std::uint64_t seed, Eigen::Index i, Eigen::Index most) {
@@ -40,6 +35,11 @@ Eigen::Index drawn_row(Eigen::Index rows, std::uint64_t seed, Eigen::Index i, Ei
 }
 
 }  // namespace
+
+std::vector<Eigen::ArrayXd*> series_of(Evidence& e) {
+  return {&e.time,      &e.reference,  &e.measured,       &e.path,   &e.velocity,    &e.acceleration,
+          &e.direction, &e.joint_path, &e.joint_velocity, &e.effort, &e.temperature, &e.random_sigma};
+}
 
 std::vector<RowGroup> independent_rows(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
   // Noise alone must not separate rows.
@@ -68,7 +68,7 @@ std::vector<RowGroup> drawn(const std::vector<RowGroup>& all, std::uint64_t seed
 
 Evidence group_means(const Evidence& e, const std::vector<RowGroup>& groups) {
   Evidence grouped = e;
-  for (Eigen::ArrayXd* column : columns_of(grouped)) *column = means(*column, groups);
+  for (Eigen::ArrayXd* series : series_of(grouped)) *series = means(*series, groups);
   return grouped;
 }
 
@@ -118,6 +118,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
     SmoothPath smooth = smooth_path(time, e.reference, e.log_resolution);
     e.path = std::move(smooth.position);
     e.velocity = std::move(smooth.velocity);
+    e.acceleration = std::move(smooth.acceleration);
     e.noise = smooth.noise;
     e.path_noise = smooth.residual_noise;
     if (!depends_on_one_joint(model, number)) {
@@ -125,6 +126,7 @@ std::optional<Evidence> evidence_of(const OperationalModel& model, const Log& lo
           smooth_path(time, log.values.col(*log.find(LogSignal::reference, encoder)), e.log_resolution);
       e.joint_path = std::move(own.position);
       e.joint_velocity = std::move(own.velocity);
+      e.acceleration = std::move(own.acceleration);
     }
     e.direction = direction_of_motion(e.joint_angle(), std::max(10 * e.noise, 0.1 * e.step()));
     if (!e.coupled() && scatter_of_readings(e) < 0.7 * e.step())
@@ -169,7 +171,7 @@ Evidence thinned(Evidence e, std::uint64_t seed) {
   if (e.rows() <= most) return e;
   std::vector<Eigen::Index> rows;
   for (Eigen::Index i = 0; i < most; ++i) rows.push_back(drawn_row(e.rows(), seed, i, most));
-  for (Eigen::ArrayXd* column : columns_of(e))
+  for (Eigen::ArrayXd* column : series_of(e))
     if (column->size() > 0) *column = (*column)(rows).eval();
   return e;
 }

@@ -23,6 +23,9 @@ struct Evidence : RecordSignals {
   double interval = 0;          ///< of the rows as recorded, in the mean [s]; 0: not ordered
 };
 
+/// Everything that an evidence has row by row; some of it may be empty.
+std::vector<Eigen::ArrayXd*> series_of(Evidence&);
+
 /// Consecutive rows [first, end).
 struct RowGroup {
   Eigen::Index first, end;

@@ -42,10 +42,8 @@ std::vector<Eigen::Index> block_starts(const Evidence& e) {
 
 Evidence rows_of(const Evidence& e, const std::vector<Eigen::Index>& rows) {
   Evidence part = e;
-  for (Eigen::ArrayXd* column :
-       {&part.time, &part.reference, &part.measured, &part.path, &part.velocity, &part.direction,
-        &part.joint_path, &part.joint_velocity, &part.effort, &part.temperature, &part.random_sigma})
-    if (column->size() > 0) *column = Eigen::ArrayXd((*column)(rows));
+  for (Eigen::ArrayXd* series : series_of(part))
+    if (series->size() > 0) *series = Eigen::ArrayXd((*series)(rows));
   return part;
 }
 

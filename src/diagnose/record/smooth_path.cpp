@@ -76,11 +76,11 @@ double noise_of(const Eigen::ArrayXd& time, const Eigen::ArrayXd& x, double log_
 /// Whether there are enough rows for the differences, at more than one time.
 bool has_path(const Eigen::ArrayXd& time) { return time.size() >= 8 && time[time.size() - 1] > time[0]; }
 
-/// Weights of the samples in the value and the slope of their least-squares polynomial at one time.
+/// Weights of the samples in the value and the derivatives of their least-squares polynomial at one time.
 struct FitWeights {
-  Eigen::VectorXd value, slope;
+  Eigen::VectorXd value, slope, curvature;
 
-  /// A cubic; through three samples a line for the value and a parabola for the slope.
+  /// A cubic; through three samples a line for the value and a parabola for the derivatives.
   /// @param times   of the samples [s]
   /// @param centre  where the polynomial is evaluated [s]
   FitWeights(const Eigen::VectorXd& times, double centre) {
@@ -92,6 +92,7 @@ struct FitWeights {
     for (Eigen::Index i = 1; i < powers.cols(); ++i) powers.col(i) = powers.col(i - 1).array() * u;
     value = row(n == 3 ? Eigen::MatrixXd(powers.leftCols(2)) : powers, 0);
     slope = row(powers, 1) / scale;
+    curvature = 2 * row(powers, 2) / (scale * scale);
   }
 
  private:
@@ -147,15 +148,17 @@ class Window {
     return std::sqrt(squares / count);
   }
 
-  /// Position and velocity at every row. At the ends a fit would be one-sided: there the position is the
-  /// recorded one.
+  /// Position and its derivatives at every row. At the ends a fit would be one-sided: there the position is
+  /// the recorded one.
   SmoothPath path(double noise) const {
-    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), noise, noise};
+    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(x_.size()), noise, noise};
     const bool smoothed = h_ > half_windows.front();  // a line through three samples hardly reduces noise
     std::optional<FitWeights> own;
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
       const FitWeights& here = fit(k, own);
       out.velocity[k] = here.slope.dot(window_at(k));
+      // Of three samples it would be noise.
+      out.acceleration[k] = smoothed ? here.curvature.dot(window_at(k)) : 0;
       if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
     }
     if (smoothed) out.residual_noise *= noise_gain();
@@ -185,7 +188,7 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
 
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   const Eigen::Index n = recorded.size();
-  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), 0, 0};
+  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), 0, 0};
   const double noise = noise_of_path(time, recorded, log_resolution);
   const double interval = common_interval(time);
   std::optional<Window> widest;
@@ -195,7 +198,7 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
     if (widest && next.residual_noise() > distorted * noise) break;
     widest.emplace(std::move(next));
   }
-  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), noise, noise};
+  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), noise, noise};
   return widest->path(noise);
 }
 

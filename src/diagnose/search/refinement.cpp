@@ -106,9 +106,10 @@ class Refinement {
   void keep_size(std::size_t i) {
     if (term(i).relinearized) {
       const Eigen::VectorXd p = parameters_of_linearization(i);
-      const std::vector<Eigen::VectorXd>& before = scanned_.linearizations;
-      changed_ |= before.empty() || p.size() != before.front().size() ||
-                  (p - before.front()).norm() > 0.01 * p.norm();
+      changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
+                               [&](const Eigen::VectorXd& before) {
+                                 return p.size() == before.size() && (p - before).norm() <= 0.01 * p.norm();
+                               });
       next.linearizations.push_back(p);
     }
     if (!term(i).hysteresis) return;

@@ -4,10 +4,20 @@ namespace qerr {
 
 namespace {
 
+/// x(t - delay) - x(t) = -delay v + delay^2/2 a, linearized about a delay.
+Term linearized(const RecordSignals& s, const Term& t, const Eigen::VectorXd& delay) {
+  Term next = t;
+  next.columns = -s.joint_rate() + delay[0] * s.acceleration;
+  next.fixed = -0.5 * delay[0] * delay[0] * s.acceleration;
+  return next;
+}
+
 std::vector<Term> terms(const RecordSignals& s) {
   if (!s.ordered || s.is_stationary()) return {};
-  return {linear_term(s, "latency", -s.joint_rate(),
-                      [](Effect& e, const Eigen::VectorXd& c) { e.numbers["delay"] = c[0]; })};
+  Term t = linear_term(s, "latency", -s.joint_rate(),
+                       [](Effect& e, const Eigen::VectorXd& c) { e.numbers["delay"] = c[0]; });
+  if (s.acceleration.size() > 0) t.relinearized = linearized;
+  return {t};
 }
 
 }  // namespace

@@ -28,8 +28,7 @@ TipEvidence random_poses(const TipEvidence& e, const Chain& chain, std::uint64_t
           (2 * u - 1) * (chain.independent[static_cast<std::size_t>(j)].prismatic() ? 0.5 : std::numbers::pi);
     }
   for (Evidence& own : wide.encoders)
-    for (Eigen::ArrayXd* series : {&own.time, &own.reference, &own.measured, &own.path, &own.velocity,
-                                   &own.direction, &own.effort, &own.temperature})
+    for (Eigen::ArrayXd* series : series_of(own))
       if (series->size() > 0) series->conservativeResize(rows);
   return wide;
 }

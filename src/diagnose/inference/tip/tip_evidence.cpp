@@ -100,10 +100,7 @@ void shorten(TipEvidence& e) {
   const Eigen::Index stride = (static_cast<Eigen::Index>(starts.size()) + most_rows - 1) / most_rows;
   const Fewer fewer(std::move(starts), e.rows(), stride);
   for (Evidence& encoder : e.encoders)
-    for (Eigen::ArrayXd* series :
-         {&encoder.time, &encoder.reference, &encoder.measured, &encoder.path, &encoder.velocity,
-          &encoder.direction, &encoder.effort, &encoder.temperature})
-      fewer.shorten(*series);
+    for (Eigen::ArrayXd* series : series_of(encoder)) fewer.shorten(*series);
   e.joints = fewer.columns(e.joints);
   e.tip = fewer.columns(e.tip);
 }
