@@ -1,8 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
-#include <fstream>
-#include <map>
 #include <sstream>
 
 #include "bound/proven/box_bound.hpp"
@@ -12,42 +10,18 @@
 #include "bound/proven/position_worst_case.hpp"
 #include "bound/proven/rotation_bound.hpp"
 #include "bound/proven/tip_component.hpp"
+#include "support/measured.hpp"
 #include "support/random_model.hpp"
 
 /// How tight the upper bounds are. That they are never exceeded is tested elsewhere, against searches; a
 /// bound that is looser than it was holds as well, and makes a proof slower or impossible. The values are
-/// those of the program itself: a deliberate change of a bound replaces them by what a failure prints.
+/// those of the program itself.
 namespace qerr {
 namespace {
 
 using testing::ChainMix;
 using testing::Dice;
-
-/// Values by name, and their comparison. Tolerance 1e-6: the tables of some bounds are in float.
-class Measured {
- public:
-  Measured() {
-    std::ifstream file(QERR_SOURCE_DIR "/tests/golden/proven_bounds.csv");
-    std::string line;
-    std::getline(file, line);
-    while (std::getline(file, line)) {
-      const std::size_t comma = line.rfind(',');
-      values_[line.substr(0, comma)] = std::stod(line.substr(comma + 1));
-    }
-  }
-
-  void expect(const std::string& name, double value) const {
-    std::ostringstream row;
-    row.precision(9);
-    row << name << ',' << value;
-    const auto at = values_.find(name);
-    ASSERT_NE(at, values_.end()) << row.str();
-    EXPECT_NEAR(value, at->second, 1e-6 * std::abs(at->second)) << row.str();
-  }
-
- private:
-  std::map<std::string, double> values_;
-};
+using testing::Measured;
 
 OperationalModel model_of_mix(Dice& dice, const ChainMix& mix) {
   OperationalModel m{make_chain(testing::random_robot(dice, mix), "", ""), {}, {}};
@@ -80,7 +54,7 @@ std::vector<Limits> ranges_of_all_kinds(Dice& dice, std::size_t count) {
 }
 
 TEST(ChainBound, IsAsTightAsMeasured) {
-  const Measured measured;
+  const Measured measured("proven_bounds.csv", 1e-6);  // the tables of some bounds are in float
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     Dice dice(500 + seed);
     OperationalModel m = model_of_mix(dice, ChainMix{1 + seed % 4, 0.25, 0});
@@ -122,7 +96,7 @@ TEST(ChainBound, IsAsTightAsMeasured) {
 }
 
 TEST(BoxBound, IsAsTightAsMeasured) {
-  const Measured measured;
+  const Measured measured("proven_bounds.csv", 1e-6);  // the tables of some bounds are in float
   for (std::uint64_t seed = 0; seed < 16; ++seed) {
     Dice dice(700 + seed);
     ChainMix mix{1 + seed % 5};

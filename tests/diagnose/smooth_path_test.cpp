@@ -24,7 +24,7 @@ struct RecordedPath {
         recorded(rows),
         noise(std::hypot(sigma, grid / std::sqrt(12.0))) {
     std::uniform_real_distribution<double> shift(-unevenness, unevenness);
-    std::normal_distribution<double> normal(0, sigma);
+    std::normal_distribution<double> normal(0, sigma > 0 ? sigma : 1);
     for (int k = 0; k < rows; ++k) {
       time[k] = (k + (k > 0 ? shift(dice) : 0)) / rate;
       const auto [q, v] = at(time[k]);

@@ -23,7 +23,7 @@ const std::string arm = R"(<robot name="arm">
     <limit lower="-1" upper="1" effort="1" velocity="1"/></joint>
 </robot>)";
 
-const std::string head = "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger}\n";
+const std::string spec_head = "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger}\n";
 const std::string encoders =
     "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n  lift: {resolution: 1 um}\n";
 
@@ -59,7 +59,7 @@ class ReadSpec : public ::testing::Test {
 };
 
 TEST_F(ReadSpec, AToolMovesTheTip) {
-  const Spec bare = read(head + encoders);
+  const Spec bare = read(spec_head + encoders);
   const Spec spec = read(
       "qerr: 1\nrobot: {urdf: arm.urdf, tip: finger, tool: {xyz: [0, 20 mm, 0.1], rpy: [90 deg, 0, 30 "
       "deg]}}\n" +
@@ -77,7 +77,7 @@ TEST_F(ReadSpec, AToolMovesTheTip) {
 }
 
 TEST_F(ReadSpec, ANamedEffectBeatsThePatternOfItsType) {
-  const Spec spec = read(head + encoders +
+  const Spec spec = read(spec_head + encoders +
                          "effects:\n  - {type: backlash, joint: '[se]*', gap: 0.1 mrad}\n"
                          "  - {type: backlash, joint: elbow, gap: 0.3 mrad}\n");
   std::map<std::string, std::vector<double>> gaps;
@@ -87,7 +87,7 @@ TEST_F(ReadSpec, ANamedEffectBeatsThePatternOfItsType) {
 }
 
 TEST_F(ReadSpec, ALengthBringsItsComponents) {
-  const Spec spec = read(head + encoders + "coordinates: [rxyz, z]\n");
+  const Spec spec = read(spec_head + encoders + "coordinates: [rxyz, z]\n");
   EXPECT_EQ(spec.model.coordinates,
             (std::vector<Coordinate>{Coordinate::z, Coordinate::rx, Coordinate::ry, Coordinate::rz}));
   EXPECT_EQ(spec.model.lengths, std::vector<Coordinate>{Coordinate::rxyz});
@@ -95,7 +95,7 @@ TEST_F(ReadSpec, ALengthBringsItsComponents) {
 
 TEST_F(ReadSpec, ConvertsEveryEncoderKindToTheJointSide) {
   const Spec spec =
-      read(head +
+      read(spec_head +
            "encoders:\n  shoulder: {lines_per_rev: 1024, decoding: x2, gear_ratio: -80}\n"
            "  elbow: {periods_per_rev: 16, interpolation_bits: 10, rounding: down, zero: free}\n"
            "  lift: {bits: 12, gear_ratio: 5, travel_per_rev: 10 mm}\n");
@@ -129,7 +129,7 @@ TEST_F(ReadSpec, SamplesRobotsOfThousandsOfJointsAtRandom) {
 }
 
 TEST_F(ReadSpec, DefaultsToPositionsAndTenThousandSobolPoints) {
-  const Spec spec = read(head + encoders);
+  const Spec spec = read(spec_head + encoders);
   EXPECT_EQ(spec.model.coordinates, (std::vector{Coordinate::x, Coordinate::y, Coordinate::z}));
   EXPECT_EQ(size(spec.configurations), 10000u);
   EXPECT_EQ(spec.configurations.seed, 1u);
@@ -138,17 +138,17 @@ TEST_F(ReadSpec, DefaultsToPositionsAndTenThousandSobolPoints) {
 
 TEST_F(ReadSpec, PointsAtTheKeyAndSuggestsTheRightName) {
   EXPECT_EQ(
-      refusal(head +
+      refusal(spec_head +
               "encoders:\n  '*': {counts_per_rev: 4096, gear_ration: 100}\n  lift: {resolution: 1 um}\n"),
       "spec.yaml:4:31: encoders.*.gear_ration: unknown key, found 'gear_ration'; did you mean 'gear_ratio'?");
-  EXPECT_NE(refusal(head + "encodrs: {}\n" + encoders)
+  EXPECT_NE(refusal(spec_head + "encodrs: {}\n" + encoders)
                 .find("spec.yaml:3:1: encodrs: unknown key, found 'encodrs'; did you mean 'encoders'?"),
             std::string::npos);
 }
 
 TEST_F(ReadSpec, ReportsSeveralFaultsTogether) {
-  const std::string text =
-      refusal(head + "encoders:\n  shoulder: {bits: 99}\n  lift: {resolution: 1 deg}\n  elbow: {cpr: 5}\n");
+  const std::string text = refusal(
+      spec_head + "encoders:\n  shoulder: {bits: 99}\n  lift: {resolution: 1 deg}\n  elbow: {cpr: 5}\n");
   EXPECT_NE(text.find("spec.yaml:4:20: encoders.shoulder.bits: is out of range, found '99'"),
             std::string::npos)
       << text;
@@ -197,7 +197,7 @@ TEST_F(ReadSpec, RejectsInvalidSections) {
       {"threshold: {length: '3}\n", "a quotation mark is not closed"},
   };
   for (const auto& c : cases) {
-    const std::string message = refusal(head + encoders + c.text);
+    const std::string message = refusal(spec_head + encoders + c.text);
     EXPECT_NE(message.find(c.message), std::string::npos) << c.text << message;
     EXPECT_EQ(message.substr(0, 10), "spec.yaml:") << message;
   }
@@ -207,13 +207,13 @@ TEST_F(ReadSpec, AppliesOverridesByDottedPath) {
   SpecOverrides overrides;
   overrides.values = {{"encoders.elbow.bits", "19"}, {"coordinates", "[y]"}};
   overrides.seed = 7;
-  const Spec spec = read(head + encoders + "  elbow: {bits: 17}\n", overrides);
+  const Spec spec = read(spec_head + encoders + "  elbow: {bits: 17}\n", overrides);
   EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[2].resolution, 2 * std::numbers::pi / 524288);
   EXPECT_EQ(spec.model.coordinates, std::vector{Coordinate::y});
   EXPECT_EQ(spec.configurations.seed, 7u);
   EXPECT_EQ(spec.overrides.size(), 2u);
   overrides.values = {{"encoders.elbow.bts", "19"}};
-  EXPECT_EQ(refusal(head + encoders, overrides).substr(0, 26), "--set encoders.elbow.bts: ");
+  EXPECT_EQ(refusal(spec_head + encoders, overrides).substr(0, 26), "--set encoders.elbow.bts: ");
 }
 
 /// Resolution of an encoder of 4096 counts behind a gear of 100.
@@ -227,53 +227,55 @@ TEST_F(ReadSpec, ANamedEntryBeatsAPatternAndTwoPatternsForAJointAreAnError) {
        {"encoders:\n  'l*': {resolution: 1 um}\n  '[es]*': {counts_per_rev: 4096, gear_ratio: 100}\n",
         "encoders:\n  elbow: {counts_per_rev: 4096, gear_ratio: 100}\n  shoulde?: {counts_per_rev: "
         "4096, gear_ratio: 100}\n  '*ift': {resolution: 1 um}\n"}) {
-    const Spec spec = read(head + text);
+    const Spec spec = read(spec_head + text);
     EXPECT_DOUBLE_EQ(resolution(spec, 0), geared) << text;
     EXPECT_DOUBLE_EQ(resolution(spec, 1), 1e-6) << text;
     EXPECT_DOUBLE_EQ(resolution(spec, 2), geared) << text;
   }
   EXPECT_EQ(
-      refusal(head + encoders + "  'e*': {bits: 17}\n"),
+      refusal(spec_head + encoders + "  'e*': {bits: 17}\n"),
       "spec.yaml:6:9: encoders.e*: two patterns fit joint 'elbow', found encoders.* and encoders.e*; write "
       "the joint's own name, or patterns that exclude each other");
   // The order of the entries does not matter, and a name that beats both patterns leaves nothing to decide.
-  EXPECT_NE(refusal(head + "encoders:\n  'e*': {bits: 17}\n  lift: {resolution: 1 um}\n  '*': {bits: 12}\n")
-                .find("encoders.e* and encoders.*"),
-            std::string::npos);
+  EXPECT_NE(
+      refusal(spec_head + "encoders:\n  'e*': {bits: 17}\n  lift: {resolution: 1 um}\n  '*': {bits: 12}\n")
+          .find("encoders.e* and encoders.*"),
+      std::string::npos);
   EXPECT_DOUBLE_EQ(
-      resolution(read(head + encoders + "  'e*': {bits: 12}\n  elbow: {bits: 17, gear_ratio: 1}\n"), 2),
+      resolution(read(spec_head + encoders + "  'e*': {bits: 12}\n  elbow: {bits: 17, gear_ratio: 1}\n"), 2),
       2 * std::numbers::pi / 131072);
 }
 
 TEST_F(ReadSpec, APatternThatFitsNoJointIsAnErrorWithTheJoints) {
-  EXPECT_EQ(refusal(head + encoders + "  'left_*': {bits: 17}\n"),
+  EXPECT_EQ(refusal(spec_head + encoders + "  'left_*': {bits: 17}\n"),
             "spec.yaml:6:3: encoders.left_*: the pattern fits no joint between base and tip, found 'left_*'; "
             "known: "
             "shoulder, lift, elbow");
-  EXPECT_NE(refusal(head + encoders + "configurations: {limits: {'j[1-3]': [0, 1]}}\n")
+  EXPECT_NE(refusal(spec_head + encoders + "configurations: {limits: {'j[1-3]': [0, 1]}}\n")
                 .find("configurations.limits.j[1-3]"),
             std::string::npos);
-  EXPECT_NE(refusal(head + encoders + "effects: [{type: backlash, joint: 'x*', gap: 1 mrad}]\n")
+  EXPECT_NE(refusal(spec_head + encoders + "effects: [{type: backlash, joint: 'x*', gap: 1 mrad}]\n")
                 .find("effects[0].joint"),
             std::string::npos);
-  const Spec spec = read(head + encoders + "  'as*': {bits: 17}\n");
+  const Spec spec = read(spec_head + encoders + "  'as*': {bits: 17}\n");
   ASSERT_EQ(spec.warnings.size(), 1u);
   EXPECT_NE(spec.warnings[0].find("encoders.as* is not used"), std::string::npos);
 }
 
 TEST_F(ReadSpec, AnEntryThatLosesThePatternsGearIsAnErrorOrAWarning) {
-  EXPECT_EQ(refusal(head + encoders + "  elbow: {counts_per_rev: 8192}\n"),
+  EXPECT_EQ(refusal(spec_head + encoders + "  elbow: {counts_per_rev: 8192}\n"),
             "spec.yaml:6:10: encoders.elbow: the entry states no gear_ratio, but encoders.*, which it "
             "replaces wholly, "
             "has gear_ratio: 100, found a mapping; add gear_ratio: 100, or gear_ratio: 1 for an encoder at "
             "the joint");
-  EXPECT_TRUE(read(head + encoders + "  elbow: {counts_per_rev: 8192, gear_ratio: 1}\n").warnings.empty());
-  const Spec other = read(head + encoders + "  elbow: {bits: 17}\n");
+  EXPECT_TRUE(
+      read(spec_head + encoders + "  elbow: {counts_per_rev: 8192, gear_ratio: 1}\n").warnings.empty());
+  const Spec other = read(spec_head + encoders + "  elbow: {bits: 17}\n");
   ASSERT_EQ(other.warnings.size(), 1u);
   EXPECT_NE(other.warnings[0].find("encoders.elbow states no gear_ratio: 1 holds, where encoders.*"),
             std::string::npos);
-  EXPECT_TRUE(read(head + encoders + "  elbow: {bits: 17, gear_ratio: 1}\n").warnings.empty());
-  EXPECT_TRUE(read(head + encoders + "  elbow: {resolution: 1 mrad}\n").warnings.empty());
+  EXPECT_TRUE(read(spec_head + encoders + "  elbow: {bits: 17, gear_ratio: 1}\n").warnings.empty());
+  EXPECT_TRUE(read(spec_head + encoders + "  elbow: {resolution: 1 mrad}\n").warnings.empty());
 }
 
 TEST_F(ReadSpec, AnOverrideChangesOneValueOfWhatHoldsForTheJoint) {
@@ -282,15 +284,15 @@ TEST_F(ReadSpec, AnOverrideChangesOneValueOfWhatHoldsForTheJoint) {
     overrides.values = {{key, value}};
     return read(text, overrides).model.transmission.encoders[2].resolution;
   };
-  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.counts_per_rev", "8192"), geared / 2);
-  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.gear_ratio", "1/50"), geared * 5000);
-  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.bits", "13"), geared / 2);
-  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.elbow.resolution", "1 mrad"), 1e-3);
-  EXPECT_DOUBLE_EQ(elbow(head + encoders, "encoders.*.counts_per_rev", "2048"), 2 * geared);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + encoders, "encoders.elbow.counts_per_rev", "8192"), geared / 2);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + encoders, "encoders.elbow.gear_ratio", "1/50"), geared * 5000);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + encoders, "encoders.elbow.bits", "13"), geared / 2);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + encoders, "encoders.elbow.resolution", "1 mrad"), 1e-3);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + encoders, "encoders.*.counts_per_rev", "2048"), 2 * geared);
   const std::string lines =
       "encoders:\n  '*': {lines_per_rev: 1024, decoding: x1, gear_ratio: 100}\n  lift: {resolution: 1 um}\n";
-  EXPECT_DOUBLE_EQ(elbow(head + lines, "encoders.elbow.lines_per_rev", "4096"), geared);
-  EXPECT_DOUBLE_EQ(elbow(head + lines, "encoders.elbow.counts_per_rev", "4096"), geared);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + lines, "encoders.elbow.lines_per_rev", "4096"), geared);
+  EXPECT_DOUBLE_EQ(elbow(spec_head + lines, "encoders.elbow.counts_per_rev", "4096"), geared);
 }
 
 TEST_F(ReadSpec, TheOrderOfOverridesOfAPatternAndOfAJointDoesNotMatter) {
@@ -301,7 +303,7 @@ TEST_F(ReadSpec, TheOrderOfOverridesOfAPatternAndOfAJointDoesNotMatter) {
   for (int i = 0; i < 4; ++i) {
     SpecOverrides overrides;
     overrides.values = values;
-    const Encoder elbow = read(head + encoders, overrides).model.transmission.encoders[2];
+    const Encoder elbow = read(spec_head + encoders, overrides).model.transmission.encoders[2];
     EXPECT_DOUBLE_EQ(elbow.resolution, geared);
     EXPECT_EQ(elbow.rounding, Rounding::down);
     std::rotate(values.begin(), values.begin() + 1, values.end());
@@ -309,7 +311,7 @@ TEST_F(ReadSpec, TheOrderOfOverridesOfAPatternAndOfAJointDoesNotMatter) {
 }
 
 TEST_F(ReadSpec, AnOverrideNamesItemsOfListsInTwoWaysAndNeverCreatesWhatIsNotRead) {
-  const std::string text = head + encoders +
+  const std::string text = spec_head + encoders +
                            "filters: {velocity: {derivative: 1, sample_rate: 1 kHz}}\n"
                            "requirements: [{quantity: position.x.sigma, statistic: max, at_most: 1 mm}]\n";
   for (const char* key : {"requirements.0.at_most", "requirements[0].at_most"}) {
@@ -340,29 +342,29 @@ TEST_F(ReadSpec, AnOverrideNamesItemsOfListsInTwoWaysAndNeverCreatesWhatIsNotRea
 }
 
 TEST_F(ReadSpec, NamesThePrismaticJointThatAPatternDoesNotDescribe) {
-  EXPECT_NE(refusal(head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n")
+  EXPECT_NE(refusal(spec_head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100}\n")
                 .find("encoders.*: joint 'lift' is prismatic and needs its travel per revolution, found a "
                       "mapping; write "
                       "'lift: {"),
             std::string::npos);
-  const std::string mixed = refusal(head + encoders + "configurations: {limits: {'*': [0, 10 mm]}}\n");
+  const std::string mixed = refusal(spec_head + encoders + "configurations: {limits: {'*': [0, 10 mm]}}\n");
   EXPECT_NE(mixed.find("has the wrong kind of unit: this is a length (joints 'shoulder', 'elbow')"),
             std::string::npos)
       << mixed;
   EXPECT_EQ(mixed.find('\n'), std::string::npos) << mixed;
   // The travel in a pattern is that of its prismatic joints.
   const Spec spec =
-      read(head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100, travel_per_rev: 5 mm}\n");
+      read(spec_head + "encoders:\n  '*': {counts_per_rev: 4096, gear_ratio: 100, travel_per_rev: 5 mm}\n");
   EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[1].resolution, 5e-3 / 409600);
   EXPECT_DOUBLE_EQ(spec.model.transmission.encoders[2].resolution, geared);
 }
 
 TEST_F(ReadSpec, AnEffectActsOnEveryJointOfItsPattern) {
-  const Spec spec = read(head + encoders + "effects: [{type: backlash, joint: '[se]*', gap: 1 mrad}]\n");
+  const Spec spec = read(spec_head + encoders + "effects: [{type: backlash, joint: '[se]*', gap: 1 mrad}]\n");
   ASSERT_EQ(spec.effects.size(), 2u);
   EXPECT_EQ(spec.effects[0].joint, "shoulder");
   EXPECT_EQ(spec.effects[1].joint, "elbow");
-  EXPECT_NE(refusal(head + encoders + "effects: [{type: backlash, joint: '*', gap: 1 mrad}]\n")
+  EXPECT_NE(refusal(spec_head + encoders + "effects: [{type: backlash, joint: '*', gap: 1 mrad}]\n")
                 .find("effects[0].gap: has the wrong kind of unit: this is an angle (joint 'lift')"),
             std::string::npos);
 }
@@ -370,7 +372,7 @@ TEST_F(ReadSpec, AnEffectActsOnEveryJointOfItsPattern) {
 TEST_F(ReadSpec, BringsTheAccuracyOfTheShaftToTheJoint) {
   constexpr double arcsec = std::numbers::pi / 648000;
   const Spec spec = read(
-      head +
+      spec_head +
       "encoders:\n  shoulder: {bits: 17, accuracy: 20 arcsec}\n  lift: {counts_per_rev: 4096, gear_ratio: "
       "-5, travel_per_rev: 10 mm, accuracy: 36 arcsec}\n  elbow: {bits: 17, gear_ratio: 100, "
       "accuracy: 20 arcsec}\n");
@@ -379,7 +381,7 @@ TEST_F(ReadSpec, BringsTheAccuracyOfTheShaftToTheJoint) {
   EXPECT_DOUBLE_EQ(e[1].accuracy, 0.01 / 5 * 36 / 1296000);  // of a screw that turns five times slower
   EXPECT_DOUBLE_EQ(e[2].accuracy, 0.2 * arcsec);
   const Spec scale =
-      read(head +
+      read(spec_head +
            "encoders:\n  '*': {resolution: 1 urad, accuracy: 5 urad}\n  lift: {resolution: 1 um, "
            "accuracy: 5 um}\n");
   EXPECT_DOUBLE_EQ(scale.model.transmission.encoders[1].accuracy, 5e-6);
@@ -409,11 +411,11 @@ TEST_F(ReadSpec, WarnsOfWhatIsValidAndProbablyNotMeant) {
        "their unit"},
   };
   for (const auto& c : cases) {
-    const std::vector<std::string> warnings = read(head + encoders + c.text).warnings;
+    const std::vector<std::string> warnings = read(spec_head + encoders + c.text).warnings;
     ASSERT_EQ(warnings.size(), 1u) << c.text;
     EXPECT_NE(warnings[0].find(c.warning), std::string::npos) << warnings[0];
   }
-  EXPECT_TRUE(read(head + encoders +
+  EXPECT_TRUE(read(spec_head + encoders +
                    "filters: {velocity: {derivative: 1, sample_rate: 1 kHz}, speedy_x: "
                    "{derivative: 0, sample_rate: 1 kHz, lowpass: {family: first_order, cutoff: 9 rad/s}}}\n")
                   .warnings.empty());
@@ -424,7 +426,7 @@ TEST_F(ReadSpec, AFileThatIsNoTableIsRefusedWithoutItsContent) {
        {"root:x:0:0:root:/root\n", "secret,words\n1,2\n", "\x80\x81 secret\n", "a\"b secret\n"}) {
     std::ofstream(folder_ / "points.csv") << content;
     const std::string message =
-        refusal(head + encoders + "configurations: {method: file, file: points.csv}\n");
+        refusal(spec_head + encoders + "configurations: {method: file, file: points.csv}\n");
     EXPECT_EQ(message.find("points.csv:1:"), 0u) << message;
     for (const char* part : {"root", "secret", "words"})
       EXPECT_EQ(message.find(part), std::string::npos) << message;
@@ -432,7 +434,7 @@ TEST_F(ReadSpec, AFileThatIsNoTableIsRefusedWithoutItsContent) {
 }
 
 TEST_F(ReadSpec, WarnsOfAnUnusedEncoder) {
-  const Spec spec = read(head + encoders + "  aside: {bits: 12}\n");
+  const Spec spec = read(spec_head + encoders + "  aside: {bits: 12}\n");
   ASSERT_EQ(spec.warnings.size(), 1u);
   EXPECT_NE(spec.warnings[0].find("encoders.aside is not used"), std::string::npos);
 }
@@ -440,12 +442,12 @@ TEST_F(ReadSpec, WarnsOfAnUnusedEncoder) {
 TEST_F(ReadSpec, ReadsPointsFromAFileInAnyColumnOrderAndUnit) {
   std::ofstream(folder_ / "points.csv")
       << "# poses\nelbow [deg],note,shoulder [rad],lift [mm]\n90,1,0.5,100\n-45,2,-0.5,0\n";
-  const Spec spec = read(head + encoders + "configurations: {method: file, file: points.csv}\n");
+  const Spec spec = read(spec_head + encoders + "configurations: {method: file, file: points.csv}\n");
   ASSERT_EQ(spec.configurations.points.size(), 2u);
   EXPECT_DOUBLE_EQ(spec.configurations.points[0][2], std::numbers::pi / 2);
   EXPECT_DOUBLE_EQ(spec.configurations.points[0][1], 0.1);
   std::ofstream(folder_ / "points.csv") << "elbow,shoulder,lift\n0,0,0\n0,0\n";
-  EXPECT_NE(refusal(head + encoders + "configurations: {method: file, file: points.csv}\n")
+  EXPECT_NE(refusal(spec_head + encoders + "configurations: {method: file, file: points.csv}\n")
                 .find("points.csv:3:1: "),
             std::string::npos);
 }
@@ -453,20 +455,20 @@ TEST_F(ReadSpec, ReadsPointsFromAFileInAnyColumnOrderAndUnit) {
 TEST_F(ReadSpec, AFileOfPointsMayHaveColumnsOfText) {
   std::ofstream(folder_ / "points.csv")
       << "elbow,note,shoulder,lift\r\n0,\"home, upright\",0.5,0\r\n\r\n1,,0,0\r\n";
-  const Spec spec = read(head + encoders + "configurations: {method: file, file: points.csv}\n");
+  const Spec spec = read(spec_head + encoders + "configurations: {method: file, file: points.csv}\n");
   ASSERT_EQ(spec.configurations.points.size(), 2u);
   EXPECT_EQ(spec.configurations.points[0][0], 0.5);
   ASSERT_EQ(spec.warnings.size(), 1u);
   EXPECT_NE(spec.warnings[0].find("ignored"), std::string::npos);
   std::ofstream(folder_ / "points.csv") << "elbow,shoulder,lift\n0,0,0\n0,0,far\n";
-  EXPECT_NE(refusal(head + encoders + "configurations: {method: file, file: points.csv}\n")
+  EXPECT_NE(refusal(spec_head + encoders + "configurations: {method: file, file: points.csv}\n")
                 .find("points.csv:3:5: lift: not a finite decimal number, found 'far'"),
             std::string::npos);
 }
 
 TEST_F(ReadSpec, ReadsTheSectionsOfLaterCommands) {
   const Spec spec = read(
-      head + encoders +
+      spec_head + encoders +
       "motion: {sample_rate: 1 kHz, duration: 15 s, joints: {elbow: {center: 10 deg, velocity: 1 deg/s, "
       "sines: [{amplitude: 15 deg, frequency: 2.5 Hz}]}, lift: {center: 0.1 m}}}\n"
       "effects: [{type: eccentricity, joint: elbow, amplitude: 0.4 mrad, phase: 30 deg}]\n"
