@@ -63,10 +63,10 @@ def closing(text, start):
 
 
 def changed_number(word):
-    """A constant off by one, or by half of it: what a slip of the keyboard or of the algebra would be."""
+    """A whole number one larger; of the others 0 in place of 1, and 1 in place of all else (PIT's "inline constant")."""
     if word.isdigit():
         return str(int(word) + 1)
-    return repr(float(word) * 1.5) if float(word) else "1.0"
+    return "0.0" if float(word) == 1 else "1.0"
 
 
 def mutations(text):
@@ -110,8 +110,10 @@ def must(words, purpose):
         sys.exit(f"mutate: {purpose} failed:\n{output[-3000:]}")
 
 
-def prepare(tests):
-    """A copy of the sources, compiled: every file by itself, so that a mutant compiles one file."""
+def prepare(modules, tests):
+    """A copy of the sources, compiled: every file that changes by itself, so that a mutant compiles one file.
+
+    With the assertions of Eigen and the standard library: an index out of range fails, whatever stands there."""
     WORK.mkdir(exist_ok=True)
     for name in ("CMakeLists.txt", "src", "include", "tests", "configs", "scripts", "README.md", "LICENSE"):
         source, copy = ROOT / name, TREE / name
@@ -125,8 +127,9 @@ def prepare(tests):
         if path.is_file() and not (ROOT / path.relative_to(TREE)).exists():
             path.unlink()
     files = ";".join(f"{name}/*_test.cpp" for name in tests)
-    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release", "-DQERR_UNITY=OFF", "-DQERR_TESTS=ON",
-          f"-DQERR_TEST_FILES={files}"], "configuring")
+    must(["cmake", "-S", TREE, "-B", BUILD, "-G", "Ninja", "-DCMAKE_BUILD_TYPE=Release",
+          "-DCMAKE_CXX_FLAGS_RELEASE=-O2 -D_GLIBCXX_ASSERTIONS", "-DQERR_TESTS=ON", "-DQERR_UNITY=ON",
+          f"-DQERR_SINGLE={';'.join(sorted(modules))};tests", f"-DQERR_TEST_FILES={files}"], "configuring")
     print("mutate: building, which takes minutes the first time", file=sys.stderr)
     must(["cmake", "--build", BUILD, "--target", "qerr_tests"], "the build")
 
@@ -219,7 +222,7 @@ def main():
     print(f"mutate: {len(drawn)} places in {len(sources)} files, seed {given.seed}", file=sys.stderr)
     random.Random(given.seed).shuffle(drawn)
     if not given.list:
-        prepare(given.tests)
+        prepare({path.relative_to(ROOT).parts[1] for path in sources}, given.tests)
         seconds = durations(given.tests)
     counted, survivors, invalid = 0, [], 0
     for path, start, end, replacement in drawn[given.skip:]:
