@@ -88,7 +88,7 @@ void find_tip_alternatives(const OperationalModel& model, TipSelection& s) {
           exchanged = true;
           break;
         }
-        if (loss < as_good) s.alternatives.push_back({i, other, loss, false});
+        if (loss < as_good && m.terms()[i].term.named()) s.alternatives.push_back({i, other, loss, false});
       }
     }
     if (!exchanged) break;
