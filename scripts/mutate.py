@@ -7,7 +7,8 @@
 Mutants are drawn by the seed from all places of the folders. They are made in a copy of the sources in build-mutation/,
 which is compiled once; each mutant compiles what it changes. A mutant is killed by a failed, crashed or endless unit test:
 first those that include its header, then those of its module, then, of the others in --tests, those of modules above
-it. With --then, survivors also meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do not compile are replaced by others.
+it. With --then, survivors also meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do
+not compile are replaced by others.
 --skip goes on after a run that was stopped.
 
 Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it

@@ -48,7 +48,7 @@ void TipModel::align() {
   estimate_.base = rigid_alignment(tip, tracked);
 }
 
-/// Updates link dimensions and encoder corrections by the coefficients.
+/// Updates link dimensions, tilts of axes and encoder corrections by the coefficients.
 void TipModel::update_estimate() {
   std::vector<Effect> built;
   estimate_.additions.setZero();
