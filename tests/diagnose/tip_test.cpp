@@ -232,7 +232,7 @@ TEST(DiagnoseTip, LeavesSkewAxesUnexplainedAndIdentifiesTheDimensions) {
 
 /// A joint whose axis lies askew in its link, with or without all that follows.
 TEST(DiagnoseTip, GivesASkewAxisTheNameOfNoEffect) {
-  int found = 0, drawn = 0;
+  int found = 0;
   for (std::uint64_t seed = 1; seed <= 24; ++seed) {
     Dice dice(9000 + seed);
     const std::size_t joints = 2 + seed % 4, at = dice.below(joints);
@@ -251,11 +251,10 @@ TEST(DiagnoseTip, GivesASkewAxisTheNameOfNoEffect) {
     const std::vector<double> resolution(joints, 2e-4);
     const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, 1e-5));
     EXPECT_TRUE(d.causes.empty()) << seed << ": " << summary(d);
-    ++drawn;
     found += d.unexplained.size() == 1 && d.unexplained[0].joint == "j" + std::to_string(at + 1) &&
              d.unexplained[0].what == "the axis of the joint is askew";
   }
-  EXPECT_GE(found, drawn - 2);
+  EXPECT_GE(found, 22);
 }
 
 TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
