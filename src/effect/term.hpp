@@ -76,4 +76,7 @@ Term periodic_term(const RecordSignals&, double order, bool of_encoder);
 /// uncatalogued.
 Term free_order_term(const RecordSignals&, double order);
 
+/// Periods of a periodic effect that a record covers.
+double periods_covered(const Effect&, const RecordSignals&);
+
 }  // namespace qerr

@@ -74,7 +74,7 @@ class Candidates {
     for (Term& t : named_terms(e_)) {
       const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
-      if (t.harmonic && order > 1 && periods_covered(t, e_) < least_periods) continue;
+      if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < least_periods) continue;
       const Term original = t;
       // Linearizations of one effect differ in their columns alone: they are told apart by their place.
       const auto over = [original, place](const Sampling& s) {
@@ -155,7 +155,7 @@ class Candidates {
     for (const Scanned::Rate& r : scanned_.orders) {
       for (Term& t : whole_orders_near(e_, r.value)) {
         const std::string family = family_of_order(t);
-        if (has_family(family) || periods_covered(t, e_) < least_periods) continue;
+        if (has_family(family) || periods_covered(t.effect, e_) < least_periods) continue;
         const double order = t.effect.number("order");
         const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
         if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);
@@ -304,10 +304,6 @@ std::vector<Term> whole_orders_near(const RecordSignals& s, double order) {
     whole.push_back(periodic_term(s, nearest, of_encoder));
   }
   return whole;
-}
-
-double periods_covered(const Term& t, const RecordSignals& s) {
-  return std::abs(wave_number(t.effect, s.encoder)) * s.range() / (2 * std::numbers::pi);
 }
 
 }  // namespace qerr

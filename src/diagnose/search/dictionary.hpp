@@ -61,7 +61,4 @@ Term searchable(Term);
 /// The named whole orders within the resolution of a free order.
 std::vector<Term> whole_orders_near(const RecordSignals&, double order);
 
-/// Periods of a harmonic term that a record covers.
-double periods_covered(const Term&, const RecordSignals&);
-
 }  // namespace qerr

@@ -31,7 +31,7 @@ bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::
   const Candidate& c = m.candidate(candidate);
   const std::size_t replaced = choice.chosen[i];
   if (!c.term.named() || same_term_type(c.term, m.term(replaced)) ||
-      (c.term.harmonic && periods_covered(c.term, m.few()) < 0.5))
+      (c.term.harmonic && periods_covered(c.term.effect, m.few()) < 0.5))
     return false;
   return std::none_of(choice.chosen.begin(), choice.chosen.end(),
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });

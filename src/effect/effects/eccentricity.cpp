@@ -3,6 +3,19 @@
 
 namespace qerr {
 
+namespace {
+
+/// Of an arc that short, order 2 of a gear or of an elliptic disc is as good a fit as order 1.
+bool is_like_higher_orders(const Effect& e, const RecordSignals& s) { return periods_covered(e, s) < 0.25; }
+
+std::vector<Twin> twins() {
+  std::vector<Twin> all = periodic_twins();
+  all.push_back({"transmission_error", {}, is_like_higher_orders});
+  return all;
+}
+
+}  // namespace
+
 EffectKind eccentricity_effect() {
   return {.name = "eccentricity",
           .summary = "disc or magnet off centre: one period per revolution of its shaft",
@@ -21,7 +34,7 @@ EffectKind eccentricity_effect() {
           .action = periodic_action,
           .share = periodic_share,
           .terms = [](const RecordSignals& s) { return periodic_terms(s, {1}, {1}); },
-          .twins = periodic_twins(),
+          .twins = twins(),
           .record = "several revolutions of the shaft, in both directions",
           .table = periodic_table(),
           .remedy = {true, "a look-up table over the encoder's angle compensates it (--write-table)"}};

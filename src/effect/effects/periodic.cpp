@@ -109,16 +109,20 @@ std::vector<Term> periodic_terms(const RecordSignals& s, std::initializer_list<d
                                  std::initializer_list<double> joint_orders) {
   std::vector<Term> terms;
   if (s.is_stationary()) return terms;
-  const auto add = [&](std::initializer_list<double> orders, double ratio, bool of_encoder) {
+  const auto add = [&](std::initializer_list<double> orders, bool of_encoder) {
     constexpr double least = 0.1;  // of a period
-    for (const double order : orders)
-      if (order * ratio * s.range() > least * 2 * std::numbers::pi)
-        terms.push_back(periodic_term(s, order, of_encoder));
+    for (const double order : orders) {
+      Term t = periodic_term(s, order, of_encoder);
+      if (periods_covered(t.effect, s) > least) terms.push_back(std::move(t));
+    }
   };
-  const double ratio = std::abs(s.encoder.shaft_ratio);
-  add(encoder_orders, ratio, true);
-  if (std::abs(ratio - 1) > 1e-9 && !s.prismatic) add(joint_orders, 1, false);
+  add(encoder_orders, true);
+  if (std::abs(std::abs(s.encoder.shaft_ratio) - 1) > 1e-9 && !s.prismatic) add(joint_orders, false);
   return terms;
+}
+
+double periods_covered(const Effect& e, const RecordSignals& s) {
+  return std::abs(wave_number(e, s.encoder)) * s.range() / (2 * std::numbers::pi);
 }
 
 bool has_one_period(const Encoder& encoder) {
