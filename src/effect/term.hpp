@@ -76,6 +76,9 @@ Term periodic_term(const RecordSignals&, double order, bool of_encoder);
 /// uncatalogued.
 Term free_order_term(const RecordSignals&, double order);
 
+/// Part of a period below which orders differ by no more than a parabola does: less tells none by its name.
+inline constexpr double nameable_arc = 0.25;
+
 /// Periods of a periodic effect that a record covers.
 double periods_covered(const Effect&, const RecordSignals&);
 

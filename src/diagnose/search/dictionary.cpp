@@ -16,9 +16,6 @@ namespace {
 
 constexpr int time_constants = 15;
 
-/// Part of a period below which a sine has no extremum and inflection that a parabola has not.
-constexpr double least_periods = 0.5;
-
 bool same_term(const Term& a, const Term& b) {
   return a.effect.type == b.effect.type && a.effect.choices == b.effect.choices &&
          a.effect.numbers == b.effect.numbers;
@@ -74,7 +71,7 @@ class Candidates {
     for (Term& t : named_terms(e_)) {
       const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
-      if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < least_periods) continue;
+      if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < nameable_arc) continue;
       const Term original = t;
       // Linearizations of one effect differ in their columns alone: they are told apart by their place.
       const auto over = [original, place](const Sampling& s) {
@@ -155,7 +152,7 @@ class Candidates {
     for (const Scanned::Rate& r : scanned_.orders) {
       for (Term& t : whole_orders_near(e_, r.value)) {
         const std::string family = family_of_order(t);
-        if (has_family(family) || periods_covered(t.effect, e_) < least_periods) continue;
+        if (has_family(family) || periods_covered(t.effect, e_) < nameable_arc) continue;
         const double order = t.effect.number("order");
         const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
         if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);

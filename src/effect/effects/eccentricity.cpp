@@ -6,7 +6,9 @@ namespace qerr {
 namespace {
 
 /// Of an arc that short, order 2 of a gear or of an elliptic disc is as good a fit as order 1.
-bool is_like_higher_orders(const Effect& e, const RecordSignals& s) { return periods_covered(e, s) < 0.25; }
+bool is_like_higher_orders(const Effect& e, const RecordSignals& s) {
+  return periods_covered(e, s) < nameable_arc;
+}
 
 std::vector<Twin> twins() {
   std::vector<Twin> all = periodic_twins();
