@@ -101,6 +101,21 @@ def check_far_tips(t, qerr, folder):
                         f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
 
 
+def check_far_columns(t, qerr, folder):
+    """A column of another origin, however far: its differences drown in the rounding of doubles. No search may be endless."""
+    spec, log, far = spec_with(folder, "j"), folder / "origin.csv", folder / "shifted.csv"
+    run(qerr, "simulate", spec, "--log", log)
+    rows = [row.split(",") for row in log.read_text().splitlines()]
+    for column in ("j.counts", "j.reference [rad]", "time [s]", "tip.x [m]"):
+        at = rows[0].index(column)
+        for shift in (3e5, 1e9, -2e11, 1e13, 1e15, 9e15):
+            shifted = [[*row[:at], repr(float(row[at]) + shift).removesuffix(".0"), *row[at + 1:]] for row in rows[1:]]
+            far.write_text("".join(",".join(row) + "\n" for row in [rows[0], *shifted]))
+            ran = run(qerr, "diagnose", spec, far, "--format", "json", limit=20)
+            t.check(f"{column} + {shift:g}: an answer", ran.code in (0, 3) and ran.seconds < 2,
+                    f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
+
+
 def check_names(t, qerr, folder):
     log, table = folder / "log.csv", folder / "table.csv"
     for name in (" x ", " x", "x ", "#x", "=cmd|'/C calc'!A0", "+x", "-x", "@x", "'x", "''x", "'=x", "x,y", 'x"y', "x [rad]", "x[1]", "time", "ä", "x.counts"):
@@ -142,6 +157,7 @@ def main():
         check_absurd_values(t, qerr, folder)
         check_log_cells(t, qerr, folder)
         check_far_tips(t, qerr, folder)
+        check_far_columns(t, qerr, folder)
         check_names(t, qerr, folder)
         check_many_columns(t, qerr, folder)
     return t.close()

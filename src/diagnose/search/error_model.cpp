@@ -123,7 +123,9 @@ double ErrorModel::gain(const Term& t, const Eigen::ArrayXd& residual) const {
   columns << Eigen::VectorXd::Ones(residual.size()), t.columns.matrix();
   const LinearModel constant(columns.leftCols(1), residual.matrix(), weight_.matrix(), 1),
       both(columns, residual.matrix(), weight_.matrix(), columns.cols());
-  return constant.fit({}, {}).rss - both.fit({}, {}).rss;
+  // Below the rounding of a huge residual the difference may be negative, and a search for its maximum
+  // endless.
+  return std::max(0.0, constant.fit({}, {}).rss - both.fit({}, {}).rss);
 }
 
 double ErrorModel::lost_without(const Choice& choice, std::size_t position) const {

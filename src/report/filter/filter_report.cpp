@@ -65,11 +65,11 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
     for (const double f : q.frequencies) highest = std::max(highest, f);
     for (const MotionQuestion& m : q.motions) highest = std::max(highest, m.frequency);
     if (highest > 0.5 * named.filter.sample_rate)
-      throw Error({{"", 0, 0},
-                   "",
-                   "a frequency lies above half the sample rate of filter '" + named.name + "'",
+      throw Error({{spec.file, 0, 0},
+                   "filters." + named.name + ".sample_rate",
+                   "a frequency lies above half of it",
                    shortest(highest) + " Hz at " + shortest(named.filter.sample_rate) + " Hz",
-                   ""},
+                   "ask for frequencies up to " + shortest(0.5 * named.filter.sample_rate) + " Hz"},
                   Trouble::usage);
     report.filters.push_back(figures_of(named, q));
   }
