@@ -20,8 +20,8 @@ int run(const Values& v) {
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");
   const DesignReport report = design(variants, options);
-  finish(out, report, v);
   if (written && report.optimal) finish(*written, report.written);
+  finish(out, report, v);
   warn(report.warnings, v);
   return report.optimal ? 0 : 1;
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "effect/record_signals.hpp"
@@ -22,6 +23,7 @@ struct Term {
   /// Description of an uncatalogued term; empty if catalogued.
   std::string unnamed = {};
   Shape pattern = Shape::unknown;  ///< of an uncatalogued term
+  std::string_view next = {};      ///< what to inspect, of an uncatalogued term; empty: that of its pattern
 
   bool constant = false;  ///< the same at every row
   bool step = false;      ///< zero before the time `effect.number("time")`
@@ -76,8 +78,9 @@ Term periodic_term(const RecordSignals&, double order, bool of_encoder);
 /// uncatalogued.
 Term free_order_term(const RecordSignals&, double order);
 
-/// Part of a period below which orders differ by no more than a parabola does: less tells none by its name.
-inline constexpr double nameable_arc = 0.25;
+/// Of a shorter part of a sine a parabola leaves less than 1.7 % (rms, worst phase): no order is told apart
+/// from another [periods].
+inline constexpr double least_periods = 0.25;
 
 /// Periods of a periodic effect that a record covers.
 double periods_covered(const Effect&, const RecordSignals&);

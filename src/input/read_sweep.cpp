@@ -54,11 +54,12 @@ std::vector<SweepStep> range_steps(const Object& o, const std::string& axis) {
   const std::string unit = from.dimension ? " " + unit_name(*from.dimension) : "";
   std::vector<SweepStep> steps;
   for (int i = 0; i < static_cast<int>(*count); ++i) {
-    const double t = i / (*count - 1);
-    const double value = i == 0   ? from.value
-                         : t == 1 ? to.value
-                         : log    ? from.value * std::pow(to.value / from.value, t)
-                                  : from.value + t * (to.value - from.value);
+    const double steps_in_all = *count - 1;
+    // The division comes last: between whole numbers whole steps are exact.
+    const double value = i == 0              ? from.value
+                         : i == steps_in_all ? to.value
+                         : log               ? from.value * std::pow(to.value / from.value, i / steps_in_all)
+                                             : from.value + (to.value - from.value) * i / steps_in_all;
     const std::string text = shortest(value) + unit;
     steps.push_back({{text}, {{axis, text}}, {}});
   }

@@ -40,6 +40,12 @@ struct JsonText {
     } catch (const nlohmann::json::parse_error& e) {
       throw no_json(text, std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0), file,
                     "the text is no valid JSON");
+    } catch (const nlohmann::json::out_of_range& e) {
+      // Of a number beyond the doubles, which is quoted; its place is not given.
+      const std::string_view what = e.what();
+      const std::size_t first = what.find('\'') + 1;
+      const std::size_t at = text.find(what.substr(first, what.rfind('\'') - first));
+      throw no_json(text, at < text.size() ? at : 0, file, "a number is too large");
     }
   }
 

@@ -116,6 +116,21 @@ def check_far_columns(t, qerr, folder):
                     f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
 
 
+def check_bits(t, qerr, folder):
+    """A counter of which only the lowest bits are logged, as by a wire for a counter: an answer, and no signal."""
+    spec, log, bits = spec_with(folder, "j"), folder / "whole.csv", folder / "bits.csv"
+    run(qerr, "simulate", spec, "--log", log)
+    rows = [row.split(",") for row in log.read_text().splitlines()]
+    at = rows[0].index("j.counts")
+    for of_row in (lambda i, count: i % 2, lambda i, count: i // 3 % 2, lambda i, count: count % 2, lambda i, count: count % 4, lambda i, count: 0):
+        made = [[*row[:at], str(of_row(i, int(row[at]))), *row[at + 1:]] for i, row in enumerate(rows[1:])]
+        for kept in (len(rows[0]), 3):
+            bits.write_text("".join(",".join(row[:kept]) + "\n" for row in [rows[0], *made]))
+            ran = run(qerr, "diagnose", spec, bits, "--format", "json", limit=20)
+            t.check(f"{bits.name} of {kept} columns: an answer", ran.code in (0, 3) and ran.seconds < 2,
+                    f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
+
+
 def check_names(t, qerr, folder):
     log, table = folder / "log.csv", folder / "table.csv"
     for name in (" x ", " x", "x ", "#x", "=cmd|'/C calc'!A0", "+x", "-x", "@x", "'x", "''x", "'=x", "x,y", 'x"y', "x [rad]", "x[1]", "time", "ä", "x.counts"):
@@ -158,6 +173,7 @@ def main():
         check_log_cells(t, qerr, folder)
         check_far_tips(t, qerr, folder)
         check_far_columns(t, qerr, folder)
+        check_bits(t, qerr, folder)
         check_names(t, qerr, folder)
         check_many_columns(t, qerr, folder)
     return t.close()

@@ -20,6 +20,14 @@ TEST(JointError, DifferentialOfTheWamHasTheWorstCaseOfASingleGearAndLessSigma) {
   EXPECT_EQ(e.mean, Eigen::VectorXd::Zero(7));
 }
 
+TEST(JointError, OfUncoupledJointsIsThatOfTheirEncoders) {
+  const JointError e = joint_error(
+      {{{0.2, Rounding::nearest, true}, {0.1, Rounding::nearest, true}}, Eigen::Matrix2d::Identity()});
+  EXPECT_NEAR(e.sigma[0], 0.2 / std::sqrt(12.0), 1e-16);
+  EXPECT_NEAR(e.sigma[1], 0.1 / std::sqrt(12.0), 1e-16);
+  EXPECT_EQ(e.worst_case, Eigen::Vector2d(0.1, 0.05));
+}
+
 TEST(JointError, RoundingDownAddsItsMeanToTheWorstCaseAndNothingToSigma) {
   Transmission t{{{0.2, Rounding::down, true}, {0.1, Rounding::nearest, true}}, Eigen::Matrix2d::Identity()};
   t.coupling = (Eigen::Matrix2d() << 1, 2, -1, 1).finished();

@@ -68,6 +68,7 @@ void expect_as_measured(const std::string& record, const Diagnosis& d) {
   }
   for (const Visible& v : d.visible) expect("visible " + v.effect + " at " + v.joint, v.smallest);
   expect_gain("all", d.gain);
+  measured.expect_all_met(record + ',');
 }
 
 /// What the counter of a machine counts, from its path.

@@ -483,5 +483,12 @@ TEST_F(ReadSpec, ReadsTheSectionsOfLaterCommands) {
   EXPECT_EQ(spec.sweep[1].steps.back().changes[0].second, "1 m");
 }
 
+TEST_F(ReadSpec, WholeStepsOfARangeAreWholeNumbers) {
+  const Spec spec =
+      read(spec_head + encoders + "sweep: [{key: encoders.elbow.bits, from: 1, to: 40, count: 40}]\n");
+  for (int i = 0; i < 40; ++i)
+    EXPECT_EQ(spec.sweep[0].steps[static_cast<std::size_t>(i)].names[0], std::to_string(i + 1));
+}
+
 }  // namespace
 }  // namespace qerr

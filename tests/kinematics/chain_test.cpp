@@ -7,6 +7,7 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/kinematics/jacobian.hpp"
+#include "support/random_chain.hpp"
 
 namespace qerr {
 namespace {

@@ -219,6 +219,7 @@ TEST_F(SpecReports, AreRefusedWithPlaceAndRemedy) {
   for (const auto& [text, message] : {
            std::pair<std::string, std::string>{"", "r.json:1:1: the file is empty"},
            {"{\n \"a\": NaN}", "r.json:2:7: the text is no valid JSON; write the file anew"},
+           {"{\n \"a\": 1e400}", "r.json:2:7: a number is too large; write the file anew"},
            {"{}", "this is no report of qerr"},
            {"[1]", "this is no report of qerr"},
            {std::string(100000, '['), "64 levels"},

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 
@@ -29,6 +30,7 @@ class Measured {
     std::ostringstream row;
     row.precision(9);
     row << name << ',' << value;
+    met_.insert(name);
     const auto at = values_.find(name);
     ASSERT_NE(at, values_.end()) << "not measured: " << row.str();
     if (std::isfinite(at->second)) {
@@ -38,9 +40,16 @@ class Measured {
     }
   }
 
+  /// That every value whose name starts so has been expected: none is missing from what came out.
+  void expect_all_met(const std::string& start) const {
+    for (auto at = values_.lower_bound(start); at != values_.end() && at->first.starts_with(start); ++at)
+      EXPECT_TRUE(met_.count(at->first)) << "no longer there: " << at->first;
+  }
+
  private:
   double tolerance_;
   std::map<std::string, double> values_;
+  mutable std::set<std::string> met_;
 };
 
 }  // namespace qerr::testing

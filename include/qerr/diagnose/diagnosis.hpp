@@ -89,6 +89,7 @@ struct Unidentified {
   /// line; order; angle and width of a bump; divisor of an error by count.
   std::map<std::string, double> figures = {};
   ResidualCurve curve = {};  ///< empty: none
+  std::string next = {};     ///< what to inspect or to record; empty: that of its shape
 };
 
 /// A fault of the record itself, which is found without a model of the error.

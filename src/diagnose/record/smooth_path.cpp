@@ -151,15 +151,16 @@ class Window {
   /// Position and its derivatives at every row. At the ends a fit would be one-sided: there the position is
   /// the recorded one.
   SmoothPath path(double noise) const {
-    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(x_.size()), noise, noise};
     const bool smoothed = h_ > half_windows.front();  // a line through three samples hardly reduces noise
+    // A curvature of three samples would be noise.
+    SmoothPath out{x_, Eigen::ArrayXd(x_.size()), Eigen::ArrayXd(smoothed ? x_.size() : 0), noise, noise};
     std::optional<FitWeights> own;
     for (Eigen::Index k = 0; k < x_.size(); ++k) {
       const FitWeights& here = fit(k, own);
       out.velocity[k] = here.slope.dot(window_at(k));
-      // Of three samples it would be noise.
-      out.acceleration[k] = smoothed ? here.curvature.dot(window_at(k)) : 0;
-      if (smoothed && first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
+      if (!smoothed) continue;
+      out.acceleration[k] = here.curvature.dot(window_at(k));
+      if (first(k) == k - h_) out.position[k] += here.value.dot(window_at(k));
     }
     if (smoothed) out.residual_noise *= noise_gain();
     return out;
@@ -188,7 +189,7 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
 
 SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded, double log_resolution) {
   const Eigen::Index n = recorded.size();
-  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), 0, 0};
+  if (!has_path(time)) return {recorded, Eigen::ArrayXd::Zero(n), {}, 0, 0};
   const double noise = noise_of_path(time, recorded, log_resolution);
   const double interval = common_interval(time);
   std::optional<Window> widest;
@@ -198,7 +199,7 @@ SmoothPath smooth_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorde
     if (widest && next.residual_noise() > distorted * noise) break;
     widest.emplace(std::move(next));
   }
-  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), Eigen::ArrayXd::Zero(n), noise, noise};
+  if (!widest) return {recorded, Eigen::ArrayXd::Zero(n), {}, noise, noise};
   return widest->path(noise);
 }
 

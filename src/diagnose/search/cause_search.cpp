@@ -22,7 +22,6 @@ namespace qerr {
 namespace {
 
 constexpr int most_passes = 7;
-constexpr Eigen::Index fewest_samples = 8;
 
 /// Smallest part of the largest error that is worth a term, since the shapes are idealizations: no gear has
 /// exact sines.

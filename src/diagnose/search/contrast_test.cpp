@@ -70,9 +70,9 @@ bool is_detail_of_guess(const ErrorModel& m, const Choice& c, std::size_t i) {
   return size(i) < guess_error * largest;
 }
 
-/// Whether an order is seen over so short an arc that, with the other curves, it only bends one.
-bool bends_a_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
-  return m.is_bend(c.chosen[i]) && std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
+/// Whether an order is one of several curves that sum to one, each an arc or uncatalogued.
+bool is_part_of_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
+  return m.is_arc(c.chosen[i]) && std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
            return g != c.chosen[i] && (!m.term(g).named() || m.periods(g) < 1);
          });
 }
@@ -83,7 +83,7 @@ std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) 
   std::vector<std::string> families;
   for (std::size_t i = 0; i < c.chosen.size(); ++i)
     if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
-        bends_a_curve(m, c, i))
+        is_part_of_curve(m, c, i))
       families.push_back(m.candidate(c.chosen[i]).family);
   return families;
 }

@@ -71,7 +71,7 @@ class Candidates {
     for (Term& t : named_terms(e_)) {
       const std::size_t place = number++;
       const double order = t.effect.number_or("order", 0);
-      if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < nameable_arc) continue;
+      if (t.harmonic && order > 1 && periods_covered(t.effect, e_) < least_periods) continue;
       const Term original = t;
       // Linearizations of one effect differ in their columns alone: they are told apart by their place.
       const auto over = [original, place](const Sampling& s) {
@@ -121,9 +121,9 @@ class Candidates {
 
   /// A non-linear term about the parameters that the previous pass has led to.
   void add_linearizations(const Term& original, const std::string& family) {
-    for (const Eigen::VectorXd& p : scanned_.linearizations) {
-      if (p.size() != original.size()) continue;
-      add(original.relinearized(e_, original, p), family, 1, [original, p](const Sampling& s) {
+    for (const auto& [effect, p] : scanned_.linearizations) {
+      if (effect != original.effect.type || p.size() != original.size()) continue;
+      add(original.relinearized(e_, original, p), family, 1, [original, p = p](const Sampling& s) {
         for (Term& fresh : named_terms(s.evidence))
           if (same_term(fresh, original) && fresh.size() == original.size())
             return fresh.relinearized(s.evidence, fresh, p);
@@ -152,7 +152,7 @@ class Candidates {
     for (const Scanned::Rate& r : scanned_.orders) {
       for (Term& t : whole_orders_near(e_, r.value)) {
         const std::string family = family_of_order(t);
-        if (has_family(family) || periods_covered(t.effect, e_) < nameable_arc) continue;
+        if (has_family(family) || periods_covered(t.effect, e_) < least_periods) continue;
         const double order = t.effect.number("order");
         const bool of_encoder = t.effect.choices.at("shaft") == "encoder";
         if (t.along && moved_.size() > 0) t = t.along(e_, t, moved_);

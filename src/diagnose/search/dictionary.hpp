@@ -29,12 +29,16 @@ struct Scanned {
     double value = 0, hypotheses = 1;
     bool whole = false;  ///< a whole order that was chosen: its free neighbours are not tried again
   };
+  struct Linearization {
+    std::string effect;
+    Eigen::VectorXd parameters;
+  };
   std::vector<Rate> orders, loaded_orders, lines;
   std::vector<Event> events;
   std::vector<Bump> places;
-  std::vector<double> time_constants;           ///< refined ones [s]
-  std::vector<Eigen::VectorXd> linearizations;  ///< parameters about which a non-linear effect is linearized
-  std::vector<double> hystereses;               ///< sizes found of a hysteresis [rad or m]
+  std::vector<double> time_constants;         ///< refined ones [s]
+  std::vector<Linearization> linearizations;  ///< parameters about which non-linear effects are linearized
+  std::vector<double> hystereses;             ///< sizes found of a hysteresis [rad or m]
 };
 
 /// Every candidate for a record: all terms of the catalogue's effects, those that scans suggest, and shapes

@@ -37,8 +37,8 @@ double ErrorModel::periods(std::size_t i) const {
   return t.named() && t.harmonic ? periods_covered(t.effect, few()) : std::numeric_limits<double>::infinity();
 }
 
-bool ErrorModel::is_bend(std::size_t i) const {
-  return periods(i) < bend && term(i).effect.number("order") > 1;
+bool ErrorModel::is_arc(std::size_t i) const {
+  return periods(i) < distinct_periods && term(i).effect.number("order") > 1;
 }
 
 void ErrorModel::list_groups() {
@@ -78,15 +78,15 @@ void ErrorModel::weigh(const std::vector<Event>& events) {
 void ErrorModel::price(double independent, double worth, double worth_of_shapes) {
   const double least = worth * worth * weight_.sum(),
                other = worth_of_shapes * worth_of_shapes * weight_.sum();
-  // A shape that the catalogue does not have must be better than a named one by what is material, as must a
-  // name of which only a bend is seen; a table better than as many sines as have its number of coefficients.
+  // A shape that the catalogue does not have must be better than a named one by what is material, as must an
+  // arc; a table better than as many sines as have its number of coefficients.
   for (std::size_t i = 0; i < groups_.size(); ++i) {
     const auto count = static_cast<double>(groups_[i].count);
     groups_[i].price = count * std::log(std::max(independent, 2.0)) +
                        2 * std::log(std::max(1.0, candidates_[i].alternatives));
-    groups_[i].least_gain = is_table(i)                      ? std::max(2.0, 0.5 * count) * other
-                            : term(i).named() && !is_bend(i) ? least
-                                                             : 2 * other;
+    groups_[i].least_gain = is_table(i)                     ? std::max(2.0, 0.5 * count) * other
+                            : term(i).named() && !is_arc(i) ? least
+                                                            : 2 * other;
   }
 }
 

@@ -14,8 +14,9 @@ namespace qerr {
 /// %.
 inline constexpr double material = 0.1;
 
-/// Periods of an order below which what is seen of its sine is a bend, as many a curve has one.
-inline constexpr double bend = 0.5;
+/// Of a shorter part of a sine a cubic leaves less than 2.5 % (rms, worst phase): its order is doubtful
+/// beside other curves [periods].
+inline constexpr double distinct_periods = 0.5;
 
 /// Variance of error samples beyond quantization and stated noise: constant, and in proportion to the square
 /// of the speed (jitter of the stamps).
@@ -52,8 +53,8 @@ class ErrorModel {
   const Term& term(std::size_t i) const { return candidates_[i].term; }
   /// Periods that the samples cover of a term with a name and an order; infinity for any other.
   double periods(std::size_t i) const;
-  /// Whether it is an order above the first of which only a bend is seen.
-  bool is_bend(std::size_t i) const;
+  /// Whether it is an order above the first that a cubic would fit nearly as well.
+  bool is_arc(std::size_t i) const;
   const ColumnGroup& group(std::size_t i) const { return groups_[i]; }
   const std::vector<ColumnGroup>& groups() const { return groups_; }
   const LinearModel& linear() const { return *linear_; }

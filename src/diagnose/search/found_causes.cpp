@@ -26,11 +26,11 @@ bool same_term_type(const Term& a, const Term& b) {
 }
 
 /// Whether a candidate can stand in the place of a chosen term: of another effect, of no family of the other
-/// chosen ones, and, where it is an order, more than a bend.
+/// chosen ones, and, where it is an order, of half a period or more: less would stand in for any curve.
 bool may_replace(const ErrorModel& m, const Choice& choice, std::size_t i, std::size_t candidate) {
   const Candidate& c = m.candidate(candidate);
   const std::size_t replaced = choice.chosen[i];
-  if (!c.term.named() || same_term_type(c.term, m.term(replaced)) || m.periods(candidate) < bend)
+  if (!c.term.named() || same_term_type(c.term, m.term(replaced)) || m.periods(candidate) < distinct_periods)
     return false;
   return std::none_of(choice.chosen.begin(), choice.chosen.end(),
                       [&](std::size_t g) { return g != replaced && m.candidate(g).family == c.family; });

@@ -105,12 +105,14 @@ class Refinement {
   /// Keeps the size of a chosen hysteresis, and the parameters of a chosen linearization.
   void keep_size(std::size_t i) {
     if (term(i).relinearized) {
-      const Eigen::VectorXd p = parameters_of_linearization(i);
+      const Scanned::Linearization now{term(i).effect.type, parameters_of_linearization(i)};
+      const Eigen::VectorXd& p = now.parameters;
       changed_ |= std::none_of(scanned_.linearizations.begin(), scanned_.linearizations.end(),
-                               [&](const Eigen::VectorXd& before) {
-                                 return p.size() == before.size() && (p - before).norm() <= 0.01 * p.norm();
+                               [&](const Scanned::Linearization& before) {
+                                 return before.effect == now.effect && before.parameters.size() == p.size() &&
+                                        (p - before.parameters).norm() <= 0.01 * p.norm();
                                });
-      next.linearizations.push_back(p);
+      next.linearizations.push_back(now);
     }
     if (!term(i).hysteresis) return;
     const double size = coefficients(i)[0];

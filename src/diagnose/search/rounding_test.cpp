@@ -17,10 +17,11 @@ constexpr int draws = 9;
 constexpr double refuted = 0.01;
 
 /// Decrease of the weighted sum of squares by a candidate beside others, in another record of the same
-/// motion.
+/// motion; none where that record has too few samples to fit them.
 double gain_in(const ErrorModel& m, const Evidence& simulated, std::uint64_t seed,
                const LinearModel::Set& others, std::size_t extra) {
   const ErrorSamples s = error_samples(simulated, seed, most_samples);
+  if (s.size() < fewest_samples) return 0;
   std::vector<ColumnGroup> groups;
   Eigen::MatrixXd columns = Eigen::MatrixXd::Ones(s.size(), m.base());
   LinearModel::Set with = others;

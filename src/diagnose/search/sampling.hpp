@@ -39,7 +39,7 @@ struct ErrorSamples {
 };
 
 /// Samples of a search.
-inline constexpr Eigen::Index most_samples = 6000;
+inline constexpr Eigen::Index fewest_samples = 8, most_samples = 6000;
 
 /// @param most  limit of the number of samples: beyond it one is drawn from each of `most` equal sections
 ErrorSamples error_samples(const Evidence& record, std::uint64_t seed, Eigen::Index most);

@@ -97,6 +97,7 @@ class CauseReport {
   void add_unnamed(const Term& t, const Effect& filled, double amplitude) {
     Unidentified u{e_.joint, t.unnamed, order_of(filled), frequency_of(filled), amplitude, t.pattern};
     u.figures = filled.numbers;
+    u.next = t.next;
     d_.unexplained.push_back(std::move(u));
   }
 

@@ -119,7 +119,8 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.reason = std::move(sane.cannot_judge);
   const bool enough = sane.log.values.rows() >= fewest_rows;
   if (!enough) {
-    const std::string has = "the log has " + std::to_string(sane.log.values.rows()) + " rows",
+    const std::string has = "the log has " + std::to_string(sane.log.values.rows()) +
+                            (sane.log.values.rows() == 1 ? " row" : " rows"),
                       remedy = "record " + std::to_string(fewest_rows) +
                                " at the very least, some thousand with the joints in motion";
     d.data.push_back({has, "", 1, {}, remedy});

@@ -5,9 +5,9 @@ namespace qerr {
 
 namespace {
 
-/// Of an arc that short, order 2 of a gear or of an elliptic disc is as good a fit as order 1.
+/// Order 2, of a gear or an elliptic disc, then fits as well as order 1.
 bool is_like_higher_orders(const Effect& e, const RecordSignals& s) {
-  return periods_covered(e, s) < nameable_arc;
+  return periods_covered(e, s) < least_periods;
 }
 
 std::vector<Twin> twins() {

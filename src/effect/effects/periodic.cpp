@@ -110,7 +110,7 @@ std::vector<Term> periodic_terms(const RecordSignals& s, std::initializer_list<d
   std::vector<Term> terms;
   if (s.is_stationary()) return terms;
   const auto add = [&](std::initializer_list<double> orders, bool of_encoder) {
-    constexpr double least = 0.1;  // of a period
+    constexpr double least = 0.1;  // of a period: of less, a line leaves 2 % (rms)
     for (const double order : orders) {
       Term t = periodic_term(s, order, of_encoder);
       if (periods_covered(t.effect, s) > least) terms.push_back(std::move(t));

@@ -34,7 +34,11 @@ class DesignJob {
     }
     if (!options.pareto.empty()) {
       pareto_ = stated_ + more.size();
-      more.push_back(pareto_entry(options.pareto));
+      try {
+        more.push_back(pareto_entry(options.pareto));
+      } catch (const Error& e) {  // the figure is of the command line
+        throw Error(e.faults(), Trouble::usage);
+      }
     }
     add_sampled_maxima(more);
     refuse_motion_of_chosen_filters();

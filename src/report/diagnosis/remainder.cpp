@@ -50,15 +50,16 @@ std::string place_of(const DataFinding& f) {
 
 std::vector<std::string> advice_lines(const Diagnosis& d) {
   std::vector<std::string> out;
-  std::vector<Shape> seen;
+  std::vector<std::string> seen;
   for (const Unidentified& u : d.unexplained) {
     // What is wrong with the record itself comes with a remedy of its own.
     if (u.shape == Shape::unknown &&
         std::any_of(d.data.begin(), d.data.end(), [&](const DataFinding& f) { return f.joint == u.joint; }))
       continue;
-    if (std::find(seen.begin(), seen.end(), u.shape) != seen.end()) continue;
-    seen.push_back(u.shape);
-    out.push_back(shown(u.joint) + ": " + shape_advice(u.shape));
+    const std::string advice = u.next.empty() ? shape_advice(u.shape) : u.next;
+    if (std::find(seen.begin(), seen.end(), advice) != seen.end()) continue;
+    seen.push_back(advice);
+    out.push_back(shown(u.joint) + ": " + advice);
   }
   return out;
 }

@@ -141,6 +141,7 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
       Unidentified u{effect.joint, t.term.unnamed, {}, {}, effect.number_or("amplitude", 0)};
       if (const auto order = effect.numbers.find("order"); order != effect.numbers.end())
         u.order = order->second;
+      u.next = t.term.next;
       d.unexplained.push_back(std::move(u));
       continue;
     }

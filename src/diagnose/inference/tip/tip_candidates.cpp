@@ -69,7 +69,7 @@ std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd
 
 bool same(const TipTerm& a, const TipTerm& b) {
   const Effect &x = a.term.effect, &y = b.term.effect;
-  return a.kind == b.kind && a.where == b.where && a.direction == b.direction && x.type == y.type &&
+  return a.kind == b.kind && a.where == b.where && a.directions == b.directions && x.type == y.type &&
          x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
          x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
          x.number_or("time", 0) == y.number_or("time", 0);
@@ -85,7 +85,7 @@ bool chosen(const TipModel& model, const TipTerm& t) {
 std::vector<TipTerm> tip_candidates(const TipModel& model) {
   const TipEvidence& e = model.evidence();
   std::vector<TipTerm> all = tip_terms(e, model.estimate());
-  for (TipTerm& t : tilt_terms(model.estimate().chain)) all.push_back(std::move(t));
+  for (TipTerm& t : tilt_terms(model.nominal())) all.push_back(std::move(t));
   if (e.ordered && e.rows() >= 500) {
     const Eigen::MatrixXd scores = encoder_scores(model);
     for (std::size_t i = 0; i < e.encoders.size(); ++i) {

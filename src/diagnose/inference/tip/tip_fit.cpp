@@ -65,8 +65,9 @@ void TipModel::update_estimate() {
   }
   estimate_.chain = as_built(model_->chain, built);
   for (std::size_t i = 0; i < terms_.size(); ++i)
-    if (const TipTerm& t = terms_[i]; t.kind == TipTerm::Kind::tilt || t.kind == TipTerm::Kind::axis)
-      tilt(estimate_.chain.joints[t.where], t.kind, coefficients(i).head<2>());
+    if (const TipTerm& t = terms_[i];
+        t.kind == TipTerm::Kind::frame_tilt || t.kind == TipTerm::Kind::axis_tilt)
+      tilt(estimate_.chain.joints[t.where], t.kind, t.directions * coefficients(i));
 }
 
 /// Columns of the nuisance parameters: the tracker's frames and free encoder zeros.

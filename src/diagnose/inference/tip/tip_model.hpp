@@ -58,6 +58,8 @@ class TipModel {
   double value(const TipSolution&, Eigen::Index coefficients) const;
 
   const TipEvidence& evidence() const { return *evidence_; }
+  /// The chain as the spec has it.
+  const Chain& nominal() const { return model_->chain; }
   const TipEstimate& estimate() const { return estimate_; }
   const std::vector<TipTerm>& terms() const { return terms_; }
   Eigen::Index size() const;  ///< coefficients of all terms

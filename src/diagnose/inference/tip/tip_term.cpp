@@ -7,13 +7,6 @@
 
 namespace qerr {
 
-namespace {
-
-/// Any unit vector across a direction.
-Eigen::Vector3d across(const Eigen::Vector3d& z) { return z.unitOrthogonal(); }
-
-}  // namespace
-
 TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
   const auto count = static_cast<Eigen::Index>(chain.joints.size());
   const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
@@ -50,10 +43,9 @@ Eigen::Index TipTerm::size() const {
     case Kind::encoder:
       return term.size();
     case Kind::geometry:
-      return 1;
-    case Kind::tilt:
-    case Kind::axis:
-      return 2;
+    case Kind::frame_tilt:
+    case Kind::axis_tilt:
+      return directions.cols();
     case Kind::base:
       return 6;
     case Kind::tool:
@@ -71,21 +63,19 @@ Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
       break;
     case Kind::geometry:
       // The true joint is displaced from the model's: estimate - true is minus the displacement.
-      columns = -p.parent[where] * direction;
+      columns = -p.parent[where] * directions;
       break;
-    case Kind::tilt:
-    case Kind::axis: {
-      // Across the axis in the frame before the joint, so that the tilt does not rotate with the joint.
-      const Eigen::Matrix3d& frame = p.parent[where];
+    case Kind::frame_tilt:
+    case Kind::axis_tilt: {
       const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
-      const Eigen::Vector3d u = frame * across(frame.transpose() * axis);
       const auto displaced = [&](const Eigen::Vector3d& about) -> Eigen::Vector3d {
-        if (kind == Kind::tilt) return about.cross(arm);
+        if (kind == Kind::frame_tilt) return about.cross(arm);
         if (slides) return p.motion[where] * about.cross(axis);
         // There and, after the joint, back: R(a + da, q) = T R(a, q) T^-1.
         return (about - Eigen::AngleAxisd(p.motion[where], axis) * about).cross(arm);
       };
-      columns << -displaced(u), -displaced(axis.cross(u));
+      for (Eigen::Index i = 0; i < columns.cols(); ++i)
+        columns.col(i) = -displaced(p.parent[where] * directions.col(i));
       break;
     }
     case Kind::base:
@@ -130,28 +120,34 @@ std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate
 
 std::vector<TipTerm> tilt_terms(const Chain& chain) {
   std::vector<TipTerm> terms;
-  for (std::size_t j = 0; j < chain.joints.size(); ++j)
-    for (const TipTerm::Kind kind : {TipTerm::Kind::tilt, TipTerm::Kind::axis}) {
-      if (kind == TipTerm::Kind::tilt && (j == 0 || chain.joints[j].prismatic)) continue;
+  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
+    const ChainJoint& joint = chain.joints[j];
+    const Eigen::Vector3d axis = joint.parent_axes.transpose() * (joint.origin.linear() * joint.axis),
+                          across = axis.unitOrthogonal();
+    for (const TipTerm::Kind kind : {TipTerm::Kind::frame_tilt, TipTerm::Kind::axis_tilt}) {
+      if (kind == TipTerm::Kind::frame_tilt && (j == 0 || joint.prismatic)) continue;
       TipTerm t{kind, {}, j};
-      t.slides = chain.joints[j].prismatic;
-      t.term.effect.joint = chain.independent[chain.joints[j].coordinate].name;
+      t.directions.resize(3, 2);
+      t.directions << across, axis.cross(across);
+      t.slides = joint.prismatic;
+      t.term.effect.joint = chain.independent[joint.coordinate].name;
       t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
       t.term.unnamed = "the axis of the joint is askew";
+      t.term.next = kind == TipTerm::Kind::frame_tilt
+                        ? "measure the axis, and correct the rpy of its joint's <origin> in the URDF"
+                        : "measure the axis, and correct its joint's <axis> in the URDF";
       terms.push_back(std::move(t));
     }
+  }
   return terms;
 }
 
-void tilt(ChainJoint& joint, TipTerm::Kind kind, const Eigen::Vector2d& angles) {
+void tilt(ChainJoint& joint, TipTerm::Kind kind, const Eigen::Vector3d& rotation) {
+  if (rotation.norm() == 0) return;
+  const Eigen::AngleAxisd turn(rotation.norm(), joint.parent_axes * rotation.normalized());
   const Eigen::Matrix3d frame = joint.origin.linear();
-  const Eigen::Vector3d axis = frame * joint.axis,
-                        u = joint.parent_axes * across(joint.parent_axes.transpose() * axis);
-  const Eigen::Vector3d about = angles[0] * u + angles[1] * axis.cross(u);
-  if (about.norm() == 0) return;
-  const Eigen::AngleAxisd turn(about.norm(), about.normalized());
-  if (kind == TipTerm::Kind::axis)
-    joint.axis = frame.transpose() * (turn * axis);
+  if (kind == TipTerm::Kind::axis_tilt)
+    joint.axis = frame.transpose() * (turn * (frame * joint.axis));
   else
     joint.origin.linear() = turn * frame;
 }

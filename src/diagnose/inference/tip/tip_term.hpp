@@ -32,19 +32,21 @@ struct TipEstimate {
 /// A cause of an error of the tip.
 struct TipTerm {
   enum class Kind {
-    encoder,   ///< adds to the reading of an encoder
-    geometry,  ///< displaces a joint's origin along `direction`, in its parent link's frame
-    tilt,      ///< rotates a joint's frame about two axes normal to its own: origin of the URDF
-    axis,      ///< the same of the axis alone, whose zero pose stays: axis of the URDF
-    base,      ///< displaces and rotates the robot in the tracker's frame
-    tool       ///< displaces the target in the tip's frame
+    encoder,     ///< adds to the reading of an encoder
+    geometry,    ///< displaces a joint's origin
+    frame_tilt,  ///< rotates a joint's frame with all that follows: <origin rpy> of the URDF
+    axis_tilt,   ///< rotates a joint's axis alone, what follows stays in the zero pose: <axis> of the URDF
+    base,        ///< displaces and rotates the robot in the tracker's frame
+    tool         ///< displaces the target in the tip's frame
   };
   Kind kind = Kind::encoder;
   Term term;              ///< its effect and fill; of an encoder's the columns too
   std::size_t where = 0;  ///< encoder or moving joint
-  Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< of geometry, in its parent link's axes
-  bool slides = false;                                  ///< of an axis: its joint is prismatic
-  bool kinematic() const {                              ///< whether it depends on the pose alone
+  /// Unit vectors in the parent link's axes, one a coefficient: along which geometry displaces, about which a
+  /// tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a fit.
+  Eigen::Matrix3Xd directions;
+  bool slides = false;      ///< of an axis: its joint is prismatic
+  bool kinematic() const {  ///< whether it depends on the pose alone
     return kind != Kind::encoder || term.constant;
   }
   Eigen::Index size() const;
@@ -57,11 +59,12 @@ struct TipTerm {
 std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
 
 /// Tilts of every joint's frame, but of the first, which is one of the tracker's frame, and of every joint's
-/// axis. They are not in the catalogue.
+/// axis, each about two directions across the axis of the nominal robot. They are not in the catalogue.
 std::vector<TipTerm> tilt_terms(const Chain&);
 
-/// Applies a tilt to its joint [rad].
-void tilt(ChainJoint&, TipTerm::Kind, const Eigen::Vector2d& angles);
+/// Applies a tilt to its joint.
+/// @param rotation  rotation vector in the parent link's axes [rad]
+void tilt(ChainJoint&, TipTerm::Kind, const Eigen::Vector3d& rotation);
 
 /// An encoder's evidence with the estimated additions subtracted from its path.
 Evidence corrected_evidence(const TipEvidence&, const TipEstimate&, std::size_t encoder);
