@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 #include <string>
 #include <string_view>
@@ -23,6 +24,35 @@ using testing::random_effect;
 using testing::random_motion;
 using testing::rounding;
 using testing::with_sources;
+
+void expect_spread(const Spread& s, double lower, double upper, double mean, double variance) {
+  EXPECT_NEAR(s.lower, lower, 1e-14);
+  EXPECT_NEAR(s.upper, upper, 1e-14);
+  EXPECT_NEAR(s.mean, mean, 1e-14);
+  EXPECT_NEAR(s.mean_square, variance + mean * mean, 1e-14);
+}
+
+/// By hand: uniform over the ranges, variance half^2 / 3; the encoders measure q1 and q2 - 2 q1.
+TEST(UsageFromLimits, IsUniformAndIndependentAtTheJoints) {
+  OperationalModel m = model_of({}, {});
+  m.chain.independent = {{"a", JointType::revolute, {}}, {"b", JointType::revolute, {}}};
+  m.chain.independent[0].velocity_limit = 2;
+  m.transmission.encoders = {{1e-3}, {1e-3}};
+  m.transmission.coupling = (Eigen::Matrix2d() << 1, 0, 2, 1).finished();
+  const RobotUsage u = usage_from_limits(m, {{0.2, 1.0}, {-1, 3}});
+  expect_spread(*u.joints[0].position, 0.2, 1, 0.6, 0.16 / 3);
+  expect_spread(*u.joints[0].velocity, -2, 2, 0, 4.0 / 3);
+  expect_spread(*u.encoders[0].position, 0.2, 1, 0.6, 0.16 / 3);
+  expect_spread(*u.encoders[1].position, -3, 2.6, -0.2, 4 * 0.16 / 3 + 4.0 / 3);
+  EXPECT_TRUE(u.encoders[0].velocity);
+  EXPECT_FALSE(u.joints[1].velocity || u.encoders[1].velocity || u.joints[0].effort);
+  const double infinity = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(usage_from_limits(m, {{0, infinity}, {-1, 3}}).joints[0].position);
+}
+
+TEST(SpreadOf, SamplesHasTheirExtremesAndMoments) {
+  expect_spread(spread_of(std::vector<double>{3, -1, 1, 1}), -1, 3, 1, 2);
+}
 
 TEST(EffectShares, OfEveryEffectBoundItsSimulatedErrors) {
   Dice dice(11);
