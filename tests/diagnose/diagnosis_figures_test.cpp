@@ -134,6 +134,18 @@ TEST(DiagnosisFigures, OfOneJointAreAsMeasured) {
          const double size = 5 * m.resolution, end = m.rows / m.rate;
          return with_added(m, [=](double t, double) { return size * std::pow(t / end, 3); });
        }},
+      {"warming",
+       [](Machine& m) {
+         const double size = 6 * m.resolution, constant = 0.25 * m.rows / m.rate;
+         return with_added(m, [=](double t, double) { return size * (1 - std::exp(-t / constant)); });
+       }},
+      {"noise and a noisy reference",
+       [](Machine& m) {
+         Column seen = m.path;
+         for (double& x : seen) x += 0.6 * m.resolution * m.normal();
+         m.noise = 0.5 * m.resolution;
+         return seen;
+       }},
       {"bump",
        [](Machine& m) {
          const double size = 6 * m.resolution, centre = m.centre;

@@ -12,6 +12,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/filter/quality.hpp"
 #include "support/design_filter.hpp"
+#include "support/measured.hpp"
 #include "support/sample_filters.hpp"
 
 namespace qerr {
@@ -290,6 +291,25 @@ TEST(Parameters, ThatDefineNoFilterAreRejectedWithARemedy) {
   EXPECT_EQ(tried("savitzky_golay", {{"window", 5}, {"polynomial_order", 5}}).key, "polynomial_order");
   EXPECT_EQ(tried("savitzky_golay", {{"window", 5}, {"polynomial_order", 0}}).key, "polynomial_order");
   EXPECT_EQ(tried("savitzky_golay", {}).key, "window");
+}
+
+/// The ranges that specs are checked against; each was decided for its family.
+TEST(EveryFamily, PermitsTheSameParametersAsBefore) {
+  const testing::Measured measured("filter_parameters.csv", 0);
+  for (const FilterFamily& f : filter_families()) {
+    for (const Parameter& p : f.parameters) {
+      const std::string start = std::string(f.name) + '.' + std::string(p.name) + ' ';
+      measured.expect(start + "least", p.least);
+      measured.expect(start + "most", p.most);
+      measured.expect(start + "open below", p.open_below);
+      measured.expect(start + "open above", p.open_above);
+      measured.expect(start + "nonzero", p.nonzero);
+      measured.expect(start + "required", p.required);
+      measured.expect(start + "default", p.fallback.value_or(std::nan("")));
+      measured.expect(start + "choices", static_cast<double>(choices_of(p).size()));
+    }
+    measured.expect_all_met(std::string(f.name) + '.');
+  }
 }
 
 }  // namespace
