@@ -53,7 +53,7 @@ class TableChange {
 
   void make() {
     const std::size_t column = index(rows_[0].size()), row = 1 + index(rows_.size() - 1);
-    switch (index(9)) {
+    switch (index(11)) {
       case 0:
         if (column < rows_[row].size()) rows_[row][column] = hostile[index(std::size(hostile))];
         break;
@@ -80,6 +80,16 @@ class TableChange {
       case 7:
         std::swap(rows_[row], rows_[1 + index(rows_.size() - 1)]);
         break;
+      case 8: {  // another origin, far or near
+        const double shift = std::pow(10., std::uniform_int_distribution<int>(0, 16)(random_));
+        each_number(column, [&](double value) { return value + shift; });
+        break;
+      }
+      case 9: {  // the lowest bits of a counter
+        const double end = std::pow(2., std::uniform_int_distribution<int>(1, 12)(random_));
+        each_number(column, [&](double value) { return value - end * std::floor(value / end); });
+        break;
+      }
       default:
         add(column, std::pow(10., std::uniform_int_distribution<int>(-6, 6)(random_)));
     }
