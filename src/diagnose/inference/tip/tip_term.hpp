@@ -44,7 +44,7 @@ struct TipTerm {
   std::size_t where = 0;  ///< encoder or moving joint
   /// Unit vectors in the parent link's axes, one a coefficient: along which geometry displaces, about which a
   /// tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a fit.
-  Eigen::Matrix3Xd directions;
+  Eigen::Matrix3Xd directions = {};
   bool slides = false;      ///< of an axis: its joint is prismatic
   bool kinematic() const {  ///< whether it depends on the pose alone
     return kind != Kind::encoder || term.constant;
