@@ -52,14 +52,14 @@ std::vector<SweepStep> range_steps(const Object& o, const std::string& axis) {
   if (log && !(from.value > 0 && to.value > 0))
     throw Error(o.at("scale").fault("a logarithmic range must have positive ends", "use scale: linear"));
   const std::string unit = from.dimension ? " " + unit_name(*from.dimension) : "";
+  const double last = *count - 1;
   std::vector<SweepStep> steps;
-  for (int i = 0; i < static_cast<int>(*count); ++i) {
-    const double steps_in_all = *count - 1;
+  for (int i = 0; i <= static_cast<int>(last); ++i) {
     // The division comes last: between whole numbers whole steps are exact.
-    const double value = i == 0              ? from.value
-                         : i == steps_in_all ? to.value
-                         : log               ? from.value * std::pow(to.value / from.value, i / steps_in_all)
-                                             : from.value + (to.value - from.value) * i / steps_in_all;
+    const double value = i == 0      ? from.value
+                         : i == last ? to.value
+                         : log       ? from.value * std::pow(to.value / from.value, i / last)
+                                     : from.value + (to.value - from.value) * i / last;
     const std::string text = shortest(value) + unit;
     steps.push_back({{text}, {{axis, text}}, {}});
   }

@@ -275,6 +275,19 @@ def check_without_answer(qerr, folder, t):
     answer("{filters: {velocity: {}}}", 1, "no low-pass", requirements=contradictory)
 
 
+def check_command_line(qerr, folder, t):
+    """A wrong figure is the command line's fault; a choice that cannot be written leaves nothing on standard output."""
+    spec = folder / "spec.yaml"
+    spec.write_text(ARM % (KUKA, "{encoders: {'*': {bits: 12..23}}}"))
+    done = run(qerr, "design", spec, "-q", "--pareto", "nosuch")
+    t.check("--pareto nosuch: 2", done.code == 2 and not done.out and b"--pareto" in done.err, f"{done.code}: {done.err[:300]}")
+    done = run(qerr, "design", spec, "-q", "--write-spec", "/dev/full", limit=120)
+    t.check("--write-spec /dev/full: 4 and no report", done.code == 4 and not done.out, f"{done.code}: {done.out[:300]}")
+    done = run(qerr, "filter", spec, "--at", "1e9")
+    t.check("filter --at 1e9: 2, the filter's key and a remedy", done.code == 2 and b"sample_rate" in done.err and b"up to" in done.err,
+            f"{done.code}: {done.err[:300]}")
+
+
 def check_filters(qerr, folder, t):
     """The quietest filter for a delay: no filter of a finer scan through `qerr filter` is quieter."""
     (folder / "spec.yaml").write_text(ARM % (KUKA, "{minimize: velocity.h2_norm, filters: {velocity: {families: "
@@ -318,6 +331,7 @@ def main():
         for seed in range(arguments.seed, arguments.seed + arguments.problems):
             check_problem(qerr, Problem(seed, folder), t)
         check_without_answer(qerr, folder, t)
+        check_command_line(qerr, folder, t)
         check_filters(qerr, folder, t)
     return t.close()
 

@@ -83,11 +83,16 @@ def check_log_cells(t, qerr, folder):
                     (ran.code == 0 or column.encode() in ran.err), f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
 
 
+def simulated_rows(qerr, folder):
+    """The spec, and its simulated log as rows of cells."""
+    spec, log = spec_with(folder, "j"), folder / "simulated.csv"
+    run(qerr, "simulate", spec, "--log", log)
+    return spec, [row.split(",") for row in log.read_text().splitlines()]
+
+
 def check_far_tips(t, qerr, folder):
     """A tracker that shows the same far point all the time, or one of no size: an answer, whatever it is."""
-    spec, log, far = spec_with(folder, "j"), folder / "far_log.csv", folder / "far.csv"
-    run(qerr, "simulate", spec, "--log", log)
-    rows = [row.split(",") for row in log.read_text().splitlines()]
+    (spec, rows), far = simulated_rows(qerr, folder), folder / "far.csv"
     kept = [i for i, name in enumerate(rows[0]) if not name.endswith(".reference [rad]")]
     for column in ("tip.x [m]", "tip.y [m]"):
         for value in ("1e8", "-1e8", "3e6", "1e-310", "-9.5e-200", "0", "-2.5e-96", "7e7"):
@@ -103,9 +108,7 @@ def check_far_tips(t, qerr, folder):
 
 def check_far_columns(t, qerr, folder):
     """A column of another origin, however far: its differences drown in the rounding of doubles. No search may be endless."""
-    spec, log, far = spec_with(folder, "j"), folder / "origin.csv", folder / "shifted.csv"
-    run(qerr, "simulate", spec, "--log", log)
-    rows = [row.split(",") for row in log.read_text().splitlines()]
+    (spec, rows), far = simulated_rows(qerr, folder), folder / "shifted.csv"
     for column in ("j.counts", "j.reference [rad]", "time [s]", "tip.x [m]"):
         at = rows[0].index(column)
         for shift in (3e5, 1e9, -2e11, 1e13, 1e15, 9e15):
@@ -118,16 +121,16 @@ def check_far_columns(t, qerr, folder):
 
 def check_bits(t, qerr, folder):
     """A counter of which only the lowest bits are logged, as by a wire for a counter: an answer, and no signal."""
-    spec, log, bits = spec_with(folder, "j"), folder / "whole.csv", folder / "bits.csv"
-    run(qerr, "simulate", spec, "--log", log)
-    rows = [row.split(",") for row in log.read_text().splitlines()]
+    (spec, rows), bits = simulated_rows(qerr, folder), folder / "bits.csv"
     at = rows[0].index("j.counts")
-    for of_row in (lambda i, count: i % 2, lambda i, count: i // 3 % 2, lambda i, count: count % 2, lambda i, count: count % 4, lambda i, count: 0):
-        made = [[*row[:at], str(of_row(i, int(row[at]))), *row[at + 1:]] for i, row in enumerate(rows[1:])]
+    for what, reading in {"alternating": lambda i, count: i % 2, "slowly alternating": lambda i, count: i // 3 % 2,
+                          "lowest bit": lambda i, count: count % 2, "two bits": lambda i, count: count % 4,
+                          "always 0": lambda i, count: 0}.items():
+        made = [[*row[:at], str(reading(i, int(row[at]))), *row[at + 1:]] for i, row in enumerate(rows[1:])]
         for kept in (len(rows[0]), 3):
             bits.write_text("".join(",".join(row[:kept]) + "\n" for row in [rows[0], *made]))
             ran = run(qerr, "diagnose", spec, bits, "--format", "json", limit=20)
-            t.check(f"{bits.name} of {kept} columns: an answer", ran.code in (0, 3) and ran.seconds < 2,
+            t.check(f"counts {what}, {kept} columns: an answer", ran.code in (0, 3) and ran.seconds < 2,
                     f"exit {ran.code}, {ran.seconds:.1f} s: {ran.err.decode()[:200]}")
 
 

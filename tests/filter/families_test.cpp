@@ -293,7 +293,7 @@ TEST(Parameters, ThatDefineNoFilterAreRejectedWithARemedy) {
   EXPECT_EQ(tried("savitzky_golay", {}).key, "window");
 }
 
-/// The ranges that specs are checked against; each was decided for its family.
+/// What `Measured` says of its values holds here, too: these are the ranges of the rows themselves.
 TEST(EveryFamily, PermitsTheSameParametersAsBefore) {
   const testing::Measured measured("filter_parameters.csv", 0);
   for (const FilterFamily& f : filter_families()) {
