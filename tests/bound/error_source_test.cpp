@@ -83,7 +83,7 @@ TEST(OperationalError, OfADisplacedOriginIsTheDifferenceOfTheTwoRobots) {
   }
 }
 
-/// Sources of magnitude zero change no figure of the workspace, bitwise.
+/// Sources of magnitude zero change no figure of the workspace, but for rounding.
 TEST(Workspace, IsUnchangedBySourcesOfMagnitudeZero) {
   Dice dice(18);
   const Chain chain = make_chain(testing::random_robot(dice, {.joints = 3, .mimic = 0}), "", "");
@@ -95,7 +95,8 @@ TEST(Workspace, IsUnchangedBySourcesOfMagnitudeZero) {
   const Workspace with = workspace(model, {norms(filter)}, c);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_DOUBLE_EQ(with.coordinates[i].sigma.p95, without.coordinates[i].sigma.p95);
-    EXPECT_EQ(with.coordinates[i].worst_case_rigorous.max, without.coordinates[i].worst_case_rigorous.max);
+    EXPECT_DOUBLE_EQ(with.coordinates[i].worst_case_rigorous.max,
+                     without.coordinates[i].worst_case_rigorous.max);
     EXPECT_NEAR(with.derivatives[0][i].sigma->mean / without.derivatives[0][i].sigma->mean, 1, 1e-14);
     EXPECT_NEAR(with.derivatives[0][i].worst_case.max / without.derivatives[0][i].worst_case.max, 1, 1e-14);
     EXPECT_TRUE(with.coordinates[i].share.isApprox(without.coordinates[i].share, 1e-14));

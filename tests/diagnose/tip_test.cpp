@@ -190,9 +190,7 @@ Diagnosis uncalibrated(std::uint64_t seed, double askew) {
   const Arm arm = random_arm(dice, 6);
   const std::vector<double> resolution(6, 1e-5);
   Arm built = arm;
-  for (Eigen::Vector3d& place : built.place)
-    place +=
-        Eigen::Vector3d(dice.between(-0.3, 0.3), dice.between(-0.3, 0.3), dice.between(-0.3, 0.3)) * 1e-3;
+  for (Eigen::Vector3d& place : built.place) place += dice.vector(3, -3e-4, 3e-4);
   Record r = poses(dice, 6, 200);
   for (Eigen::Index j = 0; j < 6; ++j) r.additions.row(j).setConstant(dice.between(-4e-4, 4e-4));
   for (Eigen::Vector3d& axis : built.axis) axis = (axis + askew * dice.direction()).normalized();

@@ -26,24 +26,31 @@ class Dice {
   }
   Eigen::Vector3d direction() {
     for (;;) {
-      const Eigen::Vector3d v(between(-1, 1), between(-1, 1), between(-1, 1));
+      Eigen::Vector3d v;
+      for (const int i : {2, 1, 0}) v[i] = between(-1, 1);
       if (v.norm() > 0.1 && v.norm() < 1) return v.normalized();
     }
   }
   Eigen::Isometry3d frame(double reach) {
     Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
-    t.translate(between(0, reach) * direction());
-    t.rotate(Eigen::AngleAxisd(between(-std::numbers::pi, std::numbers::pi), direction()));
+    const double distance = between(0, reach);  // a statement each: the order of arguments is the compiler's
+    t.translate(distance * direction());
+    const Eigen::Vector3d axis = direction();
+    t.rotate(Eigen::AngleAxisd(between(-std::numbers::pi, std::numbers::pi), axis));
     return t;
   }
   /// A random coordinate axis with a random sign.
   Eigen::Vector3d axis() {
-    return (chance(0.5) ? 1 : -1) * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(below(3)));
+    const double sign = chance(0.5) ? 1 : -1;
+    return sign * Eigen::Vector3d::Unit(static_cast<Eigen::Index>(below(3)));
   }
   /// A rotation by right angles, exactly, and a translation along a coordinate axis or none.
   Eigen::Isometry3d square_frame(double reach) {
     Eigen::Isometry3d t = Eigen::Isometry3d::Identity();
-    if (chance(0.6)) t.translate(between(0, reach) * axis());
+    if (chance(0.6)) {
+      const double distance = between(0, reach);
+      t.translate(distance * axis());
+    }
     Eigen::Matrix3d m;
     m.col(0) = axis();
     do m.col(1) = axis();

@@ -64,8 +64,8 @@ struct RandomFilter {
     const double kind = uniform();
     if (kind < 0.2) return {1, 0, 0};
     if (kind < 0.4) return {1, -2 * std::cos(angle()), 1};  // on the circle
-    if (kind < 0.6) return around(1 - log_uniform(1e-9, 0.5), angle());
-    return around(uniform(0, 2), angle());
+    const double at = angle();  // before the modulus: the order of arguments is the compiler's
+    return kind < 0.6 ? around(1 - log_uniform(1e-9, 0.5), at) : around(uniform(0, 2), at);
   }
 
   static Coefficients around(double modulus, double angle) {

@@ -64,15 +64,16 @@ inline Arm random_arm(Dice& dice, std::size_t joints) {
   Arm arm;
   for (std::size_t i = 0; i < joints; ++i) {
     arm.axis.push_back((usual[i] + 0.1 * dice.direction()).normalized());
-    arm.place.emplace_back(dice.between(0.05, 0.4), dice.between(-0.1, 0.1), dice.between(0.05, 0.4));
+    const double up = dice.between(0.05, 0.4), across = dice.between(-0.1, 0.1);
+    arm.place.emplace_back(dice.between(0.05, 0.4), across, up);
   }
   arm.tool = {dice.between(0.1, 0.3), dice.between(-0.1, 0.1), dice.between(0.05, 0.2)};
   return arm;
 }
 
 inline double gaussian(Dice& dice) {
-  return std::sqrt(-2 * std::log(dice.between(1e-12, 1))) *
-         std::cos(2 * std::numbers::pi * dice.between(0, 1));
+  const double radius = std::sqrt(-2 * std::log(dice.between(1e-12, 1)));
+  return radius * std::cos(2 * std::numbers::pi * dice.between(0, 1));
 }
 
 /// The record: true joint angles, and the encoders' errors.
@@ -99,12 +100,11 @@ inline Record motion(Dice& dice, std::size_t joints, Eigen::Index rows) {
   r.joints.setZero(static_cast<Eigen::Index>(joints), rows);
   for (Eigen::Index j = 0; j < r.joints.rows(); ++j) {
     r.joints.row(j).setConstant(dice.between(-0.5, 0.5));
-    for (int i = 0; i < 3; ++i)
-      r.joints.row(j) +=
-          (dice.between(0.2, 0.6) *
-           (2 * std::numbers::pi * dice.between(0.05, 0.4) * r.time + dice.between(0, 6.28)).sin())
-              .matrix()
-              .transpose();
+    for (int i = 0; i < 3; ++i) {
+      const double phase = dice.between(0, 6.28), rate = 2 * std::numbers::pi * dice.between(0.05, 0.4),
+                   size = dice.between(0.2, 0.6);
+      r.joints.row(j) += (size * (rate * r.time + phase).sin()).matrix().transpose();
+    }
   }
   r.additions.setZero(r.joints.rows(), rows);
   return r;
