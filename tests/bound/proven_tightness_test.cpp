@@ -1,15 +1,22 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <numeric>
 #include <sstream>
 
+#include "bound/proven/ascent.hpp"
 #include "bound/proven/box_bound.hpp"
+#include "bound/proven/branch_and_bound.hpp"
+#include "bound/proven/chain_bound.hpp"
 #include "bound/proven/chain_form.hpp"
 #include "bound/proven/component_sigma.hpp"
 #include "bound/proven/position_sigma.hpp"
 #include "bound/proven/position_worst_case.hpp"
 #include "bound/proven/rotation_bound.hpp"
 #include "bound/proven/tip_component.hpp"
+#include "qerr/bound/proven_maximum.hpp"
+#include "qerr/filter/family.hpp"
+#include "qerr/filter/norms.hpp"
 #include "support/measured.hpp"
 #include "support/random_model.hpp"
 
@@ -127,6 +134,187 @@ TEST(BoxBound, IsAsTightAsMeasured) {
           measured.expect(name.str(), result.upper);
         }
       }
+  }
+}
+
+/// Couplings, mimics, sources, errors along a motion: of each a part of the models.
+OperationalModel model_with_everything(Dice& dice, std::uint64_t seed, std::size_t joints) {
+  ChainMix mix{joints, 0.25, seed % 3 == 0 ? 0.5 : 0};
+  mix.square = seed % 4 == 2 ? 0.6 : 0;
+  OperationalModel m = model_of_mix(dice, mix);
+  if (seed % 5 == 1) couple_neighbours(dice, m);
+  if (seed % 5 == 4) m.transmission = testing::random_transmission(dice, m.chain, 1e-4, 1e-3, true);
+  if (seed % 2 == 1) m.sources.push_back(testing::displaced_origin(dice, m.chain));
+  if (seed % 3 == 1) {
+    m.sources.push_back({.where = ErrorSource::Where::joint,
+                         .owner = m.chain.independent.size() - 1,
+                         .mean = 2e-5,
+                         .half_width = 1e-4,
+                         .sigma = 4e-5});
+    m.sources.push_back({.where = ErrorSource::Where::encoder, .half_width = 2e-4, .sigma = 9e-5});
+  }
+  if (seed % 4 == 3) {
+    const auto n = static_cast<Eigen::Index>(m.chain.independent.size());
+    SignalMoments tip{Eigen::VectorXd::Zero(6), dice.vector(6, 1e-6, 1e-5), Eigen::MatrixXd::Zero(6, 6)};
+    tip.covariance.diagonal() = tip.peak.cwiseAbs2() / 3;
+    m.along_motion = ErrorAlongMotion{
+        {Eigen::VectorXd::Zero(n), Eigen::VectorXd::Zero(n), Eigen::MatrixXd::Zero(n, n)}, tip, {}};
+  }
+  return m;
+}
+
+std::string numbered(const char* what, std::uint64_t seed, std::size_t coordinate, bool sigma) {
+  std::ostringstream name;
+  name << what << ' ' << seed << ',' << coordinate << (sigma ? " sigma" : " worst case");
+  return name.str();
+}
+
+TEST(ProvenMaximum, IsAsTightAsMeasured) {
+  using Bound = ProvenFigure::Bound;
+  const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6);
+  for (std::uint64_t seed = 0; seed < 14; ++seed) {
+    Dice dice(900 + seed);
+    const std::size_t joints = 1 + seed % 7;
+    const OperationalModel m = model_with_everything(dice, seed, joints);
+    const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
+    std::vector<ProvenFigure> figures;
+    for (const std::size_t c : {0u, 4u, 6u, 7u})
+      for (const Bound bound : {Bound::worst_case, Bound::worst_case_rigorous, Bound::sigma})
+        figures.push_back({c, -1, bound});
+    const auto proven = proven_maxima(m, {}, ranges, figures, {.gap = joints > 4 ? 0.4 : 0.05});
+    for (std::size_t i = 0; i < figures.size(); ++i) {
+      const bool sigma = figures[i].bound == Bound::sigma;
+      const std::string name = numbered("maximum", seed, figures[i].coordinate, sigma) +
+                               (figures[i].bound == Bound::worst_case_rigorous ? " rigorous" : "");
+      lower.expect(name + ",lower", proven[i].lower);
+      upper.expect(name + ",upper", proven[i].upper);
+    }
+  }
+}
+
+TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
+  using Bound = ProvenFigure::Bound;
+  const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6);
+  const std::vector<Norms> filters{norms(difference_filter(1000, 1)), norms(difference_filter(250, 2))};
+  for (std::uint64_t seed = 0; seed < 8; ++seed) {
+    Dice dice(1700 + seed);
+    OperationalModel m = model_with_everything(dice, seed, 1 + seed % 4);
+    for (ErrorSource& s : m.sources) s.sigma_ratios = {2, 3};
+    if (m.along_motion) m.along_motion->filtered.assign(2, m.along_motion->tip);
+    const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
+    const auto joints = static_cast<Eigen::Index>(ranges.size());
+    ProofOptions options{.gap = 0.1};
+    options.noise_in_motion = {dice.vector(joints, 1e-3, 2e-3), dice.vector(joints, 1e-2, 2e-2)};
+    std::vector<ProvenFigure> figures;
+    for (const std::size_t c : {2u, 3u, 6u})
+      for (const std::ptrdiff_t filter : {-1, 0, 1})
+        for (const Bound bound :
+             {Bound::worst_case, filter < 0 ? Bound::worst_case_rigorous : Bound::sigma_in_motion,
+              Bound::sigma})
+          figures.push_back({c, filter, bound});
+    const auto expect = [&](const char* limit, const std::vector<ProvenMaximum>& proven) {
+      for (std::size_t i = 0; i < figures.size(); ++i) {
+        std::ostringstream name;
+        name << "filtered " << seed << limit << ',' << figures[i].coordinate << " filter "
+             << figures[i].filter << " bound " << static_cast<int>(figures[i].bound);
+        lower.expect(name.str() + ",lower", proven[i].lower);
+        upper.expect(name.str() + ",upper", proven[i].upper);
+      }
+    };
+    const auto proven = proven_maxima(m, filters, ranges, figures, options);
+    expect("", proven);
+    options.gap = 0.01;
+    for (const double factor : {0.7, 1.4}) {
+      options.limits.clear();
+      for (const ProvenMaximum& known : proven) options.limits.push_back(factor * known.lower);
+      expect(factor < 1 ? " low" : " high", proven_maxima(m, filters, ranges, figures, options));
+    }
+  }
+}
+
+/// After few boxes, so that which box is halved, and along which joint, is seen.
+TEST(BranchAndBound, IsAsFastAsMeasured) {
+  const Measured measured("proven_bounds.csv", 1e-6);
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    Dice dice(1100 + seed);
+    const OperationalModel m = model_with_everything(dice, seed, 1 + seed % 5);
+    const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
+    for (const std::size_t c : {1u, 5u, 6u, 7u})
+      for (const bool sigma : {false, true}) {
+        const ErrorTerms terms(m, c, sigma);
+        if (terms.terms().empty()) continue;
+        const std::string name = numbered("boxes", seed, c, sigma);
+        measured.expect(name + ",joints", static_cast<double>(influential_joints(terms, ranges)));
+        measured.expect(name + ",rounding", rounding_allowance(terms, ranges));
+        for (const std::size_t boxes : {1u, 20u, 400u}) {
+          const SearchedMaximum found = branch_and_bound(terms, ranges, 0, 0.01, boxes);
+          measured.expect(name + ",after " + std::to_string(boxes), found.upper);
+          measured.expect(name + ",value after " + std::to_string(boxes), terms.value(found.at));
+        }
+      }
+  }
+}
+
+TEST(ChainBound, OfGapsAndDependentJointsIsAsTightAsMeasured) {
+  using Figure = ChainBoundRequest::Figure;
+  const Measured measured("proven_bounds.csv", 1e-6);
+  for (std::uint64_t seed = 0; seed < 15; ++seed) {
+    Dice dice(1300 + seed);
+    const OperationalModel m = model_with_everything(dice, seed, 2 + seed % 3);
+    const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
+    Eigen::VectorXd middle(static_cast<Eigen::Index>(ranges.size()));
+    for (std::size_t j = 0; j < ranges.size(); ++j)
+      middle[static_cast<Eigen::Index>(j)] = std::midpoint(ranges[j].lower, ranges[j].upper);
+    for (const std::size_t c : {0u, 3u, 6u, 7u})
+      for (const bool sigma : {false, true}) {
+        const ErrorTerms terms(m, c, sigma);
+        if (terms.terms().empty()) continue;
+        const std::string name = numbered("gap", seed, c, sigma);
+        const double reached = terms.value(ascend(terms, ranges, middle));
+        measured.expect(name + ",ascent", reached);
+        for (const double gap : {0.5, 0.1}) {
+          const auto upper =
+              chain_upper_bound(m, ranges, {c, sigma ? Figure::sigma : Figure::worst_case}, reached, gap);
+          measured.expect(name + (gap > 0.2 ? ",wide" : ",narrow"), upper.value_or(-1));
+        }
+      }
+  }
+}
+
+/// Slides alone, joints that do not move, a tip on all axes, ranges beyond a turn.
+TEST(ChainBound, OfDegenerateChainsIsAsTightAsMeasured) {
+  const Measured measured("proven_bounds.csv", 1e-6);
+  for (std::uint64_t seed = 0; seed < 10; ++seed) {
+    Dice dice(1500 + seed);
+    ChainMix mix{3, seed % 5 == 0 ? 1.0 : 0.3, 0};
+    mix.reach = seed % 5 == 1 ? 0 : 0.5;
+    const OperationalModel m = model_of_mix(dice, mix);
+    std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
+    for (std::size_t j = 0; j < ranges.size(); ++j) {
+      if (seed % 5 == 2 && j != seed % 3) ranges[j].upper = ranges[j].lower;
+      if (seed % 5 == 3) ranges[j].upper = ranges[j].lower + 1e-10;
+      if (seed % 5 == 4) ranges[j] = {-5.0 - static_cast<double>(j), 4};
+    }
+    const RotationAxes axes = seed % 2 == 0 ? RotationAxes::base : RotationAxes::tip;
+    const ChainForm form = chain_form(m, ranges);
+    const std::vector<Eigen::Vector3d> along{Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ(),
+                                             dice.direction()};
+    const auto expect = [&](const std::string& figure, double value) {
+      // Of a tip on all axes there is rounding alone.
+      measured.expect("degenerate " + std::to_string(seed) + ',' + figure, 1e-9 + value);
+    };
+    const double cells = 7;
+    expect("xyz sigma", position_sigma_bound(form, cells));
+    expect("xyz worst case", position_worst_case_bound(form, along, cells).length);
+    for (std::size_t i = 0; i < along.size(); ++i) {
+      const std::string which = ' ' + std::to_string(i);
+      expect("worst case" + which, position_worst_case_bound(form, along, cells).along[i]);
+      expect("sigma" + which, component_sigma_bound(form, along, cells)[i]);
+      expect("tip worst case" + which, tip_component_bound(form, TipFigure::worst_case, along, cells)[i]);
+      expect("tip sigma" + which, tip_component_bound(form, TipFigure::sigma, along, cells)[i]);
+      expect("turned" + which, rotation_worst_case_bound(form, axes, along, cells).along[i]);
+      expect("turned sigma" + which, rotation_sigma_bound(form, axes, along, cells).along[i]);
+    }
   }
 }
 
