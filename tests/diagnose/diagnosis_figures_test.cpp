@@ -3,73 +3,20 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <map>
 #include <numbers>
 
 #include "qerr/diagnose/diagnosis.hpp"
-#include "support/measured.hpp"
+#include "support/measured_diagnosis.hpp"
 #include "support/one_joint_record.hpp"
-#include "support/tracked_arm.hpp"
 
 /// Every figure of diagnoses of records with one effect each. What is found in random records is tested
 /// elsewhere; here, that a change of the inference that keeps the names and moves the figures is seen.
 namespace qerr {
 namespace {
 
-using testing::Dice;
-using testing::Measured;
+using testing::expect_as_measured;
 
 constexpr double full_turn = 2 * std::numbers::pi;
-
-/// The verdict and the names of all that was found.
-std::string said(const Diagnosis& d) {
-  std::string text(name(d.verdict));
-  for (const Cause& c : d.causes) text += " + " + c.effect.type + " at " + c.effect.joint;
-  for (const AlternativeCause& a : d.alternatives)
-    text += " or " + a.effect + " at " + a.joint + " for " + a.instead_of;
-  for (const Unidentified& u : d.unexplained) text += " + unexplained at " + u.joint + ": " + u.what;
-  std::replace(text.begin(), text.end(), ',', ';');
-  return text;
-}
-
-/// Compares all figures; the tolerance is that of the fits' last steps, which may differ between compilers.
-void expect_as_measured(const std::string& record, const Diagnosis& d) {
-  static const Measured measured("diagnoses.csv", 1e-3);
-  std::map<std::string, int> met;  // two parts of a residual may have one name
-  const auto expect = [&](const std::string& what, double value) {
-    const int times = ++met[what];
-    measured.expect(record + ',' + what + (times > 1 ? " no " + std::to_string(times) : ""), value);
-  };
-  const auto expect_gain = [&](const std::string& of, const Gain& g) {
-    expect(of + " rms before", g.rms_before);
-    expect(of + " rms after", g.rms_after);
-    expect(of + " lower ratio", g.lower);
-    expect(of + " upper ratio", g.upper);
-    expect(of + " sigma ratio", g.sigma_ratio);
-    expect(of + " log score", g.log_score);
-    expect(of + " coverage", g.coverage);
-  };
-  expect(said(d), static_cast<double>(d.causes.size()));
-  for (const Cause& c : d.causes) {
-    for (const FoundParameter& p : c.parameters) {
-      expect(c.effect.type + ' ' + p.name, p.value);
-      expect(c.effect.type + ' ' + p.name + " half width", 0.5 * (p.upper - p.lower));
-    }
-    expect(c.effect.type + " log p", std::log(std::max(c.p_value, 1e-300)));
-    expect(c.effect.type + " rms", c.rms);
-    expect(c.effect.type + " rms without", c.rms_without);
-    expect_gain(c.effect.type, c.gain);
-  }
-  for (const Unidentified& u : d.unexplained) {
-    expect(u.what + " amplitude", u.amplitude);
-    if (u.order) expect(u.what + " order", *u.order);
-    if (u.frequency) expect(u.what + " frequency", *u.frequency);
-    for (const auto& [figure, value] : u.figures) expect(u.what + ' ' + figure, value);
-  }
-  for (const Visible& v : d.visible) expect("visible " + v.effect + " at " + v.joint, v.smallest);
-  expect_gain("all", d.gain);
-  measured.expect_all_met(record + ',');
-}
 
 /// What the counter of a machine counts, from its path.
 using Flawed = std::function<Column(Machine&)>;
@@ -167,36 +114,81 @@ TEST(DiagnosisFigures, OfOneJointAreAsMeasured) {
     }
 }
 
-TEST(DiagnosisFigures, OfATrackedTipAreAsMeasured) {
-  for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-    Dice dice(700 + seed);
-    const std::size_t joints = 2 + seed % 3;
-    const testing::Arm arm = testing::random_arm(dice, joints);
-    testing::Arm built = arm;
-    testing::Record r =
-        seed % 2 == 0 ? testing::poses(dice, joints, 200) : testing::motion(dice, joints, 1500);
-    r.with_references = seed % 4 == 1;
-    const double step = 2e-4;
-    switch (seed % 5) {
-      case 0:
-        built.place[1].y() += 4e-4;
-        break;
-      case 1:
-        r.additions.row(0).setConstant(4 * step);
-        break;
-      case 2:
-        r.additions.row(1) = 5 * step * r.joints.row(1);
-        break;
-      case 3:
-        built.axis[1] = testing::rotation(Eigen::Vector3d::UnitX(), 2e-3) * built.axis[1];
-        break;
-      default:
-        built.tool.x() += 3e-4;
-        built.place[0].z() -= 5e-4;
+/// The counter of an encoder whose states are alternately wide and narrow: every second edge is displaced.
+Column counted_unevenly(const Machine& m, double displacement) {
+  return m.path.unaryExpr([&](double x) {
+    const double count = std::ceil(x / m.resolution - 0.5);
+    // The edge below `count` is at count - 1/2, the one above at count + 1/2; odd ones are displaced.
+    const auto edge = [&](double below) {
+      return (std::fmod(std::abs(below), 2) == 1 ? below + displacement : below) + 0.5;
+    };
+    if (x / m.resolution > edge(count)) return count + 1;
+    return x / m.resolution > edge(count - 1) ? count : count - 1;
+  });
+}
+
+/// To the upper neighbour of two, so that the error is the same on both sides of zero.
+Column rounded(const Column& x) { return (x + 0.5).floor(); }
+
+TEST(DiagnosisFigures, OfFaultyCountersAreAsMeasured) {
+  const std::vector<std::pair<const char*, std::function<Column(Machine&)>>> counters{
+      {"uneven states", [](Machine& m) { return counted_unevenly(m, 0.3); }},
+      {"uneven states and noise",
+       [](Machine& m) {
+         for (double& x : m.path) x += 0.4 * m.resolution * m.normal();
+         return counted_unevenly(m, 0.25);
+       }},
+      {"rollover",
+       [](Machine& m) {
+         Column counts = m.counted(m.path);
+         counts -= 1024 * (counts / 1024).floor();
+         return counts;
+       }},
+      {"every fourth count", [](Machine& m) { return Column(4 * rounded(m.counted(m.path) / 4)); }},
+      {"other decoding", [](Machine& m) { return rounded(0.5 * m.counted(m.path)); }},
+      {"held",
+       [](Machine& m) {
+         Column counts = m.counted(m.path);
+         for (Eigen::Index k = 0; k < counts.size(); ++k) counts[k] = counts[k - k % 4];
+         return counts;
+       }},
+      {"stuck for a while",
+       [](Machine& m) {
+         Column counts = m.counted(m.path);
+         counts.segment(m.rows / 3, m.rows / 8).setConstant(counts[m.rows / 3]);
+         return counts;
+       }},
+      {"wrong sign", [](Machine& m) { return Column(-m.counted(m.path)); }},
+  };
+  for (const auto& [what, counted] : counters)
+    for (unsigned seed = 1; seed <= 2; ++seed) {
+      Machine m(60 * seed + 7);
+      const Machine true_path = m;
+      const Column counts = counted(m);
+      m.path = true_path.path;
+      expect_as_measured(what + (' ' + std::to_string(seed)),
+                         diagnose(model_of(m), {}, {}, log_of(m, counts)));
     }
-    const std::vector<double> resolution(joints, step);
-    const Log log = testing::log_of(dice, built, r, resolution, 1e-5);
-    expect_as_measured("tip " + std::to_string(seed), diagnose(arm.model(resolution), {}, {}, log));
+}
+
+/// With the controller's velocity, and as a table without time.
+TEST(DiagnosisFigures, OfOtherColumnsAreAsMeasured) {
+  for (unsigned seed = 1; seed <= 3; ++seed) {
+    Machine m(80 * seed + 3);
+    const Column counts = m.counted(m.path + 3 * m.resolution * (m.path + 0.3).sin());
+    const Filter filter = first_order(m.rate, 1, 0.03 * m.rate);
+    const Column velocity =
+        controller_velocity(m, counts * m.resolution, 1, (seed == 1 ? 0.03 : 0.05) * m.rate);
+    expect_as_measured("velocity " + std::to_string(seed),
+                       diagnose(model_of(m), {filter}, {},
+                                log_of({{LogSignal::time, m.time},
+                                        {LogSignal::counts, counts, 0},
+                                        {LogSignal::reference, m.reference()},
+                                        {LogSignal::velocity, velocity, 6}})));
+    expect_as_measured(
+        "table " + std::to_string(seed),
+        diagnose(model_of(m), {}, {},
+                 log_of({{LogSignal::counts, counts, 0}, {LogSignal::reference, m.reference()}})));
   }
 }
 
