@@ -127,23 +127,16 @@ class ThresholdSearch {
   double ratio(double v) const { return slow_sine_sigma(a_, v) / ipqn_; }
   bool outside(double v) const { return std::abs(ratio(v) - 1) > tolerance_; }
 
-  /// Whether a bound of |sigma^2/sigma_IPQN^2 - 1| is within the tolerance: |E {s}(1 - {s}) - 1/6| of a sine
-  /// of amplitude u is at most 1/6 and at most 0.0381/sqrt(u) (quantized_sine_envelope).
-  bool proven_within(double v) const {
+  /// A speed above which the tolerance holds: |E {s}(1 - {s}) - 1/6| of a sine of amplitude u is at most
+  /// 0.0381/sqrt(u) (quantized_sine_envelope), so that |sigma^2/sigma_IPQN^2 - 1| is at most
+  /// 12 sum |r_n|/r_0 0.0381/sqrt(n V).
+  double proven_ceiling() const {
+    constexpr double highest = 1e9;  // intervals are numbered by int
     double sum = 0;
     for (std::size_t n = 1; n < a_.r.size(); ++n)
-      sum += std::abs(a_.r[n]) * std::min(1.0 / 6, 0.0381 / std::sqrt(static_cast<double>(n) * v));
-    return 12 * sum <= tolerance_ * (2 - tolerance_) * a_.r[0];
-  }
-
-  /// A speed above which `proven_within` holds.
-  double proven_ceiling() const {
-    double low = 1e-9, high = 1e9;
-    for (int i = 0; i < 30; ++i) {
-      const double middle = std::sqrt(low * high);
-      (proven_within(middle) ? high : low) = middle;
-    }
-    return high;
+      sum += std::abs(a_.r[n]) / std::sqrt(static_cast<double>(n));
+    const double root = 12 * 0.0381 * sum / (tolerance_ * (2 - tolerance_) * a_.r[0]);
+    return std::min(root * root, highest);
   }
 
   /// |sigma^2/sigma_IPQN^2 - 1| over its limit by the tolerance.

@@ -95,7 +95,7 @@ Eigen::MatrixXd covariance(const OperationalError& e) {
 
 Eigen::MatrixXd covariance(const OperationalError& e, double h2, const Eigen::VectorXd& ratios) {
   Eigen::MatrixXd sum = e.weighted * e.weighted.transpose() / 12.0;
-  if (h2 != 1) sum *= h2 * h2;
+  sum *= h2 * h2;
   if (ratios.size() > 0) {
     const Eigen::MatrixXd added = e.added_sigma * ratios.asDiagonal();
     sum += added * added.transpose();

@@ -50,8 +50,8 @@ class HankelSum {
 
   double operator()(int bessel_order, double x, double amplitude) const {
     x -= std::floor(x + 0.5);
-    // Successive terms shrink by |x|.
-    const double bits_per_term = std::max(1.0, -std::log2(std::abs(x)));
+    // Successive terms shrink by |x| <= 1/2.
+    const double bits_per_term = -std::log2(std::abs(x));
     double sum = 0, weight = 1, power = x > 0 ? std::sqrt(x) * (lowest_power_ > 1 ? x : 1) : 0;
     for (std::size_t m = 0; m < orders && std::abs(weight) > 1e-15; ++m) {
       // Smaller weights need fewer digits.

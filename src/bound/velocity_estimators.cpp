@@ -36,9 +36,8 @@ EstimatorError inverse_time_error(double resolution, double clock, double speed)
 
 double estimator_crossing(double resolution, double sample_rate, double clock) {
   const double ratio = clock / sample_rate;
-  double m = std::max(1.0, std::ceil(0.5 * (std::sqrt(1 + 4 * ratio) - 1)));
-  // Correct a rounding of the root across the integer.
-  if (m > 1 && (m - 1) * m >= ratio) m -= 1;
+  // (m - 1) m < m^2 <= ratio < (m + 1)^2: the least integer is m or the next one.
+  double m = std::max(1.0, std::floor(std::sqrt(ratio)));
   if (m * (m + 1) < ratio) m += 1;
   return resolution * clock / m;
 }

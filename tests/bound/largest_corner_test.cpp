@@ -56,6 +56,19 @@ TEST(LargestCorner, HoldsForGeneratorsInAPlaneOnALineAndInGroups) {
   }
 }
 
+// Lengths of errors are far below one metre.
+TEST(LargestCorner, IsProportionalToItsGenerators) {
+  Dice dice(5);
+  for (int trial = 0; trial < 40; ++trial) {
+    Eigen::Matrix3Xd g = random_generators(dice, 11 + static_cast<Eigen::Index>(dice.below(4)));
+    if (trial % 4 == 0) g.row(2).setZero();
+    if (trial % 4 == 1) g = (g.col(0) * dice.vector(g.cols(), -1, 1).transpose()).eval();
+    const Eigen::Vector3d mean = trial % 2 == 0 ? Eigen::Vector3d(0.1, -0.2, 0.3) : Eigen::Vector3d(0, 0, 0);
+    const double scale = std::exp2(-20), whole = largest_corner(mean, g);
+    EXPECT_NEAR(largest_corner(scale * mean, scale * g), scale * whole, 1e-14 * scale * whole) << trial;
+  }
+}
+
 TEST(LargestCorner, OfNoGeneratorsIsTheMean) {
   EXPECT_DOUBLE_EQ(largest_corner({3, 0, -4}, Eigen::Matrix3Xd(3, 0)), 5);
 }

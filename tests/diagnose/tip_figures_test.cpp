@@ -84,7 +84,8 @@ void add_loss(Tracked& t, Eigen::Index joint, double size) {
 
 void move_tracker(Tracked& t) {
   const Eigen::Matrix3d turned = testing::rotation(Eigen::Vector3d(0.6, 0, 0.8), 3e-3);
-  t.seen = [turned](const Eigen::Vector3d& p) { return turned * p + Eigen::Vector3d(2e-3, -1e-3, 3e-3); };
+  const Eigen::Vector3d shift(2e-3, -1e-3, 3e-3);
+  t.seen = [turned, shift](const Eigen::Vector3d& p) -> Eigen::Vector3d { return turned * p + shift; };
 }
 
 TEST(DiagnosisFigures, OfTwoEffectsOnATrackedArmAreAsMeasured) {

@@ -161,7 +161,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
     const int exponent = largest > 0 ? std::ilogb(largest) : 0;
     for (const double c : b) filter.taps.push_back(std::ldexp(c, -exponent));
     filter.gain = to_double_double(ldexp(Binary1024(1) / Binary1024(a[0]), exponent));
-    for (const double c : b) filter.deviation.l1 += Rounding<DoubleDouble>::unit * std::abs(c / a[0]);
+    for (const double c : b) filter.deviation.l1 += RoundingErrors<DoubleDouble>::unit * std::abs(c / a[0]);
     filter.deviation.h2 = filter.deviation.l1;
     return filter;
   }

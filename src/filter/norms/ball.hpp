@@ -12,12 +12,12 @@ namespace qerr {
 
 /// Rounding errors of a number type: an operation is off by at most `unit` times its result, plus `tiny`.
 template <class T>
-struct Rounding;
+struct RoundingErrors;
 
 /// Joldes, Muller, Popescu (2017), Tight and rigorous error bounds for double-word arithmetic: the algorithms
 /// of double_double.hpp are off by at most 10 2^-106, barring underflow of a low word.
 template <>
-struct Rounding<DoubleDouble> {
+struct RoundingErrors<DoubleDouble> {
   using Radius = double;
   static constexpr Radius unit = 0x1p-102;
   static constexpr Radius tiny = 1e-285;
@@ -28,7 +28,7 @@ struct Rounding<DoubleDouble> {
 };
 
 template <unsigned bits>
-struct Rounding<Binary<bits>> {
+struct RoundingErrors<Binary<bits>> {
   using Radius = long double;
   static inline const Radius unit = std::ldexp(1.0L, -static_cast<int>(bits) + 1);
   static constexpr Radius tiny = 0;
@@ -54,7 +54,7 @@ DoubleDouble to_double_double(const Binary<bits>& x) {
 template <class T>
 class Ball {
  public:
-  using Radius = typename Rounding<T>::Radius;
+  using Radius = typename RoundingErrors<T>::Radius;
 
   Ball() = default;
   Ball(double exact) : mid_(exact) {}  // NOLINT: exact
@@ -74,7 +74,8 @@ class Ball {
   bool above_zero() const { return T(0) < mid_ && smallest() > 0; }
   bool below_zero() const { return mid_ < T(0) && smallest() > 0; }
   Ball scaled(int exponent) const {
-    return Ball(Rounding<T>::scaled(mid_, exponent), std::ldexp(rad_, exponent) + Rounding<T>::tiny);
+    return Ball(RoundingErrors<T>::scaled(mid_, exponent),
+                std::ldexp(rad_, exponent) + RoundingErrors<T>::tiny);
   }
 
   friend Ball operator-(const Ball& x) { return Ball(-x.mid_, x.rad_); }
@@ -106,10 +107,10 @@ class Ball {
 
  private:
   static constexpr double up = 1 + 0x1p-45;
-  Radius magnitude() const { return Rounding<T>::magnitude(mid_); }
+  Radius magnitude() const { return RoundingErrors<T>::magnitude(mid_); }
   static Ball rounded(T mid, Radius spread) {
-    const Radius own = Rounding<T>::unit * Rounding<T>::magnitude(mid);
-    return Ball(mid, (spread + own) * up + Rounding<T>::tiny);
+    const Radius own = RoundingErrors<T>::unit * RoundingErrors<T>::magnitude(mid);
+    return Ball(mid, (spread + own) * up + RoundingErrors<T>::tiny);
   }
 
   T mid_{};

@@ -99,7 +99,7 @@ double DirectSum::tail(std::int64_t from) const {
 /// the second state and to the output by b0. The output takes up to 5 of each product. The gain that the last
 /// section carries is made by at most 6 operations per section.
 PartialSum DirectSum::sum(std::int64_t count) const {
-  constexpr double unit = Rounding<DoubleDouble>::unit;
+  constexpr double unit = RoundingErrors<DoubleDouble>::unit;
   struct Run {
     SectionState<DoubleDouble> state;
     double high = 0, first_state = 0, second_state = 0, output = 0;  // sums of sizes

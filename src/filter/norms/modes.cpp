@@ -155,7 +155,7 @@ Mode mode_of(const Filter& filter, const std::vector<Pole>& all, const Pole& pol
 RealBall rounded(const FineBall& x) {
   const DoubleDouble mid = to_double_double(x.mid());
   const long double error = (x - FineBall::exactly(mid)).largest();
-  return RealBall(mid, static_cast<double>(error) * (1 + 0x1p-50) + Rounding<DoubleDouble>::tiny);
+  return RealBall(mid, static_cast<double>(error) * (1 + 0x1p-50) + RoundingErrors<DoubleDouble>::tiny);
 }
 
 FineComplex power(FineComplex z, std::int64_t n) {

@@ -9,14 +9,15 @@ namespace {
 DoubleDouble beta_of_damping(double alpha, double damping) {
   const DoubleDouble a = alpha, ratio = a / DoubleDouble(damping), middle = DoubleDouble(2) - a;
   const DoubleDouble square = middle * middle - ratio * ratio;
-  if (square < DoubleDouble(0)) {
+  if (square.hi < -2e-11 * ratio.hi * ratio.hi) {  // the 12 digits of the remedy suffice
     throw Error(Fault{{},
                       "damping",
                       "the damping ratio must be at least alpha/(2 - alpha)",
                       figure(damping) + " with alpha " + figure(alpha),
-                      "use at least " + figure(alpha / (2 - alpha)) + "; 1 is critical damping"});
+                      alpha < 2 ? "use at least " + figure(alpha / (2 - alpha)) + "; 1 is critical damping"
+                                : "use alpha below 2"});
   }
-  return ratio * ratio / (middle + sqrt(square));
+  return ratio * ratio / (middle + sqrt(square < DoubleDouble(0) ? DoubleDouble(0) : square));
 }
 
 Filter design(const FilterDesign& wanted) {

@@ -6,7 +6,7 @@ namespace {
 /// Poles -sinh(mu) sin(theta_i) +- j cosh(mu) cos(theta_i), mu = asinh(1/epsilon)/n, theta_i = pi (2i +
 /// 1)/(2n), epsilon^2 = 10^(ripple/10) - 1. Even orders have the gain of the bottom of the ripple at 0 Hz.
 Filter design(const FilterDesign& wanted) {
-  const int order = whole_number(wanted, "order", 2, 1, max_order);
+  const int order = whole_number(wanted, "order", 3, 1, max_order);
   const double ripple = checked_number(wanted, "ripple", 0, 60, 1.0);
   const Real epsilon = sqrt(expm1(log(Real(10)) * ripple / 10)), mu = asinh(1 / epsilon) / order;
   Prototype prototype;
