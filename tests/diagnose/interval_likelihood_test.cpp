@@ -13,36 +13,39 @@ namespace qerr {
 namespace {
 
 using testing::Dice;
-using Long = long double;
+using Extended = long double;
 
-Long upper_tail(Long z) { return 0.5L * std::erfc(z / std::numbers::sqrt2_v<Long>); }
-Long gaussian_density(Long z) { return std::exp(-0.5L * z * z) / std::sqrt(2 * std::numbers::pi_v<Long>); }
+Extended upper_tail(Extended z) { return 0.5L * std::erfc(z / std::numbers::sqrt2_v<Extended>); }
+Extended gaussian_density(Extended z) {
+  return std::exp(-0.5L * z * z) / std::sqrt(2 * std::numbers::pi_v<Extended>);
+}
 
 /// Phi(b) - Phi(a) from the tail that is no difference of nearly equal numbers.
-Long probability(Long a, Long b) {
+Extended normal_probability(Extended a, Extended b) {
   return a > 0 ? upper_tail(a) - upper_tail(b) : upper_tail(-b) - upper_tail(-a);
 }
 
-struct Reading {
+struct SingleReading {
   double lower, upper, x, sigma, outliers, spread;
 };
 
-struct Expected {
-  Long value, inlier, score, curvature, cross, scale_score, scale_curvature;
+struct LikelihoodByDefinition {
+  Extended value, inlier, score, curvature, cross, scale_score, scale_curvature;
 };
 
 /// By the definitions of interval_likelihood.hpp, with u = x and w = 1: P = Phi(B w - u/sigma) - ...
-Expected by_definition(const Reading& r) {
-  const Long s = r.sigma, l = r.lower / s, u = r.upper / s, a = l - r.x / s, b = u - r.x / s;
-  const Long p = probability(a, b), other = r.outliers * std::min<Long>(1, (u - l) * s / r.spread);
-  const Long at_a = gaussian_density(a) / p, at_b = gaussian_density(b) / p;
-  Expected e{};
+LikelihoodByDefinition likelihood_by_definition(const SingleReading& r) {
+  const Extended s = r.sigma, l = r.lower / s, u = r.upper / s, a = l - r.x / s, b = u - r.x / s;
+  const Extended p = normal_probability(a, b),
+                 other = r.outliers * std::min<Extended>(1, (u - l) * s / r.spread);
+  const Extended at_a = gaussian_density(a) / p, at_b = gaussian_density(b) / p;
+  LikelihoodByDefinition e{};
   e.value = std::log((1 - r.outliers) * p + other);
   e.inlier = (1 - r.outliers) * p / ((1 - r.outliers) * p + other);
   // d log P = P'/P, d^2 log P = P''/P - (P'/P)^2, with phi' = -z phi.
-  const Long du = at_a - at_b, dw = u * at_b - l * at_a;
-  const Long duu = a * at_a - b * at_b, dww = l * l * a * at_a - u * u * b * at_b,
-             duw = u * b * at_b - l * a * at_a;
+  const Extended du = at_a - at_b, dw = u * at_b - l * at_a;
+  const Extended duu = a * at_a - b * at_b, dww = l * l * a * at_a - u * u * b * at_b,
+                 duw = u * b * at_b - l * a * at_a;
   e.score = e.inlier * du / s;
   e.curvature = -e.inlier * (duu - du * du) / (s * s);
   e.cross = -e.inlier * (duw - du * dw) / s;
@@ -51,7 +54,8 @@ Expected by_definition(const Reading& r) {
   return e;
 }
 
-void expect_near(double value, Long expected, Long tolerance, const char* what, const Reading& r) {
+void expect_within(double value, Extended expected, Extended tolerance, const char* what,
+                   const SingleReading& r) {
   EXPECT_NEAR(value, static_cast<double>(expected), static_cast<double>(tolerance))
       << what << " of " << r.lower << " .. " << r.upper << " at " << r.x << ", sigma " << r.sigma
       << ", outliers " << r.outliers << ", spread " << r.spread;
@@ -60,7 +64,7 @@ void expect_near(double value, Long expected, Long tolerance, const char* what, 
 TEST(IntervalLikelihood, IsThatOfItsDefinitionForReadingsOfAllKinds) {
   Dice dice(17);
   for (int i = 0; i < 8000; ++i) {
-    Reading r{};
+    SingleReading r{};
     r.sigma = std::pow(10, dice.between(-1.5, 1.5));
     r.lower = dice.between(-3, 3);
     r.upper = r.lower + std::pow(10, dice.between(-2, 1));
@@ -75,14 +79,15 @@ TEST(IntervalLikelihood, IsThatOfItsDefinitionForReadingsOfAllKinds) {
     const Intervals edges{Eigen::ArrayXd::Constant(1, r.lower), Eigen::ArrayXd::Constant(1, r.upper)};
     const IntervalLikelihood got = interval_likelihood(
         edges, Eigen::ArrayXd::Constant(1, r.x), Eigen::ArrayXd::Constant(1, r.sigma), r.outliers, r.spread);
-    const Expected e = by_definition(r);
+    const LikelihoodByDefinition e = likelihood_by_definition(r);
     // Rounding errors of z = (edge - x)/sigma enter by z^2/2 and by the differences of narrow intervals;
     // beyond 20 sigma the series of the tail ends.
-    const Long s = r.sigma, reach = 1 + (std::abs(r.x) + std::abs(r.lower) + std::abs(r.upper)) / s;
-    const Long z = std::max((r.lower - r.x) / s, (r.x - r.upper) / s), narrow = 1 + s / (r.upper - r.lower);
-    const Long relative =
+    const Extended s = r.sigma, reach = 1 + (std::abs(r.x) + std::abs(r.lower) + std::abs(r.upper)) / s;
+    const Extended z = std::max((r.lower - r.x) / s, (r.x - r.upper) / s),
+                   narrow = 1 + s / (r.upper - r.lower);
+    const Extended relative =
         1e-14L * reach * reach * narrow * narrow + (z > 19.9L ? 105 / std::pow(z, 8.0L) : 0);
-    const Long twice = reach * reach * (1 + z * z * (z > 19.9L ? 1 : 0));
+    const Extended twice = reach * reach * (1 + z * z * (z > 19.9L ? 1 : 0));
     const bool certain = (r.x - r.lower) / r.sigma > 8.5 && (r.upper - r.x) / r.sigma > 8.5;
     if (certain) {  // no outlier can be told: between the two probabilities
       EXPECT_GE(got.log_likelihood, std::log1p(-r.outliers) - 1e-12);
@@ -92,13 +97,13 @@ TEST(IntervalLikelihood, IsThatOfItsDefinitionForReadingsOfAllKinds) {
         EXPECT_EQ(zero, 0);
       continue;
     }
-    expect_near(got.log_likelihood, e.value, relative, "value", r);
-    expect_near(got.outliers, 1 - e.inlier, relative, "outliers", r);
-    expect_near(got.score[0], e.score, relative * reach / s, "score", r);
-    expect_near(got.curvature[0], e.curvature, relative * twice / (s * s), "curvature", r);
-    expect_near(got.cross[0], e.cross, relative * twice / s, "cross", r);
-    expect_near(got.scale_score, e.scale_score, relative * twice, "scale score", r);
-    expect_near(got.scale_curvature, e.scale_curvature, relative * twice, "scale curvature", r);
+    expect_within(got.log_likelihood, e.value, relative, "value", r);
+    expect_within(got.outliers, 1 - e.inlier, relative, "outliers", r);
+    expect_within(got.score[0], e.score, relative * reach / s, "score", r);
+    expect_within(got.curvature[0], e.curvature, relative * twice / (s * s), "curvature", r);
+    expect_within(got.cross[0], e.cross, relative * twice / s, "cross", r);
+    expect_within(got.scale_score, e.scale_score, relative * twice, "scale score", r);
+    expect_within(got.scale_curvature, e.scale_curvature, relative * twice, "scale curvature", r);
   }
 }
 
