@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "cli/command.hpp"
@@ -25,8 +26,8 @@ MotionQuestion motion(const std::string& text, const std::string& option, bool s
   const Dimension angle = sine ? dimension::angle : dimension::angular_speed;
   const Dimension length = sine ? dimension::length : dimension::speed;
   if (!q || (q->dimension && *q->dimension != angle && *q->dimension != length) ||
-      !(std::abs(q->value) < 1e12))
-    throw usage(option, why.empty() ? (sine ? "must be an amplitude" : "must be a speed") : why,
+      !(std::abs(q->value) < 1e12) || (sine && !(q->value > 0)))
+    throw usage(option, why.empty() ? (sine ? "must be an amplitude above 0" : "must be a speed") : why,
                 "'" + text + "'",
                 sine ? "counts such as 40, or 15deg" : "counts per sample such as 0.3, or 2rad/s");
   return {sine, q->value, 0, !q->dimension, q->dimension == length};
@@ -56,9 +57,25 @@ FilterQuestions questions(const Values& v) {
   return q;
 }
 
+/// A speed or an amplitude that no encoder has is no answer, not an empty one.
+void require_joints(const Spec& spec, const std::vector<MotionQuestion>& motions) {
+  for (const MotionQuestion& m : motions) {
+    const auto& joints = spec.model.chain.independent;
+    if (m.in_counts || std::any_of(joints.begin(), joints.end(), [&](const IndependentJoint& joint) {
+          return joint.prismatic() == m.length;
+        }))
+      continue;
+    throw usage(m.sine ? "--sine" : "--speed", "is of a joint that the robot does not have",
+                "a " + std::string(m.length ? "length" : "angle") + " for joints that all " +
+                    (m.length ? "turn" : "slide"),
+                "give counts, which have no unit, or " + std::string(m.length ? "an angle" : "a length"));
+  }
+}
+
 int run(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec = load(v.text("SPEC"), v);
+  require_joints(spec, asked.motions);
   if (spec.filters.empty())
     throw Error(Fault{{spec.file, 1, 1},
                       "filters",

@@ -19,7 +19,7 @@ std::string Option::key() const { return long_name().substr(positional() ? 0 : 2
 
 std::string Option::range() const {
   if (kind != OptionKind::number && kind != OptionKind::whole) return "";
-  return significant(least, 9) + " to " + (most == 0x1p53 ? "2^53" : significant(most, 9));
+  return significant(least, 9) + " to " + (most == 0x1p53 - 1 ? "2^53 - 1" : significant(most, 9));
 }
 
 Values::Values(Texts given, Texts fallbacks) : given_(std::move(given)), fallbacks_(std::move(fallbacks)) {}

@@ -31,7 +31,7 @@ std::vector<Option> spec_options(std::string_view meaning) {
            .kind = OptionKind::whole,
            .meaning = "seed of all random numbers: configurations, phases, noise",
            .least = 0,
-           .most = 0x1p53},
+           .most = 0x1p53 - 1},
           {.name = "--threads",
            .value = "N",
            .kind = OptionKind::whole,

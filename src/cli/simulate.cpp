@@ -28,11 +28,11 @@ CutoffSearch search_of(const std::string& text) {
   if (equals == std::string::npos || equals == 0 || dots == std::string::npos)
     throw wrong_cutoffs("must be FILTER=FROM..TO", text);
   const auto frequency = [&](const std::string& number) {
-    std::string why = "must be a frequency above 0";
+    std::string why;
     const auto quantity = parse_quantity(number, why);
     if (!quantity || (quantity->dimension && *quantity->dimension != dimension::frequency) ||
         !(quantity->value > 0))
-      throw wrong_cutoffs(why, number);
+      throw wrong_cutoffs(why.empty() ? "must be a frequency above 0" : why, number);
     return quantity->value;
   };
   const double from = frequency(text.substr(equals + 1, dots - equals - 1)),

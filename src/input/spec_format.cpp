@@ -149,7 +149,7 @@ const std::vector<Parameter>& configurations() {
        .meaning = "seed of sobol and random",
        .fallback = 1.0,
        .least = 0,
-       .most = 0x1p53},
+       .most = 0x1p53 - 1},  // 2^53 is also what 2^53 + 1 is read as
       {.name = "limits",
        .kind = Kind::map,
        .meaning = "[lower, upper] per joint or pattern of joints, within the URDF's"},

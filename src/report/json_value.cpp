@@ -1,7 +1,10 @@
 #include "report/json_value.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string_view>
 #include <utility>
 
 #include "core/text.hpp"
@@ -27,6 +30,21 @@ struct JsonText {
                        "write the file anew with --format json"});
   }
 
+  /// The first number beyond the doubles that is not within a string.
+  static std::size_t place_of_large_number(const std::string& text) {
+    constexpr std::string_view parts = "+-.0123456789Ee";
+    for (std::size_t at = 0; at < text.size(); ++at) {
+      if (text[at] == '"') {
+        while (++at < text.size() && text[at] != '"') at += text[at] == '\\';
+      } else if (parts.find(text[at]) < parts.size() - 2) {
+        const std::size_t end = std::min(text.find_first_not_of(parts, at), text.size());
+        if (std::isinf(std::strtod(text.substr(at, end - at).c_str(), nullptr))) return at;
+        at = end - 1;
+      }
+    }
+    return 0;
+  }
+
   static Library read(const std::string& text, const std::string& file) {
     constexpr int most_levels = 64;  // the conversion calls itself for each
     if (text.find_first_not_of(" \t\r\n") == std::string::npos)
@@ -40,12 +58,8 @@ struct JsonText {
     } catch (const nlohmann::json::parse_error& e) {
       throw no_json(text, std::min(text.size(), e.byte > 0 ? e.byte - 1 : 0), file,
                     "the text is no valid JSON");
-    } catch (const nlohmann::json::out_of_range& e) {
-      // Of a number beyond the doubles, which is quoted; its place is not given.
-      const std::string_view what = e.what();
-      const std::size_t first = what.find('\'') + 1;
-      const std::size_t at = text.find(what.substr(first, what.rfind('\'') - first));
-      throw no_json(text, at < text.size() ? at : 0, file, "a number is too large");
+    } catch (const nlohmann::json::out_of_range&) {
+      throw no_json(text, place_of_large_number(text), file, "a number is too large");
     }
   }
 

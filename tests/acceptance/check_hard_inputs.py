@@ -46,7 +46,7 @@ def check_absurd_values(t, qerr, folder):
                    "effects=[{type: missed_counts, joint: j, counts: 1, time: 1e300}]", "coupling=[[1e308, 0], [0, 1]]",
                    "encoders.j={resolution: 1e-320}", "encoders.j={resolution: 1e-300}", "encoders.j={counts_per_rev: 4096, gear_ratio: 1e40}",
                    "encoders.j={counts_per_rev: 4096, gear_ratio: 0}", "filters.j.sample_rate=1e300", "filters.j.sample_rate=1e-300",
-                   "configurations.seed=1e17", "configurations.seed=9007199254740994", "motion.joints.j.center=1e300",
+                   "configurations.seed=1e17", "configurations.seed=9007199254740993", "motion.joints.j.center=1e300",
                    "motion.joints.j.sines=[{amplitude: 1e300, frequency: 1}]", "motion.joints.j.velocity=1e200",
                    "robot.tool={xyz: [1e300, 0, 0]}", "robot.tool={xyz: [0, 0, 0], rpy: [1e300, 0, 0]}",
                    "filters.j={derivative: 0, sample_rate: 1000, numerator: [1e308], denominator: [1, -0.5]}",
@@ -168,6 +168,61 @@ def check_many_columns(t, qerr, folder):
     t.check("a log of 50,000 columns: within 3 s", ran.code == 0 and ran.seconds < 3, f"exit {ran.code}, {ran.seconds:.1f} s {ran.err[:200]}")
 
 
+RESTING = """<robot name="spindle"><link name="a"/><link name="b"/><link name="c"/><link name="tip"/>
+<joint name="mount" type="fixed"><parent link="a"/><child link="b"/><origin xyz="0 0 {height}" rpy="{roll} 0 0"/></joint>
+<joint name="j" type="continuous"><parent link="b"/><child link="c"/><origin xyz="0 0 0.2" rpy="-2.7 0 0"/><axis xyz="0 0 1"/></joint>
+<joint name="end" type="fixed"><parent link="c"/><child link="tip"/><origin xyz="0 0 0.16" rpy="0.4 0 0"/></joint></robot>
+"""
+
+
+def check_resting_tips(t, qerr, folder):
+    """On the only joint's axis the tip moves by rounding errors: a page with an extent of 1e-17 m had no cell, and crashed."""
+    urdf, spec = folder / "spindle.urdf", folder / "spindle.yaml"
+    for height, roll in ((0.79, 1.84), (0.3, 0.7), (12, 2.9), (0, 0)):
+        urdf.write_text(RESTING.format(height=height, roll=roll))
+        ran = run(qerr, "robot", urdf, "--write-spec", spec)
+        page = folder / "spindle.html"
+        ran = run(qerr, "analyze", "-q", spec, "-o", page)
+        t.check(f"a page of a tip at rest, {height} m up", ran.code == 0 and b"</html>" in page.read_bytes(), f"{ran.code} {ran.err[:200]}")
+        spec.unlink()
+
+
+def check_questions(t, qerr, folder):
+    """What was answered, and should not have been, or with a wrong figure."""
+    spec, report = spec_with(folder, "j"), folder / "report.json"
+    for options, word in ((["--sine", "-1", "1"], b"above 0"), (["--sine=-1deg", "1Hz"], b"above 0"), (["--speed", "1m/s"], b"--speed"),
+                          (["--sine", "1m", "1Hz"], b"--sine")):
+        ran = run(qerr, "filter", spec, *options)
+        t.check(f"filter {' '.join(options)}: 2", ran.code == 2 and word in ran.err, f"{ran.code} {ran.err[:200]}")
+    ran = run(qerr, "analyze", spec, "--seed", "9007199254740993")
+    t.check("--seed 2^53 + 1, which a double cannot hold: 2", ran.code == 2 and b"--seed" in ran.err, f"{ran.code} {ran.err[:200]}")
+    ran = run(qerr, "simulate", spec, "--cutoffs", "j=5mm..50Hz")
+    t.check("--cutoffs in millimetres: the rule", ran.code == 2 and b"must be a frequency" in ran.err, f"{ran.code} {ran.err[:200]}")
+    run(qerr, "analyze", "-q", spec, "--set", "coordinates=[rx]", "--set", "requirements=[]", "--set", "filters={}", "-o", report)
+    ran = run(qerr, "check", "-q", spec, "--baseline", report)
+    t.check("a baseline without any of the figures: 3", ran.code == 3 and b"none of the figures" in ran.err, f"{ran.code} {ran.err[:200]}")
+    report.write_text('{"a": "1e400",\n "b": 1e400}')
+    ran = run(qerr, "compare", report, report)
+    t.check("a number that is too large: its own place", ran.code == 3 and b"report.json:2:7" in ran.err, f"{ran.code} {ran.err[:200]}")
+
+
+def check_damaged_shards(t, qerr, folder):
+    spec, whole = spec_with(folder, "j"), folder / "whole.csv"
+    shards = [folder / f"shard{k}.csv" for k in (1, 2)]
+    for k, shard in enumerate(shards, 1):
+        run(qerr, "sweep", spec, "--set", "sweep=[{key: encoders.j.bits, values: [12, 13, 14, 15]}]", "--shard", f"{k}/2", "-o", shard)
+    ran = run(qerr, "merge", *shards, "-o", whole)
+    t.check("merge of two shards", ran.code == 0, f"{ran.code} {ran.err[:200]}")
+    good = shards[1].read_bytes()
+    rows = good.split(b"\r\n")
+    for what, row in (("a cell less", rows[3].rsplit(b",", 1)[0]), ("a C1 character", rows[3] + "\x9b31m".encode()),
+                      ("no UTF-8", rows[3] + b"\xff"), ("an escape", rows[3] + b"\x1b[31m")):
+        shards[1].write_bytes(b"\r\n".join(rows[:3] + [row] + rows[4:]))
+        ran = run(qerr, "merge", *shards, "-o", folder / "damaged.csv")
+        t.check(f"merge of a line with {what}: 3, with its place", ran.code == 3 and b"shard2.csv:4" in ran.err
+                and not HIDDEN.search(ran.err.decode()) and not (folder / "damaged.csv").exists(), f"{ran.code} {ran.err[:200]}")
+
+
 def main():
     qerr, t = program_and_tally()
     with tempfile.TemporaryDirectory() as temporary:
@@ -179,6 +234,9 @@ def main():
         check_bits(t, qerr, folder)
         check_names(t, qerr, folder)
         check_many_columns(t, qerr, folder)
+        check_resting_tips(t, qerr, folder)
+        check_questions(t, qerr, folder)
+        check_damaged_shards(t, qerr, folder)
     return t.close()
 
 

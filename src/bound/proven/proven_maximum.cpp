@@ -83,10 +83,13 @@ LargestRemainder largest_remainder(const OperationalModel& model, const ErrorTer
   return {sum * (1 + 64 * machine_epsilon), unbounded};
 }
 
-/// Local maximum of any function of the configuration, by searches along the joints.
+/// Local maximum of any function of the configuration, by searches along the joints; on a crest that runs
+/// across them it creeps, so that the rounds are limited.
 Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorXd&)>& f,
                                  const std::vector<Limits>& ranges, Eigen::VectorXd q) {
-  for (double before = -1, now = f(q); now > (1 + 1e-12) * before && std::isfinite(now); now = f(q)) {
+  constexpr int most_rounds = 30;
+  double before = -1, now = f(q);
+  for (int i = 0; i < most_rounds && now > (1 + 1e-12) * before && std::isfinite(now); ++i, now = f(q)) {
     before = now;
     for (Eigen::Index j = 0; j < q.size(); ++j) {
       Eigen::VectorXd moved = q;

@@ -119,8 +119,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   d.reason = std::move(sane.cannot_judge);
   const bool enough = sane.log.values.rows() >= fewest_rows;
   if (!enough) {
-    const std::string has = "the log has " + std::to_string(sane.log.values.rows()) +
-                            (sane.log.values.rows() == 1 ? " row" : " rows"),
+    const std::string has = "the log has " + counted(static_cast<std::size_t>(sane.log.values.rows()), "row"),
                       remedy = "record " + std::to_string(fewest_rows) +
                                " at the very least, some thousand with the joints in motion";
     d.data.push_back({has, "", 1, {}, remedy});

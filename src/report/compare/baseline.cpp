@@ -49,6 +49,12 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
     if (!c.b) check.missing.push_back(c.figure);
     if (c.in_both() && is_worse(c, baseline.tolerance, old, now)) check.regressions.push_back(c);
   }
+  if (check.compared == 0)
+    throw Error(Fault{{old.file},
+                      "",
+                      "the baseline has none of the figures of " + quoted(now.file),
+                      check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
+                      "write it anew with the same coordinates and filters: qerr check SPEC -o OLD.json"});
   for (const JudgedRequirement& r : old.requirements)
     if (std::none_of(now.requirements.begin(), now.requirements.end(),
                      [&](const JudgedRequirement& other) { return same_limit(r, other); }))

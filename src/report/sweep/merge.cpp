@@ -16,6 +16,27 @@ namespace qerr {
 
 namespace {
 
+/// Commas within quotes divide no cells.
+std::size_t cells_of(std::string_view line) {
+  std::size_t cells = 1;
+  bool within = false;
+  for (const char c : line) {
+    within = within != (c == '"');
+    cells += c == ',' && !within;
+  }
+  return cells;
+}
+
+bool has_hidden(std::string_view line) {
+  for (std::size_t at = 0; at < line.size();) {
+    const auto byte = static_cast<unsigned char>(line[at]);
+    const bool plain = 0x20 <= byte && byte < 0x7f;
+    if (!plain && hidden_length(line, at) > 0) return true;
+    at += plain ? 1 : utf8_length(line, at);
+  }
+  return false;
+}
+
 /// The file of a shard, read variant by variant.
 class ShardReader {
  public:
@@ -28,6 +49,7 @@ class ShardReader {
     if (!lines_.next() || !lines_.line().starts_with("variant,"))
       refuse("is no CSV of qerr sweep", "", "give the files that qerr sweep --shard wrote");
     header_ = lines_.line();
+    cells_ = cells_of(header_);
     marked_ = header_.ends_with(shard_column);
     if (marked_) header_.resize(header_.size() - shard_column.size());
     require_break();
@@ -73,6 +95,7 @@ class ShardReader {
     variant_.reset();
     if (!more_) return;
     line_ = lines_.line();
+    if (lines_.ended()) require_whole_line();
     if (marked_ && lines_.ended()) read_shard();
     const std::string_view line = line_;
     std::uint64_t number = 0;
@@ -84,6 +107,16 @@ class ShardReader {
              "give the files that qerr sweep --shard wrote");
     else
       require_break();
+  }
+
+  /// A line that was damaged on its way, which the figures of one variant alone would not show.
+  void require_whole_line() const {
+    if (cells_of(line_) != cells_)
+      refuse("the line has " + counted(cells_of(line_), "cell") + ", and the first line " +
+                 std::to_string(cells_),
+             "", "compute this shard anew");
+    if (has_hidden(line_))
+      refuse("the line has characters that qerr does not write", quoted(line_), "compute this shard anew");
   }
 
   /// Takes the last cell off the line.
@@ -99,6 +132,7 @@ class ShardReader {
   ByteSource source_;
   CsvLines lines_;
   std::string header_, line_, shard_;
+  std::size_t cells_ = 0;  // of every line
   bool more_ = false, marked_ = false;
   std::optional<std::uint64_t> variant_;
 };

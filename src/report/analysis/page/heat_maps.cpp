@@ -38,13 +38,16 @@ TipGrid tip_grid(const ConfigurationSample& sample) {
   Eigen::Vector3d low = Eigen::Vector3d::Constant(INFINITY), high = -low;
   for (const Eigen::Vector3d& tip : sample.tips) low = low.cwiseMin(tip), high = high.cwiseMax(tip);
   TipGrid g{plane_of(high - low), {}, {}, {}};
-  const double longest = (high - low).maxCoeff();
+  // A tip that moves by its rounding errors alone rests.
+  const double extent = (high - low).maxCoeff(),
+               distance = std::max(low.cwiseAbs().maxCoeff(), high.cwiseAbs().maxCoeff()),
+               longest = extent > 1e-9 * (1 + distance) ? extent : 1;
   const double cells =
       std::clamp(static_cast<double>(sample.tips.size()) / configurations_a_cell, 16.0, most_cells);
   for (std::size_t k = 0; k < 2; ++k) {
     const Eigen::Index axis = g.axes[k];
     // An axis on which the tip rests has a row of cells of a hundredth of the other's length.
-    const double margin = std::max(0.0, 0.005 * (longest > 0 ? longest : 1.0) - 0.5 * (high - low)[axis]);
+    const double margin = std::max(0.0, 0.005 * longest - 0.5 * (high - low)[axis]);
     g.span[k] = {low[axis] - margin, high[axis] + margin};
   }
   const double width = g.span[0].second - g.span[0].first, height = g.span[1].second - g.span[1].first;
