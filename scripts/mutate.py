@@ -66,7 +66,7 @@ def closing(text, start):
 def changed_number(word):
     """A whole number below ten one larger; 0 in place of 1.0, and 1 in place of all else (after PIT's "inline constant").
 
-    41 in place of 40 steps of a search is no change that anybody could see; 1 is."""
+    Nobody could see 41 steps of a search in place of 40. Below ten, one more is a dimension, an order or an index too many."""
     if word.isdigit():
         return str(int(word) + 1) if int(word) < 10 else "1"
     return "0.0" if float(word) == 1 else "1.0"

@@ -20,6 +20,7 @@ int run(const Values& v) {
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");
   const DesignReport report = design(variants, options);
+  // First what may fail: a report that is shown says that the spec was written.
   if (written && report.optimal) finish(*written, report.written);
   finish(out, report, v);
   warn(report.warnings, v);

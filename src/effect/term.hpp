@@ -23,7 +23,8 @@ struct Term {
   /// Description of an uncatalogued term; empty if catalogued.
   std::string unnamed = {};
   Shape pattern = Shape::unknown;  ///< of an uncatalogued term
-  std::string_view next = {};      ///< what to inspect, of an uncatalogued term; empty: that of its pattern
+  /// What to inspect, of an uncatalogued term; empty: that of its pattern. A literal.
+  std::string_view next = {};
 
   bool constant = false;  ///< the same at every row
   bool step = false;      ///< zero before the time `effect.number("time")`

@@ -7,9 +7,9 @@ namespace qerr {
 /// Smoothed recorded path.
 struct SmoothPath {
   Eigen::ArrayXd position, velocity;  ///< [unit], [unit/s]
-  Eigen::ArrayXd acceleration;        ///< [unit/s^2]; empty where three samples alone would give it
-  double noise = 0;                   ///< standard deviation of the white noise of the recorded values [unit]
-  double residual_noise = 0;          ///< standard deviation of the noise that remains in `position` [unit]
+  Eigen::ArrayXd acceleration;  ///< [unit/s^2]; empty without a path, or if only three samples would give it
+  double noise = 0;             ///< standard deviation of the white noise of the recorded values [unit]
+  double residual_noise = 0;    ///< standard deviation of the noise that remains in `position` [unit]
 };
 
 /// Local cubic least-squares fits (Savitzky and Golay 1964, at the actual stamps). The window is the widest

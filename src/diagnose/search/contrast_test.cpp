@@ -70,7 +70,8 @@ bool is_detail_of_guess(const ErrorModel& m, const Choice& c, std::size_t i) {
   return size(i) < guess_error * largest;
 }
 
-/// Whether an order is one of several curves that sum to one, each an arc or uncatalogued.
+/// Whether an order of which less than half a period is seen may be, with another curve beside it, a part of
+/// one curve: the other is uncatalogued, or less than a period of it is seen.
 bool is_part_of_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
   return m.is_arc(c.chosen[i]) && std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
            return g != c.chosen[i] && (!m.term(g).named() || m.periods(g) < 1);

@@ -38,7 +38,8 @@ struct ErrorSamples {
   Eigen::Index size() const { return error.size(); }
 };
 
-/// Samples of a search.
+/// A search for causes needs more samples than the fewest terms have coefficients, and is not made better by
+/// more than the most.
 inline constexpr Eigen::Index fewest_samples = 8, most_samples = 6000;
 
 /// @param most  limit of the number of samples: beyond it one is drawn from each of `most` equal sections

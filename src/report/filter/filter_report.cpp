@@ -67,7 +67,7 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
     if (highest > 0.5 * named.filter.sample_rate)
       throw Error({{spec.file, 0, 0},
                    "filters." + named.name + ".sample_rate",
-                   "a frequency lies above half of it",
+                   "a frequency that the command line asks for lies above half of the sample rate",
                    shortest(highest) + " Hz at " + shortest(named.filter.sample_rate) + " Hz",
                    "ask for frequencies up to " + shortest(0.5 * named.filter.sample_rate) + " Hz"},
                   Trouble::usage);
