@@ -80,7 +80,7 @@ TipRecord moved_arm(std::uint64_t seed) {
   const std::size_t joints = seed % 8 == 3 || seed % 8 == 4 ? 3 : 2;
   const testing::Arm arm = testing::random_arm(dice, joints);
   testing::Arm built = arm;
-  testing::Record r = testing::motion(dice, joints, 520 + 10 * static_cast<Eigen::Index>(seed));
+  testing::Record r = testing::motion(dice, joints, 480 + 10 * static_cast<Eigen::Index>(seed));
   if (seed % 4 == 1) r.joints.leftCols(120).colwise() = r.joints.col(120).eval();  // it rests at first
   const double step = 3e-4;
   switch (seed % 8) {
@@ -181,6 +181,51 @@ TEST(TipModelFigures, OfExchangesOfWrongTermsAreAsMeasured) {
     find_tip_alternatives(model, s);
     expect_selection(figure, s);
   }
+}
+
+/// Of long records every n-th group of rows is used.
+TEST(TipModelFigures, OfEvidenceOfLongRecordsAreAsMeasured) {
+  for (const Eigen::Index rows : {4000, 4001, 9000})
+    for (const bool moves : {false, true}) {
+      Dice dice(6300);
+      const testing::Arm arm = testing::random_arm(dice, 2);
+      const testing::Record record = moves ? testing::motion(dice, 2, rows) : testing::poses(dice, 2, rows);
+      const std::vector<double> resolution(2, 1e-4);
+      const OperationalModel model = arm.model(resolution);
+      const auto e = tip_evidence(model, {}, testing::log_of(dice, arm, record, resolution, 2e-5), 1);
+      ASSERT_TRUE(e);
+      const RecordFigures figure(figures_of_tips(),
+                                 "long " + std::to_string(rows) + (moves ? " moved" : " posed"));
+      expect_evidence(figure, *e);
+    }
+}
+
+/// Together with an unknown target, which may lie elsewhere along the axis of the last joint, two directions
+/// of its origin determine the third one.
+TEST(TipAlternatives, OfOneDirectionAreTheOthersWhereTheTargetIsUnknown) {
+  Dice dice(6400);
+  testing::Arm arm = testing::random_arm(dice, 2);
+  arm.axis[1] = Eigen::Vector3d(0.5, 0.7, 0.6).normalized();
+  testing::Arm built = arm;
+  built.place[1] += Eigen::Vector3d(9e-4, 7e-4, 0);
+  const std::vector<double> resolution(2, 1e-4);
+  const OperationalModel model = arm.model(resolution);
+  const auto e = tip_evidence(
+      model, {}, testing::log_of(dice, built, testing::poses(dice, 2, 100), resolution, 2e-5), 1);
+  ASSERT_TRUE(e);
+  TipModel m(model, *e, UnknownFrames::target, 4);
+  for (const TipTerm& t : tip_terms(*e, m.estimate()))
+    if (t.kind == TipTerm::Kind::geometry && t.where == 1 && t.term.effect.choices.at("axis") != "z")
+      m.add(t, Eigen::VectorXd::Zero(1));
+  m.fit();
+  TipSelection s{std::move(m), {}, {}};
+  find_tip_alternatives(model, s);
+  EXPECT_EQ(s.model.terms().size(), 2U);
+  for (std::size_t term = 0; term < 2; ++term)
+    EXPECT_TRUE(std::any_of(s.alternatives.begin(), s.alternatives.end(), [&](const TipAlternative& a) {
+      return a.term == term && a.everywhere && a.other.kind == TipTerm::Kind::geometry &&
+             a.other.where == 1 && std::abs(a.loss) < 1e-3;
+    })) << term;
 }
 
 }  // namespace

@@ -370,8 +370,8 @@ TEST(FilterFaults, OfNormsBeyondTheRangeOfDoubleAreThoseMeasured) {
                                                             {"large taps", {{}, 1, 1, 0, {1e200, 1e200}}},
                                                             {"1e300 Hz", difference_filter(1e300, 2)},
                                                             {"1e150 Hz", difference_filter(1e150, 2)}};
-  for (const auto& [name, filter] : filters)
-    measured.expect("norm of " + name, testing::answer_to([&] { h2_norm(filter); }));
+  for (const auto& named : filters)
+    measured.expect("norm of " + named.first, testing::answer_to([&] { h2_norm(named.second); }));
 }
 
 TEST(FilterFaults, OfMemoriesTooLongForAnAutocorrelationAreThoseMeasured) {
