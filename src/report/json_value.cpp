@@ -1,8 +1,6 @@
 #include "report/json_value.hpp"
 
 #include <algorithm>
-#include <cmath>
-#include <cstdlib>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -38,7 +36,7 @@ struct JsonText {
         while (++at < text.size() && text[at] != '"') at += text[at] == '\\';
       } else if (parts.find(text[at]) < parts.size() - 2) {
         const std::size_t end = std::min(text.find_first_not_of(parts, at), text.size());
-        if (std::isinf(std::strtod(text.substr(at, end - at).c_str(), nullptr))) return at;
+        if (Library::parse(text.substr(at, end - at), nullptr, false).is_discarded()) return at;
         at = end - 1;
       }
     }
