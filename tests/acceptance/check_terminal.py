@@ -86,8 +86,8 @@ def check_progress(t, qerr):
         made = run(qerr, "simulate", spec, *few, "--log", log, "-o", "/dev/null")
         t.check("the log of the progress", made.code == 0, made.err.decode()[:200])
         arm = CONFIGS / "kuka_lwr" / "spec.yaml"
-        for noun, words in (("configurations", ["analyze", arm, "--set", "configurations.count=100000000"]),
-                            ("variants", ["sweep", arm, "--set", "sweep=[{key: configurations.seed, from: 1, to: 800, count: 800}]"]),
+        for noun, words in (("configurations", ["analyze", arm, "--set", "configurations.count=50000000"]),
+                            ("variants", ["sweep", arm, "--set", "sweep=[{key: configurations.seed, from: 1, to: 400, count: 400}]"]),
                             ("samples", ["simulate", spec, "--runs", "10000"]), ("bytes", ["diagnose", spec, log])):
             text, code = on_terminal(qerr, words, 80)
             steps = re.findall(rf"\r(\d+) % of [\d.]+ [kMG]? ?{noun}, [\d.]+ [kMG]?/s, [\dhdaysmin ]+ left\x1b\[K", text)

@@ -84,7 +84,7 @@ TEST(DiagnoseTip, FindsNothingForACleanArm) {
 }
 
 TEST(DiagnoseTip, IdentifiesAnEncoderErrorFromTheTip) {
-  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+  for (std::uint64_t seed = 1; seed <= 16; ++seed) {
     Dice dice(2000 + seed);
     const std::size_t joints = 2 + dice.below(3);
     const Arm arm = random_arm(dice, joints);
