@@ -200,6 +200,12 @@ TEST(ProvenMaximum, StartsFromConfigurationsThatAreGiven) {
             values({figure}, {start})[0][0]);
 }
 
+TEST(ProvenMaximum, HasAGapRelativeToItsLowerBound) {
+  EXPECT_DOUBLE_EQ((ProvenMaximum{2, 3, {}}.gap()), 0.5);
+  EXPECT_EQ((ProvenMaximum{0, 0, {}}.gap()), 0);
+  EXPECT_TRUE(std::isinf(ProvenMaximum{0, 3, {}}.gap()));
+}
+
 TEST(ProvenMaximum, OfEulerAnglesHasNoUpperBound) {
   OperationalModel m = planar(0.4, 0.3, 2e-3, 1e-3);
   m.coordinates = {Coordinate::yaw};

@@ -147,6 +147,25 @@ TEST(DiagnoseTip, ReportsShiftsAlongParallelAxesAsIndistinguishable) {
   EXPECT_NE(d.alternatives[0].record.find("no pose"), std::string::npos) << d.alternatives[0].record;
 }
 
+/// The axes x of joints 2 and 3 coincide as long as joint 2 rests, and other poses part them.
+TEST(DiagnoseTip, AsksForPosesThatTellWhichOfTwoLinksIsLonger) {
+  Dice dice(6);
+  const Arm arm{{{0, 0, 0.3}, {0.4, 0, 0}, {0.3, 0, 0.05}},
+                {Eigen::Vector3d::UnitZ(), Eigen::Vector3d::UnitY(), Eigen::Vector3d::UnitZ()},
+                {0.2, 0.1, 0}};
+  Arm built = arm;
+  built.place[1].x() += 5e-4;
+  const std::vector<double> resolution(3, 1e-4);
+  Record r = poses(dice, 3, 200);
+  r.joints.row(1).setZero();
+  const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, 1e-5));
+  EXPECT_EQ(d.verdict, Verdict::ambiguous) << summary(d);
+  EXPECT_TRUE(finds(d, "geometry", "j2") && finds(d, "geometry", "j3")) << summary(d);
+  ASSERT_FALSE(d.alternatives.empty());
+  for (const AlternativeCause& a : d.alternatives)
+    EXPECT_EQ(a.record.find("no pose"), std::string::npos) << a.record;
+}
+
 TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
   for (std::uint64_t seed = 1; seed <= 6; ++seed) {
     Dice dice(3000 + seed);
