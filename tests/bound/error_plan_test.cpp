@@ -81,7 +81,9 @@ TEST(ErrorPlan, IsTheQuickOneExactlyForOneEncoderAJoint) {
       EXPECT_EQ(p.part[k].begin->joint, k) << seed;
       EXPECT_EQ(static_cast<Eigen::Index>(p.part[k].owner), encoders_of(m, m.chain.joints[k])[0]) << seed;
       EXPECT_NEAR(std::abs(p.part[k].begin->weight), scales[k], 1e-15 * scales[k]) << seed;
-      if (!equal) EXPECT_NEAR(std::abs(p.column_scale[k]), scales[k], 1e-15 * scales[k]) << seed;
+      if (!equal) {
+        EXPECT_NEAR(std::abs(p.column_scale[k]), scales[k], 1e-15 * scales[k]) << seed;
+      }
     }
   }
   EXPECT_GT(quick, 60);
@@ -111,13 +113,13 @@ TEST(ErrorPlan, ScalesErrorsByTheirLargestFigure) {
       EXPECT_DOUBLE_EQ(part.mean * scale, s.mean) << seed;
       EXPECT_DOUBLE_EQ(part.width * scale, std::abs(s.mean) + s.half_width) << seed;
       EXPECT_LE(std::max({part.sigma, part.half_width, std::abs(part.mean)}), 1) << seed;
-      if (s.where == ErrorSource::Where::origin)
+      if (s.where == ErrorSource::Where::origin) {
         EXPECT_NEAR(Eigen::Vector3d(part.direction).norm(), scale, 1e-15 * scale) << seed;
-      const double ratio = s.sigma_ratios.empty() ? p.l1[0] : s.sigma_ratios[0];
-      if (!s.sigma_ratios.empty())
-        EXPECT_NEAR(p.ratio_squares[p.encoders + i], std::pow(part.sigma * ratio, 2),
-                    1e-14 * std::pow(part.sigma * ratio, 2))
-            << seed;
+      }
+      if (!s.sigma_ratios.empty()) {
+        const double squared = std::pow(part.sigma * s.sigma_ratios[0], 2);
+        EXPECT_NEAR(p.ratio_squares[p.encoders + i], squared, 1e-14 * squared) << seed;
+      }
     }
   }
 }
