@@ -27,6 +27,7 @@
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "qerr/kinematics/gimbal_lock.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 #include "qerr/kinematics/tree_ends.hpp"

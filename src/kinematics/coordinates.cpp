@@ -39,7 +39,7 @@ namespace {
 Eigen::Matrix3d euler_rates(const Eigen::Matrix3d& r) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   const double cosine = cosine_of_pitch(r);
-  if (cosine < 1e-12) {
+  if (cosine < gimbal_lock) {
     Eigen::Matrix3d rates = Eigen::Matrix3d::Constant(infinity);
     rates.row(1) << 0, 1, 0;
     return rates;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "lanes/lanes.hpp"
+#include "qerr/kinematics/gimbal_lock.hpp"
 
 namespace qerr::lanes {
 namespace {
@@ -11,7 +12,7 @@ template <class L>
 struct EulerRates {
   L rates[3][3];
   L cosine;           ///< of pitch
-  Bits<L> unbounded;  ///< cosine < 1e-12
+  Bits<L> unbounded;  ///< cosine < gimbal_lock
 
   /// Rate of roll (0), pitch (1) or yaw (2) at an angular velocity.
   [[gnu::always_inline]] L along(int angle, const L* velocity) const {
@@ -25,7 +26,7 @@ template <class L>
 [[gnu::always_inline]] inline EulerRates<L> euler_rates(const L (&x)[3]) {
   EulerRates<L> r;
   r.cosine = sqrt(fma(x[0], x[0], x[1] * x[1]));
-  r.unbounded = r.cosine < 1e-12;
+  r.unbounded = r.cosine < gimbal_lock;
   const L inverse = r.unbounded ? L{} : 1.0 / r.cosine;
   const L cos_yaw = x[0] * inverse, sin_yaw = x[1] * inverse, tan_pitch = -x[2] * inverse;
   r.rates[0][0] = cos_yaw * inverse;

@@ -77,6 +77,28 @@ TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {
   }));
 }
 
+TEST(Analysis, WarnsOfPitchAtTheGimbalLockOnly) {
+  Spec spec = read_spec(QERR_SOURCE_DIR "/configs/kuka_lwr/spec.yaml");
+  spec.model.coordinates = {Coordinate::pitch};
+  spec.filters.clear();
+  Configurations& c = spec.configurations;
+  c.method = SamplingMethod::list;
+  c.points = {Eigen::VectorXd::LinSpaced(7, -1, 1)};
+  c.count = 1;
+  Eigen::Isometry3d& tip = spec.model.chain.tip_offset;
+  const Eigen::Matrix3d wrist =
+      tip.linear() * forward_kinematics(spec.model.chain, c.points[0]).linear().transpose();
+  for (const double off : {0.0, 1e-11}) {
+    tip.linear() =
+        wrist * Eigen::AngleAxisd(std::numbers::pi / 2 - off, Eigen::Vector3d::UnitY()).toRotationMatrix();
+    const Analysis a = analyze(spec);
+    const bool warned = std::any_of(a.warnings.begin(), a.warnings.end(), [](const std::string& w) {
+      return w.find("its figures are those about y") != std::string::npos;
+    });
+    EXPECT_EQ(warned, off == 0) << a.workspace.smallest_cosine_of_pitch;
+  }
+}
+
 /// By hand: each joint errs by Delta/2 + A at most, and by sqrt(Delta^2/12 + A^2/2) on average.
 TEST(Analysis, AddsTheAccuracyOfAnEncoderLikeASineOfThatAmplitudeAndUnknownPhase) {
   Spec spec = read_spec(QERR_SOURCE_DIR "/configs/kuka_lwr/spec.yaml");

@@ -54,6 +54,7 @@ inline constexpr int max_derivative = 8;
 /// The coefficients are taken as exact and factored with 1024 bits into sections in w; a filter without poles
 /// keeps its taps. Zeros within the rounding of the coefficients of z = 1 are moved to z = 1.
 /// @param derivative  that the output estimates; adds no difference
+/// @throws Error (input; key `sample_rate` or `derivative`) like `difference_filter`
 /// @throws Error (input; key `numerator` or `denominator`) when empty, not finite, longer than 256 (with
 /// poles), a0 = 0, or a pole is on or outside the unit circle, or within the rounding of the coefficients of
 /// it

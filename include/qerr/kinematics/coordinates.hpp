@@ -6,6 +6,7 @@
 #include <string_view>
 #include <vector>
 
+#include "qerr/kinematics/gimbal_lock.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 
 namespace qerr {
@@ -46,8 +47,9 @@ double cosine_of_pitch(const Eigen::Matrix3d& rotation);
 ///
 /// x y z and rx ry rz are its rows; with omega = E(roll, pitch, yaw)^-1 the rates are
 /// roll' = (cos(yaw) wx + sin(yaw) wy)/cos(pitch), pitch' = -sin(yaw) wx + cos(yaw) wy, yaw' = sin(pitch)
-/// roll' + wz. Rows of roll and yaw are infinite where |cos(pitch)| < 1e-12.
-/// In the axes of the tip, rows of x y z and rx ry rz are rotation^T times those of the Jacobian.
+/// roll' + wz. At the gimbal lock, cos(pitch) < gimbal_lock, rows of roll and yaw are infinite, and that of
+/// pitch is wy: its first-order change there is the length of (wx, wy), which is no row. In the axes of the
+/// tip, rows of x y z and rx ry rz are rotation^T times those of the Jacobian.
 /// @pre no length
 /// @returns coordinates x joints
 Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>&, const Jacobian&,

@@ -142,6 +142,8 @@ Filter factored(Filter filter, Deflated<Binary1024> zeros, const List& a, const 
 
 Filter filter_from_coefficients(const List& numerator, const List& denominator, double sample_rate,
                                 int derivative) {
+  check_sample_rate(sample_rate);
+  check_derivative(derivative);
   check_list(numerator, "numerator");
   check_list(denominator, "denominator");
   if (denominator[0] == 0) {
@@ -151,8 +153,7 @@ Filter filter_from_coefficients(const List& numerator, const List& denominator, 
   List b = numerator, a = denominator;
   trim(a);
   trim(b);
-  Filter filter = difference_filter(sample_rate, 0);  // throws for a wrong rate
-  filter.derivative = derivative;
+  Filter filter{{}, 1, sample_rate, derivative};
   if (a.size() == 1 || (b.size() == 1 && b[0] == 0)) {
     if (a.size() > 1) stable_poles(a);
     // The largest tap between 1 and 2: the squares of all stay in the range of double.

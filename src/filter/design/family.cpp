@@ -1,7 +1,5 @@
 #include "qerr/filter/family.hpp"
 
-#include <cmath>
-
 #include "filter/design/families/families.hpp"
 
 namespace qerr {
@@ -26,17 +24,8 @@ const std::vector<FilterFamily>& filter_families() {
 }
 
 Filter difference_filter(double sample_rate, int derivative) {
-  if (!(sample_rate > 0) || !std::isfinite(sample_rate)) {
-    throw Error(
-        Fault{{}, "sample_rate", "the sample rate must be above 0 Hz", figure(sample_rate) + " Hz", ""});
-  }
-  if (derivative < 0 || derivative > max_derivative) {
-    throw Error(Fault{{},
-                      "derivative",
-                      "must be a whole number in range",
-                      std::to_string(derivative),
-                      "use 0 to " + std::to_string(max_derivative)});
-  }
+  check_sample_rate(sample_rate);
+  check_derivative(derivative);
   Filter filter{{}, 1, sample_rate, derivative};
   for (int i = 0; i < derivative; ++i) {
     filter.sections.push_back({{0, 1, 0}, {1, 1, 0}});  // 1 - z^-1 = 2w/(1 + w)

@@ -122,6 +122,13 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         "roll and yaw: the samples come within " +
         shortest(std::round(10 * std::asin(w.smallest_cosine_of_pitch) * 180 / std::numbers::pi) / 10) +
         " deg of the gimbal lock (pitch = +-90 deg), where their errors grow without bound; use rx ry rz");
+  const bool pitch =
+      std::find(coordinates.begin(), coordinates.end(), Coordinate::pitch) != coordinates.end();
+  if (pitch && w.smallest_cosine_of_pitch < gimbal_lock)
+    warnings.emplace_back(
+        "pitch: a sample is at the gimbal lock (pitch = +-90 deg), where rotations about x and about y of "
+        "the "
+        "base both change it, and its figures are those about y; use rx ry rz");
   for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise, w))

@@ -60,6 +60,12 @@ std::string checked_choice(const FilterDesign&, const std::string& key,
 /// @throws Error (input; a key) that lists the groups
 std::size_t parameter_group(const FilterDesign&, const std::vector<std::vector<std::string>>& groups);
 
+/// @throws Error (input; key `sample_rate`) unless 0 < sample_rate < infinity
+void check_sample_rate(double sample_rate);
+
+/// @throws Error (input; key `derivative`) unless 0 <= derivative <= max_derivative
+void check_derivative(int derivative);
+
 /// @throws Error (input; key `derivative`) when the family cannot estimate the wanted derivative
 void check_derivative(const FilterDesign&, int most, const std::string& rule);
 

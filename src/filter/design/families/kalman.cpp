@@ -14,7 +14,7 @@ Filter design(const FilterDesign& wanted) {
     const double index = checked_number(wanted, "tracking_index", 0, 1e15);
     return tracking_filter(wanted, spectral_factor(piecewise_noise(states, index)));
   }
-  difference_filter(wanted.sample_rate, 0);  // throws for a wrong rate
+  check_sample_rate(wanted.sample_rate);
   const double intensity = checked_number(wanted, "process_noise", 0, INFINITY);
   const double sigma = checked_number(wanted, "measurement_noise", 0, INFINITY);
   const double ratio = std::sqrt(intensity) * std::pow(wanted.sample_rate, 0.5 - states) / sigma;

@@ -14,6 +14,23 @@ std::string figure(double value) {
   return {text.data(), end.ptr};
 }
 
+void check_sample_rate(double sample_rate) {
+  if (!(sample_rate > 0) || !std::isfinite(sample_rate)) {
+    throw Error(
+        Fault{{}, "sample_rate", "the sample rate must be above 0 Hz", figure(sample_rate) + " Hz", ""});
+  }
+}
+
+void check_derivative(int derivative) {
+  if (derivative < 0 || derivative > max_derivative) {
+    throw Error(Fault{{},
+                      "derivative",
+                      "must be a whole number in range",
+                      std::to_string(derivative),
+                      "use 0 to " + std::to_string(max_derivative)});
+  }
+}
+
 int whole_number(const FilterDesign& design, const std::string& key, int fallback, int least, int most) {
   const auto entry = design.numbers.find(key);
   if (entry == design.numbers.end()) return fallback;

@@ -38,8 +38,8 @@ std::vector<Real> orthogonal(int order, int n, const Real& x, int d) {
 }  // namespace
 
 Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double back) {
-  Filter filter =
-      difference_filter(wanted.sample_rate, wanted.derivative);  // throws for a wrong rate or derivative
+  check_sample_rate(wanted.sample_rate);
+  check_derivative(wanted.derivative);
   if (order >= window) {
     throw Error(Fault{{},
                       "polynomial_order",
@@ -60,9 +60,8 @@ Filter polynomial_fit(const FilterDesign& wanted, int window, int order, double 
     weights[static_cast<std::size_t>(k)] /= norm;
     norm *= (Real(window) * window - Real(k + 1) * (k + 1)) * (2 * k + 1) / (2 * k + 3);
   }
+  Filter filter{{}, 1, wanted.sample_rate, wanted.derivative};
   filter.designed = true;
-  filter.sections.clear();
-  filter.gain = 1;
   for (int i = 0; i < wanted.derivative; ++i) filter.gain *= wanted.sample_rate;
   for (int k = 0; k < window; ++k) {
     const std::vector<Real> t = orthogonal(order, window, window - 1 - k, 0);

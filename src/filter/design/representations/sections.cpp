@@ -3,6 +3,7 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/design/families/families.hpp"
 #include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
@@ -97,7 +98,8 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 }  // namespace
 
 Filter filter_from_sections(const Rows& sos, double sample_rate, int derivative) {
-  difference_filter(sample_rate, derivative);  // throws for wrong values
+  check_sample_rate(sample_rate);
+  check_derivative(derivative);
   if (sos.empty() || sos.size() > max_sections) {
     throw Error(Fault{{},
                       "sos",

@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/design/families/families.hpp"
 #include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
@@ -208,7 +209,8 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 
 Filter filter_from_state_space(const Rows& a, const Rows& b, const Rows& c, const Rows& d, double sample_rate,
                                int derivative) {
-  difference_filter(sample_rate, derivative);  // throws for wrong values
+  check_sample_rate(sample_rate);
+  check_derivative(derivative);
   check_finite(a, "A");
   check_finite(b, "B");
   check_finite(c, "C");

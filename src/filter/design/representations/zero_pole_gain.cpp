@@ -2,6 +2,7 @@
 #include <cmath>
 #include <limits>
 
+#include "filter/design/families/families.hpp"
 #include "filter/design/representations/factors.hpp"
 #include "filter/design/representations/representations.hpp"
 
@@ -104,7 +105,8 @@ Filter build(const std::map<std::string, Rows>& values, double sample_rate, int 
 
 Filter filter_from_zeros_and_poles(const Rows& zeros, const Rows& poles, double gain, double sample_rate,
                                    int derivative) {
-  difference_filter(sample_rate, derivative);  // throws for wrong values
+  check_sample_rate(sample_rate);
+  check_derivative(derivative);
   check_finite(zeros, "zeros");
   check_finite(poles, "poles");
   check_finite({{gain}}, "gain");
