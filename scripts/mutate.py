@@ -9,6 +9,7 @@ which is compiled once; each mutant compiles what it changes. A mutant is killed
 first those that include its header, then those of its module, then, of the others in --tests, those of modules above
 it. With --then, survivors also meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do
 not compile are replaced by others.
+A member's default of 0 or false is not changed: it says "not set", and is overwritten before it is read.
 --skip goes on after a run that was stopped.
 
 Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it
@@ -72,9 +73,27 @@ def changed_number(word):
     return "0.0" if float(word) == 1 else "1.0"
 
 
+def member_defaults(code):
+    """The places of 0 and false behind the names of members: within the braces of a struct or class, and of nothing inside."""
+    places, open_classes, start = set(), [], 0
+    for m in re.finditer(r"[{};]|(?<= = )(?:0|0\.0|false)\b", code):
+        if m[0] == "{":
+            head = code[start:m.start()]
+            open_classes.append(bool(re.search(r"\b(?:struct|class)\b", head)) and "(" not in head)
+        elif m[0] == "}" and open_classes:
+            open_classes.pop()
+        elif m[0] not in "};":
+            if open_classes and open_classes[-1] and not re.search(r"\(|\bstatic\b", code[start:m.start()]):
+                places.add(m.start())
+            continue
+        start = m.end()
+    return places
+
+
 def mutations(text):
     """[(start, end, replacement)] of one source."""
     code, found = blanked(text), []
+    kept = member_defaults(code)
     for m in SWAP.finditer(code):
         found += [(m.start(), m.end(), other) for other in SWAPS[m[0]]]
     found += [(m.start(), m.end(), changed_number(m[0])) for m in NUMBER.finditer(code)]
@@ -82,7 +101,7 @@ def mutations(text):
         end = closing(code, m.end())
         if end > 0 and "constexpr" not in m[0] and ";" not in code[m.end():end]:
             found.append((m.end(), end, f"!({text[m.end():end]})"))
-    return found
+    return [change for change in found if change[0] not in kept]
 
 
 def line_of(text, start, end):
