@@ -109,7 +109,7 @@ Command check_command() {
                 .meaning = "an earlier report of check or analyze: no figure may be worse than there"},
                {.name = "--tolerance",
                 .value = "PART",
-                .meaning = "how much worse a figure may be, such as 2% or 0.02 (default: 0)",
+                .meaning = "how much worse a figure may be, such as 2% or 0.02",
                 .fallback = "0",
                 .needs = "--baseline"}},
               {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},

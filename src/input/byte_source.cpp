@@ -24,6 +24,7 @@ std::string reason(int code) { return std::generic_category().message(code); }
 int open_input(const std::string& path) {
   note_input(path);
   if (path == "-") return STDIN_FILENO;
+  if (path.empty()) unreadable(path, "the name of a file is empty", "is a variable of the shell not set?");
   if (path.find('\0') != std::string::npos) unreadable(path, "a file name cannot contain a NUL byte");
   struct stat status {};
   // Checked before opening: opening a device can act on it or block.

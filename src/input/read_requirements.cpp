@@ -150,7 +150,10 @@ std::vector<Requirement> read_limits(const std::string& option, const std::vecto
       read_limit(o, spec, r);
       limits.push_back(r);
     } catch (const Error& e) {
-      throw Error(e.faults(), Trouble::usage);
+      std::vector<Fault> faults = e.faults();
+      for (Fault& fault : faults)
+        fault.key = option;  // without the keys of a requirement, which nobody wrote
+      throw Error(faults, Trouble::usage);
     }
   }
   return limits;

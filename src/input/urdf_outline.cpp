@@ -183,12 +183,16 @@ void Outliner::malformed() {
   const std::string open = open_.empty() ? ""
                                          : "<" + open_.back().first + "> of line " +
                                                std::to_string(open_.back().second) + " is still open";
+  const std::size_t first = text_.find_first_not_of(" \t\r\n");
+  const bool other_language = first != std::string::npos && text_[first] != '<';
+  if (other_language && (code == XML_ERROR_SYNTAX || code == XML_ERROR_INVALID_TOKEN))
+    fail("this is not a URDF: a URDF is XML and begins with <robot>", "",
+         "name the file of the robot, not of a spec");
   switch (code) {
     case XML_ERROR_NO_ELEMENTS:
       if (open_.empty()) fail("the document is empty: a URDF must have a <robot>", "", "");
       fail("unexpected end of the document", "", open);
     case XML_ERROR_SYNTAX:
-      if (open_.empty() && !root_) fail("this is not a URDF: a URDF is XML and begins with <robot>", "", "");
       fail("the XML is malformed here", "", "write tags as <name ...> or <name .../>");
     case XML_ERROR_INVALID_TOKEN:
       fail("the XML is malformed here", "",
