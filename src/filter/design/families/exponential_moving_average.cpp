@@ -32,7 +32,7 @@ Filter design(const FilterDesign& wanted) {
   filter.designed = true;
   const DoubleDouble slope = slope_of(wanted);
   // The zero at z = 0, w = -1, cancels the pole of a difference.
-  if (filter.sections.empty()) filter.sections.push_back({{1, 1, 0}, {1, 1, 0}});
+  if (filter.sections.empty()) filter.sections.push_back({{1, 1, 0}, {}});
   filter.sections[0].a = {1, slope, 0};
   return filter;
 }
