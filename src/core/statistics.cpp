@@ -18,6 +18,11 @@ double standard_deviation(const Eigen::ArrayXd& x) { return x.size() > 0 ? rms(x
 
 double peak_to_peak(const Eigen::ArrayXd& x) { return x.size() > 0 ? x.maxCoeff() - x.minCoeff() : 0; }
 
+double correlation(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
+  const double deviation = standard_deviation(x) * standard_deviation(y);
+  return deviation > 0 ? ((x - x.mean()) * (y - y.mean())).mean() / deviation : 0;
+}
+
 double lag_one_correlation(const Eigen::ArrayXd& x) {
   const Eigen::Index n = x.size() - 1;
   const double power = x.square().sum();

@@ -12,6 +12,8 @@ double median(std::vector<double>);
 double rms(const Eigen::ArrayXd&);
 double standard_deviation(const Eigen::ArrayXd&);  ///< about the mean, divided by the number of values
 double peak_to_peak(const Eigen::ArrayXd&);
+/// Pearson's coefficient; 0 if one of them is constant.
+double correlation(const Eigen::ArrayXd&, const Eigen::ArrayXd&);
 
 /// Correlation of neighbouring values of zero mean; 0 where all are zero.
 double lag_one_correlation(const Eigen::ArrayXd&);

@@ -169,6 +169,16 @@ std::string by_axes(const Eigen::Vector3d& x) {
   return text;
 }
 
+/// rms of what was tracked minus the model's tip [m].
+double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
+  double squares = 0;
+  for (Eigen::Index k = 0; k < e.rows(); ++k) {
+    const Eigen::Vector3d tip = forward_kinematics(model.chain, e.joints.col(k)).translation();
+    squares += (e.tip.col(k) - tip(e.axes)).squaredNorm();
+  }
+  return std::sqrt(squares / static_cast<double>(e.tip.size()));
+}
+
 void report_frames(const TipModel& m, const std::string& tip, TipDiagnosis& d) {
   if (m.frames() == UnknownFrames::none) return;
   const Eigen::Vector3d target = m.estimate().tool;
@@ -205,7 +215,15 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   if (!e) return d;
   d.judged = true;
   const TipSelection s = select_tip(model, *e, seed);
+  const double without = rms_without_causes(model, *e);
   d.gain = gain_of(s.model);
+  // The fit linearizes: far from every arm of the catalogue it may leave more than it began with.
+  if (!(d.gain.rms_after <= 2 * without)) {
+    d.gain = {};
+    d.unexplained.push_back(
+        {"tip", "no error of the catalogue brings the model near the tip", {}, {}, without});
+    return d;
+  }
   name_causes(s, d);
   report_frames(s.model, model.chain.tip, d);
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {

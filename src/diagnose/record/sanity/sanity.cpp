@@ -136,6 +136,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
   for (const auto step : {sanity::check_unrelated, sanity::check_reference_noise, sanity::check_stuck_sensor})
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
+  sanity::check_tracker(s);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
   return s;
 }

@@ -44,6 +44,7 @@ struct Sanity {
 /// - columns in another unit than their header says, exchanged columns, single readings far off;
 /// - sensors that are read less often than the log has rows, references on a grid coarser than the encoder;
 /// - stuck sensors, references that are constant, coarser than the encoder or unrelated to it;
+/// - trackers whose columns are exchanged, in another unit, or no positions of the tip;
 /// - stamps that are rounded, duplicate, uneven, or have gaps;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;
 /// - `filter_mismatch`: JOINT.velocity is the output of another filter than the spec's;

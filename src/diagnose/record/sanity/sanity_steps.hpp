@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <string_view>
 
 #include "core/statistics.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
@@ -10,6 +11,9 @@ namespace qerr::sanity {
 
 /// Rows from which a slope says something (convention).
 inline constexpr Eigen::Index fewest_rows_of_slope = 16;
+
+/// Motion of which a sensor must show something [counts] (convention).
+inline constexpr double missed_motion = 20;
 
 /// The counts of one encoder.
 struct RecordedCounts {
@@ -63,6 +67,15 @@ std::optional<double> time_of(const Sanity&, Eigen::Index row);
 /// Row in the file, from 0.
 std::uint64_t row_in_file(const Sanity&, Eigen::Index row);
 
+/// A unit that fits the values of a column, and by how much they are larger in it.
+struct OtherUnit {
+  std::string_view name;
+  double factor = 1;
+};
+
+/// The unit of a column whose values are `ratio` times the true ones, if it is another than the header's.
+std::optional<OtherUnit> other_unit(const LogColumn&, double ratio, bool prismatic);
+
 void check_stamps(Sanity&);
 void check_interpolated(Sanity&, std::size_t encoder);
 void check_motion(Sanity&, std::size_t encoder);
@@ -79,6 +92,7 @@ void check_decoding(Sanity&, std::size_t encoder);
 void check_log_resolution(Sanity&, std::size_t encoder);
 void check_stuck_sensor(Sanity&, std::size_t encoder);
 void check_controller_output(Sanity&, std::size_t encoder);
+void check_tracker(Sanity&);
 void check_velocity(Sanity&, const std::vector<Filter>&, std::size_t encoder);
 
 }  // namespace qerr::sanity

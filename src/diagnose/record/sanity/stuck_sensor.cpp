@@ -11,9 +11,6 @@ namespace qerr::sanity {
 
 namespace {
 
-/// Motion that a sensor must have missed to be called stuck [counts] (convention).
-constexpr double missed_motion = 20;
-
 /// Of two columns without any relation [1]: less than half a correlation, and a slope below which neither a
 /// wrong ratio, nor play, nor noise of a reference that is of use explains it (convention).
 constexpr double unrelated_slope = 0.02;

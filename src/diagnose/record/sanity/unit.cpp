@@ -49,11 +49,6 @@ Eigen::ArrayXd thinned(const Eigen::ArrayXd& x) {
   return out;
 }
 
-double correlation(const Eigen::ArrayXd& x, const Eigen::ArrayXd& y) {
-  const double deviation = standard_deviation(x) * standard_deviation(y);
-  return deviation > 0 ? ((x - x.mean()) * (y - y.mean())).mean() / deviation : 0;
-}
-
 /// The measured position of a joint and its reference; empty arrays if one is missing or rests.
 struct Pair {
   Eigen::ArrayXd measured, reference;
@@ -75,11 +70,7 @@ Pair pair_of(const Sanity& s, std::size_t joint) {
 
 }  // namespace
 
-namespace {
-
-/// The unit of a column whose values are `ratio` times those of the other column, if it is another than the
-/// header's; else null.
-const UsualUnit* unit_of(const LogColumn& column, double ratio, bool prismatic) {
+std::optional<OtherUnit> other_unit(const LogColumn& column, double ratio, bool prismatic) {
   const UsualUnit* first = prismatic ? lengths.data() : angles.data();
   const std::size_t number = prismatic ? lengths.size() : angles.size();
   const double header = column.scale.in_si(1);
@@ -88,16 +79,18 @@ const UsualUnit* unit_of(const LogColumn& column, double ratio, bool prismatic) 
       if (const double factor = header / first[i].in_si; std::abs(factor - 1) > 2 * same_factor)
         // With wrong decoding only degrees, the usual mistake: else a wrong gear ratio could look like it.
         if (decoding == 1 || first[i].in_si == degree)
-          if (std::abs(ratio / (factor * decoding) - 1) < same_factor) return first + i;
-  return nullptr;
+          if (std::abs(ratio / (factor * decoding) - 1) < same_factor)
+            return OtherUnit{first[i].name, factor};
+  return std::nullopt;
 }
 
+namespace {
+
 /// Converts a column whose values are in another unit than its header says, and reports it.
-void convert(Sanity& s, std::size_t joint, Eigen::Index column, const UsualUnit& unit) {
+void convert(Sanity& s, std::size_t joint, Eigen::Index column, const OtherUnit& unit) {
   const LogColumn& c = s.log.columns[static_cast<std::size_t>(column)];
-  const double factor = c.scale.in_si(1) / unit.in_si;
   s.data.push_back({c.header + " looks like " + std::string(unit.name) + ": its values are " +
-                        significant(factor, 4) + " times what the header says",
+                        significant(unit.factor, 4) + " times what the header says",
                     s.model.chain.independent[joint].name,
                     1,
                     {},
@@ -106,7 +99,7 @@ void convert(Sanity& s, std::size_t joint, Eigen::Index column, const UsualUnit&
   // Whole turns that were added to bring the reference near the readings were none.
   if (!s.model.chain.independent[joint].prismatic())
     s.log.values.col(column) -= 2 * std::numbers::pi * static_cast<double>(c.wraps.start);
-  s.log.values.col(column) /= factor;
+  s.log.values.col(column) /= unit.factor;
 }
 
 }  // namespace
@@ -117,9 +110,9 @@ void check_unit(Sanity& s, std::size_t joint) {
   const double slope = std::abs(fit_line(p.reference, p.measured).slope);
   const bool prismatic = s.model.chain.independent[joint].prismatic();
   const auto wrong = [&](Eigen::Index column, double ratio) {
-    const UsualUnit* unit = unit_of(s.log.columns[static_cast<std::size_t>(column)], ratio, prismatic);
+    const auto unit = other_unit(s.log.columns[static_cast<std::size_t>(column)], ratio, prismatic);
     if (unit) convert(s, joint, column, *unit);
-    return unit != nullptr;
+    return unit.has_value();
   };
   if (wrong(*s.log.find(LogSignal::reference, joint), 1 / slope)) return;
   if (const auto measured = s.log.find(LogSignal::measured, joint); measured) wrong(*measured, slope);
