@@ -41,7 +41,7 @@ class ErrorColumns {
   std::size_t joints() const { return joints_; }
 
   /// Column k of coordinate c, one number per configuration; aligned to 64 bytes, padded with zeros to a
-  /// multiple of batch_size. Where roll and yaw are unbounded, infinite at the encoders and 0 elsewhere.
+  /// multiple of batch_size. At the gimbal lock, infinite at the encoders and 0 elsewhere.
   const double* column(std::size_t c, std::size_t k) const {
     return values_.data() + (c * columns() + k) * padded_;
   }

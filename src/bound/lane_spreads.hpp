@@ -58,7 +58,7 @@ template <class L>
 }
 
 /// Spreads of the parts of a model that is not direct, in the chosen coordinates.
-/// @returns lanes in which roll and yaw are unbounded
+/// @returns lanes at the gimbal lock
 template <class L>
 Bits<L> gather(const ErrorPlan& plan, const Scratch<L>& scratch, const Frame<L>& tip, double* sums) {
   const Axes<L> axes = axes_of(tip, plan.chain.tip_axes);
@@ -82,14 +82,14 @@ Bits<L> gather(const ErrorPlan& plan, const Scratch<L>& scratch, const Frame<L>&
   return euler.unbounded;
 }
 
-/// A value of a coordinate, infinite for roll and yaw where they are unbounded.
+/// A value of a coordinate, infinite for Euler angles at the gimbal lock.
 template <class L>
 [[gnu::always_inline]] inline L bounded(int coordinate, const Bits<L>& unbounded, const L& value) {
-  return coordinate == 6 || coordinate == 8 ? (unbounded ? broadcast<L>(infinity) : value) : value;
+  return coordinate >= 6 ? (unbounded ? broadcast<L>(infinity) : value) : value;
 }
 
 /// Columns of the joints and spreads of the parts.
-/// @returns lanes in which roll and yaw are unbounded
+/// @returns lanes at the gimbal lock
 template <class L, bool direct>
 [[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q,
                                              const Scratch<L>& scratch, double* sums) {

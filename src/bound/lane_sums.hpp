@@ -98,7 +98,7 @@ template <bool orthogonal, class L, class To>
 }
 
 /// Sums for any coordinates and parts.
-/// @param unbounded  lanes in which roll and yaw are unbounded
+/// @param unbounded  lanes at the gimbal lock
 template <class L, class To>
 void sum_any(const ErrorPlan& plan, const Spreads<L>& spreads, const Bits<L>& unbounded, Errors<L>& e,
              const To& covariance) {

@@ -15,7 +15,7 @@ const std::vector<CoordinateInfo>& coordinate_list() {
       {Coordinate::rz, "rz", "rad", "small rotation of the tip about z of the frame"},
       {Coordinate::roll, "roll", "rad",
        "roll of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
-      {Coordinate::pitch, "pitch", "rad", "pitch of R = Rz(yaw) Ry(pitch) Rx(roll)"},
+      {Coordinate::pitch, "pitch", "rad", "pitch of R = Rz(yaw) Ry(pitch) Rx(roll); without a rate at +-90 deg"},
       {Coordinate::yaw, "yaw", "rad", "yaw of R = Rz(yaw) Ry(pitch) Rx(roll); singular at pitch = +-90 deg"},
       {Coordinate::xyz, "xyz", "m", "length of the vector of x y z"},
       {Coordinate::rxyz, "rxyz", "rad", "length of the vector of rx ry rz"},
@@ -37,13 +37,8 @@ namespace {
 
 /// Rates of roll, pitch and yaw per unit of angular velocity in the base frame (3 x 3).
 Eigen::Matrix3d euler_rates(const Eigen::Matrix3d& r) {
-  constexpr double infinity = std::numeric_limits<double>::infinity();
   const double cosine = cosine_of_pitch(r);
-  if (cosine < gimbal_lock) {
-    Eigen::Matrix3d rates = Eigen::Matrix3d::Constant(infinity);
-    rates.row(1) << 0, 1, 0;
-    return rates;
-  }
+  if (cosine < gimbal_lock) return Eigen::Matrix3d::Constant(std::numeric_limits<double>::infinity());
   const double cos_yaw = r(0, 0) / cosine, sin_yaw = r(1, 0) / cosine, tan_pitch = -r(2, 0) / cosine;
   Eigen::Matrix3d rates;
   rates << cos_yaw / cosine, sin_yaw / cosine, 0,  //

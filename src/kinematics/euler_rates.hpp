@@ -6,8 +6,8 @@
 namespace qerr::lanes {
 namespace {
 
-/// Rates of roll, pitch and yaw per unit of angular velocity (coordinates.hpp); those of roll and yaw are 0
-/// where they are unbounded.
+/// Rates of roll, pitch and yaw per unit of angular velocity (coordinates.hpp); all are finite
+/// at the gimbal lock, where there are none.
 template <class L>
 struct EulerRates {
   L rates[3][3];
@@ -33,7 +33,7 @@ template <class L>
   r.rates[0][1] = sin_yaw * inverse;
   r.rates[0][2] = L{};
   r.rates[1][0] = -sin_yaw;
-  r.rates[1][1] = r.unbounded ? broadcast<L>(1) : cos_yaw;
+  r.rates[1][1] = cos_yaw;
   r.rates[1][2] = L{};
   r.rates[2][0] = tan_pitch * cos_yaw;
   r.rates[2][1] = tan_pitch * sin_yaw;

@@ -21,7 +21,7 @@ struct ErrorScratch {
   L* residual_counts;        // [encoder][depth]: error over resolution
   L* pose;                   // [9][depth]: pose error
   L* channels;               // [width][depth]; the padding stays 0
-  Bits<L>* unbounded;        // [depth]: whether the rates of roll and yaw are unbounded
+  Bits<L>* unbounded;        // [depth]: whether it is the gimbal lock
 
   JointScratch<L>* joints(std::size_t i) const { return columns + i * columns_each; }
 };

@@ -83,7 +83,7 @@ template <class Wanted, class L>
   for (std::size_t i = 0; i < depth; ++i) exact[i] = scratch.pose[depth * row + i];
   add_channel(b, scratch, c, b.fresh && at == 0, exact);
   if (b.tally) add_peak(*b.tally, c, exact);
-  const bool bounded = !unbounded || row < 6 || row == 7;
+  const bool bounded = !unbounded || row < 6;
   const Linear<L> linear = bounded ? linear_errors<true, Wanted>(p, b, c, at, scratch)
                                    : linear_errors<false, Wanted>(p, b, c, at, scratch);
   add_linear<Wanted>(p, b, c, at, scratch, linear);

@@ -166,7 +166,7 @@ TEST(OperationalError, AnglesAreUnboundedAtTheGimbalLockWithoutANaN) {
                            {{{0.01, Rounding::down, true}}, Eigen::MatrixXd::Identity(1, 1)},
                            {Coordinate::roll, Coordinate::pitch, Coordinate::yaw, Coordinate::rx}};
   const OperationalError e = operational_error(m, Eigen::VectorXd::Zero(1));
-  for (const Eigen::Index i : {0, 2}) {
+  for (const Eigen::Index i : {0, 1, 2}) {
     EXPECT_EQ(e.worst_case[i], std::numeric_limits<double>::infinity());
     EXPECT_EQ(e.sigma[i], std::numeric_limits<double>::infinity());
   }

@@ -93,8 +93,9 @@ TEST(Analysis, WarnsOfPitchAtTheGimbalLockOnly) {
         wrist * Eigen::AngleAxisd(std::numbers::pi / 2 - off, Eigen::Vector3d::UnitY()).toRotationMatrix();
     const Analysis a = analyze(spec);
     const bool warned = std::any_of(a.warnings.begin(), a.warnings.end(), [](const std::string& w) {
-      return w.find("its figures are those about y") != std::string::npos;
+      return w.find("has no rate") != std::string::npos;
     });
+    EXPECT_EQ(std::isinf(a.workspace.coordinates[0].worst_case.max), off == 0);
     EXPECT_EQ(warned, off == 0) << a.workspace.smallest_cosine_of_pitch;
   }
 }

@@ -41,10 +41,10 @@ Experiment wrist(double pitch) {
   return e;
 }
 
-TEST(Simulate, AtTheGimbalLockTheoryOfRollAndYawIsUnboundedAndTheSimulationIsNot) {
+TEST(Simulate, AtTheGimbalLockTheoryOfEulerAnglesIsUnboundedAndTheSimulationIsNot) {
   const Simulation s = run(wrist(0.5 * pi));
   for (const auto& row : s.results)
-    for (const std::size_t c : {1, 3}) {
+    for (const std::size_t c : {1, 2, 3}) {
       const SimulatedSignal& r = row[c];
       for (const double theory :
            {r.sigma_ipqn, r.sigma_ipqn_path, r.sigma_exact, r.worst_case, r.worst_case_path})
@@ -53,7 +53,7 @@ TEST(Simulate, AtTheGimbalLockTheoryOfRollAndYawIsUnboundedAndTheSimulationIsNot
            {r.ladder.varying_jacobian, r.ladder.joint_error, r.ladder.correlated_joints, r.ladder.nonlinear})
         EXPECT_TRUE(std::isnan(factor)) << c;
       EXPECT_TRUE(std::isfinite(r.sigma_upper) && std::isfinite(r.mean_simulated)) << c;
-      if (c == 1) continue;  // this wrist has no roll: its value at the gimbal lock is a rounding error
+      if (c != 3) continue;  // pitch is known well; this wrist has no roll but a rounding error
       EXPECT_GT(r.sigma_simulated, 0.01);
       EXPECT_GT(r.sigma_upper, 1.05 * r.sigma_simulated) << "an interval is known all the same";
       EXPECT_LT(r.sigma_lower, 0.95 * r.sigma_simulated);
@@ -63,18 +63,16 @@ TEST(Simulate, AtTheGimbalLockTheoryOfRollAndYawIsUnboundedAndTheSimulationIsNot
 TEST(Simulate, TheGimbalLockDoesNotChangeTheOtherCoordinates) {
   const Experiment lock = wrist(0.5 * pi);
   Experiment without = lock;
-  without.model.coordinates = {Coordinate::x, Coordinate::pitch};
+  without.model.coordinates = {Coordinate::x};
   const Simulation all = run(lock), some = run(without);
-  for (std::size_t f = 0; f < all.results.size(); ++f)
-    for (const auto& [here, there] : {std::pair{0, 0}, {2, 1}}) {
-      const SimulatedSignal& a = all.results[f][static_cast<std::size_t>(here)];
-      const SimulatedSignal& b = some.results[f][static_cast<std::size_t>(there)];
-      EXPECT_EQ(a.sigma_simulated, b.sigma_simulated);
-      EXPECT_EQ(a.sigma_upper, b.sigma_upper);
-      EXPECT_EQ(a.sigma_exact, b.sigma_exact);
-      EXPECT_EQ(a.ladder.joint_error, b.ladder.joint_error);
-      EXPECT_EQ(a.ladder.nonlinear, b.ladder.nonlinear);
-    }
+  for (std::size_t f = 0; f < all.results.size(); ++f) {
+    const SimulatedSignal &a = all.results[f][0], &b = some.results[f][0];
+    EXPECT_EQ(a.sigma_simulated, b.sigma_simulated);
+    EXPECT_EQ(a.sigma_upper, b.sigma_upper);
+    EXPECT_EQ(a.sigma_exact, b.sigma_exact);
+    EXPECT_EQ(a.ladder.joint_error, b.ladder.joint_error);
+    EXPECT_EQ(a.ladder.nonlinear, b.ladder.nonlinear);
+  }
 }
 
 TEST(Simulate, HasTheExactSigmaOfAFilterWithALongMemory) {

@@ -39,17 +39,16 @@ inline Coordinate first_component(Coordinate length) {
   return length == Coordinate::xyz ? Coordinate::x : Coordinate::rx;
 }
 
-/// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock, where the rates of roll and yaw are
-/// unbounded.
+/// cos(pitch) of R = Rz(yaw) Ry(pitch) Rx(roll): 0 at the gimbal lock.
 double cosine_of_pitch(const Eigen::Matrix3d& rotation);
 
 /// Rows of the chosen coordinates from a geometric Jacobian (6 x joints, linear rows first).
 ///
 /// x y z and rx ry rz are its rows; with omega = E(roll, pitch, yaw)^-1 the rates are
 /// roll' = (cos(yaw) wx + sin(yaw) wy)/cos(pitch), pitch' = -sin(yaw) wx + cos(yaw) wy, yaw' = sin(pitch)
-/// roll' + wz. At the gimbal lock, cos(pitch) < gimbal_lock, rows of roll and yaw are infinite, and that of
-/// pitch is wy: its first-order change there is the length of (wx, wy), which is no row. In the axes of the
-/// tip, rows of x y z and rx ry rz are rotation^T times those of the Jacobian.
+/// roll' + wz. At the gimbal lock, cos(pitch) < gimbal_lock, their rows are infinite: roll and yaw are
+/// unbounded there, and pitch, which falls to all sides of +-90 deg, has no rate. In the axes of the tip,
+/// rows of x y z and rx ry rz are rotation^T times those of the Jacobian.
 /// @pre no length
 /// @returns coordinates x joints
 Eigen::MatrixXd coordinate_rows(const std::vector<Coordinate>&, const Jacobian&,

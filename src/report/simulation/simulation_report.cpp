@@ -68,10 +68,9 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
         return std::isinf(s.sigma_ipqn) || std::isinf(s.sigma_ipqn_path);
       }))
     warnings.push_back(
-        "roll and yaw: the motion passes the gimbal lock (pitch = +-90 deg), where the theory is unbounded "
-        "for "
-        "them; "
-        "use rx ry rz");
+        "Euler angles: the motion passes the gimbal lock (pitch = +-90 deg), where they have no bound; use "
+        "rx ry "
+        "rz");
   return warnings;
 }
 
