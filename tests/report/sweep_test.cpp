@@ -99,6 +99,20 @@ TEST_F(ShardFileTest, ResumesFromEveryLength) {
   }
 }
 
+TEST_F(ShardFileTest, ResumesBeforeADamagedLine) {
+  resumed(count);
+  const std::string whole = text();
+  const std::size_t third = whole.find("3,v3"), end = whole.find("\r\n", third);
+  for (const std::string& damaged : {whole.substr(0, end) + ",more" + whole.substr(end),
+                                     whole.substr(0, end) + "\xe2\x80\xae" + whole.substr(end),
+                                     whole.substr(0, end) + '\0' + whole.substr(end + 1),
+                                     whole.substr(0, end + 2) + whole.substr(third)}) {
+    set(damaged);
+    EXPECT_LE(resumed(count), 3u);
+    EXPECT_EQ(text(), whole) << damaged;
+  }
+}
+
 TEST_F(ShardFileTest, OnlyACompleteFileEndsWithALineBreak) {
   {
     ShardFile file(path_, "--output", "variant,key,value", false);
@@ -125,6 +139,13 @@ TEST_F(ShardFileTest, RefusesFilesThatAreNotItsBegin) {
   refused(whole, count - 1);
   refused("variant,key\r\n" + whole.substr(whole.find('\n') + 1), count);
   refused("something else", count);
+  set("root:secret:0\r\n");
+  try {
+    resumed(count);
+    FAIL() << "a foreign file";
+  } catch (const Error& e) {
+    EXPECT_EQ(std::string(e.what()).find("secret"), std::string::npos) << e.what();
+  }
   std::string changed = whole;
   changed.replace(changed.find("second"), 6, "other!");
   refused(changed, count);  // the first variant has other figures

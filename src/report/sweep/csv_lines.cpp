@@ -1,6 +1,40 @@
 #include "report/sweep/csv_lines.hpp"
 
+#include "core/text.hpp"
+
 namespace qerr {
+
+namespace {
+
+bool has_hidden(std::string_view line) {
+  for (std::size_t at = 0; at < line.size();) {
+    const auto byte = static_cast<unsigned char>(line[at]);
+    const bool plain = 0x20 <= byte && byte < 0x7f;
+    if (!plain && hidden_length(line, at) > 0) return true;
+    at += plain ? 1 : utf8_length(line, at);
+  }
+  return false;
+}
+
+}  // namespace
+
+std::size_t cells_of(std::string_view line) {
+  std::size_t cells = 1;
+  bool within = false;
+  for (const char c : line) {
+    within = within != (c == '"');
+    cells += c == ',' && !within;
+  }
+  return cells;
+}
+
+std::string damage_of(std::string_view line, std::string_view before, std::size_t cells) {
+  if (const std::size_t own = cells_of(line); own != cells)
+    return "the line has " + counted(own, "cell") + ", and the first line " + std::to_string(cells);
+  if (has_hidden(line)) return "the line has characters that qerr does not write";
+  if (line == before) return "the line repeats the one before";
+  return "";
+}
 
 bool CsvLines::next() {
   constexpr std::size_t block_size = std::size_t{1} << 18;

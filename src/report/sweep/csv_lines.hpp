@@ -14,6 +14,13 @@ inline constexpr std::string_view csv_line_break = "\r\n";
 /// then how many shards there are; qerr merge takes it off again.
 inline constexpr std::string_view shard_column = ",shard";
 
+/// The number of cells of a line that qerr has written: commas within quotation marks divide none.
+std::size_t cells_of(std::string_view line);
+
+/// What shows that a line which qerr has written was damaged since: another number of cells than the header,
+/// characters that qerr does not write, or the same line as before; "" if nothing does.
+std::string damage_of(std::string_view line, std::string_view before, std::size_t cells);
+
 /// The lines of a file that qerr has written, one after the other; a file is never held whole.
 class CsvLines {
  public:

@@ -16,27 +16,6 @@ namespace qerr {
 
 namespace {
 
-/// Commas within quotes divide no cells.
-std::size_t cells_of(std::string_view line) {
-  std::size_t cells = 1;
-  bool within = false;
-  for (const char c : line) {
-    within = within != (c == '"');
-    cells += c == ',' && !within;
-  }
-  return cells;
-}
-
-bool has_hidden(std::string_view line) {
-  for (std::size_t at = 0; at < line.size();) {
-    const auto byte = static_cast<unsigned char>(line[at]);
-    const bool plain = 0x20 <= byte && byte < 0x7f;
-    if (!plain && hidden_length(line, at) > 0) return true;
-    at += plain ? 1 : utf8_length(line, at);
-  }
-  return false;
-}
-
 /// The file of a shard, read variant by variant.
 class ShardReader {
  public:
@@ -110,13 +89,10 @@ class ShardReader {
   }
 
   /// A line that was damaged on its way, which the figures of one variant alone would not show.
-  void require_whole_line() const {
-    if (cells_of(line_) != cells_)
-      refuse("the line has " + counted(cells_of(line_), "cell") + ", and the first line " +
-                 std::to_string(cells_),
-             "", "compute this shard anew");
-    if (has_hidden(line_))
-      refuse("the line has characters that qerr does not write", quoted(line_), "compute this shard anew");
+  void require_whole_line() {
+    if (const std::string damage = damage_of(line_, before_, cells_); !damage.empty())
+      refuse(damage, quoted(line_.substr(0, 60)), "compute this shard anew");
+    before_ = line_;
   }
 
   /// Takes the last cell off the line.
@@ -131,8 +107,8 @@ class ShardReader {
   std::string path_;
   ByteSource source_;
   CsvLines lines_;
-  std::string header_, line_, shard_;
-  std::size_t cells_ = 0;  // of every line
+  std::string header_, line_, shard_, before_;  // before_: the line before, as it is in the file
+  std::size_t cells_ = 0;                       // of every line
   bool more_ = false, marked_ = false;
   std::optional<std::uint64_t> variant_;
 };

@@ -21,14 +21,16 @@ class HeldVariants {
   bool read_header(const std::string& header) {
     if (!lines_.next()) return false;
     const std::string line = header + std::string(csv_line_break);
+    header_cells_ = cells_of(header);
     if (!lines_.ended() && line.starts_with(lines_.line())) return false;
     if (lines_.ended() && lines_.line() == header) return true;
+    if (!lines_.line().starts_with("variant,")) refuse("is no CSV of qerr sweep", "");
     refuse("has other columns than this sweep", shown(lines_.line()));
   }
 
   /// Reads all lines. Those of the last variant that is seen may be incomplete.
   void read_variants() {
-    next_cells_ = cells_of(0);
+    next_cells_ = cells_of_variant(0);
     while (lines_.next()) {
       const std::string_view line = lines_.line();
       const bool same = seen_ > 0 && line.starts_with(cells_of_last_);
@@ -39,6 +41,9 @@ class HeldVariants {
                                                        next_cells_.substr(0, next_cells_.size() - 1) + "'",
                shown(line));
       }
+      // A damaged line, too, is not whole: what follows is computed anew.
+      if (lines_.ended() && !damage_of(line, line_before_, header_cells_).empty()) return;
+      line_before_ = line;
       last_ += line;
       last_ += csv_line_break;
     }
@@ -61,7 +66,7 @@ class HeldVariants {
   }
 
  private:
-  std::string cells_of(std::uint64_t i) const { return i < count_ ? cells_(i) : std::string(); }
+  std::string cells_of_variant(std::uint64_t i) const { return i < count_ ? cells_(i) : std::string(); }
 
   bool begins_next(std::string_view line) {
     if (seen_ == count_ || !line.starts_with(next_cells_)) return false;
@@ -69,7 +74,7 @@ class HeldVariants {
     before_last_ = std::move(last_);
     last_.clear();
     cells_of_last_ = next_cells_;
-    next_cells_ = cells_of(++seen_);
+    next_cells_ = cells_of_variant(++seen_);
     end_of_whole_ = lines_.begin() - csv_line_break.size();
     return true;
   }
@@ -86,6 +91,8 @@ class HeldVariants {
   }
 
   std::string path_;
+  std::size_t header_cells_ = 0;
+  std::string line_before_;
   CsvLines lines_;
   std::uint64_t count_;
   const std::function<std::string(std::uint64_t)>& cells_;
