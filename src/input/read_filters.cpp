@@ -129,21 +129,26 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
 /// The norms of a filter. Cut-off and sample rate hundreds of orders of magnitude apart exceed the range of
 /// double: a fault of the spec.
 Norms norms_of(const Filter& filter) {
-  const auto out_of_range = [](const std::string& found) {
-    return Error({{},
-                  "",
-                  "the norms of the filter exceed the range of double precision",
-                  found,
-                  "bring cut-off and sample rate closer together"});
+  const auto out_of_range = [&](const std::string& found) {
+    return Error(
+        {{},
+         "",
+         "the norms of the filter exceed the range of double precision",
+         found,
+         filter.designed ? "bring cut-off and sample rate closer together" : "scale its coefficients"});
   };
+  const auto silent = [] {
+    return Error(
+        {{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
+  };
+  if (!filter.designed && filter.gain.hi == 0) throw silent();  // of a design it is an underflow
   Norms n;
   try {
     n = norms(filter);
   } catch (const Error& e) {
     throw out_of_range(e.faults().front().found);
   }
-  if (n.h2 == 0)
-    throw Error({{}, "", "the filter passes nothing: its output is always 0", "a gain of 0", "leave it out"});
+  if (n.h2 == 0) throw silent();
   if (std::isfinite(n.h2) && !std::isfinite(n.l1.upper))
     throw Error({{},
                  "",
