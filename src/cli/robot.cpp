@@ -1,8 +1,10 @@
+#include <algorithm>
 #include <cstdio>
 #include <filesystem>
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
+#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -64,12 +66,26 @@ void write_spec(const RobotReport& report, const std::string& text, SpecFiles& f
   finish(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)));
 }
 
+void check_links(const RobotModel& robot, const Values& v) {
+  for (const char* option : {"base", "tip"}) {
+    const std::string& link = v.text(option);
+    if (link.empty() || std::find(robot.links.begin(), robot.links.end(), link) != robot.links.end())
+      continue;
+    throw Error(Fault{{robot.file},
+                      "--" + std::string(option),
+                      "no link of the URDF has this name",
+                      quoted(link),
+                      did_you_mean(link, robot.links)});
+  }
+}
+
 int run(const Values& v) {
   check_streams(v);
   const std::string& path = v.text("URDF");
   const std::string text = read_text(path);
-  RobotReport report = robot_report(parse_urdf(text, path == "-" ? "(standard input)" : path), text,
-                                    v.text("base"), v.text("tip"));
+  const RobotModel robot = parse_urdf(text, path == "-" ? "(standard input)" : path);
+  check_links(robot, v);
+  RobotReport report = robot_report(robot, text, v.text("base"), v.text("tip"));
   OutputFile out(v.text("output"));
   SpecFiles files = opened_files(v);
   if (files.spec) {

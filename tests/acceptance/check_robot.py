@@ -78,7 +78,9 @@ def asks(t, qerr, folder):
     ran = run(qerr, "analyze", urdf)
     t.check("a URDF in place of a spec: 3, and the command that helps", ran.code == 3 and b"qerr robot" in ran.err, ran.err.decode())
     ran = run(qerr, "robot", urdf, "--tip", "nowhere")
-    t.check("an unknown tip: 3", ran.code == 3 and b"robot.tip" in ran.err and not ran.out, ran.err.decode())
+    t.check("an unknown tip: 3", ran.code == 3 and b"--tip" in ran.err and not ran.out, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "--base", "nowhere")
+    t.check("an unknown base: 3", ran.code == 3 and b"--base: no link" in ran.err and not ran.out, ran.err.decode())
     spec = folder / "package.yaml"
     share = folder / "install" / "share" / "arm_description"
     share.mkdir(parents=True)
