@@ -1,7 +1,6 @@
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
-#include <set>
 
 #include "core/number_advice.hpp"
 #include "core/text.hpp"
@@ -9,6 +8,7 @@
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/yaml_text.hpp"
+#include "qerr/encoder/encoder_kinds.hpp"
 
 namespace qerr {
 
@@ -116,8 +116,33 @@ std::vector<SweepStep> catalogue_steps(const Object& o, const std::string& axis,
   return steps;
 }
 
+/// A key with items of lists as `.3`, which may be written `[3]`.
+std::string with_dots(const std::string& key) {
+  std::string out;
+  for (const char c : key)
+    if (c == '[')
+      out += '.';
+    else if (c != ']')
+      out += c;
+  return out;
+}
+
+/// Whether one of two keys is the other one or lies in it, or both state the resolution of one encoder: the
+/// last one would hold for all variants.
+bool same_value(const std::string& one, const std::string& other) {
+  const std::string a = with_dots(one), b = with_dots(other);
+  if ((a + '.').starts_with(b + '.') || (b + '.').starts_with(a + '.')) return true;
+  const auto kind = [](const std::string& key) {
+    const std::string last = key.substr(key.rfind('.') + 1);
+    const auto& kinds = encoder_kinds();
+    return std::any_of(kinds.begin(), kinds.end(), [&](const EncoderKind& k) { return k.name == last; });
+  };
+  return a.starts_with("encoders.") && kind(a) && kind(b) &&
+         a.substr(0, a.rfind('.')) == b.substr(0, b.rfind('.'));
+}
+
 /// @param used  keys of the entries before
-SweepAxis axis_of(const Object& o, const Spec& spec, std::set<std::string>& used) {
+SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& used) {
   SweepAxis axis;
   if (o.has("key") == o.has("keys"))
     throw Error(
@@ -134,10 +159,15 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::set<std::string>& used
       throw Error({o.self().node->place, o.self().path + ".values", "missing key", "",
                    "add values: [[...], ...], in each list a value for each of the keys"});
   }
-  for (const std::string& key : axis.keys)
-    if (!used.insert(key).second)
+  for (const std::string& key : axis.keys) {
+    const auto same =
+        std::find_if(used.begin(), used.end(), [&](const auto& u) { return same_value(key, u); });
+    if (same != used.end())
       throw Error(o.at(o.has("key") ? "key" : "keys")
-                      .fault("varies the same value twice: " + key, "name each key once in the sweep"));
+                      .fault("varies the same value twice: " + key + (*same == key ? "" : " and " + *same),
+                             "name each value once in the sweep"));
+    used.push_back(key);
+  }
   axis.steps = o.has("keys")        ? joint_steps(o, axis.keys)
                : o.has("catalogue") ? catalogue_steps(o, axis.keys[0], spec)
                : o.has("values")    ? list_steps(o, axis.keys[0])
@@ -149,7 +179,7 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::set<std::string>& used
 }  // namespace
 
 void read_sweep(const Field& f, Spec& spec, Faults& faults) {
-  std::set<std::string> used;
+  std::vector<std::string> used;
   for (const Field& item : read_list(f, "a list: - {key: ..., values: [...]}"))
     faults.guard([&] {
       const Object o(item, spec_format::sweep());

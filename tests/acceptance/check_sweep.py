@@ -220,6 +220,9 @@ def check_errors(t, qerr, spec, whole, folder):
                         ("sweep: [{keys: [], values: []}]\n", ["keys", "empty"]),
                         ("sweep: [{key: encoders.a1.bits, keys: [encoders.a2.bits], values: [1]}]\n", ["keys"]),
                         ("sweep: [{key: encoders.a1.bits, values: [12]}, {key: encoders.a1.bits, values: [13]}]\n", ["encoders.a1.bits", "twice"]),
+                        ("sweep: [{key: encoders.a1.bits, values: [12]}, {key: encoders.a1, values: [{bits: 3}]}]\n", ["encoders.a1", "twice"]),
+                        ("sweep: [{key: encoders.a1.bits, values: [12]}, {key: encoders.a1.counts_per_rev, values: [9]}]\n", ["counts_per_rev", "twice"]),
+                        ("sweep: [{key: 'a[0].b', values: [12]}, {key: a.0.b, values: [9]}]\n", ["a.0.b and a[0].b", "twice"]),
                         ("sweep: [{key: filters.velocity, catalogue: encoders.csv}]\n", ["catalogue", "encoders"]),
                         ("sweep: [{key: encoders.a1, catalogue: nowhere.csv}]\n", ["nowhere.csv"]),
                         ("sweep: [{key: encoders.a1, catalogue: encoders.csv, values: [1]}]\n", ["values", "catalogue"])):
