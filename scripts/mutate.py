@@ -9,7 +9,8 @@ which is compiled once; each mutant compiles what it changes. A mutant is killed
 first those that include its header, then those of its module, then, of the others in --tests, those of modules above
 it. With --then, survivors also meet the tests of ctest that match REGEX, such as 'acceptance|hidden'. Mutants that do
 not compile are replaced by others.
-A member's default of 0 or false is not changed: it says "not set", and is overwritten before it is read.
+A 0 with which a member of a struct begins is not changed: most are overwritten before they are read, which no test can
+see. Properties draw the same cases for every mutant.
 --skip goes on after a run that was stopped.
 
 Prints one line a mutant, then the survivors (FILE:LINE, change) and the share that was killed. The exit code is 1 if it
@@ -73,19 +74,19 @@ def changed_number(word):
     return "0.0" if float(word) == 1 else "1.0"
 
 
-def member_defaults(code):
-    """The places of 0 and false behind the names of members: within the braces of a struct or class, and of nothing inside."""
-    places, open_classes, start = set(), [], 0
-    for m in re.finditer(r"[{};]|(?<= = )(?:0|0\.0|false)\b", code):
-        if m[0] == "{":
-            head = code[start:m.start()]
-            open_classes.append(bool(re.search(r"\b(?:struct|class)\b", head)) and "(" not in head)
-        elif m[0] == "}" and open_classes:
-            open_classes.pop()
-        elif m[0] not in "};":
-            if open_classes and open_classes[-1] and not re.search(r"\(|\bstatic\b", code[start:m.start()]):
+def zero_members(code):
+    """The places of the 0 behind the names of members: within the braces of a struct, and of nothing inside."""
+    places, open_structs, start = set(), [], 0
+    for m in re.finditer(r"[{};]|(?<= = )0(?![\w.'])", code):
+        statement = code[start:m.start()]
+        if m[0] == "0":
+            if open_structs and open_structs[-1] and not re.search(r"\(|\bstatic\b", statement):
                 places.add(m.start())
             continue
+        if m[0] == "{":
+            open_structs.append(bool(re.search(r"\bstruct\b", statement)) and "(" not in statement)
+        elif m[0] == "}" and open_structs:
+            open_structs.pop()
         start = m.end()
     return places
 
@@ -93,7 +94,7 @@ def member_defaults(code):
 def mutations(text):
     """[(start, end, replacement)] of one source."""
     code, found = blanked(text), []
-    kept = member_defaults(code)
+    kept = zero_members(code)
     for m in SWAP.finditer(code):
         found += [(m.start(), m.end(), other) for other in SWAPS[m[0]]]
     found += [(m.start(), m.end(), changed_number(m[0])) for m in NUMBER.finditer(code)]
@@ -114,6 +115,7 @@ def line_of(text, start, end):
 def call(words, limit=None):
     """Exit code, or "timeout", and the output. A mutant may ask for endless memory, too: 4 GB must do."""
     process = subprocess.Popen(words, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, cwd=WORK, text=True, errors="replace",
+                               env={**os.environ, "RC_PARAMS": "seed=1"},
                                start_new_session=True, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_AS, (4 << 30, 4 << 30)))
     try:
         output, _ = process.communicate(timeout=limit)

@@ -57,7 +57,7 @@ FilterQuestions questions(const Values& v) {
   return q;
 }
 
-/// A speed or an amplitude that no encoder has is no answer, not an empty one.
+/// Refuses a speed or an amplitude of which no encoder is of the kind: the answer would be an empty table.
 void require_joints(const Spec& spec, const std::vector<MotionQuestion>& motions) {
   for (const MotionQuestion& m : motions) {
     const auto& joints = spec.model.chain.independent;

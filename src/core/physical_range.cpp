@@ -14,6 +14,7 @@ struct DimensionRange {
 /// The diameter of a proton is 1.7e-15 m and that of the Earth 1.3e7 m. An angle of 1e-15 rad is a proton at
 /// the end of an arm of a metre; 1e9 rad are two days of a spindle at 60 000 rpm. Light needs 1e-15 s for 0.3
 /// um, and the universe is 4e17 s old. Nothing is faster than light.
+/// A joint that turns by 1e6 rad under 1 N m, or by 1e3 rad in 1 K, is none.
 constexpr DimensionRange ranges[]{
     {dimension::length, {1e-15, 1e8}},
     {dimension::angle, {1e-15, 1e9}},
@@ -26,6 +27,8 @@ constexpr DimensionRange ranges[]{
     {dimension::torque, {1e-15, 1e15}},
     {{0, 0, 0, 1}, {1e-15, 1e15}},
     {dimension::temperature, {1e-12, 1e9}},
+    {dimension::compliance, {1e-15, 1e6}},
+    {dimension::angle_per_temperature, {1e-15, 1e3}},
 };
 
 /// Of other quantities and of pure numbers: the squares of such numbers are normal doubles, and the

@@ -27,6 +27,8 @@ const std::vector<Parameter>& common_encoder_parameters() {
       {.name = "gear_ratio",
        .meaning = "encoder revolutions per joint revolution; negative if the directions are opposite",
        .fallback = 1.0,
+       .least = -1e9,
+       .most = 1e9,
        .nonzero = true},
       {.name = "travel_per_rev",
        .dimension = dimension::length,

@@ -35,7 +35,7 @@ EffectKind rollover_effect() {
                           .meaning = "counts at which it wraps",
                           .required = true,
                           .least = 2,
-                          .most = 0x1p53}},
+                          .most = 0x1p53 - 1}},  // 2^53 is also what 2^53 + 1 is read as
           .action = [](const Effect& e, const Encoder&, std::uint64_t) -> Action {
             return [modulus = e.number("modulus")](double x, const Moment&) { return wrapped(x, modulus); };
           },

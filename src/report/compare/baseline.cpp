@@ -54,7 +54,7 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
                       "",
                       "the baseline has none of the figures of " + quoted(now.file),
                       check.missing.empty() ? "no figure" : counted(check.missing.size(), "other figure"),
-                      "write it anew with the same coordinates and filters: qerr check SPEC -o OLD.json"});
+                      "write it anew with the same coordinates and filters: qerr analyze SPEC -o OLD.json"});
   for (const JudgedRequirement& r : old.requirements)
     if (std::none_of(now.requirements.begin(), now.requirements.end(),
                      [&](const JudgedRequirement& other) { return same_limit(r, other); }))
