@@ -195,6 +195,19 @@ def check_interface(t, qerr, folder):
                 f"exit {ran.code}: {ran.err.decode()[:200]}")
 
 
+def check_coupled_log(t, qerr, folder):
+    """The positions of one joint are rounded in the log, which an other joint's encoder needs."""
+    spec, log = ROOT / "configs/phantom_premium/experiment.yaml", folder / "coupled.csv"
+    names = Chain(ROOT / "configs/phantom_premium/phantom_premium.urdf").names
+    run(qerr, "simulate", "-q", spec, "--log", log, "-o", folder / "r.txt", "--set",
+        f"effects=[{{type: log_rounding, joint: {names[1]}, step: 0.1 mrad}}]")
+    header = log.read_text().splitlines()[0]
+    t.check("positions of both coupled joints, counts of the third", [f"{names[0]}.counts" in header] +
+            [f"{n}.measured" in header for n in names[1:]] == [True] * 3, header)
+    ran = run(qerr, "diagnose", "-q", spec, log)
+    t.check("diagnose reads the log of coupled joints", ran.code == 0, ran.err.decode()[:200])
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--qerr", required=True)
@@ -206,6 +219,7 @@ def main():
         check_nothing(t, arguments.qerr, folder)
         check_reproducible(t, arguments.qerr, folder)
         check_interface(t, arguments.qerr, folder)
+        check_coupled_log(t, arguments.qerr, folder)
     return t.close()
 
 

@@ -30,6 +30,13 @@ LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.m
     rounded_.push_back(std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
     }));
+  // Without the counts of one encoder, positions are recorded of every joint that it moves.
+  const Eigen::MatrixXd coupling = spec.model.transmission.coupling.dense();
+  for (std::size_t pass = 0; pass < rounded_.size(); ++pass)
+    for (Eigen::Index j = 0; j < coupling.rows(); ++j)
+      for (Eigen::Index i = 0; i < coupling.cols(); ++i)
+        if (coupling(j, i) != 0 && rounded_[static_cast<std::size_t>(i)])
+          rounded_[static_cast<std::size_t>(j)] = true;
 }
 
 std::string LogWriter::header() const {
