@@ -31,12 +31,16 @@ LogWriter::LogWriter(const Spec& spec) : spec_(spec), efforts_(has_masses(spec.m
       return e.joint == joint.name && effect_kind(e.type).stage == Stage::log && e.number("step") > 0;
     }));
   // Without the counts of one encoder, positions are recorded of every joint that it moves.
-  const Eigen::MatrixXd coupling = spec.model.transmission.coupling.dense();
-  for (std::size_t pass = 0; pass < rounded_.size(); ++pass)
-    for (Eigen::Index j = 0; j < coupling.rows(); ++j)
-      for (Eigen::Index i = 0; i < coupling.cols(); ++i)
-        if (coupling(j, i) != 0 && rounded_[static_cast<std::size_t>(i)])
-          rounded_[static_cast<std::size_t>(j)] = true;
+  const Coupling& coupling = spec.model.transmission.coupling;
+  for (bool more = !coupling.is_identity(); more;) {
+    more = false;
+    for (Eigen::Index j = 0; j < coupling.size(); ++j)
+      for (Eigen::Index i = 0; i < coupling.size(); ++i) {
+        const auto joint = static_cast<std::size_t>(j), encoder = static_cast<std::size_t>(i);
+        if (coupling(j, i) == 0 || !rounded_[encoder] || rounded_[joint]) continue;
+        rounded_[joint] = more = true;
+      }
+  }
 }
 
 std::string LogWriter::header() const {
