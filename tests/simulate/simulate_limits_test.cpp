@@ -68,7 +68,7 @@ TEST(Simulate, TheGimbalLockDoesNotChangeTheOtherCoordinates) {
   for (std::size_t f = 0; f < all.results.size(); ++f) {
     const SimulatedSignal &a = all.results[f][0], &b = some.results[f][0];
     EXPECT_EQ(a.sigma_simulated, b.sigma_simulated);
-    EXPECT_EQ(a.sigma_upper, b.sigma_upper);
+    EXPECT_DOUBLE_EQ(a.sigma_upper, b.sigma_upper);
     EXPECT_EQ(a.sigma_exact, b.sigma_exact);
     EXPECT_EQ(a.ladder.joint_error, b.ladder.joint_error);
     EXPECT_EQ(a.ladder.nonlinear, b.ladder.nonlinear);
