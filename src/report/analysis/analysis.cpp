@@ -127,8 +127,7 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
   if (pitch && w.smallest_cosine_of_pitch < gimbal_lock)
     warnings.emplace_back(
         "pitch: a sample is at the gimbal lock (pitch = +-90 deg), where pitch has no rate, and its figures "
-        "no "
-        "bound; use rx ry rz");
+        "no bound; use rx ry rz");
   for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
   if (!spec.filters.empty())
     for (std::string& warning : warnings_of_derivatives(spec, noise, w))

@@ -69,8 +69,7 @@ std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
       }))
     warnings.push_back(
         "Euler angles: the motion passes the gimbal lock (pitch = +-90 deg), where they have no bound; use "
-        "rx ry "
-        "rz");
+        "rx ry rz");
   return warnings;
 }
 
