@@ -3,6 +3,7 @@
 #include "input/read_limits.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/exceedance.hpp"
+#include "report/check/parts.hpp"
 
 namespace qerr::cli {
 
@@ -11,7 +12,8 @@ namespace {
 int run(const Values& v) {
   ProofRequest proofs = proof_request(v);
   proofs.all = v.given("prove");
-  Spec spec = load(v.text("SPEC"), v);
+  Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
+                   [&](const Spec& s) { return figures_of_some(s, threads(v)); });
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstdio>
 #include <ctime>
 #include <limits>
@@ -9,6 +10,7 @@
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/check/parts.hpp"
 #include "report/formats.hpp"
 
 namespace qerr::cli {
@@ -51,11 +53,19 @@ std::optional<Baseline> baseline_of(const Values& v) {
   return read_baseline(read_text(file), file, tolerance);
 }
 
-CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const ProofRequest& proofs,
-                    const Values& v) {
+/// One spec of several that is wrong does not hide the others.
+CheckReport checked(const Baseline* baseline, const ProofRequest& proofs, const Values& v) {
   const WorkspaceOptions options = workspace_options(v);
   CheckReport report;
-  for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline, proofs));
+  for (const std::string& path : v.texts("SPEC")) try {
+      const Spec spec = load(path, v, {"threshold", "sweep", "design"},
+                             [&](const Spec& s) { return figures_of_some(s, threads(v)); });
+      limit_configurations(spec, v);
+      report.specs.push_back(check(spec, options, baseline, proofs));
+    } catch (const Error& e) {
+      if (e.trouble() == Trouble::internal || e.trouble() == Trouble::usage) throw;
+      report.broken.push_back({path, e});
+    }
   return report;
 }
 
@@ -65,12 +75,7 @@ CheckReport read_and_check(const Values& v, bool annotated) {
     const ProofRequest proofs = proof_request(v);
     const std::optional<Baseline> baseline = baseline_of(v);
     refuse_shared_input(v.texts("SPEC"), "SPEC");
-    std::vector<Spec> specs;
-    for (const std::string& path : v.texts("SPEC")) {
-      specs.push_back(load(path, v));
-      limit_configurations(specs.back(), v);
-    }
-    return checked(specs, baseline ? &*baseline : nullptr, proofs, v);
+    return checked(baseline ? &*baseline : nullptr, proofs, v);
   } catch (const Error& e) {
     if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
     throw;
@@ -85,12 +90,22 @@ int run(const Values& v) {
   const auto out = only_verdicts ? nullptr : opened(v, "output");
   const bool annotated = v.given("annotations");
   const CheckReport report = read_and_check(v, annotated);
-  if (verdicts) finish(*verdicts, junit(report, now()));
+  const bool nothing_checked = report.specs.empty();
+  if (verdicts && !(nothing_checked && v.text("junit") == "-")) finish(*verdicts, junit(report, now()));
+  if (nothing_checked) {
+    if (annotated) annotate(github_annotations(report), false);
+    throw report.broken.front().error;
+  }
   if (out) finish(*out, report, v);
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
   if (annotated) annotate(github_annotations(report), table);
   for (const SpecCheck& check : report.specs) warn(check.analysis.warnings, v);
-  return report.all_met() ? 0 : 1;
+  int code = report.all_met() ? 0 : 1;
+  for (const BrokenSpec& b : report.broken) {
+    print_error(b.error.what());
+    code = std::max(code, static_cast<int>(b.error.trouble()));
+  }
+  return code;
 }
 
 }  // namespace

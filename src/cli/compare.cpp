@@ -3,6 +3,7 @@
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/report/comparison.hpp"
+#include "report/check/parts.hpp"
 
 namespace qerr::cli {
 
@@ -43,7 +44,10 @@ struct Side {
 SpecCheck computed(const Side& side, bool with_overrides, const Values& v) {
   SpecOverrides changes = overrides(v);
   if (!with_overrides) changes.values.clear();
-  const Spec spec = parse_spec(side.text, side.file, changes);
+  Spec spec = parse_spec(side.text, side.file, changes);
+  for (std::string& warning : idle_overrides(spec, changes, {"threshold", "sweep", "design"},
+                                             [&](const Spec& s) { return figures_of_some(s, threads(v)); }))
+    spec.warnings.push_back(std::move(warning));
   limit_configurations(spec, v);
   const WorkspaceOptions options = workspace_options(v);
   return evaluate(spec, options);

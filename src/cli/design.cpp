@@ -11,6 +11,7 @@ namespace {
 int run(const Values& v) {
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
+  if (variants.base().design) refuse_chosen_encoders(variants.base(), overrides(v));
   limit_configurations(variants.base(), v);
   OutputFile out(v.text("output"));
   const auto written = opened(v, "write-spec");
@@ -19,7 +20,9 @@ int run(const Values& v) {
   options.pareto = v.text("pareto");
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");
-  const DesignReport report = design(variants, options);
+  DesignReport report = design(variants, options);
+  for (std::string& warning : idle_overrides(variants.base(), overrides(v), {"threshold", "sweep"}, {}))
+    report.warnings.push_back(std::move(warning));
   // First what may fail: a report that is shown says that the spec was written.
   if (written && report.optimal) finish(*written, report.written);
   finish(out, report, v);

@@ -42,7 +42,7 @@ std::string prepared_folder(const std::string& path) {
 }
 
 int run_plan(const Values& v) {
-  const Spec spec = load(v.text("SPEC"), v);
+  const Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate : 0, "motion.duration",
              "samples", v);
   OutputFile out(v.text("output"));
@@ -71,7 +71,7 @@ int run(const Values& v) {
   for (const std::string& log : inputs) note_input(log);  // the outputs are prepared before they are read
   inputs.push_back(v.text("SPEC"));
   refuse_shared_input(inputs, "LOG");
-  const Spec spec = load(v.text("SPEC"), v);
+  const Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   OutputFile out(v.text("output"));
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";

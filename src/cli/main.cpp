@@ -18,7 +18,6 @@
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace {
 
@@ -90,9 +89,7 @@ void keep_freed_memory() {
 }
 
 int report(const std::string& text, qerr::Trouble trouble) {
-  qerr::cli::clear_progress();
-  const std::size_t width = qerr::cli::message_width();
-  std::fputs((width > 0 ? qerr::within(text, width) : text + '\n').c_str(), stderr);
+  qerr::cli::print_error(text);
   return static_cast<int>(trouble);
 }
 

@@ -112,13 +112,25 @@ SpecOverrides overrides(const Values& v) {
     const std::size_t equals = text.find('=');
     if (equals == std::string::npos || equals == 0)
       throw usage("--set", "must be KEY=VALUE", "'" + text + "'", "e.g. --set encoders.elbow.bits=19");
-    changes.values.emplace_back(text.substr(0, equals), text.substr(equals + 1));
+    const std::string key = text.substr(0, equals);
+    for (const auto& [other, value] : changes.values)
+      if (other == key)
+        throw usage("--set", "sets " + key + " twice",
+                    quoted(value) + " and " + quoted(text.substr(equals + 1)), "give each key once");
+    changes.values.emplace_back(key, text.substr(equals + 1));
   }
   if (v.given("seed")) changes.seed = v.whole("seed");
   return changes;
 }
 
-Spec load(const std::string& path, const Values& v) { return read_spec(path, overrides(v)); }
+Spec load(const std::string& path, const Values& v, const std::vector<std::string_view>& unused,
+          const ReportText& report) {
+  const SpecOverrides changes = overrides(v);
+  Spec spec = read_spec(path, changes);
+  for (std::string& warning : idle_overrides(spec, changes, unused, report))
+    spec.warnings.push_back(std::move(warning));
+  return spec;
+}
 
 void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option) {
   if (std::count(paths.begin(), paths.end(), "-") > 1)

@@ -7,6 +7,7 @@
 #include "cli/option.hpp"
 #include "cli/terminal.hpp"
 #include "core/output_file.hpp"
+#include "input/idle_overrides.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/input/spec.hpp"
@@ -32,8 +33,12 @@ Error usage(const std::string& option, const std::string& rule, const std::strin
 /// The changes of --set and --seed.
 SpecOverrides overrides(const Values&);
 
-/// The spec with the changes of --set and --seed.
-Spec load(const std::string& path, const Values&);
+/// The spec with the changes of --set and --seed, and among its warnings those of changes that the report
+/// does not show.
+/// @param unused  sections of the spec that the command does not use
+/// @param report  what the command says of a spec, at some configurations if it evaluates many
+Spec load(const std::string& path, const Values&, const std::vector<std::string_view>& unused,
+          const ReportText& report = {});
 
 /// Only one of the inputs of a run may be standard input.
 /// @param option  that names the second one, for the message

@@ -69,7 +69,8 @@ Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
 int run(const Values& v) {
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
-  const Spec spec = search ? with_cutoffs(*search, v) : load(v.text("SPEC"), v);
+  const Spec spec = search ? with_cutoffs(*search, v)
+                           : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));

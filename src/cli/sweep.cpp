@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/check/parts.hpp"
 #include "report/sweep/csv_lines.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/sweep_page.hpp"
@@ -84,6 +85,27 @@ constexpr double variants_per_second = 3000;
 void warn_of(const Spec& spec, const Values& v) {
   std::vector<std::string> warnings = spec.warnings;
   std::erase_if(warnings, [](const std::string& warning) { return warning.starts_with("sweep: "); });
+  warn(warnings, v);
+}
+
+/// Overrides and keys of the sweep that change no figure.
+void warn_of_idle_keys(const SpecVariants& variants, const Values& v) {
+  const Spec& base = variants.base();
+  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
+  std::vector<std::string> warnings = idle_overrides(base, overrides(v), {"threshold", "design"}, figures);
+  const auto text = [&](const SweepStep& step) {
+    std::vector<Node> effects;
+    for (const std::string& effect : step.effects) effects.push_back(parse_yaml(effect, base.file));
+    Spec spec = variants.variant(spec_changes(step.changes), effects);
+    spec.overrides.clear();
+    return figures(spec);
+  };
+  for (const SweepAxis& axis : base.sweep) try {
+      if (axis.steps.size() > 1 && text(axis.steps.front()) == text(axis.steps.back()))
+        warnings.push_back("sweep: " + axis.keys.front() +
+                           " changes no figure between its first and its last value");
+    } catch (const Error&) {  // of a variant that cannot be computed, which its rows say
+    }
   warn(warnings, v);
 }
 
@@ -201,6 +223,7 @@ int run(const Values& v) {
                      .text = {}};
   limit_work(variants.base(), work(job), "sweep", "configurations", v);
   warn_of(variants.base(), v);
+  warn_of_idle_keys(variants, v);
   constexpr double hour = 3600;
   if (least_work / variants_per_second > hour)
     warn({"sweep: " + significant(least_work, 3) + " variants take " +

@@ -14,6 +14,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr::cli {
 
@@ -83,6 +84,12 @@ std::size_t message_width() { return terminal_width(STDERR_FILENO, isatty(STDERR
 
 void clear_progress() {
   if (progress_is_visible.exchange(false)) std::fputs("\r\x1b[K", stderr);
+}
+
+void print_error(const std::string& text) {
+  clear_progress();
+  const std::size_t width = message_width();
+  std::fputs((width > 0 ? within(text, width) : text + '\n').c_str(), stderr);
 }
 
 std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {

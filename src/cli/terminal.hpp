@@ -31,4 +31,7 @@ std::string duration(double seconds);
 /// Removes the line of the progress, if there is one, before something else is printed.
 void clear_progress();
 
+/// A message on standard error, below the progress.
+void print_error(const std::string& text);
+
 }  // namespace qerr::cli

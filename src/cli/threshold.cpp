@@ -12,7 +12,7 @@ int run(const Values& v) {
   refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {
-    specs.push_back(load(path, v));
+    specs.push_back(load(path, v, {"requirements", "motion", "sweep", "design"}));
     limit_configurations(specs.back(), v);
   }
   OutputFile out(v.text("output"));

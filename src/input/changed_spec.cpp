@@ -12,7 +12,7 @@ std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& change
   Node root = parse_yaml(spec.text, spec.file);
   std::vector<SpecChange> all = spec_changes(spec.overrides);
   all.insert(all.end(), changes.begin(), changes.end());
-  for (const SpecChange& change : in_order(std::move(all))) apply_override(root, change);
+  apply_changes(root, all, [&](const Node&) -> const Chain& { return spec.model.chain; });
   for (const Node& effect : effects) add_effect(root, effect);
   move_paths(root, spec.file, target);
   std::string out = rewritten(spec.text, root, spec.file);

@@ -120,7 +120,8 @@ class Extension {
 
   std::string written(const std::vector<AddedEffect>& effects) const {
     Node root = parse_yaml(spec_.text, spec_.file);
-    for (const SpecChange& change : in_order(spec_changes(spec_.overrides))) apply_override(root, change);
+    apply_changes(root, spec_changes(spec_.overrides),
+                  [&](const Node&) -> const Chain& { return spec_.model.chain; });
     move_paths(root, spec_.file, target_);
     add_filters(root, spec_.filters, filters_);
     if (!effects.empty()) {

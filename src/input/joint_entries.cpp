@@ -115,6 +115,26 @@ void refuse_overlaps(const Chain& chain, const std::vector<JointEntry>& entries,
     });
 }
 
+/// A pattern all of whose joints have entries of their own governs nothing.
+void warn_of_idle_patterns(const Chain& chain, const std::vector<JointEntry>& entries,
+                           std::vector<std::string>& warnings) {
+  std::vector<std::pair<Field, std::vector<std::string>>> all;  // patterns, and their joints with own entries
+  std::vector<const Node*> needed;
+  for (std::size_t i = 0; i < entries.size(); ++i)
+    for (const Field& pattern : entries[i].patterns) {
+      if (!entries[i].own.node) needed.push_back(pattern.node);
+      const auto same = [&](const auto& p) { return p.first.node == pattern.node; };
+      auto at = std::find_if(all.begin(), all.end(), same);
+      if (at == all.end()) at = all.insert(at, {pattern, {}});
+      at->second.push_back(chain.independent[i].name);
+    }
+  for (const auto& [pattern, joints] : all)
+    if (std::find(needed.begin(), needed.end(), pattern.node) == needed.end())
+      warnings.push_back(
+          pattern.path +
+          " governs nothing: the joints that it fits have entries of their own: " + list_of_names(joints));
+}
+
 }  // namespace
 
 std::vector<std::size_t> find_joints(const RobotModel& robot, const Chain& chain, const std::string& name,
@@ -132,6 +152,13 @@ std::vector<JointEntry> joint_entries(const Field& map, const RobotModel& robot,
     const Node::Key& key = entry.first;
     const Field& value = entry.second;
     if (unused(robot, chain, key.name)) {
+      if (key.place.line == 0) {  // of an override, which would change nothing
+        faults.guard([&] {
+          throw Error({key.place, value.path, "governs nothing: the joint is not between base and tip",
+                       qerr::quoted(key.name), did_you_mean("", joint_names(chain))});
+        });
+        continue;
+      }
       spec.warnings.push_back(value.path + " is not used: " +
                               (is_pattern(key.name) ? "no joint that it fits is" : "the joint is not") +
                               " between base and tip");
@@ -144,6 +171,7 @@ std::vector<JointEntry> joint_entries(const Field& map, const RobotModel& robot,
     });
   }
   refuse_overlaps(chain, entries, faults);
+  warn_of_idle_patterns(chain, entries, spec.warnings);
   return entries;
 }
 

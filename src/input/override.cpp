@@ -38,16 +38,29 @@ bool is_encoder_key(const std::string& word) {
   return std::find(keys.begin(), keys.end(), word) != keys.end();
 }
 
+/// Removes the keys of other kinds that the kind of this key does not have.
+void exclude_other_keys(Node& entry, const std::string& key) {
+  const auto& kinds = encoder_kinds();
+  const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == key; });
+  if (kind == kinds.end()) return;
+  const std::vector<Parameter> own = encoder_parameters(*kind);
+  std::erase_if(entry.entries, [&](const Node::Entry& other) {
+    return is_encoder_key(other.key.name) &&
+           std::none_of(own.begin(), own.end(), [&](const auto& p) { return p.name == other.key.name; });
+  });
+}
+
 /// One change of a tree.
 class Override {
  public:
-  Override(Node& root, std::string path, const Node& value)
-      : root_(root), path_(std::move(path)), value_(value), place_(value.place) {}
+  explicit Override(const SpecChange& change)
+      : path_(change.first), value_(change.second), place_(change.second.place) {}
 
-  void apply() {
-    Node* node = &root_;
-    std::string passed, rest = path_;
-    do {
+  /// @param node    where the change begins
+  /// @param passed  the path of that node
+  /// @param rest    the path below it; "" replaces the node
+  void apply(Node* node, std::string passed, std::string rest) const {
+    while (!rest.empty()) {
       if (node->type == Node::Type::sequence) {
         node = &item(*node, passed, rest);
         continue;
@@ -57,16 +70,16 @@ class Override {
         refuse("'" + passed + "' is a single value and has no keys", described(*node),
                "shorten the path to " + passed);
       node = &child(*node, passed, rest);
-    } while (!rest.empty());
+    }
     *node = value_;
   }
 
- private:
   [[noreturn]] void refuse(const std::string& rule, const std::string& found,
                            const std::string& remedy) const {
     throw Error({place_, path_, rule, found, remedy});
   }
 
+ private:
   Node& item(Node& list, std::string& passed, std::string& rest) const {
     const auto index = leading_index(rest);
     const std::string range =
@@ -85,12 +98,12 @@ class Override {
 
   Node& child(Node& map, std::string& passed, std::string& rest) const {
     Node::Entry* found = longest_match(map, rest);
-    const PathStep step = found ? split_at(rest, found->key.name.size()) : new_key(passed, rest);
+    const PathStep step =
+        split_at(rest, found ? found->key.name.size() : std::min(rest.find('.'), rest.size()));
     if (step.key.empty())
       refuse("a key of the path is empty", qerr::quoted(path_),
              "name a key, such as filters.velocity.lowpass.cutoff");
     if (!found) found = &added(map, passed, step);
-    if (passed.starts_with("encoders.") && step.rest.empty()) exclude_other_keys(map, step.key);
     passed += (passed.empty() ? "" : ".") + step.key;
     rest = step.rest;
     return *map.find(step.key);
@@ -113,25 +126,10 @@ class Override {
     return {path.substr(0, length), path.substr(std::min(path.size(), length + (dot ? 1 : 0)))};
   }
 
-  /// A key that the mapping lacks. A joint's name may contain dots: it ends before a key of an encoder, or at
-  /// the end of the path.
-  PathStep new_key(const std::string& passed, const std::string& rest) const {
-    if (passed == "encoders") {
-      const std::size_t last = rest.rfind('.');
-      if (last != std::string::npos && is_encoder_key(rest.substr(last + 1))) return split_at(rest, last);
-      if (value_.type == Node::Type::mapping) return {rest, ""};
-    }
-    return split_at(rest, std::min(rest.find('.'), rest.size()));
-  }
-
   Node::Entry& added(Node& map, const std::string& passed, const PathStep& step) const {
-    Node node{Node::Type::null, place_, {}, false, {}, {}};
-    const bool by_joint = passed == "encoders" || passed == "configurations.limits";
     if (passed.empty()) refuse_new_section(step);
-    if (by_joint && !step.rest.empty() && !is_pattern(step.key))
-      if (const Node* pattern = of_pattern(map, passed, step.key)) node = *pattern;
     if (passed == "filters" && !step.rest.empty()) refuse_new_filter(map, step.key);
-    map.entries.push_back({{step.key, place_}, std::move(node)});
+    map.entries.push_back({{step.key, place_}, {Node::Type::null, place_, {}, false, {}, {}}});
     return map.entries.back();
   }
 
@@ -149,20 +147,6 @@ class Override {
                "set the whole list: --set '" + std::string(row.name) + "=[{...}]'");
   }
 
-  /// The entry of the pattern that fits a joint; null if there is none.
-  const Node* of_pattern(const Node& map, const std::string& passed, const std::string& joint) const {
-    const Node::Entry* found = nullptr;
-    for (const Node::Entry& entry : map.entries) {
-      if (!is_pattern(entry.key.name) || !fits(entry.key.name, joint)) continue;
-      if (found)
-        refuse("two patterns fit joint " + qerr::quoted(joint),
-               passed + '.' + found->key.name + " and " + passed + '.' + entry.key.name,
-               "set the whole entry: --set '" + passed + '.' + joint + "={...}'");
-      found = &entry;
-    }
-    return found ? &found->value : nullptr;
-  }
-
   [[noreturn]] void refuse_new_filter(const Node& map, const std::string& name) const {
     std::vector<std::string> known;
     for (const Node::Entry& entry : map.entries) known.push_back(entry.key.name);
@@ -170,19 +154,6 @@ class Override {
            known.empty() ? "add the filter to the spec" : did_you_mean(name, known));
   }
 
-  /// Removes the keys of other kinds that the kind of this key does not have.
-  static void exclude_other_keys(Node& entry, const std::string& key) {
-    const auto& kinds = encoder_kinds();
-    const auto kind = std::find_if(kinds.begin(), kinds.end(), [&](const auto& k) { return k.name == key; });
-    if (kind == kinds.end()) return;
-    const std::vector<Parameter> own = encoder_parameters(*kind);
-    std::erase_if(entry.entries, [&](const Node::Entry& other) {
-      return is_encoder_key(other.key.name) &&
-             std::none_of(own.begin(), own.end(), [&](const auto& p) { return p.name == other.key.name; });
-    });
-  }
-
-  Node& root_;
   std::string path_;
   const Node& value_;
   Place place_;
@@ -210,44 +181,276 @@ Node value_of(const std::string& text, const std::string& path, const Place& pla
   }
 }
 
+/// A change within a mapping by joints.
+struct JointChange {
+  std::string map;    ///< path of the mapping
+  std::string joint;  ///< a name or a pattern
+  std::string rest;   ///< path within the entry; "" for the whole entry
+};
+
+/// Whether a text may end a joint's name at this place: before a key or an index.
+bool ends_name(const std::string& path, std::size_t at) {
+  return at == path.size() || path[at] == '.' || (path[at] == '[' && leading_index(path.substr(at)));
+}
+
+/// Where the joint's name ends: it may contain points, and so may a pattern. The longest text that is an
+/// entry or stands for a joint; else what stands before the last key, if that is a key of encoders.
+std::size_t name_length(const std::string& path, const Node* map, const Chain& chain, bool whole_entry) {
+  std::size_t longest = 0;
+  for (std::size_t at = 1; at <= path.size(); ++at) {
+    if (!ends_name(path, at)) continue;
+    const std::string name = path.substr(0, at);
+    const bool entry = map && map->find(name);
+    if (entry || std::any_of(chain.independent.begin(), chain.independent.end(),
+                             [&](const auto& joint) { return joint.name == name || fits(name, joint.name); }))
+      longest = at;
+  }
+  if (longest > 0) return longest;
+  const std::size_t last = path.rfind('.');
+  if (last != std::string::npos && is_encoder_key(path.substr(last + 1))) return last;
+  return whole_entry ? path.size() : std::min(path.find('.'), path.size());
+}
+
+Node* find_path(Node& root, const std::string& path) {
+  const std::size_t point = std::min(path.find('.'), path.size());
+  Node* const child = root.find(path.substr(0, point));
+  return !child || point == path.size() ? child : find_path(*child, path.substr(point + 1));
+}
+
+/// A key with items of lists as `.3`, which may be written `[3]`.
+std::string with_dots(const std::string& key) {
+  std::string out;
+  for (const char c : key)
+    if (c == '[')
+      out += '.';
+    else if (c != ']')
+      out += c;
+  return out;
+}
+
+/// The mappings by joints, whose keys may be patterns.
+constexpr const char* joint_maps[] = {"encoders", "configurations.limits", "design.encoders"};
+
+/// The mapping by joints within which a path lies; "" for other paths.
+std::string joint_map_of(const std::string& path) {
+  for (const std::string map : joint_maps)
+    if (path.starts_with(map + '.')) return map;
+  return "";
+}
+
+/// The change of the entries that govern the joints of a name or a pattern.
+class JointOverride {
+ public:
+  JointOverride(Node& root, const SpecChange& change, const Chain& chain)
+      : override_(change), value_(change.second), place_(change.second.place), chain_(chain) {
+    path_.map = joint_map_of(change.first);
+    map_ = find_path(root, path_.map);
+    if (!map_ || map_->type == Node::Type::null) {
+      override_.apply(&root, "", path_.map + ".x");  // begins the mapping
+      map_ = find_path(root, path_.map);
+      map_->entries.clear();
+    }
+    const std::string below = change.first.substr(path_.map.size() + 1);
+    const std::size_t end = name_length(below, map_, chain, change.second.type == Node::Type::mapping);
+    path_.joint = below.substr(0, end);
+    if (path_.joint.empty())
+      override_.refuse("a key of the path is empty", qerr::quoted(change.first),
+                       "name a key, such as filters.velocity.lowpass.cutoff");
+    path_.rest = below.substr(end + (end < below.size() && below[end] == '.'));
+  }
+
+  bool of_pattern() const { return is_pattern(path_.joint) && !find(path_.joint); }
+
+  /// @returns a warning, or ""
+  std::string apply() const {
+    if (!of_pattern()) {
+      refuse_unused();
+      change(path_.joint);
+      return "";
+    }
+    const bool own_entry = map_->find(path_.joint);
+    std::vector<std::string> changed = governing(), kept;
+    std::copy_if(changed.begin(), changed.end(), std::back_inserter(kept),
+                 [&](const std::string& name) { return cannot_have(name); });
+    if (kept.size() == changed.size()) kept.clear();  // the reader says what is wrong
+    std::erase_if(changed, [&](const auto& name) { return std::count(kept.begin(), kept.end(), name) > 0; });
+    for (const std::string& name : changed) change(name);
+    std::erase(changed, path_.joint);
+    const std::string also = own_entry && !changed.empty() ? " also changes " + list_of_names(changed) : "";
+    const std::string not_these =
+        kept.empty() ? "" : " does not change " + list_of_names(kept) + ", whose encoders cannot have it";
+    return also.empty() && not_these.empty()
+               ? ""
+               : place_.file + also + (also.empty() || not_these.empty() ? "" : ", and") + not_these;
+  }
+
+ private:
+  const IndependentJoint* find(const std::string& name) const {
+    const auto at = std::find_if(chain_.independent.begin(), chain_.independent.end(),
+                                 [&](const IndependentJoint& joint) { return joint.name == name; });
+    return at == chain_.independent.end() ? nullptr : &*at;
+  }
+
+  /// The patterns among the entries that hold for a joint.
+  std::vector<std::string> patterns_of(const std::string& joint) const {
+    std::vector<std::string> patterns;
+    if (map_->find(joint)) return patterns;
+    for (const Node::Entry& entry : map_->entries)
+      if (is_pattern(entry.key.name) && fits(entry.key.name, joint)) patterns.push_back(entry.key.name);
+    return patterns;
+  }
+
+  /// Whether all joints that an entry's pattern governs fit the changed pattern.
+  bool within(const std::string& entry) const {
+    return std::all_of(chain_.independent.begin(), chain_.independent.end(), [&](const auto& joint) {
+      const std::vector<std::string> patterns = patterns_of(joint.name);
+      return std::find(patterns.begin(), patterns.end(), entry) == patterns.end() ||
+             fits(path_.joint, joint.name);
+    });
+  }
+
+  /// The entries that govern the joints of the pattern. Of a wider pattern a joint gets a copy, and joints
+  /// without an entry get one of the pattern itself.
+  std::vector<std::string> governing() const {
+    std::vector<std::string> entries, names;
+    for (const IndependentJoint& joint : chain_.independent) {
+      names.push_back(joint.name);
+      if (!fits(path_.joint, joint.name)) continue;
+      const std::vector<std::string> patterns = patterns_of(joint.name);
+      const bool own = std::find(patterns.begin(), patterns.end(), path_.joint) != patterns.end();
+      const std::string entry = map_->find(joint.name)     ? joint.name
+                                : own || patterns.empty()  ? path_.joint
+                                : within(patterns.front()) ? patterns.front()
+                                                           : joint.name;
+      if (std::find(entries.begin(), entries.end(), entry) == entries.end()) entries.push_back(entry);
+    }
+    if (entries.empty())
+      override_.refuse("the pattern fits no joint between base and tip", qerr::quoted(path_.joint),
+                       did_you_mean(path_.joint, names));
+    return entries;
+  }
+
+  bool gives(std::string_view key) const {
+    return path_.rest.empty() ? value_.find(key) != nullptr : path_.rest == key;
+  }
+
+  /// Whether a joint's own entry cannot have the change: the gear ratio of a scale at the joint, the counts
+  /// of a prismatic joint without its travel.
+  bool cannot_have(const std::string& name) const {
+    const IndependentJoint* const joint = find(name);
+    const Node* const entry = map_->find(name);
+    if (path_.map != "encoders" || !joint || !entry) return false;
+    for (const EncoderKind& kind : encoder_kinds())
+      if (gives(kind.name))
+        return joint->prismatic() && kind.counts_per_rev && !gives("travel_per_rev") &&
+               !entry->find("travel_per_rev");
+    for (const EncoderKind& kind : encoder_kinds())
+      if (entry->find(kind.name)) {
+        const std::vector<Parameter> rows = encoder_parameters(kind);
+        return is_encoder_key(path_.rest) && std::none_of(rows.begin(), rows.end(), [&](const Parameter& p) {
+                 return p.name == path_.rest;
+               });
+      }
+    return false;
+  }
+
+  /// An entry of a joint that is not part of the chain governs nothing.
+  void refuse_unused() const {
+    if (find(path_.joint) || !map_->find(path_.joint)) return;
+    std::vector<std::string> names;
+    for (const IndependentJoint& joint : chain_.independent) names.push_back(joint.name);
+    override_.refuse("governs nothing: the joint is not between base and tip", qerr::quoted(path_.joint),
+                     did_you_mean(path_.joint, names));
+  }
+
+  void change(const std::string& name) const {
+    Node* entry = map_->find(name);
+    if (!entry) {
+      map_->entries.push_back({{name, place_}, copied(name)});
+      entry = &map_->entries.back().value;
+    }
+    if (path_.map == "encoders") exclude_other_keys(*entry, path_.rest);
+    override_.apply(entry, path_.map + '.' + name, path_.rest);
+  }
+
+  /// What holds for a joint without an entry of its own: that of a pattern, without what it says of prismatic
+  /// joints if the joint is none.
+  Node copied(const std::string& name) const {
+    const Node nothing{Node::Type::null, place_, {}, false, {}, {}};
+    const IndependentJoint* const joint = find(name);
+    const std::vector<std::string> patterns = joint ? patterns_of(name) : std::vector<std::string>{};
+    if (patterns.empty() || path_.rest.empty()) return nothing;
+    if (patterns.size() > 1)
+      override_.refuse("two patterns fit joint " + qerr::quoted(name),
+                       path_.map + '.' + patterns[0] + " and " + path_.map + '.' + patterns[1],
+                       "set the whole entry: --set '" + path_.map + '.' + name + "={...}'");
+    Node copy = *map_->find(patterns.front());
+    if (!joint->prismatic())
+      std::erase_if(copy.entries, [](const auto& entry) { return entry.key.name == "travel_per_rev"; });
+    return copy;
+  }
+
+  Override override_;
+  const Node& value_;
+  Place place_;
+  const Chain& chain_;
+  JointChange path_;
+  Node* map_ = nullptr;
+};
+
+/// Applies changes of entries by joints: those of patterns first, as an entry of a joint may begin with a
+/// copy of a pattern's, so that the order on the command line does not matter.
+void apply_to_joints(Node& root, std::vector<SpecChange>::const_iterator begin,
+                     std::vector<SpecChange>::const_iterator end, const Chain& chain,
+                     std::vector<std::string>& warnings) {
+  for (const bool patterns : {true, false})
+    for (auto change = begin; change != end; ++change) {
+      if (joint_map_of(change->first).empty()) continue;
+      const JointOverride override(root, *change, chain);
+      if (override.of_pattern() != patterns) continue;
+      const std::string warning = override.apply();
+      if (!warning.empty()) warnings.push_back(warning);
+    }
+}
+
+/// Whether a change replaces a mapping by joints, or one in which it lies.
+bool changes_map(const SpecChange& change) {
+  return std::any_of(std::begin(joint_maps), std::end(joint_maps), [&](const std::string map) {
+    return map == change.first || map.starts_with(change.first + '.');
+  });
+}
+
 }  // namespace
 
-namespace {
-
-/// The part of a path below a section by joints; empty for other paths.
-std::optional<std::string> below_joints(const std::string& path) {
-  for (const std::string section : {"encoders.", "configurations.limits."})
-    if (path.starts_with(section)) return path.substr(section.size());
-  return std::nullopt;
+bool set_one_value(const std::string& one, const std::string& other) {
+  const std::string a = with_dots(one), b = with_dots(other);
+  if ((a + '.').starts_with(b + '.') || (b + '.').starts_with(a + '.')) return true;
+  const auto kind = [](const std::string& key) {
+    const std::string last = key.substr(key.rfind('.') + 1);
+    const auto& kinds = encoder_kinds();
+    return std::any_of(kinds.begin(), kinds.end(), [&](const EncoderKind& k) { return k.name == last; });
+  };
+  return a.starts_with("encoders.") && kind(a) && kind(b) &&
+         a.substr(0, a.rfind('.')) == b.substr(0, b.rfind('.'));
 }
 
-/// Whether the path is that of a pattern's entry; `a1[0]` is an item of a list.
-bool changes_pattern(const SpecChange& change) {
-  const auto rest = below_joints(change.first);
-  if (!rest) return false;
-  const std::size_t special = rest->find_first_of("*?[");
-  return special != std::string::npos && !((*rest)[special] == '[' && leading_index(rest->substr(special)));
-}
-
-bool changes_section(const SpecChange& change) {
-  const std::string& path = change.first;
-  return path == "encoders" || path == "configurations" || path == "configurations.limits";
-}
-
-}  // namespace
-
-std::vector<SpecChange> in_order(std::vector<SpecChange> changes) {
-  auto begin = changes.begin();
-  while (begin != changes.end()) {
-    const auto end = std::find_if(begin, changes.end(), changes_section);
-    std::stable_partition(begin, end, changes_pattern);
+std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>& changes,
+                                       const ChainOf& chain_of) {
+  std::vector<std::string> warnings;
+  const auto apply = [&](const SpecChange& change) { Override(change).apply(&root, "", change.first); };
+  const auto of_joints = [](const SpecChange& change) {
+    return changes_map(change) || !joint_map_of(change.first).empty();
+  };
+  for (const SpecChange& change : changes)
+    if (!of_joints(change)) apply(change);
+  for (auto begin = changes.begin(); begin != changes.end();) {
+    const auto end = std::find_if(begin, changes.end(), changes_map);
+    if (std::any_of(begin, end, [](const SpecChange& c) { return !joint_map_of(c.first).empty(); }))
+      apply_to_joints(root, begin, end, chain_of(root), warnings);
+    if (end != changes.end()) apply(*end);
     begin = end == changes.end() ? end : end + 1;
   }
-  return changes;
-}
-
-void apply_override(Node& root, const SpecChange& change) {
-  Override(root, change.first, change.second).apply();
+  return warnings;
 }
 
 SpecChange spec_change(const std::string& path, const std::string& text, const std::string& origin) {
@@ -263,7 +466,9 @@ SpecChange spec_change(const std::string& path, const std::string& text, const s
 
 std::vector<SpecChange> spec_changes(const std::vector<std::pair<std::string, std::string>>& set) {
   std::vector<SpecChange> changes;
-  for (const auto& [key, value] : set) changes.push_back(spec_change(key, value, "--set " + key));
+  for (const auto& [key, value] : set) {
+    changes.push_back(spec_change(key, value, "--set " + key));
+  }
   return changes;
 }
 

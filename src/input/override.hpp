@@ -1,26 +1,40 @@
 #pragma once
 
+#include <functional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "input/yaml_tree.hpp"
+#include "qerr/kinematics/chain.hpp"
 
 namespace qerr {
 
 /// A change of a spec: a dotted path, and its value, whose place is that of the change in messages.
 using SpecChange = std::pair<std::string, Node>;
 
-/// Replaces or adds the value at a dotted path (`filters.velocity.derivative`); items of lists are counted
+/// The kinematic chain of a spec's tree, to which the entries by joints belong; without joints if the tree
+/// has no robot.
+using ChainOf = std::function<const Chain&(const Node& root)>;
+
+/// Replaces or adds the values at dotted paths (`filters.velocity.derivative`); items of lists are counted
 /// from zero, `requirements.0.at_most` or `requirements[0].at_most`. Where keys contain dots, the longest
 /// matching key is used.
 ///
-/// A joint without an entry of its own under `encoders` or `configurations.limits` first gets a copy of what
-/// holds for it, the entry of a pattern. In an encoder's entry the key of a kind (`bits`) removes those that
-/// it excludes (`counts_per_rev`, `decoding`).
-/// @throws Error (input) if the path passes through a single value or beyond the end of a list, would begin
-/// a new filter with one of its keys
-void apply_override(Node& root, const SpecChange&);
+/// In a mapping by joints (`encoders`, `configurations.limits`, `design.encoders`) a pattern changes every
+/// entry that governs a joint which it fits. A joint without an entry of its own, or whose pattern governs
+/// others, too, first gets a copy of what holds for it. In an encoder's entry the key of a kind (`bits`)
+/// removes those that it excludes (`counts_per_rev`, `decoding`). Patterns come before single joints,
+/// whatever their order; a change of a whole mapping keeps its place.
+/// @param chain_of  is called when joints are needed, with the robot as it is after the changes
+/// @returns warnings: a pattern that is an entry itself has changed others, too
+/// @throws Error (input) if a path passes through a single value or beyond the end of a list, would begin
+/// a new filter with one of its keys, fits no joint of the chain, or is the entry of a joint outside it
+std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>&, const ChainOf& chain_of);
+
+/// Whether one of two paths is the other one or lies in it, or both state the resolution of one encoder: the
+/// last one would hold.
+bool set_one_value(const std::string& one, const std::string& other);
 
 /// The change of a path to the value of a YAML text.
 /// @param origin  place of the change in messages, such as `--set KEY`
@@ -29,10 +43,5 @@ SpecChange spec_change(const std::string& path, const std::string& text, const s
 
 /// The changes of --set, in the order of the command line.
 std::vector<SpecChange> spec_changes(const std::vector<std::pair<std::string, std::string>>& set);
-
-/// The order in which several changes are applied: changes of a pattern's entry (`encoders.*.gear_ratio`)
-/// before those of single joints, which begin with a copy of it, so that their order on the command line does
-/// not matter. A change of the whole section keeps its place.
-std::vector<SpecChange> in_order(std::vector<SpecChange> changes);
 
 }  // namespace qerr

@@ -14,13 +14,14 @@ namespace {
 
 /// Reads the spec with one step of a sweep. @returns its first fault, if any
 std::optional<Fault> fault_of_variant(const Node& root, const std::string& file, const SweepStep& step) {
+  SpecReader reader(file);
   Node variant = root;
   std::erase_if(variant.entries, [](const auto& entry) { return entry.key.name == "sweep"; });
   try {
     std::vector<SpecChange> changes;
     for (const auto& [key, value] : step.changes) changes.push_back(spec_change(key, value, file));
-    for (const SpecChange& change : in_order(std::move(changes))) apply_override(variant, change);
-    SpecReader(file).read(variant);
+    apply_changes(variant, changes, reader.chain_of());
+    reader.read(variant);
   } catch (const Error& e) {
     if (e.trouble() != Trouble::input) throw;
     return e.faults().front();
@@ -31,8 +32,15 @@ std::optional<Fault> fault_of_variant(const Node& root, const std::string& file,
 /// Rejects a sweep of which the first and the last step of an axis both give a faulty spec: its key is wrong.
 /// A single faulty value, such as a cut-off that reaches half the sample rate at the end of a range, is
 /// reported by the sweep itself.
-void check_sweep(const Node& root, const Spec& spec) {
+/// @param overrides  of the command line: one of a key that the sweep varies governs nothing
+void check_sweep(const Node& root, const Spec& spec, const std::vector<SpecChange>& overrides) {
   const Node* section = root.find("sweep");
+  for (const SpecChange& change : overrides)
+    for (const SweepAxis& axis : spec.sweep)
+      for (const std::string& key : axis.keys)
+        if (set_one_value(key, change.first))
+          throw Error({change.second.place, change.first, "governs nothing: the sweep varies it",
+                       "sweep key " + key, "leave it out, or replace the sweep: --set 'sweep=[...]'"});
   for (std::size_t i = 0; i < spec.sweep.size(); ++i) {
     const SweepAxis& axis = spec.sweep[i];
     const SweepStep& step = axis.steps.front();
@@ -122,10 +130,13 @@ Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
 Spec parse_spec(const std::string& text, const std::string& path, const SpecOverrides& overrides) {
   refuse_other_files(text, path);
   Node root = parse_yaml(text, path);
-  if (root.type == Node::Type::mapping)
-    for (const SpecChange& change : in_order(spec_changes(overrides.values))) apply_override(root, change);
-  Spec spec = SpecReader(path).read(root);
-  check_sweep(root, spec);
+  SpecReader reader(path);
+  const std::vector<SpecChange> changes = spec_changes(overrides.values);
+  std::vector<std::string> warnings;
+  if (root.type == Node::Type::mapping) warnings = apply_changes(root, changes, reader.chain_of());
+  Spec spec = reader.read(root);
+  spec.warnings.insert(spec.warnings.begin(), warnings.begin(), warnings.end());
+  check_sweep(root, spec, changes);
   spec.text = text;
   spec.sha256 = sha256(text);
   spec.overrides = overrides.values;

@@ -5,10 +5,10 @@
 #include "core/number_advice.hpp"
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
+#include "input/override.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
 #include "input/yaml_text.hpp"
-#include "qerr/encoder/encoder_kinds.hpp"
 
 namespace qerr {
 
@@ -116,31 +116,6 @@ std::vector<SweepStep> catalogue_steps(const Object& o, const std::string& axis,
   return steps;
 }
 
-/// A key with items of lists as `.3`, which may be written `[3]`.
-std::string with_dots(const std::string& key) {
-  std::string out;
-  for (const char c : key)
-    if (c == '[')
-      out += '.';
-    else if (c != ']')
-      out += c;
-  return out;
-}
-
-/// Whether one of two keys is the other one or lies in it, or both state the resolution of one encoder: the
-/// last one would hold for all variants.
-bool same_value(const std::string& one, const std::string& other) {
-  const std::string a = with_dots(one), b = with_dots(other);
-  if ((a + '.').starts_with(b + '.') || (b + '.').starts_with(a + '.')) return true;
-  const auto kind = [](const std::string& key) {
-    const std::string last = key.substr(key.rfind('.') + 1);
-    const auto& kinds = encoder_kinds();
-    return std::any_of(kinds.begin(), kinds.end(), [&](const EncoderKind& k) { return k.name == last; });
-  };
-  return a.starts_with("encoders.") && kind(a) && kind(b) &&
-         a.substr(0, a.rfind('.')) == b.substr(0, b.rfind('.'));
-}
-
 /// @param used  keys of the entries before
 SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& used) {
   SweepAxis axis;
@@ -161,7 +136,7 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& u
   }
   for (const std::string& key : axis.keys) {
     const auto same =
-        std::find_if(used.begin(), used.end(), [&](const auto& u) { return same_value(key, u); });
+        std::find_if(used.begin(), used.end(), [&](const auto& u) { return set_one_value(key, u); });
     if (same != used.end())
       throw Error(o.at(o.has("key") ? "key" : "keys")
                       .fault("varies the same value twice: " + key + (*same == key ? "" : " and " + *same),

@@ -187,6 +187,14 @@ Spec SpecReader::read(const Node& root) {
   return finished();
 }
 
+ChainOf SpecReader::chain_of() {
+  return [this](const Node& root) -> const Chain& {
+    if (const Node* robot = root.find("robot")) read_chain({robot, "robot"});
+    faults_.raise();
+    return spec_.model.chain;
+  };
+}
+
 bool SpecReader::reads_again(const Stage& stage, const std::vector<std::string>& changed) {
   const auto any = [&](const std::vector<std::string>& sections) {
     return std::any_of(sections.begin(), sections.end(), [&](const std::string& section) {

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "input/object_reader.hpp"
+#include "input/override.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
@@ -20,6 +21,9 @@ class SpecReader {
 
   /// @throws Error (input) with all faults; (file_system) if a file cannot be read
   Spec read(const Node& root);
+
+  /// Reads the robot of a spec's tree, for changes by joints. Borrows the reader.
+  ChainOf chain_of();
 
   /// The spec of a tree that differs from the one that was read. Only the changed sections and those that
   /// refer to them are read.

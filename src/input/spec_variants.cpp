@@ -52,7 +52,7 @@ SpecVariants::SpecVariants(const std::string& text, const std::string& path, con
   root_ = parse_yaml(text, path);
   std::erase_if(root_.entries, [](const Node::Entry& entry) { return is_search(entry.key.name); });
   Node root = root_;
-  for (const SpecChange& change : in_order(overrides_)) apply_override(root, change);
+  warnings_ = apply_changes(root, overrides_, reader_.chain_of());
   reader_.read(root);
 }
 
@@ -74,10 +74,16 @@ Spec SpecVariants::variant(const std::vector<SpecChange>& changes, const std::ve
   for (const SpecChange& override : overrides_)
     if (wanted(section_of(override))) all.push_back(override);
   all.insert(all.end(), changes.begin(), changes.end());
-  for (const SpecChange& change : in_order(std::move(all))) apply_override(root, change);
+  SpecReader reader(base_.file);
+  const auto base_chain = [&](const Node&) -> const Chain& { return base_.model.chain; };
+  std::vector<std::string> warnings =
+      apply_changes(root, all, whole ? reader.chain_of() : ChainOf(base_chain));
+  for (const std::string& of_base : warnings_)
+    if (!contains(warnings, of_base)) warnings.push_back(of_base);
   for (const Node& effect : effects) add_effect(root, effect);
 
-  Spec spec = whole ? SpecReader(base_.file).read(root) : reader_.reread(root, changed);
+  Spec spec = whole ? reader.read(root) : reader_.reread(root, changed);
+  spec.warnings.insert(spec.warnings.begin(), warnings.begin(), warnings.end());
   spec.text = base_.text;
   spec.sha256 = base_.sha256;
   spec.overrides = base_.overrides;

@@ -33,6 +33,7 @@ class SpecVariants {
  private:
   Node root_;                          // as in the file, without `sweep` and `design`
   std::vector<SpecChange> overrides_;  // of the command line, in its order
+  std::vector<std::string> warnings_;  // about them
   std::optional<std::uint64_t> seed_;
   SpecReader reader_;  // has read root_ with the overrides
   Spec base_;

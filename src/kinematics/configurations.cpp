@@ -99,4 +99,25 @@ Eigen::MatrixXd draw(const Configurations& c, std::uint64_t first, std::uint64_t
   return q;
 }
 
+double reach(const Chain& chain, const Configurations& configurations) {
+  double sum = chain.tip_offset.translation().norm();
+  for (const ChainJoint& joint : chain.joints) {
+    sum += joint.origin.translation().norm();
+    if (!joint.prismatic) continue;
+    double farthest = 0;
+    const auto include = [&](double q) {
+      farthest = std::max(farthest, std::abs(joint.multiplier * q + joint.offset));
+    };
+    if (configurations.method == SamplingMethod::list)
+      for (const Eigen::VectorXd& q : configurations.points)
+        include(q[static_cast<Eigen::Index>(joint.coordinate)]);
+    else
+      for (const double q :
+           {configurations.ranges[joint.coordinate].lower, configurations.ranges[joint.coordinate].upper})
+        include(q);
+    sum += farthest;
+  }
+  return sum;
+}
+
 }  // namespace qerr

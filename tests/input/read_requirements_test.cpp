@@ -144,6 +144,19 @@ TEST_F(Requirements, OfSeveralSpecsAreSuitesOfOneDocument) {
   EXPECT_NE(text.find("failures=\"0\""), std::string::npos);
   report.specs.front().seconds = 1.25;
   EXPECT_NE(junit(report, "").find("time=\"1.250\""), std::string::npos);
+  // Equal requirements are cases of their own, and a broken spec is an error.
+  const std::string before = junit(report, "");
+  report.specs.push_back(check(spec));
+  report.broken.push_back(
+      {"broken.yaml", Error(Fault{{"broken.yaml", 2, 1}, "robto", "unknown key", "", ""})});
+  const std::string after = junit(report, "");
+  EXPECT_EQ(before.find("1.00 us (2)"), std::string::npos);
+  EXPECT_NE(after.find("1.00 us (2)"), std::string::npos);
+  EXPECT_NE(after.find("<testcase classname=\"broken.yaml\""), std::string::npos);
+  EXPECT_NE(after.find("errors=\"1\""), std::string::npos);
+  EXPECT_FALSE(report.all_met());
+  report.specs.pop_back();
+  report.broken.clear();
   EXPECT_NE(qerr::write(report, "json").find("\"reports\""), std::string::npos);
   EXPECT_EQ(qerr::write(report_of(spec), "json").find("\"reports\""), std::string::npos);
 }

@@ -5,6 +5,7 @@
 #include <string_view>
 #include <vector>
 
+#include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
@@ -37,5 +38,8 @@ double grid_value(const Limits& range, std::uint64_t digit, std::uint64_t count)
 /// Configurations first .. first + count - 1 as columns.
 /// @returns independent joints x count [rad or m]
 Eigen::MatrixXd draw(const Configurations&, std::uint64_t first, std::uint64_t count);
+
+/// Bound of the distance of the tip from the origin of the base, over the given ranges of the joints [m].
+double reach(const Chain&, const Configurations&);
 
 }  // namespace qerr

@@ -108,15 +108,23 @@ SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* basel
 /// @throws Error (input) if it is no report of check or analyze
 Baseline read_baseline(const std::string& text, const std::string& file, double tolerance);
 
+/// A spec that cannot be checked.
+struct BrokenSpec {
+  std::string file;
+  Error error;
+};
+
 /// The result of `qerr check`.
 struct CheckReport {
   std::vector<SpecCheck> specs;
+  std::vector<BrokenSpec> broken = {};
 
   bool all_met() const;
 };
 
-/// JUnit XML: a test suite for each spec, one test case per requirement, with value and limit in the failure
-/// message. Valid in the schemas of Ant's JUnit task and of Jenkins.
+/// JUnit XML: a test suite for each spec, one test case per requirement, named by its spec, quantity,
+/// statistic and limit, with the value; a spec that cannot be checked is a suite with one error. Valid in the
+/// schema of Jenkins.
 /// @param time  of the run, `2026-01-31T12:00:00`
 std::string junit(const CheckReport&, const std::string& time);
 

@@ -13,28 +13,6 @@ namespace qerr {
 
 namespace {
 
-/// Bound of the distance of the tip from the origin of the base, over the given ranges of the joints [m].
-double reach(const Chain& chain, const Configurations& configurations) {
-  double sum = chain.tip_offset.translation().norm();
-  for (const ChainJoint& joint : chain.joints) {
-    sum += joint.origin.translation().norm();
-    if (!joint.prismatic) continue;
-    double farthest = 0;
-    const auto include = [&](double q) {
-      farthest = std::max(farthest, std::abs(joint.multiplier * q + joint.offset));
-    };
-    if (configurations.method == SamplingMethod::list)
-      for (const Eigen::VectorXd& q : configurations.points)
-        include(q[static_cast<Eigen::Index>(joint.coordinate)]);
-    else
-      for (const double q :
-           {configurations.ranges[joint.coordinate].lower, configurations.ranges[joint.coordinate].upper})
-        include(q);
-    sum += farthest;
-  }
-  return sum;
-}
-
 /// The smallest of 1, 2, 5 times a power of ten that is at least `least`.
 double round_step(double least) {
   const double power = std::pow(10, std::floor(std::log10(least)));

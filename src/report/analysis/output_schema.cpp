@@ -169,10 +169,12 @@ Json check_schema() {
                      {"regressions", list(regression), "with --baseline: figures that are worse", true},
                      {"met", boolean(), "all requirements, and no figure is worse"},
                      {"warnings", warnings()}}));
-  const Json of_specs = object({{"qerr", text()},
-                                {"command", constant("check")},
-                                {"reports", list(of_spec), "one for each spec, if there are several"},
-                                {"met", boolean(), "all of all"}});
+  const Json of_specs =
+      object({{"qerr", text()},
+              {"command", constant("check")},
+              {"reports", list(of_spec), "one for each spec, if there are several"},
+              {"broken", list(object({{"file", text()}, {"error", text()}})), "specs that cannot be checked"},
+              {"met", boolean(), "all of all"}});
   return {{"anyOf", Json::array({of_spec, of_specs})}};
 }
 

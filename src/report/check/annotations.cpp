@@ -63,6 +63,7 @@ std::string github_annotations(const CheckReport& report) {
       const Requirement& r = check.analysis.spec.requirements[i];
       if (!check.results[i].met) out += command(r.place, verdict(r, check.results[i]));
     }
+  for (const BrokenSpec& b : report.broken) out += github_annotations(b.error);
   for (const SpecCheck& check : report.specs)
     if (check.baseline) out += regression_commands(check);
   return out;

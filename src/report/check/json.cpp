@@ -48,11 +48,14 @@ Json check_json(const SpecCheck& check) {
 
 /// Of one spec its report; of several a list of such reports.
 std::string to_json(const CheckReport& report, const Style&) {
-  if (report.specs.size() == 1) return check_json(report.specs.front()).document();
+  if (report.specs.size() == 1 && report.broken.empty()) return check_json(report.specs.front()).document();
   Json list = Json::array();
   for (const SpecCheck& check : report.specs) list.push_back(check_json(check));
+  Json broken = Json::array();
+  for (const BrokenSpec& b : report.broken) broken.push_back({{"file", b.file}, {"error", b.error.what()}});
   Json j = {{"qerr", version()}, {"command", "check"}};
   j["reports"] = list;
+  j["broken"] = broken;
   j["met"] = report.all_met();
   return j.document();
 }

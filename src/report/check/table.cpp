@@ -81,8 +81,9 @@ std::string baseline_table(const BaselineCheck& b, const Style& style) {
 std::string to_table(const CheckReport& report, const Style& style) {
   std::string out;
   std::size_t failed = 0, count = 0, worse = 0;
+  const bool several = report.specs.size() + report.broken.size() > 1;
   for (const SpecCheck& check : report.specs) {
-    if (report.specs.size() > 1) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
+    if (several) out += painted(shown(check.analysis.spec.file), Paint::bold, style) + '\n';
     out += table_of(check, style);
     if (check.baseline) {
       out += baseline_table(*check.baseline, style);
@@ -91,11 +92,18 @@ std::string to_table(const CheckReport& report, const Style& style) {
     for (const RequirementResult& result : check.results) failed += !result.met;
     count += check.results.size();
   }
+  for (const BrokenSpec& b : report.broken)
+    out += painted(shown(b.file), Paint::bold, style) + "\n" +
+           painted("  cannot be checked", Paint::red, style) + '\n';
   if (worse > 0)
     out += painted(counted(worse, "figure") + " worse than in the baseline", Paint::red, style) + '\n';
   if (count == 0) return out;
   const std::string all = counted(count, "requirement");
-  return out +
+  const std::string unchecked =
+      report.broken.empty()
+          ? ""
+          : painted(counted(report.broken.size(), "spec") + " not checked", Paint::red, style) + '\n';
+  return out + unchecked +
          (failed ? painted(std::to_string(failed) + " of " + all + " not met", Paint::red, style)
                  : painted(all + " met", Paint::green, style)) +
          '\n';

@@ -8,6 +8,7 @@
 #include "input/catalogue.hpp"
 #include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/check/parts.hpp"
 
 namespace qerr {
 
@@ -17,9 +18,10 @@ namespace {
 constexpr double most_numbers = 5e8;
 
 Node with_requirements(const SpecVariants& variants, const std::vector<Node>& more) {
-  Node root = parse_yaml(variants.base().text, variants.base().file);
-  for (const SpecChange& change : in_order(spec_changes(variants.base().overrides)))
-    apply_override(root, change);
+  const Spec& base = variants.base();
+  Node root = parse_yaml(base.text, base.file);
+  apply_changes(root, spec_changes(base.overrides),
+                [&](const Node&) -> const Chain& { return base.model.chain; });
   Node list{Node::Type::sequence, more.front().place, {}, false, {}, {}};
   if (const Node* stated = root.find("requirements"); stated && stated->type == Node::Type::sequence)
     list = *stated;
@@ -44,6 +46,7 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
                         "at_least of an error is no limit of a design: finer encoders only lower it",
                         quoted(r.name()), "write at_most, or leave it to `qerr check`"});
   }
+  refuse_unreached(analysis_of_some(base_, workspace_.threads));  // whatever the encoders
   workspace_.brief = !needs_rigorous_;
   read_options(request);
   make_columns();

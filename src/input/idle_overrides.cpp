@@ -1,0 +1,111 @@
+#include "input/idle_overrides.hpp"
+
+#include <algorithm>
+
+#include "input/design_request.hpp"
+#include "input/joint_entries.hpp"
+#include "input/override.hpp"
+#include "input/spec_reader.hpp"
+#include "qerr/core/quantity.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// Whether two values mean the same: 1 kHz and 1000 do.
+bool mean_the_same(const Node& a, const Node& b) {
+  std::string why;
+  const auto quantity = [&](const Node& n) {
+    return n.type == Node::Type::scalar && !n.quoted ? parse_quantity(n.text, why) : std::nullopt;
+  };
+  const auto x = quantity(a), y = quantity(b);
+  if (x && y) return x->value == y->value;
+  if (a.type != b.type || a.text != b.text || a.items.size() != b.items.size() ||
+      a.entries.size() != b.entries.size())
+    return false;
+  for (std::size_t i = 0; i < a.items.size(); ++i)
+    if (!mean_the_same(a.items[i], b.items[i])) return false;
+  return std::all_of(a.entries.begin(), a.entries.end(), [&](const Node::Entry& entry) {
+    const Node* const other = b.find(entry.key.name);
+    return other && mean_the_same(entry.value, *other);
+  });
+}
+
+Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
+  Node root = parse_yaml(spec.text, spec.file);
+  SpecReader reader(spec.file);
+  apply_changes(root, spec_changes(overrides.values), reader.chain_of());
+  return root;
+}
+
+/// Whether the report or the values are those of the spec without an override. A spec that cannot be read or
+/// evaluated without it needs it.
+bool is_idle(const Spec& spec, const SpecOverrides& all, const SpecOverrides& others,
+             const ReportText& report) {
+  try {
+    if (mean_the_same(changed_tree(spec, all), changed_tree(spec, others))) return false;
+    const auto text = [&](Spec s) {
+      s.overrides.clear();
+      return report(s);
+    };
+    return text(spec) == text(parse_spec(spec.text, spec.file, others));
+  } catch (const Error&) {
+    return false;
+  }
+}
+
+}  // namespace
+
+std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
+                                        const std::vector<std::string_view>& unused,
+                                        const ReportText& report) {
+  std::vector<std::string> warnings;
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const std::string& key = overrides.values[i].first;
+    const std::string section = key.substr(0, key.find_first_of(".["));
+    if (std::find(unused.begin(), unused.end(), section) != unused.end()) {
+      warnings.push_back("--set " + key + ": this command does not use " + section);
+      continue;
+    }
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    if (report && is_idle(spec, overrides, others, report))
+      warnings.push_back("--set " + key + " changes no figure of this report");
+  }
+  return warnings;
+}
+
+void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
+  const auto same = [](const Encoder& a, const Encoder& b) {
+    return a.resolution == b.resolution && a.accuracy == b.accuracy && a.rounding == b.rounding;
+  };
+  const auto chosen = [&](std::size_t joint) {
+    return std::any_of(spec.design->encoders.begin(), spec.design->encoders.end(),
+                       [&](const JointOptions& options) { return options.joint == joint; });
+  };
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const auto& [key, value] = overrides.values[i];
+    if (!key.starts_with("encoders.")) continue;
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    std::vector<std::string> governed;
+    bool governs = true;
+    try {
+      const Spec without = parse_spec(spec.text, spec.file, others);
+      const auto &encoders = spec.model.transmission.encoders, &before = without.model.transmission.encoders;
+      for (std::size_t j = 0; j < encoders.size() && encoders.size() == before.size(); ++j)
+        if (!same(encoders[j], before[j]))
+          governed.push_back(chosen(j) ? spec.model.chain.independent[j].name : "");
+      governs = governed.empty() || std::count(governed.begin(), governed.end(), "") > 0;
+    } catch (const Error&) {  // the spec needs the override
+    }
+    if (!governs)
+      throw Error({{"--set " + key, 0, 0},
+                   key,
+                   "governs nothing: design.encoders chooses these encoders",
+                   list_of_names(governed),
+                   "change what may be chosen, design.encoders, or leave it out"});
+  }
+}
+
+}  // namespace qerr
