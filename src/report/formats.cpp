@@ -3,6 +3,8 @@
 #include <array>
 
 #include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -50,12 +52,28 @@ Error no_page() {
                Trouble::usage);
 }
 
+/// What the command line changed stands above every table.
+std::string changes_above(const Spec& spec, std::size_t width) {
+  std::string all;
+  for (const auto& [key, value] : spec.overrides)
+    all += (all.empty() ? "with --set " : ", --set ") + escaped(key + '=' + value, 200);
+  return all.empty() ? "" : wrapped(all, width);
+}
+
+template <class Report>
+std::string changes_above(const Report& report, const Style& style) {
+  if constexpr (requires { report.spec; }) return changes_above(report.spec, style.width);
+  if constexpr (requires { report.specs; })
+    return report.specs.empty() ? "" : changes_above(report.specs.front().analysis.spec, style.width);
+  return "";
+}
+
 template <class Report>
 std::string written(const Report& report, std::string_view format, const Style& style) {
   for (const Exporter<Report>& exporter : exporters<Report>)
     if (exporter.format.name == format) {
       if (exporter.write == nullptr) throw no_page();
-      return exporter.write(report, style);
+      return (format == "table" ? changes_above(report, style) : "") + exporter.write(report, style);
     }
   throw Error(
       {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},

@@ -108,13 +108,12 @@ struct EstimatorReport {
 
 /// The result of `qerr filter`.
 struct FilterReport {
-  std::string file;
+  Spec spec;
   FilterQuestions questions;
   std::vector<FilterFigures> filters;
   std::vector<FilterNoise> noise;  ///< one per filter if noise or motions are asked for, else empty
   std::vector<SineErrorRow> sine_errors = {};
   std::optional<EstimatorReport> estimators = {};
-  std::string spec_text = {};              ///< of the file
   std::vector<std::string> warnings = {};  ///< of the spec and its filters
 };
 

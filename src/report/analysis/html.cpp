@@ -4,8 +4,9 @@
 #include "core/text.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/page/pictures.hpp"
+#include "report/check/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
+#include "report/page/about.hpp"
 #include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 
@@ -48,11 +49,19 @@ std::string summary(const Analysis& a) {
   return page::table({"quantity", "median", "p95", "p99", "max", "proven maximum"}, rows);
 }
 
+std::optional<std::vector<RequirementResult>> verdicts_of(const Analysis& a) {
+  try {
+    return requirement_results(a);
+  } catch (const Error&) {  // one that cannot be judged is no reason for no page
+    return std::nullopt;
+  }
+}
+
 }  // namespace
 
 std::string to_html(const Analysis& a, const Style&) {
   const ConfigurationSample sample = configuration_sample(a);
-  return markup(page::Page{
+  page::Page page{
       "Accuracy of " + a.spec.robot_name,
       answer(a),
       {{"Error budget of the encoders", budget_figures(a)},
@@ -60,9 +69,9 @@ std::string to_html(const Analysis& a, const Style&) {
        {"Error over the workspace", workspace_figures(a, sample)},
        {"Distribution over the configurations", distribution_figures(a, sample)},
        {"All figures", summary(a)}},
-      a.warnings,
-      a.spec.file,
-      a.spec.text});
+      a.warnings};
+  describe(page, a.spec, verdicts_of(a));
+  return markup(page);
 }
 
 }  // namespace qerr

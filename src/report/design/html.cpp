@@ -3,9 +3,9 @@
 
 #include "report/design/sentences.hpp"
 #include "report/formats.hpp"
+#include "report/page/about.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
 #include "report/text_table.hpp"
@@ -190,8 +190,7 @@ page::Page feasible_page(const DesignReport& r) {
 std::string to_html(const DesignReport& r, const Style&) {
   page::Page page = r.optimal ? feasible_page(r) : infeasible_page(r);
   page.warnings = r.warnings;
-  page.spec_file = r.spec.file;
-  page.spec_text = r.spec.text;
+  describe(page, r.spec, std::nullopt);
   return markup(page);
 }
 

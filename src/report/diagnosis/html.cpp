@@ -1,11 +1,12 @@
 #include <algorithm>
 #include <utility>
 
+#include "report/check/parts.hpp"
 #include "report/diagnosis/page/pictures.hpp"
 #include "report/diagnosis/sections.hpp"
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
+#include "report/page/about.hpp"
 #include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 
@@ -34,9 +35,8 @@ std::string to_html(const DiagnosisReport& r, const Style&) {
   page::Page page{"Diagnosis of " + r.spec.robot_name,
                   page::isolated_runs(verdict_title(d.verdict) + ": " + verdict_words(r) + "."),
                   {},
-                  r.warnings,
-                  r.spec.file,
-                  r.spec.text};
+                  r.warnings};
+  describe(page, r.spec, verdicts_beside(r.spec));
   const auto add = [&](const std::string& heading, const std::string& body) {
     if (!body.empty()) page.sections.push_back({heading, body});
   };

@@ -57,7 +57,7 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
 }
 
 FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
-  FilterReport report{spec.file, q, {}, {}};
+  FilterReport report{spec, q, {}, {}};
   if (q.noise || !q.motions.empty()) report.noise = noise_report(spec, q.motions);
   report.sine_errors = sine_errors(spec, q.motions);
   for (const NamedFilter& named : spec.filters) {
@@ -74,7 +74,6 @@ FilterReport filter_report(const Spec& spec, const FilterQuestions& q) {
     report.filters.push_back(figures_of(named, q));
   }
   if (q.estimators) report.estimators = estimator_report(spec, q.clock);
-  report.spec_text = spec.text;
   report.warnings = spec.warnings;
   for (std::string& warning : filter_warnings(spec)) report.warnings.push_back(std::move(warning));
   return report;

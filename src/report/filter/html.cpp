@@ -3,9 +3,10 @@
 #include <numbers>
 
 #include "core/text.hpp"
+#include "report/check/parts.hpp"
 #include "report/filter/pictures.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
+#include "report/page/about.hpp"
 #include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
 
@@ -123,14 +124,14 @@ std::string to_html(const FilterReport& r, const Style&) {
     filters.emplace_back(f.name, "<div class=\"figures\">" + cutoff_figure(f) + gain_figure(f, count) +
                                      impulse_figure(f, count) + step_figure(f, count) + "</div>");
   }
-  return markup(page::Page{"Filters of " + r.file,
-                           answer(r),
-                           {{"Figures", norm_rows(r)},
-                            {"Noise against delay", noise_figures(r)},
-                            {"Cut-off and responses", page::choice("Filter", filters)}},
-                           r.warnings,
-                           r.file,
-                           r.spec_text});
+  page::Page page{"Filters of " + r.spec.file,
+                  answer(r),
+                  {{"Figures", norm_rows(r)},
+                   {"Noise against delay", noise_figures(r)},
+                   {"Cut-off and responses", page::choice("Filter", filters)}},
+                  r.warnings};
+  describe(page, r.spec, verdicts_beside(r.spec));
+  return markup(page);
 }
 
 }  // namespace qerr

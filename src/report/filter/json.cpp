@@ -1,4 +1,5 @@
 #include "report/formats.hpp"
+#include "report/json_header.hpp"
 #include "report/json_value.hpp"
 
 namespace qerr {
@@ -98,7 +99,7 @@ std::string to_json(const FilterReport& report, const Style&) {
     if (i < report.noise.size()) add_noise(list.back(), report.noise[i]);
   }
   Json all = {
-      {"qerr", version()}, {"command", "filter"}, {"spec", {{"file", report.file}}}, {"filters", list}};
+      {"qerr", version()}, {"command", "filter"}, {"spec", spec_source(report.spec)}, {"filters", list}};
   if (!report.sine_errors.empty()) all["quantized_sine"] = sine_error_json(report.sine_errors);
   if (report.estimators) all["estimators"] = estimator_json(*report.estimators);
   return all.document();

@@ -36,7 +36,7 @@ std::string markup(const Page& page) {
       "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\"/><title>" +
       escaped_markup(page.title) + "</title><style>" + std::string(style_sheet) +
       "</style></head><body>\n<h1>" + name_markup(page.title) + "</h1>\n<p class=\"answer\">" +
-      escaped_markup(page.answer) + "</p>\n";
+      escaped_markup(page.answer) + "</p>\n" + page.about;
   for (const Section& s : page.sections)
     out += "<section><h2>" + escaped_markup(s.heading) + "</h2>\n" + s.body + "</section>\n";
   if (!page.warnings.empty()) {

@@ -6,7 +6,8 @@ const std::string_view style_sheet = R"(
 :root{--ink:#1b1b1b;--soft:#595959;--paper:#fff;--grid:#dcdcdc;--c0:#0072b2;--c1:#d55e00;--c2:#009e73;--c3:#a0437c;--c4:#806600}
 body{margin:0 auto;max-width:1200px;padding:1rem;color:var(--ink);background:var(--paper);font:16px/1.45 system-ui,sans-serif;overflow-wrap:anywhere}
 h1{font-size:1.5rem;margin:.2rem 0}h2{font-size:1.15rem;margin:1.6rem 0 .4rem;break-after:avoid}
-.answer{font-size:1.15rem}.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:1rem}
+.answer{font-size:1.15rem}.about{display:grid;grid-template-columns:max-content 1fr;gap:.15rem 1rem;margin:.6rem 0;font-size:.9rem}.about dt{color:var(--soft)}.about dd{margin:0;min-width:0}@media(max-width:30rem){.about{grid-template-columns:1fr}}
+.figures{display:grid;grid-template-columns:repeat(auto-fit,minmax(min(100%,340px),1fr));gap:1rem}
 figure{margin:0;max-width:620px;break-inside:avoid}figcaption{font-weight:600}
 svg{display:block;width:100%;height:auto;font:11px system-ui,sans-serif;fill:var(--ink)}
 text{unicode-bidi:isolate}

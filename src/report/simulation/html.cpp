@@ -3,8 +3,9 @@
 #include <utility>
 
 #include "core/text.hpp"
+#include "report/check/parts.hpp"
 #include "report/formats.hpp"
-#include "report/page/page.hpp"
+#include "report/page/about.hpp"
 #include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 #include "report/simulation/cutoffs.hpp"
@@ -146,9 +147,8 @@ std::string to_html(const SimulationReport& r, const Style&) {
   page::Page page{"Simulation of " + r.spec.robot_name,
                   r.cutoffs ? cutoff_answer(r) : simulation_answer(r),
                   {},
-                  r.warnings,
-                  r.spec.file,
-                  r.spec.text};
+                  r.warnings};
+  describe(page, r.spec, verdicts_beside(r.spec));
   const auto add = [&](const std::string& heading, const std::string& body) {
     if (!body.empty()) page.sections.push_back({heading, body});
   };

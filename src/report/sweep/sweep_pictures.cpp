@@ -2,9 +2,9 @@
 #include <cctype>
 #include <cmath>
 
+#include "report/page/about.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/page.hpp"
 #include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
 #include "report/sweep/sweep_page.hpp"
@@ -175,7 +175,7 @@ std::string SweepPage::text(const FailedVariants& failed) const {
   if (failed.count > 0)
     page.warnings.push_back(counted(static_cast<std::size_t>(failed.count), "variant") +
                             " cannot be computed or judged; the lines have gaps there");
-  page.spec_file = spec.file;
+  describe(page, spec, std::nullopt);
   page.spec_text = spec.text.size() <= most_spec
                        ? spec.text
                        : spec.text.substr(0, spec.text.rfind('\n', most_spec)) + "\n... (cut)\n";

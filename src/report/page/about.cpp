@@ -1,0 +1,84 @@
+#include "report/page/about.hpp"
+
+#include "core/text.hpp"
+#include "qerr/report/write.hpp"
+#include "report/check/parts.hpp"
+#include "report/page/markup.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr::page {
+
+namespace {
+
+std::string term(const std::string& name, const std::string& description) {
+  return "<dt>" + name + "</dt><dd>" + description + "</dd>";
+}
+
+std::string listed(const std::vector<std::string>& items) {
+  std::string out;
+  for (const std::string& item : items) out += (out.empty() ? "" : "<br/>") + item;
+  return out;
+}
+
+std::string overrides_of(const Spec& spec) {
+  std::vector<std::string> all;
+  for (const auto& [key, value] : spec.overrides)
+    all.push_back("<code>" + escaped_markup(escaped(key + '=' + value, 300)) + "</code>");
+  return listed(all);
+}
+
+/// Encoders of many joints are alike: one line for all that have the same.
+std::string encoders_of(const Spec& spec) {
+  std::vector<std::pair<std::string, std::string>> kinds;  // description, joints
+  for (std::size_t i = 0; i < spec.encoder_figures.size(); ++i) {
+    const IndependentJoint& joint = spec.model.chain.independent[i];
+    const Encoder& encoder = spec.model.transmission.encoders[i];
+    const EncoderFigures& figures = spec.encoder_figures[i];
+    const std::string unit = joint.prismatic() ? "m" : "rad";
+    std::string text = readable(encoder.resolution, unit) + " at the joint, " +
+                       significant(figures.counts_per_rev, 7) + " counts a revolution";
+    if (figures.gear_ratio != 1) text += ", gear ratio " + significant(figures.gear_ratio, 6);
+    if (encoder.accuracy > 0) text += ", accuracy " + readable(encoder.accuracy, unit);
+    const std::string name = name_markup(joint.name);
+    if (!kinds.empty() && kinds.back().first == text)
+      kinds.back().second += ", " + name;
+    else
+      kinds.emplace_back(text, name);
+  }
+  std::vector<std::string> lines;
+  for (const auto& [text, joints] : kinds) lines.push_back(joints + ": " + escaped_markup(text));
+  return listed(lines);
+}
+
+std::string requirements_of(const Spec& spec, const std::optional<std::vector<RequirementResult>>& results) {
+  std::vector<std::string> lines;
+  for (std::size_t i = 0; i < spec.requirements.size(); ++i) {
+    const Requirement& r = spec.requirements[i];
+    std::string line = name_markup(limited(r));
+    if (results && i < results->size()) {
+      const RequirementResult& result = (*results)[i];
+      line = (result.met
+                  ? "met: "
+                  : "<strong>" + std::string(result.undecided ? "not proven" : "not met") + "</strong>: ") +
+             line + ", is " + escaped_markup(readable(result.value, r.unit));
+    }
+    lines.push_back(line);
+  }
+  if (!lines.empty() && !results) lines.emplace_back("not judged on this page: qerr check");
+  return listed(lines);
+}
+
+}  // namespace
+
+void describe(Page& page, const Spec& spec, const std::optional<std::vector<RequirementResult>>& results) {
+  page.spec_file = spec.file;
+  page.spec_text = spec.text;
+  std::string rows = term("Spec", name_markup(spec.file) + ", SHA-256 " + spec.sha256.substr(0, 12) +
+                                      ", qerr " + std::string(version()));
+  if (!spec.overrides.empty()) rows += term("Changed by --set", overrides_of(spec));
+  rows += term("Encoders", encoders_of(spec));
+  if (!spec.requirements.empty()) rows += term("Requirements", requirements_of(spec, results));
+  page.about = "<dl class=\"about\">" + rows + "</dl>\n";
+}
+
+}  // namespace qerr::page
