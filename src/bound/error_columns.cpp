@@ -122,16 +122,19 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
     w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
   }
   if (!sigma_is_known(model.sources, filter)) return w;
-  Eigen::VectorXd sources = zeros(columns.columns());
-  const Eigen::VectorXd ratios = sigma_ratios(model.sources, filter, norms.h2);
-  for (std::size_t s = 0; s < model.sources.size(); ++s)
-    sources[static_cast<Eigen::Index>(columns.column_of(model.sources[s]))] +=
-        std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
+  const auto of_sources = [&](bool beside_noise_in_motion) {
+    Eigen::VectorXd variance = zeros(columns.columns());
+    const Eigen::VectorXd ratios = sigma_ratios(model.sources, filter, norms.h2, beside_noise_in_motion);
+    for (std::size_t s = 0; s < model.sources.size(); ++s)
+      variance[static_cast<Eigen::Index>(columns.column_of(model.sources[s]))] +=
+          std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
+    return variance;
+  };
   const Eigen::VectorXd delta = resolutions(model.transmission);
-  w.variance = sources;
+  w.variance = of_sources(false);
   w.variance.head(delta.size()) += (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
   if (!noise) return w;
-  w.variance_in_motion = sources;
+  w.variance_in_motion = of_sources(true);
   w.variance_in_motion.head(delta.size()) += noise->cwiseProduct(delta).cwiseAbs2();
   return w;
 }

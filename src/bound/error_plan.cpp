@@ -159,20 +159,24 @@ void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures
   const bool biased = !mean_errors(model.transmission).isZero(0);
   for (std::size_t f = 0; f < requested.filters.size(); ++f) {
     const Norms& norms = requested.filters[f];
-    const Eigen::VectorXd ratios = sigma_ratios(sources, f, norms.h2);
+    const Eigen::VectorXd ratios = sigma_ratios(sources, f, norms.h2),
+                          in_motion = sigma_ratios(sources, f, norms.h2, true);
     const bool known = f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0;
     l1_.push_back(norms.l1.upper);
     dc_gain_.push_back(std::abs(norms.dc_gain));
     Eigen::Index source = 0;
     for (const ErrorPart& part : parts_) {
-      const double added = part.source ? std::pow(part.sigma * ratios[source++], 2) : 0;
-      ratio_squares_.push_back(part.source ? added : norms.h2 * norms.h2);
-      // noise_in_motion is in quantization intervals, sigma is 1/sqrt(12) of one.
-      const double in_motion =
-          known && !part.source
-              ? 12 * std::pow(requested.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2)
-              : added;
-      motion_squares_.push_back(known ? in_motion : -1);
+      double square = norms.h2 * norms.h2, motion_square = -1;
+      if (part.source) {
+        square = std::pow(part.sigma * ratios[source], 2);
+        if (known) motion_square = std::pow(part.sigma * in_motion[source], 2);
+        ++source;
+      } else if (known) {
+        // noise_in_motion is in quantization intervals, sigma is 1/sqrt(12) of one.
+        motion_square = 12 * std::pow(requested.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2);
+      }
+      ratio_squares_.push_back(square);
+      motion_squares_.push_back(motion_square);
     }
   }
   plan_.filters = requested.filters.size();

@@ -27,13 +27,14 @@ bool sigma_is_known(const std::vector<ErrorSource>& sources, std::size_t filter)
   });
 }
 
-Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>& sources, std::size_t filter, double h2) {
+Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>& sources, std::size_t filter, double h2,
+                             bool beside_noise_in_motion) {
   Eigen::VectorXd ratios = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(sources.size()), h2);
-  for (std::size_t s = 0; s < sources.size(); ++s)
-    if (filter < sources[s].sigma_ratios.size()) {
-      const double ratio = sources[s].sigma_ratios[filter];
-      ratios[static_cast<Eigen::Index>(s)] = std::isnan(ratio) ? 0 : ratio;
-    }
+  for (std::size_t s = 0; s < sources.size(); ++s) {
+    double& ratio = ratios[static_cast<Eigen::Index>(s)];
+    if (filter < sources[s].sigma_ratios.size()) ratio = sources[s].sigma_ratios[filter];
+    if (std::isnan(ratio) || (beside_noise_in_motion && sources[s].in_counts)) ratio = 0;
+  }
   return ratios;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "filter/run/row_filter.hpp"
@@ -102,6 +103,42 @@ SignalMoments effect_along_motion(const OperationalModel& model, const Effect& e
         sums.add(Eigen::VectorXd::Constant(1, batch.measured[row + i] - batch.encoder[row + i]));
   });
   return sums.moments();
+}
+
+double change_with_zero(const OperationalModel& model, const std::vector<Effect>& effects,
+                        std::size_t encoder, const Motion& motion, double settling) {
+  const UnroundedRecord record(motion, motion.sample_rate, settling);
+  const Eigen::VectorXd steps = resolutions(model.transmission);
+  double largest_position = 0;
+  const auto errors = [&](const Eigen::VectorXd& displacement) {
+    std::vector<double> all;
+    record.read(model, effects, displacement,
+                [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+                  for (const std::size_t i : used) {
+                    if (!record.is_after_settling(batch.first + i)) continue;
+                    const double measured = batch.measured[encoder * batch_size + i];
+                    largest_position = std::max(largest_position, std::abs(measured));
+                    all.push_back(measured - batch.encoder[encoder * batch_size + i]);
+                  }
+                });
+    return all;
+  };
+  const std::vector<double> before = errors(Eigen::VectorXd::Zero(steps.size()));
+  double sum = 0;
+  for (Eigen::Index e = 0; e < steps.size(); ++e) {
+    // Another encoder displaces this one's joint through a coupling, or changes its load.
+    const auto row = static_cast<Eigen::Index>(encoder);
+    if (e != row && model.transmission.coupling(row, e) == 0 && !needs_effort(effects)) continue;
+    double largest = 0;
+    for (const double half : {-0.5, 0.5}) {
+      const std::vector<double> after = errors(half * steps[e] * Eigen::VectorXd::Unit(steps.size(), e));
+      for (std::size_t k = 0; k < before.size(); ++k)
+        largest = std::max(largest, std::abs(after[k] - before[k]));
+    }
+    sum += largest;
+  }
+  constexpr double rounding = 8 * std::numeric_limits<double>::epsilon();  // of the positions
+  return sum > rounding * largest_position ? sum : 0;
 }
 
 }  // namespace qerr

@@ -16,12 +16,19 @@ namespace qerr {
 ///
 /// Instead of being rounded, a position is shifted by what the effects change in the mean rounding error over
 /// the position of the encoder's zero. Peaks are those of this signal: at single positions of the zero an
-/// effect that depends on the count itself differs from them within a count.
+/// effect that depends on the position differs from them (`change_with_zero`), and one that depends
+/// on the place within a line or on the count itself is none of this signal's.
 /// @param settling  initial part that is excluded [s]
 ErrorAlongMotion effects_along_motion(const OperationalModel&, const std::vector<Effect>&, const Motion&,
                                       const std::vector<Filter>&, double settling);
 
 /// Error that one effect adds alone, at its encoder's coordinate [rad or m]: a signal of one row.
 SignalMoments effect_along_motion(const OperationalModel&, const Effect&, const Motion&, double settling);
+
+/// Largest change of the error that effects add at an encoder's coordinate where the zeros of the encoders
+/// move by half a count, the range of all zeros: at its ends, since it changes steadily over so short a
+/// distance [rad or m].
+double change_with_zero(const OperationalModel&, const std::vector<Effect>&, std::size_t encoder,
+                        const Motion&, double settling);
 
 }  // namespace qerr

@@ -46,6 +46,55 @@ Profile profile(const Move& move, double distance) {
 
 }  // namespace
 
+namespace {
+
+/// Slopes of the not-a-knot spline through the rows x(t), which is linear through two rows and a parabola
+/// through three. Equal second derivatives at row i:
+///
+///     m_{i-1}/h_{i-1} + 2 m_i (1/h_{i-1} + 1/h_i) + m_{i+1}/h_i = 3 (d_{i-1}/h_{i-1} + d_i/h_i),
+///
+/// h the intervals and d the slopes of their chords; equal third derivatives at row 1:
+///
+///     h_1 m_0 + (h_0 + h_1) m_1 = ((3 h_0 + 2 h_1) h_1 d_0 + h_0^2 d_1)/(h_0 + h_1).
+Eigen::RowVectorXd spline_slopes(const std::vector<double>& t, const Eigen::RowVectorXd& x) {
+  const Eigen::Index n = x.size();
+  Eigen::ArrayXd h(n - 1), d(n - 1);
+  for (Eigen::Index i = 0; i + 1 < n; ++i) {
+    h[i] = t[static_cast<std::size_t>(i + 1)] - t[static_cast<std::size_t>(i)];
+    d[i] = (x[i + 1] - x[i]) / h[i];
+  }
+  if (n == 2) return Eigen::RowVectorXd::Constant(2, d[0]);
+  if (n == 3) {
+    const double c = (d[1] - d[0]) / (h[0] + h[1]);
+    return Eigen::RowVector3d(d[0] - h[0] * c, d[0] + h[0] * c, d[1] + h[1] * c);
+  }
+  Eigen::ArrayXd below = Eigen::ArrayXd::Zero(n), diagonal = below, above = below, right = below;
+  const auto end = [&](Eigen::Index row, double h0, double h1, double d0, double d1) {
+    diagonal[row] = h1;
+    right[row] = ((3 * h0 + 2 * h1) * h1 * d0 + h0 * h0 * d1) / (h0 + h1);
+    return h0 + h1;
+  };
+  above[0] = end(0, h[0], h[1], d[0], d[1]);
+  below[n - 1] = end(n - 1, h[n - 2], h[n - 3], d[n - 2], d[n - 3]);
+  for (Eigen::Index i = 1; i + 1 < n; ++i) {
+    below[i] = 1 / h[i - 1];
+    above[i] = 1 / h[i];
+    diagonal[i] = 2 * (below[i] + above[i]);
+    right[i] = 3 * (d[i - 1] * below[i] + d[i] * above[i]);
+  }
+  for (Eigen::Index i = 1; i < n; ++i) {
+    const double factor = below[i] / diagonal[i - 1];
+    diagonal[i] -= factor * above[i - 1];
+    right[i] -= factor * right[i - 1];
+  }
+  Eigen::RowVectorXd m(n);
+  m[n - 1] = right[n - 1] / diagonal[n - 1];
+  for (Eigen::Index i = n - 1; i-- > 0;) m[i] = (right[i] - above[i] * m[i + 1]) / diagonal[i];
+  return m;
+}
+
+}  // namespace
+
 /// Appends the phases of a move from standstill; the last one is the dwell. @returns its end [s]
 double MotionPath::append(const Move& move, double from, double start, std::vector<Phase>& phases) {
   const double distance = std::abs(move.to - from), sign = move.to < from ? -1 : 1;
@@ -76,6 +125,12 @@ MotionPath::MotionPath(const Motion& motion)
     : motion_(motion),
       count_(motion.joints.empty() ? static_cast<std::size_t>(motion.table.positions.rows())
                                    : motion.joints.size()) {
+  const MotionTable& table = motion_.table;
+  if (motion.joints.empty() && table.positions.cols() > 1) {
+    slopes_.resizeLike(table.positions);
+    for (Eigen::Index i = 0; i < slopes_.rows(); ++i)
+      slopes_.row(i) = spline_slopes(table.time, table.positions.row(i));
+  }
   for (const JointMotion& joint : motion_.joints) {
     std::vector<Oscillation>& oscillations = oscillations_.emplace_back();
     for (const Sine& sine : joint.sines)
@@ -121,12 +176,9 @@ JointState MotionPath::of_table(std::size_t joint, double time) const {
   const auto next = std::upper_bound(t.begin(), t.end(), row_time);
   const auto i = std::clamp<Eigen::Index>(next - t.begin() - 1, 0, last - 1);
   const auto at = [&](Eigen::Index k) { return t[static_cast<std::size_t>(k)]; };
-  const auto slope = [&](Eigen::Index k) {
-    const Eigen::Index a = std::max<Eigen::Index>(k - 1, 0), b = std::min(k + 1, last);
-    return (row[b] - row[a]) / (at(b) - at(a));
-  };
+  const auto slope = slopes_.row(static_cast<Eigen::Index>(joint));
   const double h = at(i + 1) - at(i), s = (row_time - at(i)) / h;
-  const double m0 = h * slope(i), m1 = h * slope(i + 1), rise = row[i + 1] - row[i];
+  const double m0 = h * slope[i], m1 = h * slope[i + 1], rise = row[i + 1] - row[i];
   const double square = 3 * rise - 2 * m0 - m1, cube = m0 + m1 - 2 * rise;
   return {s == 1 ? row[i + 1] : row[i] + s * (m0 + s * (square + s * cube)),
           (m0 + s * (2 * square + 3 * s * cube)) / h, (2 * square + 6 * s * cube) / (h * h)};

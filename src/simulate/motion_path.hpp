@@ -20,8 +20,9 @@ struct JointState {
 
 /// A motion prepared for evaluation at any time.
 ///
-/// A table is interpolated by cubic Hermite polynomials with central difference slopes: exact at its rows,
-/// with continuous velocity. Moves stand still before time 0, tables before their first and after their last
+/// A table is interpolated by the cubic spline that is exact at its rows, with continuous velocity and
+/// acceleration, and with one polynomial over its first two intervals and over its last two (not-a-knot).
+/// Moves stand still before time 0, tables before their first and after their last
 /// row; sines and constant velocities are unlimited in time.
 class MotionPath {
  public:
@@ -70,6 +71,7 @@ class MotionPath {
   bool within_lanes(const std::vector<Oscillation>&, const double* time) const;
 
   Motion motion_;
+  Eigen::MatrixXd slopes_;                              // of the table at its rows
   std::vector<std::vector<Oscillation>> oscillations_;  // of each joint, in the format of the kernels
   std::vector<Moves> moves_;
   std::size_t count_ = 0;

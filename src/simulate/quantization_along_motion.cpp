@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <unordered_set>
 #include <utility>
 
+#include "core/random.hpp"
 #include "filter/run/row_filter.hpp"
-#include "qerr/effect/effect_kind.hpp"
-#include "simulate/decoder.hpp"
+#include "simulate/count_errors.hpp"
+#include "simulate/motion_path.hpp"
 
 namespace qerr {
 
@@ -15,72 +17,115 @@ namespace {
 
 /// Edges that all zeros together are to cross: then the mean over the zeros is within 0.2 % of its limit.
 constexpr double enough_crossings = 131072;
-constexpr double fewest_zeros = 32, most_zeros = 4096;
+constexpr double fewest_zeros = 64, most_zeros = 4096;
 
-/// Zeros that a record of so many samples affords: at a whole number of counts per sample, or simple
-/// fractions, a record of any length shows few positions within a count.
+/// Zeros times positions within a count that are to be evaluated. One zero in each of K equal parts of a
+/// count leaves a relative standard deviation of 1.7/(K sqrt(D/M)) in sigma of D positions and a filter's
+/// memory of M samples: each of the M edges in the memory is misplaced by up to a part, which changes the
+/// square of the output by 2 sqrt(12/M) of its mean. It is 0.04 % of 1000 positions at M = 100.
+constexpr double enough_evaluations = 0x1p22;
+
+/// Zeros that a record of so many samples affords in a simulation: at a whole number of counts per sample, or
+/// simple fractions, a record of any length shows few positions within a count.
 double affordable_zeros(double samples) { return std::min(0x1p21 / samples, 256.0); }
 
-/// Positions of the zero over a count, with their weights in the mean.
-///
-/// They are equally spaced over those at which the record crosses an edge. At all others the error is a
-/// constant less the motion, and its filtered square quadratic in the constant: two Gauss points are exact.
+/// Positions of the zero, with their weights in the mean.
 struct Zeros {
   std::vector<double> positions, weights;
 
-  /// @param decoded  a decoder changes counts: errors of neighbouring counts differ
-  Zeros(const Travel& t, double samples, bool decoded) {
+  /// Over a count. At the zeros where the record crosses no edge the error is a constant less the motion, and
+  /// its filtered square quadratic in the constant: two Gauss points are exact.
+  Zeros(const Travel& t, double samples) {
     constexpr double most_evaluated = 0x1p27;
-    const double most = std::clamp(most_evaluated / samples, fewest_zeros, most_zeros);
-    const double crossed = decoded ? 1 : std::min(t.range(), 1.0), from = 0.5 - t.upper;
-    const double wanted = std::clamp(
-        std::max(enough_crossings * crossed / t.length, affordable_zeros(samples)), fewest_zeros, most);
-    const auto count = static_cast<std::size_t>(wanted / 8) * 8;  // whole vectors
-    const std::size_t equal = crossed < 1 ? count - 2 : count;
-    const double step = crossed / static_cast<double>(equal);
-    for (std::size_t k = 0; k < equal; ++k) add(from + (static_cast<double>(k) + 0.5) * step, step);
+    const double crossed = std::min(t.range(), 1.0), from = 0.5 - t.upper;
+    const double wanted = std::max(enough_crossings * crossed / t.length, enough_evaluations / t.distinct);
+    const std::size_t count = number(wanted, samples, most_evaluated, most_zeros);
+    add_parts(from, crossed, crossed < 1 ? count - 2 : count);
+    for (double& position : positions) position = std::remainder(position, 1.0);
     if (crossed == 1) return;
     const double half = 0.5 * (1 - crossed), middle = from + crossed + half;
-    for (const double side : {-1, 1}) add(middle + side * half / std::numbers::sqrt3, half);
+    for (const double side : {-1, 1})
+      add(std::remainder(middle + side * half / std::numbers::sqrt3, 1.0), half);
+  }
+
+  /// Over a line of `span` counts: the edges in the memory are `span` times as many, so that sqrt(span) times
+  /// as many zeros are wanted.
+  /// @param most  of all samples that are evaluated
+  Zeros(double span, const Travel& t, double samples, double most) {
+    const double wanted = std::sqrt(span) * std::max(enough_crossings / std::max(t.length, 1.0),
+                                                     enough_evaluations / t.distinct);
+    add_parts(-0.5 * span, span, number(wanted, samples, most, most_zeros * std::min(std::sqrt(span), 4.0)));
+    for (double& weight : weights) weight /= span;
   }
 
  private:
+  static std::size_t number(double wanted, double samples, double most_evaluated, double most) {
+    most = std::clamp(most_evaluated / samples, fewest_zeros, most);
+    return static_cast<std::size_t>(std::clamp(wanted, fewest_zeros, most) / 8) * 8;  // whole vectors
+  }
+
+  /// A random position in each of equal parts: equally spaced ones would share every misplacement of an edge
+  /// at simple fractions of a count per sample.
+  void add_parts(double from, double length, std::size_t count) {
+    constexpr std::uint64_t stream = 0x7a65726f73;
+    const double step = length / static_cast<double>(count);
+    for (std::size_t k = 0; k < count; ++k)
+      add(from + (static_cast<double>(k) + unit_interval(random_bits(0, k, stream))) * step, step);
+  }
+
   void add(double position, double weight) {
-    positions.push_back(std::remainder(position, 1.0));
+    positions.push_back(position);
     weights.push_back(weight);
   }
 };
 
-Decoder decoder_of(const OperationalModel& model, const std::vector<Effect>& effects, std::size_t encoder) {
-  const Encoder& e = model.transmission.encoders[encoder];
-  Decoder decoder{{}, direction(e)};
-  for (const Effect& effect : effects) {
-    const EffectKind& kind = effect_kind(effect.type);
-    if (kind.stage == Stage::decoder && independent_index(model.chain, effect.joint) == encoder)
-      decoder.actions.push_back(kind.action(effect, e, 0));
+/// Sum over samples n >= settled of the variance sum_j h_j^2 v_{n-j} of filtered independent errors of
+/// variances v. As in a simulation, the first error is that of all time before it.
+double filtered_scatter(const Filter& filter, const std::vector<double>& v, std::size_t settled) {
+  const std::vector<double> h = impulse_response(filter, v.size());
+  std::vector<double> until(v.size() + 1, 0);
+  for (std::size_t n = 0; n < v.size(); ++n) until[n + 1] = until[n] + v[n];
+  double sum = 0, rest = dc_gain(filter);  // of the impulse response from sample j on
+  for (std::size_t j = 0; j < v.size(); ++j) {
+    sum += h[j] * h[j] * (until[v.size() - j] - until[std::max(settled, j) - j]);
+    if (j >= settled) sum += (rest * rest - h[j] * h[j]) * v[0];
+    rest -= h[j];
   }
-  return decoder;
+  return sum;
 }
 
 /// Filtered errors of one encoder at all zeros, and the sum of their squares.
 class FilteredZeros {
  public:
-  FilteredZeros(const Filter& filter, const Zeros& zeros, Decoder decoder)
-      : zeros_(zeros),
-        decoder_(std::move(decoder)),
-        filter_(filter, zeros.positions.size(), batch_size),
-        errors_(zeros.positions.size() * batch_size),
+  FilteredZeros(const Filter& filter, Zeros zeros, CountErrors count_errors)
+      : zeros_(std::move(zeros)),
+        count_errors_(std::move(count_errors)),
+        plain_(count_errors_.plain()),
+        gain_(dc_gain(filter)),
+        filter_(filter, zeros_.positions.size(), batch_size),
+        errors_(zeros_.positions.size() * batch_size),
         out_(errors_.size()),
-        squares_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(zeros.positions.size()))) {}
+        squares_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(zeros_.positions.size()))) {}
 
   /// @param x        positions at successive samples [counts]
   /// @param moments  of these samples
+  /// @param speeds   [counts/s]
   /// @param settled  the first after the settling
-  void add(const std::vector<double>& x, const std::vector<Moment>& moments, std::size_t settled) {
+  void add(const std::vector<double>& x, const std::vector<Moment>& moments,
+           const std::vector<double>& speeds, std::size_t settled) {
     const std::size_t count = zeros_.positions.size();
+    settled_ += settled;
     for (std::size_t i = 0; i < x.size(); ++i) {
       double* const errors = errors_.data() + i * count;
-      decoder_.empty() ? set_errors(x[i], errors) : set_decoded_errors(x[i], moments[i], errors);
+      if (plain_) {
+        set_errors(x[i], errors);
+        continue;
+      }
+      const double variance =
+          count_errors_(x[i], moments[i], speeds[i], zeros_.positions, zeros_.weights, errors);
+      if (count_errors_.random()) scatter_.push_back(variance);
+      if (i >= settled)
+        for (std::size_t k = 0; k < count; ++k) mean_ += zeros_.weights[k] * errors[k];
     }
     if (!started_) filter_.settle(errors_.data());
     started_ = true;
@@ -89,9 +134,13 @@ class FilteredZeros {
       squares_ += Eigen::Map<const Eigen::VectorXd>(out_.data() + i * count, squares_.size()).cwiseAbs2();
   }
 
-  /// Mean over the zeros of the sum of the squares.
-  double mean() const {
-    return squares_.dot(Eigen::Map<const Eigen::VectorXd>(zeros_.weights.data(), squares_.size()));
+  /// Variance over the zeros and the samples.
+  /// @param samples  after the settling
+  double variance(const Filter& filter, double samples) const {
+    const Eigen::Map<const Eigen::VectorXd> weights(zeros_.weights.data(), squares_.size());
+    double square = squares_.dot(weights) / samples;
+    if (!scatter_.empty()) square += filtered_scatter(filter, scatter_, settled_) / samples;
+    return std::max(0.0, square - std::pow(gain_ * mean_ / samples, 2));
   }
 
  private:
@@ -107,20 +156,15 @@ class FilteredZeros {
     }
   }
 
-  /// Errors behind a decoder D: D([x + u]) - x - u, less their mean over u.
-  void set_decoded_errors(double x, const Moment& m, double* errors) const {
-    const double mean = decoder_.mean(x, m);
-    for (std::size_t k = 0; k < zeros_.positions.size(); ++k) {
-      const double u = zeros_.positions[k];
-      errors[k] = decoder_(std::round(x + u), m) - u - mean;
-    }
-  }
-
   Zeros zeros_;
-  Decoder decoder_;
+  CountErrors count_errors_;
+  bool plain_;
+  double gain_, mean_ = 0;
   RowFilter filter_;
   AlignedNumbers errors_, out_;
   Eigen::VectorXd squares_;
+  std::vector<double> scatter_;  // variance of every sample
+  std::size_t settled_ = 0;      // number of samples before the end of the settling
   bool started_ = false;
 };
 
@@ -131,6 +175,9 @@ std::vector<Travel> travels(const OperationalModel& model, const std::vector<Eff
   const std::vector<Encoder>& encoders = model.transmission.encoders;
   std::vector<Travel> all(encoders.size());
   std::vector<double> last(encoders.size());
+  // Positions within a count, in parts of 2^-20: rounding errors of a repeated position are less.
+  constexpr std::size_t most_distinct = 65536;
+  std::vector<std::unordered_set<std::int32_t>> seen(encoders.size());
   bool started = false;
   record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
     for (std::size_t e = 0; e < encoders.size(); ++e) {
@@ -138,6 +185,8 @@ std::vector<Travel> travels(const OperationalModel& model, const std::vector<Eff
       for (const std::size_t i : used) {
         const double x = batch.measured[e * batch_size + i] / encoders[e].resolution;
         if (!started && i == used.front()) t = {x, x, x, 0};
+        if (seen[e].size() < most_distinct)
+          seen[e].insert(static_cast<std::int32_t>(std::lround(std::remainder(x, 1.0) * 0x1p20)));
         t.length += i == used.front() && !started ? 0 : std::abs(x - last[e]);
         t.lower = std::min(t.lower, x);
         t.upper = std::max(t.upper, x);
@@ -146,6 +195,7 @@ std::vector<Travel> travels(const OperationalModel& model, const std::vector<Eff
     }
     started = true;
   });
+  for (std::size_t e = 0; e < encoders.size(); ++e) all[e].distinct = static_cast<double>(seen[e].size());
   return all;
 }
 
@@ -161,46 +211,90 @@ std::uint64_t zeros_of_simulation(const std::vector<Travel>& travels, std::uint6
   return static_cast<std::uint64_t>(std::min(wanted, most));
 }
 
+namespace {
+
+/// Speed of every encoder, at a time [counts/s].
+class Speeds {
+ public:
+  Speeds(const OperationalModel& model, const Motion& motion)
+      : path_(motion),
+        to_encoders_(model.transmission.coupling.inverse()),
+        steps_(resolutions(model.transmission)) {}
+  Eigen::VectorXd at(double time) const {
+    return ((to_encoders_ * path_.velocity(time)).array() / steps_.array()).matrix();
+  }
+
+ private:
+  MotionPath path_;
+  Coupling to_encoders_;
+  Eigen::VectorXd steps_;
+};
+
+/// Variances of filtered errors over the zeros and the samples of a record [counts^2]; of encoders whose
+/// errors are constant `at_rest`.
+Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::vector<Effect>& effects,
+                                     const Motion& motion, const Filter& filter,
+                                     const UnroundedRecord& record, bool rounds, double at_rest) {
+  const std::size_t encoders = model.transmission.encoders.size();
+  std::vector<Effect> displacing = effects;
+  std::erase_if(displacing, [](const Effect& e) { return counts_depend_on(effect_kind(e.type)); });
+  const std::vector<Travel> travelled = travels(model, displacing, record);
+  std::vector<std::optional<FilteredZeros>> moving(encoders);
+  bool jitters = false;
+  for (std::size_t e = 0; e < encoders; ++e) {
+    CountErrors errors(model, effects, e, rounds);
+    jitters = jitters || errors.jitters();
+    const auto samples = static_cast<double>(record.filter_samples());
+    if (errors.plain() && (travelled[e].range() == 0 || !rounds)) continue;
+    Zeros zeros = errors.plain() ? Zeros(travelled[e], samples)
+                                 : Zeros(errors.span(), travelled[e], samples, errors.affordable());
+    moving[e].emplace(filter, std::move(zeros), std::move(errors));
+  }
+  const Speeds speeds(model, motion);
+  std::vector<double> x;
+  std::vector<std::vector<double>> v(encoders);
+  std::vector<Moment> moments;
+  record.read(model, displacing, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
+    const auto settled = static_cast<std::size_t>(std::count_if(
+        used.begin(), used.end(), [&](std::size_t i) { return !record.is_after_settling(batch.first + i); }));
+    moments.clear();
+    for (auto& of_encoder : v) of_encoder.assign(used.size(), 0);
+    for (std::size_t k = 0; k < used.size(); ++k) {
+      moments.push_back({.index = batch.first + used[k], .time = batch.time[used[k]]});
+      if (!jitters) continue;
+      const Eigen::VectorXd all = speeds.at(batch.time[used[k]]);
+      for (std::size_t e = 0; e < encoders; ++e) v[e][k] = all[static_cast<Eigen::Index>(e)];
+    }
+    for (std::size_t e = 0; e < encoders; ++e) {
+      if (!moving[e]) continue;
+      x.clear();
+      for (const std::size_t i : used)
+        x.push_back(batch.measured[e * batch_size + i] / model.transmission.encoders[e].resolution);
+      moving[e]->add(x, moments, v[e], settled);
+    }
+  });
+  const auto samples = static_cast<double>(record.samples_after_settling());
+  Eigen::VectorXd all = Eigen::VectorXd::Constant(static_cast<Eigen::Index>(encoders), at_rest);
+  for (std::size_t e = 0; e < encoders; ++e)
+    if (moving[e]) all[static_cast<Eigen::Index>(e)] = moving[e]->variance(filter, samples);
+  return all;
+}
+
+}  // namespace
+
 std::optional<Eigen::VectorXd> sigma_along_motion(const OperationalModel& model,
                                                   const std::vector<Effect>& effects, const Motion& motion,
                                                   const Filter& filter, double settling) {
   const UnroundedRecord record(motion, filter.sample_rate, settling);
   if (record.samples() > longest_record) return std::nullopt;
-  const std::vector<Encoder>& encoders = model.transmission.encoders;
-  std::vector<Effect> before_decoders = effects;
-  std::erase_if(before_decoders, [](const Effect& e) { return effect_kind(e.type).stage == Stage::decoder; });
-  const std::vector<Travel> travelled = travels(model, before_decoders, record);
-  std::vector<std::optional<FilteredZeros>> moving(encoders.size());
-  for (std::size_t e = 0; e < encoders.size(); ++e) {
-    const Decoder decoder = decoder_of(model, effects, e);
-    const bool decoded = !decoder.empty();
-    if (travelled[e].range() == 0 && !decoded) continue;
-    moving[e].emplace(filter, Zeros(travelled[e], static_cast<double>(record.filter_samples()), decoded),
-                      decoder);
-  }
-  std::vector<double> x;
-  std::vector<Moment> moments;
-  record.read(model, before_decoders, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
-    const auto settled = static_cast<std::size_t>(std::count_if(
-        used.begin(), used.end(), [&](std::size_t i) { return !record.is_after_settling(batch.first + i); }));
-    moments.clear();
-    for (const std::size_t i : used) moments.push_back({.index = batch.first + i, .time = batch.time[i]});
-    for (std::size_t e = 0; e < encoders.size(); ++e) {
-      if (!moving[e]) continue;
-      x.clear();
-      for (const std::size_t i : used)
-        x.push_back(batch.measured[e * batch_size + i] / encoders[e].resolution);
-      moving[e]->add(x, moments, settled);
-    }
-  });
-  const double gain = dc_gain(filter);
-  Eigen::VectorXd sigma(static_cast<Eigen::Index>(encoders.size()));
-  for (std::size_t e = 0; e < encoders.size(); ++e) {
-    const double square = moving[e] ? moving[e]->mean() / static_cast<double>(record.samples_after_settling())
-                                    : gain * gain / 12;
-    sigma[static_cast<Eigen::Index>(e)] = std::sqrt(square);
-  }
-  return sigma;
+  const double constant = std::pow(dc_gain(filter), 2) / 12;
+  return variances_over_zeros(model, effects, motion, filter, record, true, constant).cwiseSqrt();
+}
+
+Eigen::VectorXd sigma_within_line(const OperationalModel& model, const std::vector<Effect>& effects,
+                                  const Motion& motion, const Filter& filter, double settling) {
+  const UnroundedRecord record(motion, filter.sample_rate, settling);
+  return variances_over_zeros(model, effects, motion, filter, record, false, 0).cwiseSqrt();
 }
 
 }  // namespace qerr

@@ -15,21 +15,19 @@ namespace {
 
 constexpr std::uint64_t displacement_stream = 0x7068617365;
 
-/// Displacement of each encoder by a fraction of a count: uniformly distributed for every run, and
-/// equidistributed over the runs, so that means converge faster than with independent displacements.
+/// Displacement of each encoder by a fraction of a count: uniform, and independent of all other runs, so that
+/// their scatter is that of their mean.
 Eigen::VectorXd displacement(const Job& job, std::uint64_t run) {
   const Eigen::VectorXd steps = resolutions(job.model.transmission);
   if (job.every_zero)
     return (steps * ((static_cast<double>(run) + 0.5) / static_cast<double>(job.options.runs) - 0.5)).eval();
   Eigen::VectorXd d = Eigen::VectorXd::Zero(steps.size());
   if (!job.options.random_phase) return d;
-  double step = 1;
+  const auto first = run * static_cast<std::uint64_t>(d.size());
   for (Eigen::Index i = 0; i < d.size(); ++i) {
-    step /= job.spread;
-    const double start =
-        unit_interval(random_bits(job.options.seed, static_cast<std::uint64_t>(i), displacement_stream));
-    const double phase = start + static_cast<double>(run) * step;
-    d[i] = steps[i] * (phase - std::floor(phase) - 0.5);
+    const std::uint64_t bits =
+        random_bits(job.options.seed, first + static_cast<std::uint64_t>(i), displacement_stream);
+    d[i] = steps[i] * (unit_interval(bits) - 0.5);
   }
   return d;
 }
@@ -189,12 +187,6 @@ class Runs {
 };
 
 }  // namespace
-
-double even_spread(Eigen::Index dimensions) {
-  double x = 1.5;
-  for (int i = 0; i < 60; ++i) x = std::pow(1 + x, 1.0 / static_cast<double>(dimensions + 1));
-  return x;
-}
 
 RunsResult run_together(const Job& job, std::uint64_t first, std::size_t count,
                         const std::function<void()>& tick) {

@@ -20,13 +20,8 @@ struct Job {
   std::vector<std::uint64_t> every;  ///< [filter]: it uses every n-th sample of the motion
   std::uint64_t samples, settling, blocks;
   Eigen::VectorXd mean;     ///< of the error at the centre of the motion
-  double spread;            ///< of the displacements of the runs (even_spread)
   bool every_zero = false;  ///< displace the runs by equal steps over a whole count instead
 };
-
-/// The root of x^(n+1) = x + 1: the powers of 1/x generate an additive low-discrepancy sequence in n
-/// dimensions (Roberts 2018).
-double even_spread(Eigen::Index dimensions);
 
 /// Result of runs that are simulated together: statistics of each, and theory at the samples of all.
 struct RunsResult {

@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "core/probability.hpp"
+#include "core/random.hpp"
 
 namespace qerr {
 
@@ -163,6 +164,30 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
   const double spread = std::sqrt(std::max(0.0, (squares - sum * sum / n) / (n - 1)) / n);
   const double t = student_t_quantile(0.975, n - 1);
   return {std::sqrt(std::max(0.0, pooled - t * spread)), std::sqrt(pooled + t * spread)};
+}
+
+RunStatistics::Interval RunStatistics::sigma_interval_of(std::uint64_t runs, double variance,
+                                                         Eigen::Index channel) const {
+  constexpr std::uint64_t draws = 2000, stream = 0x64726177;
+  const double truth = this->variance(channel);
+  std::vector<double> errors;
+  for (std::uint64_t d = 0; d < draws; ++d) {
+    double mean = 0, squares = 0;
+    for (std::uint64_t r = 0; r < runs; ++r) {
+      const std::uint64_t bits = random_bits(0, d * runs + r, stream);
+      const Sums& s =
+          blocks_[static_cast<std::size_t>(unit_interval(bits) * static_cast<double>(blocks_.size()))];
+      const double next = s.mean[channel], difference = next - mean;
+      mean += difference / static_cast<double>(r + 1);
+      squares += s.squares[channel] / s.count + difference * (next - mean);
+    }
+    errors.push_back(squares / static_cast<double>(runs) - truth);
+  }
+  std::sort(errors.begin(), errors.end());
+  const auto root = [&](double part) {
+    return std::sqrt(std::max(0.0, variance - errors[static_cast<std::size_t>(part * draws)]));
+  };
+  return {root(0.975), root(0.025)};
 }
 
 }  // namespace qerr

@@ -66,6 +66,11 @@ class RunStatistics {
   /// that theory predicts is not counted as uncertainty (a ratio estimator).
   Interval sigma_interval(Eigen::Index channel) const;
 
+  /// 95 % interval of the sigma of all runs, given the variance over a few other runs: that variance less the
+  /// 97.5 % and 2.5 % quantiles of its error, which are those of 2000 draws of as many of these runs. Runs of
+  /// slow motions are far from normally distributed, and two of them may agree by chance.
+  Interval sigma_interval_of(std::uint64_t runs, double variance, Eigen::Index channel) const;
+
  private:
   struct Sums {
     double count = 0;

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "core/parallel.hpp"
+#include "core/random.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/quantity.hpp"
 #include "simulate/quantization_along_motion.hpp"
@@ -108,6 +109,15 @@ AllRuns run_all(const Job& job, const std::function<void()>& tick) {
   return all;
 }
 
+/// Other runs that show how far the sigma of a few runs scatters; 0: there are enough runs, or they are so
+/// long that each of them passes many counts, and their own scatter shows it.
+std::uint64_t runs_of_scatter(const SimulationOptions& options, std::uint64_t samples) {
+  constexpr std::uint64_t enough = 64, most = 128, least = 16, most_simulated = std::uint64_t{1} << 23;
+  if (options.runs < 2 || options.runs >= enough) return 0;
+  const std::uint64_t affordable = std::min(most_simulated / samples, most);
+  return affordable < least ? 0 : affordable;
+}
+
 /// Root mean square of a signal.
 double rms(double mean, double variance) { return std::sqrt(mean * mean + variance); }
 
@@ -145,8 +155,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   const Job job{model, filters, motion, effects, options, every, std::max<std::uint64_t>(samples, 1),
                 std::min(static_cast<std::uint64_t>(settling), samples == 0 ? 0 : samples - 1),
                 // The interval of sigma is estimated between runs or, for a single run, between its parts.
-                options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean,
-                even_spread(static_cast<Eigen::Index>(model.transmission.encoders.size()))};
+                options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
   const Channels channels(model);
 
   // sigma_exact is a mean over the position of the encoders' zeros: runs of the same motion without effects,
@@ -173,19 +182,26 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
                   .settling = job.settling,
                   .blocks = 1,
                   .mean = Eigen::VectorXd::Zero(middle.mean.size()),
-                  .spread = 0,
                   .every_zero = true};
+
+  SimulationOptions of_scatter = options;
+  of_scatter.runs = runs_of_scatter(options, job.samples);
+  of_scatter.seed = stream_seed(options.seed, "scatter of the runs");
+  of_scatter.visit = {};
+  of_scatter.traced = 0;
+  const Job scatter{model, filters,     motion,       effects,    of_scatter,
+                    every, job.samples, job.settling, job.blocks, job.mean};
 
   std::mutex guard;
   std::uint64_t done = 0;
-  const std::uint64_t total = job.samples * (options.runs + of_zeros.runs);
+  const std::uint64_t total = job.samples * (options.runs + of_zeros.runs + of_scatter.runs);
   const auto tick = [&] {
     const std::lock_guard lock(guard);
     done += std::min(tick_samples, job.samples);
     if (options.progress) options.progress(std::min(done, total), total);
   };
   AllRuns all = run_all(job, tick);
-  const AllRuns exact = run_all(zeros, tick);
+  const AllRuns exact = run_all(zeros, tick), others = run_all(scatter, tick);
   Eigen::VectorXd squares(channels.coordinates);
   for (Eigen::Index c = 0; c < squares.size(); ++c) squares[c] = all.outputs[0].expected(c);
   const auto theory = theory_along_path(middle, norms, squares, all.bounds);
@@ -202,6 +218,11 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
         exact_variance = variance_of_parts(exact.outputs[f], c, Channels(nearest));
       row.push_back(
           signal_of(all.outputs[f], theory[f][static_cast<std::size_t>(c)], exact_variance, c, channels));
+      if (of_scatter.runs == 0) continue;
+      const RunStatistics::Interval interval =
+          others.outputs[f].sigma_interval_of(options.runs, all.outputs[f].variance(c), c);
+      row.back().sigma_lower = interval.lower;
+      row.back().sigma_upper = interval.upper;
     }
   }
   if (options.tracking) add_tracking(job, result);

@@ -33,7 +33,14 @@ class UnroundedRecord {
   template <class Visit>
   void read(const OperationalModel& model, const std::vector<Effect>& effects, Visit visit) const {
     const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
-    Sensing sensing(model, motion_, effects, {.displacement = Eigen::VectorXd::Zero(n), .rounds = false});
+    read(model, effects, Eigen::VectorXd::Zero(n), visit);
+  }
+
+  /// @param displacement  of the encoders' coordinates [rad or m]
+  template <class Visit>
+  void read(const OperationalModel& model, const std::vector<Effect>& effects,
+            const Eigen::VectorXd& displacement, Visit visit) const {
+    Sensing sensing(model, motion_, effects, {.displacement = displacement, .rounds = false});
     std::vector<std::size_t> used;
     for (std::uint64_t first = 0; first < samples_; first += batch_size) {
       const auto count = static_cast<std::size_t>(std::min<std::uint64_t>(batch_size, samples_ - first));

@@ -101,6 +101,16 @@ void include_margin(const MotionPath& path, const Motion& motion, double margin,
   }
 }
 
+/// Widens the positions by half a count: the zero of an encoder is anywhere in a count.
+void include_zeros(const Transmission& transmission, RobotUsage& usage) {
+  const Eigen::VectorXd encoders = 0.5 * resolutions(transmission),
+                        joints = transmission.coupling.magnitudes() * encoders;
+  for (std::size_t i = 0; i < usage.joints.size(); ++i) {
+    widen(*usage.joints[i].position, joints[static_cast<Eigen::Index>(i)]);
+    widen(*usage.encoders[i].position, encoders[static_cast<Eigen::Index>(i)]);
+  }
+}
+
 void add_efforts(const Chain& chain, const MotionPath& path, const Motion& motion,
                  std::vector<Usage>& joints) {
   Rows efforts(joints.size());
@@ -124,6 +134,7 @@ RobotUsage usage_in_motion(const OperationalModel& model, const Motion& motion, 
   }
   RobotUsage usage{usages(joints, motion), usages(encoders, motion)};
   if (margin > 0) include_margin(path, motion, margin, to_encoders, usage);
+  include_zeros(model.transmission, usage);
   if (has_masses(model.chain)) add_efforts(model.chain, path, motion, usage.joints);
   return usage;
 }

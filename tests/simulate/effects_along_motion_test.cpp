@@ -143,6 +143,18 @@ TEST(EffectsAlongMotion, AreTheSignalsOfTheirDefinitionsBehindEveryFilter) {
   }
 }
 
+/// The derivative of amplitude sin(order shaft x) times half a count, at its largest; the ratio of the shaft
+/// is 10.
+TEST(EffectsAlongMotion, ChangeWithTheZeroOfTheEncoder) {
+  const TwoSines x;
+  const Effect ripple{
+      "transmission_error", "elbow", {{"amplitude", 1e-3}, {"order", 3}}, {{"shaft", "encoder"}}},
+      late{"latency", "elbow", {{"delay", 2e-3}}, {}};
+  const double half = 0.5 * slider().transmission.encoders[0].resolution;
+  EXPECT_NEAR(change_with_zero(slider(), {ripple}, 0, x.motion(8), 0) / (1e-3 * 3 * 10 * half), 1, 1e-3);
+  EXPECT_EQ(change_with_zero(slider(), {late}, 0, x.motion(8), 0), 0);
+}
+
 /// The tip of an arm moves on a circle: an error of the angle passes through the exact kinematics.
 TEST(EffectsAlongMotion, PassThroughTheKinematicsAlongTheMotion) {
   const TwoSines x;

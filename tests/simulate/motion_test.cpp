@@ -106,6 +106,25 @@ TEST(MotionPath, ATableOfAStraightLineIsAStraightLine) {
   for (double t = 0; t <= 1; t += 0.01) EXPECT_NEAR(path.position(0, t), 1 + 2 * t, 1e-12);
 }
 
+TEST(MotionPath, ATableOfACubicIsTheCubicAndItsAccelerationIsContinuous) {
+  const auto cubic = [](double t) { return 1 + t * (2 + t * (-3 + t)); };
+  for (const std::vector<double>& times : {std::vector<double>{0, 0.3, 0.4, 1, 1.7}, {0, 0.5, 1.1, 2}}) {
+    const auto n = static_cast<Eigen::Index>(times.size());
+    Motion motion{100, times.back(), {}, {}, {times, Eigen::MatrixXd(2, n)}};
+    for (Eigen::Index i = 0; i < n; ++i) {
+      motion.table.positions(0, i) = cubic(times[static_cast<std::size_t>(i)]);
+      motion.table.positions(1, i) = std::sin(5.0 * static_cast<double>(i));
+    }
+    const MotionPath path(motion);
+    for (double t = 0; t <= times.back(); t += 0.01) {
+      EXPECT_NEAR(path.position(0, t), cubic(t), 1e-12);
+      EXPECT_NEAR(path.acceleration(t)[0], -6 + 6 * t, 1e-9);
+    }
+    for (std::size_t i = 1; i + 1 < times.size(); ++i)
+      EXPECT_NEAR(path.acceleration(times[i] - 1e-9)[1], path.acceleration(times[i] + 1e-9)[1], 1e-5);
+  }
+}
+
 class MotionSpec : public ::testing::Test {
  protected:
   std::string message(const std::string& motion, const std::string& csv = "") {

@@ -7,6 +7,7 @@
 #include <random>
 
 #include "bound/noise_in_motion.hpp"
+#include "qerr/filter/norms.hpp"
 #include "support/design_filter.hpp"
 #include "support/reference_filter.hpp"
 #include "support/sample_filters.hpp"
@@ -156,6 +157,20 @@ TEST(SigmaAlongMotion, IsZeroAtRestAndAtWholeCountsPerSample) {
   EXPECT_NEAR((*sigma)[1], 0, 1e-9);
 }
 
+/// A slider with an encoder of 1 mm and 4 counts a line.
+OperationalModel one_slider() {
+  OperationalModel model = single();
+  ChainJoint joint;
+  joint.name = "j";
+  model.chain.joints.push_back(joint);
+  model.chain.independent.push_back({"j", JointType::prismatic, {}, true});
+  return model;
+}
+
+Effect effect_of(const char* type, const char* parameter, double value) {
+  return {type, "j", {{parameter, value}}, {}};
+}
+
 /// Root mean square over 4096 zeros of the filtered D([x + u]) - u less its mean over u; `decode` is D.
 template <class Path, class Decode>
 double simulated_behind(Decode decode, const Filter& filter, double duration, Path x) {
@@ -175,11 +190,7 @@ double simulated_behind(Decode decode, const Filter& filter, double duration, Pa
 }
 
 TEST(SigmaAlongMotion, BehindADecoderIsThatOfTheDecodedCounts) {
-  OperationalModel model = single();
-  ChainJoint joint;
-  joint.name = "j";
-  model.chain.joints.push_back(joint);
-  model.chain.independent.push_back({"j", JointType::revolute, {}, true});
+  const OperationalModel model = one_slider();
   const auto slow = [](double t) { return 0.3 + 13.3 * t; };
   const Motion motion{1000, 2, {}, {{0.3e-3, 13.3e-3, {}, {}}}, {}};
   for (const double factor : {4.0, 1.5, 0.5, 0.25, -1.0})
@@ -192,6 +203,73 @@ TEST(SigmaAlongMotion, BehindADecoderIsThatOfTheDecodedCounts) {
       const auto decode = [&](double count) { return std::floor(factor * count + 0.5); };
       EXPECT_NEAR((*sigma)[0] / simulated_behind(decode, filter, 2, slow), 1, 0.002) << factor;
     }
+}
+
+/// The sum over the harmonics of the rounding error; see `sigma_along_motion`.
+TEST(SigmaAlongMotion, WithNoiseIsThatOfEveryHarmonic) {
+  for (const double s : {0.02, 0.25, 0.8})
+    for (const double v : {0.0, 0.013, 0.37, 1.0, 2.49})
+      for (const Filter& filter :
+           {cascade(1, 2), cascade(0, 1, 20), design_filter("butterworth", 2, 1000, 4, 30)}) {
+        const double square = std::pow(h2_norm(filter), 2);
+        double sum = s * s * square;
+        constexpr int most = 20000;
+        for (int k = 1; k <= most; ++k) {
+          const double w = std::exp(-4 * pi * pi * k * k * s * s);
+          const double power = std::norm(response(filter, std::remainder(k * v, 1.0) * filter.sample_rate));
+          sum += (w * power + (1 - w) * square) / (2 * pi * pi * k * k);
+        }
+        sum += square / (2 * pi * pi * (most + 0.5));
+        const Motion motion{1000, 4, {}, {{0.3e-3, v, {}, {}}}, {}};
+        const auto sigma =
+            sigma_along_motion(one_slider(), {effect_of("noise", "sigma", s * 1e-3)}, motion, filter, 1);
+        EXPECT_NEAR((*sigma)[0] / std::sqrt(sum), 1, 0.003) << s << ' ' << v << ' ' << filter.derivative;
+      }
+}
+
+/// Jitter at a constant speed is noise of the distance covered.
+TEST(SigmaAlongMotion, WithJitterIsThatWithNoise) {
+  const Motion motion{1000, 2, {}, {{0.3e-3, 0.37, {}, {}}}, {}};
+  const Filter filter = cascade(1, 2);
+  const auto jitter = sigma_along_motion(one_slider(), {effect_of("timing_jitter", "sigma", 1e-3)}, motion,
+                                         filter, 0.2),
+             noise = sigma_along_motion(one_slider(), {effect_of("noise", "sigma", 0.37e-3)}, motion, filter,
+                                        0.2);
+  EXPECT_NEAR((*jitter)[0] / (*noise)[0], 1, 0.005);
+}
+
+TEST(SigmaAlongMotion, OfUnequalStatesIsThatOfTheirEdges) {
+  for (const double v : {0.0113, 0.37, 0.5}) {
+    const double phase = -0.7, shift = phase / (2 * pi) * 4;
+    const Filter filter = design_filter("butterworth", 2, 1000, 4, 30);
+    constexpr Eigen::Index zeros = 10000;
+    testing::ReferenceFilter reference(filter, zeros);
+    // Zeros over a line, which has edges at 0, 1 + shift, 2, ...
+    const Eigen::ArrayXd zero = (Eigen::ArrayXd::LinSpaced(zeros, 0, zeros - 1) + 0.37) * (4.0 / zeros);
+    double sum = 0;
+    for (int n = 0; n < 2000; ++n) {
+      const Eigen::ArrayXd position = zero + n * v, base = 2 * (position / 2).floor();
+      Eigen::ArrayXd error = base + (position - base >= 1 + shift).cast<double>() - position;
+      if (n == 0) reference.settle(error);
+      reference.step(error);
+      if (n >= 200) sum += error.square().sum();
+    }
+    const Motion motion{1000, 2, {}, {{0.3e-3, v, {}, {}}}, {}};
+    const auto sigma =
+        sigma_along_motion(one_slider(), {effect_of("state_width", "phase", phase)}, motion, filter, 0.2);
+    EXPECT_NEAR((*sigma)[0] / std::sqrt(sum / (zeros * 1800.0)), 1, 0.003) << v;
+  }
+}
+
+/// Ten periods of 100 samples: few different positions within a count.
+TEST(SigmaAlongMotion, HoldsForSinesOfFewSamples) {
+  for (const double cycles : {0.01, 0.02}) {
+    const Filter filter = design_filter("butterworth", 2, 1000, 4, 30);
+    const Motion motion{1000, 1, {}, {{0, 0, {{0.9, cycles * 1000, 0}}, {}}}, {}};
+    const double expected =
+        simulated(filter, 1, 0, [&](double t) { return 900 * std::sin(2 * pi * cycles * 1000 * t); });
+    EXPECT_NEAR((*sigma_along_motion(single(), {}, motion, filter, 0))[0] / expected, 1, 0.002) << cycles;
+  }
 }
 
 TEST(SigmaAlongMotion, OfALongSineIsThatOfItsSpectrum) {

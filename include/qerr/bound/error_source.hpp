@@ -24,6 +24,8 @@ struct ErrorSource {
          sigma = 0;  ///< of the coordinate [rad or m]; of `origin` along `direction` [m]
   /// [filter]: sigma of the filtered error over sigma, NaN if it is not known; empty: white.
   std::vector<double> sigma_ratios = {};
+  /// Its error depends on the counts of its encoder: along a motion it is part of noise_in_motion.
+  bool in_counts = false;
 };
 
 /// Slow errors of the encoders within their `accuracy` A, a bound of unknown shape: half width A, and sigma
@@ -38,6 +40,8 @@ bool sigma_is_known(const std::vector<ErrorSource>&, std::size_t filter);
 /// Ratios sigma behind a filter over sigma before it, one per source; 0 where it is not known.
 /// @param filter  index into ErrorSource::sigma_ratios
 /// @param h2      ||H||_2 of the filter, the ratio of a white source
-Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>&, std::size_t filter, double h2);
+/// @param beside_noise_in_motion  0 also for sources that are part of noise_in_motion
+Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>&, std::size_t filter, double h2,
+                             bool beside_noise_in_motion = false);
 
 }  // namespace qerr

@@ -125,6 +125,7 @@ struct EffectKind {
   void (*modify_encoder)(Encoder&) = nullptr;
   /// What a decoder makes of the rounding error; null: nothing.
   CountError (*count_error)(const Effect&) = nullptr;
+  bool jumps = false;  ///< at single positions, by more than a count
   std::optional<EncoderNeed> encoder_need = {};
 
   // Diagnosis.

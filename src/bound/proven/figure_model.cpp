@@ -61,7 +61,7 @@ OperationalModel figure_model(const OperationalModel& position, const std::vecto
   if (in_motion && !is_known(noise_in_motion, f))
     throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
   const auto count = static_cast<Eigen::Index>(model.transmission.encoders.size());
-  const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2);
+  const Eigen::VectorXd ratios = sigma_ratios(model.sources, f, filters[f].h2, in_motion);
   for (std::size_t i = 0; i < model.sources.size(); ++i)
     model.sources[i].sigma *= ratios[static_cast<Eigen::Index>(i)];
   scale_encoders(model, in_motion ? Eigen::VectorXd(std::sqrt(12.0) * noise_in_motion[f])

@@ -41,6 +41,7 @@ EffectKind rollover_effect() {
           },
           .share = share,
           .need = Need::position,
+          .jumps = true,
           .remedy = {false, "unwrap the counter in its driver, or use a wider one"}};
 }
 

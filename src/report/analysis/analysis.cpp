@@ -70,14 +70,6 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
       warnings.push_back(
           "filter '" + spec.filters[f].name +
           "': the motion has too many samples at its rate for sigma in motion, only IPQN is given");
-  const bool dithered = std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
-    const EffectKind& kind = effect_kind(e.type);
-    return kind.random() && kind.stage != Stage::log && kind.stage != Stage::reference && has_size(e);
-  });
-  if (spec.motion && dithered)
-    warnings.emplace_back(
-        "sigma in motion adds random effects to the quantization as if they were independent: with a noise "
-        "of less than a count it is too low near standstill, where noise moves the count; `simulate` is not");
   warnings.push_back(
       "worst case of a derivative assumes a Jacobian that is constant over the filter's memory");
   return warnings;
@@ -106,6 +98,11 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
                               "effects add to every configuration what they add along `motion:`"
                             : "quantization and the effects of the spec: nothing else is in these "
                               "figures");
+  const bool random = std::any_of(effects.begin(), effects.end(), [](const EffectShare& e) {
+    return e.included && effect_kind(e.effect.type).random() && !is_zero(*e.share);
+  });
+  if (random)
+    warnings.emplace_back("the worst case of noise and jitter is four sigma: single readings exceed it");
   for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
   return warnings;
 }
@@ -192,10 +189,12 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads)
   if (!spec.motion) return {};
   const std::vector<Filter> filters = designed_filters(spec);
   const double settling = settling_time(*spec.motion, filters);
+  const bool all_follow = effects_follow_motion(spec);
   std::vector<Effect> of_counts;
   for (const EffectShare& e : effects_by_range(spec).shares) {
     const EffectKind& kind = effect_kind(e.effect.type);
-    if (kind.stage <= Stage::decoder && !kind.scattering && !(e.share && is_zero(*e.share)))
+    // Where not all effects follow the motion, random ones are sources beside this noise.
+    if (kind.stage <= Stage::decoder && !(e.share && is_zero(*e.share)) && (all_follow || !kind.scattering))
       of_counts.push_back(e.effect);
   }
   const Eigen::VectorXd factors = count_factors(spec);

@@ -51,14 +51,6 @@ std::pair<const char*, const char*> lack(Need need, bool has_motion) {
   return {"", ""};
 }
 
-/// What the rounding error behind a decoder may exceed that of quantization by.
-ErrorSource excess_of(const CountError& error, std::size_t encoder, const Spec& spec) {
-  return {.where = ErrorSource::Where::encoder,
-          .owner = encoder,
-          .half_width = error.excess * spec.model.transmission.encoders[encoder].resolution,
-          .sigma_ratios = std::vector<double>(spec.filters.size(), 0.0)};
-}
-
 }  // namespace
 
 RobotUsage usage_of(const Spec& spec) {
@@ -91,14 +83,32 @@ bool effects_follow_motion(const Spec& spec) {
          spec.motion->duration * spec.motion->sample_rate <= static_cast<double>(longest_record);
 }
 
+namespace {
+
+bool on_encoder(const Spec& spec, const Effect& e, std::size_t encoder) {
+  return independent_index(spec.model.chain, e.joint) == encoder;
+}
+
+/// Whether a counter of the encoder jumps: bounds of everything on its decoder are then by range, as the peak
+/// of the mean over the zeros is not that of a single one.
+bool decoder_jumps(const Spec& spec, std::size_t encoder) {
+  return std::any_of(spec.effects.begin(), spec.effects.end(), [&](const Effect& e) {
+    return effect_kind(e.type).jumps && on_encoder(spec, e, encoder);
+  });
+}
+
+}  // namespace
+
 Eigen::VectorXd count_factors(const Spec& spec) {
   Eigen::VectorXd factors =
       Eigen::VectorXd::Ones(static_cast<Eigen::Index>(spec.model.transmission.encoders.size()));
   if (!effects_follow_motion(spec)) return factors;
-  for (const Effect& e : spec.effects)
-    if (const auto count_error = effect_kind(e.type).count_error)
-      factors[static_cast<Eigen::Index>(independent_index(spec.model.chain, e.joint))] *=
-          count_error(e).factor;
+  for (const Effect& e : spec.effects) {
+    const auto count_error = effect_kind(e.type).count_error;
+    const std::size_t encoder = independent_index(spec.model.chain, e.joint);
+    if (count_error && !decoder_jumps(spec, encoder))
+      factors[static_cast<Eigen::Index>(encoder)] *= count_error(e).factor;
+  }
   return factors;
 }
 
@@ -107,42 +117,150 @@ namespace {
 /// Part of a constant error that its standard deviation may be by rounding.
 constexpr double constant_spread = 1e-12;
 
-/// The effects of the spec, without the accuracy of its encoders.
-EffectReport effects_in_motion(const Spec& spec) {
-  EffectReport report = effects_by_range(spec);
-  if (!effects_follow_motion(spec)) return report;
-  const std::vector<Filter> filters = designed_filters(spec);
-  const double settling = settling_time(*spec.motion, filters);
-  std::vector<Effect> signals;
-  std::vector<ErrorSource> excess;
-  std::vector<EffectShare> others;
-  for (EffectShare& s : report.shares) {
-    const bool loaded = !needs_effort({s.effect}) || has_masses(spec.model.chain);
-    if (!s.included || s.share->spectrum == Spectrum::white || is_zero(*s.share) || !loaded) {
-      others.push_back(s);
-      continue;
+/// The effects of the spec along its motion, without the accuracy of its encoders.
+///
+/// - What depends on the place within a line, or is random, is bounded by range: over all positions of the
+///   line. Its sigma is part of noise_in_motion.
+/// - The counts behind a decoder that jumps are bounded by range, too.
+/// - All else is a signal; where it depends on the position, the displacement by half a count is a source.
+class EffectsInMotion {
+ public:
+  explicit EffectsInMotion(const Spec& spec)
+      : spec_(spec),
+        filters_(designed_filters(spec)),
+        norms_(filter_norms(spec)),
+        settling_(settling_time(*spec.motion, filters_)),
+        factors_(count_factors(spec)) {}
+
+  EffectReport report() {
+    EffectReport report = effects_by_range(spec_);
+    report.sources.clear();
+    for (EffectShare& s : report.shares) add(s, report.sources);
+    for (std::size_t e = 0; e < spec_.model.transmission.encoders.size(); ++e)
+      add_change_with_zero(e, report.sources);
+    if (signals_.empty()) return report;
+    const Motion& motion = *spec_.motion;
+    report.along_motion = effects_along_motion(spec_.model, signals_, motion, filters_, settling_);
+    if (steady_.size() < signals_.size()) {
+      const ErrorAlongMotion steady = effects_along_motion(spec_.model, steady_, motion, filters_, settling_);
+      report.along_motion->tip.peak = steady.tip.peak;
+      report.along_motion->joints.peak = steady.joints.peak;
+      for (std::size_t f = 0; f < filters_.size(); ++f)
+        report.along_motion->filtered[f].peak = steady.filtered[f].peak;
     }
-    signals.push_back(s.effect);
-    if (const auto count_error = effect_kind(s.effect.type).count_error)
-      excess.push_back(excess_of(count_error(s.effect), s.joint, spec));
-    if (effect_kind(s.effect.type).stage == Stage::kinematics) continue;
-    const SignalMoments alone = effect_along_motion(spec.model, s.effect, *spec.motion, settling);
+    widen(*report.along_motion);
+    return report;
+  }
+
+ private:
+  void add(EffectShare& s, std::vector<ErrorSource>& sources) {
+    const EffectKind& kind = effect_kind(s.effect.type);
+    const bool loaded = !needs_effort({s.effect}) || has_masses(spec_.model.chain);
+    const bool tied = kind.stage == Stage::line || kind.random();
+    if (!s.included || is_zero(*s.share) || !loaded || tied) {
+      for (ErrorSource& source : error_sources(spec_.model, {s}, norms_)) {
+        if (tied) tie(s, source);
+        sources.push_back(std::move(source));
+      }
+      return;
+    }
+    signals_.push_back(s.effect);
+    if (kind.stage == Stage::kinematics) {
+      displaced_ += std::abs(s.effect.number("length"));
+      steady_.push_back(s.effect);
+      return;
+    }
+    if (kind.stage == Stage::decoder && decoder_jumps(spec_, s.joint)) {
+      sources.push_back(bounded(s.joint, s.share->half_width, s.share->mean));
+    } else {
+      steady_.push_back(s.effect);
+      if (kind.count_error)
+        sources.push_back(bounded(s.joint, kind.count_error(s.effect).excess *
+                                               spec_.model.transmission.encoders[s.joint].resolution));
+    }
+    show(s, effect_along_motion(spec_.model, s.effect, *spec_.motion, settling_));
+  }
+
+  /// What the position of the zero within a count changes in the signals of an encoder.
+  void add_change_with_zero(std::size_t encoder, std::vector<ErrorSource>& sources) const {
+    std::vector<Effect> on_position;
+    for (const Effect& e : steady_)
+      if (effect_kind(e.type).stage <= Stage::disc && on_encoder(spec_, e, encoder)) on_position.push_back(e);
+    if (on_position.empty()) return;
+    const double change = change_with_zero(spec_.model, on_position, encoder, *spec_.motion, settling_);
+    if (change > 0) sources.push_back(bounded(encoder, multiplied(encoder) * change));
+  }
+
+  /// An error at an encoder that widens the bounds and adds nothing to sigma.
+  ErrorSource bounded(std::size_t encoder, double half_width, double mean = 0) const {
+    return {.where = ErrorSource::Where::encoder,
+            .owner = encoder,
+            .mean = mean,
+            .half_width = half_width,
+            .sigma_ratios = std::vector<double>(filters_.size(), 0.0)};
+  }
+
+  /// An error that is tied to the counts.
+  void tie(const EffectShare& s, ErrorSource& source) {
+    const double step = spec_.model.transmission.encoders[s.joint].resolution;
+    source.in_counts =
+        source.where == ErrorSource::Where::encoder || spec_.model.transmission.coupling.is_identity();
+    for (std::size_t f = 0; f < filters_.size() && s.share->spectrum == Spectrum::motion; ++f) {
+      const Eigen::VectorXd behind =
+          sigma_within_line(spec_.model, {s.effect}, *spec_.motion, filters_[f], settling_);
+      source.sigma_ratios[f] =
+          source.sigma > 0 ? step * behind[static_cast<Eigen::Index>(s.joint)] / source.sigma : 0;
+    }
+    if (source.where == ErrorSource::Where::encoder) source.half_width += (multiplied(s.joint) - 1) * half(s);
+  }
+
+  static double half(const EffectShare& s) { return std::abs(s.share->mean) + s.share->half_width; }
+  /// A decoder multiplies the errors before it.
+  double multiplied(std::size_t encoder) const {
+    return std::max(1.0, factors_[static_cast<Eigen::Index>(encoder)]);
+  }
+
+  /// The share becomes what the effect adds alone.
+  static void show(EffectShare& s, const SignalMoments& alone) {
     s.share->mean = alone.mean[0];
     s.share->half_width = std::max(0.0, alone.peak[0] - std::abs(alone.mean[0]));
     const double sigma = std::sqrt(std::max(0.0, alone.covariance(0, 0)));
     s.share->sigma = sigma > constant_spread * alone.peak[0] ? sigma : 0;
   }
-  report.sources = error_sources(spec.model, others, filter_norms(spec));
-  report.sources.insert(report.sources.end(), excess.begin(), excess.end());
-  if (!signals.empty())
-    report.along_motion = effects_along_motion(spec.model, signals, *spec.motion, filters, settling);
-  return report;
-}
+
+  /// A displaced origin turns with the joints before it.
+  void widen(ErrorAlongMotion& error) const {
+    if (displaced_ == 0) return;
+    const OperationalModel& model = spec_.model;
+    const Eigen::VectorXd half_widths =
+        0.5 * (model.transmission.coupling.magnitudes() * resolutions(model.transmission));
+    double turned = 0;
+    for (const ChainJoint& joint : model.chain.joints)
+      if (!joint.prismatic)
+        turned += displaced_ * std::abs(joint.multiplier) *
+                  half_widths[static_cast<Eigen::Index>(joint.coordinate)];
+    for (std::size_t c = 0; c < model.coordinates.size(); ++c) {
+      if (!is_position(model.coordinates[c])) continue;
+      const auto row = static_cast<Eigen::Index>(c);
+      error.tip.peak[row] += turned;
+      for (std::size_t f = 0; f < norms_.size(); ++f)
+        error.filtered[f].peak[row] += norms_[f].l1.upper * turned;
+    }
+  }
+
+  const Spec& spec_;
+  std::vector<Filter> filters_;
+  std::vector<Norms> norms_;
+  double settling_;
+  Eigen::VectorXd factors_;
+  std::vector<Effect> signals_, steady_;  // all, and those without jumps
+  double displaced_ = 0;                  // lengths by which origins are displaced [m]
+};
 
 }  // namespace
 
 EffectReport effect_report(const Spec& spec) {
-  EffectReport report = effects_in_motion(spec);
+  EffectReport report = effects_follow_motion(spec) ? EffectsInMotion(spec).report() : effects_by_range(spec);
   for (ErrorSource& source : accuracy_sources(spec.model.transmission.encoders, spec.filters.size()))
     report.sources.push_back(std::move(source));
   return report;

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <vector>
+
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/effect/effect_kind.hpp"
+#include "simulate/decoder.hpp"
+
+namespace qerr {
+
+/// Whether an effect acts between the position of the shaft and the count, or scatters the position: such
+/// errors are tied to the counts.
+bool counts_depend_on(const EffectKind&);
+
+/// Rounding of y + N to the nearest integer, N normal: error of its mean, and its variance, over N. Both have
+/// the period 1 in y.
+class DitheredRounding {
+ public:
+  /// @param s  standard deviation of N, > 0
+  explicit DitheredRounding(double s);
+
+  double error(double y) const { return at(error_, y); }        ///< E[round(y + N)] - y
+  double variance(double y) const { return at(variance_, y); }  ///< of round(y + N)
+
+ private:
+  double at(const std::vector<double>& table, double y) const;
+  double large_;                          // the variance if N is so large that y does not matter; else 0
+  std::vector<double> error_, variance_;  // at multiples of 1/512
+};
+
+/// Errors of the counts of one encoder with everything that acts within a line and on its counts: distortion
+/// g within a line, noise N, jitter, decoder D.
+class CountErrors {
+ public:
+  /// @param rounds  false: of the distortion alone
+  CountErrors(const OperationalModel&, const std::vector<Effect>&, std::size_t encoder, bool rounds);
+
+  bool plain() const { return line_.empty() && !random() && decoder_.empty(); }  ///< rounding, nothing else
+  bool random() const { return rounds_ && (noise_ > 0 || jitter_ > 0); }
+  bool jitters() const { return rounds_ && jitter_ > 0; }
+  /// Counts after which the error repeats: those of a line, or 1.
+  double span() const { return line_.empty() ? 1 : span_; }
+  /// Errors that can be evaluated in a second.
+  double affordable() const;
+
+  /// Mean of the error over the noise at position x and every zero u [counts]: E[g(x + u) + N] - x - u,
+  /// behind a decoder less the decoder's own mean error.
+  /// @param speed    [counts/s]
+  /// @param weights  of the zeros
+  /// @returns the variance over the noise, in the mean over the zeros
+  double operator()(double x, const Moment&, double speed, const std::vector<double>& zeros,
+                    const std::vector<double>& weights, double* errors);
+
+ private:
+  /// Distortion at a position [counts], and its slope.
+  struct Distorted {
+    double by, slope;
+  };
+  Distorted distortion(double position) const;
+  const DitheredRounding& rounding(double s);
+  std::pair<double, double> decoded(double w, double y, double s, double u, const Moment&) const;
+
+  bool rounds_, adds_jitter_;
+  double shift_ = 0, span_ = 1, noise_ = 0, jitter_ = 0;  // [counts, counts, counts, s]
+  std::vector<double> line_;                              // distortion over a line
+  Decoder decoder_;
+  std::map<int, DitheredRounding> roundings_;  // by the logarithm of the noise
+};
+
+}  // namespace qerr
