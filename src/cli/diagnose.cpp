@@ -71,7 +71,8 @@ int run(const Values& v) {
   for (const std::string& log : inputs) note_input(log);  // the outputs are prepared before they are read
   inputs.push_back(v.text("SPEC"));
   refuse_shared_input(inputs, "LOG");
-  const Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
+  Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
+  if (v.given("hold")) spec.log.missing = MissingValues::hold;
   OutputFile out(v.text("output"));
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
@@ -83,7 +84,7 @@ int run(const Values& v) {
   DiagnoseOptions options;
   options.seed = spec.configurations.seed;
   options.threads = threads(v);
-  Log log = read_log({v.texts("LOG"), v.given("hold")}, spec, most_log_values, progress(v, "bytes"));
+  Log log = read_log(v.texts("LOG"), spec, most_log_values, progress(v, "bytes"));
   const std::string format = chosen_format(v);
   // A page draws the record.
   const bool keep_values = table || residual || format == "html";
@@ -98,7 +99,7 @@ int run(const Values& v) {
   shown.details = v.given("details");
   finish(out, write(report, format, shown));
   warn(report.warnings, v);
-  return v.given("check") && report.diagnosis.verdict != Verdict::nothing_wrong ? 1 : 0;
+  return v.given("check") && !is_faultless(report.diagnosis) ? 1 : 0;
 }
 
 }  // namespace
@@ -115,7 +116,9 @@ Command diagnose_command() {
                         "standard input"},
             {.name = "--hold",
              .kind = OptionKind::flag,
-             .meaning = "an empty cell of a log has the last value of its column"},
+             .meaning =
+                 "an empty cell of a log has the last value of its column, as with log: {missing: hold} "
+                 "in the spec; --set log.missing=drop leaves its row out"},
             {.name = "--plan",
              .kind = OptionKind::flag,
              .meaning = "without a log: which effects a log of the spec's motion would identify, and a "
@@ -129,7 +132,9 @@ Command diagnose_command() {
              .most = 10},
             {.name = "--check",
              .kind = OptionKind::flag,
-             .meaning = "end with 1 unless nothing is wrong, for continuous integration"},
+             .meaning =
+                 "end with 1 unless nothing is wrong, neither with the robot nor with the record (corrupt, "
+                 "missing, repeated, contradictory readings), for continuous integration"},
             {.name = "--details",
              .kind = OptionKind::flag,
              .meaning = "in the table also the statistics, p-values, all intervals and gains"},

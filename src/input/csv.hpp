@@ -27,7 +27,7 @@ inline bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r'; }
 struct CsvLimits {
   std::size_t block = 1 << 18;        ///< bytes per read
   std::size_t longest_row = 1 << 20;  ///< [bytes]
-  bool empty_cells = false;           ///< an empty cell of a chosen column is NaN, and no error
+  bool empty_cells = false;           ///< an empty cell of a chosen column, or `nan`, is NaN and no error
   std::string empty_remedy = {};      ///< what else helps against an empty cell
 };
 

@@ -34,6 +34,11 @@ const char* skip_cell(const char* p) {
   return p;
 }
 
+/// `nan` in any case of its letters, as programs write a missing value.
+bool is_nan(std::string_view text) {
+  return text.size() == 3 && (text[0] | 0x20) == 'n' && (text[1] | 0x20) == 'a' && (text[2] | 0x20) == 'n';
+}
+
 /// The end of the digits of an exponent whose `e` is at `p`; null if it has no digits.
 const char* skip_exponent(const char* p) {
   p += 1 + (p[1] == '-' || p[1] == '+');
@@ -202,7 +207,7 @@ void CsvReader::ragged(std::size_t cells) const {
 }
 
 void CsvReader::general_cell(const Cell& cell, std::size_t chosen, double& value) {
-  if (limits_.empty_cells && cell.text.empty()) {
+  if (limits_.empty_cells && (cell.text.empty() || is_nan(cell.text))) {
     value = no_number;
     return;
   }

@@ -12,9 +12,9 @@ class Stretches {
  public:
   explicit Stretches(std::uint64_t most_values) : most_values_(most_values) {}
 
-  void add(Eigen::ArrayXXd rows) {
+  void add(Eigen::ArrayXXd rows, std::vector<std::uint64_t> file_rows) {
     if (number_++ % every_ != 0) return;
-    kept_.push_back({(number_ - 1) * stretch_rows, std::move(rows)});
+    kept_.push_back({(number_ - 1) * stretch_rows, std::move(rows), std::move(file_rows)});
     const auto columns = static_cast<std::uint64_t>(kept_.front().rows.cols());
     if (kept_.size() < 4 || kept_.size() * columns * stretch_rows <= most_values_) return;
     every_ *= 2;
@@ -30,7 +30,11 @@ class Stretches {
     Eigen::Index rows = 0, next = 0;
     for (const Stretch& s : kept_) rows += s.rows.rows();
     log.values.resize(rows, static_cast<Eigen::Index>(log.columns.size()));
+    const bool gaps = !kept_.empty() && !kept_.back().file_rows.empty();
     for (Stretch& s : kept_) {
+      for (Eigen::Index k = 0; gaps && k < s.rows.rows(); ++k)
+        log.file_rows.push_back(s.file_rows.empty() ? s.first + static_cast<std::uint64_t>(k)
+                                                    : s.file_rows[static_cast<std::size_t>(k)]);
       log.values.middleRows(next, s.rows.rows()) = s.rows;
       next += s.rows.rows();
       s.rows.resize(0, 0);
@@ -49,6 +53,7 @@ class Stretches {
   struct Stretch {
     std::uint64_t first = 0;
     Eigen::ArrayXXd rows;
+    std::vector<std::uint64_t> file_rows;  // empty: from `first` on
   };
   std::uint64_t most_values_, number_ = 0, every_ = 1;
   std::vector<Stretch> kept_;
@@ -82,7 +87,7 @@ Log read_log(const LogFiles& files, const Spec& spec, std::uint64_t most_values,
       files, spec,
       {.block_rows = static_cast<Eigen::Index>(Stretches::stretch_rows), .progress = std::move(progress)});
   Stretches stretches(most_values);
-  for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows));
+  for (Eigen::ArrayXXd rows; reader.next(rows);) stretches.add(std::move(rows), reader.file_rows());
   Log log = reader.log();
   stretches.move_to(log);
   convert_fractions(log, spec);

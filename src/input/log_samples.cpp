@@ -50,8 +50,11 @@ std::optional<std::size_t> column_called(const CsvReader& table, const std::stri
 
 class WideSamples : public LogSamples {
  public:
-  WideSamples(std::unique_ptr<CsvReader> table, LogClock& clock)
-      : table_(std::move(table)), clock_(clock), time_(column_called(*table_, "time")) {
+  WideSamples(std::unique_ptr<CsvReader> table, bool empty_stamps, LogClock& clock)
+      : table_(std::move(table)),
+        clock_(clock),
+        empty_stamps_(empty_stamps),
+        time_(column_called(*table_, "time")) {
     for (std::size_t i = 0; i < table_->header().size(); ++i)
       signals_.push_back({table_->header()[i], table_->header_place(i)});
   }
@@ -67,6 +70,10 @@ class WideSamples : public LogSamples {
   bool next(double& time, double* values) override {
     if (!table_->next(values)) return false;
     if (!stamp_) return true;
+    if (empty_stamps_ && stamp_->is_empty()) {
+      time = std::nan("");
+      return true;
+    }
     time = (*stamp_)();
     if (last_ && time < *last_) stamp_->refuse_before(*last_);
     last_ = time;
@@ -84,6 +91,7 @@ class WideSamples : public LogSamples {
  private:
   std::unique_ptr<CsvReader> table_;
   LogClock& clock_;
+  bool empty_stamps_;
   std::optional<std::size_t> time_;
   std::vector<LogHeader> signals_;
   std::optional<StampReader> stamp_;
@@ -92,11 +100,12 @@ class WideSamples : public LogSamples {
 
 }  // namespace
 
-std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits& limits, LogClock& clock) {
+std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits& limits, bool empty_stamps,
+                                     LogClock& clock) {
   auto table = std::make_unique<CsvReader>(path, limits);
   if (column_called(*table, "signal") && column_called(*table, "value"))
     return read_long_log(std::move(table), clock);
-  return std::make_unique<WideSamples>(std::move(table), clock);
+  return std::make_unique<WideSamples>(std::move(table), empty_stamps, clock);
 }
 
 }  // namespace qerr

@@ -55,9 +55,11 @@ class LogSamples {
 };
 
 /// Opens a file and reads its header, of a long file everything.
+/// @param empty_stamps  of a wide file: a row without a time stamp has the time NaN; else it is an error
 /// @param clock  of all files of the log; must outlive the result
 /// @throws Error like CsvReader; (input) for a long file without time stamps, or a signal with two units
-std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits&, LogClock& clock);
+std::unique_ptr<LogSamples> open_log(const std::string& path, const CsvLimits&, bool empty_stamps,
+                                     LogClock& clock);
 
 /// For a long file, whose header has the columns `signal` and `value`.
 std::unique_ptr<LogSamples> read_long_log(std::unique_ptr<CsvReader>, LogClock&);
@@ -70,6 +72,7 @@ class StampReader {
 
   /// The stamp of the last row [s]. @throws Error (input) if it is none
   double operator()();
+  bool is_empty() const { return table_.chosen_text(text_).empty(); }
   /// @throws Error (input) that time must not decrease
   [[noreturn]] void refuse_before(double last) const;
   DecimalText written() const { return written_.text(); }

@@ -8,13 +8,15 @@
 
 namespace qerr {
 
-LogTable::LogTable(const LogFiles& files, const CsvLimits& limits) {
+LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLimits& limits)
+    : missing_values_(reading.missing) {
   CsvLimits held = limits;
-  held.empty_cells = files.hold;
-  held.empty_remedy = "; --hold holds the column's last value";
+  held.empty_cells = missing_values_ != MissingValues::error;
+  held.empty_remedy =
+      "; --set log.missing=drop leaves out all such rows, --hold holds the last value of a column";
   for (const std::string& path : files.paths) {
     File file;
-    file.samples = open_log(path, held, *clock_);
+    file.samples = open_log(path, held, missing_values_ == MissingValues::drop, *clock_);
     const auto time = file.samples->time();
     const auto& signals = file.samples->signals();
     if (files.paths.size() > 1 && !time)
@@ -54,20 +56,25 @@ bool LogTable::next(double* values, std::ptrdiff_t stride) {
   while (true) {
     const File* first = nullptr;
     for (File& file : files_) {
-      if (!file.pending && !file.ended) {
-        file.pending = file.samples->next(file.time, file.values.data());
-        file.ended = !file.pending;
+      while (!file.pending && !file.ended) {  // until a row with a stamp, or the end
+        file.ended = !file.samples->next(file.time, file.values.data());
+        file.pending = !file.ended && !std::isnan(file.time);
+        if (!file.ended && !file.pending) ++rows_, ++left_out_, ++unstamped_;
       }
       if (file.pending && (!first || file.time < first->time)) first = &file;
     }
     if (!first) {
-      if (rows_ == 0 && dropped_ > 0) refuse_silent_column();
+      if (rows_ == left_out_ && left_out_ + dropped_ > 0) refuse_incomplete_rows();
       return false;
     }
     const double time = first->time;
     ++rows_;
     for (File& file : files_)
       if (file.pending && file.time == time) take(file);
+    if (missing_values_ == MissingValues::drop && is_incomplete()) {
+      ++left_out_;
+      continue;
+    }
     if (missing_ > 0) {
       ++dropped_, --rows_;
       for (Column& c : columns_) c.samples = 0;
@@ -96,7 +103,13 @@ void LogTable::take(File& file) {
   }
 }
 
-void LogTable::refuse_silent_column() const {
+/// Whether a signal has no value of its own in the present row.
+bool LogTable::is_incomplete() const {
+  return std::any_of(columns_.begin(), columns_.end(),
+                     [&](const Column& c) { return !c.time && c.last_row != rows_; });
+}
+
+void LogTable::refuse_incomplete_rows() const {
   std::string silent;
   for (const File& file : files_)
     for (std::size_t i = 0; i < file.signals.size(); ++i)
@@ -105,8 +118,9 @@ void LogTable::refuse_silent_column() const {
   throw Error({{file_, 0, 0},
                "",
                "no row in which every signal has a value",
-               "none of " + silent,
-               "leave out the signals that were not recorded"});
+               silent.empty() ? "" : "none of " + silent,
+               silent.empty() ? "'missing: hold' holds the last values"
+                              : "leave out the signals that were not recorded"});
 }
 
 Place LogTable::last_line() const {
@@ -154,6 +168,12 @@ std::vector<std::string> LogTable::warnings() const {
   if (dropped_ > 0)
     all.push_back(file_ + ": " + counted(dropped_, "row") +
                   " dropped at the beginning, before every signal has a value");
+  if (missing_values_ == MissingValues::drop) {
+    if (left_out_ > 0)
+      all.push_back(file_ + ": " + std::to_string(left_out_) + " of " + counted(rows_, "row") +
+                    " left out, in which a signal has no value: " + incomplete_columns());
+    return all;
+  }
   for (const File& file : files_)
     for (std::size_t i = 0; i < file.signals.size(); ++i) {
       const Column& c = columns_[file.columns[i]];
@@ -164,21 +184,22 @@ std::vector<std::string> LogTable::warnings() const {
                       " ends " + counted(held, "row") +
                       " before the log does; its last value is held: cut the log there if it went on moving");
     }
-  const std::string held = held_columns();
+  const std::string held = incomplete_columns();
   if (!held.empty())
     all.push_back(file_ + ": held between their samples, and late there if the robot moves: " + held);
   return all;
 }
 
-/// The columns that are held in some rows, with the number of these rows.
-std::string LogTable::held_columns() const {
-  std::string held;
+/// The columns that have no value of their own in some rows, with the number of these rows.
+std::string LogTable::incomplete_columns() const {
+  std::string held =
+      unstamped_ > 0 ? "time in " + std::to_string(unstamped_) + " of " + counted(rows_, "row") : "";
   for (const File& file : files_)
     for (std::size_t i = 0; i < file.signals.size(); ++i) {
       const Column& c = columns_[file.columns[i]];
-      if (c.samples == rows_) continue;
+      if (c.samples + unstamped_ == rows_) continue;
       held += (held.empty() ? "" : ", ") + file.samples->signals()[file.signals[i]].text + " in " +
-              std::to_string(rows_ - c.samples) + " of " + counted(rows_, "row");
+              std::to_string(rows_ - unstamped_ - c.samples) + " of " + counted(rows_, "row");
     }
   return held;
 }

@@ -13,12 +13,13 @@ namespace qerr {
 /// The table of a log's signals, one column each: its files joined by time.
 ///
 /// A row for every time stamp of any file; of each signal the last value is held. Rows before every chosen
-/// signal has had a value are dropped. Rows of a single wide file are passed on as they are.
+/// signal has had a value are dropped, and so are, where the spec says so, all in which a signal has no value
+/// of its own. Rows of a single wide file are passed on as they are.
 class LogTable {
  public:
   /// Reads the headers.
   /// @throws Error like open_log; (input) if there are several files and one has no time stamps
-  LogTable(const LogFiles&, const CsvLimits&);
+  LogTable(const LogFiles&, const LogReading&, const CsvLimits&);
 
   /// Name of the file, or of all files.
   const std::string& file() const { return file_; }
@@ -32,6 +33,14 @@ class LogTable {
   /// seconds after `time_origin`.
   /// @returns false at the end
   bool next(double* values, std::ptrdiff_t stride);
+
+  /// Index of the last row among all rows of the table, dropped ones included, from 0.
+  std::uint64_t row() const { return rows_ + dropped_ - 1; }
+  /// Rows read so far in which a chosen column has no value of its own.
+  std::uint64_t held(std::size_t chosen) const {
+    return columns_[chosen].time || missing_values_ == MissingValues::drop ? 0
+                                                                           : rows_ - columns_[chosen].samples;
+  }
 
   double time_origin() const { return clock_->origin(); }
   Place last_line() const;
@@ -66,8 +75,11 @@ class LogTable {
   };
 
   void take(File&);
-  void refuse_silent_column() const;
-  std::string held_columns() const;
+  bool is_incomplete() const;
+  [[noreturn]] void refuse_incomplete_rows() const;
+  std::string incomplete_columns() const;
+
+  MissingValues missing_values_;
 
   std::unique_ptr<LogClock> clock_ = std::make_unique<LogClock>();
   std::vector<File> files_;
@@ -76,7 +88,9 @@ class LogTable {
   std::vector<std::pair<std::size_t, std::size_t>> sources_;  // of the header: file, signal
   std::vector<Column> columns_;
   std::size_t missing_ = 0;  // chosen columns without a value so far
-  std::uint64_t rows_ = 0, dropped_ = 0;
+  /// Rows; those of them that were left out for a missing value, or stamp; those before every column has a
+  /// value.
+  std::uint64_t rows_ = 0, left_out_ = 0, unstamped_ = 0, dropped_ = 0;
 };
 
 }  // namespace qerr

@@ -57,7 +57,7 @@ void note(Wraps& wraps, std::uint64_t row, double time) {
 class LogReader::Rows {
  public:
   Rows(const LogFiles& files, const Spec& spec, const LogOptions& options)
-      : table_(files, {options.block_bytes, options.longest_row}),
+      : table_(files, spec.log, {options.block_bytes, options.longest_row}),
         transmission_(spec.model.transmission),
         most_(std::max<Eigen::Index>(options.block_rows, 1)),
         progress_(options.progress) {
@@ -86,7 +86,13 @@ class LogReader::Rows {
   bool next(Eigen::ArrayXXd& rows) {
     rows.resize(most_, static_cast<Eigen::Index>(log.columns.size()));
     Eigen::Index count = 0;
-    while (count < most_ && table_.next(rows.data() + count, most_)) check(rows, count++);
+    file_rows.clear();
+    while (count < most_ && table_.next(rows.data() + count, most_)) {
+      file_rows.push_back(table_.row());
+      check(rows, count++);
+    }
+    // Ascending: if the last row has its own number, all have.
+    if (count > 0 && file_rows.back() == log.rows + static_cast<std::uint64_t>(count) - 1) file_rows.clear();
     if (count == 0 && log.rows == 0)
       throw Error({table_.last_line(), "", "the log has no rows", "only a header", ""});
     if (count == 0) {
@@ -98,12 +104,16 @@ class LogReader::Rows {
     remove_turns(rows);
     log.rows += static_cast<std::uint64_t>(count);
     if (time_) log.last_time = log.time_origin + rows(count - 1, *time_);
-    for (std::size_t i = 0; i < log.columns.size(); ++i) log.columns[i].text = table_.written(i);
+    for (std::size_t i = 0; i < log.columns.size(); ++i) {
+      log.columns[i].text = table_.written(i);
+      log.columns[i].held = table_.held(i);
+    }
     if (progress_ && table_.size() > 0) progress_(table_.position(), table_.size());
     return true;
   }
 
   Log log;
+  std::vector<std::uint64_t> file_rows;  // of the last block
 
  private:
   /// A reference or command that may differ from the measured position by whole turns.
@@ -187,14 +197,19 @@ class LogReader::Rows {
     }
   }
 
+  /// Of a row of the present block, from 0.
+  std::uint64_t row_in_file(Eigen::Index i) const {
+    return file_rows.empty() ? log.rows + static_cast<std::uint64_t>(i)
+                             : file_rows[static_cast<std::size_t>(i)];
+  }
+
   void remove_turns(Eigen::ArrayXXd& rows) {
     for (auto& [column, unwrap] : unwraps_) {
       Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
         const std::int64_t before = unwrap.turns();
         rows(i, column) = unwrap(rows(i, column));
-        if (unwrap.turns() != before)
-          note(wraps, log.rows + static_cast<std::uint64_t>(i), log.time_origin + rows(i, *time_));
+        if (unwrap.turns() != before) note(wraps, row_in_file(i), log.time_origin + rows(i, *time_));
       }
       wraps.contradicted = unwrap.contradicted();
     }
@@ -225,7 +240,7 @@ class LogReader::Rows {
       reference += turns * f.turn;
       f.turns += turns;
       f.last = reference - measured[i];
-      if (turns != 0) note(column.wraps, log.rows + static_cast<std::uint64_t>(i), 0);
+      if (turns != 0) note(column.wraps, row_in_file(i), 0);
     }
   }
 
@@ -257,5 +272,7 @@ LogReader& LogReader::operator=(LogReader&&) noexcept = default;
 const Log& LogReader::log() const { return rows_->log; }
 
 bool LogReader::next(Eigen::ArrayXXd& rows) { return rows_->next(rows); }
+
+const std::vector<std::uint64_t>& LogReader::file_rows() const { return rows_->file_rows; }
 
 }  // namespace qerr

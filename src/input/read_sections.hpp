@@ -47,6 +47,7 @@ void read_filters(const Field&, Spec&, Faults&);
 void read_configurations(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 void read_requirements(const Field&, Spec&, Faults&);
 void read_threshold(const Field&, Spec&);
+void read_log_section(const Field&, Spec&);
 void read_motion(const Field&, const std::string& folder, const RobotModel&, Spec&, Faults&);
 void read_effects(const Field&, const RobotModel&, Spec&, Faults&);
 void read_sweep(const Field&, Spec&, Faults&);

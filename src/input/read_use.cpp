@@ -46,6 +46,13 @@ void read_coordinates(const Field& f, Spec& spec) {
     if (is_length(c)) add_length(c, spec.model);
 }
 
+void read_log_section(const Field& f, Spec& spec) {
+  const std::string missing = Object(f, spec_format::log()).choice("missing");
+  spec.log.missing = missing == "drop"   ? MissingValues::drop
+                     : missing == "hold" ? MissingValues::hold
+                                         : MissingValues::error;
+}
+
 void read_threshold(const Field& f, Spec& spec) {
   spec.threshold_length = Object(f, spec_format::threshold()).number("length");
   warn_of_bare_numbers(f, spec_format::threshold(), {}, spec.warnings);

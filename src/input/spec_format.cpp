@@ -57,6 +57,7 @@ const std::vector<Parameter>& top() {
       {.name = "threshold", .kind = Kind::object, .meaning = "for `qerr threshold`"},
       {.name = "motion", .kind = Kind::object, .meaning = "for `qerr simulate`"},
       {.name = "effects", .kind = Kind::objects, .meaning = "what the real robot adds to the ideal model"},
+      {.name = "log", .kind = Kind::object, .meaning = "how `qerr diagnose` reads a log"},
       {.name = "sweep", .kind = Kind::objects, .meaning = "axes of the grid of `qerr sweep`"},
       {.name = "design", .kind = Kind::object, .meaning = "what `qerr design` may choose, and by what"},
   };
@@ -284,6 +285,18 @@ const std::vector<Parameter>& effect() {
        .kind = Kind::text,
        .meaning = "the joint it acts on, or a pattern such as 'left_*'",
        .required = true},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& log() {
+  static const std::vector<Parameter> rows{
+      {.name = "missing",
+       .kind = Kind::choice,
+       .meaning =
+           "what becomes of a row with an empty cell: an error, the row is left out, or the last value "
+           "of the column is held",
+       .choices = "error|drop|hold"},
   };
   return rows;
 }

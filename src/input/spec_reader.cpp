@@ -139,6 +139,12 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          section(top, "effects", r.faults_,
                  [&](const Field& f) { read_effects(f, *r.robot_, r.spec_, r.faults_); });
        }},
+      {{"log"},
+       {},
+       [](Spec& spec) { spec.log = {}; },
+       [](SpecReader& r, const Object& top) {
+         section(top, "log", r.faults_, [&](const Field& f) { read_log_section(f, r.spec_); });
+       }},
       {{"sweep"},
        {},
        [](Spec& spec) { spec.sweep.clear(); },

@@ -231,6 +231,7 @@ std::string json_schema() {
   p["threshold"] = object_of(spec_format::threshold());
   p["motion"] = motion();
   p["effects"] = list_of(effect());
+  p["log"] = object_of(spec_format::log());
   p["sweep"] = list_of(sweep());
   p["design"] = design();
   root.append(s);

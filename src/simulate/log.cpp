@@ -20,6 +20,7 @@ bool has_counts(const Log& log, const Transmission& t, std::size_t joint) {
 double LogColumn::step() const { return scale.in_si(std::pow(10.0, -text.most_decimals)); }
 
 std::uint64_t Log::row_number(Eigen::Index row) const {
+  if (!file_rows.empty()) return file_rows[static_cast<std::size_t>(row)];
   if (stretches.empty()) return static_cast<std::uint64_t>(row);
   return stretches[static_cast<std::size_t>(row / stretch_rows)] +
          static_cast<std::uint64_t>(row % stretch_rows);

@@ -87,6 +87,33 @@ TEST(Gain, OfASpuriousTermIsNoGainOnHeldOutBlocks) {
   EXPECT_LT(g.log_score, 0.01);
 }
 
+// A part p/n of the variance is explained by p columns of noise where they were fitted to the same n rows;
+// where they were not, they add as much.
+TEST(Gain, OfColumnsOfNoiseIsAboveOneOnlyInTheRowsToWhichTheyAreFitted) {
+  for (std::uint64_t seed = 1; seed <= 5; ++seed) {
+    Evidence e = swing(seed, 0);
+    for (Eigen::Index k = 0; k < e.rows(); ++k)
+      e.measured[k] += 3 * resolution * std::round(gaussian(100 + seed, static_cast<std::uint64_t>(k)));
+    std::vector<RowGroup> single;  // of 400 rows
+    for (Eigen::Index k = 0; k < 400; ++k) single.push_back({10 * k, 10 * k + 1});
+    const Evidence few = group_means(e, single);
+    Term noise;
+    noise.unnamed = "noise";
+    noise.columns.resize(few.rows(), 40);
+    std::uint64_t drawn = 0;
+    for (double& x : noise.columns.reshaped()) x = gaussian(200 + seed, drawn++);
+    Explanation m(few);
+    m.add(noise);
+    m.fit();
+    const Eigen::ArrayXd residual = few.measured - few.reference;
+    EXPECT_GT(std::sqrt(residual.square().mean() / (residual - m.addition()).square().mean()), 1.03) << seed;
+    const Gain g = gain({hold_out(e, few, single, m)}, 1);
+    EXPECT_TRUE(g.held_out);
+    EXPECT_LT(g.ratio(), 0.97) << seed;
+    EXPECT_LT(g.log_score, 0) << seed;
+  }
+}
+
 TEST(FoundParameters, ContainTheTruthIn95PercentOfTheRecords) {
   int held = 0;
   const int records = 60;

@@ -63,6 +63,29 @@ TEST(DiagnoseTip, IdentifiesADisplacedJointAndItsMagnitude) {
   EXPECT_GE(inside, intervals - 3);
 }
 
+// Fitted to its n entries, p coefficients would leave the noise's variance less a part p/n; entries to which
+// they are not fitted have it, and the errors of the coefficients.
+TEST(DiagnoseTip, TheGainIsOfPosesToWhichTheModelIsNotFitted) {
+  constexpr double noise = 1e-4;
+  double part = 0, causes = 0;
+  constexpr int arms = 24;
+  for (std::uint64_t seed = 1; seed <= arms; ++seed) {
+    Dice dice(3000 + seed);
+    const Arm arm = random_arm(dice, 4);
+    Arm built = arm;
+    for (Eigen::Vector3d& place : built.place) place += 3e-3 * dice.direction();
+    const Record r = poses(dice, 4, 40);
+    const std::vector<double> resolution(4, 1e-6);
+    const Diagnosis d = judge(arm.model(resolution), log_of(dice, built, r, resolution, noise));
+    EXPECT_TRUE(d.gain.held_out) << seed;
+    part += std::pow(d.gain.rms_after / noise, 2) / arms;
+    causes += static_cast<double>(d.causes.size()) / arms;
+  }
+  EXPECT_GT(causes, 5);
+  EXPECT_GT(part, 1);
+  EXPECT_LT(part, 1.3);
+}
+
 TEST(DiagnoseTip, FindsNothingForACleanArm) {
   int alarms = 0;
   std::string said;

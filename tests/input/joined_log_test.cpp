@@ -143,19 +143,48 @@ TEST_F(JoinedLog, AFaultyValueBeforeTheFirstRowNamesItsOwnLine) {
 TEST_F(JoinedLog, EmptyCellsAreHeldOnlyOnRequest) {
   const std::string a = file("a.csv",
                              "time [s],shoulder.counts,shoulder.reference [rad],note\n0,1,,\n1,,0.25,x\n"
-                             "2,3, ,\"y\"\n3,,\"\",\n");
+                             "2,3, ,\"y\"\n3,NaN,\"\",\n");
   const std::string without = refused(LogFiles(std::vector{a}));
   EXPECT_TRUE(has(without, "a.csv:2:5: shoulder.reference [rad]: the cell is empty")) << without;
+  EXPECT_TRUE(has(without, "--set log.missing=drop")) << without;
   EXPECT_TRUE(has(without, "--hold")) << without;
-  const Log log = read_log(LogFiles({a}, true), spec);
+  spec.log.missing = MissingValues::hold;
+  const Log log = read_log(LogFiles(std::vector{a}), spec);
   EXPECT_EQ(column(log, LogSignal::time), (Doubles{1, 2, 3}));
   EXPECT_EQ(column(log, LogSignal::counts), (Doubles{1, 3, 3}));
   EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.25, 0.25, 0.25}));
+  EXPECT_EQ(log.row_number(0), 1u);
+  EXPECT_EQ(log.columns[*log.find(LogSignal::reference)].held, 2u);
+}
+
+TEST_F(JoinedLog, RowsWithEmptyCellsAreLeftOutOnRequest) {
+  const std::string a = file("a.csv",
+                             "time [s],shoulder.counts,shoulder.reference [rad],note\n0,1,,\n1,2,0.25,\n,,,\n"
+                             "3,,0.5,\n4,5,nan,\n5,6,0.75,\n");
+  spec.log.missing = MissingValues::drop;
+  const Log log = read_log(LogFiles(std::vector{a}), spec);
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{1, 5}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{2, 6}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.25, 0.75}));
+  EXPECT_EQ(log.row_number(0), 1u);
+  EXPECT_EQ(log.row_number(1), 5u);
+  ASSERT_FALSE(log.warnings.empty());
+  EXPECT_TRUE(
+      has(log.warnings.back(),
+          "4 of 6 rows left out, in which a signal has no value: time in 1 of 6 rows, shoulder.counts in 1 "
+          "of 6 rows, shoulder.reference [rad] in 2 of 6 rows"))
+      << log.warnings.back();
+  const std::string b = file("b.csv", "time [s],shoulder.counts\n0,1\n1,2\n"),
+                    c = file("c.csv", "time [s],shoulder.reference [rad]\n1,0.5\n2,0.5\n");
+  EXPECT_EQ(column(read_log(LogFiles({b, c}), spec), LogSignal::time), (Doubles{1}));
+  const std::string never = file("d.csv", "time [s],shoulder.counts,shoulder.reference [rad]\n0,1,\n1,,1\n");
+  EXPECT_TRUE(has(refused(LogFiles(std::vector{never})), "no row in which every signal has a value"));
 }
 
 TEST_F(JoinedLog, ASignalThatNeverHasAValueIsAnError) {
   const std::string a = file("a.csv", "time [s],shoulder.counts,shoulder.reference [rad]\n0,1,\n1,2,\n");
-  EXPECT_TRUE(has(refused(LogFiles({a}, true)), "none of 'shoulder.reference [rad]'"));
+  spec.log.missing = MissingValues::hold;
+  EXPECT_TRUE(has(refused(LogFiles(std::vector{a})), "none of 'shoulder.reference [rad]'"));
 }
 
 // The rows of one log, written in three ways, in blocks that cut rows.

@@ -55,18 +55,20 @@ TEST(DiagnosisReport, WritesNonFiniteNumbersAsNull) {
 
 TEST(DiagnosisReport, WritesFindingsAboutTheDataWithTheirPlace) {
   DiagnosisReport r = report(Verdict::cannot_judge, {});
-  r.diagnosis.data = {{"counts are held for 4 rows", "elbow", 17, {}, "log at the sensor's rate"},
-                      {"the clock stops", "", {}, 2.5, "log monotonic stamps"}};
+  r.diagnosis.data = {
+      {"counts are held for 4 rows", "elbow", 17, {}, "log at the sensor's rate", DataKind::repeated},
+      {"the clock stops", "", {}, 2.5, "log monotonic stamps"}};
   const nlohmann::json data = json(r)["data"];
   ASSERT_EQ(data.size(), 2u);
-  EXPECT_EQ(data[0],
-            nlohmann::json::parse(R"({"what": "counts are held for 4 rows", "joint": "elbow", "row": 17,
-                                     "remedy": "log at the sensor's rate"})"));
-  EXPECT_EQ(data[1], nlohmann::json::parse(R"({"what": "the clock stops", "joint": null, "time": 2.5,
-                                     "remedy": "log monotonic stamps"})"));
+  EXPECT_EQ(data[0], nlohmann::json::parse(R"({"what": "counts are held for 4 rows", "kind": "repeated",
+                                     "joint": "elbow", "row": 17, "remedy": "log at the sensor's rate"})"));
+  EXPECT_EQ(data[1], nlohmann::json::parse(R"({"what": "the clock stops", "kind": "remark", "joint": null,
+                                     "time": 2.5, "remedy": "log monotonic stamps"})"));
   const std::string csv = write(r, "csv", Style{});
   EXPECT_NE(csv.find("data,elbow,counts are held for 4 rows,row,17,,,,,log at the sensor's rate\r\n"),
             std::string::npos)
+      << csv;
+  EXPECT_NE(csv.find("data,elbow,counts are held for 4 rows,kind,,,,,,repeated\r\n"), std::string::npos)
       << csv;
   EXPECT_NE(csv.find("data,,the clock stops,time,2.5,,,,s,log monotonic stamps\r\n"), std::string::npos)
       << csv;
@@ -139,6 +141,7 @@ TEST(DiagnosisReport, ConformsToItsSchemaWithAllMembers) {
   const nlohmann::json whole = json(r);
   EXPECT_TRUE(conforms(whole)) << whole.dump(1);
   for (const auto& [list, member] : {std::pair{"data", "what"},
+                                     {"data", "kind"},
                                      {"visible", "smallest"},
                                      {"unexplained", "shape"},
                                      {"causes", "rms_without"}}) {

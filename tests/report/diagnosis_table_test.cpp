@@ -174,6 +174,22 @@ The record itself
   EXPECT_LT(text.find("The record itself"), text.find("Causes"));
 }
 
+TEST(DiagnosisTable, SaysInTheVerdictsLineThatTheRecordHasFaults) {
+  DiagnosisReport r = play();
+  r.diagnosis.verdict = Verdict::nothing_wrong;
+  r.diagnosis.causes.clear();
+  r.diagnosis.data = {{"the joint does not move", "elbow", 1, {}, "move it"}};
+  EXPECT_TRUE(is_faultless(r.diagnosis));
+  EXPECT_TRUE(contains(table(r), "NOTHING WRONG: the log agrees"));
+  r.diagnosis.data.push_back({"2 gaps", "", 9, {}, "", DataKind::missing});
+  r.diagnosis.data.push_back({"5 readings are far off", "elbow", 7, {}, "", DataKind::corrupt});
+  r.diagnosis.data.push_back({"1 reading is far off", "wrist", 8, {}, "", DataKind::corrupt});
+  EXPECT_FALSE(is_faultless(r.diagnosis));
+  EXPECT_TRUE(
+      contains(table(r), "NOTHING WRONG, BUT CORRUPT AND MISSING READINGS: apart from them the log agrees"))
+      << table(r);
+}
+
 TEST(DiagnosisTable, NamesTheShapeOfWhatIsLeft) {
   EXPECT_EQ(line_of(shaped(Shape::step, 37.4 * count, {{"time", 9}})),
             "a step of 37.4 counts = 23.5 mrad = 1.35 deg at 9.00 s");

@@ -92,13 +92,26 @@ struct Unidentified {
   std::string next = {};     ///< what to inspect or to record; empty: that of its shape
 };
 
-/// A fault of the record itself, which is found without a model of the error.
+/// What a finding about the record says of its readings. Each kind but `remark` is a fault of the record.
+enum class DataKind {
+  remark,        ///< all readings are used as they are: the rows are few, the stamps uneven, the joint rests
+  corrupt,       ///< readings that no motion has
+  missing,       ///< readings that were taken and not recorded
+  repeated,      ///< readings or stamps of an earlier row
+  contradictory  ///< columns that contradict each other or their headers
+};
+
+/// "remark", ...
+std::string_view name(DataKind);
+
+/// A property of the record itself, which is found without a model of the error.
 struct DataFinding {
   std::string what;                  ///< "counts are held for 4 rows", ...
   std::string joint;                 ///< ""; of the whole record
   std::optional<std::uint64_t> row;  ///< in the file, from 1: where it begins
   std::optional<double> time;        ///< [s]
   std::string remedy;
+  DataKind kind = DataKind::remark;
 };
 
 /// Smallest size of an effect that the record would have shown.
@@ -122,6 +135,13 @@ struct Diagnosis {
   Gain gain;                      ///< over all joints with a verdict; of the tip if no joint has a reference
   std::vector<std::string> warnings;
 };
+
+/// The kinds of faults of the record, each once, in the order of their enumeration.
+std::vector<DataKind> record_faults(const Diagnosis&);
+
+/// Whether neither the robot nor the record has a fault: the verdict is `nothing_wrong`, and no reading had
+/// to be left out, replaced or converted to come to it.
+bool is_faultless(const Diagnosis&);
 
 /// The result does not depend on the number of threads. Of a record with more than 4096 independent readings
 /// the seed may select those that are fitted; else causes do not depend on it.

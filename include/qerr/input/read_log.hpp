@@ -12,17 +12,19 @@
 namespace qerr {
 
 /// The files of a log, which are joined by time: a row for every time stamp of any file, the last value of
-/// each signal held. Rows before every signal has had a value are dropped, with a warning.
+/// each signal held. Rows before every signal has had a value are dropped, with a warning. Of an empty cell
+/// of a wide file, or one that says `nan`, the spec says what becomes (`LogReading`): the row is left out (of
+/// joined files every row in which a signal has no value of its own), or the last value of its column is
+/// held, both with a warning; else it is an error.
 ///
 /// A file is wide, a column each signal, or long: `time [s],signal,value` and perhaps `unit`, a row each
 /// sample. Of a long file every signal must be in the order of time, not the file. It is kept in memory, 24
 /// bytes a sample.
 struct LogFiles {
   LogFiles(const std::string& path) : paths{path} {}
-  LogFiles(std::vector<std::string> all, bool hold_last = false) : paths(std::move(all)), hold(hold_last) {}
+  LogFiles(std::vector<std::string> all) : paths(std::move(all)) {}
 
   std::vector<std::string> paths;
-  bool hold = false;  ///< an empty cell of a wide file has the last value of its column; else it is an error
 };
 
 struct LogOptions {
@@ -70,6 +72,10 @@ class LogReader {
   /// not a finite number, counts beyond 2^53, or off every grid of 1/1024 count or
   /// coarser, or not whole although a coupling joins them, decreasing time, a file without rows
   bool next(Eigen::ArrayXXd& rows);
+
+  /// Index in the file of each row that `next` has read last, from 0; empty: rows follow one another from the
+  /// first of the file on.
+  const std::vector<std::uint64_t>& file_rows() const;
 
  private:
   class Rows;

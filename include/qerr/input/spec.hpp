@@ -48,6 +48,15 @@ struct SweepAxis {
   std::vector<SweepStep> steps;
 };
 
+/// What becomes of a row of a log in which a signal has no value: an error, or the row is left out, or the
+/// last value of the signal is held.
+enum class MissingValues { error, drop, hold };
+
+/// How a log is read.
+struct LogReading {
+  MissingValues missing = MissingValues::error;
+};
+
 struct DesignRequest;  // src/input/design_request.hpp
 
 /// A spec, read and checked: everything in SI units, every name resolved.
@@ -66,6 +75,7 @@ struct Spec {
   std::optional<double> threshold_length;  ///< [m]
   std::optional<Motion> motion;
   std::vector<Effect> effects;
+  LogReading log;
   std::vector<SweepAxis> sweep;
   std::shared_ptr<const DesignRequest> design;  ///< null without a section `design`
   std::vector<std::string> warnings;

@@ -55,6 +55,7 @@ struct LogColumn {
   Wraps wraps;
   /// Of counts: they are multiples of 1/denominator; above 1 for an interpolated encoder; known at the end.
   int denominator = 1;
+  std::uint64_t held = 0;  ///< rows that had no value of their own and have the last one
 
   /// Log resolution: every value (before unwrapping) is a multiple of this [unit].
   double step() const;
@@ -77,6 +78,9 @@ struct Log {
   /// have `stretch_rows` rows. Empty: `values` has all rows.
   std::vector<std::uint64_t> stretches;
   Eigen::Index stretch_rows = 0;
+  /// Index in the file of each row of `values`, from 0, where others have been left out; empty: see
+  /// `stretches`.
+  std::vector<std::uint64_t> file_rows;
 
   /// Index of the column with this signal of this joint (or coordinate of the tip); empty if absent.
   std::optional<Eigen::Index> find(LogSignal, std::size_t index = 0) const;

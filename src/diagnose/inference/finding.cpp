@@ -135,13 +135,14 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
   FoundCauses found = search_causes(record, seed);
   const auto select = [&] {
     f->selection.emplace(selection_of(*f->sampling, found));
-    while (const auto impossible = impossible_term(f->selection->model)) {
+    while (const auto impossible = impossible_term(f->selection->model)) {  // of finitely many terms
       drop(found, *impossible);
       f->selection.emplace(selection_of(*f->sampling, found));
     }
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   };
   select();
+  // Each round has one name less, and a search without names, which follows the last one, finds none.
   while (has_names(found) && !lowers_residual(f->held)) {
     drop(found, least_name(found));
     if (!has_names(found)) found = search_causes(record, seed, false);

@@ -200,7 +200,7 @@ Scatter scatter_of(const Evidence& e, const Explanation& m, double unnamed) {
   const Trials trials(e, m, std::move(intervals), s.size);
   std::vector<ScatterCause> random;
   Eigen::ArrayXd variance = inflated_noise * known;
-  for (double before = trials.value(variance);;) {
+  for (double before = trials.value(variance);;) {  // until each random effect of the catalogue has its turn
     const std::vector<ScatterCandidate> found = trials.candidates(variance, random);
     if (found.empty()) break;
     const ScatterCandidate& best = found.front();

@@ -227,20 +227,21 @@ Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold)
 Eigen::ArrayXd direction_with_readings(const Eigen::ArrayXd& path, const Eigen::ArrayXd& measured,
                                        Eigen::ArrayXd direction, double still, double step) {
   const Eigen::Index n = path.size();
+  Eigen::Index searched = 0;  // up to here: each standstill is looked through once, also if it trembles
   for (Eigen::Index k = 1; k < n; ++k) {
-    if (direction[k] == direction[k - 1]) continue;
+    if (direction[k] == direction[k - 1] || k <= searched) continue;
     const double before = direction[k - 1], after = direction[k];
     Eigen::Index first = k - 1, last = k;
     while (first > 0 && std::abs(path[first - 1] - path[k - 1]) < still) --first;
     while (last + 1 < n && std::abs(path[last + 1] - path[k - 1]) < still) ++last;
     const double from = measured[first], to = measured[last];
+    searched = last;
     if (std::abs(to - from) <= 2 * step) continue;
     for (Eigen::Index i = first; i <= last; ++i) {
       const bool still_before = std::abs(measured[i] - from) <= step,
                  already = std::abs(measured[i] - to) <= step;
       direction[i] = already ? after : still_before ? before : 0;
     }
-    k = last;
   }
   return direction;
 }

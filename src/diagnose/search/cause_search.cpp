@@ -38,10 +38,11 @@ bool acts_before_teeth(const Term& t) {
   return kind.stage < Stage::gear || kind.first_in_stage;
 }
 
-/// At rest only a constant error is visible: one that rounding and noise do not have.
-FoundCauses at_rest(const Evidence& record) {
+/// At rest only a constant error is visible: one that rounding and noise do not have. It is a name.
+FoundCauses at_rest(const Evidence& record, bool with_names) {
   const double mean = (record.measured - record.path).mean();
-  if (!record.encoder.zero_known || std::abs(mean) < record.step() + 4 * record.path_noise) return {};
+  if (!with_names || !record.encoder.zero_known || std::abs(mean) < record.step() + 4 * record.path_noise)
+    return {};
   const auto constant = [](const RecordSignals& s) {
     std::vector<Term> all = named_terms(s);
     return *std::find_if(all.begin(), all.end(), [](const Term& t) { return t.constant; });
@@ -69,13 +70,14 @@ class CauseSearch {
   }
 
   FoundCauses found() {
-    if (samples_.size() < fewest_samples) return at_rest(record_);
+    if (samples_.size() < fewest_samples) return at_rest(record_, history_.names);
     history_.worth = history_.worth_of_shapes = material * record_.step();
     for (int pass = 0; pass < most_passes; ++pass) {
       model_.emplace(record_, samples_, dictionary_.candidates(scanned_, moved_), scanned_.events, excess_);
       choose();
       if (!learn(pass == 0)) break;
     }
+    // Both loops end: no choice has a refuted family, and the dictionary has finitely many families.
     while (refute(without_contrast(*model_, choice_))) choose();
     while (refute(brought_by_rounding(*model_, choice_, seed_))) choose();
     distinguish_steps(*model_, choice_);

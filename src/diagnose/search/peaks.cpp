@@ -100,12 +100,13 @@ Means means_of(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight, con
 template <typename Transition>
 std::pair<double, double> best_transition(double time, double shortest, double longest, Transition gain) {
   double start = time, length = shortest, best = 0;
-  for (double trial = shortest; trial <= longest; trial *= 1.5)
+  for (double trial = shortest; trial <= longest && std::isfinite(trial); trial *= 1.5)
     for (const double before : {0.0, 0.25, 0.5, 0.75, 1.0})
       if (const double g = gain(time - before * trial, trial); g > best)
         best = g, start = time - before * trial, length = trial;
-  for (double step = 0.25; step > 0.002; step /= 2)
-    for (bool better = true; better;) {
+  for (double step = 0.25; step > 0.002; step /= 2) {
+    bool better = true;
+    for (int move = 0; better && move < most_moves_of_step; ++move) {
       better = false;
       const double from = start, of = length;
       for (const double shift : {-step, 0.0, step})
@@ -115,6 +116,7 @@ std::pair<double, double> best_transition(double time, double shortest, double l
             best = g, start = next, length = lasting, better = true;
         }
     }
+  }
   return {start, length};
 }
 
@@ -185,8 +187,9 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
   };
   gain = gain_of(best.position, best.width);
   if (gain == 0) return {};
-  for (double step = 0.5; best.width > 0 && step > 0.01; step /= 2)
-    for (bool better = true; better;) {
+  for (double step = 0.5; best.width > 0 && step > 0.01; step /= 2) {
+    bool better = true;
+    for (int move = 0; better && move < most_moves_of_step; ++move) {
       better = false;
       const Bump from = best;
       for (const double shift : {-step, 0.0, step})
@@ -196,6 +199,7 @@ Bump strongest_bump(const Eigen::ArrayXd& residual, const Eigen::ArrayXd& weight
             gain = g, best.position = from.position + shift * from.width, best.width = from.width * factor,
             better = true;
     }
+  }
   return best;
 }
 

@@ -5,6 +5,10 @@
 
 namespace qerr {
 
+/// Moves of a local search before it halves its step: it begins beside the maximum of a grid, a few steps
+/// away. What still rises after that many is a slope without a maximum, on which it would go on for long.
+inline constexpr int most_moves_of_step = 64;
+
 /// Rates (orders, or angular frequencies) at which scores are most periodic in an argument.
 struct RateScan {
   double least = 0, most = 0;  ///< rates to be scanned

@@ -56,8 +56,9 @@ double refined_order(const ErrorModel& m, const Eigen::ArrayXd& residual, double
   const double resolution = turn / m.few().range();
   if (order > few_periods * resolution) return order;
   double best = m.gain(free_order_term(m.few(), order), residual);
-  for (double step = 0.25 * resolution; step > 0.005 * resolution; step /= 2)
-    for (bool better = true; better;) {
+  for (double step = 0.25 * resolution; step > 0.005 * resolution; step /= 2) {
+    bool better = true;
+    for (int move = 0; better && move < most_moves_of_step; ++move) {
       better = false;
       for (const double other : {order - step, order + step}) {
         if (other < 0.75 * resolution) continue;
@@ -67,6 +68,7 @@ double refined_order(const ErrorModel& m, const Eigen::ArrayXd& residual, double
         }
       }
     }
+  }
   return order;
 }
 

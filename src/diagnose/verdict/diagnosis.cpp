@@ -5,6 +5,7 @@
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "core/random.hpp"
@@ -33,6 +34,33 @@ std::string_view name(Verdict v) {
       return "cannot_judge";
   }
   return "";
+}
+
+std::string_view name(DataKind k) {
+  switch (k) {
+    case DataKind::remark:
+      return "remark";
+    case DataKind::corrupt:
+      return "corrupt";
+    case DataKind::missing:
+      return "missing";
+    case DataKind::repeated:
+      return "repeated";
+    case DataKind::contradictory:
+      return "contradictory";
+  }
+  return "";
+}
+
+std::vector<DataKind> record_faults(const Diagnosis& d) {
+  std::set<DataKind> kinds;
+  for (const DataFinding& f : d.data)
+    if (f.kind != DataKind::remark) kinds.insert(f.kind);
+  return {kinds.begin(), kinds.end()};
+}
+
+bool is_faultless(const Diagnosis& d) {
+  return d.verdict == Verdict::nothing_wrong && record_faults(d).empty();
 }
 
 namespace {

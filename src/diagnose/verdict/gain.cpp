@@ -58,7 +58,9 @@ double expected_square(const Encoder& encoder, double position, double noise) {
   const double below = below_reading(encoder);
   const double first = std::floor(position + below - 6 * noise);
   double sum = 0;
-  for (double count = first; count <= position + below + 6 * noise; ++count) {
+  // Twelve standard deviations of at most a count each; beyond 2^53 the next count is none of its own.
+  for (int i = 0; i <= 13 && first + i <= position + below + 6 * noise; ++i) {
+    const double count = first + i;
     const double edge = count - below - position;
     sum +=
         (count - position) * (count - position) * (normal_cdf((edge + 1) / noise) - normal_cdf(edge / noise));

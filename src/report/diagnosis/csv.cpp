@@ -110,9 +110,10 @@ void add_unexplained(Tidy& rows, const DiagnosisReport& r) {
   }
 }
 
-/// What was found stands under `name`, where it begins under `figure` and `value`, the remedy under `text`.
+/// What was found stands under `name`, where it begins under `figure` and `value`, the remedy under `text`;
+/// in a row of its own the kind.
 void add_data(Tidy& rows, const Diagnosis& d) {
-  for (const DataFinding& f : d.data)
+  for (const DataFinding& f : d.data) {
     rows.add({.section = "data",
               .joint = f.joint,
               .name = f.what,
@@ -122,6 +123,12 @@ void add_data(Tidy& rows, const Diagnosis& d) {
               .value = f.row ? static_cast<double>(*f.row) : f.time.value_or(NAN),
               .unit = !f.row && f.time ? "s" : "",
               .text = f.remedy});
+    rows.add({.section = "data",
+              .joint = f.joint,
+              .name = f.what,
+              .figure = "kind",
+              .text = std::string(name(f.kind))});
+  }
 }
 
 void add_visible(Tidy& rows, const Diagnosis& d) {

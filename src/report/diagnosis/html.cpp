@@ -33,7 +33,7 @@ std::string in_one_line(const std::string& lines) {
 std::string to_html(const DiagnosisReport& r, const Style&) {
   const Diagnosis& d = r.diagnosis;
   page::Page page{"Diagnosis of " + r.spec.robot_name,
-                  page::isolated_runs(verdict_title(d.verdict) + ": " + verdict_words(r) + "."),
+                  page::isolated_runs(verdict_title(d) + ": " + verdict_words(r) + "."),
                   {},
                   r.warnings};
   describe(page, r.spec, verdicts_beside(r.spec));

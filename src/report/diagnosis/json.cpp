@@ -100,7 +100,7 @@ Json null_if_empty(const std::string& text) { return text.empty() ? Json(nullptr
 Json data(const Diagnosis& d) {
   Json list = Json::array();
   for (const DataFinding& f : d.data) {
-    Json entry = {{"what", f.what}, {"joint", null_if_empty(f.joint)}};
+    Json entry = {{"what", f.what}, {"kind", name(f.kind)}, {"joint", null_if_empty(f.joint)}};
     if (f.row) entry["row"] = *f.row;
     if (f.time) entry["time"] = *f.time;
     entry["remedy"] = f.remedy;

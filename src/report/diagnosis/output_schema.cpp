@@ -33,6 +33,8 @@ Json curve_schema() {
 Json data_schema() {
   using namespace schema;
   return object({{"what", text()},
+                 {"kind", one_of({"remark", "corrupt", "missing", "repeated", "contradictory"}),
+                  "of all but a remark --check ends with 1"},
                  {"joint", text_or_null(), "null: the whole record"},
                  {"row", number(), "of the file, from 1, where it begins", true},
                  {"time", number(), "[s], where it begins", true},

@@ -51,8 +51,13 @@ bool has_one_shape(const Diagnosis& d) {
 
 }  // namespace
 
-std::string verdict_title(Verdict v) {
-  std::string word(name(v));
+std::string verdict_title(const Diagnosis& d) {
+  std::string word(name(d.verdict));
+  if (d.verdict == Verdict::nothing_wrong && !is_faultless(d)) {
+    std::vector<std::string> faults;
+    for (const DataKind kind : record_faults(d)) faults.emplace_back(name(kind));
+    word += ", but " + listed(faults) + " readings";
+  }
   std::replace(word.begin(), word.end(), '_', ' ');
   std::transform(word.begin(), word.end(), word.begin(),
                  [](char c) { return c >= 'a' && c <= 'z' ? static_cast<char>(c - 'a' + 'A') : c; });
@@ -63,7 +68,8 @@ std::string verdict_words(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   switch (d.verdict) {
     case Verdict::nothing_wrong:
-      return "the log agrees with the model, its quantization and the noise of the reference";
+      return std::string(is_faultless(d) ? "" : "apart from them ") +
+             "the log agrees with the model, its quantization and the noise of the reference";
     case Verdict::explained:
       return listed_causes(d);
     case Verdict::partly_explained:

@@ -11,8 +11,8 @@ namespace {
 
 std::string verdict_line(const DiagnosisReport& r, const Style& style) {
   const Diagnosis& d = r.diagnosis;
-  const Paint color = d.verdict == Verdict::nothing_wrong ? Paint::green : Paint::yellow;
-  return painted(verdict_title(d.verdict), color, style) + ": " + verdict_words(r) + "\n";
+  return painted(verdict_title(d), is_faultless(d) ? Paint::green : Paint::yellow, style) + ": " +
+         verdict_words(r) + "\n";
 }
 
 }  // namespace

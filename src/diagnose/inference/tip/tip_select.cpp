@@ -84,7 +84,7 @@ void reshape(TipModel& model, std::size_t term) {
 
 double value_of(const TipModel& m) { return m.value(m.solution(), m.size()); }
 
-/// Backward elimination of terms, the least significant first.
+/// Backward elimination of terms, the least significant first, until none is left.
 void prune(TipModel& model) {
   for (;;) {
     std::optional<std::size_t> least;
@@ -100,9 +100,10 @@ void prune(TipModel& model) {
   }
 }
 
-/// Forward selection.
+/// Forward selection. Each step raises the model's value, but may remove as many terms as it adds: a count
+/// ends it.
 TipModel grown(TipModel model, const TipSelectOptions& options) {
-  while (model.terms().size() < options.most_terms) {
+  for (std::size_t i = 0; i < 2 * options.most_terms && model.terms().size() < options.most_terms; ++i) {
     std::optional<TipStep> step = next_step(model, options);
     if (!step) break;
     TipModel next = model;
@@ -110,7 +111,7 @@ TipModel grown(TipModel model, const TipSelectOptions& options) {
     next.fit();
     reshape(next, next.terms().size() - 1);
     prune(next);
-    if (value_of(next) < value_of(model) + 0.5 * better_by) break;
+    if (!(value_of(next) >= value_of(model) + 0.5 * better_by)) break;
     model = std::move(next);
   }
   return model;
@@ -123,7 +124,8 @@ TipModel with_all_dimensions(TipModel model) {
     if (!t.kinematic() || chosen(model, t)) continue;
     // Linearly dependent on the others.
     if (model.beyond({}, model.columns(t)).isZero(0)) continue;
-    model.add(std::move(t), Eigen::VectorXd::Zero(1));
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(t.size());  // a tilt may have two directions
+    model.add(std::move(t), none);
     model.fit();
   }
   prune(model);

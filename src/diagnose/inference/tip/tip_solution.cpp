@@ -18,7 +18,9 @@ double log_likelihood(const Eigen::VectorXd& residual, const Eigen::VectorXd& kn
          0.5 * static_cast<double>(residual.size()) * std::log(2 * std::numbers::pi);
 }
 
-/// Uphill in sigma, by smaller and smaller factors.
+/// Uphill in sigma, by smaller and smaller factors. Each move raises the likelihood, so that no sigma comes
+/// back, and by the range of doubles a factor has finitely many: the first, 4, some thousand; each further
+/// one goes between two neighbours of its predecessor.
 double climb(const Eigen::VectorXd& residual, const Eigen::VectorXd& known, double sigma, double least) {
   double best = log_likelihood(residual, known, sigma);
   for (double factor = 4; factor > 1.005; factor = std::sqrt(factor))

@@ -255,7 +255,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
   const std::uint64_t number = static_cast<std::uint64_t>(point.overflows);
   s.data.push_back({"the counter overflows at " + significant(modulus, 12) + ' ' +
                         (number == 1 ? "once" : std::to_string(number) + " times"),
-                    s.model.chain.independent[encoder].name, row_in_file(s, first) + 1, time_of(s, first),
+                    s.model.chain.independent[encoder].name, s.log.row_number(first) + 1, time_of(s, first),
                     "add the modulus at each overflow where the counts are read, or state the effect in the "
                     "spec"});
   read->counts = std::move(unwrapped.counts);
@@ -263,7 +263,7 @@ void check_rollover(Sanity& s, std::size_t encoder) {
 }
 
 void check_decoding(Sanity& s, std::size_t encoder) {
-  while (const Effect* effect = specified_effect(s, encoder, decoding_effect().name)) {
+  while (const Effect* effect = specified_effect(s, encoder, decoding_effect().name)) {  // which is removed
     const double factor = effect->number("factor");
     remove_effect(s, effect);
     if (const auto read = recorded_counts(s, encoder); read && factor != 0) decode(s, *read, encoder, factor);

@@ -80,7 +80,7 @@ std::optional<Hold> hold_of(const Sanity& s, const Followed& f) {
     if (below <= count / 2) h.rows = rows, below += updates;
   // Where all updates have one phase, rows at rest in this phase are fresh, too.
   const auto phase = [&](Eigen::Index k) {
-    return static_cast<std::size_t>(row_in_file(s, k) % static_cast<std::uint64_t>(h.rows));
+    return static_cast<std::size_t>(s.log.row_number(k) % static_cast<std::uint64_t>(h.rows));
   };
   std::vector<double> phases(static_cast<std::size_t>(h.rows));
   for (const Eigen::Index k : u.all) ++phases[phase(k)];
@@ -93,19 +93,30 @@ std::optional<Hold> hold_of(const Sanity& s, const Followed& f) {
   return h;
 }
 
-/// The finding. Rows with fresh values have no age, so that nothing else is to be said of it.
-void report_hold(Sanity& s, const Hold& h, std::size_t encoder, const std::string& signal) {
+/// The finding. Rows with fresh values have no age, so that nothing else is to be said of it. Where qerr
+/// itself has held the values between their samples, the record has no fault.
+void report_hold(Sanity& s, const Hold& h, std::size_t encoder, LogSignal held, const std::string& signal) {
   const auto time = s.log.values.col(*s.log.find(LogSignal::time));
   const double interval = (time[time.size() - 1] - time[0]) / static_cast<double>(time.size() - 1);
   const double period = h.rows * interval, age = 0.5 * (h.rows - 1) * interval;
-  s.data.push_back({"the " + signal + (signal == "counts" ? " are" : " is") + " held for " +
-                        std::to_string(h.rows) + " rows (" + readable(period, "s") +
-                        "): only the rows with a fresh value are judged",
-                    s.model.chain.independent[encoder].name, row_in_file(s, h.first) + 1, time[h.first],
-                    "log at the rate of the sensor, or stamp its values when they are read; until then the " +
-                        signal + " of the log " + (signal == "counts" ? "are " : "is ") + readable(age, "s") +
-                        " old in the mean, which is no latency of the sensor"});
-  s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
+  const auto column = s.log.find(held, encoder);
+  const bool by_reader = column && s.log.columns[static_cast<std::size_t>(*column)].held > 0;
+  const bool several = signal == "counts";
+  const std::string old = readable(age, "s") + " old in the mean, which is no latency of the sensor";
+  s.data.push_back(
+      {"the " + signal +
+           (by_reader ? several ? " have a sample every " : " has a sample every "
+            : several ? " are held for "
+                      : " is held for ") +
+           std::to_string(h.rows) + " rows (" + readable(period, "s") +
+           (by_reader ? "), which is held between them as the log is read" : ")") +
+           ": only the rows with a fresh value are judged",
+       s.model.chain.independent[encoder].name, s.log.row_number(h.first) + 1, time[h.first],
+       by_reader ? "record all signals at one rate: a held one is " + old
+                 : "log at the rate of the sensor, or stamp its values when they are read; until then the " +
+                       signal + " of the log " + (several ? "are " : "is ") + old,
+       by_reader ? DataKind::remark : DataKind::repeated});
+  if (!by_reader) s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
 }
 
 std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
@@ -117,16 +128,32 @@ std::optional<Hold> check_held(Sanity& s, std::size_t encoder) {
   if (reference.size() < fewest_updates) return std::nullopt;
   // First: steps of a held reference would be taken for its noise.
   if (auto h = hold_of(s, {reference, read->counts, s.reference_grid[encoder] / step, 1})) {
-    report_hold(s, *h, encoder, "reference");
+    report_hold(s, *h, encoder, LogSignal::reference, "reference");
     return h;
   }
   const double noise = noise_of_path(s.log.values.col(*stamps), reference, 0);
   auto h = hold_of(s, {read->counts, reference, 1, held_deviations * std::sqrt(2.0) * noise});
-  if (h) report_hold(s, *h, encoder, "counts");
+  if (h) report_hold(s, *h, encoder, read->direct ? LogSignal::counts : LogSignal::measured, "counts");
   return h;
 }
 
 }  // namespace
+
+void check_held_cells(Sanity& s) {
+  for (const LogColumn& c : s.log.columns) {
+    const bool position = c.signal == LogSignal::counts || c.signal == LogSignal::measured ||
+                          c.signal == LogSignal::reference || c.signal == LogSignal::tip;
+    if (position && c.held > 0)
+      s.data.push_back(
+          {c.header + " has no value of its own in " + counted(c.held, "row") +
+               ", where its last one is held as the log is read: late there if it moves",
+           c.signal == LogSignal::tip ? "tip" : s.model.chain.independent[c.index].name,
+           {},
+           {},
+           "where cells are empty because nothing was recorded, and not because nothing changed, "
+           "state log: {missing: drop}"});
+  }
+}
 
 void check_held_sensors(Sanity& s) {
   std::vector<Eigen::Index> fresh;

@@ -56,7 +56,7 @@ void check_interpolated(Sanity& s, std::size_t encoder) {
   const std::size_t readings = knots.size() + 2;
   s.data.push_back({"the reference is interpolated between about " + std::to_string(readings) +
                         " readings: the " + std::to_string(s.log.values.rows()) + " rows are not independent",
-                    s.model.chain.independent[encoder].name, row_in_file(s, knots.front()) + 1,
+                    s.model.chain.independent[encoder].name, s.log.row_number(knots.front()) + 1,
                     time_of(s, knots.front()),
                     "record the readings themselves; between them nothing can be judged, and orders above " +
                         std::to_string(readings / 2) + " per record cannot be told from lower ones"});

@@ -145,15 +145,15 @@ std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
   const bool of_reference = bend(motion, worst) > bend(read->counts, worst);
   std::string where;
   for (std::size_t i = 1; i < std::min<std::size_t>(rows.size(), 5); ++i)
-    where += (i > 1 ? ", " : "; also row ") + std::to_string(row_in_file(s, rows[i]) + 1);
+    where += (i > 1 ? ", " : "; also row ") + std::to_string(s.log.row_number(rows[i]) + 1);
   if (rows.size() > 5) where += ", ...";
-  s.data.push_back(
-      {counted(rows.size(), "reading") + " of the " + (of_reference ? "reference" : "encoder") +
-           (rows.size() == 1 ? " is" : " are") + " far off the neighbours, up to " +
-           significant(deviation(error, worst), 3) + " counts" + where,
-       s.model.chain.independent[encoder].name, row_in_file(s, rows.front()) + 1,
-       s.log.values(rows.front(), *stamps),
-       "these rows are left out here; look for interference on the cable, or for lost messages"});
+  s.data.push_back({counted(rows.size(), "reading") + " of the " + (of_reference ? "reference" : "encoder") +
+                        (rows.size() == 1 ? " is" : " are") + " far off the neighbours, up to " +
+                        significant(deviation(error, worst), 3) + " counts" + where,
+                    s.model.chain.independent[encoder].name, s.log.row_number(rows.front()) + 1,
+                    s.log.values(rows.front(), *stamps),
+                    "these rows are left out here; look for interference on the cable, or for lost messages",
+                    DataKind::corrupt});
   return rows;
 }
 

@@ -69,8 +69,8 @@ void drop_column(Log& log, Eigen::Index column) {
 void keep_rows(Sanity& s, const std::vector<Eigen::Index>& rows) {
   std::vector<std::uint64_t> in_file;
   in_file.reserve(rows.size());
-  for (const Eigen::Index k : rows) in_file.push_back(row_in_file(s, k));
-  s.file_rows = std::move(in_file);
+  for (const Eigen::Index k : rows) in_file.push_back(s.log.row_number(k));
+  s.log.file_rows = std::move(in_file);
   s.log.values = s.log.values(rows, Eigen::all).eval();
   s.log.rows = rows.size();
   s.log.stretches.clear();
@@ -79,10 +79,6 @@ void keep_rows(Sanity& s, const std::vector<Eigen::Index>& rows) {
 std::optional<double> time_of(const Sanity& s, Eigen::Index row) {
   const auto stamps = s.log.find(LogSignal::time);
   return stamps ? std::optional(s.log.values(row, *stamps)) : std::nullopt;
-}
-
-std::uint64_t row_in_file(const Sanity& s, Eigen::Index row) {
-  return s.file_rows.empty() ? s.log.row_number(row) : s.file_rows[static_cast<std::size_t>(row)];
 }
 
 namespace {
@@ -124,6 +120,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
                                ? rms(read->counts * model.transmission.encoders[i].resolution - reference)
                                : 0);
   }
+  sanity::check_held_cells(s);
   if (s.log.values.rows() < 8) return s;  // too few for any of the checks
   sanity::check_stamps(s);
   sanity::check_exchange(s);

@@ -29,8 +29,6 @@ struct Sanity {
   std::vector<DataFinding> data;
   std::vector<double>
       reference_grid;  ///< per encoder: step of a reference that is coarser [rad or m]; 0: none
-  /// Row in the file of each row of `log`, from 0, where rows have been left out; empty: none has been.
-  std::vector<std::uint64_t> file_rows;
   std::string spoilt;  ///< why the log as it stands misleads, and the remedy; "": it does not
   std::vector<std::string> warnings;
   std::string cannot_judge;  ///< the reason if the log has no reference, and what to record; else ""

@@ -64,9 +64,6 @@ void keep_rows(Sanity&, const std::vector<Eigen::Index>& rows);
 /// Time stamp of a row; empty: the log has none.
 std::optional<double> time_of(const Sanity&, Eigen::Index row);
 
-/// Row in the file, from 0.
-std::uint64_t row_in_file(const Sanity&, Eigen::Index row);
-
 /// A unit that fits the values of a column, and by how much they are larger in it.
 struct OtherUnit {
   std::string_view name;
@@ -82,6 +79,7 @@ void check_motion(Sanity&, std::size_t encoder);
 void check_exchange(Sanity&);
 void check_unit(Sanity&, std::size_t joint);
 void check_outliers(Sanity&);
+void check_held_cells(Sanity&);
 void check_held_sensors(Sanity&);
 void check_unrelated(Sanity&, std::size_t encoder);
 void check_reference_grid(Sanity&, std::size_t encoder);

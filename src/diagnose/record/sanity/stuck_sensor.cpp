@@ -91,7 +91,8 @@ void check_unrelated(Sanity& s, std::size_t encoder) {
        1,
        {},
        "no verdict on this joint: look whether the column is that of another joint, or noise of an "
-       "input without a sensor"});
+       "input without a sensor",
+       DataKind::contradictory});
   drop_column(s.log, *column);
 }
 
@@ -103,24 +104,35 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   if (reference.size() == 0) return;
   const Eigen::Index n = read->counts.size();
   std::vector<Eigen::Index> kept;
-  double missed = 0, since = 0;
+  double missed = 0;
+  Eigen::Index since = 0;
   for (ConstantRun run{0, 0}; run.first < n; run.first = run.end) {
     run.end = run.first + 1;
     while (run.end < n && read->counts[run.end] == read->counts[run.first]) ++run.end;
     const double here = missed_in(run, read->counts, reference);
-    if (here > missed) missed = here, since = s.log.values(run.first, *s.log.find(LogSignal::time));
+    if (here > missed) missed = here, since = run.first;
     for (Eigen::Index k = run.first; k < (here > 0 ? run.first + 1 : run.end); ++k) kept.push_back(k);
   }
   if (missed == 0) return;
+  const LogColumn& column = s.log.columns[static_cast<std::size_t>(read->column)];
+  const auto excluded = static_cast<std::size_t>(n) - kept.size();
+  if (column.held > 0) {  // the sensor may have been read, and not recorded
+    s.data.push_back({"the encoder has no value while its reference moves by " + significant(missed, 4) +
+                          " counts: " + counted(excluded, "row") + ", in which its last one is held, " +
+                          (excluded == 1 ? "is" : "are") + " excluded",
+                      s.model.chain.independent[encoder].name, s.log.row_number(since) + 1, time_of(s, since),
+                      "record the encoder without interruption", DataKind::missing});
+    keep_rows(s, kept);
+    return;
+  }
   s.unexplained.push_back({s.model.chain.independent[encoder].name,
                            "the encoder is constant for some time, then jumps to its reference",
                            {},
                            {},
                            missed * resolution});
-  s.warnings.push_back(
-      s.log.columns[static_cast<std::size_t>(read->column)].header + ": constant from " +
-      significant(since, 4) + " s on while its reference moves by " + significant(missed, 4) +
-      " counts: " + std::to_string(n - static_cast<Eigen::Index>(kept.size())) + " rows are excluded");
+  s.warnings.push_back(column.header + ": constant from " + significant(*time_of(s, since), 4) +
+                       " s on while its reference moves by " + significant(missed, 4) +
+                       " counts: " + std::to_string(excluded) + " rows are excluded");
   keep_rows(s, kept);
 }
 

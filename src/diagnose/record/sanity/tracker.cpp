@@ -133,7 +133,8 @@ bool exchange(Sanity& s, TrackedTip& t) {
                         "tip",
                         1,
                         {},
-                        "exchange their headers"});
+                        "exchange their headers",
+                        DataKind::contradictory});
       s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
       s.log.values.col(t.columns[i]).swap(s.log.values.col(t.columns[j]));
       t.recorded.col(static_cast<Eigen::Index>(i)).swap(t.recorded.col(static_cast<Eigen::Index>(j)));
@@ -160,7 +161,8 @@ void convert_unit(Sanity& s, TrackedTip& t) {
                     "tip",
                     1,
                     {},
-                    "write [" + std::string(unit->name) + "] in the header, or convert the column"});
+                    "write [" + std::string(unit->name) + "] in the header, or convert the column",
+                    DataKind::contradictory});
   s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
   for (const Eigen::Index c : t.columns) s.log.values.col(c) /= unit->factor;
   t.recorded /= unit->factor;
@@ -199,7 +201,8 @@ void check_tracker(Sanity& s) {
        1,
        {},
        "no verdict on the tip: look whether the columns are a tracker's, their units, and whether "
-       "the joints are those of the same motion"});
+       "the joints are those of the same motion",
+       DataKind::contradictory});
   std::sort(t->columns.rbegin(), t->columns.rend());
   for (const Eigen::Index column : t->columns) drop_column(s.log, column);
 }

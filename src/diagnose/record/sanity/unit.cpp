@@ -94,7 +94,8 @@ void convert(Sanity& s, std::size_t joint, Eigen::Index column, const OtherUnit&
                     s.model.chain.independent[joint].name,
                     1,
                     {},
-                    "write [" + std::string(unit.name) + "] in the header, or convert the column"});
+                    "write [" + std::string(unit.name) + "] in the header, or convert the column",
+                    DataKind::contradictory});
   s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
   // Whole turns that were added to bring the reference near the readings were none.
   if (!s.model.chain.independent[joint].prismatic())
@@ -139,7 +140,8 @@ void check_exchange(Sanity& s) {
            one,
            1,
            {},
-           "exchange the headers of the counts, or of the references, of " + one + " and " + other});
+           "exchange the headers of the counts, or of the references, of " + one + " and " + other,
+           DataKind::contradictory});
       s.spoilt = s.data.back().what + ": " + s.data.back().remedy;
       s.log.values.col(first).swap(s.log.values.col(second));
       std::swap(pairs[i].reference, pairs[j].reference);
