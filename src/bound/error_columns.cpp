@@ -115,21 +115,22 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
                            std::abs(norms.dc_gain),
                            {},
                            {},
+                           zeros(columns.columns()),
                            zeros(columns.coordinates()),
                            zeros(columns.coordinates())};
   if (model.along_motion) {
     w.added_worst = model.along_motion->filtered[filter].peak;
     w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
   }
+  const Eigen::VectorXd delta = resolutions(model.transmission);
+  w.variance_of_quantization.head(delta.size()) = (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
   if (!sigma_is_known(model.sources, filter)) return w;
   Eigen::VectorXd sources = zeros(columns.columns());
   const Eigen::VectorXd ratios = sigma_ratios(model.sources, filter, norms.h2);
   for (std::size_t s = 0; s < model.sources.size(); ++s)
     sources[static_cast<Eigen::Index>(columns.column_of(model.sources[s]))] +=
         std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
-  const Eigen::VectorXd delta = resolutions(model.transmission);
-  w.variance = sources;
-  w.variance.head(delta.size()) += (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
+  w.variance = sources + w.variance_of_quantization;
   if (!noise) return w;
   w.variance_in_motion = sources;
   w.variance_in_motion.head(delta.size()) += noise->cwiseProduct(delta).cwiseAbs2();
