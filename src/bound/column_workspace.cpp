@@ -46,6 +46,11 @@ class CoordinateForms {
         squared.push_back(
             {.weights = own.variance.data(), .added = own.added_variance[row_], .statistic = &*s.sigma});
     }
+    if (!is_plain(*m.model)) {
+      s.sigma_quantization.emplace();
+      squared.push_back(
+          {.weights = own.variance_of_quantization.data(), .added = 0, .statistic = &*s.sigma_quantization});
+    }
     if (own.variance_in_motion.size() == 0) return;
     s.sigma_in_motion.emplace();
     squared.push_back({.weights = own.variance_in_motion.data(),

@@ -103,6 +103,9 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
       const auto row = static_cast<Eigen::Index>(s.joint);
       s.share = kind.share(s.effect, model.transmission.encoders[s.joint], widened(u, before[row]));
       s.included = s.share && acts_on_robot(kind);
+      if (s.share && s.share->step_at_reversal > 0 && !u.duration && u.position && u.velocity &&
+          u.position->half_width() > 0)
+        s.reversals = 0.5 * u.velocity->largest() / (2 * u.position->half_width());
       if (s.included && current != Stage::kinematics) before[row] += worst(*s.share);
     }
   }
@@ -111,8 +114,8 @@ std::vector<EffectShare> effect_shares(const OperationalModel& model, const std:
 
 namespace {
 
-double sigma_ratio(const Norms& norms, Spectrum spectrum) {
-  switch (spectrum) {
+double sigma_ratio(const EffectShare& s, const Norms& norms, std::optional<double> step_energy) {
+  switch (s.share->spectrum) {
     case Spectrum::constant:
       return std::abs(norms.dc_gain);
     case Spectrum::motion:
@@ -120,13 +123,16 @@ double sigma_ratio(const Norms& norms, Spectrum spectrum) {
     case Spectrum::white:
       return norms.h2;
   }
+  if (s.reversals && step_energy && s.share->sigma > 0)
+    return s.share->step_at_reversal / s.share->sigma * std::sqrt(*step_energy * *s.reversals);
   return std::numeric_limits<double>::quiet_NaN();
 }
 
 }  // namespace
 
 std::vector<ErrorSource> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
-                                       const std::vector<Norms>& norms) {
+                                       const std::vector<Norms>& norms,
+                                       const std::vector<double>& step_energies) {
   std::vector<ErrorSource> sources;
   for (const EffectShare& s : shares) {
     if (!s.included || is_zero(*s.share)) continue;
@@ -142,7 +148,9 @@ std::vector<ErrorSource> error_sources(const OperationalModel& model, const std:
     source.mean = s.share->mean;
     source.half_width = s.share->half_width;
     source.sigma = s.share->sigma;
-    for (const Norms& n : norms) source.sigma_ratios.push_back(sigma_ratio(n, s.share->spectrum));
+    for (std::size_t f = 0; f < norms.size(); ++f)
+      source.sigma_ratios.push_back(sigma_ratio(
+          s, norms[f], f < step_energies.size() ? std::optional(step_energies[f]) : std::nullopt));
     sources.push_back(std::move(source));
   }
   return sources;

@@ -115,12 +115,15 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
                            std::abs(norms.dc_gain),
                            {},
                            {},
+                           zeros(columns.columns()),
                            zeros(columns.coordinates()),
                            zeros(columns.coordinates())};
   if (model.along_motion) {
     w.added_worst = model.along_motion->filtered[filter].peak;
     w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
   }
+  const Eigen::VectorXd delta = resolutions(model.transmission);
+  w.variance_of_quantization.head(delta.size()) = (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
   if (!sigma_is_known(model.sources, filter)) return w;
   const auto of_sources = [&](bool beside_noise_in_motion) {
     Eigen::VectorXd variance = zeros(columns.columns());
@@ -130,9 +133,7 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
           std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
     return variance;
   };
-  const Eigen::VectorXd delta = resolutions(model.transmission);
-  w.variance = of_sources(false);
-  w.variance.head(delta.size()) += (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
+  w.variance = of_sources(false) + w.variance_of_quantization;
   if (!noise) return w;
   w.variance_in_motion = of_sources(true);
   w.variance_in_motion.head(delta.size()) += noise->cwiseProduct(delta).cwiseAbs2();

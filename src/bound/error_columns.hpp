@@ -73,8 +73,9 @@ struct ErrorWeights {
   /// Of a coordinate behind a filter: |A| half_width ||H||_1 + |A mean| |H(1)| + added_worst, and sigma^2.
   struct Filtered {
     double l1 = 0, dc_gain = 0;
-    Eigen::VectorXd variance;            ///< [column]; empty: not known
-    Eigen::VectorXd variance_in_motion;  ///< [column]; empty: not known
+    Eigen::VectorXd variance;                  ///< [column]; empty: not known
+    Eigen::VectorXd variance_in_motion;        ///< [column]; empty: not known
+    Eigen::VectorXd variance_of_quantization;  ///< [column]: of it alone
     Eigen::VectorXd added_worst, added_variance;
   };
   std::vector<Filtered> filtered;

@@ -7,16 +7,20 @@
 
 namespace qerr {
 
-std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>& encoders, std::size_t filters) {
+std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>& encoders,
+                                          const SigmaRatios& of_encoders, const SigmaRatios& of_gears) {
   std::vector<ErrorSource> sources;
-  for (std::size_t i = 0; i < encoders.size(); ++i) {
-    const double bound = encoders[i].accuracy;
-    if (!(bound > 0)) continue;
-    ErrorSource source{ErrorSource::Where::encoder, i};
+  const auto add = [&](std::size_t encoder, double bound, const SigmaRatios& ratios) {
+    if (!(bound > 0)) return;
+    ErrorSource source{ErrorSource::Where::encoder, encoder};
     source.half_width = bound;
     source.sigma = bound / std::numbers::sqrt2;
-    source.sigma_ratios.assign(filters, std::numeric_limits<double>::quiet_NaN());
+    source.sigma_ratios = ratios[encoder];
     sources.push_back(std::move(source));
+  };
+  for (std::size_t i = 0; i < encoders.size(); ++i) {
+    add(i, encoders[i].accuracy, of_encoders);
+    add(i, encoders[i].gear_accuracy, of_gears);
   }
   return sources;
 }

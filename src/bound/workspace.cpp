@@ -95,6 +95,7 @@ class Summary {
                          ? statistic(figures_.filtered_worst + figure)
                          : scaled(w.coordinates[c].worst_case, filters_[f].l1.upper),
                      {},
+                     {},
                      {}});
       if (!sigma_is_known(model_.sources, f)) continue;
       all.back().sigma = job_.errors().own_sigma() ? statistic(figures_.filtered_sigma + figure)

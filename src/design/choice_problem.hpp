@@ -38,6 +38,7 @@ struct ChoiceFigure {
   bool root = false;
   std::vector<WeightedSum> sums;  ///< empty: only ChoiceProblem::judge knows the figure
   bool bound = false;             ///< the sums are a lower bound of the figure, which `judge` knows
+  bool monotone = true;           ///< the figure never grows when weights shrink
   /// Relative accuracy with which the figure of the report may differ from that of the sums: within it of its
   /// limit, `judge` decides.
   double tolerance = 1e-9;

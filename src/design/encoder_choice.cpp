@@ -41,10 +41,12 @@ EncoderSearch::EncoderSearch(const ChoiceProblem& problem)
 bool EncoderSearch::dominates(std::size_t joint, std::size_t a, std::size_t b) const {
   const auto& prices = problem_.prices[joint];
   if (prices[a] > prices[b] || (prices[a] == prices[b] && a > b)) return false;
-  for (const ChoiceFigure& figure : problem_.figures)
+  for (const ChoiceFigure& figure : problem_.figures) {
+    if (!figure.monotone) return false;
     for (const WeightedSum& sum : figure.sums)
       for (const WeightedColumn& c : sum.columns)
         if (c.joint == joint && c.weights[a] > c.weights[b]) return false;
+  }
   return true;
 }
 

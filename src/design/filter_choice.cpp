@@ -75,6 +75,7 @@ class CutoffScan {
       const std::optional<Filter> filter = at(cutoff);
       if (!filter) continue;
       ++to_.filters;
+      to_.any_true_gain = to_.any_true_gain || passes_slow_motion(*filter);
       to_.least_delay = std::min(to_.least_delay, group_delay(*filter));
       if (range_.tracking)
         to_.least_tracking = std::min(to_.least_tracking, sampled_tracking(*filter, range_.tracking->band));
@@ -91,9 +92,8 @@ class CutoffScan {
     return low_pass(family_, order_, cutoff, derivative_, sample_rate_);
   }
 
-  /// Filters without a delay limit pass no test of it, and so on; a filter that does not estimate its
-  /// derivative (a ripple at 0 Hz of half) is none.
   bool meets(const Filter& filter) const {
+    if (!range_.tracking && !passes_slow_motion(filter)) return false;
     if (range_.delay && !(group_delay(filter) <= *range_.delay)) return false;
     if (range_.tracking && !(sampled_tracking(filter, range_.tracking->band) <= range_.tracking->at_most))
       return false;

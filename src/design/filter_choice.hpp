@@ -37,6 +37,7 @@ struct FilterCandidate {
 struct FilterScan {
   std::vector<FilterCandidate> candidates;     ///< by family, order and cut-off
   double least_delay = 0, least_tracking = 0;  ///< of all filters, whether within the limits or not
+  bool any_true_gain = false;                  ///< whether one of them passes slow motion as it is
   std::size_t filters = 0;                     ///< that were looked at
 };
 
@@ -50,6 +51,8 @@ std::optional<Filter> low_pass(const std::string& family, int order, double cuto
 ///
 /// Noise grows and delay and tracking error fall with the cut-off of a low-pass, so that the quietest one
 /// within limits is at such an end; where a family's ripple spoils that, the steps are what is compared.
+/// Without a limit of the tracking error those are left out that do not pass slow motion as it is
+/// (`passes_slow_motion`): noise would shrink with the signal.
 /// @param accepts  further limits
 FilterScan filter_candidates(const FilterRange&, int derivative, double sample_rate,
                              const std::function<bool(const Filter&)>& accepts);

@@ -132,7 +132,7 @@ class LeastNorm {
 };
 
 /// The tracking error of taps at angular frequencies per sample, and the gradients of its parts. Taps are in
-/// units of sample_rate^d, and orthogonal to the first d moments.
+/// units of sample_rate^d; they differ from `least()` by what is orthogonal to the first d + 1 moments.
 class Tracking {
  public:
   explicit Tracking(const FirTask& task)
@@ -142,14 +142,21 @@ class Tracking {
     const auto count =
         static_cast<int>(std::ceil(8 * end * static_cast<double>(n_) / (2 * std::numbers::pi))) + 24;
     for (int i = 1; i <= count; ++i) frequencies_.push_back(end * i / count);
-    Eigen::MatrixXd moments(n_, std::max(derivative_, 1));
+    Eigen::MatrixXd moments(n_, derivative_ + 1);
     for (Eigen::Index k = 0; k < n_; ++k)
-      for (int m = 0; m < derivative_; ++m)
+      for (int m = 0; m <= derivative_; ++m)
         moments(k, m) = std::pow(2 * static_cast<double>(k) / static_cast<double>(n_) - 1, m);
-    if (derivative_ > 0)
-      moments_ = Eigen::HouseholderQR<Eigen::MatrixXd>(moments).householderQ() *
-                 Eigen::MatrixXd::Identity(n_, derivative_);
+    moments_ = Eigen::HouseholderQR<Eigen::MatrixXd>(moments).householderQ() *
+               Eigen::MatrixXd::Identity(n_, derivative_ + 1);
+    double of_last = 0;  // the gain of slow motion of the last basis vector: sum (-k)^d/d! h_k
+    for (Eigen::Index k = 0; k < n_; ++k)
+      of_last += std::pow(-static_cast<double>(k), derivative_) / std::tgamma(derivative_ + 1) *
+                 moments_(k, derivative_);
+    least_ = task.gain / of_last * moments_.col(derivative_);
   }
+
+  /// The taps of least norm with the gain of slow motion, orthogonal to all differences from them.
+  const Eigen::VectorXd& least() const { return least_; }
 
   const std::vector<double>& frequencies() const { return frequencies_; }
 
@@ -168,7 +175,7 @@ class Tracking {
     Eigen::VectorXd a(n_);
     for (Eigen::Index k = 0; k < n_; ++k)
       a[k] = (factor * std::polar(1.0, -w * static_cast<double>(k))).real();
-    for (int twice = 0; twice < 2 && derivative_ > 0; ++twice) a -= moments_ * (moments_.transpose() * a);
+    for (int twice = 0; twice < 2; ++twice) a -= moments_ * (moments_.transpose() * a);
     return a;
   }
 
@@ -177,6 +184,7 @@ class Tracking {
   int derivative_;
   std::vector<double> frequencies_;
   Eigen::MatrixXd moments_;
+  Eigen::VectorXd least_;
 };
 
 }  // namespace
@@ -191,7 +199,8 @@ QuietestFir quietest_fir(const FirTask& task) {
   const double scale = std::pow(task.sample_rate, task.derivative);
   for (int round = 0; round < most_rounds && !best.converged; ++round) {
     std::vector<std::complex<double>> errors;
-    for (const double frequency : w) errors.push_back(tracking.error(programme.y(), frequency));
+    for (const double frequency : w)
+      errors.push_back(tracking.error(tracking.least() + programme.y(), frequency));
     best.tracking = 0;
     for (const auto& e : errors) best.tracking = std::max(best.tracking, std::abs(e));
     best.converged = best.tracking <= task.tracking * (1 + tolerance);
@@ -203,14 +212,16 @@ QuietestFir quietest_fir(const FirTask& task) {
                         (i + 1 == w.size() || here >= std::abs(errors[i + 1]));
       if (!peak || here <= task.tracking * (1 + 0.5 * tolerance)) continue;
       const double phi = std::arg(errors[i]);
-      programme.add(tracking.row(w[i], phi), task.tracking + std::cos(phi));
+      const std::complex<double> of_least = tracking.error(tracking.least(), w[i]);
+      programme.add(tracking.row(w[i], phi), task.tracking - (std::polar(1.0, -phi) * of_least).real());
     }
     programme.solve();
   }
-  const Eigen::VectorXd h = scale * programme.y();
+  const Eigen::VectorXd h = scale * (tracking.least() + programme.y());
   best.h.assign(h.data(), h.data() + h.size());
   best.h2 = h.norm();
-  best.h2_bound = scale * std::sqrt(2 * std::max(0.0, programme.dual_value()));
+  best.h2_bound =
+      scale * std::sqrt(tracking.least().squaredNorm() + 2 * std::max(0.0, programme.dual_value()));
   return best;
 }
 

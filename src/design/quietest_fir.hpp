@@ -12,6 +12,7 @@ struct FirTask {
   double sample_rate = 0;  ///< [Hz]
   double band = 0;         ///< highest frequency of the motion [Hz], below half the sample rate
   double tracking = 0;     ///< e, the largest tracking error, in (0, 1)
+  double gain = 1;         ///< g of slow motion, within e of 1
 };
 
 /// The solution of `quietest_fir`.
@@ -31,11 +32,12 @@ struct QuietestFir {
 /// a convex quadratic programme with infinitely many linear constraints
 ///   Re e^{-j phi} (H/(j 2 pi f)^d - 1) <= e for all f and phi.
 ///
-/// As f goes to 0, H must vanish like f^d: the first d moments of h are 0. Within that subspace the programme
-/// is solved from its dual, min |A^T l|^2/2 + b^T l over l >= 0, by an active set (Lawson and Hanson, Solving
-/// Least Squares Problems, 1974, ch. 23); the constraints that the solution violates most, at local maxima of
-/// the tracking error over frequency, are added until none is violated by more than a thousandth of e.
-/// Between the tested frequencies, eight in each lobe of the taps, the error may be larger by about 1 %.
+/// and H/(j 2 pi f)^d = g at 0 Hz: a filter that shrinks slow motion shrinks its noise with it. The first d
+/// moments of h are 0, and the next is (-1)^d d! g. Within that affine subspace the programme is solved from
+/// its dual, min |A^T l|^2/2 + b^T l over l >= 0, by an active set (Lawson and Hanson, Solving Least Squares
+/// Problems, 1974, ch. 23); the constraints that the solution violates most, at local maxima of the tracking
+/// error over frequency, are added until none is violated by more than a thousandth of e. Between the tested
+/// frequencies, eight in each lobe of the taps, the error may be larger by about 1 %.
 QuietestFir quietest_fir(const FirTask&);
 
 }  // namespace qerr

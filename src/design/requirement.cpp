@@ -12,9 +12,9 @@ Error undecided(const Requirement& r, const std::string& reason, const std::stri
 
 Error unknown_sigma(const Requirement& r) {
   return undecided(r,
-                   "sigma behind a filter is not known: an effect depends on the motion, or an encoder "
-                   "states its accuracy",
-                   "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
+                   "sigma behind a filter is not known: it depends on the motion, of which nothing is stated",
+                   "add `motion:`, or velocity to the joints' <limit> in the URDF; or ask for worst_case or "
+                   "sigma_quantization");
 }
 
 const Statistic& statistic_behind(const Requirement& r, const DerivativeStatistics& d) {
@@ -24,6 +24,7 @@ const Statistic& statistic_behind(const Requirement& r, const DerivativeStatisti
     if (!d.sigma_in_motion) throw undecided(r, "sigma in motion is not computed", "");
     return *d.sigma_in_motion;
   }
+  if (r.bound == Requirement::Bound::sigma_quantization && d.sigma_quantization) return *d.sigma_quantization;
   if (!d.sigma) throw unknown_sigma(r);
   return *d.sigma;
 }
@@ -56,8 +57,12 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w, const std::
     result.value = statistic.*r.value;
     result.at_max = statistic.at_max;
   }
-  result.met = r.at_least ? result.value >= r.limit : result.value <= r.limit;
+  result.met = r.met_by(result.value);
   return result;
+}
+
+RequirementResult evaluate(const Requirement& r, double value) {
+  return {.value = value, .met = r.met_by(value)};
 }
 
 ProvenFigure proven_figure(const Requirement& r, const OperationalModel& model) {
@@ -66,7 +71,8 @@ ProvenFigure proven_figure(const Requirement& r, const OperationalModel& model) 
   const Bound bound = r.bound == Of::worst_case            ? Bound::worst_case
                       : r.bound == Of::worst_case_rigorous ? Bound::worst_case_rigorous
                       : r.bound == Of::sigma               ? Bound::sigma
-                                                           : Bound::sigma_in_motion;
+                      : r.bound == Of::sigma_in_motion     ? Bound::sigma_in_motion
+                                                           : Bound::sigma_quantization;
   const bool sigma = bound == Bound::sigma || bound == Bound::sigma_in_motion;
   if (r.filter >= 0 && sigma && !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
     throw unknown_sigma(r);
@@ -78,7 +84,7 @@ RequirementResult evaluate(const Requirement& r, const ProvenMaximum& proven) {
   result.proven = proven;
   result.value = r.at_least ? proven.lower : proven.upper;
   result.at_max = proven.at;
-  result.met = r.at_least ? result.value >= r.limit : result.value <= r.limit;
+  result.met = r.met_by(result.value);
   result.undecided = !result.met && (r.at_least ? proven.upper >= r.limit : proven.lower <= r.limit);
   return result;
 }

@@ -50,6 +50,29 @@ const std::vector<Parameter>& common_encoder_parameters() {
        .least = 0,
        .coordinate = true,
        .usual = 0.01},
+      {.name = "gear_accuracy",
+       .meaning = "the gear's bound on the slow error (transmission error), at the joint as its data sheet "
+                  "gives it",
+       .least = 0,
+       .coordinate = true,
+       .usual = 0.01},
+      {.name = "max_frequency",
+       .dimension = dimension::frequency,
+       .meaning = "highest frequency of one channel's signal: of lines or signal periods, a quarter of the "
+                  "count rate at x4",
+       .least = 0,
+       .open_below = true},
+      {.name = "max_count_rate",
+       .dimension = dimension::frequency,
+       .meaning = "highest rate of counts",
+       .least = 0,
+       .open_below = true},
+      {.name = "counter_bits",
+       .kind = Kind::integer,
+       .meaning = "bits of the counter: at most 2^(bits - 1) counts a sample of the filters are told from "
+                  "their opposite",
+       .least = 2,
+       .most = 64},
   };
   return common;
 }
@@ -57,7 +80,9 @@ const std::vector<Parameter>& common_encoder_parameters() {
 std::vector<Parameter> encoder_parameters(const EncoderKind& kind) {
   std::vector<Parameter> rows = kind.parameters;
   for (const Parameter& p : common_encoder_parameters())
-    if (kind.counts_per_rev || (p.name != "gear_ratio" && p.name != "travel_per_rev")) rows.push_back(p);
+    if (kind.counts_per_rev ||
+        (p.name != "gear_ratio" && p.name != "travel_per_rev" && p.name != "gear_accuracy"))
+      rows.push_back(p);
   return rows;
 }
 

@@ -15,6 +15,11 @@ bool estimates_its_derivative(const Filter& filter) {
   return gain > 0.5 && gain < 2;
 }
 
+bool passes_slow_motion(const Filter& filter) {
+  constexpr double most = 0.01;  // gains of lower ripple change noise by less than other choices do
+  return std::abs(low_frequency_gain(filter) - 1) <= most;
+}
+
 Fidelity fidelity(const Filter& filter, double f) { return TrackingError(filter).fidelity(f); }
 
 double noise_bandwidth(const Filter& filter, double h2) {

@@ -132,6 +132,19 @@ void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, co
   add_entry(*effect, column.detail, std::move(value), place);
 }
 
+/// `12,5` or `0,05 deg` in a table that semicolons separate: its numbers have decimal commas.
+void read_decimal_commas(const std::vector<CatalogueColumn>& columns, std::vector<std::string>& cells) {
+  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    using Role = CatalogueColumn::Role;
+    if (columns[i].role == Role::name || columns[i].role == Role::description) continue;
+    const std::size_t comma = cells[i].find(',');
+    if (comma == std::string::npos || comma == 0 || cells[i].find('.') != std::string::npos) continue;
+    if (is_digit(cells[i][comma - 1]) && comma + 1 < cells[i].size() && is_digit(cells[i][comma + 1]))
+      cells[i][comma] = '.';
+  }
+}
+
 CatalogueRow row_of(const std::vector<CatalogueColumn>& columns, const std::vector<std::string>& cells,
                     const std::vector<Place>& places) {
   CatalogueRow row{{}, {}, mapping_at(places.front()), {}, places.front()};
@@ -185,7 +198,7 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
 }  // namespace
 
 Catalogue read_catalogue(const std::string& path) {
-  CsvReader csv(path);
+  CsvReader csv(path, {.semicolons = true});
   Catalogue catalogue{csv.file(), {}, {}};
   Faults faults;
   const std::vector<CatalogueColumn> columns = columns_of(csv, faults);
@@ -196,6 +209,7 @@ Catalogue read_catalogue(const std::string& path) {
   std::vector<Place> places;
   while (csv.next_texts(cells, places))
     faults.guard([&] {
+      if (csv.separator() == ';') read_decimal_commas(columns, cells);
       CatalogueRow row = row_of(columns, cells, places);
       for (const CatalogueRow& other : catalogue.rows)
         if (other.name == row.name)

@@ -38,7 +38,8 @@ struct Catalogue {
 ///   an effect's name        its size, the parameter that it requires: `backlash [arcmin]`.
 ///   `EFFECT.PARAMETER` is
 ///                           another parameter
-/// and any others, which describe the row for people. Empty cells state nothing.
+/// and any others, which describe the row for people. Empty cells state nothing. A table that semicolons
+/// separate may have decimal commas.
 /// @throws Error (input) with the places of all faults: no column `name`, no row, an unnamed or doubled row,
 /// a price that is no number or negative, a column that is nearly one of the above; (file_system) if the file
 /// cannot be read

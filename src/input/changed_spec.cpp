@@ -15,7 +15,9 @@ std::string changed_spec(const Spec& spec, const std::vector<SpecChange>& change
   apply_changes(root, all, [&](const Node&) -> const Chain& { return spec.model.chain; });
   for (const Node& effect : effects) add_effect(root, effect);
   move_paths(root, spec.file, target);
-  std::string out = rewritten(spec.text, root, spec.file);
+  std::vector<std::string> replaced;
+  for (const SpecChange& change : changes) replaced.push_back(change.first);
+  std::string out = rewritten(spec.text, root, spec.file, replaced);
   if (!out.ends_with('\n')) out += '\n';
   return out + commented(remark, "");
 }

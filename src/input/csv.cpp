@@ -114,6 +114,7 @@ void CsvReader::read_header() {
     next_line_ += 1 + std::count(begin, end, '\n');
     next_ = static_cast<std::size_t>(end - buffer_.data()) + 1;
     if (comment || std::all_of(begin, end, is_blank)) continue;
+    if (limits_.semicolons && std::count(begin, end, ';') > std::count(begin, end, ',')) separator_ = ';';
     // From cell to cell, as the header may have very many.
     Place place{file(), line(), 1};
     for (const Cell& cell : cells_of(begin, end)) {
@@ -184,11 +185,11 @@ std::vector<CsvReader::Cell> CsvReader::cells_of(const char* begin, const char* 
       // p is after the closing quotation mark, or on it at the end of the record
       p += p != end && *p == '"';
       while (p != end && is_blank(*p)) ++p;
-      if (p != end && *p != ',')
+      if (p != end && *p != separator_)
         throw Error(
             {place_at(p), "", "text follows the closing quote", "", "a quote within a cell is doubled"});
     } else {
-      while (p != end && *p != ',') ++p;
+      while (p != end && *p != separator_) ++p;
       cell.text.assign(cell.begin, p);
       while (!cell.text.empty() && is_blank(cell.text.back())) cell.text.pop_back();
       if (const auto at = cell.text.find('\r'); at != std::string::npos)

@@ -29,6 +29,7 @@ struct CsvLimits {
   std::size_t longest_row = 1 << 20;  ///< [bytes]
   bool empty_cells = false;           ///< an empty cell of a chosen column, or `nan`, is NaN and no error
   std::string empty_remedy = {};      ///< what else helps against an empty cell
+  bool semicolons = false;            ///< a header with more of them than commas is separated by them
 };
 
 /// Extremes of the decimals and digits of numbers.
@@ -60,6 +61,8 @@ class CsvReader {
   /// The cells of the header, without leading and trailing blanks.
   const std::vector<std::string>& header() const { return header_; }
   Place header_place(std::size_t column) const;
+  /// `,`, or `;` where the limits permit it; then numbers are to be read as texts.
+  char separator() const { return separator_; }
 
   /// Selects the columns to read as numbers, in the order in which `next` stores them, and those to read as
   /// texts; no column can be both.
@@ -120,6 +123,7 @@ class CsvReader {
   bool ended_ = false;         // the source has no more data
   bool unterminated_ = false;  // the last line has no line end
   std::int64_t line_ = 1, next_line_ = 1;
+  char separator_ = ',';
   std::vector<std::string> header_;
   std::vector<Place> header_places_;
   std::vector<std::ptrdiff_t>

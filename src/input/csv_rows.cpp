@@ -173,7 +173,7 @@ const char* CsvReader::record_end(const char* begin) {
       } else if (*p == '\n') {
         return p;
       } else {
-        starts = *p == ',' || (starts && is_blank(*p));
+        starts = *p == separator_ || (starts && is_blank(*p));
       }
     }
     const bool too_long = end_ - row_ > limits_.longest_row;

@@ -80,8 +80,8 @@ class OptionReader {
     for (const CatalogueRow& row : catalogue.rows) {
       if (priced_ && !row.price)
         faults.push_back({row.place, "price", "the price of " + qerr::quoted(row.name) + " is missing", "",
-                          "add it, or remove the row"});
-      options.push_back({row.name, row.entry, row.effects, row.price.value_or(0), 0});
+                          "add it, remove the row, or write 'minimize: resolution', which needs no prices"});
+      options.push_back({row.name, row.entry, row.effects, row.price, 0});
     }
     if (!faults.empty()) throw Error(faults);
     return options;
@@ -100,16 +100,17 @@ class OptionReader {
     std::vector<EncoderOption> all;
     for (const EncoderOption& option : options) {
       if (option.entry.find(key)) {
-        if (field_.node->find("catalogue") || values.size() > 1)
+        // Of a row that states its own, a price of the value here would be another one's.
+        if (!prices.empty())
           throw Error(f.fault("the catalogue states it for " + qerr::quoted(option.name),
-                              "remove it here, or the column from the catalogue"));
+                              "remove gear_price here, or the column from the catalogue"));
         all.push_back(option);
         continue;
       }
       for (std::size_t i = 0; i < values.size(); ++i) {
         EncoderOption& added = all.emplace_back(option);
         added.entry.entries.push_back({entry.key, values[i]});
-        if (!prices.empty()) added.price += prices[i];
+        if (!prices.empty() && added.price) *added.price += prices[i];
         if (values.size() > 1 || (option.name.empty() && field_.node->entries.size() == 1))
           added.name += (added.name.empty() ? "" : ", ") + key + ' ' + values[i].text;
       }
@@ -144,7 +145,7 @@ class OptionReader {
     const Object o(f, {{.name = "fixed", .meaning = "of each", .fallback = 0.0, .least = 0},
                        {.name = "per_bit", .meaning = "of a bit", .fallback = 0.0, .least = 0}});
     for (EncoderOption& option : options) {
-      option.price += *o.number("fixed");
+      *option.price += *o.number("fixed");
       option.price_per_bit = *o.number("per_bit");
     }
   }
@@ -170,7 +171,7 @@ class OptionReader {
         const std::vector<Node> values = values_of(at(list->key.name));
         while (values[index].text != option.entry.find(list->key.name)->text) ++index;
       }
-      option.price += price_at(prices[index]);
+      *option.price += price_at(prices[index]);
       option.price_per_bit = 0;
     }
   }

@@ -12,10 +12,10 @@ namespace qerr {
 /// One option of a joint: an encoder, the gear that it is sold with, and their price.
 struct EncoderOption {
   std::string name;
-  Node entry;                 ///< of the encoder in a spec
-  std::vector<Node> effects;  ///< that come with it, without a joint (`on_joint`)
-  double price = 0;           ///< without what is paid by the bit
-  double price_per_bit = 0;   ///< of log2(counts per revolution)
+  Node entry;                         ///< of the encoder in a spec
+  std::vector<Node> effects;          ///< that come with it, without a joint (`on_joint`)
+  std::optional<double> price = 0.0;  ///< without what is paid by the bit; empty: a catalogue's cell is
+  double price_per_bit = 0;           ///< of log2(counts per revolution)
 };
 
 /// The options of one joint.

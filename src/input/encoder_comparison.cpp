@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "core/text.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
@@ -77,6 +78,21 @@ void warn_of_gear(const Field& entry, std::vector<std::string>& warnings) {
                            " makes the encoder coarser at the joint: it is encoder revolutions per joint "
                            "revolution; is it inverted? Write " +
                            significant(1 / value->value, 4) + " if the joint is the slow side";
+  if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
+}
+
+void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio,
+                      std::vector<std::string>& warnings) {
+  // The best gears are stated with 0.5 arcmin (strain wave), which discs have as well.
+  constexpr double best_gear = 0.5 / 60 * std::numbers::pi / 180;
+  const double ratio = std::abs(gear_ratio);
+  if (!(ratio > 1) || !(at_joint * ratio >= best_gear * (1 - 1e-12)) || entry.node->find("gear_accuracy"))
+    return;
+  const std::string text =
+      entry.path + ".accuracy: " + entry.node->find("accuracy")->text +
+      " is taken as an angle of the encoder's shaft, 1/" + significant(ratio, 6) +
+      " of it at the joint; is it the gear's? Then write gear_accuracy, which is at the joint, in its place; "
+      "else state that of the gear beside it, or 0";
   if (std::find(warnings.begin(), warnings.end(), text) == warnings.end()) warnings.push_back(text);
 }
 

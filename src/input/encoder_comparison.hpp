@@ -16,4 +16,8 @@ void compare_with_patterns(const JointEntry&, std::vector<std::string>& warnings
 /// A gear ratio between 0 and 1 makes the encoder coarser at the joint: usually it is inverted.
 void warn_of_gear(const Field& entry, std::vector<std::string>& warnings);
 
+/// Asks whether the `accuracy` of an encoder behind a gear is the gear's, where gears have such accuracies.
+/// @param at_joint  the accuracy, at the joint [rad]
+void warn_of_accuracy(const Field& entry, double at_joint, double gear_ratio, std::vector<std::string>&);
+
 }  // namespace qerr

@@ -41,14 +41,16 @@ Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec
   const std::string text = read_text_value(quantity);
   const Place place = quantity.node->place;
   const std::size_t point = text.rfind('.');
-  const bool of_filter = point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
-                         std::any_of(spec.filters.begin(), spec.filters.end(),
-                                     [&](const NamedFilter& f) { return f.name == text.substr(0, point); });
+  const bool alone = text.starts_with("encoder.") ||
+                     (point != std::string::npos && find_filter_figure(text.substr(point + 1)) &&
+                      std::any_of(spec.filters.begin(), spec.filters.end(), [&](const NamedFilter& f) {
+                        return f.name == text.substr(0, point);
+                      }));  // without a statistic
   Node entry = mapping_node({{"quantity", *quantity.node}});
   entry.place = place;
   if (given_statistic) {
     entry.entries.push_back({{"statistic", given_statistic->place}, *given_statistic});
-  } else if (!of_filter) {
+  } else if (!alone) {
     Node statistic = scalar_node("max");
     for (const Requirement& r : spec.requirements)
       if (r.quantity == text) {
@@ -66,6 +68,9 @@ Node figure_entry(const Field& quantity, const Node* given_statistic, const Spec
   Faults faults;
   read_requirements({&list, quantity.path}, copy, faults);
   faults.raise();
+  if (copy.requirements.back().counter >= 0)
+    throw Error(quantity.fault("is a limit of encoders, not a figure to choose by",
+                               "require it, and name an error, such as position.x.sigma"));
   return entry;
 }
 

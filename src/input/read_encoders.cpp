@@ -58,6 +58,17 @@ double accuracy_at_joint(const Object& o, const IndependentJoint& joint, const s
   return of_shaft ? bound / std::abs(*ratio) : bound;
 }
 
+/// How fast the encoder and its counter can follow.
+void read_counter_limits(const Object& o, const Encoder& encoder, EncoderFigures& figures) {
+  if (o.has("max_frequency") && o.has("max_count_rate"))
+    throw Error(
+        o.at("max_count_rate").fault("is stated a second time, by max_frequency", "keep one of the two"));
+  figures.max_count_rate = o.number("max_count_rate");
+  if (const auto frequency = o.number("max_frequency"))
+    figures.max_count_rate = encoder.counts_per_period * *frequency;
+  if (const auto bits = o.number("counter_bits")) figures.counter_bits = static_cast<int>(*bits);
+}
+
 std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const IndependentJoint& joint, bool shared) {
   const EncoderKind& kind = encoder_kind_of(f);
   const Object o(f, all_keys_of(kind));
@@ -65,7 +76,7 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
   Encoder encoder;
   encoder.rounding = o.choice("rounding") == "down" ? Rounding::down : Rounding::nearest;
   encoder.zero_known = o.choice("zero") == "known";
-  EncoderFigures figures{std::string(kind.name), 0, 1};
+  EncoderFigures figures{std::string(kind.name), 0, 1, {}, {}};
   if (kind.counts_per_rev) {
     figures.counts_per_rev = kind.counts_per_rev(numbers, o.choices(kind.parameters));
     figures.gear_ratio = o.number("gear_ratio").value();
@@ -73,16 +84,19 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
     encoder.resolution = travel / (figures.counts_per_rev * std::abs(figures.gear_ratio));
     encoder.shaft_ratio = 2 * std::numbers::pi * figures.gear_ratio / travel;
     encoder.accuracy = accuracy_at_joint(o, joint, encoder.shaft_ratio);
+    encoder.gear_accuracy = o.number("gear_accuracy", coordinate_dimension(joint)).value_or(0);
     if (kind.counts_per_period)
       encoder.counts_per_period = kind.counts_per_period(numbers, o.choices(kind.parameters));
   } else {
     refuse_key(o, "gear_ratio", "a resolution at the joint has no gear ratio", "remove gear_ratio");
     refuse_key(o, "travel_per_rev", "a resolution at the joint has no travel per revolution",
                "remove travel_per_rev");
+    refuse_key(o, "gear_accuracy", "an encoder at the joint has no gear", "remove gear_accuracy");
     encoder.resolution = kind.resolution_at_joint(numbers, o.choices(kind.parameters));
     encoder.accuracy = accuracy_at_joint(o, joint, std::nullopt);
     figures.counts_per_rev = 2 * std::numbers::pi / encoder.resolution;
   }
+  read_counter_limits(o, encoder, figures);
   const Dimension dimension = coordinate_dimension(joint);
   const PhysicalRange possible = physical_range(dimension);
   if (!(encoder.resolution >= possible.smallest && encoder.resolution <= possible.largest))
@@ -157,6 +171,9 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
           read_encoder(entry, joint, holds_for_prismatic(entries, chain, entry));
       compare_with_patterns(entries[i], spec.warnings);
       warn_of_gear(entry, spec.warnings);
+      if (!joint.prismatic())
+        warn_of_accuracy(entry, transmission.encoders[i].accuracy, spec.encoder_figures[i].gear_ratio,
+                         spec.warnings);
       warn_of_bare_numbers(entry, common_encoder_parameters(), coordinate_dimension(joint), spec.warnings);
     });
   }

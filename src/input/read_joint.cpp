@@ -30,6 +30,7 @@ RobotModel read_joint(const Field& f, const std::string& file) {
   joint.parent = "base";
   joint.child = "tip";
   joint.place = f.node->place;
+  joint.velocity_limit = o.number("velocity", prismatic ? dimension::speed : dimension::angular_speed);
   joint.axis = prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
   if (o.has("limits")) joint.limits = limits_of(o.at("limits"), prismatic);
   joint.type = prismatic ? JointType::prismatic : joint.limits ? JointType::revolute : JointType::continuous;

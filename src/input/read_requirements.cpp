@@ -49,10 +49,25 @@ std::size_t read_coordinate(const Field& f, const std::string& word, Spec& spec)
   return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
 }
 
+/// `encoder.JOINT.count_rate`. @returns whether the quantity has this form
+bool read_counter(const Field& f, const Spec& spec, Requirement& r) {
+  constexpr std::string_view before = "encoder.", after = ".count_rate";
+  if (!r.quantity.starts_with(before) || !r.quantity.ends_with(after) ||
+      r.quantity.size() <= before.size() + after.size())
+    return false;
+  Words<std::ptrdiff_t> joints;
+  for (const IndependentJoint& joint : spec.model.chain.independent)
+    joints.emplace_back(joint.name, static_cast<std::ptrdiff_t>(joints.size()));
+  r.counter = pick(f, r.quantity.substr(before.size(), r.quantity.size() - before.size() - after.size()),
+                   "joint", joints);
+  return true;
+}
+
 /// The names of CSV: `position.x.worst_case`, `velocity.x.sigma`, `velocity.delay`; `x.worst_case` is an
 /// older name of the first. A filter's name may contain dots.
 void read_quantity(const Field& f, Spec& spec, Requirement& r) {
   using Bound = Requirement::Bound;
+  if (read_counter(f, spec, r)) return;
   const std::size_t last = r.quantity.rfind('.');
   const std::string before = last == std::string::npos ? "" : r.quantity.substr(0, last);
   const std::string end = last == std::string::npos ? r.quantity : r.quantity.substr(last + 1);
@@ -75,13 +90,15 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
   if (r.filter < 0)
     bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
   else
-    bounds.emplace_back("sigma_in_motion", Bound::sigma_in_motion);
+    bounds.insert(bounds.end(), {{"sigma_in_motion", Bound::sigma_in_motion},
+                                 {"sigma_quantization", Bound::sigma_quantization}});
   r.bound = pick(f, end, "bound", bounds);
   if (r.bound == Bound::sigma_in_motion && !spec.motion)
     throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
 }
 
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
+  if (r.counter >= 0) return dimension::frequency;
   if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
   const bool length = info(coordinates_and_lengths(spec.model)[r.coordinate]).unit == "m";
   Dimension d = length ? dimension::length : dimension::angle;
@@ -90,9 +107,10 @@ Dimension dimension_of(const Requirement& r, const Spec& spec) {
 }
 
 void read_statistic(const Object& o, Requirement& r) {
-  if (r.figure) {
+  if (!r.limits_error()) {
     if (o.has("statistic"))
-      throw Error(o.at("statistic").fault("a figure of a filter has no statistic", "leave the key out"));
+      throw Error(o.at("statistic")
+                      .fault("a figure of a filter or an encoder has no statistic", "leave the key out"));
     return;
   }
   if (!o.has("statistic"))
@@ -100,10 +118,15 @@ void read_statistic(const Object& o, Requirement& r) {
                                "add 'statistic: max', or another one of `qerr list statistics`"));
   r.statistic = o.choice("statistic");
   r.proven = r.statistic == proven_statistic;
+  if (r.proven && r.bound == Requirement::Bound::sigma_quantization)
+    throw Error(o.at("statistic")
+                    .fault("the maximum of sigma_quantization is not proven",
+                           "require 'max' of it, or proven_max of sigma"));
   if (!r.proven) r.value = find_statistic(r.statistic == "median" ? "p50" : r.statistic)->value;
 }
 
 std::string unit_of(const Requirement& r, const Spec& spec) {
+  if (r.counter >= 0) return "counts/s";  // Hz would be that of a channel's signal
   if (r.figure) return figure_unit(*r.figure, spec.filters[static_cast<std::size_t>(r.filter)].filter);
   return unit_name(dimension_of(r, spec));
 }
@@ -121,7 +144,7 @@ void read_limit(const Object& o, Spec& spec, Requirement& r) {
   const Parameter limit{
       .name = key, .dimension = d, .least = 0, .most = 1e300, .usual = d.metre ? 0.01 : 0.1};
   r.limit = read_number(o.at(key), limit);
-  if (r.filter < 0) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
+  if (r.filter < 0 && r.counter < 0) warn_of_bare_numbers(o.self(), {limit}, {}, spec.warnings);
 }
 
 }  // namespace
@@ -143,9 +166,9 @@ std::vector<Requirement> read_limits(const std::string& option, const std::vecto
       Requirement r;
       r.quantity = *o.text("quantity");
       read_quantity(o.at("quantity"), spec, r);
-      if (r.figure)
+      if (!r.limits_error())
         throw Error(o.at("quantity")
-                        .fault("a figure of a filter is the same at all configurations",
+                        .fault("a figure of a filter or an encoder is the same at all configurations",
                                "name a bound of a coordinate, as position.xyz.worst_case"));
       read_limit(o, spec, r);
       limits.push_back(r);

@@ -91,6 +91,12 @@ const std::vector<Parameter>& joint() {
       {.name = "limits",
        .kind = Kind::any,
        .meaning = "[lower, upper]; default of a revolute joint: endless"},
+      {.name = "velocity",
+       .meaning =
+           "largest speed, as of a URDF's limit: of rates of counts, and of slow errors behind a filter",
+       .least = 0,
+       .open_below = true,
+       .coordinate = true},
   };
   return rows;
 }
@@ -173,7 +179,8 @@ const std::vector<Parameter>& requirement() {
       {.name = "quantity",
        .kind = Kind::text,
        .meaning = "position.COORDINATE.BOUND or FILTER.COORDINATE.BOUND, such as velocity.x.sigma; or "
-                  "FILTER.FIGURE: h2_norm, l1_norm, delay, bandwidth, settling",
+                  "FILTER.FIGURE: h2_norm, l1_norm, delay, bandwidth, settling; or "
+                  "encoder.JOINT.count_rate",
        .required = true},
       {.name = "statistic",
        .kind = Kind::choice,

@@ -14,7 +14,8 @@ constexpr std::string_view blanks = " \t\r";
 /// Edits of a text, collected while the present and the wanted tree are compared.
 class Rewriter {
  public:
-  Rewriter(const std::string& text, std::string file) : text_(text), file_(std::move(file)) {
+  Rewriter(const std::string& text, std::string file, const std::vector<std::string>& replaced)
+      : text_(text), file_(std::move(file)), replaced_(replaced) {
     for (size_t at = 0; at != std::string::npos && at <= text_.size();) {
       lines_.push_back(at);
       at = text_.find('\n', at);
@@ -133,6 +134,51 @@ class Rewriter {
       else
         add_key(have, key.name, value, below);
     }
+    for (const auto& [key, value] : have.entries) {
+      const std::string below = path.empty() ? key.name : path + '.' + key.name;
+      const bool replaced = std::find(replaced_.begin(), replaced_.end(), below) != replaced_.end();
+      if (replaced && !same_value(value, *want.find(key.name))) drop_comments(key, value, below);
+    }
+  }
+
+  /// Removes the comments on the lines of an entry, and those directly above it at its indent: they describe
+  /// what is replaced.
+  void drop_comments(const Node::Key& key, const Node& value, const std::string& path) {
+    const size_t begin = offset(key.place), end = last_line(value, path);
+    for (size_t line = line_start(begin); line < end; line = line_end(line) + 1)
+      if (const size_t from = comment_in(line); from < line_end(line)) erase(from, line_end(line));
+    const std::string lead = text_.substr(line_start(begin), begin - line_start(begin));
+    if (lead.find_first_not_of(' ') != std::string::npos) return;
+    size_t first = line_start(begin);
+    while (first > 0 && text_.compare(line_start(first - 1), lead.size() + 1, lead + '#') == 0)
+      first = line_start(first - 1);
+    if (first < line_start(begin)) erase(first, line_start(begin));
+  }
+
+  /// Where the comment of a line begins, with the blanks before it; the line's end without one.
+  size_t comment_in(size_t line) const {
+    const size_t end = line_end(line);
+    char last = ':';  // what precedes a quotation mark that opens
+    for (size_t at = line; at < end; ++at) {
+      const char c = text_[at];
+      const bool blank = blanks.find(c) != std::string_view::npos;
+      if (c == '#' && at > line && blanks.find(text_[at - 1]) != std::string_view::npos) {
+        const size_t before = text_.find_last_not_of(blanks, at - 1);
+        return before == std::string::npos ? line : std::max(line, before + 1);
+      }
+      if ((c == '\'' || c == '"') && std::string_view("[{,:-").find(last) != std::string_view::npos)
+        at = std::min(after_quote(at), end) - 1;
+      if (!blank) last = c;
+    }
+    return end;
+  }
+
+  /// Unless another edit covers it.
+  void erase(size_t from, size_t to) {
+    const bool covered = std::any_of(edits_.begin(), edits_.end(), [&](const Edit& e) {
+      return e.length > 0 && e.at < to && from < e.at + e.length;
+    });
+    if (!covered) edits_.push_back({from, to - from, ""});
   }
 
   void compare_lists(const Node& have, const Node& want, const std::string& path) {
@@ -218,14 +264,16 @@ class Rewriter {
 
   const std::string& text_;
   std::string file_;
+  const std::vector<std::string>& replaced_;
   std::vector<size_t> lines_;
   std::vector<Edit> edits_;
 };
 
 }  // namespace
 
-std::string rewritten(const std::string& text, const Node& wanted, const std::string& file) {
-  Rewriter rewriter(text, file);
+std::string rewritten(const std::string& text, const Node& wanted, const std::string& file,
+                      const std::vector<std::string>& replaced) {
+  Rewriter rewriter(text, file, replaced);
   const Node have = parse_yaml(text, file);
   rewriter.compare(have, wanted, "");
   const std::string result = rewriter.result();

@@ -22,7 +22,9 @@ bool same_value(const Node&, const Node&);
 /// kept. Scalars and values in brackets or braces can be replaced, keys added to any mapping, items appended
 /// to any list.
 /// @param text  one document, valid for parse_yaml
+/// @param replaced  dotted paths of entries whose comments go where their values change
 /// @throws Error (input), with the place, if the layout of the text does not allow the change
-std::string rewritten(const std::string& text, const Node& wanted, const std::string& file);
+std::string rewritten(const std::string& text, const Node& wanted, const std::string& file,
+                      const std::vector<std::string>& replaced = {});
 
 }  // namespace qerr

@@ -71,5 +71,23 @@ TEST(FilterChoice, AnUnknownOrderOfAFamilyIsNone) {
   EXPECT_FALSE(low_pass("no_such_family", 2, 30, 1, 1000));
 }
 
+TEST(FilterChoice, NoFilterWinsByShrinkingSlowMotion) {
+  FilterRange range;
+  range.families = {"elliptic", "chebyshev1", "butterworth"};
+  range.orders = {2, 3, 4};
+  range.least_cutoff = range.most_cutoff = 40;
+  const FilterScan scan = filter_candidates(range, 1, 1000, anything);
+  std::size_t shrinking = 0;
+  for (const std::string& family : range.families)
+    for (const int order : range.orders) {
+      const auto filter = low_pass(family, order, 40, 1, 1000);
+      shrinking += filter && std::abs(low_frequency_gain(*filter) - 1) > 0.01;
+    }
+  EXPECT_GE(shrinking, 4u) << "even orders with ripple";
+  EXPECT_EQ(scan.candidates.size() + shrinking, scan.filters);
+  for (const FilterCandidate& c : scan.candidates)
+    EXPECT_NEAR(low_frequency_gain(c.filter), 1, 0.01) << c.family << c.order;
+}
+
 }  // namespace
 }  // namespace qerr

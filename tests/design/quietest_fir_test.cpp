@@ -41,6 +41,11 @@ TEST(QuietestFir, KeepsTheTrackingErrorAndReachesItsBound) {
     ASSERT_TRUE(fir.converged) << task.taps;
     EXPECT_LE(tracking_of(fir.h, task), 1.02 * task.tracking) << task.taps;
     EXPECT_NEAR(norm_of(fir.h), fir.h2, 1e-9 * fir.h2);
+    // Slow motion passes as it is: the d-th moment is (-1)^d d!/T^d.
+    double moment = 0;
+    for (std::size_t k = 0; k < fir.h.size(); ++k)
+      moment += fir.h[k] * std::pow(-static_cast<double>(k) / task.sample_rate, task.derivative);
+    EXPECT_NEAR(moment / std::tgamma(task.derivative + 1), 1, 1e-6) << task.taps;
     // Primal and dual agree: no filter is quieter.
     EXPECT_NEAR(fir.h2, fir.h2_bound, 2e-3 * fir.h2) << task.taps;
   }
@@ -56,11 +61,12 @@ TEST(QuietestFir, NoFilterOfThatTrackingErrorAndMemoryFallsBelowTheBound) {
       std::vector<double> h = best.h;
       std::normal_distribution<> normal(0, 0.02 * best.h2 / std::sqrt(static_cast<double>(h.size())));
       std::vector<double> change(h.size());
-      for (std::size_t k = 0; k + 2 < h.size(); ++k) {
-        const double v = normal(draw);  // (1, -2, 1) has no moments of order 0 and 1
+      for (std::size_t k = 0; k + 3 < h.size(); ++k) {
+        const double v = normal(draw);  // (1, -3, 3, -1) has no moments of order 0 to 2
         change[k] += v;
-        change[k + 1] -= 2 * v;
-        change[k + 2] += v;
+        change[k + 1] -= 3 * v;
+        change[k + 2] += 3 * v;
+        change[k + 3] -= v;
       }
       for (std::size_t k = 0; k < h.size(); ++k) h[k] += change[k];
       FirTask own = task;

@@ -61,6 +61,18 @@ TEST_F(CatalogueFile, RowsAreEntriesOfASpec) {
   EXPECT_EQ(c.rows[1].entry.find("accuracy")->place.column, 13);
 }
 
+TEST_F(CatalogueFile, MayBeSeparatedBySemicolonsAndHaveDecimalCommas) {
+  const Catalogue c = read(
+      "name;price [EUR];bits;accuracy;backlash [arcmin];maker\nA, small;12,5;14;0,05 deg;1,5;\"x; y, "
+      "1,5\"\n");
+  ASSERT_EQ(c.rows.size(), 1u);
+  EXPECT_EQ(c.rows[0].name, "A, small");
+  EXPECT_EQ(c.rows[0].price, 12.5);
+  EXPECT_EQ(flow(c.rows[0].entry), "{bits: 14, accuracy: 0.05 deg}");
+  EXPECT_EQ(flow(on_joint(c.rows[0].effects[0], "j")), "{type: backlash, joint: j, gap: 1.5 arcmin}");
+  EXPECT_NE(refusal("name;price;bits\na;1.234,50;12\n").find("must be a number"), std::string::npos);
+}
+
 TEST_F(CatalogueFile, AnEmptyPriceIsNoPrice) {
   EXPECT_FALSE(read("name,price,bits\na,,12\n").rows[0].price.has_value());
   EXPECT_FALSE(read("name,bits\na,12\n").rows[0].price.has_value());

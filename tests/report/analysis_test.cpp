@@ -120,12 +120,22 @@ TEST(Analysis, AddsTheAccuracyOfAnEncoderLikeASineOfThatAmplitudeAndUnknownPhase
     for (std::size_t f = 0; f < spec.filters.size(); ++f) {
       const auto &behind = with.workspace.derivatives[f][c], &before = without.workspace.derivatives[f][c];
       EXPECT_NEAR(behind.worst_case.max / before.worst_case.max, worst, 1e-12);
-      EXPECT_FALSE(behind.sigma);  // its spectrum is not known
+      ASSERT_TRUE(behind.sigma && behind.sigma_quantization);
+      EXPECT_GE(behind.sigma->max, before.sigma->max);
+      EXPECT_NEAR(behind.sigma_quantization->max, before.sigma->max, 1e-12 * before.sigma->max);
     }
   }
-  EXPECT_TRUE(std::any_of(with.warnings.begin(), with.warnings.end(), [](const std::string& w) {
-    return w.find("`accuracy` is not known") != std::string::npos;
-  }));
+  const auto warned = [](const Analysis& a, const std::string& words) {
+    return std::any_of(a.warnings.begin(), a.warnings.end(),
+                       [&](const std::string& w) { return w.find(words) != std::string::npos; });
+  };
+  EXPECT_TRUE(warned(with, "`accuracy` as a sine of one period a revolution"));
+  // Without a motion and a limit of speed its spectrum is not known.
+  for (IndependentJoint& joint : spec.model.chain.independent) joint.velocity_limit.reset();
+  const Analysis without_speed = analyze(spec);
+  for (const auto& of_filter : without_speed.workspace.derivatives)
+    for (const DerivativeStatistics& d : of_filter) EXPECT_TRUE(!d.sigma && d.sigma_quantization);
+  EXPECT_TRUE(warned(without_speed, "sigma behind a filter is not given"));
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "core/text.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/design_report.hpp"
@@ -145,6 +146,127 @@ TEST_F(DesignOfSpec, ALooserLimitIsNotDearer) {
       "encoders: {'*': {bits: 8..20}}");
   ASSERT_EQ(r.requirement_prices.size(), 2u);
   for (const RequirementPrice& p : r.requirement_prices) EXPECT_LE(*p.price, r.optimal->price);
+}
+
+TEST_F(DesignOfSpec, ALimitThatEqualsAValueIsMet) {
+  for (const char* quantity :
+       {"position.x.worst_case, statistic: max", "velocity.z.sigma, statistic: p95",
+        "position.y.sigma, statistic: mean", "position.xyz.worst_case, statistic: max"}) {
+    const std::string begin = std::string("{quantity: ") + quantity + ", at_most: ";
+    const std::string options = "encoders: {'*': {bits: 10..16}}";
+    const DesignReport loose = report(begin + "0.02}", options);
+    ASSERT_TRUE(loose.optimal) << quantity;
+    const double value = loose.optimal->results[0].value;
+    const auto with_limit = [&](double limit) { return report(begin + shortest(limit) + "}", options); };
+    const DesignReport equal = with_limit(value);
+    ASSERT_TRUE(equal.optimal) << quantity;
+    EXPECT_EQ(equal.optimal->results[0].value, value);
+    EXPECT_TRUE(equal.optimal->results[0].met);
+    EXPECT_EQ(equal.optimal->price, loose.optimal->price);
+    const DesignReport below = with_limit(std::nextafter(value, 0));
+    ASSERT_TRUE(below.optimal);
+    EXPECT_LT(below.optimal->results[0].value, value);
+  }
+}
+
+TEST_F(DesignOfSpec, OfOnePriceTheBestMarginStandsAndNotTheFirstRow) {
+  std::ofstream(folder_ / "ties.csv")
+      << "name,price,bits\ncoarse,10,11\nfine,10,16\nfiner,10,17\ndear,20,20\n";
+  const DesignReport r = report("{quantity: position.y.worst_case, statistic: max, at_most: 9 mm}",
+                                "encoders: {'*': {catalogue: ties.csv}}");
+  ASSERT_TRUE(r.optimal && r.runner_up);
+  EXPECT_EQ(r.optimal->price, 30);
+  for (const DesignedEncoder& e : r.optimal->encoders) EXPECT_EQ(e.name, "finer") << e.joint;
+  EXPECT_EQ(r.runner_up->price, 30);
+  EXPECT_GE(r.runner_up->results[0].value, r.optimal->results[0].value);
+  ASSERT_FALSE(r.pareto.empty());
+  EXPECT_EQ(r.pareto.front().value, r.optimal->results[0].value);
+}
+
+TEST_F(DesignOfSpec, TheSecondRequirementDecidesWhereTheWorstMarginDoesNot) {
+  // The last joint does not move the tip along its own axis' direction: only rx hears it.
+  std::ofstream(folder_ / "ties.csv") << "name,price,bits\ncoarse,10,11\nfine,10,16\n";
+  const DesignReport r = report(
+      "{quantity: position.z.worst_case, statistic: max, at_most: 3 mm}, {quantity: "
+      "position.y.worst_case, statistic: max, at_most: 90 mm}",
+      "encoders: {j1: {catalogue: ties.csv}}");
+  ASSERT_TRUE(r.optimal);
+  EXPECT_EQ(r.optimal->encoders[0].name, "fine");
+}
+
+TEST_F(DesignOfSpec, WhatHindersIsTheLeastOfEachRequirementAndNotTheMostBits) {
+  std::ofstream(folder_ / "play.csv") << "name,price,bits,backlash [arcmin]\nworn,10,20,10\nnew,20,14,\n";
+  const DesignReport r = report("{quantity: position.y.worst_case, statistic: max, at_most: 1 um}",
+                                "encoders: {'*': {catalogue: play.csv}}");
+  ASSERT_TRUE(!r.optimal && r.finest);
+  for (const DesignedEncoder& e : r.finest->encoders) EXPECT_EQ(e.name, "new");
+  ASSERT_EQ(r.obstacles.size(), 1u);
+  EXPECT_NE(r.obstacles[0].find("at least whatever is chosen"), std::string::npos) << r.obstacles[0];
+}
+
+TEST_F(DesignOfSpec, AnEncoderThatCannotCountIsNoChoice) {
+  // At 1 rad/s 16 bits count 10430 times a second, 14 bits 2608 times.
+  std::ofstream(folder_ / "slow.csv")
+      << "name,price,bits,max_count_rate\nfast,30,14,3 kHz\nslow,10,16,10 kHz\n";
+  const std::string limit = "{quantity: position.y.worst_case, statistic: max, at_most: 90 mm}";
+  const DesignReport r = report(limit, "encoders: {'*': {catalogue: slow.csv}}");
+  ASSERT_TRUE(r.optimal);
+  for (const DesignedEncoder& e : r.optimal->encoders) EXPECT_EQ(e.name, "fast");
+  EXPECT_EQ(r.left_out.size(), 3u);
+  // 12 bits of a counter hold 2048 counts of the 2608 in a sample at 1 kHz: it is the filters' rate that
+  // counts.
+  const DesignReport none = report(limit, "encoders: {'*': {bits: [16], max_frequency: [1 kHz]}}");
+  ASSERT_FALSE(none.optimal);
+  ASSERT_EQ(none.obstacles.size(), 3u);
+  EXPECT_NE(none.obstacles[0].find("'j1': none of 1 option"), std::string::npos) << none.obstacles[0];
+  const DesignReport required = report(limit + ", {quantity: encoder.j2.count_rate, at_most: 3 kHz}",
+                                       "encoders: {'*': {bits: [14, 16]}}");
+  ASSERT_TRUE(required.optimal);
+  EXPECT_EQ(required.optimal->encoders[1].name, "bits 14");
+  expect_written_spec_to_pass(required, folder_);
+}
+
+TEST_F(DesignOfSpec, RowsWithoutAPriceAreChoicesUnlessAPriceIsMinimized) {
+  std::ofstream(folder_ / "unpriced.csv") << "name,price,bits\na,,12\nb,40,14\nc,,17\n";
+  const std::string limit = "{quantity: position.y.worst_case, statistic: max, at_most: 2 mm}";
+  const std::string encoders = "encoders: {'*': {catalogue: unpriced.csv}}";
+  const DesignReport coarsest = report(limit, "minimize: resolution, " + encoders);
+  ASSERT_TRUE(coarsest.optimal);
+  const DesignReport finest = report(limit, "minimize: position.y.worst_case, " + encoders);
+  ASSERT_TRUE(finest.optimal);
+  EXPECT_TRUE(finest.by_bits);
+  EXPECT_FALSE(finest.optimal->price);
+  for (const DesignedEncoder& e : finest.optimal->encoders) EXPECT_EQ(e.name, "c") << e.joint;
+  EXPECT_THROW(report(limit, encoders), Error);
+}
+
+TEST_F(DesignOfSpec, AccuracyAndPlayBehindAVelocityFilterHaveAnAnswer) {
+  std::ofstream(folder_ / "gears.csv")
+      << "name,price,bits,accuracy,backlash [arcmin]\nworn,10,14,0.1 deg,20\n"
+         "new,20,14,0.1 deg,\nfine,30,14,,\n";
+  const std::string encoders = "encoders: {'*': {catalogue: gears.csv}}";
+  for (const char* limit : {"8 mm/s", "1.7 mm/s"}) {
+    const DesignReport r =
+        report(std::string("{quantity: velocity.y.sigma, statistic: max, at_most: ") + limit + "}", encoders);
+    if (r.optimal) expect_written_spec_to_pass(r, folder_);
+    EXPECT_TRUE(r.optimal || r.finest);
+  }
+}
+
+TEST_F(DesignOfSpec, TheWrittenSpecLosesTheCommentsOfWhatIsReplaced) {
+  const SpecVariants commented(
+      "qerr: 1\nrobot: {urdf: arm.urdf}\nencoders:\n  # the old one, 12 bits\n  j1: {bits: 12}  # AS5600\n"
+      "  j2:  # as bought\n    bits: 13  # of a turn\n  # kept\n  j3: {bits: 14}  # stays\n"
+      "requirements: [{quantity: position.y.worst_case, statistic: max, at_most: 9 mm}]  # of the task\n"
+      "design: {encoders: {j1: {bits: [15]}, j2: {bits: [16]}}}\n",
+      (folder_ / "spec.yaml").string());
+  DesignOptions options;
+  options.target = (folder_ / "chosen.yaml").string();
+  const std::string text = design(commented, options).written;
+  for (const char* gone : {"old one", "AS5600", "of a turn", "as bought"})
+    EXPECT_EQ(text.find(gone), std::string::npos) << gone << '\n' << text;
+  for (const char* kept : {"# kept", "# stays", "# of the task"})
+    EXPECT_NE(text.find(kept), std::string::npos) << kept << '\n' << text;
 }
 
 }  // namespace

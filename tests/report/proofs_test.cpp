@@ -76,8 +76,9 @@ TEST(ProvenRequirement, IsDecidedWithinATenthOfTheGap) {
 
 TEST(ProvenRequirement, OnSigmaOfUnknownSpectrumIsAnErrorAtItsLine) {
   try {
-    evaluate(premium("{quantity: velocity.x.sigma, statistic: proven_max, at_most: 1 mm/s}",
-                     "{bits: 14, accuracy: 20 arcsec}"));
+    evaluate(
+        premium("{quantity: velocity.x.sigma, statistic: proven_max, at_most: 1 mm/s}]\n"
+                "effects: [{type: eccentricity, joint: waist, amplitude: 1 mrad}"));
     FAIL();
   } catch (const Error& e) {
     EXPECT_NE(std::string(e.what()).find("proofs.yaml:6"), std::string::npos) << e.what();

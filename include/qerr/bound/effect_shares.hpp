@@ -31,6 +31,9 @@ struct EffectShare {
   std::size_t joint = 0;       ///< index of its independent joint
   std::optional<Share> share;  ///< empty: the usage does not have `effect_kind(type).need`
   bool included = false;       ///< whether it is in the bounds: known, and not only of a log or a reference
+  /// Without a motion: how often the joint turns round [1/s] if it goes from end to end of its range at half
+  /// of its largest speed, the mean of uniform speeds. Empty: not known.
+  std::optional<double> reversals = {};
 };
 
 /// Shares of all effects, in the order given.
@@ -42,10 +45,13 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
                                        const RobotUsage&);
 
 /// Error sources of the effects for `operational_error`, with their sigma ratios of the filters: ||H||_2 of
-/// white errors, |H(1)| of constant ones, unknown (NaN) of those that the motion determines. Shares that are
-/// not included or zero are skipped.
-/// @param norms  one per filter
+/// white errors, |H(1)| of constant ones, unknown (NaN) of those that the motion determines, except of errors
+/// that only jump at reversals: a step g through a filter has the energy g^2 T sum s_k^2, s its step
+/// response. Shares that are not included or zero are skipped.
+/// @param norms          one per filter
+/// @param step_energies  [filter]: T sum s_k^2 [s^(1 - 2d)]; empty: not known
 std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
-                                       const std::vector<Norms>& norms);
+                                       const std::vector<Norms>& norms,
+                                       const std::vector<double>& step_energies = {});
 
 }  // namespace qerr

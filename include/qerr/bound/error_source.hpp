@@ -28,11 +28,14 @@ struct ErrorSource {
   bool in_counts = false;
 };
 
+/// [encoder][filter]: sigma behind the filter over sigma before it; NaN: not known.
+using SigmaRatios = std::vector<std::vector<double>>;
+
 /// Slow errors of the encoders within their `accuracy` A, a bound of unknown shape: half width A, and sigma
-/// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)). Their
-/// spectrum, and with it sigma behind a filter, is unknown.
-/// @param filters  number of filters
-std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>&, std::size_t filters);
+/// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)); and
+/// those of their gears within `gear_accuracy`, likewise.
+std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>&, const SigmaRatios& of_encoders,
+                                          const SigmaRatios& of_gears);
 
 /// Whether the spectra of all sources are known, and with them sigma behind the filter.
 bool sigma_is_known(const std::vector<ErrorSource>&, std::size_t filter);

@@ -14,7 +14,7 @@ namespace qerr {
 
 /// A figure whose maximum over all configurations of the joint ranges is wanted.
 struct ProvenFigure {
-  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
+  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion, sigma_quantization };
   std::size_t coordinate = 0;  ///< index into coordinates_and_lengths of the model
   std::ptrdiff_t filter = -1;  ///< index into the filters; -1: the unfiltered position
   Bound bound = Bound::worst_case;

@@ -28,6 +28,8 @@ struct DerivativeStatistics {
   Statistic worst_case;
   std::optional<Statistic> sigma;            ///< empty: the spectrum of an error source is not known
   std::optional<Statistic> sigma_in_motion;  ///< with the encoders' speeds instead of IPQN
+  /// Of the quantization alone, where there are other errors; empty without: then `sigma` is that.
+  std::optional<Statistic> sigma_quantization;
 };
 
 /// Statistics over the sampled configurations, as `analyze` reports them.

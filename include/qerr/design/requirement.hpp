@@ -31,15 +31,17 @@ const FilterFigure* find_filter_figure(std::string_view name);
 /// Its SI unit: of a norm `1/s`, which `Hz` would hide.
 std::string figure_unit(const FilterFigure&, const Filter&);
 
-/// An entry of `requirements:` in a spec: a limit of a statistic of a bound, or of a figure of a filter.
+/// An entry of `requirements:` in a spec: a limit of a statistic of a bound, of a figure of a filter, or of
+/// the rate of an encoder's counts.
 struct Requirement {
-  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion };
+  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion, sigma_quantization };
 
   std::string quantity;                  ///< as in the spec: `velocity.x.sigma`, `velocity.delay`
   std::string statistic;                 ///< as in the spec: `p99`; "" for a figure of a filter
   std::size_t coordinate = 0;            ///< index into coordinates_and_lengths of the model
   std::ptrdiff_t filter = -1;            ///< index into the filters; -1: the unfiltered position
   const FilterFigure* figure = nullptr;  ///< of `filter`; null: a bound of a coordinate
+  std::ptrdiff_t counter = -1;           ///< index of the encoder whose count rate is limited; -1: none
   Bound bound = Bound::sigma;
   double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`, unless `proven`
   bool proven = false;                         ///< `statistic` is the proven maximum
@@ -51,6 +53,10 @@ struct Requirement {
   /// `velocity.x.sigma p99`, `velocity.delay`.
   std::string name() const { return statistic.empty() ? quantity : quantity + ' ' + statistic; }
   std::string_view relation() const { return at_least ? "at_least" : "at_most"; }
+  /// Whether it limits an error over the configurations.
+  bool limits_error() const { return !figure && counter < 0; }
+  /// A value that equals the limit meets it.
+  bool met_by(double value_of_it) const { return at_least ? value_of_it >= limit : value_of_it <= limit; }
 };
 
 /// Evaluation of a requirement.
@@ -70,6 +76,9 @@ struct RequirementResult {
 /// filter that has none, a proven maximum
 RequirementResult evaluate(const Requirement&, const Workspace&, const std::vector<Filter>& filters,
                            const std::vector<Norms>& norms);
+
+/// Compares a value that is known: that of an encoder's count rate.
+RequirementResult evaluate(const Requirement&, double value);
 
 /// The figure whose maximum a requirement on the proven maximum limits.
 /// @pre r.proven

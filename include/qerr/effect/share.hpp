@@ -48,6 +48,7 @@ enum class Spectrum {
 struct Share {
   double mean = 0, half_width = 0, sigma = 0;
   Spectrum spectrum = Spectrum::constant;
+  double step_at_reversal = 0;  ///< by which the error jumps where the joint turns round, and only there
 };
 
 inline bool is_zero(const Share& s) { return s.mean == 0 && s.half_width == 0 && s.sigma == 0; }

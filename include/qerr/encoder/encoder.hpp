@@ -20,6 +20,8 @@ struct Encoder {
   /// Bound on the slow error of disc or scale, of unknown shape, in joint coordinates [rad or m]; 0: not
   /// stated.
   double accuracy = 0;
+  /// The same of the gear between shaft and joint.
+  double gear_accuracy = 0;
 };
 
 /// 1, or -1 where the counter falls while the joint coordinate rises: the sign of the gear ratio.

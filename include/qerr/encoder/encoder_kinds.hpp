@@ -43,7 +43,7 @@ const std::vector<EncoderKind>& encoder_kinds();
 /// @throws std::out_of_range for an unknown name; specs are checked when they are read
 const EncoderKind& encoder_kind(std::string_view name);
 
-/// Keys of every kind: gear_ratio, travel_per_rev, rounding, zero, accuracy.
+/// Keys of every kind: gear_ratio, travel_per_rev, rounding, zero, accuracy, limits of the counter.
 const std::vector<Parameter>& common_encoder_parameters();
 
 /// Keys of a kind and those of every kind that apply to it: one stated at the joint has no gear.

@@ -15,6 +15,9 @@ double low_frequency_gain(const Filter&);
 /// Whether low_frequency_gain is within a factor of two of 1: tolerates ripple, but not a missing 1/T.
 bool estimates_its_derivative(const Filter&);
 
+/// Whether low_frequency_gain is 1 within 1 %: filters compare by their noise only at equal gain.
+bool passes_slow_motion(const Filter&);
+
 /// How a filter estimates its derivative at one frequency, against the ideal (j 2 pi f)^derivative.
 struct Fidelity {
   double frequency = 0;       ///< [Hz]

@@ -29,9 +29,11 @@ struct NamedFilter {
 
 /// Properties of one encoder that the bounds do not need.
 struct EncoderFigures {
-  std::string kind;           ///< key of the encoder kind
-  double counts_per_rev = 0;  ///< after decoding; of `resolution` at a revolute joint 2 pi/Delta
-  double gear_ratio = 1;      ///< with its sign
+  std::string kind;                      ///< key of the encoder kind
+  double counts_per_rev = 0;             ///< after decoding; of `resolution` at a revolute joint 2 pi/Delta
+  double gear_ratio = 1;                 ///< with its sign
+  std::optional<double> max_count_rate;  ///< that the encoder, or the counter's input, can follow [counts/s]
+  std::optional<int> counter_bits;       ///< of the counter whose differences the filters take
 };
 
 /// One step of an axis of a sweep: changes of the spec that are made together.

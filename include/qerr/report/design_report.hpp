@@ -15,9 +15,9 @@ namespace qerr {
 /// The encoder chosen for a joint.
 struct DesignedEncoder {
   std::string joint;
-  std::string name;  ///< of the option
-  double price = 0;
-  double bits = 0;  ///< of a turn of the joint, or of 1 m: log2(2 pi/Delta) or log2(1 m/Delta)
+  std::string name;             ///< of the option
+  std::optional<double> price;  ///< empty: its catalogue states none
+  double bits = 0;              ///< of a turn of the joint, or of 1 m: log2(2 pi/Delta) or log2(1 m/Delta)
 };
 
 /// The low-pass chosen for a filter of the spec.
@@ -40,8 +40,8 @@ struct DesignedFilter {
 
 /// A choice of encoders and filters, with the requirements as `check` evaluates them.
 struct Design {
-  double price = 0;
-  double bits = 0;  ///< sum over the joints
+  std::optional<double> price;  ///< empty: that of an encoder is not stated
+  double bits = 0;              ///< sum over the joints
   std::vector<DesignedEncoder> encoders;
   std::vector<DesignedFilter> filters;
   std::vector<RequirementResult> results;   ///< one for each requirement
@@ -58,9 +58,10 @@ struct RequirementPrice {
   bool proven = true;
 };
 
-/// A design that no cheaper one equals in a figure; where the coarsest is looked for, none of fewer bits.
+/// A design that no cheaper one equals in a figure; where costs are bits, none of fewer bits.
 struct ParetoPoint {
-  double price = 0, bits = 0, value = 0;
+  std::optional<double> price;
+  double bits = 0, value = 0;
   std::vector<DesignedEncoder> encoders;
   bool proven = true;
 };
@@ -71,6 +72,7 @@ struct DesignReport {
   std::string goal;        ///< `price`, `resolution`, or a quantity with its statistic
   std::string goal_unit;   ///< of a quantity
   std::string price_unit;  ///< "" if no catalogue states one
+  bool by_bits = false;    ///< costs are bits: the coarsest is looked for, or not all prices are stated
   std::optional<double> budget;
   std::optional<Design> optimal, runner_up;
   bool proven = true;
@@ -78,10 +80,10 @@ struct DesignReport {
   std::vector<RequirementPrice> requirement_prices;
   std::string pareto_figure, pareto_unit;
   std::vector<ParetoPoint> pareto;
-  /// Nothing feasible: the requirements with the finest encoders (and the quietest filters that are
-  /// permitted).
+  /// Nothing feasible: the design whose largest value over its limit is least.
   std::optional<Design> finest;
   std::vector<std::string> obstacles;          ///< nothing feasible: why, in sentences
+  std::vector<std::string> left_out;           ///< options that cannot count fast enough, in sentences
   std::vector<std::size_t> without_influence;  ///< requirements that no option changes
   std::string written;                         ///< the spec with the choice; "" if none is asked for or found
   std::vector<std::string> warnings;

@@ -54,9 +54,8 @@ OperationalModel figure_model(const OperationalModel& position, const std::vecto
   }
   if (!sigma_is_known(model.sources, f))
     throw not_known(
-        "sigma behind a filter is not known: an effect depends on the motion, or an encoder states its "
-        "accuracy",
-        "add `motion:`, state effects in place of `accuracy`, or ask for worst_case");
+        "sigma behind a filter is not known: it depends on the motion, of which nothing is stated",
+        "add `motion:`, or velocity to the joints' <limit> in the URDF; or ask for worst_case");
   const bool in_motion = figure.bound == ProvenFigure::Bound::sigma_in_motion;
   if (in_motion && !is_known(noise_in_motion, f))
     throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");

@@ -82,7 +82,7 @@ EffectKind backlash_effect() {
           .action = action,
           .share = [](const Effect& e, const Encoder&, const Usage&) -> std::optional<Share> {
             const double half = 0.5 * e.number("gap");
-            return Share{0, half, half, Spectrum::motion};
+            return Share{0, half, half, Spectrum::motion, e.number("gap")};
           },
           .terms = terms,
           // The record's side of motion ignores reversals within the reference's noise; the action would not.

@@ -42,9 +42,10 @@ std::string accuracy_table(const Analysis& a, const Style& style) {
   for (std::size_t e = 0; e < parts.size(); ++e) {
     const IndependentJoint& joint = a.spec.model.chain.independent[e];
     const Encoder& encoder = a.spec.model.transmission.encoders[e];
+    const double slow = encoder.accuracy + encoder.gear_accuracy;
     const std::string unit = joint.prismatic() ? "m" : "rad";
     rows.push_back(row_of(shortened(joint.name, 22), readable(0.5 * encoder.resolution, unit),
-                          encoder.accuracy > 0 ? readable(encoder.accuracy, unit) : "", parts[e], effects));
+                          slow > 0 ? readable(slow, unit) : "", parts[e], effects));
   }
   rows.push_back(row_of("all", "", "", sum, effects));
   return heading("Accuracy or resolution: where the tip's variance comes from", style) +

@@ -10,9 +10,11 @@
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/per_configuration.hpp"
 #include "report/analysis/proofs.hpp"
+#include "report/analysis/slow_errors.hpp"
 #include "report/text_table.hpp"
 #include "simulate/quantization_along_motion.hpp"
 #include "simulate/settling.hpp"
@@ -47,23 +49,23 @@ std::string warning_of_ipqn(const Spec& spec) {
 
 /// @param known  of noise_in_motion
 std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::vector<Eigen::VectorXd>& known,
-                                                 const Workspace& w) {
+                                                 const Workspace& w,
+                                                 const std::vector<EffectShare>& effects) {
   std::vector<std::string> warnings;
   const bool without_sigma = std::any_of(w.derivatives.begin(), w.derivatives.end(),
                                          [](const auto& row) { return !row.empty() && !row[0].sigma; });
   if (without_sigma)
-    warnings.push_back(states_accuracy(spec)
-                           ? "sigma behind a filter is not given: the shape of the error within an encoder's "
-                             "`accuracy` is not known; for sigma, state the error as an effect (`qerr list "
-                             "effects`) in place of `accuracy`"
-                       : !spec.motion
-                           ? "sigma behind a filter is not given: what the effects add to it depends "
-                             "on the motion; add `motion:`"
+    warnings.push_back(!spec.motion
+                           ? "sigma behind a filter is not given: what effects, or errors within an "
+                             "encoder's `accuracy`, add to it depends on the motion; add `motion:` (for "
+                             "accuracy and play, velocity in the <limit> of the URDF's joints will do)"
                        : effects_follow_motion(spec)
                            ? "sigma behind a filter is not given: the load of an effect along `motion:` is "
                              "not known; give the URDF's links their masses"
                            : "sigma behind a filter is not given: `motion:` has too many samples for what "
                              "the effects add to it; shorten it");
+  if (const std::string text = slow_error_assumption(spec, effects); !without_sigma && !text.empty())
+    warnings.push_back(text);
   if (!spec.motion) warnings.push_back(warning_of_ipqn(spec));
   for (std::size_t f = 0; f < known.size(); ++f)
     if (!is_known(known, f))
@@ -127,9 +129,10 @@ std::vector<std::string> warnings_of(const Spec& spec, const Workspace& w,
         "no bound; use rx ry rz");
   for (std::string& warning : warnings_of_scope(spec, effects)) warnings.push_back(std::move(warning));
   if (!spec.filters.empty())
-    for (std::string& warning : warnings_of_derivatives(spec, noise, w))
+    for (std::string& warning : warnings_of_derivatives(spec, noise, w, effects))
       warnings.push_back(std::move(warning));
   for (std::string& warning : filter_warnings(spec)) warnings.push_back(std::move(warning));
+  for (std::string& warning : count_rate_warnings(spec)) warnings.push_back(std::move(warning));
   if (!w.exact_percentiles) warnings.emplace_back("percentiles are counted in bins: right to 1e-3 relative");
   return warnings;
 }
@@ -143,6 +146,37 @@ void add_effects(const EffectReport& effects, Spec& spec) {
   const Eigen::VectorXd factors = count_factors(spec);
   for (Eigen::Index i = 0; i < factors.size(); ++i)
     model.transmission.encoders[static_cast<std::size_t>(i)].resolution *= factors[i];
+}
+
+Workspace workspace_with_quantization(const OperationalModel& model, const std::vector<Norms>& filters,
+                                      const Configurations& configurations, const WorkspaceOptions& options) {
+  if (filters.empty() || (model.sources.empty() && !model.along_motion))
+    return workspace(model, filters, configurations, options);
+  // As one more filter, which quantization passes unchanged and nothing else does.
+  OperationalModel more = model;
+  std::vector<Norms> norms = filters;
+  norms.push_back({.h2 = 1, .h2_error = 0, .l1 = {1, 1}, .dc_gain = 1});
+  for (ErrorSource& source : more.sources) {
+    if (source.sigma_ratios.empty())
+      for (const Norms& n : filters) source.sigma_ratios.push_back(n.h2);
+    source.sigma_ratios.resize(filters.size(), 0);
+    source.sigma_ratios.push_back(0);
+  }
+  if (more.along_motion) {
+    more.along_motion->filtered.push_back(more.along_motion->tip);
+    SignalMoments& nothing = more.along_motion->filtered.back();
+    nothing.mean.setZero();
+    nothing.peak.setZero();
+    nothing.covariance.setZero();
+  }
+  Workspace w = workspace(more, norms, configurations, options);
+  const std::vector<DerivativeStatistics> quantization = std::move(w.derivatives.back());
+  w.derivatives.pop_back();
+  if (!w.filtered.empty()) w.filtered.pop_back();
+  for (std::size_t f = 0; f < filters.size(); ++f)
+    for (std::size_t c = 0; c < quantization.size(); ++c)
+      w.derivatives[f][c].sigma_quantization = scaled(*quantization[c].sigma, filters[f].h2);
+  return w;
 }
 
 Analysis analyze(const Spec& spec, const WorkspaceOptions& options, const ProofRequest& proofs) {
@@ -179,7 +213,7 @@ Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions&
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
   Analysis a = unbounded_analysis(spec, std::move(effects), all.noise_in_motion);
-  a.workspace = workspace(a.spec.model, filter_norms(spec), spec.configurations, all);
+  a.workspace = workspace_with_quantization(a.spec.model, filter_norms(spec), spec.configurations, all);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   add_proofs(a, proofs, options.threads);
   return a;
@@ -252,7 +286,9 @@ std::vector<BudgetParts> budget_parts(const Analysis& a) {
     const double over = shares[e] / all[e];
     // Both enter by the same column: their variances are in the ratio of A^2/2 to Delta^2/12.
     parts[e].quantization = over * quantization[e];
-    parts[e].accuracy = 6 * std::pow(encoder.accuracy / encoder.resolution, 2) * parts[e].quantization;
+    parts[e].accuracy =
+        6 * std::pow(std::hypot(encoder.accuracy, encoder.gear_accuracy) / encoder.resolution, 2) *
+        parts[e].quantization;
     const double rest = shares[e] - parts[e].quantization - parts[e].accuracy;
     constexpr double cancelled = 1e-12;  // differences of sums of 1e4 and more terms
     parts[e].effects = rest > cancelled * shares[e] ? rest : 0;

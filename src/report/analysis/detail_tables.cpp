@@ -60,6 +60,8 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
       rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));
     else
       rows.push_back({std::string(info(c).name) + "  sigma: not known"});
+    if (const auto& alone = a.workspace.derivatives[f][i].sigma_quantization)
+      rows.push_back(figures(std::string(info(c).name) + "  sigma of quantization", *alone, unit));
     if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
       rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
     rows.push_back(

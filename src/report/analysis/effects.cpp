@@ -7,6 +7,7 @@
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "report/analysis/slow_errors.hpp"
 #include "simulate/effects_along_motion.hpp"
 #include "simulate/sensing.hpp"
 #include "simulate/settling.hpp"
@@ -69,7 +70,10 @@ RobotUsage usage_of(const Spec& spec) {
 EffectReport effects_by_range(const Spec& spec) {
   if (spec.effects.empty()) return {};
   EffectReport report{effect_shares(spec.model, spec.effects, usage_of(spec)), {}};
-  report.sources = error_sources(spec.model, report.shares, filter_norms(spec));
+  const bool steps = std::any_of(report.shares.begin(), report.shares.end(),
+                                 [](const EffectShare& s) { return s.reversals.has_value(); });
+  report.sources = error_sources(spec.model, report.shares, filter_norms(spec),
+                                 steps ? step_energies(designed_filters(spec)) : std::vector<double>{});
   return report;
 }
 
@@ -261,14 +265,17 @@ class EffectsInMotion {
 
 EffectReport effect_report(const Spec& spec) {
   EffectReport report = effects_follow_motion(spec) ? EffectsInMotion(spec).report() : effects_by_range(spec);
-  for (ErrorSource& source : accuracy_sources(spec.model.transmission.encoders, spec.filters.size()))
+  const SlowErrorRatios ratios = slow_error_ratios(spec);
+  for (ErrorSource& source :
+       accuracy_sources(spec.model.transmission.encoders, ratios.accuracy, ratios.gear_accuracy))
     report.sources.push_back(std::move(source));
   return report;
 }
 
 bool states_accuracy(const Spec& spec) {
   const auto& encoders = spec.model.transmission.encoders;
-  return std::any_of(encoders.begin(), encoders.end(), [](const Encoder& e) { return e.accuracy > 0; });
+  return std::any_of(encoders.begin(), encoders.end(),
+                     [](const Encoder& e) { return e.accuracy > 0 || e.gear_accuracy > 0; });
 }
 
 std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<EffectShare>& shares) {

@@ -14,7 +14,7 @@ namespace qerr {
 /// the URDF's limits of velocity and effort.
 RobotUsage usage_of(const Spec&);
 
-/// Whether an encoder of the spec states its `accuracy`, whose shape no simulation can know.
+/// Whether an encoder of the spec states its `accuracy`, or its gear's, whose shape no simulation can know.
 bool states_accuracy(const Spec&);
 
 /// The errors that the spec's effects and the accuracy of its encoders add, for the model of `workspace` and
@@ -73,5 +73,9 @@ Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&, con
 /// The same without the bounds over the configurations and without warnings.
 /// @param noise_in_motion  of the spec
 Analysis unbounded_analysis(const Spec&, EffectReport effects, std::vector<Eigen::VectorXd> noise_in_motion);
+
+/// `workspace` with sigma_quantization of every filter.
+Workspace workspace_with_quantization(const OperationalModel&, const std::vector<Norms>& filters,
+                                      const Configurations&, const WorkspaceOptions&);
 
 }  // namespace qerr

@@ -93,7 +93,7 @@ std::vector<Exceedance> ExceedanceCounter::result(const Analysis& a) const {
     if (r.filter < 0) continue;
     const DerivativeStatistics& d = a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
     const bool known =
-        r.bound == Requirement::Bound::worst_case ||
+        r.bound == Requirement::Bound::worst_case || r.bound == Requirement::Bound::sigma_quantization ||
         (r.bound == Requirement::Bound::sigma ? d.sigma.has_value() : d.sigma_in_motion.has_value());
     if (!known)
       throw Error({{},

@@ -15,6 +15,9 @@ FigureColumn figure_column(const ProvenFigure& f, const std::vector<NamedFilter>
   const auto filter = static_cast<std::size_t>(f.filter);
   const std::size_t behind = filter * at.coordinates + c;
   const Norms& norms = filters[filter].norms;
+  // Of other errors there is one more filter, behind which is nothing but quantization.
+  if (f.bound == Bound::sigma_quantization && at.in_motion > at.filtered_sigma)
+    return {at.filtered_sigma + filters.size() * at.coordinates + c, norms.h2};
   if (f.bound == Bound::sigma_in_motion) return {at.in_motion + behind, 1};
   if (f.bound == Bound::worst_case)
     return at.filtered_sigma > at.filtered_worst ? FigureColumn{at.filtered_worst + behind, 1}

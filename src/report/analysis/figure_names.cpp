@@ -38,6 +38,8 @@ void for_each_figure(const Analysis& a, const std::function<void(const FigureNam
                       {},           {i, static_cast<std::ptrdiff_t>(f)}};
       see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
       if (s.sigma) see_bound(name, "sigma", Bound::sigma, *s.sigma);
+      if (s.sigma_quantization)
+        see_bound(name, "sigma_quantization", Bound::sigma_quantization, *s.sigma_quantization);
       if (s.sigma_in_motion) see_bound(name, "sigma_in_motion", Bound::sigma_in_motion, *s.sigma_in_motion);
     }
 }

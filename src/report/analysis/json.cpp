@@ -90,6 +90,8 @@ Json joints(const Analysis& a) {
                     {"mean", a.joints.mean[row]}});
     const double accuracy = spec.model.transmission.encoders[i].accuracy;
     if (accuracy > 0) list.back()["accuracy"] = accuracy;
+    const double of_gear = spec.model.transmission.encoders[i].gear_accuracy;
+    if (of_gear > 0) list.back()["gear_accuracy"] = of_gear;
   }
   return list;
 }
@@ -126,6 +128,9 @@ Json derivatives(const Analysis& a) {
                       {"unit", derivative_unit(coordinates[i], filter.filter.derivative)},
                       {"worst_case", statistic(a, d.worst_case, {i, index, Bound::worst_case})},
                       {"sigma", d.sigma ? statistic(a, *d.sigma, {i, index, Bound::sigma}) : Json()}});
+      if (d.sigma_quantization)
+        rows.back()["sigma_quantization"] =
+            statistic(a, *d.sigma_quantization, {i, index, Bound::sigma_quantization});
       if (d.sigma_in_motion)
         rows.back()["sigma_in_motion"] = statistic(a, *d.sigma_in_motion, {i, index, Bound::sigma_in_motion});
     }

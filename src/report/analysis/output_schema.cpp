@@ -46,12 +46,13 @@ Json schema_of_position() {
 
 Json schema_of_derivative() {
   using namespace schema;
-  const Json coordinate =
-      object({{"coordinate", text()},
-              {"unit", text()},
-              {"worst_case", schema_of_statistic()},
-              {"sigma", or_null(schema_of_statistic()), "IPQN; null: it depends on the motion"},
-              {"sigma_in_motion", schema_of_statistic(), "with encoders that move as in `motion:`", true}});
+  const Json coordinate = object(
+      {{"coordinate", text()},
+       {"unit", text()},
+       {"worst_case", schema_of_statistic()},
+       {"sigma", or_null(schema_of_statistic()), "IPQN; null: it depends on the motion"},
+       {"sigma_quantization", schema_of_statistic(), "beside other errors: of quantization alone", true},
+       {"sigma_in_motion", schema_of_statistic(), "with encoders that move as in `motion:`", true}});
   return object({{"filter", text()},
                  {"derivative", number()},
                  {"h2_norm", number()},
@@ -120,7 +121,8 @@ Json analysis_schema() {
                              {"worst_case", number(), "of the joint, after the coupling"},
                              {"sigma", number()},
                              {"mean", number()},
-                             {"accuracy", number(), "of the encoder, at the joint side", true}});
+                             {"accuracy", number(), "of the encoder, at the joint side", true},
+                             {"gear_accuracy", number(), "at the joint", true}});
   const Json parts = object({{"quantization", number()},
                              {"accuracy", number(), "as a sine of that amplitude"},
                              {"effects", number(), "attributed to the encoder"}});

@@ -4,6 +4,7 @@
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/write.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
@@ -112,9 +113,11 @@ std::vector<RequirementResult> requirement_results(const Analysis& a) {
   const std::vector<Filter> filters = designed_filters(a.spec);
   const std::vector<Norms> norms = filter_norms(a.spec);
   std::vector<RequirementResult> results;
+  const EncoderSpeeds speeds = any_counter(a.spec) ? encoder_speeds(a.spec) : EncoderSpeeds{};
   for (const Requirement& r : a.spec.requirements)
-    results.push_back(r.proven ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
-                               : evaluate(r, a.workspace, filters, norms));
+    results.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))
+                      : r.proven     ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
+                                     : evaluate(r, a.workspace, filters, norms));
   return results;
 }
 

@@ -30,7 +30,7 @@ Json check_json(const SpecCheck& check) {
   for (std::size_t i = 0; i < check.results.size(); ++i) {
     const Requirement& r = check.analysis.spec.requirements[i];
     Json row = {{"quantity", r.quantity}};
-    if (!r.figure) row["statistic"] = r.statistic;
+    if (r.limits_error()) row["statistic"] = r.statistic;
     row[std::string(r.relation())] = r.limit;
     row["value"] = check.results[i].value;
     row["unit"] = r.unit;

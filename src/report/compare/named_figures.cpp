@@ -27,7 +27,8 @@ void add_figure(NamedFigure figure, NamedFigures& to) {
 /// The bounds of each coordinate; nothing of one that is null, which is not known.
 void add_bounds(const std::string& signal, const ReportMember& rows, NamedFigures& to) {
   for (const ReportMember& row : rows.items())
-    for (const std::string bound : {"worst_case", "worst_case_rigorous", "sigma", "sigma_in_motion"}) {
+    for (const std::string bound :
+         {"worst_case", "worst_case_rigorous", "sigma", "sigma_quantization", "sigma_in_motion"}) {
       const auto statistic = row.find(bound);
       if (!statistic || statistic->is_null()) continue;
       for (const StatisticKind& kind : statistic_kinds())

@@ -6,6 +6,8 @@
 #include "core/text.hpp"
 #include "input/changed_spec.hpp"
 #include "input/yaml_text.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/analysis/slow_errors.hpp"
 #include "report/design/design_solver.hpp"
 #include "report/design/filter_sets.hpp"
 #include "report/text_table.hpp"
@@ -43,8 +45,8 @@ class DesignJob {
     add_sampled_maxima(more);
     refuse_motion_of_chosen_filters();
     problem_ = std::make_unique<DesignProblem>(variants, request_, more, options.workspace);
-    FilterSets sets =
-        filter_sets(problem_->base(), request_, stated_limits(problem_->base(), stated_), goal_);
+    if (!problem_->obstacles().empty()) return;
+    FilterSets sets = filter_sets(*problem_, request_, stated_limits(problem_->base(), stated_), goal_);
     filter_obstacles_ = std::move(sets.obstacles);
     if (!sets.sets.empty())
       for (const DesignedFilter& f : sets.sets.front().designed) variants.variant({lowpass_change(f)});
@@ -53,8 +55,9 @@ class DesignJob {
 
   DesignReport report() {
     begin();
-    if (solver_->sets().empty()) {
-      report_.obstacles = filter_obstacles_;
+    report_.obstacles = problem_->obstacles();
+    if (!solver_ || solver_->sets().empty()) {
+      for (const std::string& text : filter_obstacles_) report_.obstacles.push_back(text);
       return std::move(report_);
     }
     DesignQuery query;
@@ -62,15 +65,20 @@ class DesignJob {
     if (request_.budget)
       query.most =
           static_cast<std::int64_t>(std::floor(std::min(*request_.budget, highest_budget) / millionth + 0.5));
-    const DesignFindings found = goal_ ? solver_->minimize(*goal_, query) : solver_->find(query);
+    const DesignFindings found = solver_->best(query, goal_, margins());
     report_.proven = found.proven;
     if (!found.proven && !goal_ && found.bound < std::numeric_limits<std::int64_t>::max())
       report_.bound = millionth * static_cast<double>(found.bound);
+    if (!found.margin_proven)
+      report_.warnings.emplace_back(
+          "of the designs that cost as much, one with a better margin may exist: the work of a search ended");
     if (found.best.empty()) {
       explain_infeasible(query);
       return std::move(report_);
     }
+    report_.warnings.insert(report_.warnings.end(), report_.left_out.begin(), report_.left_out.end());
     report_.optimal = design_of(found.best[0]);
+    state_assumption(found.best[0]);
     if (found.best.size() > 1) report_.runner_up = design_of(found.best[1]);
     if (!options_.target.empty()) report_.written = written(found.best[0]);
     find_influences(found.best[0]);
@@ -84,6 +92,8 @@ class DesignJob {
   void begin() {
     report_.spec = variants_.base();
     report_.price_unit = request_.price_unit;
+    report_.by_bits = problem_->by_bits();
+    report_.left_out = problem_->left_out();
     report_.budget = request_.budget;
     report_.goal = request_.minimize == DesignRequest::Minimize::price        ? "price"
                    : request_.minimize == DesignRequest::Minimize::resolution ? "resolution"
@@ -98,15 +108,27 @@ class DesignJob {
 
   const Requirement& requirement(std::size_t i) const { return problem_->base().requirements[i]; }
 
-  /// Of a proven maximum the front shows the sampled one: a front of proofs would take minutes.
+  /// Of a proven maximum the front and the margins take the sampled one: proofs would take minutes.
   void add_sampled_maxima(std::vector<Node>& more) {
-    if (!options_.pareto.empty() || goal_ || !options_.alternatives) return;
     for (std::size_t i = 0; i < stated_; ++i) {
       const Requirement& r = variants_.base().requirements[i];
       if (!r.proven) continue;
       sampled_maximum_[i] = stated_ + more.size();
       more.push_back(pareto_entry(r.quantity + " max"));
     }
+  }
+
+  /// The values of errors over their limits, of which the largest decides among designs that cost as much.
+  std::vector<DesignGoal> margins() const {
+    constexpr double no_limit = 1e100;  // as good as none
+    std::vector<DesignGoal> goals;
+    for (std::size_t i = 0; i < stated_; ++i) {
+      const Requirement& r = requirement(i);
+      if (!r.limits_error() || !(r.limit > 0 && r.limit < no_limit)) continue;
+      const auto sampled = sampled_maximum_.find(i);
+      goals.push_back({sampled == sampled_maximum_.end() ? i : sampled->second, r.limit});
+    }
+    return goals;
   }
 
   Node pareto_entry(const std::string& figure) const {
@@ -123,7 +145,7 @@ class DesignJob {
   void refuse_motion_of_chosen_filters() const {
     for (const Requirement& r : variants_.base().requirements)
       for (const FilterOptions& f : request_.filters)
-        if (!r.figure && r.bound == Requirement::Bound::sigma_in_motion &&
+        if (r.limits_error() && r.bound == Requirement::Bound::sigma_in_motion &&
             static_cast<std::size_t>(r.filter) == f.filter)
           throw Error(Fault{r.place, "requirements",
                             "sigma_in_motion behind a filter that is itself chosen is not supported",
@@ -143,11 +165,7 @@ class DesignJob {
   Design design_of(const FoundDesign& found) const {
     Design d;
     d.encoders = encoders_of(found.choice);
-    for (const DesignedEncoder& e : d.encoders) {
-      d.price += e.price;
-      d.bits += e.bits;
-    }
-    d.price = std::round(d.price / millionth) * millionth;
+    std::tie(d.price, d.bits) = costs(found);
     d.filters = solver_->set(found).designed;
     for (DesignedFilter& f : d.filters) compare_with_best(f);
     d.results = problem_->results(found.choice, solver_->set(found).filters);
@@ -181,7 +199,19 @@ class DesignJob {
     return out;
   }
 
-  /// Nothing feasible: the finest of everything, and what is in the way.
+  /// How slow errors of a design are judged where sigma behind a filter is required.
+  void state_assumption(const FoundDesign& found) {
+    const bool asked = std::any_of(
+        problem_->base().requirements.begin(), problem_->base().requirements.end(), [](const Requirement& r) {
+          return r.limits_error() && r.filter >= 0 && r.bound == Requirement::Bound::sigma;
+        });
+    if (!asked) return;
+    const Spec spec = problem_->variant(found.choice, solver_->set(found).filters);
+    const std::string text = slow_error_assumption(spec, effect_report(spec).shares);
+    if (!text.empty()) report_.warnings.push_back(text);
+  }
+
+  /// Nothing feasible: the least that each requirement can reach, and what is in the way of all together.
   void explain_infeasible(const DesignQuery& query) {
     if (!report_.proven) {
       report_.obstacles.push_back("no design was found within the work of a search, and none is excluded");
@@ -199,46 +229,76 @@ class DesignJob {
         return;
       }
     }
-    FoundDesign finest = finest_design();
-    report_.finest = design_of(finest);
-    for (std::size_t i = 0; i < stated_; ++i)
-      if (!report_.finest->results[i].met) obstacle(i, finest.set);
-    if (report_.obstacles.empty())
-      report_.obstacles.push_back("each requirement can be met, but no design meets all of them");
+    if (!explain_alone()) explain_together();
+    report_.obstacles.insert(report_.obstacles.end(), report_.left_out.begin(), report_.left_out.end());
   }
 
-  void obstacle(std::size_t i, std::size_t set) {
-    const Requirement& r = requirement(i);
-    const double value = report_.finest->results[i].value;
-    double least = value;
-    if (!r.figure && !solver_->problem(set).figures[i].sums.empty() &&
-        !solver_->problem(set).figures[i].bound) {
-      const ChoiceProblem& problem = solver_->problem(set);
-      const PermittedOptions all(option_offsets(problem).back(), 1);
-      least =
-          figure_value(problem.figures[i], least_weights(problem.figures[i], option_offsets(problem), all),
-                       problem.configurations);
+  DesignQuery without_limits() const {
+    DesignQuery query;
+    query.limits.assign(problem_->base().requirements.size(), none);
+    query.wanted = 1;
+    query.work = work_of_alternative;
+    return query;
+  }
+
+  /// What each requirement alone can reach at best. @returns whether one of them is in the way
+  bool explain_alone() {
+    bool any = false;
+    for (std::size_t i = 0; i < stated_; ++i) {
+      const Requirement& r = requirement(i);
+      bool proven = true;
+      double value = 0;
+      if (r.figure) {
+        value = best_of_filters(r);
+      } else if (r.limits_error()) {
+        DesignQuery query = without_limits();
+        value = solver_->value(*solver_->least({{i, 1}}, query, proven), i);
+      } else {
+        continue;  // options that do not meet it are left out
+      }
+      if (r.met_by(value)) continue;
+      any = true;
+      report_.obstacles.push_back(
+          r.name() + " is " + readable(value, r.unit) + (r.at_least ? " at most" : " at least") +
+          (proven ? "" : ", as far as the work of a search goes,") + " whatever is chosen, " +
+          (r.at_least ? "at least " : "at most ") + readable(r.limit, r.unit) + " is required");
     }
-    std::string text = r.name() + " is " + readable(value, r.unit) + " with the finest of everything, " +
-                       (r.at_least ? "at least " : "at most ") + readable(r.limit, r.unit) + " is required";
-    if (!r.at_least && least <= r.limit && least < value)
-      text += "; no option is finest in all respects, and none alone excludes it";
+    find_nearest();
+    return any;
+  }
+
+  /// The value of a filter's figure that comes nearest to its limit.
+  double best_of_filters(const Requirement& r) const {
+    double best = r.at_least ? -none : none;
+    for (const FilterSet& set : solver_->sets()) {
+      const NamedFilter& f = set.filters[static_cast<std::size_t>(r.filter)];
+      const double value = r.figure->value(f.filter, f.norms).value_or(r.at_least ? -none : none);
+      best = r.at_least ? std::max(best, value) : std::min(best, value);
+    }
+    return best;
+  }
+
+  /// The design that is nearest to the limits of all errors.
+  void find_nearest() {
+    DesignQuery query = without_limits();
+    bool proven = true;
+    const std::vector<DesignGoal> goals = margins();
+    if (goals.empty()) return;
+    const auto nearest = solver_->least(goals, query, proven);
+    if (!nearest) return;
+    report_.finest = design_of(*nearest);
+    state_assumption(*nearest);
+  }
+
+  void explain_together() {
+    std::string text = "each requirement can be met alone, but no design meets all of them";
+    double most = 0;
+    if (report_.finest)
+      for (std::size_t i = 0; i < stated_; ++i)
+        if (requirement(i).limits_error() && requirement(i).limit > 0)
+          most = std::max(most, report_.finest->results[i].value / requirement(i).limit);
+    if (most > 1) text += ": the nearest one would need limits " + significant(most, 4) + " times as large";
     report_.obstacles.push_back(text);
-  }
-
-  /// The options of the smallest interval at the joint, and the set of filters with the least noise of those
-  /// that meet the requirements on filters.
-  FoundDesign finest_design() {
-    FoundDesign d;
-    const std::vector<double> limits = stated_limits(problem_->base(), stated_);
-    for (std::size_t s = solver_->sets().size(); s-- > 0;)
-      if (solver_->filters_meet(s, limits)) d.set = s;
-    for (const auto& options : problem_->options()) {
-      const auto finest = std::max_element(options.begin(), options.end(),
-                                           [](const auto& a, const auto& b) { return a.bits < b.bits; });
-      d.choice.push_back(static_cast<std::size_t>(finest - options.begin()));
-    }
-    return d;
   }
 
   void find_influences(const FoundDesign& best) {
@@ -253,12 +313,14 @@ class DesignJob {
                                       [&](double w) { return w != c.weights.front(); });
         });
       });
-      if (!varies && !filter_chosen(requirement(i).filter)) report_.without_influence.push_back(i);
+      if (!varies && requirement(i).counter < 0 && !filter_chosen(requirement(i).filter))
+        report_.without_influence.push_back(i);
     }
   }
 
   void price_requirements(const DesignQuery& query, const FoundDesign& best) {
     for (std::size_t i = 0; i < stated_; ++i) {
+      if (requirement(i).counter >= 0) continue;  // another limit admits other options
       DesignQuery looser = query;
       looser.limits[i] *= requirement(i).at_least ? 1 - relaxed : 1 + relaxed;
       looser.wanted = 1;
@@ -280,18 +342,21 @@ class DesignJob {
   }
 
   DesignFindings find_with_other_filters(DesignQuery query) {
-    FilterSets sets = filter_sets(problem_->base(), request_, query.limits, goal_);
+    FilterSets sets = filter_sets(*problem_, request_, query.limits, goal_);
     query.known.clear();
     return DesignSolver(*problem_, std::move(sets.sets)).find(query);
   }
 
-  std::pair<double, double> costs(const FoundDesign& found) const {
-    double price = 0, bits = 0;
+  /// The sums of prices, if all are stated, and of bits.
+  std::pair<std::optional<double>, double> costs(const FoundDesign& found) const {
+    std::optional<double> price = 0.0;
+    double bits = 0;
     for (const DesignedEncoder& e : encoders_of(found.choice)) {
-      price += e.price;
+      price = price && e.price ? std::optional(*price + *e.price) : std::nullopt;
       bits += e.bits;
     }
-    return {std::round(price / millionth) * millionth, bits};
+    if (price) price = std::round(*price / millionth) * millionth;
+    return {price, bits};
   }
 
   /// The requirement on encoders whose limit is used most.
@@ -300,7 +365,7 @@ class DesignJob {
     double most = -1;
     for (std::size_t i = 0; i < stated_; ++i) {
       const Requirement& r = requirement(i);
-      const double usage = r.figure ? -1 : report_.optimal->results[i].value / r.limit;
+      const double usage = !r.limits_error() ? -1 : report_.optimal->results[i].value / r.limit;
       if (usage > most) {
         most = usage;
         best = i;
@@ -312,12 +377,12 @@ class DesignJob {
   /// Costs as a function of a figure's limit, from the cheapest design without it to the finest one.
   void make_front(const DesignQuery& query, const FoundDesign& best) {
     auto p = pareto_ ? pareto_ : goal_ ? goal_ : tightest();
-    if (pareto_ && requirement(*p).figure)
+    if (pareto_ && !requirement(*p).limits_error())
       throw Error(Fault{requirement(*p).place, "--pareto", "encoders do not change a figure of a filter",
                         quoted(requirement(*p).name()), "name an error, such as position.xyz.sigma"},
                   Trouble::usage);
     if (p && sampled_maximum_.contains(*p)) p = sampled_maximum_.at(*p);
-    if (!p || requirement(*p).figure || encoders_of(best.choice).empty()) return;
+    if (!p || !requirement(*p).limits_error() || encoders_of(best.choice).empty()) return;
     report_.pareto_figure = requirement(*p).name();
     report_.pareto_unit = requirement(*p).unit;
     DesignQuery free = query;
@@ -330,39 +395,33 @@ class DesignJob {
     free.limits[*p] = none;
     const DesignFindings cheapest = solver_->find(free);
     if (cheapest.best.empty()) return;
-    add_point(cheapest, *p);
-    const double most = report_.pareto.front().value, least = least_value(*p, most);
+    add_point(cheapest, free, *p);
+    DesignQuery finest = free;
+    bool proven = true;
+    const double most = report_.pareto.front().value;
+    const auto reached = solver_->least({{*p, 1}}, finest, proven);
+    const double least = reached ? solver_->value(*reached, *p) : most;
     for (int i = 1; i <= front_points && least > 0 && most > least; ++i) {
       const double fraction = static_cast<double>(i) / front_points;
       free.limits[*p] = most * std::pow(least / most, fraction) * (i == front_points ? 1 + 1e-9 : 1);
       if (free.limits[*p] >= report_.pareto.back().value) continue;  // that design meets it as well
       const DesignFindings found = solver_->find(free);
       if (found.best.empty()) break;
-      add_point(found, *p);
+      add_point(found, free, *p);
     }
   }
 
-  double least_value(std::size_t p, double otherwise) {
-    double least = otherwise;
-    for (std::size_t s = 0; s < solver_->sets().size(); ++s) {
-      const ChoiceProblem& problem = solver_->problem(s);
-      const PermittedOptions all(option_offsets(problem).back(), 1);
-      if (!problem.figures[p].sums.empty())
-        least = std::min(least, figure_value(problem.figures[p],
-                                             least_weights(problem.figures[p], option_offsets(problem), all),
-                                             problem.configurations));
-    }
-    return least;
-  }
-
-  void add_point(const DesignFindings& found, std::size_t p) {
-    const FoundDesign& d = found.best[0];
+  /// The finest design at the cost of the one found.
+  void add_point(const DesignFindings& found, DesignQuery query, std::size_t p) {
+    bool proven = found.proven;
+    query.most = found.best[0].cost;
+    query.known = {found.best[0]};
+    const FoundDesign d = solver_->least({{p, 1}}, query, proven).value_or(found.best[0]);
     const auto [price, bits] = costs(d);
-    ParetoPoint point{price, bits, solver_->value(d, p), encoders_of(d.choice), found.proven};
-    const double ParetoPoint::*const cost =
-        report_.goal == "resolution" ? &ParetoPoint::bits : &ParetoPoint::price;
+    ParetoPoint point{price, bits, solver_->value(d, p), encoders_of(d.choice), proven};
+    const auto cost = [&](const ParetoPoint& of) { return report_.by_bits ? of.bits : of.price.value_or(0); };
     // A finer design at the same cost replaces the one before.
-    if (!report_.pareto.empty() && report_.pareto.back().*cost >= point.*cost) report_.pareto.pop_back();
+    if (!report_.pareto.empty() && cost(report_.pareto.back()) >= cost(point)) report_.pareto.pop_back();
     report_.pareto.push_back(std::move(point));
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <tuple>
 
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
@@ -16,6 +17,8 @@ namespace {
 
 /// Numbers that the columns of a search may take: 4 GB.
 constexpr double most_numbers = 5e8;
+/// Variants that are kept, of some 50 kB each; more are read again for each set of filters.
+constexpr std::size_t most_kept = 4096;
 
 Node with_requirements(const SpecVariants& variants, const std::vector<Node>& more) {
   const Spec& base = variants.base();
@@ -29,6 +32,24 @@ Node with_requirements(const SpecVariants& variants, const std::vector<Node>& mo
   return list;
 }
 
+/// What an option costs, with its encoder at the joint.
+void set_figures(PricedOption& o, const Spec& spec, std::size_t joint) {
+  const double whole = spec.model.chain.independent[joint].prismatic() ? 1 : 2 * std::numbers::pi;
+  o.bits = std::log2(whole / spec.model.transmission.encoders[joint].resolution);
+  if (o.price && o.option.price_per_bit > 0)
+    *o.price += o.option.price_per_bit * std::log2(spec.encoder_figures[joint].counts_per_rev);
+}
+
+/// A fault of an option; of a row that several joints may have, once.
+void add_fault(Fault fault, const std::string& option, std::vector<Fault>& to) {
+  fault.rule += " (option " + quoted(option) + ")";
+  if (std::none_of(to.begin(), to.end(), [&](const Fault& known) {
+        return known.place.line == fault.place.line && known.place.file == fault.place.file &&
+               known.rule == fault.rule;
+      }))
+    to.push_back(std::move(fault));
+}
+
 }  // namespace
 
 DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& request,
@@ -37,7 +58,7 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
   if (!more.empty()) common_.emplace_back("requirements", with_requirements(variants, more));
   base_ = variant_of({}, {});
   for (const Requirement& r : base_.requirements) {
-    if (r.figure) continue;
+    if (!r.limits_error()) continue;
     needs_motion_noise_ = needs_motion_noise_ || r.bound == Requirement::Bound::sigma_in_motion;
     any_proven_ = any_proven_ || r.statistic == "proven_max";
     needs_rigorous_ = needs_rigorous_ || r.bound == Requirement::Bound::worst_case_rigorous;
@@ -49,7 +70,7 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
   refuse_unreached(analysis_of_some(base_, workspace_.threads));  // whatever the encoders
   workspace_.brief = !needs_rigorous_;
   read_options(request);
-  make_columns();
+  if (obstacles_.empty()) make_columns();
 }
 
 Spec DesignProblem::variant_of(const std::vector<SpecChange>& changes,
@@ -59,45 +80,80 @@ Spec DesignProblem::variant_of(const std::vector<SpecChange>& changes,
   return variants_.variant(all, effects);
 }
 
+/// Reads the options of one joint, without those that cannot count fast enough.
+void DesignProblem::read_joint(const JointOptions& joint, bool kept, std::vector<Fault>& faults) {
+  std::vector<PricedOption>& options = options_[joint.joint];
+  std::vector<std::pair<std::string, std::string>> slow;  // name, why
+  options.clear();
+  for (const EncoderOption& option : joint.options) {
+    options.push_back({option, nullptr, option.price, 0, 0});
+    const std::size_t o = options.size() - 1;
+    try {
+      const auto variant =
+          std::make_shared<const Spec>(variant_of({change(joint.joint, o)}, effects_of(joint.joint, o)));
+      if (kept) options.back().variant = variant;
+      add_slow_errors(variant, joint.joint);
+      set_figures(options.back(), *variant, joint.joint);
+      const std::string why = too_fast(*variant, joint.joint);
+      if (!why.empty()) slow.emplace_back(option.name, why);
+      if (!why.empty()) options.pop_back();
+    } catch (const Error& e) {
+      if (e.trouble() != Trouble::input) throw;
+      for (const Fault& fault : e.faults()) add_fault(fault, option.name, faults);
+    }
+  }
+  for (const PricedOption& o : options) by_bits_ = by_bits_ || !o.price;
+  leave_out(joint.joint, slow);
+}
+
 void DesignProblem::read_options(const DesignRequest& request) {
   const std::size_t n = base_.model.chain.independent.size();
   options_.assign(n, {PricedOption{}});
-  for (const JointOptions& joint : request.encoders) {
-    std::vector<PricedOption>& options = options_[joint.joint];
-    options.clear();
-    for (const EncoderOption& option : joint.options) options.push_back({option, 0, 0, 0});
-  }
+  for (std::size_t j = 0; j < n; ++j) add_slow_errors(std::make_shared<const Spec>(base_), j);
+  speeds_ = encoder_speeds(base_);
+  by_bits_ = request.minimize == DesignRequest::Minimize::resolution;
+  std::size_t all = 0;
+  for (const JointOptions& joint : request.encoders) all += joint.options.size();
   std::vector<Fault> faults;
-  for (std::size_t j = 0; j < n; ++j) {
-    for (std::size_t o = 0; o < options_[j].size(); ++o) {
-      PricedOption& priced = options_[j][o];
-      try {
-        const bool stated = chosen(j);
-        const Spec spec = stated ? variant_of({change(j, o)}, effects_of(j, o)) : base_;
-        const double whole = spec.model.chain.independent[j].prismatic() ? 1 : 2 * std::numbers::pi;
-        priced.bits = std::log2(whole / spec.model.transmission.encoders[j].resolution);
-        priced.price = priced.option.price +
-                       (priced.option.price_per_bit > 0
-                            ? priced.option.price_per_bit * std::log2(spec.encoder_figures[j].counts_per_rev)
-                            : 0);
-        constexpr double millionths = 1e6;
-        if (request.minimize == DesignRequest::Minimize::resolution)
-          priced.cost = std::llround(millionths * priced.bits);
-        else
-          priced.cost = std::llround(millionths * priced.price);
-        if (!stated) priced.cost = 0;
-      } catch (const Error& e) {
-        if (e.trouble() != Trouble::input) throw;
-        for (Fault fault : e.faults()) {
-          if (!priced.option.name.empty()) fault.rule += " (option " + quoted(priced.option.name) + ")";
-          faults.push_back(fault);
-        }
-      }
-    }
-    std::stable_sort(options_[j].begin(), options_[j].end(),
+  for (const JointOptions& joint : request.encoders) read_joint(joint, all <= most_kept, faults);
+  if (!faults.empty()) throw Error(faults);
+  constexpr double millionths = 1e6;
+  for (auto& options : options_) {
+    for (PricedOption& o : options)
+      if (!o.option.name.empty()) o.cost = std::llround(millionths * (by_bits_ ? o.bits : *o.price));
+    std::stable_sort(options.begin(), options.end(),
                      [](const PricedOption& a, const PricedOption& b) { return a.cost < b.cost; });
   }
-  if (!faults.empty()) throw Error(faults);
+}
+
+/// Why the encoder of a variant cannot follow its joint; "" if it can, or the speed is not known.
+std::string DesignProblem::too_fast(const Spec& spec, std::size_t joint) const {
+  const std::optional<double>& speed = speeds_[joint];
+  if (!speed) return "";
+  const std::optional<CountLimit> limit = count_limit(spec, joint);
+  if (limit && count_rate(spec, joint, *speed) > limit->rate) return count_rate_text(spec, joint, *speed);
+  for (const Requirement& r : base_.requirements)
+    if (r.counter == static_cast<std::ptrdiff_t>(joint) && !r.met_by(count_rate(spec, joint, *speed)))
+      return significant(count_rate(spec, joint, *speed), 4) + " counts/s, " +
+             (r.at_least ? "at least " : "at most ") + significant(r.limit, 4) + " are required";
+  return "";
+}
+
+void DesignProblem::leave_out(std::size_t joint,
+                              const std::vector<std::pair<std::string, std::string>>& options) {
+  if (options.empty()) return;
+  constexpr std::size_t most_named = 3;
+  std::string text;
+  for (std::size_t i = 0; i < std::min(options.size(), most_named); ++i)
+    text += (i ? "; " : "") + quoted(options[i].first) + ' ' + options[i].second;
+  if (options.size() > most_named) text += "; " + std::to_string(options.size() - most_named) + " more";
+  const bool none = options_[joint].empty();
+  const std::string all = counted(options.size() + options_[joint].size(), "option");
+  (none ? obstacles_ : left_out_)
+      .push_back(
+          "joint " + quoted(base_.model.chain.independent[joint].name) + ": " +
+          (none ? "none of " + all : std::to_string(options.size()) + " of " + all + " are left out, which") +
+          (none ? " can count at the rate: " : " cannot count at the rate: ") + text);
 }
 
 SpecChange DesignProblem::change(std::size_t joint, std::size_t option) const {
@@ -136,17 +192,18 @@ std::vector<RequirementResult> DesignProblem::results(const OptionChoice& choice
                                                       const std::vector<double>* limits) const {
   Spec spec = variant(choice, filters);
   for (std::size_t i = 0; limits && i < spec.requirements.size(); ++i)
-    if (!spec.requirements[i].figure) spec.requirements[i].limit = (*limits)[i];
+    if (spec.requirements[i].limits_error()) spec.requirements[i].limit = (*limits)[i];
   if (any_proven_) return evaluate(spec, workspace_, {.verdicts_only = limits != nullptr}).results;
   // Without the warnings of `analyze`, which take longer than the figures.
   WorkspaceOptions options = workspace_;
   if (needs_motion_noise_) options.noise_in_motion = noise_in_motion(spec, options.threads);
   add_effects(effect_report(spec), spec);
   const std::vector<Norms> norms = filter_norms(spec);
-  const Workspace sampled = workspace(spec.model, norms, spec.configurations, options);
+  const Workspace sampled = workspace_with_quantization(spec.model, norms, spec.configurations, options);
   std::vector<RequirementResult> all;
   for (const Requirement& r : spec.requirements)
-    all.push_back(evaluate(r, sampled, designed_filters(spec), norms));
+    all.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, spec, speeds_))
+                                 : evaluate(r, sampled, designed_filters(spec), norms));
   return all;
 }
 
@@ -167,7 +224,7 @@ void DesignProblem::make_columns() {
   add_places(base_);
   for (std::size_t j = 0; j < options_.size(); ++j)
     for (std::size_t o = 0; o < options_[j].size(); ++o)
-      if (chosen(j)) add_places(variant_of({change(j, o)}, effects_of(j, o)));
+      if (chosen(j)) add_places(variant_by(j, o));
   const auto count = static_cast<double>(size(base_.configurations));
   const double numbers = count * 3 * static_cast<double>(base_.model.coordinates.size()) *
                          static_cast<double>(options_.size() + sources_.size());
@@ -179,6 +236,26 @@ void DesignProblem::make_columns() {
                       "choose fewer, such as 100000"});
   columns_ = std::make_unique<ErrorColumns>(base_.model, sources_, base_.configurations, workspace_.threads);
   sums_ = std::make_unique<FigureSums>(base_, *columns_);
+}
+
+void DesignProblem::add_slow_errors(std::shared_ptr<const Spec> variant, std::size_t joint) {
+  const Spec& spec = *variant;
+  const auto kind = [joint](const Spec& s) {
+    const Encoder& e = s.model.transmission.encoders[joint];
+    std::string effects;
+    for (const Effect& effect : s.effects)
+      if (independent_index(s.model.chain, effect.joint) == joint) effects += effect.type + ',';
+    return std::tuple(e.shaft_ratio, e.accuracy > 0, e.gear_accuracy > 0, effects);
+  };
+  const auto& [ratio, accuracy, of_gear, effects] = kind(spec);
+  if (!accuracy && !of_gear && effects.empty()) return;
+  for (const auto& [other, of_joint] : slow_)
+    if (of_joint == joint && kind(*other) == kind(spec)) return;
+  slow_.emplace_back(std::move(variant), joint);
+}
+
+Spec DesignProblem::variant_by(std::size_t j, std::size_t o) const {
+  return options_[j][o].variant ? *options_[j][o].variant : variant_of({change(j, o)}, effects_of(j, o));
 }
 
 OptionWeights DesignProblem::weights_with(const std::vector<NamedFilter>& filters) const {
@@ -195,7 +272,7 @@ OptionWeights DesignProblem::weights_with(const std::vector<NamedFilter>& filter
   for (std::size_t j = 0; j < options_.size(); ++j) {
     auto& of_joint = weights.options.emplace_back();
     for (std::size_t o = 0; o < options_[j].size(); ++o)
-      of_joint.push_back(chosen(j) ? weigh(variant_of({change(j, o)}, effects_of(j, o))) : weights.stated);
+      of_joint.push_back(chosen(j) ? weigh(variant_by(j, o)) : weights.stated);
   }
   find_owners(weights, base_);
   return weights;
@@ -235,7 +312,7 @@ ChoiceProblem DesignProblem::problem(const std::vector<NamedFilter>& filters) {
     ChoiceProblem::Verdict verdict{true, {}, sampled + (any_proven_ ? work_of_proof : 0)};
     for (std::size_t i = 0; i < all.size(); ++i) {
       const Requirement& r = base_.requirements[i];
-      if (r.figure || all[i].met) continue;
+      if (!r.limits_error() || all[i].met) continue;
       verdict.met = false;
       const bool largest = r.statistic == "max" || r.statistic == "proven_max";
       if (largest && all[i].at_max.size() > 0)

@@ -30,10 +30,12 @@ bool DesignSolver::filters_meet(std::size_t set, const std::vector<double>& limi
   const auto& requirements = problem_.base().requirements;
   for (std::size_t i = 0; i < requirements.size(); ++i) {
     const Requirement& r = requirements[i];
-    if (!r.figure || limits[i] == std::numeric_limits<double>::infinity()) continue;
+    if (!r.figure || std::isinf(limits[i])) continue;
     const NamedFilter& f = sets_[set].filters[static_cast<std::size_t>(r.filter)];
     const std::optional<double> value = r.figure->value(f.filter, f.norms);
-    if (!value || !(r.at_least ? *value >= limits[i] : *value <= limits[i])) return false;
+    Requirement limited = r;
+    limited.limit = limits[i];
+    if (!value || !limited.met_by(*value)) return false;
   }
   return true;
 }
@@ -44,7 +46,7 @@ DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) 
   request.limits = query.limits;
   const auto& requirements = problem_.base().requirements;
   for (std::size_t i = 0; i < requirements.size(); ++i)
-    if (requirements[i].figure) request.limits[i] = std::numeric_limits<double>::infinity();
+    if (!requirements[i].limits_error()) request.limits[i] = std::numeric_limits<double>::infinity();
   request.most = query.most;
   request.wanted = query.wanted;
   request.work = query.work;
@@ -53,14 +55,14 @@ DesignFindings DesignSolver::find_in(std::size_t set, const DesignQuery& query) 
   for (const FoundDesign& d : query.excluded)
     if (d.set == set || any_encoder_) request.excluded.push_back(d.choice);
   const ChoiceResult result = searched(set).search->find(request);
-  DesignFindings findings{{}, result.proven, result.bound};
+  DesignFindings findings{{}, result.proven, true, result.bound};
   for (const OptionChoice& choice : result.best)
     findings.best.push_back({price_of(searched(set).problem, choice), set, choice});
   return findings;
 }
 
 DesignFindings DesignSolver::find(const DesignQuery& query) {
-  DesignFindings all{{}, true, std::numeric_limits<std::int64_t>::max()};
+  DesignFindings all{{}, true, true, std::numeric_limits<std::int64_t>::max()};
   for (std::size_t s = 0; s < sets_.size(); ++s) {
     DesignQuery here = query;
     if (all.best.size() >= query.wanted) here.most = std::min(query.most, all.best.back().cost);
@@ -83,49 +85,83 @@ DesignFindings DesignSolver::find(const DesignQuery& query) {
   return all;
 }
 
-double DesignSolver::value(const FoundDesign& d, std::size_t requirement) const {
+double DesignSolver::largest(const FoundDesign& d, const std::vector<DesignGoal>& goals) const {
   // Requirements on proven maxima need no proof for another figure's value.
   const std::vector<Requirement>& all = problem_.base().requirements;
   const std::vector<double> none(all.size(), std::numeric_limits<double>::infinity());
-  const std::vector<double>* const limits = all[requirement].proven ? nullptr : &none;
-  return problem_.results(d.choice, sets_[d.set].filters, limits)[requirement].value;
+  const bool proof =
+      std::any_of(goals.begin(), goals.end(), [&](const DesignGoal& g) { return all[g.requirement].proven; });
+  const auto results = problem_.results(d.choice, sets_[d.set].filters, proof ? nullptr : &none);
+  double most = 0;
+  for (const DesignGoal& g : goals) most = std::max(most, results[g.requirement].value / g.scale);
+  return most;
 }
 
-/// The least value in one filter set below the query's limit of the goal, by bisection over limits: each
-/// search finds a design with a lower value, or proves that there is none.
-std::optional<FoundDesign> DesignSolver::least_in(std::size_t set, std::size_t goal, DesignQuery query,
-                                                  bool& proven) {
-  constexpr double below = 1 - 1e-10, near = 1.001;
+/// Relative difference within which values are equal: beyond the tolerance of the sums, so that these decide.
+double DesignSolver::tie(std::size_t set, const std::vector<DesignGoal>& goals) {
+  double tolerance = 0;
+  for (const DesignGoal& g : goals)
+    tolerance = std::max(tolerance, searched(set).problem.figures[g.requirement].tolerance);
+  constexpr double beyond = 10;
+  return beyond * tolerance;
+}
+
+/// The design of least largest value in one filter set, by bisection over limits: each search finds a design
+/// with a lower value, or proves that there is none.
+std::optional<FoundDesign> DesignSolver::least_in(std::size_t set, const std::vector<DesignGoal>& goals,
+                                                  DesignQuery query, bool& proven) {
+  constexpr double near = 1.001;
   query.wanted = 1;
+  const std::vector<double> most = query.limits;
   std::optional<FoundDesign> best;
-  const auto look = [&](double limit) {
-    query.limits[goal] = limit;
+  const auto look = [&](double part) {
+    for (const DesignGoal& g : goals)
+      query.limits[g.requirement] = std::min(most[g.requirement], part * g.scale);
     const DesignFindings found = find_in(set, query);
     proven = proven && found.proven;
     if (!found.best.empty()) best = found.best.front();
     return !found.best.empty();
   };
-  if (!look(query.limits[goal])) return std::nullopt;
+  if (!look(std::numeric_limits<double>::infinity())) return std::nullopt;
   const ChoiceProblem& problem = searched(set).problem;
   const PermittedOptions all(option_offsets(problem).back(), 1);
-  double high = value(*best, goal);
-  double low = problem.figures[goal].sums.empty()
-                   ? 0
-                   : figure_value(problem.figures[goal],
-                                  least_weights(problem.figures[goal], option_offsets(problem), all),
-                                  problem.configurations);
+  double high = largest(*best, goals), low = 0;
+  for (const DesignGoal& g : goals) {
+    const ChoiceFigure& figure = problem.figures[g.requirement];
+    if (figure.sums.empty()) continue;
+    const SumWeights weights = least_weights(figure, option_offsets(problem), all);
+    low = std::max(low, figure_value(figure, weights, problem.configurations) / g.scale);
+  }
   low = std::max(low, 1e-9 * high);
   while (high > low && proven) {
     const bool last = high < near * low;
-    const double limit = last ? below * high : std::sqrt(low * high);
-    if (look(limit)) {
-      high = value(*best, goal);
+    const double part = last ? high * (1 - tie(set, goals)) : std::sqrt(low * high);
+    if (look(part)) {
+      high = largest(*best, goals);
     } else {
       if (last) break;
-      low = limit;
+      low = part;
     }
   }
-  look(high / below);  // the cheapest one of this value
+  return best;
+}
+
+std::optional<FoundDesign> DesignSolver::least(const std::vector<DesignGoal>& goals, DesignQuery& query,
+                                               bool& proven) {
+  std::optional<FoundDesign> best;
+  const std::vector<double> most = query.limits;
+  const auto lower = [&](double part) {
+    for (const DesignGoal& g : goals)
+      query.limits[g.requirement] = std::min(most[g.requirement], part * g.scale);
+  };
+  double value = std::numeric_limits<double>::infinity();
+  for (std::size_t s = 0; s < sets_.size(); ++s)
+    if (auto found = least_in(s, goals, query, proven)) {
+      best = std::move(found);
+      value = largest(*best, goals);
+      lower(value * (1 - tie(s, goals)));
+    }
+  if (best) lower(value * (1 + tie(best->set, goals)));
   return best;
 }
 
@@ -149,23 +185,49 @@ DesignFindings DesignSolver::minimize_of_filter(std::size_t goal, const DesignQu
   return findings;
 }
 
-DesignFindings DesignSolver::minimize(std::size_t goal, const DesignQuery& query) {
-  if (problem_.base().requirements[goal].figure) return minimize_of_filter(goal, query);
-  DesignFindings findings;
-  DesignQuery next = query;
-  while (findings.best.size() < query.wanted) {
-    std::optional<FoundDesign> best;
-    next.limits[goal] = std::numeric_limits<double>::infinity();
-    for (std::size_t s = 0; s < sets_.size(); ++s)
-      if (auto found = least_in(s, goal, next, findings.proven)) {
-        best = std::move(found);
-        next.limits[goal] = value(*best, goal) * (1 - 1e-10);
-      }
-    if (!best) break;
-    findings.best.push_back(*best);
-    next.excluded.push_back(*best);
+FoundDesign DesignSolver::with_best_margin(const FoundDesign& cheapest, DesignQuery query,
+                                           const std::vector<DesignGoal>& margins, bool& proven) {
+  // A tie is a refinement of what is proven: it takes a part of the work of a search.
+  constexpr double work = 3e8;
+  query.most = cheapest.cost;
+  query.work = std::min(query.work, work);
+  query.known = {cheapest};
+  query.wanted = 2;
+  if (sets_.size() == 1 && find(query).best.size() == 1) return cheapest;
+  query.wanted = 1;
+  std::vector<std::vector<DesignGoal>> stages{margins};
+  if (margins.size() > 1)
+    for (const DesignGoal& g : margins) stages.push_back({g});
+  FoundDesign best = cheapest;
+  for (const std::vector<DesignGoal>& goals : stages) {
+    if (goals.empty() || !proven) break;
+    if (const auto found = least(goals, query, proven)) best = *found;
+    query.known = {best};
   }
-  return findings;
+  if (!proven) return best;
+  const DesignFindings found = find(query);
+  proven = found.proven;
+  return found.best.empty() ? best : found.best.front();
+}
+
+DesignFindings DesignSolver::best(const DesignQuery& query, std::optional<std::size_t> goal,
+                                  const std::vector<DesignGoal>& margins) {
+  if (goal && problem_.base().requirements[*goal].figure) return minimize_of_filter(*goal, query);
+  DesignFindings all{{}, true, true, std::numeric_limits<std::int64_t>::max()};
+  while (all.best.size() < query.wanted) {
+    DesignQuery next = query;
+    next.wanted = 1;
+    for (const FoundDesign& d : all.best) next.excluded.push_back(d);
+    if (goal && !least({{*goal, 1}}, next, all.proven)) break;
+    const DesignFindings found = find(next);
+    all.proven = all.proven && found.proven;
+    if (!found.proven) all.bound = std::min(all.bound, found.bound);
+    if (found.best.empty()) break;
+    all.bound = std::min(all.bound, found.best.front().cost);
+    all.best.push_back(found.proven ? with_best_margin(found.best.front(), next, margins, all.margin_proven)
+                                    : found.best.front());
+  }
+  return all;
 }
 
 }  // namespace qerr

@@ -29,8 +29,15 @@ struct DesignQuery {
 
 struct DesignFindings {
   std::vector<FoundDesign> best;
-  bool proven = true;
-  std::int64_t bound = 0;  ///< of the cost, if not proven
+  bool proven = true;         ///< no other design is cheaper, or has less of the goal
+  bool margin_proven = true;  ///< of those that cost as much, none has a better margin
+  std::int64_t bound = 0;     ///< of the cost, if not proven
+};
+
+/// A requirement's value over a scale, of which the largest of several is to be least.
+struct DesignGoal {
+  std::size_t requirement = 0;
+  double scale = 1;
 };
 
 /// Looks for designs of least cost, or of the least figure, in all filter sets.
@@ -48,13 +55,23 @@ class DesignSolver {
   /// Two designs differ in their encoders, or, where none is chosen, in their filters.
   DesignFindings find(const DesignQuery&);
 
-  /// The design with the least value of a requirement's quantity, of these the cheapest; its runner-up.
-  /// @param goal  index of the requirement
-  DesignFindings minimize(std::size_t goal, const DesignQuery&);
+  /// The best designs: of those with the least value of the goal, if there is one, the cheapest; of these the
+  /// one whose largest value over its scale, over all `margins`, is least (the best margin); of these that
+  /// with the least value of the first of them, then of the second, ...; and of these the first of `find`.
+  /// Values within 1e-8 of one another are equal.
+  /// @param goal  index of the requirement whose value is minimized, if any
+  DesignFindings best(const DesignQuery&, std::optional<std::size_t> goal,
+                      const std::vector<DesignGoal>& margins);
+
+  /// The design whose largest value over its scale is least, and the query's limits of the goals lowered to
+  /// it.
+  std::optional<FoundDesign> least(const std::vector<DesignGoal>&, DesignQuery&, bool& proven);
 
   /// Whether the filters of a set meet the limits of their figures.
   bool filters_meet(std::size_t set, const std::vector<double>& limits) const;
-  double value(const FoundDesign&, std::size_t requirement) const;
+  double value(const FoundDesign& d, std::size_t requirement) const { return largest(d, {{requirement, 1}}); }
+  /// Largest value over its scale.
+  double largest(const FoundDesign&, const std::vector<DesignGoal>&) const;
 
  private:
   struct Searched {
@@ -63,7 +80,11 @@ class DesignSolver {
   };
   Searched& searched(std::size_t set);
   DesignFindings find_in(std::size_t set, const DesignQuery&);
-  std::optional<FoundDesign> least_in(std::size_t set, std::size_t goal, DesignQuery, bool& proven);
+  std::optional<FoundDesign> least_in(std::size_t set, const std::vector<DesignGoal>&, DesignQuery,
+                                      bool& proven);
+  double tie(std::size_t set, const std::vector<DesignGoal>&);
+  FoundDesign with_best_margin(const FoundDesign& cheapest, DesignQuery,
+                               const std::vector<DesignGoal>& margins, bool& proven);
   DesignFindings minimize_of_filter(std::size_t goal, const DesignQuery&);
 
   DesignProblem& problem_;

@@ -49,10 +49,6 @@ bool same_along_motion(const ErrorWeights& a, const ErrorWeights& b) {
   return true;
 }
 
-Error does_not_add(const Spec& spec, const std::string& rule, const std::string& remedy) {
-  return Error(Fault{{spec.file, 1, 1}, "effects", rule, "", remedy});
-}
-
 /// Weights of a column in a worst case: half width + sign * mean, behind the requirement's filter.
 double worst_weight(const Requirement& r, const ErrorWeights& w, Eigen::Index k, double sign) {
   if (r.filter < 0) return w.half_width[k] + sign * w.mean[k];
@@ -113,16 +109,15 @@ void find_owners(OptionWeights& weights, const Spec& spec) {
     for (const ErrorWeights& w : weights.options[j]) {
       weights.biased = weights.biased || w.biased();
       const std::string name = quoted(spec.model.chain.independent[j].name);
-      if (!same_along_motion(w, weights.stated))
-        throw does_not_add(spec,
-                           "along a motion an effect of joint " + name +
-                               " depends on its encoder: such errors of several joints do not add",
-                           "remove `motion:`, or choose no encoder for that joint");
+      weights.along_motion = weights.along_motion || !same_along_motion(w, weights.stated);
       for (std::size_t k = 0; k < columns; ++k) {
         if (!vary(w, weights.stated, static_cast<Eigen::Index>(k))) continue;
         if (owned[k] && weights.owners[k] != j)
-          throw does_not_add(spec, "the options of joint " + name + " change the errors of another one",
-                             "choose no encoder for one of them");
+          throw Error(Fault{{spec.file, 1, 1},
+                            "effects",
+                            "the options of joint " + name + " change the errors of another one",
+                            "",
+                            "choose no encoder for one of them"});
         owned[k] = true;
         weights.owners[k] = j;
       }
@@ -167,9 +162,10 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
   const bool length = r.coordinate >= spec_.model.coordinates.size();
   const auto f = static_cast<std::size_t>(std::max<std::ptrdiff_t>(r.filter, 0));
   const bool in_motion = r.bound == Requirement::Bound::sigma_in_motion;
+  const bool alone = r.bound == Requirement::Bound::sigma_quantization;
   const auto unknown = [&](const ErrorWeights& w) {
     const ErrorWeights::Filtered& behind = w.filtered[f];
-    return (in_motion ? behind.variance_in_motion : behind.variance).size() == 0;
+    return !alone && (in_motion ? behind.variance_in_motion : behind.variance).size() == 0;
   };
   bool any_unknown = r.filter >= 0 && unknown(weights.stated);
   for (const auto& of_joint : weights.options)
@@ -179,16 +175,18 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
                       "sigma behind a filter is not known: what an effect, or an error within an encoder's "
                       "accuracy, adds to it depends on the motion",
                       quoted(r.quantity),
-                      "leave such effects, accuracies and options out, or require the worst case"});
+                      "add `motion:`, or velocity to the <limit> of the joints in the URDF; or require the "
+                      "worst case or sigma_quantization"});
   const Eigen::VectorXd& added =
       r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
   WeightedSum sum;
-  for (std::size_t axis = 0; axis < (length ? 3 : 1); ++axis)
+  for (std::size_t axis = 0; axis < (length ? 3 : 1) && !alone && !weights.along_motion; ++axis)
     sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : r.coordinate)];
   for (std::size_t k = 0; k < columns_.columns(); ++k)
     add_column(sum, k, length ? squares_of_length(r, k) : part(r.coordinate, k, Part::square), weights,
                [&](const ErrorWeights& w, Eigen::Index column) {
                  return r.filter < 0 ? w.variance[column]
+                        : alone      ? w.filtered[f].variance_of_quantization[column]
                         : in_motion  ? w.filtered[f].variance_in_motion[column]
                                      : w.filtered[f].variance[column];
                });
@@ -203,7 +201,7 @@ std::vector<WeightedSum> FigureSums::worst_sums(const Requirement& r, const Opti
       r.filter < 0 ? weights.stated.added_worst : weights.stated.filtered[f].added_worst;
   std::vector<WeightedSum> sums(weights.biased ? 2 : 1);
   for (std::size_t s = 0; s < sums.size(); ++s) {
-    sums[s].added = added[static_cast<Eigen::Index>(coordinate)];
+    sums[s].added = weights.along_motion ? 0 : added[static_cast<Eigen::Index>(coordinate)];
     const auto add = [&](std::size_t k, Part kind, double sign) {
       add_column(
           sums[s], k, part(coordinate, k, kind), weights,
@@ -267,7 +265,7 @@ std::vector<WeightedSum> FigureSums::length_sums(const Requirement& r, const Opt
 ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weights,
                                 const OptionChoice& reference) {
   ChoiceFigure figure;
-  if (r.figure) return figure;
+  if (!r.limits_error()) return figure;
   // What is proven over the joint ranges is at least what is sampled in them.
   const bool proven = r.statistic == "proven_max";
   figure.over = proven ? ChoiceFigure::Over::largest : over_of(r);
@@ -276,14 +274,18 @@ ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weigh
   if (figure.over == ChoiceFigure::Over::percentile && columns_.configurations() > exact_percentiles_limit)
     figure.tolerance = 2e-3;
   using Bound = Requirement::Bound;
-  if (r.bound == Bound::sigma || r.bound == Bound::sigma_in_motion) {
+  // Errors along a motion do not add by joints: without them the sums are a lower bound, and dearer options
+  // may have less of them.
+  const bool follows = weights.along_motion && r.bound != Bound::sigma_quantization;
+  figure.monotone = !follows;
+  if (r.bound != Bound::worst_case && r.bound != Bound::worst_case_rigorous) {
     figure.root = true;
-    figure.bound = proven;
+    figure.bound = proven || follows;
     figure.sums = {sigma_sum(r, weights)};
     return figure;
   }
   const bool length = r.coordinate >= spec_.model.coordinates.size();
-  figure.bound = proven || length || r.bound == Bound::worst_case_rigorous;
+  figure.bound = proven || length || follows || r.bound == Bound::worst_case_rigorous;
   if (!length) {
     figure.sums = worst_sums(r, weights, r.coordinate);
     return figure;

@@ -15,11 +15,11 @@ struct OptionWeights {
   std::vector<std::vector<ErrorWeights>> options;  ///< [joint][option]
   std::vector<std::size_t> owners;                 ///< [column]: the joint whose options change it, else any
   bool biased = false;                             ///< an option's errors have a mean
+  bool along_motion = false;                       ///< options change what effects add along the motion
 };
 
-/// Finds `owners` and `biased`.
-/// @throws Error (input) if the options of two joints change one column, or what is added along a motion: the
-/// errors of the joints would not add
+/// Finds `owners`, `biased` and `along_motion`.
+/// @throws Error (input) if the options of two joints change one column: their errors would not add
 void find_owners(OptionWeights&, const Spec&);
 
 /// The figures of requirements as weighted sums over columns of errors.

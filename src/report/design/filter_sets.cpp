@@ -7,6 +7,7 @@
 #include "core/text.hpp"
 #include "design/quietest_fir.hpp"
 #include "qerr/filter/quality.hpp"
+#include "report/analysis/effects.hpp"
 
 namespace qerr {
 
@@ -25,7 +26,7 @@ FilterNeeds needs_of(const Spec& spec, std::size_t filter, std::optional<std::si
   for (std::size_t i = 0; i < spec.requirements.size(); ++i) {
     const Requirement& r = spec.requirements[i];
     if (r.filter != static_cast<std::ptrdiff_t>(filter)) continue;
-    if (r.figure) {
+    if (!r.limits_error()) {
       if (goal == i) needs.minimized = r.figure;
       continue;
     }
@@ -71,6 +72,8 @@ std::string obstacle_of(const NamedFilter& filter, const FilterRange& range, con
                      counted(scan.filters, "filter");
   if (scan.filters == 0)
     return "no family has a low-pass for filter " + quoted(filter.name) + " in these orders and cut-offs";
+  if (!range.tracking && !scan.any_true_gain)
+    return text + ", none passes slow motion with a gain of 1 within 1 %; state `tracking` to admit others";
   if (range.delay)
     text += ", the least delay is " + readable(scan.least_delay, "s") + " (at most " +
             readable(*range.delay, "s") + ")";
@@ -81,9 +84,22 @@ std::string obstacle_of(const NamedFilter& filter, const FilterRange& range, con
   return text + "; the requirements on the filter count as well";
 }
 
-std::vector<ComparedFilter> candidates_of(const Spec& spec, const FilterOptions& options,
+/// Adds the ratios of sigma behind the candidates of all errors other than quantization.
+void add_ratios(const DesignProblem& problem, std::vector<ComparedFilter>& all) {
+  for (const auto& [stated, joint] : problem.with_slow_errors()) {
+    Spec spec = *stated;
+    spec.filters.clear();
+    for (const ComparedFilter& c : all) spec.filters.push_back({"", c.candidate.filter, c.norms});
+    for (const ErrorSource& source : effect_report(spec).sources)
+      for (std::size_t i = 0; i < all.size() && i < source.sigma_ratios.size(); ++i)
+        all[i].criteria.push_back(source.sigma_ratios[i]);
+  }
+}
+
+std::vector<ComparedFilter> candidates_of(const DesignProblem& problem, const FilterOptions& options,
                                           const std::vector<double>& limits, std::optional<std::size_t> goal,
                                           bool within_families, std::vector<std::string>& obstacles) {
+  const Spec& spec = problem.base();
   const NamedFilter& stated = spec.filters[options.filter];
   const FilterNeeds needs = needs_of(spec, options.filter, goal);
   const auto accepts = [&](const Filter& filter) {
@@ -119,6 +135,7 @@ std::vector<ComparedFilter> candidates_of(const Spec& spec, const FilterOptions&
     }
     all.push_back(std::move(compared));
   }
+  if (needs.sigma) add_ratios(problem, all);
   all = undominated(std::move(all), within_families);
   for (ComparedFilter& c : all) c.norms = norms(c.candidate.filter);
   if (all.empty()) obstacles.push_back(obstacle_of(stated, options.range, scan));
@@ -133,12 +150,12 @@ double log_noise(const FilterSet& set) {
 
 }  // namespace
 
-FilterSets filter_sets(const Spec& spec, const DesignRequest& request, const std::vector<double>& limits,
-                       std::optional<std::size_t> goal) {
-  FilterSets result{{{spec.filters, {}}}, {}};
+FilterSets filter_sets(const DesignProblem& problem, const DesignRequest& request,
+                       const std::vector<double>& limits, std::optional<std::size_t> goal) {
+  FilterSets result{{{problem.base().filters, {}}}, {}};
   for (const FilterOptions& options : request.filters) {
     const std::vector<ComparedFilter> candidates =
-        candidates_of(spec, options, limits, goal, request.encoders.empty(), result.obstacles);
+        candidates_of(problem, options, limits, goal, request.encoders.empty(), result.obstacles);
     if (result.sets.size() * candidates.size() > most_sets)
       throw Error(Fault{options.place, "design.filters",
                         "gives more than 2000 combinations of filters that none excels in all",
@@ -190,6 +207,7 @@ void compare_with_best(DesignedFilter& f) {
   task.sample_rate = rate;
   task.band = f.band;
   task.tracking = *f.tracking;
+  task.gain = low_frequency_gain(f.filter.filter);
   const QuietestFir fir = quietest_fir(task);
   if (fir.converged && fir.h2_bound > 0) f.best_linear = {task.taps, fir.h2, fir.h2_bound};
 }

@@ -14,7 +14,7 @@ namespace qerr {
 
 namespace {
 
-bool by_bits(const DesignReport& r) { return r.goal == "resolution"; }
+bool by_bits(const DesignReport& r) { return r.by_bits; }
 
 std::string paragraph(const std::string& text) { return "<p>" + page::escaped_markup(text) + "</p>"; }
 
@@ -38,7 +38,8 @@ std::string filter_paragraphs(const Design& d) {
 std::string chosen_section(const DesignReport& r, const Design& d) {
   std::string out = encoder_table(r, d) + filter_paragraphs(d);
   if (!d.encoders.empty())
-    out += paragraph("Together " + priced(d.price, r.price_unit) + ", " + bits_text(d.bits) + '.');
+    out += paragraph("Together " + (d.price ? priced(d.price, r.price_unit) + ", " : "") + bits_text(d.bits) +
+                     '.');
   return out;
 }
 
@@ -94,7 +95,7 @@ void mark_design(page::Plot& plot, const DesignReport& r, const std::string& nam
                  const std::optional<Design>& d) {
   if (!d) return;
   if (const auto value = front_value(r, *d))
-    plot.series.push_back({name, {{by_bits(r) ? d->bits : d->price, *value}}, true, false});
+    plot.series.push_back({name, {{by_bits(r) ? d->bits : d->price.value_or(0), *value}}, true, false});
 }
 
 std::string front_list(const DesignReport& r) {
@@ -122,7 +123,8 @@ std::string front_section(const DesignReport& r) {
                   {}};
   plot.x.prefix = false;  // 1.2 kEUR is no price
   page::Series front{"front", {}, true};
-  for (const ParetoPoint& p : r.pareto) front.points.emplace_back(by_bits(r) ? p.bits : p.price, p.value);
+  for (const ParetoPoint& p : r.pareto)
+    front.points.emplace_back(by_bits(r) ? p.bits : p.price.value_or(0), p.value);
   plot.series.push_back(front);
   mark_design(plot, r, "optimum", r.optimal);
   mark_design(plot, r, "runner-up", r.runner_up);
@@ -138,15 +140,14 @@ std::string price_section(const DesignReport& r) {
                   "first bar is the optimum.",
                   {}};
   const Design& d = *r.optimal;
-  const double optimum = by_bits(r) ? d.bits : d.price;
+  const double optimum = by_bits(r) ? d.bits : d.price.value_or(0);
   bars.bars.push_back({"as required", optimum, cost_of(r, d.price, d.bits)});
   std::string none;
   for (const RequirementPrice& p : r.requirement_prices) {
     const std::string name = r.spec.requirements[p.requirement].name();
     if (const auto value = cost(p))
-      bars.bars.push_back(
-          {name + ", " + percent(p.relaxed) + " looser", *value,
-           cost_of(r, p.price.value_or(0), p.bits.value_or(0)) + (p.proven ? "" : " or less")});
+      bars.bars.push_back({name + ", " + percent(p.relaxed) + " looser", *value,
+                           cost_of(r, p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less")});
     else
       none += "<p>No price is known with " + page::name_markup(name) + " relaxed.</p>";
   }
@@ -166,8 +167,9 @@ page::Page infeasible_page(const DesignReport& r) {
                   r.proven ? "No design meets the requirements." : "No design was found.",
                   {{"What hinders", hindrances(r)}}};
   if (r.finest) {
-    page.sections.push_back({"Requirements with the finest of everything", margin_section(r, *r.finest)});
-    page.sections.push_back({"The finest of everything", chosen_section(r, *r.finest)});
+    page.sections.push_back(
+        {"Requirements with the design that is nearest to all limits", margin_section(r, *r.finest)});
+    page.sections.push_back({"That design", chosen_section(r, *r.finest)});
   }
   return page;
 }

@@ -38,7 +38,7 @@ Json design_json(const DesignReport& report, const std::optional<Design>& d) {
   for (std::size_t i = 0; i < d->results.size(); ++i) {
     const Requirement& r = report.spec.requirements[i];
     Json row = {{"quantity", r.quantity}};
-    if (!r.figure) row["statistic"] = r.statistic;
+    if (r.limits_error()) row["statistic"] = r.statistic;
     row[std::string(r.relation())] = r.limit;
     row["value"] = d->results[i].value;
     row["unit"] = r.unit;
@@ -86,6 +86,7 @@ std::string to_json(const DesignReport& report, const Style&) {
   j["pareto"] = front;
   j["finest"] = design_json(report, report.finest);
   j["obstacles"] = report.obstacles;
+  j["left_out"] = report.left_out;
   Json idle = Json::array();
   for (const std::size_t i : report.without_influence) idle.push_back(i);
   j["without_influence"] = idle;

@@ -31,7 +31,7 @@ Json design_choice_schema() {
                                    {"unit", text()},
                                    {"met", boolean()}});
   return or_null(object(
-      {{"price", number(), "of all encoders"},
+      {{"price", number_or_null(), "of all encoders; null: not stated of one"},
        {"bits", number(),
         "sum over the joints of the binary logarithm of the intervals in a turn, or in 1 m"},
        {"value", number_or_null(), "of the quantity that is minimized", true},
@@ -49,31 +49,32 @@ Json design_schema() {
   using namespace schema;
   const Json price = object({{"requirement", number(), "its index in the spec"},
                              {"relaxed", number(), "part of the limit by which it is looser"},
-                             {"price", number_or_null(), "then; null: none is found"},
+                             {"price", number_or_null(), "then; null: none is found, or not stated"},
                              {"bits", number_or_null()},
                              {"proven", boolean()}});
-  const Json point = object({{"price", number()},
+  const Json point = object({{"price", number_or_null()},
                              {"bits", number(), "sum over the joints"},
                              {"quantity", text()},
                              {"value", number_or_null()},
                              {"unit", text()},
                              {"encoders", map(text())},
                              {"proven", boolean()}});
-  return object(
-      joined(header("design"),
-             {{"minimize", text(), "price, resolution, or a quantity"},
-              {"price_unit", text(), "of the catalogues; empty: not stated"},
-              {"budget", number(), "", true},
-              {"optimal", design_choice_schema(), "null: no design meets the requirements"},
-              {"runner_up", design_choice_schema()},
-              {"proven", boolean(), "whether no better design exists"},
-              {"bound", number_or_null(), "of the price (bits), if it is not proven"},
-              {"price_of_requirements", list(price)},
-              {"pareto", list(point), "by ascending price; minimize: resolution: by ascending bits"},
-              {"finest", design_choice_schema(), "nothing feasible: with the finest options"},
-              {"obstacles", list(text()), "nothing feasible: why"},
-              {"without_influence", list(number()), "requirements that no option changes"},
-              {"warnings", warnings()}}));
+  return object(joined(
+      header("design"),
+      {{"minimize", text(), "price, resolution, or a quantity"},
+       {"price_unit", text(), "of the catalogues; empty: not stated"},
+       {"budget", number(), "", true},
+       {"optimal", design_choice_schema(), "null: no design meets the requirements"},
+       {"runner_up", design_choice_schema()},
+       {"proven", boolean(), "whether no better design exists"},
+       {"bound", number_or_null(), "of the price (bits), if it is not proven"},
+       {"price_of_requirements", list(price)},
+       {"pareto", list(point), "by ascending price; minimize: resolution, or a price is missing: by bits"},
+       {"finest", design_choice_schema(), "nothing feasible: the design nearest to all limits"},
+       {"obstacles", list(text()), "nothing feasible: why"},
+       {"left_out", list(text()), "options that cannot count fast enough"},
+       {"without_influence", list(number()), "requirements that no option changes"},
+       {"warnings", warnings()}}));
 }
 
 }  // namespace qerr

@@ -6,8 +6,9 @@
 
 namespace qerr {
 
-std::string priced(double price, const std::string& unit) {
-  const double cents = std::round(100 * price);
+std::string priced(std::optional<double> stated, const std::string& unit) {
+  if (!stated) return "-";
+  const double price = *stated, cents = std::round(100 * price);
   const bool whole = std::fmod(cents, 100) == 0;
   return (whole ? fixed_point(price, 0) : fixed_point(price, 2)) + (unit.empty() ? "" : ' ' + shown(unit));
 }
@@ -15,8 +16,8 @@ std::string priced(double price, const std::string& unit) {
 std::string bits_text(double bits) { return fixed_point(bits, 2) + " bits"; }
 
 /// What the design costs: its price, or the sum of its bits.
-std::string cost_of(const DesignReport& r, double price, double bits) {
-  return r.goal == "resolution" ? bits_text(bits) : priced(price, r.price_unit);
+std::string cost_of(const DesignReport& r, std::optional<double> price, double bits) {
+  return r.by_bits ? bits_text(bits) : priced(price, r.price_unit);
 }
 
 std::string filter_sentence(const DesignedFilter& f) {
@@ -43,13 +44,12 @@ std::string optimum_sentence(const DesignReport& report) {
                      : report.goal == "resolution"
                          ? "coarsest: " + bits_text(d.bits)
                          : "least " + report.goal + ": " + readable(*d.minimized, report.goal_unit) +
-                               (d.encoders.empty() ? "" : " for " + priced(d.price, report.price_unit));
+                               (d.encoders.empty() ? "" : " for " + cost_of(report, d.price, d.bits));
   if (report.proven) return text + (d.encoders.empty() ? "" : ", proven");
   text += ", NOT proven";
   if (report.bound)
-    text +=
-        ": the optimum is at least " +
-        (report.goal == "resolution" ? bits_text(*report.bound) : priced(*report.bound, report.price_unit));
+    text += ": the optimum is at least " +
+            (report.by_bits ? bits_text(*report.bound) : priced(*report.bound, report.price_unit));
   return text;
 }
 
@@ -61,7 +61,7 @@ std::string runner_up_sentence(const DesignReport& report) {
       changes.push_back(shown(b.encoders[i].joint) + ' ' + shown(b.encoders[i].name));
   if (changes.empty())
     for (const DesignedFilter& f : b.filters) changes.push_back(filter_sentence(f));
-  const std::string price = b.encoders.empty() ? "" : " for " + priced(b.price, report.price_unit);
+  const std::string price = b.encoders.empty() ? "" : " for " + cost_of(report, b.price, b.bits);
   const std::string cost = b.minimized          ? readable(*b.minimized, report.goal_unit) + price
                            : b.encoders.empty() ? "no dearer"
                                                 : cost_of(report, b.price, b.bits);

@@ -8,13 +8,13 @@
 /// What the table and the page of a design say alike.
 namespace qerr {
 
-/// `120 EUR`, with cents if there are any.
-std::string priced(double price, const std::string& unit);
+/// `120 EUR`, with cents if there are any; `-` if it is not stated.
+std::string priced(std::optional<double> price, const std::string& unit);
 
 std::string bits_text(double bits);
 
 /// What a design costs: its price, or the sum of its bits.
-std::string cost_of(const DesignReport&, double price, double bits);
+std::string cost_of(const DesignReport&, std::optional<double> price, double bits);
 
 /// Family, order, cut-off, noise, delay and tracking error.
 std::string filter_sentence(const DesignedFilter&);

@@ -23,8 +23,8 @@ std::string requirement_table(const DesignReport& report, const Design& d, const
     const Requirement& r = report.spec.requirements[i];
     std::string looser;
     for (const RequirementPrice& p : report.requirement_prices)
-      if (p.requirement == i && p.price)
-        looser = cost_of(report, *p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less");
+      if (p.requirement == i && p.bits)
+        looser = cost_of(report, p.price, p.bits.value_or(0)) + (p.proven ? "" : " or less");
     const char* const relation =
         r.at_least ? (d.results[i].met ? ">=" : "<") : (d.results[i].met ? "<=" : ">");
     rows.push_back({shortened(r.quantity, 32) + (r.statistic.empty() ? "" : ' ' + r.statistic),
@@ -55,7 +55,7 @@ std::string choices(const DesignReport& report, const Design& d, const Style& st
 
 std::string front_table(const DesignReport& report, const Style& style) {
   if (report.pareto.size() < 2) return "";
-  const bool by_bits = report.goal == "resolution";
+  const bool by_bits = report.by_bits;
   std::vector<std::vector<std::string>> rows{{by_bits ? "bits" : "price", report.pareto_figure}};
   for (const ParetoPoint& p : report.pareto)
     rows.push_back({by_bits ? fixed_point(p.bits, 2) : priced(p.price, report.price_unit),
@@ -70,7 +70,7 @@ std::string infeasible(const DesignReport& report, const Style& style) {
       '\n';
   for (const std::string& text : report.obstacles) out += wrapped(text, style.width, "  ");
   if (report.finest) {
-    out += heading("With the finest of everything", style) + choices(report, *report.finest, style) +
+    out += heading("Nearest to all limits", style) + choices(report, *report.finest, style) +
            requirement_table(report, *report.finest, style);
   }
   return out;

@@ -52,6 +52,10 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
                         ? " and estimates a lower one: its gain grows without bound at low frequencies"
                         : ", and at low frequencies yields " + significant(low_frequency_gain(f.filter), 4) +
                               " of it: are its coefficients scaled by 1/T?"));
+    else if (!passes_slow_motion(f.filter))
+      warnings.push_back("filter '" + f.name + "' passes slow motion with a gain of " +
+                         significant(low_frequency_gain(f.filter), 4) +
+                         ", and its noise with it: divide both by the gain before you compare filters");
   }
   return warnings;
 }

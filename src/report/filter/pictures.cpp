@@ -69,7 +69,7 @@ void scan_family(const FilterFamily& family, int derivative, double sample_rate,
     for (const double cutoff : cutoffs) {
       const std::optional<Filter> filter =
           low_pass(std::string(family.name), order, cutoff, derivative, sample_rate);
-      if (!filter || !estimates_its_derivative(*filter)) continue;
+      if (!filter || !passes_slow_motion(*filter)) continue;
       const double h2 = h2_norm(*filter);
       if (std::isfinite(h2))
         to.push_back({std::string(family.name) + ", order " + std::to_string(order), cutoff,
@@ -106,7 +106,7 @@ std::vector<ScannedFilter> front_of(const std::vector<const FilterFigures*>& fil
     if (has_parameter(family, "cutoff"))
       scan_family(family, like.derivative, like.sample_rate, cutoffs_between(least, most), all);
   for (const FilterFigures* f : filters)
-    if (estimates_its_derivative(f->filter))
+    if (passes_slow_motion(f->filter))
       all.push_back({f->name, stated_cutoff(*f), f->group_delay, f->norms.h2});
   return undominated(std::move(all));
 }

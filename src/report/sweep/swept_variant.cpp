@@ -46,7 +46,7 @@ SweptVariant prepared_variant(const SpecVariants& variants, const SweepGrid& gri
     if (without_workspace(a)) return;
     WorkspaceOptions all = options;
     all.noise_in_motion = a.noise_in_motion;
-    a.workspace = workspace(a.spec.model, filter_norms(a.spec), a.spec.configurations, all);
+    a.workspace = workspace_with_quantization(a.spec.model, filter_norms(a.spec), a.spec.configurations, all);
   });
   if (no_figures) v.check.reset();
   if (v.check && v.check->analysis.workspace.count > 0) judge(v, judged);
