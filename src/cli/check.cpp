@@ -1,7 +1,6 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
-#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
@@ -40,22 +39,25 @@ double tolerance_of(const Values& v) {
 }
 
 /// Read before the spec, so that a wrong file fails early.
-std::optional<Baseline> baseline_of(const Values& v) {
+Baselines baselines_of(const Values& v) {
   if (!v.given("baseline")) return {};
   const std::string& file = v.text("baseline");
   const double tolerance = tolerance_of(v);
-  if (v.texts("SPEC").size() > 1)
-    throw usage("--baseline", "is a report of one spec", counted(v.texts("SPEC").size(), "spec"),
-                "check each spec against a baseline of its own");
-  refuse_shared_input({v.text("SPEC"), file}, "--baseline");
-  return read_baseline(read_text(file), file, tolerance);
+  std::vector<std::string> inputs = v.texts("SPEC");
+  inputs.push_back(file);
+  refuse_shared_input(inputs, "--baseline");
+  return read_baselines(read_text(file), file, tolerance);
 }
 
-CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, const ProofRequest& proofs,
+CheckReport checked(const std::vector<Spec>& specs, const Baselines& baselines, const ProofRequest& proofs,
                     const Values& v) {
   const WorkspaceOptions options = workspace_options(v);
   CheckReport report;
-  for (const Spec& spec : specs) report.specs.push_back(check(spec, options, baseline, proofs));
+  std::vector<const Baseline*> of_specs;
+  for (const Spec& spec : specs)
+    of_specs.push_back(v.given("baseline") ? &baseline_of(baselines, spec.file, specs.size() == 1) : nullptr);
+  for (std::size_t i = 0; i < specs.size(); ++i)
+    report.specs.push_back(check(specs[i], options, of_specs[i], proofs));
   return report;
 }
 
@@ -63,14 +65,14 @@ CheckReport checked(const std::vector<Spec>& specs, const Baseline* baseline, co
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
     const ProofRequest proofs = proof_request(v);
-    const std::optional<Baseline> baseline = baseline_of(v);
+    const Baselines baselines = baselines_of(v);
     refuse_shared_input(v.texts("SPEC"), "SPEC");
     std::vector<Spec> specs;
     for (const std::string& path : v.texts("SPEC")) {
       specs.push_back(load(path, v));
       limit_configurations(specs.back(), v);
     }
-    return checked(specs, baseline ? &*baseline : nullptr, proofs, v);
+    return checked(specs, baselines, proofs, v);
   } catch (const Error& e) {
     if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
     throw;
@@ -89,7 +91,10 @@ int run(const Values& v) {
   if (out) finish(*out, report, v);
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
   if (annotated) annotate(github_annotations(report), table);
-  for (const SpecCheck& check : report.specs) warn(check.analysis.warnings, v);
+  SpecWarnings warnings;
+  for (const SpecCheck& check : report.specs)
+    warnings.emplace_back(check.analysis.spec.file, check.analysis.warnings);
+  warn(warnings, v);
   return report.all_met() ? 0 : 1;
 }
 

@@ -107,6 +107,8 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
                             : "quantization and the effects of the spec: nothing else is in these "
                               "figures");
   for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
+  if (std::string assumed = warning_of_limits(spec, effects); !assumed.empty())
+    warnings.push_back(std::move(assumed));
   return warnings;
 }
 
@@ -207,10 +209,8 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads)
   return noise;
 }
 
-std::string derivative_unit(Coordinate c, int derivative) {
-  Dimension d = info(c).unit == "m" ? dimension::length : dimension::angle;
-  d.second = -derivative;
-  return unit_name(d);
+std::string derivative_unit(Coordinate c, const Filter& filter) {
+  return unit_name(output_dimension(info(c).unit == "m" ? dimension::length : dimension::angle, filter));
 }
 
 namespace {
