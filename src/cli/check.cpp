@@ -2,7 +2,6 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
-#include <optional>
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
@@ -42,25 +41,27 @@ double tolerance_of(const Values& v) {
 }
 
 /// Read before the spec, so that a wrong file fails early.
-std::optional<Baseline> baseline_of(const Values& v) {
+Baselines baselines_of(const Values& v) {
   if (!v.given("baseline")) return {};
   const std::string& file = v.text("baseline");
   const double tolerance = tolerance_of(v);
-  if (v.texts("SPEC").size() > 1)
-    throw usage("--baseline", "is a report of one spec", counted(v.texts("SPEC").size(), "spec"),
-                "check each spec against a baseline of its own");
-  refuse_shared_input({v.text("SPEC"), file}, "--baseline");
-  return read_baseline(read_text(file), file, tolerance);
+  std::vector<std::string> inputs = v.texts("SPEC");
+  inputs.push_back(file);
+  refuse_shared_input(inputs, "--baseline");
+  return read_baselines(read_text(file), file, tolerance);
 }
 
 /// One spec of several that is wrong does not hide the others.
-CheckReport checked(const Baseline* baseline, const ProofRequest& proofs, const Values& v) {
+CheckReport checked(const Baselines& baselines, const ProofRequest& proofs, const Values& v) {
   const WorkspaceOptions options = workspace_options(v);
+  const std::vector<std::string>& paths = v.texts("SPEC");
   CheckReport report;
-  for (const std::string& path : v.texts("SPEC")) try {
+  for (const std::string& path : paths) try {
       const Spec spec = load(path, v, {"threshold", "sweep", "design"},
                              [&](const Spec& s) { return figures_of_some(s, threads(v)); });
       limit_configurations(spec, v);
+      const Baseline* const baseline =
+          v.given("baseline") ? &baseline_of(baselines, spec.file, paths.size() == 1) : nullptr;
       report.specs.push_back(check(spec, options, baseline, proofs));
     } catch (const Error& e) {
       if (e.trouble() == Trouble::internal || e.trouble() == Trouble::usage) throw;
@@ -73,9 +74,9 @@ CheckReport checked(const Baseline* baseline, const ProofRequest& proofs, const 
 CheckReport read_and_check(const Values& v, bool annotated) {
   try {
     const ProofRequest proofs = proof_request(v);
-    const std::optional<Baseline> baseline = baseline_of(v);
+    const Baselines baselines = baselines_of(v);
     refuse_shared_input(v.texts("SPEC"), "SPEC");
-    return checked(baseline ? &*baseline : nullptr, proofs, v);
+    return checked(baselines, proofs, v);
   } catch (const Error& e) {
     if (annotated && e.trouble() != Trouble::usage) annotate(github_annotations(e), false);
     throw;
@@ -99,7 +100,10 @@ int run(const Values& v) {
   if (out) finish(*out, report, v);
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
   if (annotated) annotate(github_annotations(report), table);
-  for (const SpecCheck& check : report.specs) warn(check.analysis.warnings, v);
+  SpecWarnings warnings;
+  for (const SpecCheck& check : report.specs)
+    warnings.emplace_back(check.analysis.spec.file, check.analysis.warnings);
+  warn(warnings, v);
   int code = report.all_met() ? 0 : 1;
   for (const BrokenSpec& b : report.broken) {
     print_error(b.error.what());

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <map>
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
@@ -185,10 +186,33 @@ void warn(const std::vector<std::string>& warnings, const Values& v) {
   if (v.given("quiet")) return;
   clear_progress();
   const std::size_t width = message_width();
-  for (const std::string& warning : warnings) {
+  for (std::size_t i = 0; i < warnings.size(); ++i) {
+    const std::string& warning = warnings[i];
+    if (std::find(warnings.begin(), warnings.begin() + static_cast<std::ptrdiff_t>(i), warning) !=
+        warnings.begin() + static_cast<std::ptrdiff_t>(i))
+      continue;  // said
     const std::string text = "warning: " + escaped(warning, 600);
     std::fputs((width > 0 ? wrapped(text, width, "  ", "") : text + '\n').c_str(), stderr);
   }
+}
+
+void warn(const SpecWarnings& of_specs, const Values& v) {
+  if (of_specs.size() == 1) return warn(of_specs.front().second, v);
+  std::vector<std::string> order;
+  std::map<std::string, std::string> specs;  // that have a warning
+  for (const auto& [file, warnings] : of_specs)
+    for (const std::string& warning : warnings) {
+      std::string& names = specs[warning];
+      if (names.empty()) order.push_back(warning);
+      if (names != file && !names.ends_with(", " + file)) names += (names.empty() ? "" : ", ") + file;
+    }
+  std::vector<std::string> named;
+  for (const std::string& warning : order) {
+    std::string text = specs.at(warning);
+    text += ": " + warning;
+    named.push_back(std::move(text));
+  }
+  warn(named, v);
 }
 
 }  // namespace qerr::cli

@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/option.hpp"
@@ -88,5 +89,11 @@ void limit_configurations(const Spec&, const Values&);
 
 /// Warnings to standard error, one line each, unless --quiet.
 void warn(const std::vector<std::string>& warnings, const Values&);
+
+/// The warnings of each spec, by its file.
+using SpecWarnings = std::vector<std::pair<std::string, std::vector<std::string>>>;
+
+/// Each warning once, behind the names of its specs where there are several.
+void warn(const SpecWarnings&, const Values&);
 
 }  // namespace qerr::cli

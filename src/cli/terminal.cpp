@@ -56,7 +56,12 @@ bool locale_is_utf8() {
 }
 
 /// `4000`, `20.0 M`.
-std::string amount(double count) { return count < 1e5 ? significant(count, 6) : readable(count, ""); }
+std::string amount(double count) {
+  if (count < 1e5) return significant(count, 6);
+  std::string text = readable(count, "x");
+  text.pop_back();  // a prefix without a unit
+  return text;
+}
 
 std::atomic<bool> progress_is_visible = false;
 

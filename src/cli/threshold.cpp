@@ -17,10 +17,12 @@ int run(const Values& v) {
   }
   OutputFile out(v.text("output"));
   ThresholdReport report;
+  SpecWarnings warnings;
   for (const Spec& spec : specs) {
-    warn(spec.warnings, v);
     report.rows.push_back(threshold_row(spec, threads(v)));
+    warnings.emplace_back(spec.file, spec.warnings);
   }
+  warn(warnings, v);
   finish(out, report, v);
   return 0;
 }

@@ -160,7 +160,8 @@ int magnitude(double value) { return static_cast<int>(std::floor(std::log10(std:
 }  // namespace
 
 PrefixedUnit prefixed(double value, const std::string& unit) {
-  if (value == 0 || !std::isfinite(value) || unit.starts_with("1/")) return {1, unit};  // no k1/s
+  // No k1/s, and no k of a pure number, which reads like a unit.
+  if (value == 0 || !std::isfinite(value) || unit.empty() || unit.starts_with("1/")) return {1, unit};
   static constexpr std::array<const char*, 8> prefixes{"p", "n", "u", "m", "", "k", "M", "G"};
   // The prefix is that of the rounded value: 999.96 u is 1.00 m.
   const int thousand = std::clamp(static_cast<int>(std::floor(magnitude(rounded_to(value, 3)) / 3.0)), -4, 3);
@@ -180,7 +181,7 @@ std::string readable_number(double value) {
 std::string readable(double value, const std::string& unit) {
   if (!std::isfinite(value)) return readable_number(value);
   const PrefixedUnit prefix = prefixed(value, unit);
-  return readable_number(rounded_to(value, 3) / prefix.factor) + ' ' + prefix.unit;
+  return readable_number(rounded_to(value, 3) / prefix.factor) + (unit.empty() ? "" : ' ' + prefix.unit);
 }
 
 }  // namespace qerr

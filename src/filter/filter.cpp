@@ -61,6 +61,18 @@ double dc_gain(const Filter& filter) {
   return static_cast<double>(h);
 }
 
+bool has_unknown_unit(const Filter& f) {
+  constexpr double rounded = 0.01;  // coefficients as people write them
+  return !f.unit && f.derivative == 0 && !f.designed && std::abs(dc_gain(f) - 1) > rounded;
+}
+
+Dimension output_dimension(const Dimension& input, const Filter& f) {
+  if (has_unknown_unit(f)) return dimension::none;
+  const Dimension gain = f.unit.value_or(Dimension{.second = -f.derivative});
+  return {input.metre + gain.metre, input.radian + gain.radian, input.second + gain.second,
+          input.newton + gain.newton, input.kelvin + gain.kelvin};
+}
+
 double group_delay(const Filter& filter) {
   DoubleDouble samples;
   double size = 0;

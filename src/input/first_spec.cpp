@@ -2,10 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numbers>
 
 #include "core/text.hpp"
+#include "input/joint_entries.hpp"
 #include "input/joint_table.hpp"
+#include "input/urdf_reader.hpp"
 #include "input/yaml_text.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
@@ -43,32 +46,49 @@ void set(Node& entry, const std::string& key, const std::string& text) {
 
 /// An entry of `encoders:` and what is assumed in it.
 struct AssumedEncoder {
-  std::string entry, assumption;
+  Node entry;
+  std::string assumption;
 };
 
-AssumedEncoder motor_encoder(const IndependentJoint& joint, double ratio) {
+/// An encoder on the motor of a gear or a screw. @param travel  per motor revolution, of a prismatic joint
+/// whose ratio states it
+AssumedEncoder motor_encoder(const IndependentJoint& joint, double ratio, std::optional<double> travel) {
   Node entry = example_of(
       [](const EncoderKind& k) { return k.counts_per_rev && k.absolute_within == AbsoluteRange::none; });
-  if (!joint.prismatic()) {
-    set(entry, "gear_ratio", shortest(ratio));
-    return {flow(entry), "the counts; the ratio is the URDF's"};
-  }
-  set(entry, "gear_ratio", ratio < 0 ? "-1" : "1");
-  set(entry, "travel_per_rev", shortest(rounded_to(2 * std::numbers::pi / std::abs(ratio), 12)) + " m");
-  return {flow(entry), "the counts; the travel is 2 pi m over the URDF's ratio " + shortest(ratio)};
+  set(entry, "gear_ratio", travel ? (ratio < 0 ? "-1" : "1") : shortest(ratio));
+  if (!joint.prismatic())
+    return {entry, std::abs(ratio) == 1
+                       ? "the counts; the URDF's ratio of the motor is 1, a template's placeholder?"
+                       : "the counts; the ratio is the URDF's"};
+  set(entry, "travel_per_rev", travel ? shortest(rounded_to(*travel, 12)) + " m" : "10 mm");
+  return {entry, travel ? "the counts; the travel is 2 pi m over the URDF's ratio " + shortest(ratio)
+                        : "the counts, and the travel: the URDF's ratio is taken for the gear's"};
 }
 
-AssumedEncoder assumed_encoder(const RobotModel& robot, const IndependentJoint& joint) {
+/// Of a motor that moves two joints; its entry is that of the joint in the same place.
+std::optional<double> coupled_ratio(const std::vector<StatedCoupling>& couplings, const std::string& joint) {
+  for (const StatedCoupling& c : couplings)
+    for (std::size_t i = 0; i < 2; ++i)
+      if (c.joints[i] == joint) return c.ratios[i];
+  return std::nullopt;
+}
+
+AssumedEncoder assumed_encoder(const RobotModel& robot, const std::vector<StatedCoupling>& couplings,
+                               const IndependentJoint& joint) {
   const auto in_urdf = std::find_if(robot.joints.begin(), robot.joints.end(),
                                     [&](const Joint& j) { return j.name == joint.name; });
+  const auto coupled = coupled_ratio(couplings, joint.name);
+  if (coupled)
+    return motor_encoder(
+        joint, *coupled,
+        joint.prismatic() ? std::optional(2 * std::numbers::pi / std::abs(*coupled)) : std::nullopt);
   const double ratio = in_urdf->stated_ratio.value_or(1);
-  if (std::abs(ratio) != 1) return motor_encoder(joint, ratio);
+  if (std::abs(ratio) != 1) return motor_encoder(joint, ratio, stated_travel(*in_urdf));
   if (joint.prismatic())
-    return {flow(example_of([](const EncoderKind& k) { return k.resolution_at_joint != nullptr; })),
+    return {example_of([](const EncoderKind& k) { return k.resolution_at_joint != nullptr; }),
             "a linear scale on the joint"};
-  return {
-      flow(example_of([](const EncoderKind& k) { return k.absolute_within == AbsoluteRange::revolution; })),
-      "an absolute encoder on the joint side"};
+  return {example_of([](const EncoderKind& k) { return k.absolute_within == AbsoluteRange::revolution; }),
+          "an absolute encoder on the joint side"};
 }
 
 /// Whether all joints of the chain have the range [0, 0], which exporters write for limits that nobody
@@ -120,12 +140,77 @@ std::string robot_section(const RobotModel& robot, const Chain& chain, const std
                                    "  # ", LongWords::cut));
 }
 
-std::string encoder_section(const RobotModel& robot, const Chain& chain) {
-  std::string text = "encoders:\n";
+/// Couplings whose joints are both in the chain.
+std::vector<StatedCoupling> couplings_in(const RobotModel& robot, const Chain& chain) {
+  const std::vector<std::string> names = joint_names(chain);
+  std::vector<StatedCoupling> found = robot.couplings;
+  std::erase_if(found, [&](const StatedCoupling& c) {
+    return std::any_of(c.joints.begin(), c.joints.end(), [&](const std::string& joint) {
+      return std::find(names.begin(), names.end(), joint) == names.end();
+    });
+  });
+  return found;
+}
+
+std::string encoder_line(const std::string& key, const AssumedEncoder& encoder) {
+  return "  " + key + ": " + flow(encoder.entry) + "  # " + assumed + ": " + encoder.assumption + '\n';
+}
+
+/// The fewest entries: '*' for the most common encoder, if several joints have it or all, and the others'.
+std::string encoder_section(const RobotModel& robot, const Chain& chain,
+                            const std::vector<StatedCoupling>& couplings) {
+  std::vector<AssumedEncoder> encoders;
+  std::map<std::string, std::size_t> uses;
   for (const IndependentJoint& joint : chain.independent) {
-    const AssumedEncoder encoder = assumed_encoder(robot, joint);
-    text += "  " + yaml_text(joint.name) + ": " + encoder.entry + "  # " + assumed + ": " +
-            encoder.assumption + '\n';
+    encoders.push_back(assumed_encoder(robot, couplings, joint));
+    ++uses[encoder_line("", encoders.back())];
+  }
+  const auto uses_of = [&](const AssumedEncoder& e) { return uses.at(encoder_line("", e)); };
+  const AssumedEncoder common = *std::max_element(
+      encoders.begin(), encoders.end(),
+      [&](const AssumedEncoder& a, const AssumedEncoder& b) { return uses_of(a) < uses_of(b); });
+  const bool shared = uses_of(common) > 1 || encoders.size() == 1;
+  std::string text = "encoders:\n", others;
+  for (std::size_t i = 0; i < encoders.size(); ++i) {
+    AssumedEncoder own = encoders[i];
+    if (shared && encoder_line("", own) == encoder_line("", common)) continue;
+    // An entry inherits nothing from '*', whose gear it must not seem to have.
+    if (shared && common.entry.find("gear_ratio") && !chain.independent[i].prismatic() &&
+        !own.entry.find("gear_ratio"))
+      set(own.entry, "gear_ratio", "1");
+    others += encoder_line(yaml_text(chain.independent[i].name), own);
+  }
+  if (shared)
+    text += wrapped("joints " + list_of_names(joint_names(chain)) +
+                        "; an entry under a joint's name describes that joint alone",
+                    comment_width, "  # ", "  # ", LongWords::cut) +
+            encoder_line("'*'", common);
+  return text + others;
+}
+
+/// Joint angles = coupling * (motor angles / gear_ratio).
+std::string coupling_section(const Chain& chain, const std::vector<StatedCoupling>& couplings) {
+  if (couplings.empty()) return "";
+  const std::vector<std::string> names = joint_names(chain);
+  const auto n = static_cast<Eigen::Index>(names.size());
+  Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(n, n);
+  std::string text =
+      "coupling:  # joints = coupling * (encoders / gear_ratio), rows and columns in chain order\n";
+  for (const StatedCoupling& c : couplings) {
+    const auto at = [&](std::size_t i) {
+      return std::find(names.begin(), names.end(), c.joints[i]) - names.begin();
+    };
+    for (std::size_t i = 0; i < 2; ++i)
+      for (std::size_t k = 0; k < 2; ++k)
+        matrix(at(i), at(k)) = c.coupling(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(k));
+    text += wrapped("the URDF's " + escaped(c.type, 60) + ' ' + escaped(c.transmission, 60) +
+                        ": its motors move " + list_of_names({c.joints[0], c.joints[1]}),
+                    comment_width, "  # ", "  # ", LongWords::cut);
+  }
+  for (Eigen::Index i = 0; i < n; ++i) {
+    text += "  - [";
+    for (Eigen::Index k = 0; k < n; ++k) text += (k ? ", " : "") + shortest(matrix(i, k));
+    text += "]\n";
   }
   return text;
 }
@@ -173,11 +258,13 @@ Chain first_chain(const RobotModel& robot, const std::string& base, const std::s
 }
 
 std::string first_spec(const RobotModel& robot, const Chain& chain, const std::string& urdf) {
+  const std::vector<StatedCoupling> couplings = couplings_in(robot, chain);
   return "# First spec of robot '" + escaped(robot.name) +
          "', from its URDF. It can be analyzed as it is.\n"
          "# What is marked ASSUMED is not in the URDF: replace it by the figures of the data sheets\n"
          "# (`qerr list encoders` shows every way to state an encoder), then `qerr analyze` this file.\n" +
-         robot_section(robot, chain, urdf) + encoder_section(robot, chain) +
+         robot_section(robot, chain, urdf) + encoder_section(robot, chain, couplings) +
+         coupling_section(chain, couplings) +
          (moves_position(chain)
               ? "coordinates: [x, y, z]  # of the tip, in the base frame; also rx ry rz\n"
               : "coordinates: [rx, ry, rz]  # the joints turn the tip but do not move it\n") +

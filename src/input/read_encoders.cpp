@@ -113,6 +113,15 @@ std::pair<Encoder, EncoderFigures> read_encoder(const Field& f, const Independen
   return {encoder, figures};
 }
 
+/// Whether a joint's own entry repeats the travel of a pattern, of which it may be a copy with a change.
+bool repeats_travel(const JointEntry& entry) {
+  const Node* own = entry.own.node ? entry.own.node->find("travel_per_rev") : nullptr;
+  return own && std::any_of(entry.patterns.begin(), entry.patterns.end(), [&](const Field& pattern) {
+           const Node* travel = pattern.node->find("travel_per_rev");
+           return travel && travel->text == own->text;
+         });
+}
+
 /// Whether one of the joints of this entry is prismatic: its travel_per_rev is then that joint's.
 bool holds_for_prismatic(const std::vector<JointEntry>& entries, const Chain& chain, const Field& entry) {
   for (std::size_t i = 0; i < entries.size(); ++i)
@@ -167,8 +176,8 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
     }
     const Field& entry = entries[i].holding();
     of_entries.guard(joint, entry, [&] {
-      std::tie(transmission.encoders[i], spec.encoder_figures[i]) =
-          read_encoder(entry, joint, holds_for_prismatic(entries, chain, entry));
+      std::tie(transmission.encoders[i], spec.encoder_figures[i]) = read_encoder(
+          entry, joint, holds_for_prismatic(entries, chain, entry) || repeats_travel(entries[i]));
       compare_with_patterns(entries[i], spec.warnings);
       warn_of_gear(entry, spec.warnings);
       if (!joint.prismatic())
@@ -180,6 +189,30 @@ void read_encoders(const Field& f, const RobotModel& robot, Spec& spec, Faults& 
   faults.guard([&] { of_entries.raise(); });
   if (complete) faults.guard([&] { refuse_missing(f, chain, missing); });
 }
+
+namespace {
+
+/// Joints that the coupling moves by several encoders, though their own one is stated as if at the joint.
+void warn_of_joint_side(const Field& f, Spec& spec) {
+  const Transmission& t = spec.model.transmission;
+  const auto n = static_cast<Eigen::Index>(t.encoders.size());
+  std::vector<std::string> names;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const EncoderFigures& figures = spec.encoder_figures[static_cast<std::size_t>(i)];
+    const EncoderKind& kind = encoder_kind(figures.kind);
+    const bool at_joint = kind.resolution_at_joint || (kind.absolute_within == AbsoluteRange::revolution &&
+                                                       std::abs(figures.gear_ratio) == 1);
+    if (at_joint && t.coupling.row(i) != Eigen::MatrixXd::Identity(n, n).row(i))
+      names.push_back(spec.model.chain.independent[static_cast<std::size_t>(i)].name);
+  }
+  if (!names.empty())
+    spec.warnings.push_back(f.path + " multiplies the encoders of " + list_of_names(names) +
+                            ", too, which are stated as if they were at the joint (no gear_ratio): where an "
+                            "encoder is at the joint, "
+                            "give the joint a row of the identity; where it is at a motor, this is right");
+}
+
+}  // namespace
 
 void read_coupling(const Field& f, Spec& spec) {
   const auto n = spec.model.chain.independent.size();
@@ -199,6 +232,7 @@ void read_coupling(const Field& f, Spec& spec) {
     throw Error({f.node->place, f.path, "the coupling is singular: a joint motion moves no encoder",
                  "rank " + std::to_string(rank(coupling)) + " of " + std::to_string(n), "check its rows"});
   spec.model.transmission.coupling = coupling;
+  if (spec.encoder_figures.size() == n) warn_of_joint_side(f, spec);
 }
 
 }  // namespace qerr

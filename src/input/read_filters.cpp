@@ -5,6 +5,7 @@
 #include "core/suggest.hpp"
 #include "input/read_sections.hpp"
 #include "input/spec_format.hpp"
+#include "qerr/core/unit.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
 
@@ -89,6 +90,21 @@ std::string keys_of_representations() {
   return text;
 }
 
+/// The unit of a control law's gain.
+std::optional<Dimension> gain_unit(const Object& o, bool by_coefficients) {
+  if (!o.has("unit")) return std::nullopt;
+  const Field f = o.at("unit");
+  if (!by_coefficients)
+    throw Error(
+        f.fault("a filter that is not given by coefficients has the unit of its derivative", "remove unit"));
+  std::string why;
+  const auto unit = parse_unit(*o.text("unit"), why);
+  if (!unit || unit->factor != unit->divisor)
+    throw Error(f.fault(unit ? "must be an SI unit" : "must be a unit: " + why,
+                        "write unit: N m/rad, and the coefficients in it"));
+  return unit->dimension;
+}
+
 /// @param designed  set if a family has made the filter
 Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
   FilterDesign d;
@@ -105,7 +121,13 @@ Filter design(const Object& o, std::shared_ptr<const FamilyDesign>& designed) {
                              "keep one"));
     chosen = &r;
   }
-  if (chosen) return represented(o, *chosen, d);
+  const std::optional<Dimension> unit = gain_unit(o, chosen != nullptr);
+  if (chosen) {
+    Filter filter = represented(o, *chosen, d);
+    filter.unit = unit;
+    if (!unit && o.has("derivative")) filter.unit = Dimension{.second = -d.derivative};
+    return filter;
+  }
   if (!o.has("lowpass")) {
     if (!o.has("derivative"))
       throw Error({o.self().node->place, o.self().path, "the filter has no effect", described(*o.self().node),

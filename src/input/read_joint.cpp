@@ -40,15 +40,15 @@ RobotModel read_joint(const Field& f, const std::string& file) {
   constexpr double longest = 100;
   if (prismatic && !joint.limits) joint.limits = Limits{-longest, longest};
   RobotModel model{joint.name, file, {"base", "tip"}, {joint}, {}, std::vector<Inertia>(2)};
-  const auto radius = o.number("radius");
-  if (!radius) return model;
+  const double radius = o.number("radius").value_or(0);
+  if (radius == 0) return model;
   if (prismatic) throw Error(o.at("radius").fault("only a revolute joint has a radius", "leave it out"));
   model.joints.front().child = "hub";
   Joint arm;
   arm.name = joint.name + " arm";
   arm.parent = "hub";
   arm.child = "tip";
-  arm.origin.translation().x() = *radius;
+  arm.origin.translation().x() = radius;
   arm.place = joint.place;
   model.links = {"base", "hub", "tip"};
   model.joints.push_back(arm);

@@ -40,9 +40,13 @@ std::size_t read_coordinate(const Field& f, const std::string& word, Spec& spec)
   Words<Coordinate> known;
   for (const Coordinate c : spec.model.coordinates) known.emplace_back(info(c).name, c);
   for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name, c);
-  if (find_coordinate(word) && !find(known, word))
+  if (find_coordinate(word) && !find(known, word)) {
+    std::string listed;
+    for (const Coordinate c : spec.model.coordinates)
+      listed += (listed.empty() ? "" : ", ") + std::string(info(c).name);
     throw Error(f.fault("'" + word + "' is not among the spec's coordinates",
-                        "add it to 'coordinates', which are x, y, z by default"));
+                        "add it to 'coordinates', which are " + listed + " here"));
+  }
   const Coordinate wanted = pick(f, word, "coordinate", known);
   if (is_length(wanted)) add_length(wanted, spec.model);
   const std::vector<Coordinate> all = coordinates_and_lengths(spec.model);
@@ -101,9 +105,8 @@ Dimension dimension_of(const Requirement& r, const Spec& spec) {
   if (r.counter >= 0) return dimension::frequency;
   if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
   const bool length = info(coordinates_and_lengths(spec.model)[r.coordinate]).unit == "m";
-  Dimension d = length ? dimension::length : dimension::angle;
-  if (r.filter >= 0) d.second = -spec.filters[static_cast<std::size_t>(r.filter)].filter.derivative;
-  return d;
+  const Dimension d = length ? dimension::length : dimension::angle;
+  return r.filter < 0 ? d : output_dimension(d, spec.filters[static_cast<std::size_t>(r.filter)].filter);
 }
 
 void read_statistic(const Object& o, Requirement& r) {

@@ -130,6 +130,9 @@ const std::vector<Parameter>& filter() {
        .least = 0,
        .open_below = true},
       {.name = "lowpass", .kind = Kind::object, .meaning = "low-pass after the backward differences"},
+      {.name = "unit",
+       .kind = Kind::text,
+       .meaning = "of the gain of a control law that coefficients give, output per input, such as N m/rad"},
   });
   return rows;
 }

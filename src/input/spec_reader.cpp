@@ -86,8 +86,8 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
        [](SpecReader& r, const Object& top) {
          section(top, "encoders", r.faults_,
                  [&](const Field& f) { read_encoders(f, *r.robot_, r.spec_, r.faults_); });
-         if (!r.faults_.any()) warn_of_stated_ratios(*r.robot_, r.spec_);
          section(top, "coupling", r.faults_, [&](const Field& f) { read_coupling(f, r.spec_); });
+         if (!r.faults_.any()) warn_of_stated_ratios(*r.robot_, r.spec_);
        }},
       {{"coordinates", "frame"},
        {"requirements"},  // which may add lengths
@@ -97,6 +97,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
          spec.model.frame = CoordinateFrame::base;
        },
        [](SpecReader& r, const Object& top) {
+         if (r.joint_coordinate_) r.spec_.model.coordinates = {*r.joint_coordinate_};
          section(top, "coordinates", r.faults_, [&](const Field& f) { read_coordinates(f, r.spec_); });
          r.faults_.guard([&] {
            if (top.choice("frame") == "tip") r.spec_.model.frame = CoordinateFrame::tip;
@@ -275,6 +276,9 @@ void SpecReader::read_chain(const Field& f) {
                           "write urdf: arm.urdf, or joint: {name: table, type: revolute}"));
     if (o.has("joint")) {
       robot_ = std::make_shared<const RobotModel>(read_joint(o.at("joint"), spec_.file));
+      // Without a radius nothing else of the tip moves.
+      if (const Joint& joint = robot_->joints.front(); robot_->joints.size() == 1)
+        joint_coordinate_ = joint.type == JointType::prismatic ? Coordinate::x : Coordinate::rz;
     } else {
       const Field urdf = o.at("urdf");
       const std::string path = find_urdf(urdf, *o.text("urdf"));

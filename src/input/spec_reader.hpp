@@ -51,6 +51,7 @@ class SpecReader {
 
   std::string folder_;
   std::shared_ptr<const RobotModel> robot_;
+  std::optional<Coordinate> joint_coordinate_;      ///< of a robot of one joint without radius, by default
   Spec spec_;                                       // without warnings
   std::vector<std::vector<std::string>> warnings_;  // of the robot, and of each stage
   Faults faults_;

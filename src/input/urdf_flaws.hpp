@@ -17,7 +17,10 @@ class FlawList {
   /// Further flaws concern this child of `<robot>`: a joint, a link, or the document for any other element.
   void concern(const UrdfElement& element);
   /// Further flaws concern the joint of this name.
-  void concern_joint(const std::string& name) { part_ = Flaw{.fault = {}, .joints = {name}}; }
+  void concern_joint(const std::string& name) { concern_joints({name}); }
+  void concern_joints(std::vector<std::string> names) {
+    part_ = Flaw{.fault = {}, .joints = std::move(names)};
+  }
   void concern_document() { part_ = {}; }
 
   /// A flaw after which the part cannot be used.

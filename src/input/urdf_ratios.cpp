@@ -1,5 +1,6 @@
+#include <algorithm>
 #include <cmath>
-#include <map>
+#include <numbers>
 
 #include "core/text.hpp"
 #include "input/urdf_reader.hpp"
@@ -30,60 +31,210 @@ std::string trimmed(const std::string& text) {
   return begin == std::string::npos ? "" : text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }
 
-struct StatedRatio {
-  std::string joint;
-  const UrdfElement* ratio = nullptr;
-};
-
-/// The ratio of a transmission of one joint; one of several joints is a differential, which no single ratio
-/// describes.
-void add_transmission(const UrdfElement& transmission, std::vector<StatedRatio>& stated) {
-  const UrdfElement *joint = nullptr, *ratio = ratio_in(transmission);
-  for (const UrdfElement& child : transmission.children) {
-    if (child.name == "joint" && joint) return;
-    if (child.name == "joint") joint = &child;
-    const UrdfElement* inner = child.name == "joint" || child.name == "actuator" ? ratio_in(child) : nullptr;
-    // Templates write 1 where they have no figure.
-    if (inner && (!ratio || trimmed(ratio->text) == "1")) ratio = inner;
-  }
-  const UrdfAttribute* name = joint ? joint->attribute("name") : nullptr;
-  if (name && ratio) stated.push_back({name->value, ratio});
+/// The number of a reduction; empty if it is none, or 0.
+std::optional<double> number_of(const UrdfElement& ratio) {
+  const auto value = parse_number(trimmed(ratio.text));
+  return value && *value != 0 ? value : std::nullopt;
 }
 
-std::vector<StatedRatio> all_stated(const UrdfElement& root) {
-  std::vector<StatedRatio> stated;
-  for (const UrdfElement& child : root.children) {
-    if (child.name == "transmission") add_transmission(child, stated);
-    if (child.name != "ros2_control") continue;
-    for (const UrdfElement& inner : child.children) {
-      if (inner.name == "transmission") add_transmission(inner, stated);
-      const UrdfAttribute* name = inner.attribute("name");
-      if (inner.name == "joint" && name && ratio_in(inner)) stated.push_back({name->value, ratio_in(inner)});
-    }
-  }
-  return stated;
+/// Templates write 1 where they have no figure.
+bool is_placeholder(double ratio) { return std::abs(ratio) == 1; }
+
+/// An attribute, or the text of a child: ROS and ros2_control differ.
+std::string word_of(const UrdfElement& element, const char* key) {
+  if (const UrdfAttribute* attribute = element.attribute(key)) return attribute->value;
+  const UrdfElement* child = element.child(key);
+  return child ? trimmed(child->text) : "";
+}
+
+/// `DifferentialTransmission` of `transmission_interface/DifferentialTransmission`.
+std::string type_of(const UrdfElement& transmission) {
+  std::string type = word_of(transmission, "type");
+  if (type.empty()) type = word_of(transmission, "plugin");
+  return type.substr(type.find_last_of("/:") + 1);
+}
+
+std::vector<const UrdfElement*> children_of(const UrdfElement& element, const char* tag) {
+  std::vector<const UrdfElement*> found;
+  for (const UrdfElement& child : element.children)
+    if (child.name == tag) found.push_back(&child);
+  const auto has_role = [&](std::size_t i, char number) {
+    return word_of(*found[i], "role") == std::string(tag) + number;
+  };
+  // Roles, joint1 and joint2, beat the order in the file.
+  if (found.size() == 2 && has_role(0, '2') && has_role(1, '1')) std::swap(found[0], found[1]);
+  return found;
+}
+
+/// Joint motion = matrix * (motor angle / ratio of the motor), of ros_control's transmissions of two joints
+/// with the reductions j1, j2 (transmission_interface, differential_transmission.h and
+/// four_bar_linkage_transmission.h).
+std::optional<Eigen::Matrix2d> coupling_of(const std::string& type, double j1, double j2) {
+  Eigen::Matrix2d c;
+  if (type == "DifferentialTransmission")
+    c << 1 / (2 * j1), 1 / (2 * j1), 1 / (2 * j2), -1 / (2 * j2);
+  else if (type == "FourBarLinkageTransmission")
+    c << 1 / j1, 0, -1 / (j1 * j2), 1 / j2;
+  else
+    return std::nullopt;
+  return c;
 }
 
 }  // namespace
 
+std::string coupling_text(const std::array<double, 2>& ratios, const Eigen::Matrix2d& c) {
+  const auto row = [&](Eigen::Index i) {
+    return '[' + significant(c(i, 0), 5) + ", " + significant(c(i, 1), 5) + ']';
+  };
+  return "gear_ratio " + shortest(ratios[0]) + " and " + shortest(ratios[1]) + ", coupling [" + row(0) +
+         ", " + row(1) + ']';
+}
+
+std::optional<double> stated_travel(const Joint& joint) {
+  if (joint.type != JointType::prismatic || !joint.stated_ratio) return std::nullopt;
+  constexpr double usual_range = 0.5;  // [m], that of a first spec where the URDF has none
+  const double travel = 2 * std::numbers::pi / std::abs(*joint.stated_ratio);
+  const double range = joint.limits ? joint.limits->upper - joint.limits->lower : 0;
+  return travel <= (range > 0 ? range : usual_range) ? std::optional(travel) : std::nullopt;
+}
+
 void UrdfReader::read_ratios(const UrdfElement& root) {
-  for (const StatedRatio& s : all_stated(root)) {
-    const auto found = joint_index_.find(s.joint);
-    if (found == joint_index_.end()) continue;
-    flaws_.concern_joint(s.joint);
-    Joint& joint = written[found->second].joint;
-    const std::string text = trimmed(s.ratio->text), key = "joint " + quoted(s.joint);
-    const auto value = parse_number(text);
-    if (!value || *value == 0)
-      flaws_.warn(*s.ratio, key, "the mechanical reduction must be a number other than 0", quoted(text),
-                  "it is ignored");
-    else if (joint.stated_ratio && *joint.stated_ratio != *value)
-      flaws_.warn(*s.ratio, key, "the joint has two mechanical reductions",
-                  shortest(*joint.stated_ratio) + " and " + shortest(*value), "the first one is used");
-    else
-      joint.stated_ratio = value;
+  Reductions stated;
+  for (const UrdfElement& child : root.children) {
+    if (child.name == "transmission") read_transmission(child, false, stated);
+    if (child.name != "ros2_control") continue;
+    for (const UrdfElement& inner : child.children) {
+      if (inner.name == "transmission") read_transmission(inner, true, stated);
+      const UrdfAttribute* name = inner.attribute("name");
+      if (inner.name == "joint" && name && ratio_in(inner)) stated[name->value].push_back(ratio_in(inner));
+    }
   }
+  for (WrittenJoint& w : written)
+    if (const auto found = stated.find(w.joint.name); found != stated.end())
+      settle_ratio(w.joint, found->second);
   flaws_.concern_document();
+}
+
+void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reductions& stated) {
+  const auto joints = children_of(element, "joint"), actuators = children_of(element, "actuator");
+  const std::string type = type_of(element);
+  std::vector<std::string> moved;
+  for (const UrdfElement& child : element.children) {
+    const std::string name = word_of(child, "name");
+    const auto at = joint_index_.find(name);
+    if (at != joint_index_.end() && written[at->second].joint.type != JointType::fixed &&
+        std::find(moved.begin(), moved.end(), name) == moved.end())
+      moved.push_back(name);
+  }
+  if (moved.empty()) return;  // left over from another robot
+  flaws_.concern_joints(moved);
+  if (joints.size() == 1 && actuators.size() <= 1) {
+    // ROS takes the reduction of the actuator, ros2_control that of the joint.
+    std::vector<const UrdfElement*> owners{&element, joints[0]};
+    if (!actuators.empty()) owners.insert(owners.begin(), actuators[0]);
+    if (ros2) std::reverse(owners.begin(), owners.end());
+    const std::string name = word_of(*joints[0], "name");
+    if (const UrdfElement* ratio = only_reduction(owners, name)) stated[name].push_back(ratio);
+    return;
+  }
+  const std::string obstacle = read_coupling(type, element);
+  if (obstacle.empty()) return;
+  std::string names;
+  for (const std::string& name : moved) names += (names.empty() ? "" : ", ") + quoted(name);
+  flaws_.warn(
+      element, element.title(),
+      (type.empty() ? "a transmission" : "this " + type) + " of " + names + " is not read: " + obstacle, "",
+      "state gear_ratio (and coupling) of these joints in the spec");
+}
+
+/// The reduction of the first owner that has a figure. Several figures are told.
+const UrdfElement* UrdfReader::only_reduction(const std::vector<const UrdfElement*>& owners,
+                                              const std::string& joint) {
+  const UrdfElement *chosen = nullptr, *owner = nullptr;
+  for (const UrdfElement* candidate : owners) {
+    const UrdfElement* ratio = ratio_in(*candidate);
+    if (!ratio) continue;
+    const double value = number_of(*ratio).value_or(0);
+    const double before = chosen ? number_of(*chosen).value_or(0) : 1;
+    if (!chosen || is_placeholder(before)) {
+      chosen = ratio;
+      owner = candidate;
+    } else if (!is_placeholder(value) && value != before) {
+      flaws_.warn(*ratio, "joint " + quoted(joint), "the transmission states two mechanical reductions",
+                  quoted(trimmed(chosen->text)) + " and " + quoted(trimmed(ratio->text)),
+                  "that of the <" + owner->name + "> is used, as ROS uses it");
+    }
+  }
+  return chosen;
+}
+
+/// Why the transmission cannot be read as two coupled joints; "" if it was.
+std::string UrdfReader::read_coupling(const std::string& type, const UrdfElement& transmission) {
+  const auto joints = children_of(transmission, "joint"), actuators = children_of(transmission, "actuator");
+  if (!coupling_of(type, 1, 1)) return "its equations are not known";
+  if (joints.size() != 2 || actuators.size() != 2) return "it does not have two joints and two actuators";
+  StatedCoupling stated{word_of(transmission, "name"), type, {}, {}, {}};
+  std::array<double, 2> reductions{1, 1};
+  for (std::size_t i = 0; i < 2; ++i) {
+    stated.joints[i] = word_of(*joints[i], "name");
+    const UrdfElement *of_joint = ratio_in(*joints[i]), *of_motor = ratio_in(*actuators[i]);
+    const auto joint = of_joint ? number_of(*of_joint) : 1, motor = of_motor ? number_of(*of_motor) : 1;
+    if (!joint || !motor) return "a mechanical reduction must be a number other than 0";
+    reductions[i] = *joint;
+    stated.ratios[i] = *motor;
+  }
+  stated.coupling = *coupling_of(type, reductions[0], reductions[1]);
+  std::string obstacle = obstacle_to_coupling(stated);
+  if (obstacle.empty()) model.couplings.push_back(std::move(stated));
+  return obstacle;
+}
+
+std::string UrdfReader::obstacle_to_coupling(const StatedCoupling& stated) const {
+  if (!stated.coupling.allFinite()) return "its reductions are out of range";
+  if (stated.joints[0] == stated.joints[1]) return "its joints are one";
+  for (const std::string& name : stated.joints) {
+    const auto found = joint_index_.find(name);
+    if (found == joint_index_.end()) return "the robot has no joint " + quoted(name);
+    const Joint& joint = written[found->second].joint;
+    if (joint.mimic || !has_one_coordinate(joint.type))
+      return quoted(name) + " is a " + (joint.mimic ? "mimic" : std::string(joint_type_name(joint.type))) +
+             " joint";
+    for (const StatedCoupling& other : model.couplings)
+      if (std::find(other.joints.begin(), other.joints.end(), name) != other.joints.end())
+        return quoted(name) + " is in " + quoted(other.transmission) + ", too";
+  }
+  return "";
+}
+
+/// The ratio on which all that the URDF states agree.
+void UrdfReader::settle_ratio(Joint& joint, const std::vector<const UrdfElement*>& stated) {
+  flaws_.concern_joint(joint.name);
+  const std::string key = "joint " + quoted(joint.name);
+  std::optional<double> placeholder, ratio;
+  for (const UrdfElement* element : stated) {
+    const auto value = number_of(*element);
+    if (!value) {
+      flaws_.warn(*element, key, "the mechanical reduction must be a number other than 0",
+                  quoted(trimmed(element->text)), "it is ignored");
+    } else if (is_placeholder(*value)) {
+      placeholder = value;
+    } else if (ratio.value_or(*value) != *value) {
+      flaws_.warn(*element, key, "the joint has two mechanical reductions",
+                  shortest(std::min(*ratio, *value)) + " and " + shortest(std::max(*ratio, *value)),
+                  "none is used: state gear_ratio in the spec");
+      return;
+    } else {
+      ratio = value;
+    }
+  }
+  joint.stated_ratio = ratio ? ratio : placeholder;
+  if (ratio && joint.type == JointType::prismatic && !stated_travel(joint))
+    flaws_.warn(*stated.front(), key,
+                "the mechanical reduction of a prismatic joint is in motor radians per metre, and this one "
+                "exceeds the joint's range in one motor revolution",
+                shortest(*ratio) + ", which is " + significant(2 * std::numbers::pi / std::abs(*ratio), 3) +
+                    " m a revolution",
+                "taken for the ratio of a gear before screw or pulley: state travel_per_rev in the spec");
 }
 
 }  // namespace qerr

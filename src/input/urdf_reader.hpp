@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -28,6 +29,13 @@ struct WrittenJoint {
   const UrdfElement* element = nullptr;
   bool in_tree = true;  ///< false: a flaw excludes it
 };
+
+/// `gear_ratio 50 and -50, coupling [[0.5, 0.5], [0.25, -0.25]]`.
+std::string coupling_text(const std::array<double, 2>& ratios, const Eigen::Matrix2d& coupling);
+
+/// Travel of a prismatic joint per motor revolution, 2 pi / |ratio| [m]; empty for other joints, without a
+/// ratio, and where it exceeds the joint's range: the ratio is then that of a gear, without the screw's lead.
+std::optional<double> stated_travel(const Joint&);
 
 /// Converts the outline into a model and checks every number and every rule of the kinematic tree.
 class UrdfReader {
@@ -57,7 +65,13 @@ class UrdfReader {
   std::optional<double> read_bound(const UrdfElement& limit, const char* name, const Joint& joint);
   std::optional<double> read_strength(const UrdfElement& limit, const char* name, const Joint& joint);
   void read_mimic(const UrdfElement& element, Joint& joint);
+  using Reductions = std::map<std::string, std::vector<const UrdfElement*>>;  ///< by joint
   void read_ratios(const UrdfElement& root);
+  void read_transmission(const UrdfElement& element, bool ros2, Reductions& stated);
+  const UrdfElement* only_reduction(const std::vector<const UrdfElement*>& owners, const std::string& joint);
+  std::string read_coupling(const std::string& type, const UrdfElement& transmission);
+  std::string obstacle_to_coupling(const StatedCoupling&) const;
+  void settle_ratio(Joint& joint, const std::vector<const UrdfElement*>& stated);
   std::string name_of(const UrdfElement& element);
   std::string text_of(const UrdfElement* element, const char* tag, const char* attribute,
                       const UrdfElement& owner);

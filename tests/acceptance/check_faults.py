@@ -166,14 +166,16 @@ def check_signals(t, bench, command, outputs, whole, number, delay):
 
 
 def check_full_disk(t, bench):
-    """A file system of 64 KB, where a process may mount one."""
-    script = (f"mount -t tmpfs -o size=64k none {bench.folder}/small && cd {bench.folder} && {bench.qerr} analyze s.yaml -q "
+    """A file system of 64 KB, where a process may mount one: containers mostly forbid it. Only `unshare` and `mount` can make
+    the script fail."""
+    script = (f"mount -t tmpfs -o size=64k none {bench.folder}/small || exit 1; cd {bench.folder}; {bench.qerr} analyze s.yaml -q "
               "--per-configuration small/p.csv -o small/o.json; echo $? $(ls -A small)")
     (bench.folder / "small").mkdir()
     ran = subprocess.run(["unshare", "-rm", "sh", "-c", script], capture_output=True, text=True, timeout=60) \
         if shutil.which("unshare") else None
     (bench.folder / "small").rmdir()
-    if ran is None or "mount" in ran.stderr:
+    if ran is None or ran.returncode != 0:
+        print("skip  a full disk: this machine forbids mounting one" + (f" ({ran.stderr.strip()})" if ran else ": no unshare"))
         return
     t.check("a full disk: 4, nothing left", ran.stdout.split() == ["4"], ran.stdout + ran.stderr)
 

@@ -27,7 +27,11 @@ def two_commands(t, qerr, folder, urdf):
                    (made.err + ran.err).decode(errors="replace")[:400]):
         return
     report, text = json.loads(ran.out), spec.read_text()
-    t.check(f"{urdf.name}: an assumption a joint", text.count("ASSUMED: ") >= len(report["joints"]), text)
+    entries = text[text.index("encoders:\n"):text.index("coordinates:")]
+    t.check(f"{urdf.name}: an assumption for each encoder, one entry where all are alike", "ASSUMED: " in entries and
+            entries.count("ASSUMED: ") <= (len(report["joints"]) if len({j["resolution"] for j in report["joints"]}) > 1 else 1), text)
+    coarser = run(qerr, "analyze", spec, "--format", "json", "--set", "configurations.count=100", "--set", "encoders.*.rounding=down")
+    t.check(f"{urdf.name}: --set of '*' is accepted", coarser.code == 0 or "'*'" not in entries, coarser.err.decode()[:300])
     t.check(f"{urdf.name}: the tip moves", any(p["sigma"]["max"] > 0 for p in report["position"]), "")
     seen = json.loads(run(qerr, "robot", urdf, "--format", "json").out)
     t.check(f"{urdf.name}: JSON names the same chain", seen["first_spec"] == {k: report["robot"][k] for k in ("base", "tip")},

@@ -167,6 +167,15 @@ def check_comparison(t, qerr, folder):
     bare = ["--set", "requirements=[]"]
     expect(t, "check without requirements: 3", run(qerr, "check", own, "-q", *bare), 3)
     expect(t, "check without requirements, with a baseline: 0", run(qerr, "check", own, "-q", *bare, "--baseline", old), 0, quiet_stdout=False)
+    twin, both = folder / "twin.yaml", folder / "both.json"
+    twin.write_text(own.read_text())
+    expect(t, "check of two specs into a baseline: 0", run(qerr, "check", own, twin, "-q", "--format", "json", "-o", both), 0)
+    ran = run(qerr, "check", own, twin, "--baseline", both)
+    said = ran.err.decode().splitlines()
+    t.check("each of two specs is compared with its own baseline", ran.code == 0 and ran.out.count(b"Baseline: none of") == 2, ran.out.decode()[-500:])
+    t.check("a warning of two specs stands once, with both names", said and len(said) == len(set(said)) and
+            all(f"{own}, {twin}: " in line for line in said if line.startswith("warning")), ran.err.decode()[:500])
+    expect(t, "a baseline without a report of the spec: 3", run(qerr, "check", own, twin, "--baseline", old), 3)
     for text in ("", "{}", '{"qerr": "0", "command": "simulate"}', "[" * 100000, "quantity,statistic\n", '{"qerr": "0", "command": "check"}'):
         wrong = folder / "wrong.json"
         wrong.write_text(text)

@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <numbers>
 
 #include "core/random.hpp"
@@ -106,6 +107,85 @@ TEST(EstimatorCrossing, IsWhereTheLeastBoundsCrossOver) {
     for (const double at : {0.01, 0.3, 0.9, 0.9999})
       EXPECT_LE(inverse_time_error(delta, clock, at * v).varying, unit * (1 + 1e-12)) << clock;
     EXPECT_GT(inverse_time_error(delta, clock, 1.0001 * v).varying, unit) << clock;
+  }
+}
+
+/// The effect of a spec on the joint `j`.
+Effect effect_of(const std::string& type, std::map<std::string, double> numbers) {
+  return {type, "j", std::move(numbers), {}};
+}
+
+Encoder encoder_of(double counts_per_period) {
+  Encoder e;
+  e.resolution = delta;
+  e.counts_per_period = counts_per_period;
+  return e;
+}
+
+TEST(EdgeErrors, AreThoseOfTheEffects) {
+  EXPECT_TRUE(edge_errors(encoder_of(4), {}, "j").ideal());
+  EXPECT_TRUE(edge_errors(encoder_of(4), {effect_of("state_width", {{"phase", 0.3}})}, "other").ideal());
+  // A phase p displaces every second edge by 4 p/(2 pi) counts.
+  const double s = 4 * 0.3 / (2 * std::numbers::pi);
+  const EdgeErrors states = edge_errors(encoder_of(4), {effect_of("state_width", {{"phase", 0.3}})}, "j");
+  EXPECT_NEAR(states.shortest, 1 - s, 1e-9);
+  EXPECT_NEAR(states.longest, 1 + s, 1e-9);
+  EXPECT_NEAR(states.spread, s, 1e-9);
+  // An offset o of the sine displaces by o cos(angle) of 1/(2 pi) periods, to first order.
+  const EdgeErrors offset =
+      edge_errors(encoder_of(256), {effect_of("subdivision_error", {{"offset_sin", 0.01}})}, "j");
+  EXPECT_NEAR(offset.longest - 1, 0.01, 5e-4);
+  EXPECT_NEAR(offset.spread, 2 * 0.01 * 256 / (2 * std::numbers::pi), 1e-2);
+  const EdgeErrors disc =
+      edge_errors(encoder_of(4), {effect_of("eccentricity", {{"amplitude", 2e-3}, {"order", 1}})}, "j");
+  EXPECT_NEAR(disc.slope, 2e-3, 1e-7);
+  EXPECT_NEAR(disc.longest, 1 / (1 - 2e-3), 1e-7);
+}
+
+TEST(EstimatorErrors, WithUnequalEdgesDominateThoseOfAnEventDrivenSimulation) {
+  const double s = 0.23;  // displacement of every second edge [counts]
+  EdgeErrors edges{1 - s, 1 + s, s, 0};
+  const auto edge = [&](double k) { return k + (std::fmod(std::abs(k), 2) == 1 ? s : 0); };
+  for (int i = 0; i < 40; ++i) {
+    const double v = 0.013 * std::pow(1.2, i);  // counts per tick of either clock
+    const EstimatorError fdm = finite_difference_error(delta, rate, v * unit, edges),
+                         itm = inverse_time_error(delta, rate, v * unit, edges);
+    double of_difference = 0, of_interval = 0;
+    for (int start = 0; start < 3000; ++start) {
+      const double begin = 2 * uniform(static_cast<std::uint64_t>(start), 3),
+                   clock = uniform(static_cast<std::uint64_t>(start), 4);
+      const auto count = [&](double x) {
+        double k = std::floor(x) + 2;
+        while (edge(k) > x) --k;
+        return k;
+      };
+      of_difference = std::max(of_difference, std::abs(count(begin + v) - count(begin) - v));
+      for (const double k : {2.0, 3.0}) {
+        const double from = edge(k) / v + clock, to = edge(k + 1) / v + clock,
+                     ticks = std::ceil(to) - std::ceil(from);
+        if (std::isfinite(itm.constant)) of_interval = std::max(of_interval, std::abs(1 / ticks - v));
+      }
+    }
+    EXPECT_LE(of_difference * unit, fdm.constant * (1 + 1e-9)) << v;
+    EXPECT_LE(of_interval * unit, itm.constant * (1 + 1e-9)) << v;
+    EXPECT_LE(fdm.constant, fdm.varying * (1 + 1e-9)) << v;
+    EXPECT_LE(itm.constant, itm.varying * (1 + 1e-9)) << v;
+    if (std::isfinite(itm.constant)) {
+      EXPECT_GE(of_interval * unit, 0.9 * itm.constant) << v;
+    }
+    EXPECT_GE(itm.varying, s * v * unit) << "the disc's own part, at every speed";
+  }
+}
+
+TEST(EstimatorCrossing, OfUnequalEdgesIsWhereTheBoundsCrossOver) {
+  const EdgeErrors edges{0.8, 1.2, 0.2, 1e-3};
+  for (const double clock : {1000., 6000., 1e6}) {
+    const double v = estimator_crossing(delta, rate, clock, edges);
+    EXPECT_LE(inverse_time_error(delta, clock, 0.999 * v, edges).varying,
+              finite_difference_error(delta, rate, 0.999 * v, edges).varying);
+    EXPECT_GT(inverse_time_error(delta, clock, 1.001 * v, edges).varying,
+              finite_difference_error(delta, rate, 1.001 * v, edges).varying);
+    EXPECT_LT(v, estimator_crossing(delta, rate, clock));
   }
 }
 

@@ -44,6 +44,7 @@ TEST(NumberText, NamesInfinityAndNan) {
   EXPECT_EQ(readable(std::numeric_limits<double>::infinity(), "m"), "unbounded");
   EXPECT_EQ(readable(std::numeric_limits<double>::quiet_NaN(), "m"), "not known");
   EXPECT_EQ(readable(999.96e-6, "m"), "1.00 mm");
+  EXPECT_EQ(readable(0.132, ""), "0.132") << "132 m would be metres";
 }
 
 }  // namespace

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <filesystem>
 #include <fstream>
 #include <numbers>
 
 #include "qerr/input/spec.hpp"
+#include "qerr/report/analysis.hpp"
 #include "support/urdf_text.hpp"
 
 namespace qerr {
@@ -54,9 +56,54 @@ TEST_F(FirstSpec, IsReadAsItIs) {
   EXPECT_TRUE(spec.warnings.empty());
 }
 
+TEST_F(FirstSpec, HasTheFewestEntriesThatSayIt) {
+  const auto ratio = [](const std::string& name, const std::string& value) {
+    return "<transmission name='t" + name + "'><joint name='" + name + "'/><mechanicalReduction>" + value +
+           "</mechanicalReduction></transmission>";
+  };
+  const std::string third = "<link name='d'/>" + joint("cd", "revolute", "c", "d");
+  const std::string urdf = two_joints(limit, limit, third + ratio("ab", "50") + ratio("bc", "50"));
+  const std::string text = text_of(urdf);
+  EXPECT_NE(text.find("  '*': {counts_per_rev: 4096, gear_ratio: 50}"), std::string::npos) << text;
+  EXPECT_NE(text.find("  cd: {bits: 17, gear_ratio: 1}"), std::string::npos) << text;
+  const Spec spec = spec_of(urdf);
+  EXPECT_TRUE(spec.warnings.empty()) << spec.warnings.front();
+  EXPECT_EQ(spec.model.transmission.encoders[1].shaft_ratio, 50);
+  EXPECT_EQ(spec.model.transmission.encoders[2].shaft_ratio, 1);
+  EXPECT_EQ(text_of(two_joints(limit, limit, ratio("ab", "50"))).find("'*'"), std::string::npos);
+}
+
+TEST_F(FirstSpec, HasTheCouplingOfADifferential) {
+  const std::string wrist =
+      "<ros2_control name='c' type='system'><transmission name='t'>"
+      "<plugin>transmission_interface/DifferentialTransmission</plugin>"
+      "<actuator name='m1' role='actuator1'><mechanical_reduction>50</mechanical_reduction></actuator>"
+      "<actuator name='m2' role='actuator2'><mechanical_reduction>-50</mechanical_reduction></actuator>"
+      "<joint name='bc' role='joint1'/><joint name='cd' role='joint2'>"
+      "<mechanical_reduction>2.0</mechanical_reduction></joint></transmission></ros2_control>";
+  const std::string third = "<link name='d'/>" + joint("cd", "revolute", "c", "d");
+  const Spec spec = spec_of(two_joints(limit, limit, third + wrist));
+  const Transmission& t = spec.model.transmission;
+  EXPECT_TRUE(spec.warnings.empty()) << spec.warnings.front();
+  EXPECT_EQ(t.encoders[1].shaft_ratio, 50);
+  EXPECT_EQ(t.encoders[2].shaft_ratio, -50);
+  Eigen::Matrix3d wanted;
+  wanted << 1, 0, 0, 0, 0.5, 0.5, 0, 0.25, -0.25;
+  EXPECT_EQ(t.coupling.dense(), wanted);
+}
+
+TEST_F(FirstSpec, TakesAnImplausibleRatioOfASlideForThatOfItsGear) {
+  const std::string screw =
+      "<transmission name='t'><joint name='bc'/><mechanicalReduction>3</mechanicalReduction>"
+      "</transmission>";
+  const std::string text = text_of(two_joints(limit, limit, screw, "prismatic"));
+  EXPECT_NE(text.find("bc: {counts_per_rev: 4096, gear_ratio: 3, travel_per_rev: 10 mm}"), std::string::npos)
+      << text;
+}
+
 TEST_F(FirstSpec, StatesAnAssumptionForEachEncoderAndEachMissingRange) {
   const std::string text = text_of(two_joints("", "", "", "continuous"));
-  for (const char* line : {"  ab: {bits: 17}  # ASSUMED", "  bc: {bits: 17}  # ASSUMED",
+  for (const char* line : {"  '*': {bits: 17}  # ASSUMED", "# joints 'ab', 'bc'",
                            "    ab: [-180 deg, 180 deg]  # ASSUMED: the URDF has no limits",
                            "    bc: [-180 deg, 180 deg]  # ASSUMED: a continuous joint has no limits"})
     EXPECT_NE(text.find(line), std::string::npos) << line << "\nin\n" << text;
@@ -157,6 +204,64 @@ TEST_F(SpecOfAUrdf, WarnsOfARatioThatTheUrdfContradicts) {
   EXPECT_EQ(warning("101", "resolution: 1 mrad"), "");                             // at the joint
 }
 
+TEST_F(SpecOfAUrdf, WarnsOfACouplingThatTheUrdfContradicts) {
+  const auto part = [](const std::string& tag, const std::string& name, const std::string& ratio) {
+    return "<" + tag + " name='" + name + "'><mechanicalReduction>" + ratio + "</mechanicalReduction></" +
+           tag + ">";
+  };
+  const std::string urdf =
+      two_joints(limit, limit,
+                 "<transmission name='t'><type>transmission_interface/DifferentialTransmission</type>" +
+                     part("joint", "ab", "1") + part("joint", "bc", "2") + part("actuator", "m", "50") +
+                     part("actuator", "n", "40") + "</transmission>");
+  const auto warning = [&](const std::string& more) {
+    const Spec spec = spec_with(urdf, more);
+    return spec.warnings.empty() ? "" : spec.warnings.front();
+  };
+  const std::string motors =
+      "encoders: {ab: {counts_per_rev: 4096, gear_ratio: 50}, bc: {counts_per_rev: 4096, gear_ratio: 40}}\n";
+  EXPECT_EQ(warning(motors + "coupling: [[0.5, 0.5], [0.25, -0.25]]\n"), "");
+  EXPECT_EQ(
+      warning("encoders: {ab: {counts_per_rev: 4096, gear_ratio: 40}, bc: {counts_per_rev: 4096, gear_ratio: "
+              "50}}\ncoupling: [[0.5, 0.5], [-0.25, 0.25]]\n"),
+      "")
+      << "the same motors in the other order";
+  const std::string found = warning(motors);
+  EXPECT_NE(found.find("gear_ratio 50 and 40, coupling [[0.5, 0.5], [0.25, -0.25]]"), std::string::npos)
+      << found;
+  EXPECT_NE(warning(motors + "coupling: [[0.5, 0.5], [0.25, 0.26]]\n"), "");
+  const Spec half = parse_spec("qerr: 1\nrobot: {urdf: robot.urdf, tip: b}\nencoders: {ab: {bits: 17}}\n",
+                               (folder_ / "spec.yaml").string());
+  ASSERT_EQ(half.warnings.size(), 1u);
+  EXPECT_NE(half.warnings[0].find("'bc', which is not between"), std::string::npos) << half.warnings[0];
+}
+
+TEST_F(SpecOfAUrdf, WarnsOfACouplingOfEncodersAtTheJoints) {
+  const auto warnings = [&](const std::string& entry) {
+    return spec_with(two_joints(limit, limit),
+                     "encoders: {'*': {" + entry + "}}\ncoupling: [[1, 0], [-1, 0.6]]\n")
+        .warnings;
+  };
+  for (const char* at_joint : {"bits: 14", "resolution: 1 mrad"}) {
+    const auto said = warnings(at_joint);
+    ASSERT_EQ(said.size(), 1u) << at_joint;
+    EXPECT_NE(said[0].find("coupling multiplies the encoders of 'bc', too"), std::string::npos) << said[0];
+  }
+  EXPECT_TRUE(warnings("counts_per_rev: 1200, gear_ratio: 100").empty());
+}
+
+TEST_F(SpecOfAUrdf, LetsACopyOfAPatternKeepTheTravelOfItsSlides) {
+  const std::string urdf = two_joints(limit, limit, "", "prismatic");
+  const std::string pattern = "encoders: {'*': {counts_per_rev: 4096, gear_ratio: 5, travel_per_rev: 10 mm}";
+  const Spec copy =
+      spec_with(urdf, pattern + ", ab: {counts_per_rev: 8192, gear_ratio: 5, travel_per_rev: 10 mm}}\n");
+  EXPECT_DOUBLE_EQ(copy.model.transmission.encoders[0].resolution, 2 * std::numbers::pi / (8192 * 5));
+  EXPECT_NE(
+      refusal_of(urdf, pattern + ", ab: {counts_per_rev: 8192, gear_ratio: 5, travel_per_rev: 20 mm}}\n")
+          .find("no travel per revolution"),
+      std::string::npos);
+}
+
 TEST_F(SpecOfAUrdf, WarnsOnceWhereEveryRangeIsEmpty) {
   const std::string zero = "<limit lower='0' upper='0' effort='0' velocity='0'/>";
   const Spec spec = spec_with(two_joints(zero, zero), bits);
@@ -167,6 +272,23 @@ TEST_F(SpecOfAUrdf, WarnsOnceWhereEveryRangeIsEmpty) {
       spec_with(two_joints(zero, zero), bits + "configurations: {limits: {ab: [-1, 1], bc: [0, 1]}}\n");
   EXPECT_TRUE(widened.warnings.empty());
   EXPECT_EQ(widened.configurations.ranges[0].upper, 1);
+}
+
+TEST_F(SpecOfAUrdf, IsWarnedOfEffortLimitsInPlaceOfTheLoadsOfKnownMasses) {
+  const auto warned = [&](const std::string& mass, const std::string& more) {
+    const std::string urdf = robot("<link name='a'/><link name='b'><inertial><mass value='" + mass +
+                                   "'/></inertial></link>" + joint("ab", "revolute", "a", "b"));
+    const auto warnings = analyze(spec_with(urdf, bits + "configurations: {count: 10}\n" + more)).warnings;
+    return std::any_of(warnings.begin(), warnings.end(), [](const std::string& warning) {
+      return warning.find("the loads of 'ab' are +- the effort limits") != std::string::npos;
+    });
+  };
+  const std::string soft = "effects: [{type: compliance, joint: ab, compliance: 1e-5}]\n";
+  EXPECT_TRUE(warned("2", soft));
+  EXPECT_FALSE(warned("0", soft)) << "no masses";
+  EXPECT_FALSE(warned("2", "")) << "no load";
+  EXPECT_FALSE(
+      warned("2", soft + "motion: {sample_rate: 100 Hz, duration: 1 s, joints: {ab: {center: 0.5}}}\n"));
 }
 
 TEST_F(SpecOfAUrdf, NamesAPrismaticJointThatHasNoRange) {

@@ -38,6 +38,15 @@ TEST(OneJoint, MayBePrismaticAndHaveLimits) {
   EXPECT_EQ(spec.model.chain.independent[0].limits->upper, 2);
 }
 
+TEST(OneJoint, WithoutRadiusHasItsJointAsTheCoordinate) {
+  using List = std::vector<Coordinate>;
+  EXPECT_EQ(one_joint("joint: {name: table, type: revolute}").model.coordinates, List{Coordinate::rz});
+  EXPECT_EQ(one_joint("joint: {name: table, type: revolute, radius: 0}").model.coordinates,
+            List{Coordinate::rz});
+  EXPECT_EQ(one_joint("joint: {name: table, type: prismatic}").model.coordinates, List{Coordinate::x});
+  EXPECT_EQ(one_joint("joint: {name: table, type: revolute, radius: 100 mm}").model.coordinates.size(), 3u);
+}
+
 TEST(OneJoint, FaultsNameTheRule) {
   EXPECT_NE(fault("urdf: a.urdf, joint: {name: table}").find("not both"), std::string::npos);
   EXPECT_NE(fault("base: a").find("'joint'"), std::string::npos);

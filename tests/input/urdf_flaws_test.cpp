@@ -189,11 +189,103 @@ TEST(StatedRatios, ThatAreNoNumbersOrContradictEachOtherAreWarnings) {
                       "</transmission><transmission name='u'><joint name='ab'/><mechanicalReduction>" +
                       ratio + "</mechanicalReduction></transmission>"));
   };
-  for (const char* ratio : {"1:50", "", "0", "100"}) {
+  for (const char* ratio : {"1:50", "", "0"}) {
     const RobotModel model = model_of(ratio);
     EXPECT_EQ(warnings(model).size(), 1u) << ratio;
     EXPECT_EQ(model.joints[0].stated_ratio, 50);
   }
+  const RobotModel two = model_of("100");
+  EXPECT_EQ(warnings(two).size(), 1u);
+  EXPECT_FALSE(two.joints[0].stated_ratio) << "neither is more credible than the other";
+}
+
+std::string reduction(const std::string& tag, const std::string& name, const std::string& ratio,
+                      const std::string& more = "") {
+  return "<" + tag + " name='" + name + "'>" + more + "<mechanicalReduction>" + ratio +
+         "</mechanicalReduction></" + tag + ">";
+}
+
+RobotModel with_transmission(const std::string& type, const std::string& parts,
+                             const std::string& joints = limit) {
+  return read(robot(
+      links + joint("ab", "revolute", "a", "b", joints) + joint("bc", "revolute", "b", "c", joints) +
+      "<transmission name='t'><type>transmission_interface/" + type + "</type>" + parts + "</transmission>"));
+}
+
+TEST(StatedRatios, DoNotDependOnTheOrderOfTheTags) {
+  const std::string of_joint = reduction("joint", "ab", "2"), of_motor = reduction("actuator", "m", "30");
+  for (const std::string& parts : {of_joint + of_motor, of_motor + of_joint}) {
+    const RobotModel model = with_transmission("SimpleTransmission", parts);
+    EXPECT_EQ(model.joints[0].stated_ratio, 30) << "ROS takes that of the actuator";
+    ASSERT_EQ(warnings(model).size(), 1u);
+    EXPECT_NE(warnings(model)[0].find("'30' and '2'"), std::string::npos) << warnings(model)[0];
+  }
+}
+
+/// Motors' angles of a transmission for joint angles, as ros_control computes them (joint_to_actuator).
+Eigen::Vector2d motors(const std::string& type, const Eigen::Vector2d& n, const Eigen::Vector2d& j,
+                       const Eigen::Vector2d& q) {
+  if (type == "DifferentialTransmission")
+    return {n[0] * (j[0] * q[0] + j[1] * q[1]), n[1] * (j[0] * q[0] - j[1] * q[1])};
+  return {n[0] * j[0] * q[0], n[1] * (q[0] + j[1] * q[1])};
+}
+
+TEST(StatedCouplings, AreTheInverseOfTheEquationsOfRosControl) {
+  const Eigen::Vector2d n(50, -40), j(-2, 0.5), q(0.3, -1.1);
+  for (const std::string type : {"DifferentialTransmission", "FourBarLinkageTransmission"})
+    for (const bool reversed : {false, true}) {  // the roles say which joint is which
+      const auto part = [&](const char* tag, const char* name, int k, double ratio) {
+        return reduction(tag, name, shortest(ratio),
+                         "<role>" + std::string(tag) + std::to_string(k + 1) + "</role>");
+      };
+      const std::string first = part("joint", "ab", 0, j[0]) + part("actuator", "m1", 0, n[0]),
+                        second = part("joint", "bc", 1, j[1]) + part("actuator", "m2", 1, n[1]);
+      const RobotModel model = with_transmission(type, reversed ? second + first : first + second);
+      ASSERT_EQ(model.couplings.size(), 1u) << type;
+      const StatedCoupling& c = model.couplings[0];
+      EXPECT_EQ(c.joints[0], "ab");
+      const Eigen::Vector2d m = motors(type, n, j, q);
+      const Eigen::Vector2d back = c.coupling * Eigen::Vector2d(m[0] / c.ratios[0], m[1] / c.ratios[1]);
+      EXPECT_NEAR((back - q).norm(), 0, 1e-14) << type;
+      EXPECT_FALSE(model.joints[0].stated_ratio);
+      EXPECT_TRUE(warnings(model).empty());
+    }
+}
+
+TEST(StatedCouplings, ThatAreNotReadAreSaid) {
+  const std::string two = reduction("joint", "ab", "3") + reduction("joint", "bc", "2"),
+                    motors = reduction("actuator", "m", "50") + reduction("actuator", "n", "50");
+  const std::string mimic = limit + "<mimic joint='ab'/>";
+  const std::pair<RobotModel, const char*> unread[] = {
+      {with_transmission("FingerTransmission", two + reduction("actuator", "m", "50")),
+       "its equations are not known"},
+      {with_transmission("DifferentialTransmission", two), "two joints and two actuators"},
+      {with_transmission("DifferentialTransmission",
+                         two + reduction("actuator", "m", "50") + reduction("actuator", "n", "0")),
+       "a number other than 0"},
+      {read(robot(links + joint("ab", "revolute", "a", "b") + joint("bc", "revolute", "b", "c", mimic) +
+                  "<transmission name='t'><type>DifferentialTransmission</type>" + two + motors +
+                  "</transmission>")),
+       "'bc' is a mimic joint"}};
+  for (const auto& [model, why] : unread) {
+    EXPECT_TRUE(model.couplings.empty()) << why;
+    ASSERT_EQ(warnings(model).size(), 1u) << why;
+    EXPECT_NE(warnings(model)[0].find(why), std::string::npos) << warnings(model)[0];
+    const std::vector<std::string> of_chain = warnings_about(model, make_chain(model, "", "c"));
+    ASSERT_EQ(of_chain.size(), 1u) << "every command that uses the joints says so, too";
+  }
+}
+
+TEST(StatedRatios, OfAPrismaticJointAreRadiansPerMetre) {
+  const auto model_of = [](const char* ratio) {
+    return read(robot(
+        links + joint("ab", "prismatic", "a", "b", "<limit lower='0' upper='0.4' effort='1' velocity='1'/>") +
+        "<transmission name='t'>" + reduction("actuator", "m", ratio) + "<joint name='ab'/></transmission>"));
+  };
+  EXPECT_TRUE(warnings(model_of("1256.637")).empty());  // a screw of 5 mm
+  const RobotModel gear = model_of("3");
+  ASSERT_EQ(warnings(gear).size(), 1u);
+  EXPECT_NE(warnings(gear)[0].find("2.09 m a revolution"), std::string::npos) << warnings(gear)[0];
 }
 
 }  // namespace

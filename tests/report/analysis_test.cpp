@@ -11,6 +11,7 @@
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "qerr/report/write.hpp"
 
 namespace qerr {
 namespace {
@@ -64,6 +65,38 @@ TEST(Analysis, WarnsOfADerivativeThatIsNotScaled) {
     spec.filters[0].norms = norms(spec.filters[0].filter);
     EXPECT_EQ(suspicious(), 1u) << numerator[0];
   }
+}
+
+/// A servo of 100000 counts a turn whose torque is 200 N m/rad q + 2 N m s/rad dq/dt at 1 kHz.
+Spec servo(const std::string& more, const std::string& robot = "") {
+  return parse_spec(
+      "qerr: 1\nrobot: {joint: {name: j, type: revolute" + robot +
+          "}}\nencoders: {j: {counts_per_rev: 2000, gear_ratio: 50}}\nconfigurations: {count: 10}\n"
+          "filters: {torque: {sample_rate: 1 kHz, numerator: [2200, -2000], denominator: [1]" +
+          more + "}}\n",
+      "servo.yaml");
+}
+
+TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
+  const Spec bare = servo(""), stated = servo(", unit: N m/rad"), position = servo(", derivative: 0");
+  EXPECT_EQ(derivative_unit(Coordinate::rz, bare.filters[0].filter), "");
+  EXPECT_EQ(derivative_unit(Coordinate::rz, stated.filters[0].filter), "N m");
+  EXPECT_EQ(derivative_unit(Coordinate::rz, position.filters[0].filter), "rad");
+  EXPECT_EQ(filter_warnings(bare).size(), 1u);
+  EXPECT_TRUE(filter_warnings(stated).empty());
+  // By hand: (2200 + 2000) times half a count of 2 pi/100000.
+  const double worst = analyze(stated).workspace.derivatives[0][0].worst_case.max;
+  EXPECT_NEAR(worst, 4200 * std::numbers::pi / 100000, 1e-9);
+  EXPECT_NE(write(analyze(bare), "table").find("0.132"), std::string::npos) << write(analyze(bare), "table");
+  EXPECT_NE(write(analyze(stated), "table").find("mN m"), std::string::npos);
+  EXPECT_THROW(servo(", unit: N mm/rad"), Error) << "a coefficient is in SI units";
+  EXPECT_THROW(servo(", unit: furlong"), Error);
+}
+
+TEST(Threshold, IsRefusedWhereNothingMovesTheTip) {
+  const auto row = [](const std::string& robot) { return threshold_row(servo(", derivative: 1", robot), 1); };
+  EXPECT_THROW(row(""), Error);
+  EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-15);
 }
 
 TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {

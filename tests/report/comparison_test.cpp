@@ -273,8 +273,8 @@ TEST_F(SpecReports, FitEightyColumnsWhateverTheNames) {
 }
 
 SpecCheck checked(const std::string& old, double tolerance, const Spec& now) {
-  const Baseline baseline = read_baseline(old, "old.json", tolerance);
-  return check(now, {}, &baseline);
+  const Baselines baselines = read_baselines(old, "old.json", tolerance);
+  return check(now, {}, &baseline_of(baselines, now.file, true));
 }
 
 /// Bounds are proportional to the resolution: 35640 counts in place of 36000 make them worse by 1/99.
@@ -347,9 +347,37 @@ TEST_F(SpecReports, CountASmallerFigureAsWorseWhereItIsAtLeastRequired) {
   EXPECT_EQ(slower.size(), 2u);
 }
 
+TEST_F(SpecReports, NameTheRequirementsThatTheBaselineLacks) {
+  const std::string old = write(evaluate(spec()).analysis, "json");
+  const SpecCheck now = checked(
+      old, 0,
+      spec({{"requirements", "[{quantity: position.x.worst_case, statistic: proven_max, at_most: 1 m}]"}}));
+  ASSERT_EQ(now.baseline->not_in_baseline.size(), 1u);
+  const std::string table = write(CheckReport{{now}}, "table");
+  EXPECT_NE(table.find("not compared"), std::string::npos) << table;
+  EXPECT_NE(table.find("position.x.worst_case proven_max"), std::string::npos) << table;
+  EXPECT_TRUE(checked(old, 0, spec()).baseline->not_in_baseline.empty());
+}
+
+TEST_F(SpecReports, OfSeveralSpecsAreTheBaselinesOfEach) {
+  SpecCheck one = evaluate(spec()), two = evaluate(spec(coarser));
+  one.analysis.spec.file = "cell/one.yaml";
+  two.analysis.spec.file = "cell/two.yaml";
+  const std::string old = write(CheckReport{{one, two}}, "json");
+  const Baselines baselines = read_baselines(old, "old.json", 0);
+  ASSERT_EQ(baselines.size(), 2u);
+  EXPECT_EQ(&baseline_of(baselines, "cell/two.yaml", false), &baselines[1]);
+  EXPECT_EQ(&baseline_of(baselines, "one.yaml", false), &baselines[0]) << "moved with its folder";
+  EXPECT_THROW(baseline_of(baselines, "three.yaml", false), Error);
+  EXPECT_THROW(baseline_of(baselines, "three.yaml", true), Error);
+  const Spec coarse = spec(coarser);
+  EXPECT_TRUE(check(coarse, {}, &baseline_of(baselines, "two.yaml", false)).all_met());
+  EXPECT_FALSE(check(coarse, {}, &baseline_of(baselines, "one.yaml", false)).all_met());
+}
+
 TEST_F(SpecReports, OfFiltersAreNoBaselines) {
   const std::string text = write(filter_report(spec(), {}), "json");
-  EXPECT_THROW(read_baseline(text, "old.json", 0), Error);
+  EXPECT_THROW(read_baselines(text, "old.json", 0), Error);
 }
 
 }  // namespace

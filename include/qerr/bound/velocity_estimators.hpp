@@ -1,6 +1,25 @@
 #pragma once
 
+#include <string>
+#include <vector>
+
+#include "qerr/effect/effect.hpp"
+
 namespace qerr {
+
+/// Where the edges of an encoder's disc lie, in intervals Delta; ideally every Delta.
+struct EdgeErrors {
+  double shortest = 1, longest = 1;  ///< distance of neighbouring edges
+  double spread = 0;                 ///< largest difference of the displacements of two edges of a line
+  double slope = 0;                  ///< largest |d error/d position| of the disc's slow errors
+
+  bool ideal() const { return shortest == 1 && longest == 1; }
+  bool operator==(const EdgeErrors&) const = default;
+};
+
+/// Of the effects of stages `disc` and `line` on a joint, such as `state_width` and `eccentricity`. Of a line
+/// of more than 4096 edges 4096 neighbouring pairs are looked at.
+EdgeErrors edge_errors(const Encoder&, const std::vector<Effect>&, const std::string& joint);
 
 /// Largest |error| of a velocity computed from an encoder's counts [rad/s or m/s]; infinite: unbounded.
 ///
@@ -15,8 +34,12 @@ struct EstimatorError {
 /// ceil(V): constant Delta f max({V}, 1 - {V}), 0 for whole V; printed and varying Delta f.
 /// @param resolution   Delta [rad or m], > 0
 /// @param sample_rate  f [Hz], > 0
+///
+/// With a spread s of the edges and a slope e of the disc's error the difference is off by 1 + s counts and
+/// e V: k counts lie between V (1 - e) - 1 - s and V (1 + e) + 1 + s.
 /// @param speed        v [rad/s or m/s]; |v| is used
-EstimatorError finite_difference_error(double resolution, double sample_rate, double speed);
+EstimatorError finite_difference_error(double resolution, double sample_rate, double speed,
+                                       const EdgeErrors& = {});
 
 /// Fixed distance, ITM: Delta over the time between two edges, which is measured in n whole ticks of a clock.
 ///
@@ -24,15 +47,21 @@ EstimatorError finite_difference_error(double resolution, double sample_rate, do
 /// floor(alpha), a true duration tau >= alpha is measured as floor(tau) or ceil(tau): constant Delta f_c
 /// max(1/m - 1/alpha, 1/alpha - 1/(m + 1)), 0 for whole alpha; varying Delta f_c/(m (m + 1)), a supremum;
 /// printed Delta f_c/m, loose by m + 1. Infinite for alpha < 1, where two edges may share a tick.
+///
+/// A distance w Delta of the edges is taken for Delta: it lasts tau >= w alpha, and the largest errors are
+/// Delta f_c (1/m - w/(m + 1)), m = floor(w alpha), of the shortest w, and Delta f_c max(1/alpha - 1/c, w/c -
+/// 1/(c
+/// + 1)), c = ceil(w alpha), of the longest: at every speed at least |1/w - 1| of it.
 /// @param clock  f_c [Hz]: the paper's is the sample rate; a hardware timer is faster
 /// @pre the velocity keeps its sign between the edges. Against the instantaneous velocity, which changes
 /// while the joint moves on by Delta, no such bound exists.
-EstimatorError inverse_time_error(double resolution, double clock, double speed);
+EstimatorError inverse_time_error(double resolution, double clock, double speed, const EdgeErrors& = {});
 
 /// The highest speed up to which ITM's error is never larger than FDM's, `varying` bounds [rad/s or m/s]:
 /// Delta f_c/m, m the least integer with m (m + 1) >= f_c/f. With the clock at the sample rate this is Delta
-/// f, the paper's Eqs. 45 and 46; with a fast one about Delta sqrt(f f_c).
-double estimator_crossing(double resolution, double sample_rate, double clock);
+/// f, the paper's Eqs. 45 and 46; with a fast one about Delta sqrt(f f_c). With errors of the edges found by
+/// bisection.
+double estimator_crossing(double resolution, double sample_rate, double clock, const EdgeErrors& = {});
 
 /// Worst-case signal-to-noise ratio, 20 log10(|v|/error) (Eqs. 49 and 53) [dB]; plus infinity
 /// for no error, minus infinity for an infinite one.

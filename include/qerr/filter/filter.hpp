@@ -3,9 +3,11 @@
 #include <array>
 #include <complex>
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "qerr/core/double_double.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
 
@@ -45,6 +47,8 @@ struct Filter {
   std::vector<DoubleDouble> taps = {};  ///< h_k/gain of a filter without poles (sections are then empty)
   Deviation deviation = {};             ///< due to factoring a user's coefficients
   bool designed = false;                ///< by a family, with rounded coefficients; else they are exact
+  /// Unit of the gain that a control law states; empty: 1/s^derivative.
+  std::optional<Dimension> unit = {};
 };
 
 /// H(e^{j 2 pi f / sample_rate}), with full relative accuracy for tiny f, too, where derivatives vanish as
@@ -54,6 +58,13 @@ std::complex<double> response(const Filter&, double frequency_hz);
 
 /// H(1), the gain for constant input [1/s^derivative].
 double dc_gain(const Filter&);
+
+/// Whether coefficients that state neither a derivative nor a unit pass constants with a gain other than 1: a
+/// control law perhaps, in any case no estimate of the input.
+bool has_unknown_unit(const Filter&);
+
+/// Of the output for an input of this dimension; `none` where it is unknown.
+Dimension output_dimension(const Dimension& input, const Filter&);
 
 /// Group delay at 0 Hz [s]: -d arg H / d omega, the limit there for filters that vanish at 0 Hz.
 ///

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/Geometry>
+#include <array>
 #include <optional>
 #include <string>
 #include <vector>
@@ -49,6 +50,14 @@ struct Joint {
   std::optional<double> stated_ratio = {};
 };
 
+/// Two motors that move two joints, as a URDF states it: joint motion = coupling * (motor angle / ratio).
+struct StatedCoupling {
+  std::string transmission, type;
+  std::array<std::string, 2> joints;
+  std::array<double, 2> ratios{1, 1};  ///< of the motors
+  Eigen::Matrix2d coupling = Eigen::Matrix2d::Identity();
+};
+
 /// A flaw of the URDF and the part of the robot that it concerns. A flaw of the document as a whole, such as
 /// a second root, names neither joints nor a link.
 struct Flaw {
@@ -69,6 +78,7 @@ struct RobotModel {
   std::vector<Joint> joints;           ///< in file order
   std::vector<Flaw> flaws;             ///< in the order in which they were found
   std::vector<Inertia> inertias = {};  ///< one per link, in its frame; mass 0 if not in the file
+  std::vector<StatedCoupling> couplings = {};
 };
 
 }  // namespace qerr

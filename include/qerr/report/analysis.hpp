@@ -104,9 +104,14 @@ SpecCheck evaluate(const Spec&, const WorkspaceOptions& = {}, const ProofRequest
 SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* baseline = nullptr,
                 const ProofRequest& = {});
 
-/// The baseline that a file holds.
+/// The baselines that a file holds: one, or of a report of `check` of several specs one for each.
 /// @throws Error (input) if it is no report of check or analyze
-Baseline read_baseline(const std::string& text, const std::string& file, double tolerance);
+Baselines read_baselines(const std::string& text, const std::string& file, double tolerance);
+
+/// The baseline of a spec, by its path, or by its name if only one has it. @param alone  the spec is the only
+/// one that is checked: a report of one spec is then its baseline, whatever its name
+/// @throws Error (input) if there is none
+const Baseline& baseline_of(const Baselines&, const std::string& spec, bool alone);
 
 /// A spec that cannot be checked.
 struct BrokenSpec {
@@ -150,8 +155,8 @@ ThresholdRow threshold_row(const Spec&, unsigned threads);
 /// long to compute it.
 std::vector<Eigen::VectorXd> noise_in_motion(const Spec&, unsigned threads = 0);
 
-/// Unit of the n-th derivative of a coordinate: `m`, `rad/s`, `m/s^2`, ...
-std::string derivative_unit(Coordinate, int derivative);
+/// Unit of a coordinate behind a filter: `rad/s`, `m/s^2`, that of a control law; "" where it is unknown.
+std::string derivative_unit(Coordinate, const Filter&);
 
 /// Each encoder's share of the mean variance of the tip's position (of all coordinates if no position is
 /// analysed); sums to 1, or is 0 if no encoder moves the tip.

@@ -97,6 +97,7 @@ struct EncoderEstimators {
   std::string unit;     ///< rad/s or m/s
   double resolution = 0;
   double crossing_speed = 0;  ///< ITM is at least as good up to here
+  EdgeErrors edges;           ///< of the spec's effects
   std::vector<EstimatorRow> rows;
 };
 

@@ -38,6 +38,7 @@ struct EncoderShare {
 /// motion, are not in the list.
 struct NamedFigures {
   std::string file;     ///< of the report, or of the spec
+  std::string spec;     ///< its file, "" in a report of filters
   std::string command;  ///< that wrote the report; "spec" if it was computed now
   /// `encoders.a2.bits=19`: the values of the spec that --set replaced.
   std::vector<std::string> changes;
@@ -52,6 +53,9 @@ struct NamedFigures {
 /// @param text  in JSON
 /// @throws Error (input) if it is no such report
 NamedFigures read_named_figures(const std::string& text, const std::string& file);
+
+/// Of each spec of a report of several; else of one.
+std::vector<NamedFigures> read_all_named_figures(const std::string& text, const std::string& file);
 
 /// A figure in one report and in another one.
 struct FigureChange {
@@ -70,6 +74,9 @@ struct Baseline {
   double tolerance = 0;  ///< relative
 };
 
+/// The baselines of one or several specs.
+using Baselines = std::vector<Baseline>;
+
 /// A spec's figures beside those of a baseline.
 struct BaselineCheck {
   std::string file;  ///< of the baseline
@@ -78,6 +85,7 @@ struct BaselineCheck {
   std::vector<FigureChange> regressions;                ///< A is the baseline; the worst first
   std::vector<NamedFigure> missing;                     ///< figures that the spec does not have
   std::vector<JudgedRequirement> dropped_requirements;  ///< that the spec does not have
+  std::vector<NamedFigure> not_in_baseline;             ///< required by the spec
   std::vector<std::string> warnings;
 
   /// One regression of each quantity: that of its maximum, else the worst one. The worst ones first.

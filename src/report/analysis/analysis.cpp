@@ -106,6 +106,8 @@ std::vector<std::string> warnings_of_scope(const Spec& spec, const std::vector<E
   if (random)
     warnings.emplace_back("the worst case of noise and jitter is four sigma: single readings exceed it");
   for (std::string& warning : effect_warnings(spec, effects)) warnings.push_back(std::move(warning));
+  if (std::string assumed = warning_of_limits(spec, effects); !assumed.empty())
+    warnings.push_back(std::move(assumed));
   return warnings;
 }
 
@@ -240,10 +242,8 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads)
   return noise;
 }
 
-std::string derivative_unit(Coordinate c, int derivative) {
-  Dimension d = info(c).unit == "m" ? dimension::length : dimension::angle;
-  d.second = -derivative;
-  return unit_name(d);
+std::string derivative_unit(Coordinate c, const Filter& filter) {
+  return unit_name(output_dimension(info(c).unit == "m" ? dimension::length : dimension::angle, filter));
 }
 
 namespace {

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "input/joint_entries.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/effect/effect_kind.hpp"
@@ -287,6 +288,18 @@ std::vector<std::string> effect_warnings(const Spec& spec, const std::vector<Eff
                        "' is not in these figures: " + what + " is not known; " + remedy);
   }
   return warnings;
+}
+
+std::string warning_of_limits(const Spec& spec, const std::vector<EffectShare>& shares) {
+  if (spec.motion || !has_masses(spec.model.chain)) return "";
+  std::vector<std::string> joints;
+  for (const EffectShare& s : shares)
+    if (s.included && !is_zero(*s.share) && needs_effort({s.effect})) joints.push_back(s.effect.joint);
+  if (joints.empty()) return "";
+  return "the loads of " + list_of_names(joints) +
+         " are +- the effort limits of the URDF, not those of its masses: gravity is ignored, although the "
+         "masses "
+         "are known; add `motion:`, also one at rest, and the loads follow from masses and motion";
 }
 
 void require_known(const Spec& spec, const std::vector<EffectShare>& shares) {

@@ -45,6 +45,9 @@ EffectReport effects_by_range(const Spec&);
 /// One for every effect of unknown size: the missing quantity, and where to state it.
 std::vector<std::string> effect_warnings(const Spec&, const std::vector<EffectShare>&);
 
+/// Of loads that are the URDF's effort limits although it has masses; "" if there are none.
+std::string warning_of_limits(const Spec&, const std::vector<EffectShare>&);
+
 /// @throws Error (input; key `requirements`) if there are requirements and an effect of unknown size, as
 /// they cannot be decided then
 void require_known(const Spec&, const std::vector<EffectShare>&);

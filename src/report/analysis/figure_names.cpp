@@ -34,7 +34,7 @@ void for_each_figure(const Analysis& a, const std::function<void(const FigureNam
       const DerivativeStatistics& s = a.workspace.derivatives[f][i];
       const NamedFilter& filter = a.spec.filters[f];
       FigureName name{"derivative", filter.name,
-                      info(c).name, derivative_unit(c, filter.filter.derivative),
+                      info(c).name, derivative_unit(c, filter.filter),
                       {},           {i, static_cast<std::ptrdiff_t>(f)}};
       see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
       if (s.sigma) see_bound(name, "sigma", Bound::sigma, *s.sigma);

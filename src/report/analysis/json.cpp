@@ -125,7 +125,7 @@ Json derivatives(const Analysis& a) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = a.workspace.derivatives[f][i];
       rows.push_back({{"coordinate", info(coordinates[i]).name},
-                      {"unit", derivative_unit(coordinates[i], filter.filter.derivative)},
+                      {"unit", derivative_unit(coordinates[i], filter.filter)},
                       {"worst_case", statistic(a, d.worst_case, {i, index, Bound::worst_case})},
                       {"sigma", d.sigma ? statistic(a, *d.sigma, {i, index, Bound::sigma}) : Json()}});
       if (d.sigma_quantization)

@@ -163,7 +163,8 @@ Json check_schema() {
                                 {"tolerance", number(), "relative"},
                                 {"compared", number(), "figures that both have"},
                                 {"missing", list(text()), "figures that only the baseline has"},
-                                {"dropped_requirements", list(text()), "that only the baseline has"}});
+                                {"dropped_requirements", list(text()), "that only the baseline has"},
+                                {"not_in_baseline", list(text()), "required figures that it lacks"}});
   const Json of_spec =
       object(joined(analysis_header_schema("check"),
                     {{"requirements", list(requirement)},

@@ -26,7 +26,7 @@ std::string per_configuration_header(const Spec& spec, const std::vector<Eigen::
       for (const char* bound : {"worst_case", "sigma", "sigma_in_motion"})
         if (bound != std::string("sigma_in_motion") || is_known(noise, f))
           out += ',' + csv_cell(spec.filters[f].name + '.' + std::string(info(c).name) + '.' + bound + " [" +
-                                derivative_unit(c, spec.filters[f].filter.derivative) + ']');
+                                derivative_unit(c, spec.filters[f].filter) + ']');
   for (const Coordinate c : coordinates)  // the names before version 2
     for (const char* bound : {"worst_case", "worst_case_rigorous", "sigma"})
       out += ',' + std::string(info(c).name) + '.' + bound + " [" + std::string(info(c).unit) + ']';

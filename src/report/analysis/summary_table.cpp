@@ -67,7 +67,7 @@ std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = w.derivatives[f][i];
       blocks[f + 1].push_back(
-          summary_row(coordinates[i], derivative_unit(coordinates[i], a.spec.filters[f].filter.derivative),
+          summary_row(coordinates[i], derivative_unit(coordinates[i], a.spec.filters[f].filter),
                       d.sigma ? &*d.sigma : nullptr, d.sigma_in_motion ? &*d.sigma_in_motion : nullptr,
                       motion, d.worst_case));
     }

@@ -7,8 +7,9 @@ namespace qerr {
 namespace {
 
 void add_baseline(const BaselineCheck& b, Json& to) {
-  Json missing = Json::array(), dropped = Json::array(), regressions = Json::array();
+  Json missing = Json::array(), added = Json::array(), dropped = Json::array(), regressions = Json::array();
   for (const NamedFigure& f : b.missing) missing.push_back(f.name());
+  for (const NamedFigure& f : b.not_in_baseline) added.push_back(f.name());
   for (const JudgedRequirement& r : b.dropped_requirements) dropped.push_back(r.figure.name());
   for (const FigureChange& c : b.regressions)
     regressions.push_back({{"quantity", c.figure.quantity},
@@ -20,6 +21,7 @@ void add_baseline(const BaselineCheck& b, Json& to) {
   to["baseline"] = {{"file", b.file}, {"tolerance", b.tolerance}, {"compared", b.compared}};
   to["baseline"]["missing"] = missing;
   to["baseline"]["dropped_requirements"] = dropped;
+  to["baseline"]["not_in_baseline"] = added;
   to["regressions"] = regressions;
 }
 

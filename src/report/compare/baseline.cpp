@@ -30,20 +30,45 @@ bool is_worse(const FigureChange& c, double tolerance, const NamedFigures& old, 
 
 }  // namespace
 
-Baseline read_baseline(const std::string& text, const std::string& file, double tolerance) {
-  Baseline baseline{read_named_figures(text, file), tolerance};
-  if (baseline.figures.command == "filter")
-    throw Error(Fault{{file},
-                      "command",
-                      "a baseline must be a report of check or analyze",
-                      quoted(baseline.figures.command),
-                      "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json"});
-  return baseline;
+Baselines read_baselines(const std::string& text, const std::string& file, double tolerance) {
+  Baselines baselines;
+  for (NamedFigures& figures : read_all_named_figures(text, file)) {
+    if (figures.command == "filter")
+      throw Error(Fault{{file},
+                        "command",
+                        "a baseline must be a report of check or analyze",
+                        quoted(figures.command),
+                        "write one with: qerr check SPEC -o OLD.json, or qerr analyze SPEC -o OLD.json"});
+    baselines.push_back({std::move(figures), tolerance});
+  }
+  return baselines;
+}
+
+const Baseline& baseline_of(const Baselines& baselines, const std::string& spec, bool alone) {
+  if (baselines.size() == 1 && alone) return baselines.front();
+  // A spec may have moved with its folder: its name then identifies it, where only one has it.
+  const auto name = [](const std::string& path) { return path.substr(path.rfind('/') + 1); };
+  const Baseline* found = nullptr;
+  std::size_t named = 0;
+  for (const Baseline& b : baselines) {
+    if (b.figures.spec == spec) return b;
+    if (name(b.figures.spec) != name(spec)) continue;
+    found = &b;
+    ++named;
+  }
+  if (found && named == 1) return *found;
+  std::string specs;
+  for (const Baseline& b : baselines) specs += (specs.empty() ? "" : ", ") + quoted(b.figures.spec);
+  throw Error(Fault{{baselines.empty() ? "" : baselines.front().figures.file},
+                    "reports",
+                    "the baseline has no report of " + quoted(spec),
+                    specs.empty() ? "no report" : "reports of " + specs,
+                    "write it anew with all specs: qerr check SPEC... --format json -o OLD.json"});
 }
 
 BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
   const NamedFigures& old = baseline.figures;
-  BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, comparison_warnings(old, now)};
+  BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, {}, comparison_warnings(old, now)};
   for (const FigureChange& c : figure_changes(old, now)) {
     check.compared += c.in_both();
     if (!c.b) check.missing.push_back(c.figure);
@@ -59,6 +84,11 @@ BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
     if (std::none_of(now.requirements.begin(), now.requirements.end(),
                      [&](const JudgedRequirement& other) { return same_limit(r, other); }))
       check.dropped_requirements.push_back(r);
+  for (const JudgedRequirement& r : now.requirements)
+    if (!find_figure(old, r.figure) &&
+        std::none_of(old.requirements.begin(), old.requirements.end(),
+                     [&](const JudgedRequirement& other) { return other.figure.name() == r.figure.name(); }))
+      check.not_in_baseline.push_back(r.figure);
   return check;
 }
 

@@ -153,6 +153,7 @@ void read_origin(const ReportMember& report, NamedFigures& to) {
   if (const auto set = report.at("spec").find("set"); set && to.changes.empty())
     for (const ReportMember& change : set->items())
       to.changes.push_back(change.at("key").text() + '=' + change.at("value").text());
+  if (const auto file = report.at("spec").find("file")) to.spec = file->text();
   if (const auto robot = report.find("robot"))
     to.robot = robot->at("name").text() + ", " + robot->at("base").text() + " -> " + robot->at("tip").text();
   if (const auto sample = report.find("configurations"))
@@ -173,8 +174,9 @@ void read_report(const Json& json, const std::string& command, NamedFigures& to)
 
 }  // namespace
 
-NamedFigures read_named_figures(const std::string& text, const std::string& file) {
-  const Json json = Json::parse(text, file);
+namespace {
+
+NamedFigures figures_of(const Json& json, const std::string& file) {
   const Json *version = json.find("qerr"), *command = json.find("command");
   if (!version || !version->text() || !command || !command->text())
     throw Error(Fault{{file, 1, 1},
@@ -187,6 +189,21 @@ NamedFigures read_named_figures(const std::string& text, const std::string& file
   figures.command = *command->text();
   read_report(json, figures.command, figures);
   return figures;
+}
+
+}  // namespace
+
+NamedFigures read_named_figures(const std::string& text, const std::string& file) {
+  return figures_of(Json::parse(text, file), file);
+}
+
+std::vector<NamedFigures> read_all_named_figures(const std::string& text, const std::string& file) {
+  const Json json = Json::parse(text, file);
+  const Json* reports = json.find("reports");
+  if (!reports || !reports->items()) return {figures_of(json, file)};
+  std::vector<NamedFigures> all;
+  for (const Json& report : *reports->items()) all.push_back(figures_of(report, file));
+  return all;
 }
 
 NamedFigures named_figures(const SpecCheck& check, const std::string& command) {

@@ -15,7 +15,7 @@ std::string decibels(double speed, double error) {
 }
 
 bool same_encoder(const EncoderEstimators& a, const EncoderEstimators& b) {
-  return a.resolution == b.resolution && a.unit == b.unit;
+  return a.resolution == b.resolution && a.unit == b.unit && a.edges == b.edges;
 }
 
 std::string error_text(double error, const std::string& unit) { return readable(error, unit); }
@@ -31,8 +31,12 @@ std::string estimator_table(const EstimatorReport& report, std::size_t width) {
     std::string names = escaped(e.encoder, 40);
     for (; i + 1 < report.encoders.size() && same_encoder(e, report.encoders[i + 1]); ++i)
       names += ", " + escaped(report.encoders[i + 1].encoder, 40);
-    out += "\n" +
-           wrapped(names + ": ITM is at least as good up to " + readable(e.crossing_speed, e.unit), width);
+    out += "\n" + wrapped(names + ": ITM is at least as good up to " + readable(e.crossing_speed, e.unit) +
+                              (e.edges.ideal() ? ""
+                                               : "; with the effects of the disc, whose edges are " +
+                                                     significant(e.edges.shortest, 3) + " to " +
+                                                     significant(e.edges.longest, 3) + " counts apart"),
+                          width);
     std::vector<std::vector<std::string>> rows{
         {"speed", "counts per sample", "FDM error", "SNR", "ITM error", "SNR", "SNR as printed", "better"}};
     for (const EstimatorRow& r : e.rows) {

@@ -37,7 +37,14 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
   std::vector<std::string> warnings;
   for (const NamedFilter& f : spec.filters) {
     const int d = f.filter.derivative;
-    if (d == 0 && std::abs(f.norms.dc_gain - 1) > 0.01)
+    if (f.filter.unit && *f.filter.unit != Dimension{.second = -d}) continue;  // a control law
+    if (has_unknown_unit(f.filter))
+      warnings.push_back(
+          "filter '" + f.name +
+          "' states no derivative, and passes constants scaled by H(1) = " + significant(f.norms.dc_gain, 4) +
+          ": its output has no unit here; write unit: N m/rad (or another one) for a control law, "
+          "derivative: 0 for an estimate of the position, or is its numerator right?");
+    else if (d == 0 && std::abs(f.norms.dc_gain - 1) > 0.01)
       warnings.push_back("filter '" + f.name +
                          "' estimates a position, and passes constants scaled by H(1) = " +
                          significant(f.norms.dc_gain, 4) + ": is its numerator right?");

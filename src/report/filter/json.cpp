@@ -85,6 +85,7 @@ Json estimator_json(const EstimatorReport& report) {
                     {"sample_rate", report.sample_rate},
                     {"clock", report.clock},
                     {"crossing_speed", e.crossing_speed},
+                    {"edge_distance", {{"shortest", e.edges.shortest}, {"longest", e.edges.longest}}},
                     {"speeds", rows}});
   }
   return list;

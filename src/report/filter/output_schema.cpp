@@ -77,6 +77,8 @@ Json estimators_schema() {
                  {"sample_rate", number()},
                  {"clock", number()},
                  {"crossing_speed", number_or_null()},
+                 {"edge_distance", object({{"shortest", number()}, {"longest", number_or_null()}}),
+                  "of neighbouring edges, with the effects of the disc [counts]"},
                  {"speeds", list(row)}});
 }
 

@@ -64,6 +64,17 @@ std::string mimic_text(const Joint& joint) {
   return "  " + text + '\n';
 }
 
+/// Joints that two motors move together.
+std::string couplings(const RobotReport& report, std::size_t width) {
+  std::string text;
+  for (const StatedCoupling& c : report.robot.couplings)
+    text += wrapped(shortened(c.joints[0], 30) + " and " + shortened(c.joints[1], 30) + ": " +
+                        escaped(c.type, 40) + ' ' + escaped(c.transmission, 40) + ", " +
+                        coupling_text(c.ratios, c.coupling),
+                    width, "    ", "  ", LongWords::cut);
+  return text.empty() ? "" : "\nCoupled joints: joints = coupling * (motors / gear_ratio)\n" + text;
+}
+
 }  // namespace
 
 std::string joint_text(const RobotReport& report, std::size_t width) {
@@ -92,7 +103,8 @@ std::string joint_text(const RobotReport& report, std::size_t width) {
   const std::string units = std::string(revolute ? "deg, N m, deg/s" : "") +
                             (revolute && prismatic ? "; prismatic: " : "") + (prismatic ? "mm, N, mm/s" : "");
   return aligned(rows) + "  " + units + (ratio ? "; ratio of motor to joint" : "") + '\n' +
-         (mimics.empty() ? "" : "\nMimic joints, which need no encoder\n" + mimics);
+         (mimics.empty() ? "" : "\nMimic joints, which need no encoder\n" + mimics) +
+         couplings(report, width);
 }
 
 }  // namespace qerr

@@ -32,6 +32,14 @@ std::string to_json(const RobotReport& report, const Style&) {
   const RobotModel& robot = report.robot;
   Json joints = Json::array(), ends = Json::array(), flaws = Json::array();
   for (const Joint& joint : robot.joints) joints.push_back(joint_json(joint));
+  Json couplings = Json::array();
+  for (const StatedCoupling& c : robot.couplings)
+    couplings.push_back({{"transmission", c.transmission},
+                         {"type", c.type},
+                         {"joints", Json::array({c.joints[0], c.joints[1]})},
+                         {"ratios", Json::array({c.ratios[0], c.ratios[1]})},
+                         {"coupling", Json::array({Json::array({c.coupling(0, 0), c.coupling(0, 1)}),
+                                                   Json::array({c.coupling(1, 0), c.coupling(1, 1)})})}});
   for (const TreeEnd& end : report.ends) {
     Json names = Json::array();
     for (const std::size_t i : end.joints) names.push_back(robot.joints[i].name);
@@ -52,6 +60,7 @@ std::string to_json(const RobotReport& report, const Style&) {
               {"first_spec", first},
               {"links", robot.links},
               {"joints", joints},
+              {"couplings", couplings},
               {"ends", ends},
               {"flaws", flaws}}
       .document();

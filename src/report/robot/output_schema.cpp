@@ -30,6 +30,11 @@ Json robot_schema() {
                            {"kind", text()},
                            {"joints", list(text())}});
   const Json flaw = object({{"severity", one_of({"error", "warning"})}, {"message", text()}});
+  const Json coupling = object({{"transmission", text()},
+                                {"type", text()},
+                                {"joints", list(text())},
+                                {"ratios", list(number()), "of the two motors"},
+                                {"coupling", list(list(number())), "joints = coupling * (motors / ratios)"}});
   return object(
       {{"qerr", text(), "the version that wrote the report"},
        {"command", constant("robot")},
@@ -38,6 +43,7 @@ Json robot_schema() {
        {"first_spec", or_null(object({{"base", text()}, {"tip", text()}})), "the chain of --write-spec"},
        {"links", list(text())},
        {"joints", list(urdf_joint_schema())},
+       {"couplings", list(coupling), "of two motors and two joints"},
        {"ends", list(end), "of the tree, the likeliest tip first"},
        {"flaws", list(flaw)}});
 }

@@ -47,7 +47,7 @@ std::size_t best_of(const std::vector<CutoffChoice>& choices) {
 }
 
 std::string cutoff_unit(const SimulationReport& r) {
-  return derivative_unit(Coordinate::x, r.spec.filters[0].filter.derivative);
+  return derivative_unit(Coordinate::x, r.spec.filters[0].filter);
 }
 
 std::string cutoff_table(const SimulationReport& r, const Style& style) {

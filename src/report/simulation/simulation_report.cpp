@@ -41,9 +41,9 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
     const NamedFilter* filter = o == 0 ? nullptr : &r.spec.filters[o - 1];
     for (std::size_t c = 0; c < r.simulation.results[o].size(); ++c) {
       const Coordinate coordinate = r.spec.model.coordinates[c];
-      all.push_back({r.simulation.results[o][c], filter ? filter->name : "position",
-                     std::string(info(coordinate).name),
-                     derivative_unit(coordinate, filter ? filter->filter.derivative : 0)});
+      all.push_back(
+          {r.simulation.results[o][c], filter ? filter->name : "position", std::string(info(coordinate).name),
+           filter ? derivative_unit(coordinate, filter->filter) : std::string(info(coordinate).unit)});
     }
   }
   return all;

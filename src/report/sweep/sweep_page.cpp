@@ -58,7 +58,7 @@ void SweepPage::add_figures() {
     add({"position." + std::string(info(c).name) + ".worst_case max", std::string(info(c).unit)});
   for (const NamedFilter& f : spec.filters)
     for (const Coordinate c : coordinates)
-      add({f.name + '.' + std::string(info(c).name) + ".sigma max", derivative_unit(c, f.filter.derivative)});
+      add({f.name + '.' + std::string(info(c).name) + ".sigma max", derivative_unit(c, f.filter)});
 }
 
 std::string SweepPage::row(const SweptVariant& v) const {

@@ -59,9 +59,8 @@ std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t c = 0; c < coordinates.size(); ++c) {
       const auto& sigma = a.workspace.derivatives[f][c].sigma;
-      cells.push_back(
-          sigma ? readable(sigma->max, derivative_unit(coordinates[c], a.spec.filters[f].filter.derivative))
-                : "-");
+      cells.push_back(sigma ? readable(sigma->max, derivative_unit(coordinates[c], a.spec.filters[f].filter))
+                            : "-");
     }
   return cells;
 }

@@ -71,6 +71,13 @@ ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
     best.resolution = resolution;
     best.resolution_as_printed = joint.prismatic() ? resolution : resolution / (2 * std::numbers::pi);
   }
+  constexpr double rounding = 1e-12;  // [m/rad] of an arm whose tip is on the axis
+  if (!spec.threshold_length && !(arms.maxCoeff() > rounding))
+    throw Error({{spec.file, 1, 1},
+                 "threshold.length",
+                 "no joint moves the position of the tip: it has no threshold velocity",
+                 "",
+                 "add threshold: {length: 300 mm}, the distance of a point from the axis"});
   return best;
 }
 
