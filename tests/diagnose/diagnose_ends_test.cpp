@@ -215,6 +215,7 @@ TEST(Diagnose, EndsWithinASecondForEverySpoiltLog) {
     for (Encoder& e : model.transmission.encoders) {
       e.zero_known = dice.chance(0.7), e.rounding = dice.chance(0.8) ? Rounding::nearest : Rounding::down;
       e.shaft_ratio = dice.chance(0.5) ? 1 : dice.between(2, 100);
+      if (dice.chance(0.2)) e.counts_per_period = 256;
     }
     const SpoiltLog spoilt(dice, model, arm);
     DiagnoseOptions options;

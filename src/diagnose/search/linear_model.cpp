@@ -131,34 +131,52 @@ double LinearModel::criterion(const std::vector<ColumnGroup>& groups, const Set&
   return value + n * (std::log(variance) + rss / (rows_ * variance));
 }
 
+bool LinearModel::possible(const ColumnGroup& g, const Eigen::VectorXd& scaled) const {
+  const double value = scaled[0] * scale_[g.first];
+  if (g.positive && value <= 0) return false;
+  if (g.most > 0 && (value < g.least || value > g.most)) return false;
+  return scaled.dot(centred_.block(g.first, g.first, g.count, g.count) * scaled) <= cancelling * spread_;
+}
+
 bool LinearModel::possible(const std::vector<ColumnGroup>& groups, const Set& set, const Fit& f) const {
   if (!f.regular) return false;
   Eigen::Index at = base_;
   for (const std::size_t g : set) {
-    const double value = f.coefficients[at];
-    if (groups[g].positive && value <= 0) return false;
-    if (groups[g].most > 0 && (value < groups[g].least || value > groups[g].most)) return false;
-    const Eigen::Index first = groups[g].first, count = groups[g].count;
-    const Eigen::VectorXd scaled =
-        f.coefficients.segment(at, count).cwiseQuotient(scale_.segment(first, count).cwiseMax(1e-300));
-    if (scaled.dot(centred_.block(first, first, count, count) * scaled) > cancelling * spread_) return false;
-    at += groups[g].count;
+    const ColumnGroup& c = groups[g];
+    const auto coefficients = f.coefficients.segment(at, c.count);
+    if (!possible(c, coefficients.cwiseQuotient(scale_.segment(c.first, c.count).cwiseMax(1e-300))))
+      return false;
+    at += c.count;
   }
   return true;
 }
 
+bool LinearModel::possible_beside(const std::vector<ColumnGroup>& groups, const Set& part, const Projected& p,
+                                  std::size_t added, const Eigen::VectorXd& scaled,
+                                  const Eigen::VectorXd& explained) const {
+  if (!possible(groups[added], scaled)) return false;
+  const Eigen::VectorXd others = solve_upper(p.factor, p.solution - explained);
+  Eigen::Index at = base_;
+  return std::all_of(part.begin(), part.end(), [&](std::size_t g) {
+    at += groups[g].count;
+    return possible(groups[g], others.segment(at - groups[g].count, groups[g].count));
+  });
+}
+
 LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set set, std::size_t locked,
                                      double n, double floor) const {
-  struct Move {
-    Set set;
-    double value;
-  };
   const auto value_of = [&](const Set& s, double rss) { return criterion(groups, s, rss, n, floor); };
   double present = value_of(set, fit(groups, set).rss);
   for (int round = 0; round < most_moves; ++round) {
-    std::vector<Move> moves;
-    const auto propose = [&](Set next, double rss) {
-      if (const double v = value_of(next, rss); v < present - 1e-6) moves.push_back({std::move(next), v});
+    Set best;
+    double least = present - 1e-6, fitted = present;
+    bool moved = false;
+    const auto propose = [&](const Set& next, double rss, const auto& is_possible) {
+      const double v = value_of(next, rss);
+      if (!(v < least) || !is_possible()) return;
+      const Fit f = fit(groups, next);
+      if (!possible(groups, next, f)) return;
+      best = next, least = v, fitted = value_of(next, f.rss), moved = true;
     };
     // Additions to the whole set, and to it without one member.
     for (std::size_t without = locked; without <= set.size(); ++without) {
@@ -166,7 +184,7 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
       if (without < set.size()) part.erase(part.begin() + static_cast<std::ptrdiff_t>(without));
       const Projected p = project(groups, part, true);
       if (!p.regular) continue;
-      if (without < set.size()) propose(part, p.rss);
+      if (without < set.size()) propose(part, p.rss, [] { return true; });
       struct Gain {
         double gain, net;
         std::size_t group;
@@ -196,7 +214,10 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
             {gain, gain - c.least_gain - c.price * std::max(p.rss / rows_, floor) * rows_ / n, g});
         Set next = part;
         next.push_back(g);
-        propose(std::move(next), std::max(0.0, p.rss - gain));
+        propose(next, std::max(0.0, p.rss - gain), [&] {
+          const Eigen::VectorXd scaled = solve_upper(factor, solved);
+          return possible_beside(groups, part, p, g, scaled, across * scaled);
+        });
       }
       std::sort(gains.begin(), gains.end(), [](const Gain& a, const Gain& b) { return a.net > b.net; });
       if (gains.size() > leading_groups) gains.resize(leading_groups);
@@ -217,19 +238,17 @@ LinearModel::Set LinearModel::search(const std::vector<ColumnGroup>& groups, Set
           Set next = part;
           next.push_back(a);
           next.push_back(b);
-          propose(std::move(next), std::max(0.0, p.rss - right.squaredNorm()));
+          propose(next, std::max(0.0, p.rss - right.squaredNorm()), [&] {
+            const Eigen::VectorXd scaled = solve_upper(both, right), of_x = scaled.head(x.count);
+            return possible(x, of_x) &&
+                   possible_beside(groups, part, p, b, scaled.tail(y.count),
+                                   p.across.middleCols(x.first, x.count) * of_x +
+                                       p.across.middleCols(y.first, y.count) * scaled.tail(y.count));
+          });
         }
     }
-    std::sort(moves.begin(), moves.end(), [](const Move& a, const Move& b) { return a.value < b.value; });
-    bool moved = false;
-    for (Move& m : moves) {
-      const Fit f = fit(groups, m.set);
-      if (!possible(groups, m.set, f)) continue;
-      set = std::move(m.set), present = value_of(set, f.rss);
-      moved = true;
-      break;
-    }
     if (!moved) break;
+    set = std::move(best), present = fitted;
   }
   return set;
 }

@@ -65,6 +65,14 @@ class LinearModel {
   Eigen::MatrixXd centred_;  ///< Gram matrix of the columns about their means
   double spread_;            ///< of y about its mean, weighted sum of squares
   Projected project(const std::vector<ColumnGroup>&, const Set&, bool with_across) const;
+  /// Whether a group's coefficients have a possible size.
+  /// @param scaled  of its columns scaled to unit norm
+  bool possible(const ColumnGroup&, const Eigen::VectorXd& scaled) const;
+  /// Whether those of an added group have, and those that the set's groups then have, without a new fit: most
+  /// moves that would lower the criterion are impossible.
+  /// @param explained  what all added groups take of the projected solution
+  bool possible_beside(const std::vector<ColumnGroup>&, const Set&, const Projected&, std::size_t added,
+                       const Eigen::VectorXd& scaled, const Eigen::VectorXd& explained) const;
 
   double rows_, total_;
   Eigen::Index base_;

@@ -163,8 +163,10 @@ void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, 
   } else if (t.term.reshaped) {
     t.term = t.term.reshaped(own, t.term, t.term.shape);
   } else {
+    // Of the linearizations of one effect, one with as many coefficients.
     for (Term& fresh : named_terms(own))
-      if (fresh.effect.type == effect.type && fresh.effect.choices == effect.choices &&
+      if (fresh.size() == t.size() && fresh.effect.type == effect.type &&
+          fresh.effect.choices == effect.choices &&
           fresh.effect.number_or("order", 0) == effect.number_or("order", 0) &&
           fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0))
         t.term.columns = std::move(fresh.columns);
