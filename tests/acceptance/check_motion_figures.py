@@ -305,7 +305,8 @@ def check_intervals(t, qerr, folder, count):
              ("a slow ramp", "{center: 0.0131, velocity: 0.0007}", "", 2),
              ("a ramp", "{center: 0.0131, velocity: 0.0127}", "", 4),
              ("noise", "{center: 0.0131, velocity: 0.0127}", "effects: [{type: noise, joint: slider, sigma: 0.2 mm}]\n", 3),
-             ("a slow sine", "{sines: [{amplitude: 2 mm, frequency: 0.7 Hz}]}", "", 16)]
+             ("a slow sine", "{sines: [{amplitude: 2 mm, frequency: 0.7 Hz}]}", "", 16),
+             ("many runs", "{center: 0.0131, velocity: 0.0127}", "", 100)]
     for name, motion, effects, runs in cases:
         path = folder / "interval.yaml"
         path.write_text(
@@ -333,7 +334,7 @@ def main():
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--count", type=int, default=400, help="random specs")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
-    parser.add_argument("--intervals", type=int, default=200, help="seeds of `simulate --runs`, of each of five motions")
+    parser.add_argument("--intervals", type=int, default=200, help="seeds of `simulate --runs`, of each of six motions")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
     t, worst = Tally(arguments.verbose), []
