@@ -84,8 +84,9 @@ CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect
   }
   decoder_.sign = direction(e);
   decoder_.noise = noise_;
+  decoder_shift_ = below_reading(e) - below_reading(model.transmission.encoders[encoder]);
+  if (!line.empty() || !decoder_.empty()) shift_ = below_reading(e) - 0.5;
   if (line.empty()) return;
-  shift_ = below_reading(e) - 0.5;
   span_ = e.counts_per_period;
   constexpr double least = 16384, most = 262144, per_count = 64;
   const auto rows = static_cast<std::size_t>(std::clamp(per_count * span_, least, most));
@@ -98,7 +99,7 @@ CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect
 }
 
 double CountErrors::affordable() const {
-  if (decoder_.empty()) return 0x1p25;
+  if (decoder_.empty()) return line_.empty() || jitter_ == 0 ? 0x1p25 : 0x1p22;  // a table for every slope
   return random() ? 0x1p20 : 0x1p24;
 }
 

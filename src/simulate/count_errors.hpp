@@ -41,7 +41,10 @@ class CountErrors {
   bool plain() const { return line_.empty() && !random() && decoder_.empty(); }  ///< rounding, nothing else
   bool random() const { return rounds_ && (noise_ > 0 || jitter_ > 0); }
   bool decodes() const { return !decoder_.empty(); }
-  double mean_of_decoder(double x, const Moment& m) const { return decodes() ? decoder_.mean(x, m) - x : 0; }
+  double mean_of_decoder(double x, const Moment& m) const {
+    const double counted = x + decoder_shift_;
+    return decodes() ? decoder_.mean(counted, m) - counted : 0;
+  }
   bool jitters() const { return rounds_ && jitter_ > 0; }
   double noise() const { return rounds_ ? noise_ : 0; }  ///< before the rounding, without jitter [counts]
   /// Counts after which the error repeats: those of a line, or 1.
@@ -67,6 +70,7 @@ class CountErrors {
   std::pair<double, double> decoded(double w, double y, double s, double u, const Moment&) const;
 
   bool rounds_, adds_jitter_;
+  double decoder_shift_ = 0;                              // by an effect that changes the rounding
   double shift_ = 0, span_ = 1, noise_ = 0, jitter_ = 0;  // [counts, counts, counts, s]
   std::vector<double> line_;                              // distortion over a line
   Decoder decoder_;
