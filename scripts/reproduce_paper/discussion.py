@@ -167,7 +167,7 @@ def dither(qerr, out):
             overrides = {**scale, "motion.joints.slider": motion, "motion.settling": "0.2 s"}
             if sigma:
                 overrides["effects"] = f"[{{type: noise, joint: slider, sigma: {sigma} um}}]"
-            rows = qerr("simulate", ONE_JOINT, "--runs", 64, set=overrides).json()["results"]
+            rows = qerr("simulate", ONE_JOINT, "--runs", 2000, set=overrides).json()["results"]
             found = next(r for r in rows if r["filter"] == "velocity")
             ipqn = 1e-6 / math.sqrt(12) * _norm(qerr, scale)
             ratio = found["sigma_simulated"] / ipqn

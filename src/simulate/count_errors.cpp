@@ -17,55 +17,47 @@ constexpr std::size_t parts = 512;  // of a count
 /// P(N > t) of a standard normal N.
 double above(double t) { return 0.5 * std::erfc(t / std::numbers::sqrt2); }
 
-/// Equally probable values of a standard normal number, scaled to the variance 1.
-const std::vector<double>& normal_values() {
-  static const std::vector<double> values = [] {
-    constexpr int count = 64;
-    std::vector<double> v;
-    double square = 0;
-    for (int i = 0; i < count; ++i) {
-      double low = -8, high = 8;
-      for (int k = 0; k < 60; ++k) {
-        const double middle = 0.5 * (low + high);
-        (1 - above(middle) < (i + 0.5) / count ? low : high) = middle;
-      }
-      v.push_back(low);
-      square += low * low / count;
-    }
-    for (double& x : v) x /= std::sqrt(square);
-    return v;
-  }();
-  return values;
-}
+}  // namespace
+
+namespace {
+
+/// Below this noise only the nearest edge matters: the next one is at least 10 standard deviations away.
+constexpr double one_edge = 0.05;
+/// From this noise on, the rounding error is independent of y: its first harmonic is exp(-32 pi^2).
+constexpr double no_edge = 4;
 
 }  // namespace
 
-DitheredRounding::DitheredRounding(double s) : large_(0) {
-  // From 4 counts on, the rounding error is independent of y: its first harmonic is exp(-32 pi^2).
-  if (s >= 4) {
-    large_ = s * s + 1 / 12.0;
-    return;
-  }
-  // Narrower steps would fall between the rows; their mean variance s/sqrt(pi) is kept.
-  const double wide = std::max(s, 2.0 / parts);
+DitheredRounding::DitheredRounding(double s) : s_(s) {
+  if (s < one_edge || s >= no_edge) return;
   for (std::size_t i = 0; i <= parts; ++i) {
     const double y = static_cast<double>(i) / parts;
     double mean = 0, square = 0;
-    for (int j = 0; j <= 2 + 7 * wide; ++j) {
-      const double up = above((j + 0.5 - y) / wide), down = above((j + 0.5 + y) / wide);
+    for (int j = 0; j <= 2 + 7 * s; ++j) {
+      const double up = above((j + 0.5 - y) / s), down = above((j + 0.5 + y) / s);
       mean += up - down;
       square += (2 * j + 1) * (up + down);
     }
-    error_.push_back(mean - y);
-    variance_.push_back((square - mean * mean) * s / wide);
+    table_.push_back({mean - y, square - mean * mean});
   }
 }
 
-double DitheredRounding::at(const std::vector<double>& table, double y) const {
-  if (table.empty()) return &table == &variance_ ? large_ : 0;
-  const double row = (y - std::floor(y)) * parts;
+DitheredRounding::Moments DitheredRounding::operator()(double y) const {
+  const double part = y - std::floor(y);
+  if (s_ >= no_edge) return {0, s_ * s_ + 1 / 12.0};
+  if (s_ < one_edge) {
+    const double distance = (part - 0.5) / s_;
+    constexpr double certain = 9;  // standard deviations
+    if (std::abs(distance) > certain) return {(distance > 0 ? 1 : 0) - part, 0};
+    const double up = above(-distance);
+    return {up - part, up * (1 - up)};
+  }
+  const double row = part * parts;
   const auto i = std::min(static_cast<std::size_t>(row), parts - 1);
-  return table[i] + (row - static_cast<double>(i)) * (table[i + 1] - table[i]);
+  const double after = row - static_cast<double>(i);
+  const Moments &low = table_[i], &high = table_[i + 1];
+  return {low.error + after * (high.error - low.error),
+          low.variance + after * (high.variance - low.variance)};
 }
 
 CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect>& effects,
@@ -91,8 +83,10 @@ CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect
       decoder_.actions.push_back(kind.action(effect, e, 0));
   }
   decoder_.sign = direction(e);
+  decoder_.noise = noise_;
+  decoder_shift_ = below_reading(e) - below_reading(model.transmission.encoders[encoder]);
+  if (!line.empty() || !decoder_.empty()) shift_ = below_reading(e) - 0.5;
   if (line.empty()) return;
-  shift_ = below_reading(e) - 0.5;
   span_ = e.counts_per_period;
   constexpr double least = 16384, most = 262144, per_count = 64;
   const auto rows = static_cast<std::size_t>(std::clamp(per_count * span_, least, most));
@@ -105,7 +99,7 @@ CountErrors::CountErrors(const OperationalModel& model, const std::vector<Effect
 }
 
 double CountErrors::affordable() const {
-  if (decoder_.empty()) return 0x1p25;
+  if (decoder_.empty()) return line_.empty() || jitter_ == 0 ? 0x1p25 : 0x1p22;  // a table for every slope
   return random() ? 0x1p20 : 0x1p24;
 }
 
@@ -152,7 +146,7 @@ std::pair<double, double> CountErrors::decoded(double w, double y, double s, dou
 
 double CountErrors::operator()(double x, const Moment& m, double speed, const std::vector<double>& zeros,
                                const std::vector<double>& weights, double* errors) {
-  const double of_decoder = decoder_.empty() ? 0 : decoder_.mean(x, m) - x;
+  const double of_decoder = mean_of_decoder(x, m);
   const double jitter = jitter_ * std::abs(speed);
   const DitheredRounding* rounding = nullptr;
   double before = -1, variance = 0;
@@ -173,8 +167,9 @@ double CountErrors::operator()(double x, const Moment& m, double speed, const st
     } else {
       if (s != before) rounding = &this->rounding(s);
       before = s;
-      errors[k] = rounding->error(y) + (y - w);
-      variance += weights[k] * rounding->variance(y);
+      const DitheredRounding::Moments rounded = (*rounding)(y);
+      errors[k] = rounded.error + (y - w);
+      variance += weights[k] * rounded.variance;
     }
   }
   return adds_jitter_ ? variance : std::max(0.0, variance - jitter * jitter);

@@ -21,13 +21,14 @@ class DitheredRounding {
   /// @param s  standard deviation of N, > 0
   explicit DitheredRounding(double s);
 
-  double error(double y) const { return at(error_, y); }        ///< E[round(y + N)] - y
-  double variance(double y) const { return at(variance_, y); }  ///< of round(y + N)
+  struct Moments {
+    double error = 0, variance = 0;  ///< E[round(y + N)] - y, and the variance of round(y + N)
+  };
+  Moments operator()(double y) const;
 
  private:
-  double at(const std::vector<double>& table, double y) const;
-  double large_;                          // the variance if N is so large that y does not matter; else 0
-  std::vector<double> error_, variance_;  // at multiples of 1/512
+  double s_;
+  std::vector<Moments> table_;  // at multiples of 1/512; empty where a closed form serves
 };
 
 /// Errors of the counts of one encoder with everything that acts within a line and on its counts: distortion
@@ -39,7 +40,13 @@ class CountErrors {
 
   bool plain() const { return line_.empty() && !random() && decoder_.empty(); }  ///< rounding, nothing else
   bool random() const { return rounds_ && (noise_ > 0 || jitter_ > 0); }
+  bool decodes() const { return !decoder_.empty(); }
+  double mean_of_decoder(double x, const Moment& m) const {
+    const double counted = x + decoder_shift_;
+    return decodes() ? decoder_.mean(counted, m) - counted : 0;
+  }
   bool jitters() const { return rounds_ && jitter_ > 0; }
+  double noise() const { return rounds_ ? noise_ : 0; }  ///< before the rounding, without jitter [counts]
   /// Counts after which the error repeats: those of a line, or 1.
   double span() const { return line_.empty() ? 1 : span_; }
   /// Errors that can be evaluated in a second.
@@ -63,6 +70,7 @@ class CountErrors {
   std::pair<double, double> decoded(double w, double y, double s, double u, const Moment&) const;
 
   bool rounds_, adds_jitter_;
+  double decoder_shift_ = 0;                              // by an effect that changes the rounding
   double shift_ = 0, span_ = 1, noise_ = 0, jitter_ = 0;  // [counts, counts, counts, s]
   std::vector<double> line_;                              // distortion over a line
   Decoder decoder_;

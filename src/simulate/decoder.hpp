@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cmath>
 #include <vector>
 
 #include "qerr/effect/effect_kind.hpp"
@@ -10,7 +9,8 @@ namespace qerr {
 /// Effects of stage `decoder` on the counts of one encoder, which are defined for integers.
 struct Decoder {
   std::vector<Action> actions;
-  double sign = 1;  ///< of the counter: its direction
+  double sign = 1;   ///< of the counter: its direction
+  double noise = 0;  ///< standard deviation of the position before the rounding [counts]
 
   bool empty() const { return actions.empty(); }
 
@@ -21,11 +21,15 @@ struct Decoder {
     return sign * x;
   }
 
-  /// Mean over the encoder's zero at a position in counts: interpolated between the two next integers.
-  double mean(double position, const Moment& m) const {
-    const double below = std::floor(position), part = position - below, decoded = (*this)(below, m);
-    return part == 0 ? decoded : decoded + part * ((*this)(below + 1, m) - decoded);
-  }
+  /// Mean over the encoder's zero and the noise at a position in counts.
+  double mean(double position, const Moment&) const;
+
+ private:
+  /// Mean over the zero: interpolated between the two next integers.
+  double mean_over_zero(double position, const Moment&) const;
 };
+
+/// 64 equally probable values of a standard normal number, scaled to the variance 1.
+const std::vector<double>& normal_values();
 
 }  // namespace qerr

@@ -19,11 +19,16 @@ namespace {
 constexpr double enough_crossings = 131072;
 constexpr double fewest_zeros = 64, most_zeros = 4096;
 
-/// Zeros times positions within a count that are to be evaluated. One zero in each of K equal parts of a
-/// count leaves a relative standard deviation of 1.7/(K sqrt(D/M)) in sigma of D positions and a filter's
-/// memory of M samples: each of the M edges in the memory is misplaced by up to a part, which changes the
-/// square of the output by 2 sqrt(12/M) of its mean. It is 0.04 % of 1000 positions at M = 100.
-constexpr double enough_evaluations = 0x1p22;
+/// Zeros that D different positions within a count need. One zero in each of K equal parts of a count
+/// misplaces each of the M edges in the filter's memory by up to a part, which changes the square of the
+/// output by 2 sqrt(12/M) of its mean: a relative standard deviation of 1.7/(K sqrt(max(D/M, 1))) in sigma,
+/// 0.09 %.
+double enough_zeros(const Filter& filter, double distinct) {
+  // Most of the response of a pole p is within 5/(1 - |p|) samples.
+  const auto finite = static_cast<double>(filter.taps.size() + 2 * filter.sections.size());
+  const double memory = 1 + finite + 5 / std::max(1 - poles_max_modulus(filter), 1e-6);
+  return 2000 * std::sqrt(std::min(1.0, memory / distinct));
+}
 
 /// Zeros that a record of so many samples affords in a simulation: at a whole number of counts per sample, or
 /// simple fractions, a record of any length shows few positions within a count.
@@ -35,10 +40,10 @@ struct Zeros {
 
   /// Over a count. At the zeros where the record crosses no edge the error is a constant less the motion, and
   /// its filtered square quadratic in the constant: two Gauss points are exact.
-  Zeros(const Travel& t, double samples) {
+  Zeros(const Filter& filter, const Travel& t, double samples) {
     constexpr double most_evaluated = 0x1p27;
     const double crossed = std::min(t.range(), 1.0), from = 0.5 - t.upper;
-    const double wanted = std::max(enough_crossings * crossed / t.length, enough_evaluations / t.distinct);
+    const double wanted = std::max(enough_crossings * crossed / t.length, enough_zeros(filter, t.distinct));
     const std::size_t count = number(wanted, samples, most_evaluated, most_zeros);
     add_parts(from, crossed, crossed < 1 ? count - 2 : count);
     for (double& position : positions) position = std::remainder(position, 1.0);
@@ -49,12 +54,17 @@ struct Zeros {
   }
 
   /// Over a line of `span` counts: the edges in the memory are `span` times as many, so that sqrt(span) times
-  /// as many zeros are wanted.
-  /// @param most  of all samples that are evaluated
-  Zeros(double span, const Travel& t, double samples, double most) {
-    const double wanted = std::sqrt(span) * std::max(enough_crossings / std::max(t.length, 1.0),
-                                                     enough_evaluations / t.distinct);
-    add_parts(-0.5 * span, span, number(wanted, samples, most, most_zeros * std::min(std::sqrt(span), 4.0)));
+  /// as many zeros are wanted. Noise of s counts leaves harmonics of a count below 8/s (its factor of the
+  /// next is exp(-128 pi^2)), which 16/s equally spaced zeros integrate exactly.
+  /// @param noise  [counts]
+  /// @param most   of all samples that are evaluated
+  Zeros(const Filter& filter, double span, const Travel& t, double samples, double noise, double most) {
+    double wanted = std::sqrt(span) *
+                    std::max(enough_crossings / std::max(t.length, 1.0), enough_zeros(filter, t.distinct));
+    const bool smooth = wanted * noise > 16 * span;
+    if (smooth) wanted = 16 * span / noise;
+    add_parts(-0.5 * span, span, number(wanted, samples, most, most_zeros * std::min(std::sqrt(span), 4.0)),
+              !smooth);
     for (double& weight : weights) weight /= span;
   }
 
@@ -64,13 +74,15 @@ struct Zeros {
     return static_cast<std::size_t>(std::clamp(wanted, fewest_zeros, most) / 8) * 8;  // whole vectors
   }
 
-  /// A random position in each of equal parts: equally spaced ones would share every misplacement of an edge
-  /// at simple fractions of a count per sample.
-  void add_parts(double from, double length, std::size_t count) {
+  /// A random position in each of equal parts, where equally spaced ones would share every misplacement of an
+  /// edge at simple fractions of a count per sample; or the middle of each.
+  void add_parts(double from, double length, std::size_t count, bool random = true) {
     constexpr std::uint64_t stream = 0x7a65726f73;
     const double step = length / static_cast<double>(count);
-    for (std::size_t k = 0; k < count; ++k)
-      add(from + (static_cast<double>(k) + unit_interval(random_bits(0, k, stream))) * step, step);
+    for (std::size_t k = 0; k < count; ++k) {
+      const double part = random ? unit_interval(random_bits(0, k, stream)) : 0.5;
+      add(from + (static_cast<double>(k) + part) * step, step);
+    }
   }
 
   void add(double position, double weight) {
@@ -105,13 +117,17 @@ class FilteredZeros {
         filter_(filter, zeros_.positions.size(), batch_size),
         errors_(zeros_.positions.size() * batch_size),
         out_(errors_.size()),
-        squares_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(zeros_.positions.size()))) {}
+        squares_(Eigen::VectorXd::Zero(static_cast<Eigen::Index>(zeros_.positions.size()))),
+        of_means_(filter, few, batch_size),
+        means_(few * batch_size),
+        out_of_means_(few * batch_size) {}
 
-  /// @param x        positions at successive samples [counts]
+  /// @param x        positions at successive samples, with what displaces them [counts]
+  /// @param truth    the positions themselves [counts]
   /// @param moments  of these samples
   /// @param speeds   [counts/s]
   /// @param settled  the first after the settling
-  void add(const std::vector<double>& x, const std::vector<Moment>& moments,
+  void add(const std::vector<double>& x, const std::vector<double>& truth, const std::vector<Moment>& moments,
            const std::vector<double>& speeds, std::size_t settled) {
     const std::size_t count = zeros_.positions.size();
     settled_ += settled;
@@ -124,10 +140,14 @@ class FilteredZeros {
       const double variance =
           count_errors_(x[i], moments[i], speeds[i], zeros_.positions, zeros_.weights, errors);
       if (count_errors_.random()) scatter_.push_back(variance);
-      if (i >= settled)
-        for (std::size_t k = 0; k < count; ++k) mean_ += zeros_.weights[k] * errors[k];
+      double mean = 0;
+      for (std::size_t k = 0; k < count; ++k) mean += zeros_.weights[k] * errors[k];
+      if (i >= settled) mean_ += mean;
+      means_[i * few] = x[i] - truth[i] + count_errors_.mean_of_decoder(x[i], moments[i]);
+      means_[i * few + 1] = mean;
     }
     if (!started_) filter_.settle(errors_.data());
+    if (count_errors_.decodes()) add_means(x.size(), settled);
     started_ = true;
     filter_(errors_.data(), count, x.size(), out_.data());
     for (std::size_t i = settled; i < x.size(); ++i)
@@ -140,10 +160,24 @@ class FilteredZeros {
     const Eigen::Map<const Eigen::VectorXd> weights(zeros_.weights.data(), squares_.size());
     double square = squares_.dot(weights) / samples;
     if (!scatter_.empty()) square += filtered_scatter(filter, scatter_, settled_) / samples;
-    return std::max(0.0, square - std::pow(gain_ * mean_ / samples, 2));
+    const double correlated = products_ / samples - first_ / samples * second_ / samples;
+    return std::max(0.0, square - std::pow(gain_ * mean_ / samples, 2) + 2 * correlated);
   }
 
  private:
+  /// Where an error within a line meets a jump of the decoder, the mean error over the zeros is not the
+  /// decoder's: a signal that correlates with that of the mean path.
+  void add_means(std::size_t rows, std::size_t settled) {
+    if (!started_) of_means_.settle(means_.data());
+    of_means_(means_.data(), few, rows, out_of_means_.data());
+    for (std::size_t i = settled; i < rows; ++i) {
+      const double first = out_of_means_[i * few], second = out_of_means_[i * few + 1];
+      first_ += first;
+      second_ += second;
+      products_ += first * second;
+    }
+  }
+
   /// Errors of a quantizer at x + u: [x + u] - x - u.
   void set_errors(double x, double* errors) const {
     // The addition rounds to the nearest integer and, unlike floor, in a vector.
@@ -163,6 +197,10 @@ class FilteredZeros {
   RowFilter filter_;
   AlignedNumbers errors_, out_;
   Eigen::VectorXd squares_;
+  static constexpr std::size_t few = 8;  // channels of a row filter
+  RowFilter of_means_;
+  AlignedNumbers means_, out_of_means_;
+  double first_ = 0, second_ = 0, products_ = 0;
   std::vector<double> scatter_;  // variance of every sample
   std::size_t settled_ = 0;      // number of samples before the end of the settling
   bool started_ = false;
@@ -246,12 +284,13 @@ Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::v
     jitters = jitters || errors.jitters();
     const auto samples = static_cast<double>(record.filter_samples());
     if (errors.plain() && (travelled[e].range() == 0 || !rounds)) continue;
-    Zeros zeros = errors.plain() ? Zeros(travelled[e], samples)
-                                 : Zeros(errors.span(), travelled[e], samples, errors.affordable());
+    Zeros zeros = errors.plain() ? Zeros(filter, travelled[e], samples)
+                                 : Zeros(filter, errors.span(), travelled[e], samples, errors.noise(),
+                                         errors.affordable());
     moving[e].emplace(filter, std::move(zeros), std::move(errors));
   }
   const Speeds speeds(model, motion);
-  std::vector<double> x;
+  std::vector<double> x, truth;
   std::vector<std::vector<double>> v(encoders);
   std::vector<Moment> moments;
   record.read(model, displacing, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
@@ -268,9 +307,12 @@ Eigen::VectorXd variances_over_zeros(const OperationalModel& model, const std::v
     for (std::size_t e = 0; e < encoders; ++e) {
       if (!moving[e]) continue;
       x.clear();
-      for (const std::size_t i : used)
+      truth.clear();
+      for (const std::size_t i : used) {
         x.push_back(batch.measured[e * batch_size + i] / model.transmission.encoders[e].resolution);
-      moving[e]->add(x, moments, v[e], settled);
+        truth.push_back(batch.encoder[e * batch_size + i] / model.transmission.encoders[e].resolution);
+      }
+      moving[e]->add(x, truth, moments, v[e], settled);
     }
   });
   const auto samples = static_cast<double>(record.samples_after_settling());

@@ -49,8 +49,9 @@ std::uint64_t zeros_of_simulation(const std::vector<Travel>&, std::uint64_t samp
 ///
 /// (no correlation of noise and rounding error remains in the mean over u). Jitter of the sampling instants
 /// is noise of the speed's size. Behind effects on the decoder, y is the filter of the error less its mean
-/// over u. The figure is within 0.5 % of that of infinitely many zeros; not so where two effects meet: jitter
-/// within a line (it is linearized about the position) and noise of several counts near a counter's overflow.
+/// over u. The figure is within 0.5 % of that of infinitely many zeros; not so for jitter
+/// where other effects change the speed at the encoder, or over a good part of a line with an error of its
+/// own: it is linearized about the position, with the speed of the joint.
 /// @param effects   that displace what is rounded or change its counts
 /// @param settling  initial part that is excluded [s]
 /// @returns one per encoder; empty if the record has more than `longest_record` samples

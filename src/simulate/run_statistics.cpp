@@ -169,20 +169,23 @@ RunStatistics::Interval RunStatistics::sigma_interval(Eigen::Index channel) cons
 RunStatistics::Interval RunStatistics::sigma_interval_of(std::uint64_t runs, double variance,
                                                          Eigen::Index channel) const {
   constexpr std::uint64_t draws = 2000, stream = 0x64726177;
-  const double truth = this->variance(channel);
-  std::vector<double> errors;
-  for (std::uint64_t d = 0; d < draws; ++d) {
+  std::uint64_t drawn = 0;
+  // Variance over so many of the blocks, drawn with replacement.
+  const auto variance_of_drawn = [&](std::uint64_t count) {
     double mean = 0, squares = 0;
-    for (std::uint64_t r = 0; r < runs; ++r) {
-      const std::uint64_t bits = random_bits(0, d * runs + r, stream);
-      const Sums& s =
-          blocks_[static_cast<std::size_t>(unit_interval(bits) * static_cast<double>(blocks_.size()))];
-      const double next = s.mean[channel], difference = next - mean;
+    for (std::uint64_t r = 0; r < count; ++r) {
+      const double place =
+          unit_interval(random_bits(0, drawn++, stream)) * static_cast<double>(blocks_.size());
+      const Sums& s = blocks_[static_cast<std::size_t>(place)];
+      const double difference = s.mean[channel] - mean;
       mean += difference / static_cast<double>(r + 1);
-      squares += s.squares[channel] / s.count + difference * (next - mean);
+      squares += s.squares[channel] / s.count + difference * (s.mean[channel] - mean);
     }
-    errors.push_back(squares / static_cast<double>(runs) - truth);
-  }
+    return squares / static_cast<double>(count);
+  };
+  std::vector<double> errors;
+  for (std::uint64_t d = 0; d < draws; ++d)
+    errors.push_back(variance_of_drawn(runs) - variance_of_drawn(blocks_.size()));
   std::sort(errors.begin(), errors.end());
   const auto root = [&](double part) {
     return std::sqrt(std::max(0.0, variance - errors[static_cast<std::size_t>(part * draws)]));

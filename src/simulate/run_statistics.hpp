@@ -67,8 +67,9 @@ class RunStatistics {
   Interval sigma_interval(Eigen::Index channel) const;
 
   /// 95 % interval of the sigma of all runs, given the variance over a few other runs: that variance less the
-  /// 97.5 % and 2.5 % quantiles of its error, which are those of 2000 draws of as many of these runs. Runs of
-  /// slow motions are far from normally distributed, and two of them may agree by chance.
+  /// 97.5 % and 2.5 % quantiles of its error, in 2000 draws of as many of these runs for the variance and of
+  /// all of them for the truth (bootstrap). Runs of slow motions are far from normally distributed, and two
+  /// of them may agree by chance.
   Interval sigma_interval_of(std::uint64_t runs, double variance, Eigen::Index channel) const;
 
  private:

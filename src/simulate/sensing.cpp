@@ -60,6 +60,12 @@ Sensing::Sensing(const OperationalModel& model, const Motion& motion, const std:
       if (static_cast<int>(kind.stage) != stage) continue;
       const std::size_t joint = independent_index(model.chain, effects[i].joint);
       Actions& a = actions_[joint];
+      if (!rounds_ && kind.random()) {
+        if (kind.stage == Stage::comparator)
+          a.decoder.noise = std::hypot(a.decoder.noise,
+                                       effects[i].number("sigma") / transmission_.encoders[joint].resolution);
+        continue;
+      }
       auto& list = kind.stage == Stage::clock                               ? a.clock
                    : kind.stage == Stage::link || kind.stage == Stage::gear ? a.motion
                    : kind.stage == Stage::decoder                           ? a.decoder.actions

@@ -72,7 +72,7 @@ class Sensing {
     bool effort = false;  ///< compute efforts in any case, if the robot has masses; otherwise only if an
                           ///< effect needs them
     /// Whether positions are rounded to counts. If not, a count is position/Delta and what effects change in
-    /// its mean over the position of the encoder's zero: it is not an integer.
+    /// its mean over the position of the encoder's zero and over the noise: it is not an integer.
     bool rounds = true;
   };
   Sensing(const OperationalModel&, const Motion&, const std::vector<Effect>&, const Options&,

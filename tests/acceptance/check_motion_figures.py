@@ -107,10 +107,12 @@ class Slider:
         self.time = np.arange(round(motion.duration * rate)) / rate
         self.line = per_line if any(STAGES[e["type"]] == 4 for e in effects) else 1
 
-    def errors(self, rng, zeros, limit=None):
-        """Errors [sample][zero]; `limit`: of random numbers, in standard deviations."""
+    def errors(self, rng, zeros, limit=None, of_joint=True):
+        """Errors [sample][zero]; `limit`: of random numbers, in standard deviations. The zeros are those of the joint, as in `simulate`,
+        or of the encoder's counts: not the same for effects that depend on the position."""
         place = (np.arange(zeros) + rng.random(zeros)) / zeros * self.line
-        in_line, u = np.floor(place), (place % 1 - 0.5) * self.step
+        in_line, zero = np.floor(place), (place % 1 - 0.5) * self.step
+        u, of_counts = (zero, 0) if of_joint else (0, zero)
 
         def normal():
             n = rng.standard_normal((len(self.time), zeros))
@@ -149,17 +151,17 @@ class Slider:
                 x = x + e["amplitude"] * -np.expm1(-t / e["time_constant"])
         line = [e for e in effects if STAGES[e["type"]] == 4]
         noise = sum((e["sigma"] * normal() for e in effects if e["type"] == "noise"), 0)
-        y = x / self.step
+        y = (x + of_counts) / self.step
         if line and line[0]["type"] == "subdivision_error":
             y = y + self.subdivision(line[0], y + in_line)
-        y = y + noise / self.step
         if line and line[0]["type"] == "state_width":
+            # Two states of the widths 1 + shift and 1 - shift, stretched to one count each: noise acts behind the line.
             shift = line[0]["phase"] / (2 * math.pi) * 4
             p = y + below + in_line
             base = 2 * np.floor(p / 2)
-            counts = base + (p - base >= 1 + shift) - in_line
-        else:
-            counts = np.floor(y + below)
+            first = p - base < 1 + shift
+            y = base + np.where(first, (p - base) / (1 + shift), 1 + (p - base - 1 - shift) / (1 - shift)) - below - in_line
+        counts = np.floor(y + noise / self.step + below + 1e-9)
         for e in self.spec_order(effects):
             if e["type"] == "decoding":
                 counts = np.floor(e["factor"] * counts + 0.5)
@@ -168,7 +170,7 @@ class Slider:
             elif e["type"] == "missed_counts":
                 counts = np.where(t >= e["time"] - 1e-12, counts + e["counts"], counts)
         built = sum(e["length"] for e in effects if e["type"] == "geometry")
-        return counts * self.step - true - built
+        return counts * self.step - of_counts - true - built
 
     @staticmethod
     def spec_order(effects):
@@ -282,7 +284,7 @@ def one_case(t, qerr, folder, seed, worst):
     peak = np.abs(peaks[settled:]).max()
     for bound, value in bounds.items():
         t.check(f"{what}: position {bound}", peak <= value * (1 + 1e-9), f"{peak / value:.5f} of it")
-    many = slider.errors(rng, SIGMA_ZEROS)
+    many = slider.errors(rng, SIGMA_ZEROS, of_joint=False)
     for i, derivative in zip(chosen, report["derivatives"]):
         x = derivative["coordinates"][0]
         peak, value = np.abs(filtered(FILTERS[i], peaks)[settled:]).max(), x["worst_case"]["max"]
@@ -305,7 +307,8 @@ def check_intervals(t, qerr, folder, count):
              ("a slow ramp", "{center: 0.0131, velocity: 0.0007}", "", 2),
              ("a ramp", "{center: 0.0131, velocity: 0.0127}", "", 4),
              ("noise", "{center: 0.0131, velocity: 0.0127}", "effects: [{type: noise, joint: slider, sigma: 0.2 mm}]\n", 3),
-             ("a slow sine", "{sines: [{amplitude: 2 mm, frequency: 0.7 Hz}]}", "", 16)]
+             ("a slow sine", "{sines: [{amplitude: 2 mm, frequency: 0.7 Hz}]}", "", 16),
+             ("many runs", "{center: 0.0131, velocity: 0.0127}", "", 100)]
     for name, motion, effects, runs in cases:
         path = folder / "interval.yaml"
         path.write_text(
@@ -333,7 +336,7 @@ def main():
     parser.add_argument("--qerr", required=True)
     parser.add_argument("--count", type=int, default=400, help="random specs")
     parser.add_argument("--first", type=int, default=0, help="seed of the first")
-    parser.add_argument("--intervals", type=int, default=200, help="seeds of `simulate --runs`, of each of five motions")
+    parser.add_argument("--intervals", type=int, default=200, help="seeds of `simulate --runs`, of each of six motions")
     parser.add_argument("--verbose", action="store_true")
     arguments = parser.parse_args()
     t, worst = Tally(arguments.verbose), []

@@ -214,6 +214,12 @@ STATEMENTS = {
             lambda v: v.printed(r'(?s)"gear_ratio".*?"default": (\d+)\.0', "schema"),
         ),
     ],
+    TOPICS["motion"]: [
+        (
+            r"for less than (\d+) of them, up to (\d+) other runs",
+            lambda v: v.source("src/simulate/simulate.cpp", r"enough = (\d+), most = (\d+),"),
+        ),
+    ],
     TOPICS["filters"]: [(r"accurate to (\d+) % and (\d+) %, and `--speed`", percent_names)],
     TOPICS["figures"]: [
         (r"\(median, (p\d+), (p\d+), max\)", statistics),
@@ -230,9 +236,10 @@ STATEMENTS = {
         ),
         (r"exact up to ([\d ]+) configurations", percentiles_limit),
         (
-            r"mean is that of (\d+) to (\d+) equally spaced zeros, within (\S+) % of the limit",
-            lambda v: v.source("src/simulate/quantization_along_motion.cpp", r"zeros = (\d+), most_zeros = (\d+);")
-            + (_percent(v.source("tests/simulate/quantization_along_motion_test.cpp", r"expected, 1, (\S+)\)")[0]),),
+            r"It is within (\S+) % of the mean over all zeros",
+            lambda v: (
+                _percent(v.source("tests/acceptance/check_motion_figures.py", r"tolerance = (\S+) \* truth")[0]),
+            ),
         ),
         (r"accurate to (\S+) relative and", lambda v: v.source(HISTOGRAM, r"relative error at most (\S+) for any")),
         (r"agree to (\d+) digits", agreed_digits),
@@ -353,7 +360,7 @@ NAMES = {
         r"\|H\(1\)\|",
     ],
     TOPICS["requirements"]: [r"actions/checkout@v4\b", r"actions/upload-artifact@v4\b"],
-    TOPICS["motion"]: [r"\bphase 0\b"],
+    TOPICS["motion"]: [r"\bphase 0\b", r"The 95 % interval"],
     TOPICS["variants"]: [
         # Examples of the forms of an entry.
         r"\{key: K, values: \[1, 2, 3\]\}",
@@ -362,7 +369,7 @@ NAMES = {
         r"`\{key: encoders\.a2, catalogue: encoders\.csv\}`",
         r"`--statistics max,p99`",
     ],
-    TOPICS["effects"]: [r"\bH2\b"],
+    TOPICS["effects"]: [r"\bH2\b", r"\bl1\b"],
     TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",
                      r"`123\.0`", r"multiples of 1/4, say", r"1/1024 or coarser"],
     PAPER: [

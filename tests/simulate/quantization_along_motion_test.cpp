@@ -208,19 +208,19 @@ TEST(SigmaAlongMotion, BehindADecoderIsThatOfTheDecodedCounts) {
 /// The sum over the harmonics of the rounding error; see `sigma_along_motion`.
 TEST(SigmaAlongMotion, WithNoiseIsThatOfEveryHarmonic) {
   for (const double s : {0.02, 0.25, 0.8})
-    for (const double v : {0.0, 0.013, 0.37, 1.0, 2.49})
+    for (const double v : {0.0, 0.013, 2.37})
       for (const Filter& filter :
            {cascade(1, 2), cascade(0, 1, 20), design_filter("butterworth", 2, 1000, 4, 30)}) {
         const double square = std::pow(h2_norm(filter), 2);
         double sum = s * s * square;
-        constexpr int most = 20000;
+        constexpr int most = 4000;
         for (int k = 1; k <= most; ++k) {
           const double w = std::exp(-4 * pi * pi * k * k * s * s);
           const double power = std::norm(response(filter, std::remainder(k * v, 1.0) * filter.sample_rate));
           sum += (w * power + (1 - w) * square) / (2 * pi * pi * k * k);
         }
         sum += square / (2 * pi * pi * (most + 0.5));
-        const Motion motion{1000, 4, {}, {{0.3e-3, v, {}, {}}}, {}};
+        const Motion motion{1000, 2, {}, {{0.3e-3, v, {}, {}}}, {}};
         const auto sigma =
             sigma_along_motion(one_slider(), {effect_of("noise", "sigma", s * 1e-3)}, motion, filter, 1);
         EXPECT_NEAR((*sigma)[0] / std::sqrt(sum), 1, 0.003) << s << ' ' << v << ' ' << filter.derivative;

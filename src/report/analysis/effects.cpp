@@ -167,6 +167,8 @@ class EffectsInMotion {
         if (tied) tie(s, source);
         sources.push_back(std::move(source));
       }
+      // Noise smooths the jumps of the mean.
+      if (s.included && kind.random() && decoder_jumps(spec_, s.joint)) signals_.push_back(s.effect);
       return;
     }
     signals_.push_back(s.effect);
