@@ -88,7 +88,7 @@ def reports(qerr, folder):
     yield "simulate", ["simulate", moving, "--tracking"]
     yield "simulate", ["simulate", moving, "--cutoffs", "velocity_1=10Hz..100Hz"]
     yield "analyze", ["analyze", arm, *few, "--above", "position.xyz.worst_case=50um", "--above", "position.x.sigma=1 m"]
-    yield "analyze", ["analyze", arm, *few, "--set", "encoders={'*': {bits: 17, accuracy: 20 arcsec}}", "--set", "frame=tip",
+    yield "analyze", ["analyze", arm, *few, "--set", "encoders={'*': {bits: 17, accuracy: 20 arcsec, gear_accuracy: 0, max_count_rate: 1 MHz}}", "--set", "frame=tip",
                       "--set", "coordinates=[x, y, z, rx, ry, rz]"]
     yield "plan", ["diagnose", DIAGNOSIS, "--plan"]
     yield "filter", ["filter", FILTERS, "--coefficients", "--at", "5,10", "--motion-band", "0.5Hz", "5Hz"]

@@ -2,6 +2,7 @@
 
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/analysis/ellipsoids.hpp"
 #include "report/analysis/json_header.hpp"
@@ -79,6 +80,7 @@ Json effects(const Analysis& a) {
 Json joints(const Analysis& a) {
   Json list = Json::array();
   const Spec& spec = a.spec;
+  EncoderSpeeds speeds;
   for (std::size_t i = 0; i < spec.model.chain.independent.size(); ++i) {
     const IndependentJoint& joint = spec.model.chain.independent[i];
     const auto row = static_cast<Eigen::Index>(i);
@@ -92,6 +94,11 @@ Json joints(const Analysis& a) {
     if (accuracy > 0) list.back()["accuracy"] = accuracy;
     const double of_gear = spec.model.transmission.encoders[i].gear_accuracy;
     if (of_gear > 0) list.back()["gear_accuracy"] = of_gear;
+    const std::optional<CountLimit> limit = count_limit(spec, i);
+    if (!limit) continue;
+    if (speeds.empty()) speeds = encoder_speeds(spec);
+    list.back()["count_rate"] = speeds[i] ? Json(count_rate(spec, i, *speeds[i])) : Json();
+    list.back()["max_count_rate"] = limit->rate;
   }
   return list;
 }

@@ -122,7 +122,9 @@ Json analysis_schema() {
                              {"sigma", number()},
                              {"mean", number()},
                              {"accuracy", number(), "of the encoder, at the joint side", true},
-                             {"gear_accuracy", number(), "at the joint", true}});
+                             {"gear_accuracy", number(), "at the joint", true},
+                             {"count_rate", number_or_null(), "counts/s; where a limit is stated", true},
+                             {"max_count_rate", number(), "counts/s", true}});
   const Json parts = object({{"quantization", number()},
                              {"accuracy", number(), "as a sine of that amplitude"},
                              {"effects", number(), "attributed to the encoder"}});
