@@ -97,7 +97,8 @@ TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
 TEST(Threshold, IsRefusedWhereNothingMovesTheTip) {
   const auto row = [](const std::string& robot) { return threshold_row(servo(", derivative: 1", robot), 1); };
   EXPECT_THROW(row(""), Error);
-  EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-15);
+  // The arm's components along x and y reach the radius at few of 10 configurations.
+  EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-2 * 5e-6);
 }
 
 TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {
