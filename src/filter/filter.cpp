@@ -67,7 +67,6 @@ bool has_unknown_unit(const Filter& f) {
 }
 
 Dimension output_dimension(const Dimension& input, const Filter& f) {
-  if (has_unknown_unit(f)) return dimension::none;
   const Dimension gain = f.unit.value_or(Dimension{.second = -f.derivative});
   return {input.metre + gain.metre, input.radian + gain.radian, input.second + gain.second,
           input.newton + gain.newton, input.kelvin + gain.kelvin};

@@ -199,6 +199,7 @@ void warn_of_joint_side(const Field& f, Spec& spec) {
   std::vector<std::string> names;
   for (Eigen::Index i = 0; i < n; ++i) {
     const EncoderFigures& figures = spec.encoder_figures[static_cast<std::size_t>(i)];
+    if (figures.kind.empty()) continue;  // of a faulty entry
     const EncoderKind& kind = encoder_kind(figures.kind);
     const bool at_joint = kind.resolution_at_joint || (kind.absolute_within == AbsoluteRange::revolution &&
                                                        std::abs(figures.gear_ratio) == 1);

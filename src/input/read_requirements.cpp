@@ -131,6 +131,8 @@ void read_statistic(const Object& o, Requirement& r) {
 std::string unit_of(const Requirement& r, const Spec& spec) {
   if (r.counter >= 0) return "counts/s";  // Hz would be that of a channel's signal
   if (r.figure) return figure_unit(*r.figure, spec.filters[static_cast<std::size_t>(r.filter)].filter);
+  // A law whose unit is not stated is shown without one.
+  if (r.filter >= 0 && has_unknown_unit(spec.filters[static_cast<std::size_t>(r.filter)].filter)) return "";
   return unit_name(dimension_of(r, spec));
 }
 

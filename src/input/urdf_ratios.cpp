@@ -92,10 +92,10 @@ std::string coupling_text(const std::array<double, 2>& ratios, const Eigen::Matr
 
 std::optional<double> stated_travel(const Joint& joint) {
   if (joint.type != JointType::prismatic || !joint.stated_ratio) return std::nullopt;
-  constexpr double usual_range = 0.5;  // [m], that of a first spec where the URDF has none
+  constexpr double largest = 0.5;  // [m], of a pulley of 160 mm on the motor's shaft
   const double travel = 2 * std::numbers::pi / std::abs(*joint.stated_ratio);
   const double range = joint.limits ? joint.limits->upper - joint.limits->lower : 0;
-  return travel <= (range > 0 ? range : usual_range) ? std::optional(travel) : std::nullopt;
+  return travel <= (range > 0 ? std::min(range, largest) : largest) ? std::optional(travel) : std::nullopt;
 }
 
 void UrdfReader::read_ratios(const UrdfElement& root) {
@@ -229,12 +229,13 @@ void UrdfReader::settle_ratio(Joint& joint, const std::vector<const UrdfElement*
   }
   joint.stated_ratio = ratio ? ratio : placeholder;
   if (ratio && joint.type == JointType::prismatic && !stated_travel(joint))
-    flaws_.warn(*stated.front(), key,
-                "the mechanical reduction of a prismatic joint is in motor radians per metre, and this one "
-                "exceeds the joint's range in one motor revolution",
-                shortest(*ratio) + ", which is " + significant(2 * std::numbers::pi / std::abs(*ratio), 3) +
-                    " m a revolution",
-                "taken for the ratio of a gear before screw or pulley: state travel_per_rev in the spec");
+    flaws_.warn(
+        *stated.front(), key,
+        "the mechanical reduction of a prismatic joint is in motor radians per metre, and this one is too "
+        "small for a screw or pulley on the motor",
+        shortest(*ratio) + ", which is " + significant(2 * std::numbers::pi / std::abs(*ratio), 3) +
+            " m a revolution",
+        "taken for the ratio of a gear before screw or pulley: state travel_per_rev in the spec");
 }
 
 }  // namespace qerr

@@ -34,7 +34,8 @@ struct WrittenJoint {
 std::string coupling_text(const std::array<double, 2>& ratios, const Eigen::Matrix2d& coupling);
 
 /// Travel of a prismatic joint per motor revolution, 2 pi / |ratio| [m]; empty for other joints, without a
-/// ratio, and where it exceeds the joint's range: the ratio is then that of a gear, without the screw's lead.
+/// ratio, and where it exceeds the joint's range or 0.5 m: the ratio is then that of a gear, without the
+/// screw's lead.
 std::optional<double> stated_travel(const Joint&);
 
 /// Converts the outline into a model and checks every number and every rule of the kinematic tree.

@@ -79,7 +79,8 @@ Spec servo(const std::string& more, const std::string& robot = "") {
 
 TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
   const Spec bare = servo(""), stated = servo(", unit: N m/rad"), position = servo(", derivative: 0");
-  EXPECT_EQ(derivative_unit(Coordinate::rz, bare.filters[0].filter), "");
+  EXPECT_TRUE(has_unknown_unit(bare.filters[0].filter));
+  EXPECT_FALSE(has_unknown_unit(position.filters[0].filter));
   EXPECT_EQ(derivative_unit(Coordinate::rz, stated.filters[0].filter), "N m");
   EXPECT_EQ(derivative_unit(Coordinate::rz, position.filters[0].filter), "rad");
   EXPECT_EQ(filter_warnings(bare).size(), 1u);
@@ -96,7 +97,8 @@ TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
 TEST(Threshold, IsRefusedWhereNothingMovesTheTip) {
   const auto row = [](const std::string& robot) { return threshold_row(servo(", derivative: 1", robot), 1); };
   EXPECT_THROW(row(""), Error);
-  EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-15);
+  // The arm's components along x and y reach the radius at few of 10 configurations.
+  EXPECT_NEAR(row(", radius: 80 mm").resolution, 0.08 * 2 * std::numbers::pi / 100000, 1e-2 * 5e-6);
 }
 
 TEST(Analysis, UsesIpqnOnlyForAMotionOfTooManySamples) {

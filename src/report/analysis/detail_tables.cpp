@@ -55,7 +55,7 @@ std::string derivative_table(const Analysis& a, std::size_t f) {
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const Coordinate c = coordinates[i];
-    const std::string unit = derivative_unit(c, a.spec.filters[f].filter);
+    const std::string unit = shown_unit(c, a.spec.filters[f].filter);
     if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
       rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));
     else

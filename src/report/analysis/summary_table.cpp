@@ -66,10 +66,9 @@ std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = w.derivatives[f][i];
-      blocks[f + 1].push_back(
-          summary_row(coordinates[i], derivative_unit(coordinates[i], a.spec.filters[f].filter),
-                      d.sigma ? &*d.sigma : nullptr, d.sigma_in_motion ? &*d.sigma_in_motion : nullptr,
-                      motion, d.worst_case));
+      blocks[f + 1].push_back(summary_row(
+          coordinates[i], shown_unit(coordinates[i], a.spec.filters[f].filter), d.sigma ? &*d.sigma : nullptr,
+          d.sigma_in_motion ? &*d.sigma_in_motion : nullptr, motion, d.worst_case));
     }
   return blocks;
 }

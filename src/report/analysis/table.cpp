@@ -28,6 +28,10 @@ std::string name_of(SamplingMethod m) {
 
 }  // namespace
 
+std::string shown_unit(Coordinate c, const Filter& filter) {
+  return has_unknown_unit(filter) ? "" : derivative_unit(c, filter);
+}
+
 double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }
 
 bool has_effects(const Analysis& a) { return !a.spec.model.sources.empty() || a.spec.model.along_motion; }

@@ -35,7 +35,11 @@ Json check_json(const SpecCheck& check) {
     if (r.limits_error()) row["statistic"] = r.statistic;
     row[std::string(r.relation())] = r.limit;
     row["value"] = check.results[i].value;
-    row["unit"] = r.unit;
+    const bool of_filter = r.filter >= 0 && !r.figure;
+    row["unit"] =
+        of_filter ? derivative_unit(coordinates_and_lengths(check.analysis.spec.model)[r.coordinate],
+                                    check.analysis.spec.filters[static_cast<std::size_t>(r.filter)].filter)
+                  : r.unit;
     row["met"] = check.results[i].met;
     if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
     list.push_back(row);

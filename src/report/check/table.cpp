@@ -69,6 +69,9 @@ std::string baseline_table(const BaselineCheck& b, const Style& style) {
   for (const JudgedRequirement& r : b.dropped_requirements)
     out += wrapped("the baseline requires " + shown(r.figure.name()) + ", which the spec does not",
                    style.width, "  ");
+  for (const NamedFigure& f : b.not_in_baseline)
+    out += wrapped("the baseline has no " + shown(f.name()) + ", which the spec requires: it is not compared",
+                   style.width, "  ");
   if (!b.missing.empty())
     out += wrapped("the spec lacks " + counted(b.missing.size(), "figure") + " of the baseline, such as " +
                        shown(b.missing.front().name()),

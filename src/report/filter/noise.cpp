@@ -25,8 +25,8 @@ NoiseRow row_of(const NamedFilter& filter, const std::optional<Autocorrelation>&
   const double rate = filter.filter.sample_rate, counts = counts_of(m, resolution, rate);
   NoiseRow row;
   row.encoder = joint.name;
-  row.unit = unit_name(
-      output_dimension(joint.prismatic() ? dimension::length : dimension::angle, filter.filter));
+  row.unit =
+      unit_name(output_dimension(joint.prismatic() ? dimension::length : dimension::angle, filter.filter));
   row.motion = m;
   row.counts_per_sample = m.sine ? 2 * std::numbers::pi * counts * m.frequency / rate : counts;
   row.sigma_ipqn = resolution * filter.norms.h2 / std::sqrt(12.0);
