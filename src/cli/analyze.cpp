@@ -14,24 +14,26 @@ int run(const Values& v) {
   Spec spec = load(v.text("SPEC"), v);
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"per-configuration"});
   const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options = workspace_options(v);
   ExceedanceCounter counter(spec, limits);
   if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;
+  Outputs outputs;
   if (rows) {
     analysis = analyze(
-        spec, options, [&](const std::string& text) { rows->write(text); }, proofs);
-    rows->close();
+        spec, options, [&](const std::string& text) { outputs.write_next([&] { rows->write(text); }); }, proofs);
+    outputs.write_next([&] { rows->close(); });
   } else {
     analysis = analyze(spec, options, proofs);
   }
   analysis.exceedances = counter.result(analysis);
   Style shown = style(v);
   shown.details = v.given("details");
-  finish(out, write(analysis, chosen_format(v), shown));
+  if (out) outputs.write([&] { finish(*out, write(analysis, chosen_format(v), shown)); });
   warn(analysis.warnings, v);
+  outputs.finish();
   return 0;
 }
 

@@ -9,7 +9,6 @@
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -78,18 +77,17 @@ CheckReport read_and_check(const Values& v, bool annotated) {
 }
 
 int run(const Values& v) {
-  refuse_page(chosen_format(v));
   const auto verdicts = opened(v, "junit");
-  // Verdicts on standard output stand there alone: without -o or --format there is no other report.
-  const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
-  const auto out = only_verdicts ? nullptr : opened(v, "output");
+  const auto out = opened_report(v, {"junit"});
   const bool annotated = v.given("annotations");
   const CheckReport report = read_and_check(v, annotated);
-  if (verdicts) finish(*verdicts, junit(report, now()));
-  if (out) finish(*out, report, v);
+  Outputs outputs;
+  if (verdicts) outputs.write([&] { finish(*verdicts, junit(report, now())); });
+  if (out) outputs.write([&] { finish(*out, report, v); });
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
   if (annotated) annotate(github_annotations(report), table);
   for (const SpecCheck& check : report.specs) warn(check.analysis.warnings, v);
+  outputs.finish();
   return report.all_met() ? 0 : 1;
 }
 
@@ -114,7 +112,7 @@ Command check_command() {
                 .needs = "--baseline"}},
               {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},
               long_work_option(),
-              output_options()});
+              output_options_without_page()});
   options.front().kind = OptionKind::repeat;
   return {"check",
           "Compare the bounds with the requirements of specs; exit code 1 if one is not met",

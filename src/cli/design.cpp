@@ -12,7 +12,7 @@ int run(const Values& v) {
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
   limit_configurations(variants.base(), v);
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-spec"});
   const auto written = opened(v, "write-spec");
   DesignOptions options;
   options.workspace.threads = threads(v);
@@ -20,10 +20,11 @@ int run(const Values& v) {
   options.alternatives = !v.given("only-optimum");
   options.target = v.text("write-spec");
   const DesignReport report = design(variants, options);
-  // First what may fail: a report that is shown says that the spec was written.
-  if (written && report.optimal) finish(*written, report.written);
-  finish(out, report, v);
+  Outputs outputs;
+  if (written && report.optimal) outputs.write([&] { finish(*written, report.written); });
+  if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
+  outputs.finish();
   return report.optimal ? 0 : 1;
 }
 

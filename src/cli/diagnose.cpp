@@ -7,6 +7,7 @@
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/plan_report.hpp"
+#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -45,6 +46,7 @@ int run_plan(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v);
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate : 0, "motion.duration",
              "samples", v);
+  refuse_page(chosen_format(v));
   OutputFile out(v.text("output"));
   PlanOptions options;
   options.reference_noise = v.number("reference-noise");
@@ -72,7 +74,7 @@ int run(const Values& v) {
   inputs.push_back(v.text("SPEC"));
   refuse_shared_input(inputs, "LOG");
   const Spec spec = load(v.text("SPEC"), v);
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-model", "write-table"});
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
   std::unique_ptr<OutputFile> residual, spectrum;
@@ -88,16 +90,18 @@ int run(const Values& v) {
   // A page draws the record.
   const bool keep_values = table || residual || format == "html";
   DiagnosisReport report = diagnosis_report(spec, std::move(log), options, keep_values);
+  Outputs outputs;
   if (model) {
-    finish(*model, extended_model(report, v.text("write-model")));
-    report.extended_model = v.text("write-model");
+    outputs.write([&] { finish(*model, extended_model(report, v.text("write-model"))); });
+    if (outputs.good()) report.extended_model = v.text("write-model");
   }
-  if (table) finish(*table, correction_table(report));
-  if (residual) write_plots(report, *residual, *spectrum);
+  if (table) outputs.write([&] { finish(*table, correction_table(report)); });
+  if (residual) outputs.write([&] { write_plots(report, *residual, *spectrum); });
   Style shown = style(v);
   shown.details = v.given("details");
-  finish(out, write(report, format, shown));
+  if (out) outputs.write([&] { finish(*out, write(report, format, shown)); });
   warn(report.warnings, v);
+  outputs.finish();
   return v.given("check") && report.diagnosis.verdict != Verdict::nothing_wrong ? 1 : 0;
 }
 

@@ -82,15 +82,17 @@ int run(const Values& v) {
                       "the spec has no filters",
                       "",
                       "add filters: {velocity: {derivative: 1, ...}}"});
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"response", "transient", "impulse"});
   const auto response = opened(v, "response"), transient = opened(v, "transient"),
              impulse = opened(v, "impulse");
   const FilterReport report = filter_report(spec, asked);
-  if (response) finish(*response, response_csv(report));
-  if (transient) finish(*transient, transient_csv(spec));
-  if (impulse) finish(*impulse, impulse_csv(report));
-  finish(out, report, v);
+  Outputs outputs;
+  if (response) outputs.write([&] { finish(*response, response_csv(report)); });
+  if (transient) outputs.write([&] { finish(*transient, transient_csv(spec)); });
+  if (impulse) outputs.write([&] { finish(*impulse, impulse_csv(report)); });
+  if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
+  outputs.finish();
   return 0;
 }
 

@@ -86,13 +86,15 @@ int run(const Values& v) {
   const RobotModel robot = parse_urdf(text, path == "-" ? "(standard input)" : path);
   check_links(robot, v);
   RobotReport report = robot_report(robot, text, v.text("base"), v.text("tip"));
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-spec"});
   SpecFiles files = opened_files(v);
+  Outputs outputs;
   if (files.spec) {
-    write_spec(report, text, files, v);
-    report.spec_file = v.text("write-spec");
+    outputs.write([&] { write_spec(report, text, files, v); });
+    if (outputs.good()) report.spec_file = v.text("write-spec");
   }
-  finish(out, report, v);
+  if (out) outputs.write([&] { finish(*out, report, v); });
+  outputs.finish();
   return 0;
 }
 
@@ -110,7 +112,7 @@ Command robot_command() {
                {.name = "--write-spec",
                 .value = "FILE",
                 .meaning = "write a commented spec that can be analyzed as it is; '-' is standard output"}},
-              output_options()}),
+              output_options_without_page()}),
       run,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
        {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},

@@ -1,5 +1,7 @@
 #include "input/spec_format.hpp"
 
+#include <algorithm>
+
 #include "qerr/bound/statistic.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
@@ -357,6 +359,18 @@ const std::vector<Parameter>& design_tracking() {
        .open_above = true},
   };
   return rows;
+}
+
+const std::vector<std::string_view>& file_keys() {
+  static const std::vector<std::string_view> keys{"robot.urdf", "motion.file", "configurations.file",
+                                                  "sweep[].catalogue", "design.encoders.*.catalogue"};
+  return keys;
+}
+
+bool may_name_a_file(std::string_view key) {
+  return std::any_of(file_keys().begin(), file_keys().end(), [&](std::string_view file_key) {
+    return file_key.starts_with(key) && (file_key.size() == key.size() || file_key[key.size()] == '.');
+  });
 }
 
 }  // namespace qerr::spec_format

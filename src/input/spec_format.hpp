@@ -30,6 +30,11 @@ const std::vector<Parameter>& design();
 const std::vector<Parameter>& design_filter();
 const std::vector<Parameter>& design_tracking();
 
+/// The keys whose values are paths of files, relative to the spec. `*` is any key, `[]` any item of a list.
+const std::vector<std::string_view>& file_keys();
+/// Whether a key is one of them, or a section that has one.
+bool may_name_a_file(std::string_view key);
+
 }  // namespace spec_format
 
 }  // namespace qerr

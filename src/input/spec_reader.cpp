@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/package_path.hpp"
 #include "input/read_sections.hpp"
@@ -266,6 +267,7 @@ void SpecReader::read_chain(const Field& f) {
       const std::string path = find_urdf(urdf, *o.text("urdf"));
       read_named_file(urdf, path, [&](const std::string& file) {
         robot_ = std::make_shared<const RobotModel>(read_urdf(file));
+        name_input(file, "URDF");
       });
     }
     spec_.robot_name = robot_->name;
