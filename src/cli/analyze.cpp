@@ -14,7 +14,7 @@ int run(const Values& v) {
   Spec spec = load(v.text("SPEC"), v);
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
-  const auto out = opened_report(v, {"per-configuration"});
+  OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");
   WorkspaceOptions options = workspace_options(v);
   ExceedanceCounter counter(spec, limits);
@@ -23,7 +23,8 @@ int run(const Values& v) {
   Outputs outputs;
   if (rows) {
     analysis = analyze(
-        spec, options, [&](const std::string& text) { outputs.write_next([&] { rows->write(text); }); }, proofs);
+        spec, options, [&](const std::string& text) { outputs.write_next([&] { rows->write(text); }); },
+        proofs);
     outputs.write_next([&] { rows->close(); });
   } else {
     analysis = analyze(spec, options, proofs);
@@ -31,7 +32,7 @@ int run(const Values& v) {
   analysis.exceedances = counter.result(analysis);
   Style shown = style(v);
   shown.details = v.given("details");
-  if (out) outputs.write([&] { finish(*out, write(analysis, chosen_format(v), shown)); });
+  outputs.write([&] { finish(out, write(analysis, chosen_format(v), shown)); });
   warn(analysis.warnings, v);
   outputs.finish();
   return 0;

@@ -74,7 +74,7 @@ int run(const Values& v) {
   inputs.push_back(v.text("SPEC"));
   refuse_shared_input(inputs, "LOG");
   const Spec spec = load(v.text("SPEC"), v);
-  const auto out = opened_report(v, {"write-model", "write-table"});
+  const auto out = opened_report(v, {"write-model"});
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
   std::unique_ptr<OutputFile> residual, spectrum;
@@ -93,7 +93,7 @@ int run(const Values& v) {
   Outputs outputs;
   if (model) {
     outputs.write([&] { finish(*model, extended_model(report, v.text("write-model"))); });
-    if (outputs.good()) report.extended_model = v.text("write-model");
+    report.extended_model = v.text("write-model");
   }
   if (table) outputs.write([&] { finish(*table, correction_table(report)); });
   if (residual) outputs.write([&] { write_plots(report, *residual, *spectrum); });

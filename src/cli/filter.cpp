@@ -82,7 +82,7 @@ int run(const Values& v) {
                       "the spec has no filters",
                       "",
                       "add filters: {velocity: {derivative: 1, ...}}"});
-  const auto out = opened_report(v, {"response", "transient", "impulse"});
+  OutputFile out(v.text("output"));
   const auto response = opened(v, "response"), transient = opened(v, "transient"),
              impulse = opened(v, "impulse");
   const FilterReport report = filter_report(spec, asked);
@@ -90,7 +90,7 @@ int run(const Values& v) {
   if (response) outputs.write([&] { finish(*response, response_csv(report)); });
   if (transient) outputs.write([&] { finish(*transient, transient_csv(spec)); });
   if (impulse) outputs.write([&] { finish(*impulse, impulse_csv(report)); });
-  if (out) outputs.write([&] { finish(*out, report, v); });
+  outputs.write([&] { finish(out, report, v); });
   warn(report.warnings, v);
   outputs.finish();
   return 0;

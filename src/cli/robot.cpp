@@ -91,7 +91,7 @@ int run(const Values& v) {
   Outputs outputs;
   if (files.spec) {
     outputs.write([&] { write_spec(report, text, files, v); });
-    if (outputs.good()) report.spec_file = v.text("write-spec");
+    report.spec_file = v.text("write-spec");
   }
   if (out) outputs.write([&] { finish(*out, report, v); });
   outputs.finish();

@@ -72,7 +72,7 @@ int run(const Values& v) {
   const Spec spec = search ? with_cutoffs(*search, v) : load(v.text("SPEC"), v);
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
-  const auto out = opened_report(v, {"log"});
+  OutputFile out(v.text("output"));
   const auto log = opened(v, "log");
   Outputs outputs;
   LogWriter rows(spec);
@@ -96,7 +96,7 @@ int run(const Values& v) {
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
   if (log) outputs.write_next([&] { log->close(); });
-  if (out) outputs.write([&] { finish(*out, write(report, format, style(v))); });
+  outputs.write([&] { finish(out, write(report, format, style(v))); });
   warn(report.warnings, v);
   outputs.finish();
   return 0;

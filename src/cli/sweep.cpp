@@ -93,9 +93,7 @@ int finish_sweep(const SweepOutcome& outcome, const Values& v) {
   warn(outcome.faults, v);
   say_failed(counts);
   if (!v.given("check")) return 0;
-  if (counts.unmet > 0)
-    say(counted(counts.unmet, "variant") + " of " + std::to_string(counts.variants) +
-        " do not meet their requirements");
+  if (counts.unmet > 0) say(of_variants(counts.unmet, counts) + " do not meet their requirements");
   return counts.failed > 0 ? static_cast<int>(Trouble::input) : counts.unmet > 0 ? 1 : 0;
 }
 

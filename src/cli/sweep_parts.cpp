@@ -63,10 +63,13 @@ void say(const std::string& line) {
   std::fputs(("qerr: " + line + '\n').c_str(), stderr);
 }
 
+std::string of_variants(std::uint64_t number, const SweepCounts& counts) {
+  return std::to_string(number) + " of " + counted(counts.variants, "variant");
+}
+
 void say_failed(const SweepCounts& counts) {
   if (counts.failed > 0)
-    say(counted(counts.failed, "variant") + " of " + std::to_string(counts.variants) +
-        " cannot be computed or judged: the rows say why");
+    say(of_variants(counts.failed, counts) + " cannot be computed or judged: the rows say why");
 }
 
 }  // namespace qerr::cli

@@ -24,6 +24,8 @@ RunRecord record_of(const SweepJob&, const Values&);
 
 /// A line to standard error, with --quiet, too.
 void say(const std::string& line);
+/// `3 of 175 variants`.
+std::string of_variants(std::uint64_t number, const SweepCounts&);
 /// How many variants were not computed, if there are any.
 void say_failed(const SweepCounts&);
 

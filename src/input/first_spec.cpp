@@ -85,8 +85,9 @@ std::string assumed_range(const IndependentJoint& joint, bool empty) {
   const std::string why = empty                                 ? "the URDF has the empty range [0, 0]"
                           : joint.type == JointType::continuous ? "a continuous joint has no limits"
                                                                 : "the URDF has no limits";
-  return yaml_text(joint.name) + ": " + (joint.prismatic() ? "[-250 mm, 250 mm]" : "[-180 deg, 180 deg]") +
-         "  # " + assumed + ": " + why + '\n';
+  return block_key(yaml_text(joint.name), "    ") +
+         (joint.prismatic() ? "[-250 mm, 250 mm]" : "[-180 deg, 180 deg]") + "  # " + assumed + ": " + why +
+         '\n';
 }
 
 std::string other_ends(const RobotModel& robot, const Chain& chain) {
@@ -124,7 +125,7 @@ std::string encoder_section(const RobotModel& robot, const Chain& chain) {
   std::string text = "encoders:\n";
   for (const IndependentJoint& joint : chain.independent) {
     const AssumedEncoder encoder = assumed_encoder(robot, joint);
-    text += "  " + yaml_text(joint.name) + ": " + encoder.entry + "  # " + assumed + ": " +
+    text += "  " + block_key(yaml_text(joint.name), "  ") + encoder.entry + "  # " + assumed + ": " +
             encoder.assumption + '\n';
   }
   return text;

@@ -193,10 +193,7 @@ Object::Object(const Field& field, const std::vector<Parameter>& format) : field
   require_mapping(field, format);
   for (const Node::Entry& entry : field.node->entries)
     if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-      // Messages show twenty faults: the others are only counted.
-      faults.push_back(faults.size() < 20
-                           ? unknown_key(field, entry, known)
-                           : Fault{entry.key.place, field.path_of(entry.key.name), "unknown key", "", ""});
+      add_unknown_key(field, entry, known, faults);
   std::vector<Fault> missing;
   for (const Parameter& p : format)
     if (p.required && !has(p.name))

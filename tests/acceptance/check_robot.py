@@ -60,10 +60,22 @@ def files_are_safe(t, qerr, folder):
     hard = folder / "hard.urdf"
     os.link(urdf, hard)
     for arguments in (["--write-spec", urdf], ["-o", urdf], ["--write-spec", link], ["--write-spec", hard],
-                      ["--write-spec", folder / "x.yaml", "-o", folder / "x.yaml"], ["--write-spec", "-"]):
+                      ["--write-spec", folder / "x.yaml", "-o", folder / "x.yaml", "--format", "table"],
+                      ["--write-spec", "-", "-o", "-"], ["-o", folder / "report.pdf"], ["--format", "html"]):
         ran = run(qerr, "robot", urdf, *arguments)
         t.check(f"robot own.urdf {' '.join(getattr(a, 'name', a) for a in arguments)}: 2, and nothing is written",
                 ran.code == 2 and not ran.out and urdf.read_bytes() == before, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "--write-spec", "-")
+    t.check("the spec on standard output, alone", ran.code == 0 and ran.out.startswith(b"#") and b"Moving joints" not in ran.out, ran.err.decode())
+    spec = folder / "edited.yaml"
+    spec.write_bytes(ran.out + b"# edited\n")
+    edited = spec.read_bytes()
+    ran = run(qerr, "robot", urdf, "--write-spec", spec)
+    t.check("an edited spec is not replaced: 2", ran.code == 2 and not ran.out and spec.read_bytes() == edited and b"--force" in ran.err, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "--write-spec", spec, "--force")
+    t.check("but with --force", ran.code == 0 and spec.read_bytes() != edited, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "-o", spec, "--format", "table")
+    t.check("nor by a report: 2", ran.code == 2 and b"--force" in ran.err, ran.err.decode())
     ran = run(qerr, "robot", urdf, "--write-spec", "-", "-o", folder / "report.txt")
     t.check("the spec on standard output, the report in a file", ran.code == 0 and b"qerr: 1" in ran.out and
             "Moving joints" in (folder / "report.txt").read_text(), ran.err.decode())
