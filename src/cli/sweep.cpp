@@ -130,6 +130,8 @@ int write_csv(SweepJob job, const Values& v) {
       progress(v, "variants"));
   require_unchanged(record, record_of(sweep.job(), v), v.text("output"));
   file.close();
+  if (file.replaces())
+    warn({v.text("output") + ": rows had been changed after they were written: they are computed anew"}, v);
   return finish_sweep(outcome, v);
 }
 

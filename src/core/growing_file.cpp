@@ -97,7 +97,8 @@ std::string GrowingFile::note() const {
 }
 
 void GrowingFile::set_note(const std::string& text) {
-  if (regular_) std::ignore = fsetxattr(descriptor_, note_name, text.data(), text.size(), 0);
+  if (regular_ && fsetxattr(descriptor_, note_name, text.data(), text.size(), 0) != 0)
+    std::ignore = fremovexattr(descriptor_, note_name);  // rather none than that of earlier bytes
 }
 
 void GrowingFile::close() {

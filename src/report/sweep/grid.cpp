@@ -1,6 +1,7 @@
 #include "report/sweep/grid.hpp"
 
 #include "core/text.hpp"
+#include "input/spec_format.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {
@@ -19,6 +20,7 @@ SweepColumn sweep_column(const SweepAxis& axis, std::size_t number, std::size_t 
     if (q->dimension) dimension = q->dimension;
     values.push_back(q->value);
   }
+  if (!dimension) dimension = spec_format::dimension_of(column.key);
   column.values = std::move(values);
   column.unit = dimension ? unit_name(*dimension) : "";
   return column;

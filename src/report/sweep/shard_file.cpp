@@ -100,6 +100,7 @@ SweepCounts ShardFile::resume_marked(bool judged) {
     refuse("the file is another shard", header->mark.substr(0, header->mark.find(';')), 1, begin_anew_remedy);
   std::uint64_t end = header_.size();
   while (lines.next()) {
+    replaces_ = !lines.whole() && lines.ended();
     if (!lines.whole() || (judged && lines.verdict() == 'u')) break;
     count_verdict(kept, lines.verdict());
     end = lines.end();
@@ -141,16 +142,17 @@ std::string_view ShardFile::compared(std::string_view text) {
   *compared_ += same;
   if (same == text.size()) return {};
   const std::string rest = file_.read(*compared_, std::size_t{1} << 12);
-  if (!trusted_ && !rest.empty()) {
-    const std::string line = rest.substr(0, rest.find(csv_line_break));
+  if (!rest.empty()) {
     if (*compared_ < header_.size())
       refuse("the file has other columns than this sweep, or is none of qerr sweep", "", 1,
              begin_anew_remedy);
-    if (!has_hidden(line))
+    // The end of a file that was torn may hold anything.
+    if (!trusted_ && !has_hidden(rest.substr(0, rest.find(csv_line_break))))
       refuse("the file holds other figures than this sweep has", "", line_,
              "the spec, a file that it names, an option or the version of qerr has changed, or the file: " +
                  std::string(begin_anew_remedy));
-  }  // else the end of a file that was torn
+    replaces_ = true;
+  }
   file_.cut(*compared_);
   compared_.reset();
   return text.substr(same);
@@ -182,12 +184,15 @@ void ShardFile::store_note(const SweepCounts& counts) {
 }
 
 void ShardFile::close() {
-  store_note(counts_);
+  // The note is that of a file that goes on: without its last line break.
+  const std::string note = text_of({size_, sum_.digest(), counts_, record_});
   put(csv_line_break);
   if (compared_ && file_.read(*compared_, 1).size() > 0) {
     if (!trusted_) refuse("the file has more variants than this sweep", "", line_, begin_anew_remedy);
     file_.cut(*compared_);
+    replaces_ = true;
   }
+  if (!marked_) file_.set_note(note);
   file_.close();
 }
 

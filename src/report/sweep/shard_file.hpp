@@ -37,6 +37,8 @@ class ShardFile {
   SweepCounts resume(bool judged);
   /// Whether what the file holds has no record, and is compared with what is written.
   bool compares() const { return compared_.has_value() && !trusted_; }
+  /// Whether rows that the file held, damaged or edited, were replaced.
+  bool replaces() const { return replaces_; }
 
   /// Appends the lines of the next variants, each with its line break.
   /// @param counts  of all variants up to these
@@ -60,6 +62,7 @@ class ShardFile {
   std::string header_;
   RunRecord record_;
   bool marked_;
+  bool replaces_ = false;
   bool trusted_ = true;                    ///< the file is of this sweep: what differs is replaced
   std::optional<std::uint64_t> compared_;  ///< up to where the file agrees, while it is compared
   std::uint64_t line_ = 1;                 ///< of that place
