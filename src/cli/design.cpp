@@ -21,7 +21,8 @@ int run(const Values& v) {
   options.target = v.text("write-spec");
   const DesignReport report = design(variants, options);
   Outputs outputs;
-  if (written && report.optimal) outputs.write([&] { finish(*written, report.written); });
+  if (written && report.optimal)
+    outputs.write([&] { finish_spec(*written, report.written, options.target); });
   if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
   outputs.finish();

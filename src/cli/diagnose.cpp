@@ -92,7 +92,8 @@ int run(const Values& v) {
   DiagnosisReport report = diagnosis_report(spec, std::move(log), options, keep_values);
   Outputs outputs;
   if (model) {
-    outputs.write([&] { finish(*model, extended_model(report, v.text("write-model"))); });
+    const std::string& path = v.text("write-model");
+    outputs.write([&] { finish_spec(*model, extended_model(report, path), path); });
     report.extended_model = v.text("write-model");
   }
   if (table) outputs.write([&] { finish(*table, correction_table(report)); });

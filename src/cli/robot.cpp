@@ -63,7 +63,7 @@ void write_spec(const RobotReport& report, const std::string& text, SpecFiles& f
       std::fprintf(stderr, "the URDF from standard input is kept in %s, which the spec names\n",
                    escaped(urdf).c_str());
   }
-  finish(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)));
+  finish_spec(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)), spec);
 }
 
 void check_links(const RobotModel& robot, const Values& v) {

@@ -4,6 +4,7 @@
 #include <cstdio>
 #include <filesystem>
 
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
@@ -186,6 +187,11 @@ void require_known_ending(const std::vector<Option>& of_command, const Values& v
 void finish(OutputFile& file, const std::string& text) {
   file.write(text);
   file.close();
+}
+
+void finish_spec(OutputFile& file, const std::string& text, const std::string& path) {
+  finish(file, text);
+  note_as_written(path);
 }
 
 void limit_work(const Spec& spec, double amount, const std::string& key, const std::string& noun,

@@ -104,6 +104,9 @@ class Outputs {
 /// Writes a text to a file that is already open, and closes it.
 void finish(OutputFile& file, const std::string& text);
 
+/// The same of a spec, which a later run may replace while it is as it was written.
+void finish_spec(OutputFile& file, const std::string& text, const std::string& path);
+
 /// Writes a report in the chosen format and style to a file that is already open, and closes it.
 template <class Report>
 void finish(OutputFile& file, const Report& report, const Values& v) {

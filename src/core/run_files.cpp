@@ -1,6 +1,7 @@
 #include "core/run_files.hpp"
 
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 #include <optional>
 #include <tuple>
 
+#include "core/sha256.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -96,7 +98,32 @@ bool is_spec(const std::string& path) {
   return false;
 }
 
+constexpr const char* written_note = "user.qerr.written";
+
+/// Of the bytes of a file.
+std::string fingerprint_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Sha256 sum;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
+    sum.add(std::string_view(block).substr(0, static_cast<std::size_t>(file.gcount())));
+  return sum.digest();
+}
+
+bool is_as_written(const std::string& path) {
+  std::string noted(64, '\0');
+  return getxattr(path.c_str(), written_note, noted.data(), noted.size()) == 64 &&
+         noted == fingerprint_of(path);
+}
+
 }  // namespace
+
+void note_as_written(const std::string& path) {
+  struct stat status {};
+  if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  const std::string sum = fingerprint_of(path);
+  std::ignore = setxattr(path.c_str(), written_note, sum.data(), sum.size(), 0);
+}
 
 RunFiles::RunFiles() {
   const std::lock_guard lock(guard);
@@ -168,7 +195,8 @@ void note_output(const std::string& path, const std::string& option) {
   const auto [other, is_new] = noted->outputs.emplace(*identity, name);
   if (!is_new)
     refuse(name, option, "two outputs must not be one file", other->second, "give each its own name");
-  if (path != "-" && !noted->replaces_specs && is_spec(path))
+  if (path != "-" && !noted->replaces_specs && is_spec(path) &&
+      !(option.starts_with("--write-") && is_as_written(path)))
     refuse(name, option, "this file is a spec, which a person may have edited", "",
            "name another file, or replace it with --force");
 }

@@ -22,6 +22,9 @@ class RunFiles {
 /// Permits the outputs of the run to replace specs (--force): see note_output.
 void permit_replacing_specs();
 
+/// Notes that a file is as the run has written it, in an extended attribute where the file system has them.
+void note_as_written(const std::string& path);
+
 /// What a path stands for when symbolic links are followed, also to a file that does not exist yet. Of links
 /// in a circle one of them.
 std::string link_target(const std::string& path);
@@ -42,7 +45,8 @@ void name_input(const std::string& path, const std::string& role);
 std::vector<RunInput> run_inputs();
 
 /// An output of the run, before it is opened; "-" is standard output, which only one output may have. A spec
-/// that exists, which a person may have edited, is not replaced unless that is permitted.
+/// that exists, which a person may have edited, is not replaced unless that is permitted, or another spec
+/// (--write-...) replaces it and it still is as a run has written it (note_as_written).
 /// @param option  of the command line that names it, for the message; may be empty
 /// @throws Error (usage) if it is an input or another output of the run, or a spec
 void note_output(const std::string& path, const std::string& option = {});
