@@ -117,7 +117,9 @@ TEST_F(ShardFileTest, ResumesFromEveryLength) {
       EXPECT_EQ(text(), whole) << size;
       const auto seen = static_cast<std::uint64_t>(
           std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size), '\n'));
-      if (marked) EXPECT_GE(kept + 1, seen / 2) << size;
+      if (marked) {
+        EXPECT_GE(kept + 1, seen / 2) << size;
+      }
     }
   }
 }
