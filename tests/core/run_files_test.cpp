@@ -59,8 +59,10 @@ TEST_F(FilesOfARun, RefuseAnOutputThatReplacesASpec) {
     std::ofstream(file(name)) << text;
     return refusal([&] { note_output(file(name)); });
   };
+  int number = 0;
   for (const char* spec : {"# arm\n\nqerr: 1\n", "{qerr: 1, robot: {}}", "{\"qerr\": 1}", "  'qerr' : 1\n"})
-    EXPECT_NE(written("s.yaml", spec).find("--force"), std::string::npos) << spec;
+    EXPECT_NE(written("s" + std::to_string(++number) + ".yaml", spec).find("--force"), std::string::npos)
+        << spec;
   EXPECT_EQ(written("o.json", "{\n  \"qerr\": \"1.2\",\n"), "");
   EXPECT_EQ(written("other", "qerr is not a key\nqerrs: 1\n"), "");
   permit_replacing_specs();
