@@ -46,7 +46,7 @@ folder=$out.shards
 mkdir -p "$folder"
 files=()
 same=()  # options of which merge knows, too
-for option in "$@"; do [[ $option == --allow-long ]] || same+=("$option"); done
+for option in "$@"; do [[ $option == --allow-long || $option == --check ]] || same+=("$option"); done
 for ((k = 1; k <= shards; ++k)); do files+=("$folder/$k.csv"); done
 seq "$shards" | run soon,fail=1 sweep {} "$shards" "$folder" "$spec" "$@"
 "${QERR:-qerr}" merge "${files[@]}" --output "$out" --spec "$spec" "${same[@]}"

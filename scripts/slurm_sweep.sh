@@ -63,7 +63,7 @@ folder=$out.shards
 mkdir -p "$folder"
 files=()
 same=()  # options of which merge knows, too
-for option in "$@"; do [[ $option == --allow-long ]] || same+=("$option"); done
+for option in "$@"; do [[ $option == --allow-long || $option == --check ]] || same+=("$option"); done
 for ((k = 1; k <= shards; ++k)); do files+=("$folder/$k.csv"); done
 # shellcheck disable=SC2016
 run "$shards" "$folder/logs" "$(printf '%q ' "$task" sweep)" '"$SLURM_ARRAY_TASK_ID"' \

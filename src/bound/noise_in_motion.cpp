@@ -136,7 +136,7 @@ class ThresholdSearch {
     for (std::size_t n = 1; n < a_.r.size(); ++n)
       sum += std::abs(a_.r[n]) / std::sqrt(static_cast<double>(n));
     const double root = 12 * 0.0381 * sum / (tolerance_ * (2 - tolerance_) * a_.r[0]);
-    return std::min(root * root, highest);
+    return root * root < highest ? root * root : std::isnan(root) ? 0 : highest;
   }
 
   /// |sigma^2/sigma_IPQN^2 - 1| over its limit by the tolerance.

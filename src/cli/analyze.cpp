@@ -22,18 +22,21 @@ int run(const Values& v) {
   ExceedanceCounter counter(spec, limits);
   if (!limits.empty()) options.visit = counter.visitor();
   Analysis analysis;
+  Outputs outputs;
   if (rows) {
     analysis = analyze(
-        spec, options, [&](const std::string& text) { rows->write(text); }, proofs);
-    rows->close();
+        spec, options, [&](const std::string& text) { outputs.write_next([&] { rows->write(text); }); },
+        proofs);
+    outputs.write_next([&] { rows->close(); });
   } else {
     analysis = analyze(spec, options, proofs);
   }
   analysis.exceedances = counter.result(analysis);
   Style shown = style(v);
   shown.details = v.given("details");
-  finish(out, write(analysis, chosen_format(v), shown));
+  outputs.write([&] { finish(out, write(analysis, chosen_format(v), shown)); });
   warn(analysis.warnings, v);
+  outputs.finish();
   return 0;
 }
 

@@ -10,7 +10,6 @@
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/check/parts.hpp"
-#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -84,26 +83,26 @@ CheckReport read_and_check(const Values& v, bool annotated) {
 }
 
 int run(const Values& v) {
-  refuse_page(chosen_format(v));
   const auto verdicts = opened(v, "junit");
-  // Verdicts on standard output stand there alone: without -o or --format there is no other report.
-  const bool only_verdicts = v.text("junit") == "-" && !v.given("output") && !v.given("format");
-  const auto out = only_verdicts ? nullptr : opened(v, "output");
+  const auto out = opened_report(v, {"junit"});
   const bool annotated = v.given("annotations");
   const CheckReport report = read_and_check(v, annotated);
   const bool nothing_checked = report.specs.empty();
-  if (verdicts && !(nothing_checked && v.text("junit") == "-")) finish(*verdicts, junit(report, now()));
+  Outputs outputs;
+  if (verdicts && !(nothing_checked && v.text("junit") == "-"))
+    outputs.write([&] { finish(*verdicts, junit(report, now())); });
   if (nothing_checked) {
     if (annotated) annotate(github_annotations(report), false);
     throw report.broken.front().error;
   }
-  if (out) finish(*out, report, v);
+  if (out) outputs.write([&] { finish(*out, report, v); });
   const bool table = out && v.text("output") == "-" && chosen_format(v) == "table";
   if (annotated) annotate(github_annotations(report), table);
   SpecWarnings warnings;
   for (const SpecCheck& check : report.specs)
     warnings.emplace_back(check.analysis.spec.file, check.analysis.warnings);
   warn(warnings, v);
+  outputs.finish();
   int code = report.all_met() ? 0 : 1;
   for (const BrokenSpec& b : report.broken) {
     print_error(b.error.what());
@@ -133,7 +132,7 @@ Command check_command() {
                 .needs = "--baseline"}},
               {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},
               long_work_option(),
-              output_options()});
+              output_options_without_page()});
   options.front().kind = OptionKind::repeat;
   return {"check",
           "Compare the bounds with the requirements of specs; exit code 1 if one is not met",

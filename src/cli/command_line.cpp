@@ -4,6 +4,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/parallel.hpp"
+#include "core/run_files.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 
@@ -82,6 +83,8 @@ int run_command_line(const Words& words) {
   if (!command) refuse_command(*place);
   if (help) return show_help(*place, rest);
   const Values values = parse_arguments(*command, rest);
+  require_known_ending(command->options, values);
+  if (values.given("force")) permit_replacing_specs();
   const int code = command->run(values);
   if (threads_refused())
     warn({"the system permits fewer threads than asked for: slower, with the same result"}, values);

@@ -28,6 +28,9 @@ const std::vector<Option>& global_options() {
        .choices = color_words,
        .choice = "choice"},
       {.name = "--no-color", .kind = OptionKind::flag, .meaning = "the same as --color never"},
+      {.name = "--force",
+       .kind = OptionKind::flag,
+       .meaning = "let an output replace a spec, which a person may have edited"},
       {.name = "-h,--help", .kind = OptionKind::flag, .meaning = "this help"},
       {.name = "-V,--version", .kind = OptionKind::flag, .meaning = "the version of qerr"}};
   return rows;

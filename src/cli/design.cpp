@@ -13,7 +13,7 @@ int run(const Values& v) {
   const SpecVariants variants(read_text(path), path, overrides(v));
   if (variants.base().design) refuse_chosen_encoders(variants.base(), overrides(v));
   limit_configurations(variants.base(), v);
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-spec"});
   const auto written = opened(v, "write-spec");
   DesignOptions options;
   options.workspace.threads = threads(v);
@@ -23,10 +23,11 @@ int run(const Values& v) {
   DesignReport report = design(variants, options);
   for (std::string& warning : idle_overrides(variants.base(), overrides(v), {"threshold", "sweep"}, {}))
     report.warnings.push_back(std::move(warning));
-  // First what may fail: a report that is shown says that the spec was written.
-  if (written && report.optimal) finish(*written, report.written);
-  finish(out, report, v);
+  Outputs outputs;
+  if (written && report.optimal) outputs.write([&] { finish(*written, report.written); });
+  if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
+  outputs.finish();
   return report.optimal ? 0 : 1;
 }
 

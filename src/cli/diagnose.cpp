@@ -7,6 +7,7 @@
 #include "qerr/input/read_log.hpp"
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/plan_report.hpp"
+#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -45,6 +46,7 @@ int run_plan(const Values& v) {
   const Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate : 0, "motion.duration",
              "samples", v);
+  refuse_page(chosen_format(v));
   OutputFile out(v.text("output"));
   PlanOptions options;
   options.reference_noise = v.number("reference-noise");
@@ -73,7 +75,7 @@ int run(const Values& v) {
   refuse_shared_input(inputs, "LOG");
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"});
   if (v.given("hold")) spec.log.missing = MissingValues::hold;
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-model"});
   const auto model = opened(v, "write-model"), table = opened(v, "write-table");
   const std::string folder = v.given("plots") ? prepared_folder(v.text("plots")) : "";
   std::unique_ptr<OutputFile> residual, spectrum;
@@ -89,16 +91,19 @@ int run(const Values& v) {
   // A page draws the record.
   const bool keep_values = table || residual || format == "html";
   DiagnosisReport report = diagnosis_report(spec, std::move(log), options, keep_values);
+  Outputs outputs;
   if (model) {
-    finish(*model, extended_model(report, v.text("write-model")));
+    const std::string& path = v.text("write-model");
+    outputs.write([&] { finish_spec(*model, extended_model(report, path), path); });
     report.extended_model = v.text("write-model");
   }
-  if (table) finish(*table, correction_table(report));
-  if (residual) write_plots(report, *residual, *spectrum);
+  if (table) outputs.write([&] { finish(*table, correction_table(report)); });
+  if (residual) outputs.write([&] { write_plots(report, *residual, *spectrum); });
   Style shown = style(v);
   shown.details = v.given("details");
-  finish(out, write(report, format, shown));
+  if (out) outputs.write([&] { finish(*out, write(report, format, shown)); });
   warn(report.warnings, v);
+  outputs.finish();
   return v.given("check") && !is_faultless(report.diagnosis) ? 1 : 0;
 }
 

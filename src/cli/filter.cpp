@@ -88,11 +88,13 @@ int run(const Values& v) {
   const auto response = opened(v, "response"), transient = opened(v, "transient"),
              impulse = opened(v, "impulse");
   const FilterReport report = filter_report(spec, asked);
-  if (response) finish(*response, response_csv(report));
-  if (transient) finish(*transient, transient_csv(spec));
-  if (impulse) finish(*impulse, impulse_csv(report));
-  finish(out, report, v);
+  Outputs outputs;
+  if (response) outputs.write([&] { finish(*response, response_csv(report)); });
+  if (transient) outputs.write([&] { finish(*transient, transient_csv(spec)); });
+  if (impulse) outputs.write([&] { finish(*impulse, impulse_csv(report)); });
+  outputs.write([&] { finish(out, report, v); });
   warn(report.warnings, v);
+  outputs.finish();
   return 0;
 }
 

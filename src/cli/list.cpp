@@ -38,7 +38,7 @@ Command list_command() {
                     .meaning = "only this one of them",
                     .choice = "name",
                     .choices_behind = names_of}},
-                  output_options()}),
+                  output_options_without_page()}),
           run,
           {{"qerr list effects", "every deviation of a real robot from the ideal model, with its parameters"},
            {"qerr list filters kalman", "one filter, with its parameters, units, ranges and defaults"},

@@ -1,6 +1,8 @@
 #include "report/sweep/merge.hpp"
 
-#include <algorithm>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
 #include <optional>
 
 #include "cli/command.hpp"
@@ -12,43 +14,63 @@ namespace qerr::cli {
 
 namespace {
 
-/// The sweep of a spec, of which merge computes single variants.
-struct SpecSweep {
-  SpecVariants variants;
-  SweepGrid grid;
-  std::optional<SweepRun> run;
-  ExpectedSweep expected;
+/// The record of the sweep of a spec.
+RunRecord record_of_spec(const std::string& path, const Values& v) {
+  const SpecVariants variants(read_text(path), path, overrides(v));
+  const SweepGrid grid(variants.base());
+  return record_of({.variants = variants, .grid = grid, .statistics = {}, .text = {}}, v);
+}
 
-  SpecSweep(const std::string& path, const Values& v)
-      : variants(read_text(path), path, overrides(v)), grid(variants.base()) {
-    SweepJob job{.variants = variants,
-                 .grid = grid,
-                 .statistics = chosen_statistics(v),
-                 .threads = threads(v),
-                 .text = {}};
-    expected.header = chosen_rows(job, v).header;
-    run.emplace(std::move(job));
-    expected.count = grid.count();
-    expected.cells = [this](std::uint64_t variant) { return cells_of_variant(grid, variant); };
-    expected.lines = [this](std::uint64_t variant) { return run->text(variant); };
+/// What is not to be written before it is whole: an error leaves nothing on standard output.
+class Spool {
+ public:
+  Spool() : file_(std::tmpfile()) {
+    if (!file_) fail();
   }
-  SpecSweep(const SpecSweep&) = delete;
-  SpecSweep& operator=(const SpecSweep&) = delete;
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+  ~Spool() { std::fclose(file_); }
+
+  void write(const std::string& text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size()) fail();
+  }
+  void copy_to(OutputFile& out) {
+    std::rewind(file_);
+    std::string block(std::size_t{1} << 16, '\0');
+    while (const std::size_t count = std::fread(block.data(), 1, block.size(), file_))
+      out.write(std::string_view(block).substr(0, count));
+    if (std::ferror(file_) != 0) fail();
+  }
+
+ private:
+  [[noreturn]] static void fail() {
+    throw Error(Fault{{"temporary file"},
+                      "",
+                      std::string("cannot be written: ") + std::strerror(errno),
+                      "",
+                      "name the output: -o FILE.csv"},
+                Trouble::file_system);
+  }
+
+  std::FILE* file_;
 };
 
 int run(const Values& v) {
-  const std::vector<std::string>& files = v.texts("FILE");
+  std::vector<std::string> files = v.texts("FILE");
+  if (v.given("spec")) files.push_back(v.text("spec"));
   refuse_shared_input(files, "FILE");
-  std::optional<SpecSweep> spec;
-  if (v.given("spec")) spec.emplace(v.text("spec"), v);
-  const ExpectedSweep* const expected = spec ? &spec->expected : nullptr;
-  // An error leaves nothing on standard output: there the files are read once before, to check them.
-  const bool pipes = std::find(files.begin(), files.end(), "-") != files.end();
-  if (v.text("output") == "-" && !pipes) merge_shards(files, expected, [](const std::string&) {});
-  for (const std::string& file : files) note_input(file);
+  std::optional<RunRecord> expected;
+  if (v.given("spec")) expected = record_of_spec(v.text("spec"), v);
+  for (const std::string& file : v.texts("FILE")) note_input(file);
   OutputFile out(v.text("output"), "--output");
-  merge_shards(files, expected, [&](const std::string& text) { out.write(text); });
+  std::optional<Spool> spool;
+  if (v.text("output") == "-") spool.emplace();
+  const SweepCounts counts =
+      merge_shards(v.texts("FILE"), expected ? &*expected : nullptr,
+                   [&](const std::string& text) { spool ? spool->write(text) : out.write(text); });
+  if (spool) spool->copy_to(out);
   out.close();
+  say_failed(counts);
   return 0;
 }
 
@@ -57,7 +79,7 @@ std::vector<Option> spec_comparison() {
   std::vector<Option> options = joined({spec_options(), sweep_row_options()});
   options.front() = {.name = "--spec",
                      .value = "SPEC",
-                     .meaning = "compare values and some figures with the sweep of this spec"};
+                     .meaning = "refuse shards of another spec, other files that it names, other options"};
   for (Option& option : options)
     if (option.name == "--set" || option.name == "--statistics" || option.name == "--wide")
       option.needs = "--spec";

@@ -63,7 +63,7 @@ void write_spec(const RobotReport& report, const std::string& text, SpecFiles& f
       std::fprintf(stderr, "the URDF from standard input is kept in %s, which the spec names\n",
                    escaped(urdf).c_str());
   }
-  finish(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)));
+  finish_spec(*files.spec, first_spec(report.robot, chain, relative_path(urdf, spec)), spec);
 }
 
 void check_links(const RobotModel& robot, const Values& v) {
@@ -86,13 +86,15 @@ int run(const Values& v) {
   const RobotModel robot = parse_urdf(text, path == "-" ? "(standard input)" : path);
   check_links(robot, v);
   RobotReport report = robot_report(robot, text, v.text("base"), v.text("tip"));
-  OutputFile out(v.text("output"));
+  const auto out = opened_report(v, {"write-spec"});
   SpecFiles files = opened_files(v);
+  Outputs outputs;
   if (files.spec) {
-    write_spec(report, text, files, v);
+    outputs.write([&] { write_spec(report, text, files, v); });
     report.spec_file = v.text("write-spec");
   }
-  finish(out, report, v);
+  if (out) outputs.write([&] { finish(*out, report, v); });
+  outputs.finish();
   return 0;
 }
 
@@ -110,7 +112,7 @@ Command robot_command() {
                {.name = "--write-spec",
                 .value = "FILE",
                 .meaning = "write a commented spec that can be analyzed as it is; '-' is standard output"}},
-              output_options()}),
+              output_options_without_page()}),
       run,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
        {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},

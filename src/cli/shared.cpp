@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <filesystem>
 #include <map>
 
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
@@ -16,6 +18,12 @@ namespace {
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
   for (const Format& format : formats()) names.emplace_back(format.name);
+  return names;
+}
+
+std::vector<std::string> format_names_without_page() {
+  std::vector<std::string> names = format_names();
+  std::erase(names, "html");
   return names;
 }
 
@@ -48,6 +56,13 @@ std::vector<Option> output_options() {
            .choices = format_names,
            .choice = "format"},
           text_output_option()};
+}
+
+std::vector<Option> output_options_without_page() {
+  std::vector<Option> options = output_options();
+  options.front().meaning = "table, json or csv (default: by the output's ending, else table)";
+  options.front().choices = format_names_without_page;
+  return options;
 }
 
 std::vector<Option> long_work_option() {
@@ -160,9 +175,36 @@ std::unique_ptr<OutputFile> opened(const Values& v, const std::string& option) {
   return path.empty() ? nullptr : std::make_unique<OutputFile>(path, "--" + option);
 }
 
+std::unique_ptr<OutputFile> opened_report(const Values& v, std::initializer_list<const char*> others) {
+  const bool taken =
+      std::any_of(others.begin(), others.end(), [&](const char* o) { return v.text(o) == "-"; });
+  return taken && !v.given("output") && !v.given("format") ? nullptr : opened(v, "output");
+}
+
+void require_known_ending(const std::vector<Option>& of_command, const Values& v) {
+  const auto format = std::find_if(of_command.begin(), of_command.end(),
+                                   [](const Option& option) { return option.key() == "format"; });
+  if (format == of_command.end() || v.given("format")) return;
+  const std::string ending = std::filesystem::path(v.text("output")).extension().string();
+  const std::vector<std::string> known = format->choices();
+  std::string endings;
+  for (const Format& row : formats()) {
+    if (std::find(known.begin(), known.end(), row.name) == known.end()) continue;
+    if (ending.empty() || ending == row.ending) return;
+    endings += (endings.empty() ? "" : ", ") + std::string(row.ending);
+  }
+  throw usage("--output", "no format of this command has the ending", quoted(ending),
+              "known: " + endings + "; or choose one with --format");
+}
+
 void finish(OutputFile& file, const std::string& text) {
   file.write(text);
   file.close();
+}
+
+void finish_spec(OutputFile& file, const std::string& text, const std::string& path) {
+  finish(file, text);
+  note_as_written(path);
 }
 
 void limit_work(const Spec& spec, double amount, const std::string& key, const std::string& noun,

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <exception>
+#include <initializer_list>
 #include <memory>
 #include <string>
 #include <utility>
@@ -22,7 +24,9 @@ namespace qerr::cli {
 std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
 /// `--allow-long`, of commands that call limit_work.
 std::vector<Option> long_work_option();
+/// `--format` and `--output` of a command whose report has a page, and of one whose report has none.
 std::vector<Option> output_options();
+std::vector<Option> output_options_without_page();
 /// `-o,--output` of a command whose output has one format.
 Option text_output_option();
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
@@ -69,8 +73,45 @@ Style style(const Values&);
 /// null if the option is absent and has no fallback.
 std::unique_ptr<OutputFile> opened(const Values&, const std::string& option);
 
+/// The output of the report; null if one of the other options has standard output, and neither --output nor
+/// --format asks for a report beside it.
+std::unique_ptr<OutputFile> opened_report(const Values&, std::initializer_list<const char*> others);
+
+/// Refuses an output whose ending is no format of the command, before any work.
+/// @throws Error (usage)
+void require_known_ending(const std::vector<Option>& of_command, const Values&);
+
+/// Writes outputs of which one that fails does not lose the others: the first error is thrown at the end.
+class Outputs {
+ public:
+  template <class Write>
+  void write(Write write_one) {
+    try {
+      write_one();
+    } catch (const Error&) {
+      if (!failure_) failure_ = std::current_exception();
+    }
+  }
+  /// The same of a further part of an output: nothing if one has failed.
+  template <class Write>
+  void write_next(Write write_one) {
+    if (good()) write(write_one);
+  }
+  /// Whether all have been written so far.
+  bool good() const { return !failure_; }
+  void finish() const {
+    if (failure_) std::rethrow_exception(failure_);
+  }
+
+ private:
+  std::exception_ptr failure_;
+};
+
 /// Writes a text to a file that is already open, and closes it.
 void finish(OutputFile& file, const std::string& text);
+
+/// The same of a spec, which a later run may replace while it is as it was written.
+void finish_spec(OutputFile& file, const std::string& text, const std::string& path);
 
 /// Writes a report in the chosen format and style to a file that is already open, and closes it.
 template <class Report>

@@ -75,6 +75,7 @@ int run(const Values& v) {
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));
   const auto log = opened(v, "log");
+  Outputs outputs;
   LogWriter rows(spec);
   SimulationOptions options;
   options.runs = v.whole("runs");
@@ -89,13 +90,16 @@ int run(const Values& v) {
   options.progress = progress(v, "samples");
   if (log) {
     log->write(rows.header());
-    options.visit = [&](const Reading& reading) { log->write(rows.row(reading)); };
+    options.visit = [&](const Reading& reading) {
+      outputs.write_next([&] { log->write(rows.row(reading)); });
+    };
   }
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
-  if (log) log->close();
-  finish(out, write(report, format, style(v)));
+  if (log) outputs.write_next([&] { log->close(); });
+  outputs.write([&] { finish(out, write(report, format, style(v))); });
   warn(report.warnings, v);
+  outputs.finish();
   return 0;
 }
 

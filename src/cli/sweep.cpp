@@ -109,49 +109,52 @@ void warn_of_idle_keys(const SpecVariants& variants, const Values& v) {
   warn(warnings, v);
 }
 
-void warn_of(const FailedVariants& failed, const Values& v) {
-  if (failed.count == 0) return;
-  std::vector<std::string> warnings = failed.first;
-  if (failed.count > warnings.size())
-    warnings.push_back(std::to_string(failed.count) +
-                       " variants cannot be computed or judged: their rows say why");
-  warn(warnings, v);
+/// What a sweep says at its end, and its exit code.
+int finish_sweep(const SweepOutcome& outcome, const Values& v) {
+  const SweepCounts& counts = outcome.counts;
+  warn(outcome.faults, v);
+  say_failed(counts);
+  if (!v.given("check")) return 0;
+  if (counts.unmet > 0) say(of_variants(counts.unmet, counts) + " do not meet their requirements");
+  return counts.failed > 0 ? static_cast<int>(Trouble::input) : counts.unmet > 0 ? 1 : 0;
 }
 
-/// Each line of a variant with one more cell.
-std::string with_cell(const std::string& lines, const std::string& cell) {
-  std::string text;
-  for (std::size_t at = 0; at < lines.size();) {
-    const std::size_t end = lines.find(csv_line_break, at);
-    text.append(lines, at, end - at).append(cell).append(csv_line_break);
-    at = end + csv_line_break.size();
-  }
-  return text;
+/// Files that the rows were computed from must be the same at the end, as those of single variants are read
+/// when their turn comes.
+void require_unchanged(const RunRecord& at_begin, const RunRecord& at_end, const std::string& output) {
+  if (const std::string changed = at_begin.difference(at_end); !changed.empty())
+    throw Error(
+        Fault{{output}, "", "an input has changed while the sweep was computed", changed, "compute it anew"});
 }
 
 int write_csv(SweepJob job, const Values& v) {
   SweepRows rows = chosen_rows(job, v);
-  if (job.shard.stride > 1 && job.shard.stride >= job.grid.count()) {
-    rows.header += shard_column;
-    job.text = [text = job.text, cell = ',' + std::to_string(job.shard.first + 1) + '/' +
-                                        std::to_string(job.shard.stride)](const SweptVariant& variant) {
-      return with_cell(text(variant), cell);
+  const RunRecord record = record_of(job, v);
+  const bool marked = v.given("shard");
+  if (marked) {
+    const std::string mark = shard_mark(job.shard, record);
+    rows.header += ',' + mark;
+    job.text = [text = job.text, mark, judged = job.judged](const SweptVariant& variant) {
+      return marked_lines(text(variant), verdict_of(variant, judged), mark);
     };
   }
-  const SweepGrid& grid = job.grid;
-  const Shard shard = job.shard;
+  const bool judged = job.judged;
   const SweepRun sweep(std::move(job));
-  ShardFile file(v.text("output"), "--output", rows.header, v.given("resume"));
-  std::uint64_t begin = 0;
-  if (v.given("resume"))
-    begin = file.resume(
-        sweep.job().size(), [&](std::uint64_t i) { return cells_of_variant(grid, shard.variant(i)); },
-        [&](std::uint64_t i) { return sweep.text(i); });
-  const FailedVariants failed = sweep.run(
-      begin, [&](const std::string& lines) { file.write(lines); }, progress(v, "variants"));
+  ShardFile file(v.text("output"), "--output", rows.header, record, marked, v.given("resume"));
+  SweepCounts kept;
+  if (v.given("resume")) kept = file.resume(judged);
+  if (file.compares())
+    warn({v.text("output") + ": the file does not say of which inputs it is: all variants are computed anew, "
+                             "and those that it holds compared"},
+         v);
+  const SweepOutcome outcome = sweep.run(
+      kept, [&](const std::string& lines, const SweepCounts& counts) { file.write(lines, counts); },
+      progress(v, "variants"));
+  require_unchanged(record, record_of(sweep.job(), v), v.text("output"));
   file.close();
-  warn_of(failed, v);
-  return 0;
+  if (file.replaces())
+    warn({v.text("output") + ": rows had been changed after they were written: they are computed anew"}, v);
+  return finish_sweep(outcome, v);
 }
 
 int write_json(SweepJob job, const Values& v) {
@@ -164,43 +167,54 @@ int write_json(SweepJob job, const Values& v) {
     return (variant.variant > 0 ? text.separator : "") + SweepJson::variant(variant, grid, statistics);
   };
   out.write(text.begin);
-  const FailedVariants failed =
+  const SweepOutcome outcome =
       SweepRun(std::move(job))
           .run(
-              0, [&](const std::string& variants) { out.write(variants); }, progress(v, "variants"));
+              {}, [&](const std::string& variants, const SweepCounts&) { out.write(variants); },
+              progress(v, "variants"));
   finish(out, text.end);
-  warn_of(failed, v);
-  return 0;
+  return finish_sweep(outcome, v);
 }
 
-int write_table(SweepJob job, const Values& v) {
+/// A table or a page, of the largest figures.
+template <class Report>
+SweepOutcome filled(Report& report, SweepJob job, const Values& v) {
+  job.judged = true;
+  job.statistics = {find_statistic("max")};
+  job.text = [&](const SweptVariant& variant) { return report.row(variant); };
+  return SweepRun(std::move(job))
+      .run(
+          {}, [&](const std::string& rows, const SweepCounts&) { report.add(rows); },
+          progress(v, "variants"));
+}
+
+int write_table(const SweepJob& job, const Values& v) {
   OutputFile out(v.text("output"), "--output");
   SweepTable table(job.variants, job.grid);
-  job.judged = true;
-  job.statistics = {find_statistic("max")};
-  job.text = [&](const SweptVariant& variant) { return table.row(variant); };
-  const FailedVariants failed =
-      SweepRun(std::move(job))
-          .run(
-              0, [&](const std::string& rows) { table.add(rows); }, progress(v, "variants"));
+  const SweepOutcome outcome = filled(table, job, v);
   finish(out, table.text(style(v)));
-  warn_of(failed, v);
-  return 0;
+  return finish_sweep(outcome, v);
 }
 
-int write_html(SweepJob job, const Values& v) {
+int write_html(const SweepJob& job, const Values& v) {
   OutputFile out(v.text("output"), "--output");
   SweepPage page(job.variants, job.grid);
-  job.judged = true;
-  job.statistics = {find_statistic("max")};
-  job.text = [&](const SweptVariant& variant) { return page.row(variant); };
-  const FailedVariants failed =
-      SweepRun(std::move(job))
-          .run(
-              0, [&](const std::string& rows) { page.add(rows); }, progress(v, "variants"));
-  finish(out, page.text(failed));
-  warn_of(failed, v);
-  return 0;
+  const SweepOutcome outcome = filled(page, job, v);
+  finish(out, page.text(outcome));
+  return finish_sweep(outcome, v);
+}
+
+/// `--check` of a sweep without requirements would be a verdict about nothing.
+void require_requirements(const SweepGrid& grid, const Spec& spec, const Values& v) {
+  const std::vector<std::string> keys = grid.keys();
+  if (!v.given("check") || !spec.requirements.empty() ||
+      std::any_of(keys.begin(), keys.end(), [](const auto& key) { return key.starts_with("requirements"); }))
+    return;
+  throw Error({{spec.file, 1, 1},
+               "requirements",
+               "the spec has none: there is nothing to check",
+               "",
+               "add requirements (qerr help requirements), or leave out --check"});
 }
 
 int run(const Values& v) {
@@ -215,9 +229,11 @@ int run(const Values& v) {
   if (least_work < 0x1p53)
     limit_work(variants.base(), least_work, "sweep", "variants", v, variants_per_second);
   const SweepGrid grid(variants.base());
+  require_requirements(grid, variants.base(), v);
   const SweepJob job{.variants = variants,
                      .grid = grid,
                      .shard = shard,
+                     .judged = v.given("check"),
                      .statistics = chosen_statistics(v),
                      .threads = threads(v),
                      .text = {}};
@@ -247,7 +263,11 @@ Command sweep_command() {
                     .meaning = "compute part K of N parts; qerr merge joins their files"},
                    {.name = "--resume",
                     .kind = OptionKind::flag,
-                    .meaning = "go on after what is whole in the output's file"}},
+                    .meaning = "go on after what is whole in the output's file"},
+                   {.name = "--check",
+                    .kind = OptionKind::flag,
+                    .meaning = "end with 1 if a variant does not meet its requirements, with 3 if one cannot "
+                               "be computed"}},
                   long_work_option(),
                   output_options()}),
           run,

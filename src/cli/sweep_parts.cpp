@@ -1,7 +1,9 @@
 #include "cli/sweep_parts.hpp"
 
 #include <algorithm>
+#include <cstdio>
 
+#include "core/text.hpp"
 #include "report/analysis/figure_names.hpp"
 
 namespace qerr::cli {
@@ -42,8 +44,32 @@ SweepRows chosen_rows(SweepJob& job, const Values& v) {
   const SweepRows rows = v.given("wide") ? wide_rows(job.grid, job.variants, job.statistics)
                                          : tidy_rows(job.grid, job.statistics);
   job.text = rows.lines;
-  job.judged = v.given("wide");
+  job.judged = job.judged || v.given("wide");
   return rows;
+}
+
+RunRecord record_of(const SweepJob& job, const Values& v) {
+  std::vector<std::pair<std::string, std::string>> options;
+  for (const char* name : {"set", "seed", "statistics", "wide"}) {
+    std::string value;
+    for (const std::string& text : v.texts(name)) value += text + '\n';
+    if (v.given(name)) options.emplace_back("--" + std::string(name), value);
+  }
+  return {job.variants, job.grid, options};
+}
+
+void say(const std::string& line) {
+  clear_progress();
+  std::fputs(("qerr: " + line + '\n').c_str(), stderr);
+}
+
+std::string of_variants(std::uint64_t number, const SweepCounts& counts) {
+  return std::to_string(number) + " of " + counted(counts.variants, "variant");
+}
+
+void say_failed(const SweepCounts& counts) {
+  if (counts.failed > 0)
+    say(of_variants(counts.failed, counts) + " cannot be computed or judged: the rows say why");
 }
 
 }  // namespace qerr::cli

@@ -1,14 +1,12 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/formats.hpp"
 
 namespace qerr::cli {
 
 namespace {
 
 int run(const Values& v) {
-  refuse_page(chosen_format(v));
   refuse_shared_input(v.texts("SPEC"), "SPEC");
   std::vector<Spec> specs;
   for (const std::string& path : v.texts("SPEC")) {
@@ -31,7 +29,7 @@ int run(const Values& v) {
 
 Command threshold_command() {
   std::vector<Option> options =
-      joined({spec_options("one spec per robot"), long_work_option(), output_options()});
+      joined({spec_options("one spec per robot"), long_work_option(), output_options_without_page()});
   options.front().kind = OptionKind::repeat;
   return {"threshold",
           "Resolution and threshold velocity, one row per robot (Table IV)",

@@ -3,16 +3,24 @@
 #include <fcntl.h>
 #include <sys/file.h>
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <cerrno>
 #include <cstring>
+#include <tuple>
 
 #include "core/output_file.hpp"
 #include "core/run_files.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
+
+namespace {
+
+constexpr const char* note_name = "user.qerr";
+
+}  // namespace
 
 GrowingFile::GrowingFile(std::string path, const std::string& option, bool keep) : path_(std::move(path)) {
   note_output(path_, option);
@@ -74,6 +82,23 @@ void GrowingFile::write(std::string_view text) {
     if (n < 0) fail("cannot be written", errno);
     text.remove_prefix(static_cast<std::size_t>(n));
   }
+}
+
+void GrowingFile::synchronize() {
+  if (regular_ && fdatasync(descriptor_) != 0) fail("cannot be written", errno);
+}
+
+std::string GrowingFile::note() const {
+  constexpr std::size_t longest = 4096;  // of one block, to which most file systems limit them
+  std::string text(longest, '\0');
+  const ssize_t size = regular_ ? fgetxattr(descriptor_, note_name, text.data(), text.size()) : -1;
+  text.resize(size < 0 ? 0 : static_cast<std::size_t>(size));
+  return text;
+}
+
+void GrowingFile::set_note(const std::string& text) {
+  if (regular_ && fsetxattr(descriptor_, note_name, text.data(), text.size(), 0) != 0)
+    std::ignore = fremovexattr(descriptor_, note_name);  // rather none than that of earlier bytes
 }
 
 void GrowingFile::close() {

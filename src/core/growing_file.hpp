@@ -33,6 +33,12 @@ class GrowingFile {
 
   /// Appends the text, before it returns.
   void write(std::string_view text);
+  /// Waits until all that is written is on the disk.
+  void synchronize();
+  /// A text that the system keeps with the file, apart from its bytes (an extended attribute); "" if there is
+  /// none. Not every file system has them, and not every copy: what depends on it must do without.
+  std::string note() const;
+  void set_note(const std::string& text);
   /// Synchronizes and closes.
   void close();
 

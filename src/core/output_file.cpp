@@ -87,6 +87,15 @@ int open_unnamed(const std::string& folder) {
   return -1;
 }
 
+/// Makes the name of a new file persistent. Folders that cannot be opened or synchronized, as on some file
+/// systems, are left to the system.
+void synchronize_folder(const std::string& folder) {
+  const int descriptor = open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;
+  std::ignore = fsync(descriptor);
+  close(descriptor);
+}
+
 }  // namespace
 
 void remove_unfinished_outputs() {
@@ -170,7 +179,9 @@ void OutputFile::close() {
   if (unnamed_ && kept < 0) fail("cannot be written", errno);
   const int closed = ::close(std::exchange(descriptor_, kept));
   if (closed != 0) fail("cannot be written", errno);
-  if (regular) put_in_place();
+  if (!regular) return;
+  put_in_place();
+  synchronize_folder(folder_of(path_));
 }
 
 void OutputFile::put_in_place() {

@@ -1,14 +1,18 @@
 #include "core/run_files.hpp"
 
 #include <sys/stat.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <filesystem>
+#include <fstream>
 #include <map>
 #include <mutex>
 #include <optional>
 #include <tuple>
 
+#include "core/sha256.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {
@@ -19,9 +23,11 @@ namespace {
 using Identity = std::tuple<dev_t, ino_t, std::string>;
 
 struct Noted {
-  std::map<Identity, std::string> inputs, outputs;  ///< with the names as given
-  std::map<std::string, std::string> piped;         ///< texts by the names as given
+  std::map<Identity, RunInput> inputs;
+  std::map<Identity, std::string> outputs;   ///< with the names as given
+  std::map<std::string, std::string> piped;  ///< texts by the names as given
   bool standard_output = false;
+  bool replaces_specs = false;
 };
 
 std::mutex guard;
@@ -48,6 +54,7 @@ std::optional<Identity> identity_of(const std::string& path, int stream) {
   throw Error(Fault{{path}, option, rule, found, remedy}, Trouble::usage);
 }
 
+constexpr const char* standard_input = "(standard input)";
 constexpr const char* overwriting = "an output must not be an input of the same command";
 constexpr const char* rename_it = "give the output another name";
 
@@ -65,6 +72,59 @@ std::string link_target(const std::string& path) {
   return file.string();
 }
 
+namespace {
+
+/// Whether a file is a spec: a line of it begins with the key `qerr` and the version of the format, which is
+/// a number; that of a JSON report is a text.
+bool is_spec(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
+  std::ifstream file(path, std::ios::binary);
+  constexpr int most_lines = 100'000;
+  int lines = 0;
+  for (std::string line; ++lines < most_lines && std::getline(file, line);) {
+    const auto skip = [&](const char* characters) {
+      line.erase(0, std::min(line.find_first_not_of(characters), line.size()));
+    };
+    skip(" \t{\"'");
+    if (!line.starts_with("qerr")) continue;
+    line.erase(0, 4);
+    skip(" \t\"'");
+    if (!line.starts_with(':')) continue;
+    line.erase(0, 1);
+    skip(" \t");
+    if (!line.empty() && line[0] >= '0' && line[0] <= '9') return true;
+  }
+  return false;
+}
+
+constexpr const char* written_note = "user.qerr.written";
+
+/// Of the bytes of a file.
+std::string fingerprint_of(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  Sha256 sum;
+  std::string block(std::size_t{1} << 16, '\0');
+  while (file.read(block.data(), static_cast<std::streamsize>(block.size())), file.gcount() > 0)
+    sum.add(std::string_view(block).substr(0, static_cast<std::size_t>(file.gcount())));
+  return sum.digest();
+}
+
+bool is_as_written(const std::string& path) {
+  std::string noted(64, '\0');
+  return getxattr(path.c_str(), written_note, noted.data(), noted.size()) == 64 &&
+         noted == fingerprint_of(path);
+}
+
+}  // namespace
+
+void note_as_written(const std::string& path) {
+  struct stat status {};
+  if (path == "-" || stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return;
+  const std::string sum = fingerprint_of(path);
+  std::ignore = setxattr(path.c_str(), written_note, sum.data(), sum.size(), 0);
+}
+
 RunFiles::RunFiles() {
   const std::lock_guard lock(guard);
   noted.emplace();
@@ -75,14 +135,38 @@ RunFiles::~RunFiles() {
   noted.reset();
 }
 
+void permit_replacing_specs() {
+  const std::lock_guard lock(guard);
+  if (noted) noted->replaces_specs = true;
+}
+
 void note_input(const std::string& path) {
   const std::lock_guard lock(guard);
   const auto identity = noted ? identity_of(path, STDIN_FILENO) : std::nullopt;
   if (!identity) return;
-  const std::string name = path == "-" ? "(standard input)" : path;
+  const std::string name = path == "-" ? standard_input : path;
   if (const auto output = noted->outputs.find(*identity); output != noted->outputs.end())
     refuse(output->second, "", overwriting, name, rename_it);
-  noted->inputs.emplace(*identity, name);
+  noted->inputs.emplace(*identity, RunInput{name, "file"});
+}
+
+void name_input(const std::string& path, const std::string& role) {
+  const std::lock_guard lock(guard);
+  const auto identity = noted ? identity_of(path, STDIN_FILENO) : std::nullopt;
+  if (!identity) return;
+  if (const auto input = noted->inputs.find(*identity); input != noted->inputs.end())
+    input->second.role = role;
+}
+
+std::vector<RunInput> run_inputs() {
+  const std::lock_guard lock(guard);
+  std::vector<RunInput> all;
+  if (!noted) return all;
+  for (const auto& [identity, input] : noted->inputs)
+    if (input.path != standard_input) all.push_back(input);
+  for (const auto& [path, text] : noted->piped)
+    if (path != "-") all.push_back({path, "pipe"});
+  return all;
 }
 
 std::optional<std::string> piped_text(const std::string& path) {
@@ -107,10 +191,14 @@ void note_output(const std::string& path, const std::string& option) {
   const auto identity = identity_of(path, STDOUT_FILENO);
   if (!identity) return;
   if (const auto input = noted->inputs.find(*identity); input != noted->inputs.end())
-    refuse(name, option, overwriting, input->second, rename_it);
+    refuse(name, option, overwriting, input->second.path, rename_it);
   const auto [other, is_new] = noted->outputs.emplace(*identity, name);
   if (!is_new)
     refuse(name, option, "two outputs must not be one file", other->second, "give each its own name");
+  if (path != "-" && !noted->replaces_specs && is_spec(path) &&
+      !(option.starts_with("--write-") && is_as_written(path)))
+    refuse(name, option, "this file is a spec, which a person may have edited", "",
+           "name another file, or replace it with --force");
 }
 
 }  // namespace qerr

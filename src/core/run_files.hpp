@@ -2,6 +2,7 @@
 
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace qerr {
 
@@ -18,6 +19,12 @@ class RunFiles {
   RunFiles& operator=(const RunFiles&) = delete;
 };
 
+/// Permits the outputs of the run to replace specs (--force): see note_output.
+void permit_replacing_specs();
+
+/// Notes that a file is as the run has written it, in an extended attribute where the file system has them.
+void note_as_written(const std::string& path);
+
 /// What a path stands for when symbolic links are followed, also to a file that does not exist yet. Of links
 /// in a circle one of them.
 std::string link_target(const std::string& path);
@@ -26,9 +33,22 @@ std::string link_target(const std::string& path);
 /// @throws Error (usage) if it is an output of the run
 void note_input(const std::string& path);
 
-/// An output of the run, before it is opened; "-" is standard output, which only one output may have.
+/// A file that the run has read.
+struct RunInput {
+  std::string path, role;  ///< role: what it is, such as `URDF`; `file` if nothing has said so
+};
+
+/// Says what an input is that has been noted.
+void name_input(const std::string& path, const std::string& role);
+
+/// The inputs noted so far, but for standard input; those of pipes, too.
+std::vector<RunInput> run_inputs();
+
+/// An output of the run, before it is opened; "-" is standard output, which only one output may have. A spec
+/// that exists, which a person may have edited, is not replaced unless that is permitted, or another spec
+/// (--write-...) replaces it and it still is as a run has written it (note_as_written).
 /// @param option  of the command line that names it, for the message; may be empty
-/// @throws Error (usage) if it is an input or another output of the run
+/// @throws Error (usage) if it is an input or another output of the run, or a spec
 void note_output(const std::string& path, const std::string& option = {});
 
 /// The text that a pipe gave, kept by `keep_piped` for the rest of the run: a pipe gives it once, and a spec

@@ -1,9 +1,8 @@
 #include "core/sha256.hpp"
 
-#include <array>
+#include <algorithm>
 #include <bit>
 #include <cmath>
-#include <cstdint>
 
 namespace qerr {
 
@@ -53,21 +52,40 @@ void absorb(std::array<std::uint32_t, 8>& state, const unsigned char* block) {
 
 }  // namespace
 
-std::string sha256(std::string_view bytes) {
-  std::string padded(bytes);
-  padded += '\x80';
-  while (padded.size() % 64 != 56) padded += '\0';
-  const std::uint64_t bits = std::uint64_t(bytes.size()) * 8;
-  for (int shift = 56; shift >= 0; shift -= 8) padded += static_cast<char>(bits >> shift & 0xFF);
+void Sha256::add(std::string_view bytes) {
+  size_ += bytes.size();
+  constexpr std::size_t block = 64;
+  const auto take = [&](std::string_view whole) {
+    for (std::size_t at = 0; at + block <= whole.size(); at += block)
+      absorb(state_, reinterpret_cast<const unsigned char*>(whole.data()) + at);
+  };
+  if (!rest_.empty()) {
+    const std::size_t missing = std::min(block - rest_.size(), bytes.size());
+    rest_.append(bytes.substr(0, missing));
+    bytes.remove_prefix(missing);
+    if (rest_.size() < block) return;
+    take(rest_);
+  }
+  take(bytes);
+  rest_ = bytes.substr(bytes.size() / block * block);
+}
 
-  std::array<std::uint32_t, 8> state{0x6a09e667, 0xbb67ae85, 0x3c6ef372, 0xa54ff53a,
-                                     0x510e527f, 0x9b05688c, 0x1f83d9ab, 0x5be0cd19};
-  for (std::size_t block = 0; block < padded.size(); block += 64)
-    absorb(state, reinterpret_cast<const unsigned char*>(padded.data()) + block);
+std::string Sha256::digest() const {
+  Sha256 padded = *this;
+  std::string end(1, '\x80');
+  while ((rest_.size() + end.size()) % 64 != 56) end += '\0';
+  for (int shift = 56; shift >= 0; shift -= 8) end += static_cast<char>(size_ * 8 >> shift & 0xFF);
+  padded.add(end);
   std::string hex;
-  for (const std::uint32_t word : state)
+  for (const std::uint32_t word : padded.state_)
     for (int shift = 28; shift >= 0; shift -= 4) hex += "0123456789abcdef"[word >> shift & 0xF];
   return hex;
+}
+
+std::string sha256(std::string_view bytes) {
+  Sha256 sum;
+  sum.add(bytes);
+  return sum.digest();
 }
 
 }  // namespace qerr

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <set>
+#include <unordered_map>
 
+#include "core/run_files.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/csv.hpp"
@@ -199,6 +201,7 @@ std::vector<CatalogueColumn> columns_of(const CsvReader& csv, Faults& faults) {
 
 Catalogue read_catalogue(const std::string& path) {
   CsvReader csv(path, {.semicolons = true});
+  name_input(path, "catalogue");
   Catalogue catalogue{csv.file(), {}, {}};
   Faults faults;
   const std::vector<CatalogueColumn> columns = columns_of(csv, faults);
@@ -207,14 +210,15 @@ Catalogue read_catalogue(const std::string& path) {
     if (column.role == CatalogueColumn::Role::price) catalogue.price_unit = column.unit;
   std::vector<std::string> cells;
   std::vector<Place> places;
+  std::unordered_map<std::string, int> lines;
   while (csv.next_texts(cells, places))
     faults.guard([&] {
       if (csv.separator() == ';') read_decimal_commas(columns, cells);
       CatalogueRow row = row_of(columns, cells, places);
-      for (const CatalogueRow& other : catalogue.rows)
-        if (other.name == row.name)
-          throw Error({row.place, "name", "duplicate name, as in line " + std::to_string(other.place.line),
-                       quoted(row.name), "give each row a name of its own"});
+      const auto [other, is_new] = lines.emplace(row.name, row.place.line);
+      if (!is_new)
+        throw Error({row.place, "name", "duplicate name, as in line " + std::to_string(other->second),
+                     quoted(row.name), "give each row a name of its own"});
       catalogue.rows.push_back(std::move(row));
     });
   faults.raise();

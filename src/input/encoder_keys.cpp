@@ -61,7 +61,7 @@ void check_keys(const Field& f, const EncoderKind* kind) {
   for (const Node::Entry& entry : f.node->entries) {
     const std::string& key = entry.key.name;
     if (std::find(known.begin(), known.end(), key) == known.end())
-      faults.push_back(unknown_key(f, entry, known));
+      add_unknown_key(f, entry, known, faults);
     else if (kind && !has_row(all_keys_of(*kind), key))
       faults.push_back({entry.key.place, f.path_of(key),
                         "does not belong to an encoder that is stated by " + std::string(kind->name),

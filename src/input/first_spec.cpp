@@ -105,8 +105,9 @@ std::string assumed_range(const IndependentJoint& joint, bool empty) {
   const std::string why = empty                                 ? "the URDF has the empty range [0, 0]"
                           : joint.type == JointType::continuous ? "a continuous joint has no limits"
                                                                 : "the URDF has no limits";
-  return yaml_text(joint.name) + ": " + (joint.prismatic() ? "[-250 mm, 250 mm]" : "[-180 deg, 180 deg]") +
-         "  # " + assumed + ": " + why + '\n';
+  return block_key(yaml_text(joint.name), "    ") +
+         (joint.prismatic() ? "[-250 mm, 250 mm]" : "[-180 deg, 180 deg]") + "  # " + assumed + ": " + why +
+         '\n';
 }
 
 std::string other_ends(const RobotModel& robot, const Chain& chain) {
@@ -153,7 +154,8 @@ std::vector<StatedCoupling> couplings_in(const RobotModel& robot, const Chain& c
 }
 
 std::string encoder_line(const std::string& key, const AssumedEncoder& encoder) {
-  return "  " + key + ": " + flow(encoder.entry) + "  # " + assumed + ": " + encoder.assumption + '\n';
+  return "  " + block_key(key, "  ") + flow(encoder.entry) + "  # " + assumed + ": " + encoder.assumption +
+         '\n';
 }
 
 /// The fewest entries: '*' for the most common encoder, if several joints have it or all, and the others'.

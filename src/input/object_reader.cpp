@@ -193,7 +193,7 @@ Object::Object(const Field& field, const std::vector<Parameter>& format) : field
   require_mapping(field, format);
   for (const Node::Entry& entry : field.node->entries)
     if (std::find(known.begin(), known.end(), entry.key.name) == known.end())
-      faults.push_back(unknown_key(field, entry, known));
+      add_unknown_key(field, entry, known, faults);
   std::vector<Fault> missing;
   for (const Parameter& p : format)
     if (p.required && !has(p.name))

@@ -134,6 +134,11 @@ SweepAxis axis_of(const Object& o, const Spec& spec, std::vector<std::string>& u
       throw Error({o.self().node->place, o.self().path + ".values", "missing key", "",
                    "add values: [[...], ...], in each list a value for each of the keys"});
   }
+  // Each key is compared with those before it, and each axis is tried on the whole spec.
+  constexpr std::size_t most_keys = 1000;
+  if (used.size() + axis.keys.size() > most_keys)
+    throw Error({o.self().node->place, o.self().path, "a sweep varies at most 1000 keys", "",
+                 "vary an entry wholly: {key: encoders.elbow, values: [{bits: 12}, ...]}"});
   for (const std::string& key : axis.keys) {
     const auto same =
         std::find_if(used.begin(), used.end(), [&](const auto& u) { return set_one_value(key, u); });

@@ -1,5 +1,7 @@
 #include "input/spec_format.hpp"
 
+#include <algorithm>
+
 #include "qerr/bound/statistic.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/representations.hpp"
@@ -380,6 +382,35 @@ const std::vector<Parameter>& design_tracking() {
        .open_above = true},
   };
   return rows;
+}
+
+const std::vector<std::string_view>& file_keys() {
+  static const std::vector<std::string_view> keys{"robot.urdf", "motion.file", "configurations.file",
+                                                  "sweep[].catalogue", "design.encoders.*.catalogue"};
+  return keys;
+}
+
+std::optional<Dimension> dimension_of(const std::string& path) {
+  const std::size_t first = path.find('.'), last = path.rfind('.');
+  if (first == std::string::npos) return std::nullopt;
+  const std::string section = path.substr(0, first), key = path.substr(last + 1);
+  std::vector<Parameter> rows;
+  if (section == "filters" && path.substr(0, last).ends_with(".lowpass"))
+    for (const FilterFamily& family : filter_families())
+      rows.insert(rows.end(), family.parameters.begin(), family.parameters.end());
+  else if (section == "filters")
+    rows = filter();
+  else if (first == last)
+    rows = section == "threshold" ? threshold() : section == "motion" ? motion() : rows;
+  for (const Parameter& row : rows)
+    if (row.name == key && row.kind == Kind::number && !row.coordinate) return row.dimension;
+  return std::nullopt;
+}
+
+bool may_name_a_file(std::string_view key) {
+  return std::any_of(file_keys().begin(), file_keys().end(), [&](std::string_view file_key) {
+    return file_key.starts_with(key) && (file_key.size() == key.size() || file_key[key.size()] == '.');
+  });
 }
 
 }  // namespace qerr::spec_format

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <optional>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -30,6 +32,15 @@ const std::vector<Parameter>& sweep();
 const std::vector<Parameter>& design();
 const std::vector<Parameter>& design_filter();
 const std::vector<Parameter>& design_tracking();
+
+/// The keys whose values are paths of files, relative to the spec. `*` is any key, `[]` any item of a list.
+const std::vector<std::string_view>& file_keys();
+/// Whether a key is one of them, or a section that has one.
+bool may_name_a_file(std::string_view key);
+
+/// The dimension of the number at a dotted path in `filters`, `threshold` or `motion`; empty for other keys,
+/// of which it depends on the joint or the effect, or that are no numbers.
+std::optional<Dimension> dimension_of(const std::string& path);
 
 }  // namespace spec_format
 

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <utility>
 
+#include "core/run_files.hpp"
 #include "core/text.hpp"
 #include "input/package_path.hpp"
 #include "input/read_sections.hpp"
@@ -35,12 +36,19 @@ void check_version(const Object& top) {
   }
 }
 
+bool is_section(const std::string& key) {
+  const std::vector<Parameter>& rows = spec_format::top();
+  return std::any_of(rows.begin(), rows.end(), [&](const Parameter& row) { return row.name == key; });
+}
+
 /// Entries that are not indented below their section leave it empty: one mistake.
-void raise_if_not_indented(const Node& root, const std::vector<Parameter>& format, const Faults& faults) {
+void raise_if_not_indented(const Node& root, const Faults& faults) {
+  bool empty_before = false;
   for (const auto& entry : root.entries) {
-    const bool known = std::any_of(format.begin(), format.end(),
-                                   [&](const Parameter& row) { return row.name == entry.key.name; });
-    if (!known && empty_section_before(root, entry)) faults.raise();
+    const bool known = is_section(entry.key.name);
+    if (!known && empty_before) faults.raise();
+    const bool empty = entry.value.type == Node::Type::null;
+    if (empty || known) empty_before = empty;
   }
 }
 
@@ -251,11 +259,13 @@ Spec SpecReader::finished() const {
 /// Unknown keys are reported together with the faults of the known sections, unless a required section is
 /// missing.
 Object SpecReader::checked_top(const Node& root) {
-  const Field field{&root, ""};
+  Field field{&root, ""};
   std::vector<Parameter> format = spec_format::top();
   if (!faults_.guard([&] { Object(field, format); })) {
-    raise_if_not_indented(root, format, faults_);
-    for (const auto& [key, value] : root.entries) format.push_back({.name = key.name, .kind = Kind::any});
+    raise_if_not_indented(root, faults_);
+    known_ = root;
+    std::erase_if(known_.entries, [](const Node::Entry& entry) { return !is_section(entry.key.name); });
+    field.node = &known_;
     for (Parameter& row : format) {
       if (row.required && !root.find(row.name)) faults_.raise();
       row.required = false;
@@ -284,6 +294,7 @@ void SpecReader::read_chain(const Field& f) {
       const std::string path = find_urdf(urdf, *o.text("urdf"));
       read_named_file(urdf, path, [&](const std::string& file) {
         robot_ = std::make_shared<const RobotModel>(read_urdf(file));
+        name_input(file, "URDF");
       });
     }
     spec_.robot_name = robot_->name;

@@ -55,6 +55,7 @@ class SpecReader {
   Spec spec_;                                       // without warnings
   std::vector<std::vector<std::string>> warnings_;  // of the robot, and of each stage
   Faults faults_;
+  Node known_;  // the sections of a spec that has others, too
 };
 
 }  // namespace qerr

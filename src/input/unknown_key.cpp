@@ -89,6 +89,8 @@ std::string with_space_after_colon(const std::string& text) {
   return plain && !path ? key + ": " + text.substr(colon + 1) : "";
 }
 
+namespace {
+
 Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known) {
   const std::string& name = entry.key.name;
   const std::string path = map.path_of(name);
@@ -109,6 +111,16 @@ Fault unknown_key(const Field& map, const Node::Entry& entry, const std::vector<
   if (const std::string home = remedy.starts_with("did") ? "" : home_of(name); !home.empty())
     remedy = quoted(name) + " belongs " + home;
   return {entry.key.place, path, "unknown key", quoted(name), remedy};
+}
+
+}  // namespace
+
+void add_unknown_key(const Field& map, const Node::Entry& entry, const std::vector<std::string>& known,
+                     std::vector<Fault>& faults) {
+  constexpr std::size_t most = 20;
+  faults.push_back(faults.size() < most
+                       ? unknown_key(map, entry, known)
+                       : Fault{entry.key.place, map.path_of(entry.key.name), "unknown key", "", ""});
 }
 
 }  // namespace qerr

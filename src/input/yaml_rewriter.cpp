@@ -199,17 +199,17 @@ class Rewriter {
 
   void add_key(const Node& have, const std::string& key, const Node& value, const std::string& path) {
     const size_t at = offset(have.place);
-    const std::string name = flow_scalar(key, false);
-    if (starts_with(have, '{')) return add_in_brackets(have, value.comment, name + ": " + flow(value), path);
+    if (starts_with(have, '{'))
+      return add_in_brackets(have, value.comment, flow_key(key) + flow(value), path);
     if (have.entries.empty()) refuse(have, path);
     const size_t first = offset(have.entries.front().key.place);
     const std::string lead = text_.substr(line_start(first), first - line_start(first));
     if (lead.find_first_not_of(' ') != std::string::npos) refuse(have, path);
+    std::string name = block_key(flow_scalar(key, false), lead);
+    name.pop_back();
     if (have.place.line > 0 && path.find('.') == std::string::npos)
-      return append_to_document(have,
-                                commented(value.comment, lead) + lead + name + ':' + block(value, lead));
-    edits_.push_back(
-        {line_start(at), 0, commented(value.comment, lead) + lead + name + ':' + block(value, lead)});
+      return append_to_document(have, commented(value.comment, lead) + lead + name + block(value, lead));
+    edits_.push_back({line_start(at), 0, commented(value.comment, lead) + lead + name + block(value, lead)});
   }
 
   /// A value after its key in block style: a list of mappings with one line per item, any other value in one

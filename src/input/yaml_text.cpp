@@ -39,6 +39,16 @@ std::string flow_scalar(const std::string& text, bool in_quotes) {
   return !in_quotes && is_plain(text) ? text : in_double_quotes(text);
 }
 
+namespace {
+
+constexpr std::size_t longest_key = 1000;  // bytes, its quotation marks included
+
+}  // namespace
+
+std::string block_key(const std::string& written, const std::string& indent) {
+  return written.size() <= longest_key ? written + ": " : "? " + written + '\n' + indent + ": ";
+}
+
 std::string commented(const std::string& comment, const std::string& indent) {
   std::string out;
   for (std::size_t begin = 0; begin < comment.size();) {
@@ -47,6 +57,11 @@ std::string commented(const std::string& comment, const std::string& indent) {
     begin = end + 1;
   }
   return out;
+}
+
+std::string flow_key(const std::string& name) {
+  const std::string written = flow_scalar(name, false);
+  return written.size() <= longest_key ? written + ": " : "? " + written + " : ";
 }
 
 std::string flow(const Node& n) {
@@ -61,7 +76,7 @@ std::string flow(const Node& n) {
       return '[' + out + ']';
     case Node::Type::mapping:
       for (const auto& [key, value] : n.entries)
-        out += (out.empty() ? "" : ", ") + flow_scalar(key.name, false) + ": " + flow(value);
+        out += (out.empty() ? "" : ", ") + flow_key(key.name) + flow(value);
       return '{' + out + '}';
   }
   return out;

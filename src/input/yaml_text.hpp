@@ -12,6 +12,14 @@ std::string flow(const Node&);
 /// A scalar in such a line: plain if possible, in quotation marks if necessary or if it was quoted.
 std::string flow_scalar(const std::string& text, bool quoted);
 
+/// A key in such a line, with its colon.
+std::string flow_key(const std::string& name);
+
+/// A key that is written so, with what divides it from its value: `KEY: `. YAML takes more than 1024
+/// characters for a key only behind a question mark, in lines with the value on the next one.
+/// @param indent  of the line
+std::string block_key(const std::string& written, const std::string& indent);
+
 /// A comment of one or more lines, each with its `# `, indented. @returns "" for no comment
 std::string commented(const std::string& comment, const std::string& indent);
 

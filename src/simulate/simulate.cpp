@@ -152,10 +152,11 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
   for (const Filter& filter : filters) every.push_back(divisor(filter, motion));
   const double settling = std::ceil(settling_time(motion, filters) * motion.sample_rate);
   const OperationalError middle = operational_error(model, center(motion));
-  const Job job{model, filters, motion, effects, options, every, std::max<std::uint64_t>(samples, 1),
-                std::min(static_cast<std::uint64_t>(settling), samples == 0 ? 0 : samples - 1),
-                // The interval of sigma is estimated between runs or, for a single run, between its parts.
-                options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
+  const Job job{
+      model, filters, motion, effects, options, every, std::max<std::uint64_t>(samples, 1),
+      static_cast<std::uint64_t>(std::min(settling, static_cast<double>(samples == 0 ? 0 : samples - 1))),
+      // The interval of sigma is estimated between runs or, for a single run, between its parts.
+      options.runs > 1 ? std::uint64_t{1} : std::uint64_t{20}, middle.mean};
   const Channels channels(model);
 
   // sigma_exact is a mean over the position of the encoders' zeros: runs of the same motion without effects,

@@ -15,8 +15,8 @@ UnroundedRecord::UnroundedRecord(const Motion& motion, double rate, double settl
   samples_ = static_cast<std::uint64_t>(
       std::clamp(std::floor(motion.duration * motion_.sample_rate + 0.5), 1.0, most));
   const std::uint64_t last = (samples_ - 1) / every_ * every_;
-  settled_ =
-      std::min(static_cast<std::uint64_t>(std::ceil(settling * motion_.sample_rate * (1 - 1e-12))), last);
+  settled_ = static_cast<std::uint64_t>(
+      std::min(std::ceil(settling * motion_.sample_rate * (1 - 1e-12)), static_cast<double>(last)));
 }
 
 }  // namespace qerr

@@ -111,7 +111,7 @@ def check_flawed_urdfs(t, qerr, folder):
         message = ran.err.decode(errors="replace")
         t.check(f"flawed_urdfs/{row['file']}", ran.code == 0 and row["substring"] in message and "warning: " in message,
                 f"exit code {ran.code}: {message[:400]}")
-        made = run(qerr, "robot", urdf, "--write-spec", spec, limit=20)
+        made = run(qerr, "robot", urdf, "--write-spec", spec, "--force", limit=20)
         ran = run(qerr, "analyze", spec, limit=20)
         t.check(f"flawed_urdfs/{row['file']}: the first spec is analyzed", made.code == 0 and ran.code == 0,
                 (made.err + ran.err).decode(errors="replace")[:400])

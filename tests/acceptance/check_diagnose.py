@@ -217,7 +217,7 @@ def check_errors(t, qerr, folder):
     bad("no rows", good[:1], 3, "bad.csv")
     for name, code, *arguments in [("no such log", 4, spec, folder / "none.csv"), ("no such spec", 4, folder / "none.yaml", log),
                                    ("both from standard input", 2, "-", "-"), ("a log is missing", 2, spec),
-                                   ("two results on standard output", 2, spec, log, "--write-model", "-"),
+                                   ("two results on standard output", 2, spec, log, "--write-table", "-"),
                                    ("an unknown option", 2, spec, log, "--modle", "x"),
                                    ("a folder that is not there", 4, spec, log, "--write-model", folder / "none" / "m.yaml"),
                                    ("plots into a file", 4, spec, log, "--plots", spec)]:

@@ -180,7 +180,7 @@ def check_resting_tips(t, qerr, folder):
     urdf, spec = folder / "spindle.urdf", folder / "spindle.yaml"
     for height, roll in ((0.79, 1.84), (0.3, 0.7), (12, 2.9), (0, 0)):
         urdf.write_text(RESTING.format(height=height, roll=roll))
-        ran = run(qerr, "robot", urdf, "--write-spec", spec)
+        ran = run(qerr, "robot", urdf, "--write-spec", spec, "--force")
         page = folder / "spindle.html"
         ran = run(qerr, "analyze", "-q", spec, "-o", page)
         t.check(f"a page of a tip at rest, {height} m up", ran.code == 0 and b"</html>" in page.read_bytes(), f"{ran.code} {ran.err[:200]}")

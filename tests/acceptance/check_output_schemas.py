@@ -82,7 +82,7 @@ def reports(qerr, folder):
     for effects in (EFFECTS, SPREAD):
         yield "analyze", ["analyze", DIAGNOSIS, "--set", effects]
         yield "simulate", ["simulate", DIAGNOSIS, "--set", effects, "--log", folder / "log.csv"]
-        yield "diagnose", ["diagnose", DIAGNOSIS, folder / "log.csv", "--write-model", folder / "found.yaml"]
+        yield "diagnose", ["diagnose", DIAGNOSIS, folder / "log.csv", "--write-model", folder / "found.yaml", "--force"]
     yield "simulate", ["simulate", DIAGNOSIS, "--runs", "3"]
     moving = CONFIGS / "phantom_premium" / "experiment.yaml"
     yield "simulate", ["simulate", moving, "--tracking"]

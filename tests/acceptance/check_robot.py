@@ -64,10 +64,22 @@ def files_are_safe(t, qerr, folder):
     hard = folder / "hard.urdf"
     os.link(urdf, hard)
     for arguments in (["--write-spec", urdf], ["-o", urdf], ["--write-spec", link], ["--write-spec", hard],
-                      ["--write-spec", folder / "x.yaml", "-o", folder / "x.yaml"], ["--write-spec", "-"]):
+                      ["--write-spec", folder / "x.yaml", "-o", folder / "x.yaml", "--format", "table"],
+                      ["--write-spec", "-", "-o", "-"], ["-o", folder / "report.pdf"], ["--format", "html"]):
         ran = run(qerr, "robot", urdf, *arguments)
         t.check(f"robot own.urdf {' '.join(getattr(a, 'name', a) for a in arguments)}: 2, and nothing is written",
                 ran.code == 2 and not ran.out and urdf.read_bytes() == before, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "--write-spec", "-")
+    t.check("the spec on standard output, alone", ran.code == 0 and ran.out.startswith(b"#") and b"Moving joints" not in ran.out, ran.err.decode())
+    spec = folder / "edited.yaml"
+    spec.write_bytes(ran.out + b"# edited\n")
+    edited = spec.read_bytes()
+    ran = run(qerr, "robot", urdf, "--write-spec", spec)
+    t.check("an edited spec is not replaced: 2", ran.code == 2 and not ran.out and spec.read_bytes() == edited and b"--force" in ran.err, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "--write-spec", spec, "--force")
+    t.check("but with --force", ran.code == 0 and spec.read_bytes() != edited, ran.err.decode())
+    ran = run(qerr, "robot", urdf, "-o", spec, "--format", "table")
+    t.check("nor by a report: 2", ran.code == 2 and b"--force" in ran.err, ran.err.decode())
     ran = run(qerr, "robot", urdf, "--write-spec", "-", "-o", folder / "report.txt")
     t.check("the spec on standard output, the report in a file", ran.code == 0 and b"qerr: 1" in ran.out and
             "Moving joints" in (folder / "report.txt").read_text(), ran.err.decode())
@@ -75,6 +87,38 @@ def files_are_safe(t, qerr, folder):
     run(qerr, "robot", urdf, "--write-spec", folder / "below" / "spec.yaml")
     (folder / "below").rename(folder / "moved")
     t.check("a spec in another folder finds the URDF", run(qerr, "analyze", folder / "moved" / "spec.yaml").code == 0)
+
+
+def written_specs_hold(t, qerr, folder):
+    """A spec that is written elsewhere finds all files that it names; a joint may have a name of any length."""
+    shutil.copy(CORPUS / "two_joints.urdf", folder / "one.urdf")
+    (folder / "two.urdf").write_text((CORPUS / "two_joints.urdf").read_text().replace("<robot", "<!-- two --><robot"))
+    (folder / "cat.csv").write_text("name,bits\na,14\nb,15\n")
+    joint = "elbow"
+    spec = folder / "names.yaml"
+    spec.write_text(f"""qerr: 1
+robot: {{urdf: one.urdf}}
+encoders: {{'*': {{bits: 16}}}}
+configurations: {{count: 20}}
+requirements: [{{quantity: position.x.sigma, statistic: max, at_most: 1 m}}]
+sweep:
+  - {{key: encoders.{joint}, catalogue: cat.csv}}
+  - {{key: robot.urdf, values: [one.urdf, two.urdf]}}
+design: {{encoders: {{'*': {{catalogue: cat.csv}}}}, minimize: resolution}}
+""")
+    elsewhere = folder / "elsewhere"
+    elsewhere.mkdir()
+    ran = run(qerr, "design", "-q", spec, "--write-spec", elsewhere / "w.yaml")
+    t.check("design writes a spec into another folder", ran.code == 0, ran.err.decode())
+    ran = run(qerr, "sweep", "-q", elsewhere / "w.yaml", "--wide", "-o", folder / "w.csv")
+    rows = (folder / "w.csv").read_text().splitlines() if ran.code == 0 else []
+    t.check("there every file of its sweep is found", ran.code == 0 and not ran.err and len(rows) == 5 and "../two.urdf" in rows[2], ran.err.decode())
+    name = "j" * 1100
+    (folder / "long.urdf").write_text((CORPUS / "two_joints.urdf").read_text().replace(f'"{joint}"', f'"{name}"'))
+    ran = run(qerr, "robot", folder / "long.urdf", "--write-spec", folder / "long.yaml")
+    t.check("the spec of a joint with a name of 1100 characters", ran.code == 0 and run(qerr, "analyze", folder / "long.yaml").code == 0, ran.err.decode()[:300])
+    changed = run(qerr, "analyze", "-q", folder / "long.yaml", "--set", f"encoders.{name}.bits=20")
+    t.check("and --set of it", changed.code == 0, changed.err.decode()[:300])
 
 
 def asks(t, qerr, folder):
@@ -116,6 +160,7 @@ def main():
             two_commands(t, qerr, folder, urdf)
         from_a_pipe(t, qerr, folder)
         files_are_safe(t, qerr, folder)
+        written_specs_hold(t, qerr, folder)
         asks(t, qerr, folder)
     return t.close()
 

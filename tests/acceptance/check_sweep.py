@@ -83,7 +83,7 @@ def check_figures(t, qerr, spec, table, few, rng):
                 if cells["backlash [arcmin]"]:
                     changes += ["--set", f"effects=[{{type: backlash, joint: a2, gap: {cells['backlash [arcmin]']} arcmin}}]"]
             else:
-                changes += ["--set", f"{key}={value}"]
+                changes += ["--set", f"{key.partition(' [')[0]}={value}"]
         ran = run(qerr, "analyze", "-q", spec, "--format", "csv", "--set", "sweep=[]", *changes)
         if ran.code == 3:
             failed += 1
@@ -256,7 +256,7 @@ def check_errors(t, qerr, spec, whole, folder):
 
     a, b, c = (folder / f"{k}of5.csv" for k in (1, 2, 3))
     shards = [folder / f"{k}of5.csv" for k in range(1, 6)]
-    expect(t, "merge without one shard", run(qerr, "merge", *shards[:1], *shards[2:]), 3, words=["variant 1", "shard 2/5"])
+    expect(t, "merge without one shard", run(qerr, "merge", *shards[:1], *shards[2:]), 3, words=["shard 2/5 is missing"])
     expect(t, "merge with a shard twice", run(qerr, "merge", *shards, b), 3, words=[b.name])
     copy = folder / "copy.csv"
     copy.write_bytes(c.read_bytes())
@@ -271,12 +271,148 @@ def check_errors(t, qerr, spec, whole, folder):
     for name, words in (("of another seed", [spec, "--seed", "7"]), ("of other values", [other])):
         run(qerr, "sweep", "-q", *words, "--shard", "5/5", "-o", copy)
         expect(t, f"merge --spec with a shard {name}", run(qerr, "merge", *shards[:4], copy, "--spec", spec), 3, words=[copy.name, "spec"])
-    expect(t, "merge --spec with other options", run(qerr, "merge", *shards, "--spec", spec, "--statistics", "max"), 3, words=["figures"])
-    expect(t, "merge --spec of another form", run(qerr, "merge", *shards, "--spec", spec, "--wide"), 3, words=["columns"])
+    expect(t, "merge --spec with other options", run(qerr, "merge", *shards, "--spec", spec, "--statistics", "max"), 3, words=["--statistics"])
+    expect(t, "merge --spec of another form", run(qerr, "merge", *shards, "--spec", spec, "--wide"), 3, words=["--wide"])
     expect(t, "merge --set without --spec", run(qerr, "merge", *shards, "--set", "a=3"), 2, words=["--spec"])
     expect(t, "merge of a spec", run(qerr, "merge", spec), 3, words=[spec.name])
     expect(t, "merge of nothing", run(qerr, "merge"), 2, words=["FILE"])
     expect(t, "merge into a shard", run(qerr, "merge", *shards, "-o", a), 2, words=[a.name])
+
+
+EDITED = """qerr: 1
+robot: {urdf: arm.urdf}
+encoders: {'*': {counts_per_rev: 4096, gear_ratio: 100}}
+configurations: {count: 40}
+requirements: [{quantity: position.x.sigma, statistic: max, at_most: 5 um}]
+filters: {v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: first_order, order: 2, cutoff: 50 Hz}}}
+sweep:
+  - {key: encoders.a2, catalogue: cat.csv}
+  - {key: robot.urdf, values: [arm.urdf, other.urdf]}
+  - {key: filters.v.lowpass.cutoff, values: [20 Hz, 50 Hz, 600 Hz]}
+"""
+
+
+class Edited:
+    """A sweep whose inputs and files are edited between two runs."""
+
+    def __init__(self, qerr, folder, rng):
+        self.qerr, self.folder, self.rng, self.options = qerr, folder, rng, []
+        urdf = (CONFIGS / "kuka_lwr" / "kuka_lwr.urdf").read_text()
+        self.texts = {"edited.yaml": EDITED, "cat.csv": CATALOGUE, "arm.urdf": urdf, "other.urdf": urdf.replace("0.4", "0.5")}
+        for name, text in self.texts.items():
+            (folder / name).write_text(text)
+        self.wide = rng.choice([[], ["--wide"]])
+
+    def run(self, *words):
+        return run(self.qerr, *words, cwd=self.folder)
+
+    def sweep(self, *words):
+        return self.run("sweep", "-q", "edited.yaml", *self.wide, *self.options, *words)
+
+    def kill(self, *words):
+        process = subprocess.Popen([str(self.qerr), "sweep", "-q", "edited.yaml", *self.wide, *words], cwd=self.folder, stdin=subprocess.DEVNULL,
+                                   stderr=subprocess.DEVNULL)
+        try:
+            process.wait(timeout=self.rng.uniform(0, 0.05))
+        except subprocess.TimeoutExpired:
+            process.kill()
+            process.wait()
+
+    def edit_input(self):
+        """Changes an input. @returns the name that a refusal must have"""
+        name, old, new = self.rng.choice([("edited.yaml", "50 Hz", "51 Hz"), ("edited.yaml", "5 um", "6 um"), ("edited.yaml", "qerr: 1", "# a comment\nqerr: 1"),
+                                          ("cat.csv", "1024", "1025"), ("cat.csv", "0.5", "0.6"), ("arm.urdf", "0.4", "0.41"), ("other.urdf", "0.5", "0.51"),
+                                          ("--set", "", "requirements.0.at_most=7 um"), ("--set", "", "configurations.count=41"), ("--seed", "", "3"),
+                                          ("--statistics", "", "max")])
+        if not old:
+            self.options = [name, new]
+            return name
+        (self.folder / name).write_text(self.texts[name].replace(old, new))
+        return "the spec" if name == "edited.yaml" else name
+
+    def edit_rows(self, file):
+        """Changes digits of whole rows, removes, repeats or cuts some."""
+        lines = file.read_bytes().split(b"\r\n")
+        i = self.rng.randrange(1, max(2, len(lines) - 1))
+        kind = self.rng.randrange(5)
+        if kind == 0:
+            lines[i:i + 3] = [line.translate(bytes.maketrans(b"37", b"48")) for line in lines[i:i + 3]]
+        elif kind == 1:
+            del lines[i]
+        elif kind == 2:
+            lines.insert(i, lines[i])
+        elif kind == 3:
+            lines[i:] = [lines[i][: len(lines[i]) // 2]] if i < len(lines) else []
+        else:
+            lines.append(b"99,more")
+        if self.rng.random() < 0.5:
+            file.unlink()  # as editors do, which write another file in its place
+        file.write_bytes(b"\r\n".join(lines))
+
+
+def check_edited(t, qerr, rounds, rng):
+    """Killed, edited, and resumed or merged: the bytes of a fresh run, or a refusal that names what has changed."""
+    for round_ in range(rounds):
+        with tempfile.TemporaryDirectory() as temporary:
+            folder = pathlib.Path(temporary)
+            e = Edited(qerr, folder, rng)
+            sharded, whole = rng.random() < 0.5, rng.random() < 0.6
+            files = [["--shard", f"{k}/3", "-o", f"{k}.csv"] for k in (1, 2, 3)] if sharded else [["-o", "one.csv"]]
+            for words in files:
+                (e.sweep if whole or rng.random() < 0.5 else e.kill)(*words)
+            changed = [e.edit_input()] if rng.random() < 0.6 else []
+            name = files[-1][-1]
+            if (folder / name).exists() and rng.random() < (0.3 if changed else 0.8):
+                e.edit_rows(folder / name)
+                changed += [name]
+            if sharded and rng.random() < 0.5:  # one of them is computed anew, for mixed shards
+                e.sweep(*files[0])
+            refused = None
+            for words in files:
+                if sharded and (folder / words[-1]).exists() and rng.random() < 0.3:
+                    continue
+                ran = e.sweep(*words, "--resume")
+                refused = refused or (ran if ran.code else None)
+            result = folder / "one.csv"
+            if sharded:
+                spec = ["--spec", "edited.yaml", *e.wide, *e.options] if rng.random() < 0.5 else []
+                ran = e.run("merge", "3.csv", "1.csv", "2.csv", "-o", "all.csv", *spec)
+                refused, result = (ran if ran.code else None), folder / "all.csv"
+            fresh = folder / "fresh.csv"
+            e.sweep("-o", fresh.name)
+            message = refused.err.decode() if refused else ""
+            if refused:
+                good = refused.code == 3 and (any(word in message for word in changed) or "not complete" in message or "missing" in message)
+            else:
+                good = same(result, fresh) or (sharded and "--spec" not in spec and changed)  # all shards of the inputs before
+            t.check(f"edited, round {round_}: {'shards' if sharded else 'one file'}, {', '.join(changed) or 'nothing'} changed", good, message[:300])
+
+
+def check_check(t, qerr, spec, folder):
+    """--check: 1 for requirements that are not met, 3 for variants that cannot be computed; these are counted, with -q, too."""
+    at_most = "requirements=[{quantity: position.x.worst_case, statistic: max, at_most: %s}]"
+    axis = "sweep=[{key: filters.velocity.lowpass.cutoff, values: [50 Hz, %s]}]"
+    for limit, cutoff, code, words in (("1 m", "60 Hz", 0, []), ("1 nm", "60 Hz", 1, ["2 of 2 variants do not meet"]), ("1 m", "600 Hz", 3, ["1 of 2 variants"]),
+                                       ("1 nm", "600 Hz", 3, ["1 of 2 variants cannot be computed", "1 of 2 variants do not meet"])):
+        changes = ["--set", at_most % limit, "--set", axis % cutoff, "--set", "configurations.count=20"]
+        for more in ([], ["--wide"], ["--format", "json"], ["--shard", "1/1"]):
+            ran = run(qerr, "sweep", "-q", spec, *changes, *more, "--check")
+            said = ran.err.decode()
+            t.check(f"--check {' '.join(more)}: {code}", ran.code == code and all(word in said for word in words) and bool(said) == bool(words), f"{ran.code} {said}")
+        ran = run(qerr, "sweep", "-q", spec, *changes)
+        t.check("without --check: 0, and what was not computed is counted", ran.code == 0 and (b"1 of 2 variants" in ran.err) == (cutoff == "600 Hz"), ran.err.decode())
+    target = folder / "checked.csv"
+    run(qerr, "sweep", "-q", spec, *changes, "-o", target)
+    ran = run(qerr, "sweep", "-q", spec, *changes, "-o", target, "--resume", "--check")
+    t.check("--check of a file that was not judged", ran.code == 3 and b"1 of 2 variants do not meet" in ran.err, ran.err.decode())
+    expect(t, "--check without requirements", run(qerr, "sweep", "-q", spec, *changes, "--set", "requirements=[]", "--check"), 3, words=["requirements"])
+
+
+def check_pipe(t, qerr, shards, whole):
+    """Each file is read once: it may be a pipe."""
+    words = " ".join(f"'{shard}'" for shard in shards[1:])
+    done = subprocess.run(["bash", "-c", f"'{qerr}' merge {words} <(cat '{shards[0]}')"], capture_output=True, timeout=60)
+    t.check("merge of a pipe to standard output", done.returncode == 0 and done.stdout == whole.read_bytes(), done.stderr.decode())
 
 
 def check_output(t, qerr, spec, whole, folder):
@@ -299,6 +435,7 @@ def main():
     parser.add_argument("--verbose", action="store_true", help="print the checks that pass, too")
     parser.add_argument("--rounds", type=int, default=2, help="sweeps that are killed, of each kind")
     parser.add_argument("--rows", type=int, default=6, help="variants compared with analyze, of each kind")
+    parser.add_argument("--edits", type=int, default=30, help="sweeps whose inputs or files are edited")
     arguments = parser.parse_args()
     qerr, t, rng = pathlib.Path(arguments.qerr).resolve(), Tally(arguments.verbose), random.Random(1)
     with tempfile.TemporaryDirectory() as temporary:
@@ -326,6 +463,9 @@ def main():
             run(qerr, "sweep", "-q", spec, "--shard", f"{k}/5", "-o", folder / f"{k}of5.csv")
         run(qerr, "sweep", "-q", spec, "--shard", "3/13", "-o", folder / "3of13.csv")
         check_errors(t, qerr, spec, whole, folder)
+        check_pipe(t, qerr, [folder / f"{k}of5.csv" for k in range(1, 6)], whole)
+        check_check(t, qerr, spec, folder)
+        check_edited(t, qerr, arguments.edits, rng)
         check_shards_of_one_variant(t, qerr, folder)
         check_said_at_once(t, qerr, folder)
     return t.close()

@@ -1,6 +1,7 @@
 #include "core/run_files.hpp"
 
 #include <gtest/gtest.h>
+#include <sys/xattr.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -18,7 +19,7 @@ class FilesOfARun : public ::testing::Test {
   void SetUp() override {
     folder_ = std::filesystem::temp_directory_path() / ("qerr_run_files_" + std::to_string(getpid()));
     std::filesystem::create_directories(folder_);
-    std::ofstream(file("spec.yaml")) << "qerr: 1\n";
+    std::ofstream(file("spec.yaml")) << "robot: {}\n";
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
   std::string file(const std::string& name) const { return (folder_ / name).string(); }
@@ -51,6 +52,36 @@ TEST_F(FilesOfARun, RefuseAnOutputThatIsAnInputUnderAnyName) {
 TEST_F(FilesOfARun, RefuseAnInputThatIsAnOutput) {
   note_output(file("spec.yaml"));
   EXPECT_NE(refusal([&] { note_input(file("spec.yaml")); }).find("spec.yaml"), std::string::npos);
+}
+
+TEST_F(FilesOfARun, RefuseAnOutputThatReplacesASpec) {
+  const auto written = [&](const std::string& name, const std::string& text) {
+    std::ofstream(file(name)) << text;
+    return refusal([&] { note_output(file(name)); });
+  };
+  int number = 0;
+  for (const char* spec : {"# arm\n\nqerr: 1\n", "{qerr: 1, robot: {}}", "{\"qerr\": 1}", "  'qerr' : 1\n"})
+    EXPECT_NE(written("s" + std::to_string(++number) + ".yaml", spec).find("--force"), std::string::npos)
+        << spec;
+  EXPECT_EQ(written("o.json", "{\n  \"qerr\": \"1.2\",\n"), "");
+  EXPECT_EQ(written("other", "qerr is not a key\nqerrs: 1\n"), "");
+  permit_replacing_specs();
+  EXPECT_EQ(written("forced.yaml", "qerr: 1\n"), "");
+}
+
+TEST_F(FilesOfARun, ReplaceASpecThatIsAsItWasWritten) {
+  std::ofstream(file("s.yaml")) << "qerr: 1\n";
+  note_as_written(file("s.yaml"));
+  std::ofstream(file("edited.yaml")) << "qerr: 1\n";
+  note_as_written(file("edited.yaml"));
+  std::ofstream(file("edited.yaml"), std::ios::app) << "# edited\n";
+  EXPECT_NE(refusal([&] { note_output(file("edited.yaml"), "--write-spec"); }), "");
+  std::ofstream(file("as_written.yaml")) << "qerr: 1\n";
+  note_as_written(file("as_written.yaml"));
+  EXPECT_NE(refusal([&] { note_output(file("s.yaml"), "--output"); }), "");
+  char sum[64];
+  const bool has_notes = getxattr(file("as_written.yaml").c_str(), "user.qerr.written", sum, sizeof sum) > 0;
+  EXPECT_EQ(refusal([&] { note_output(file("as_written.yaml"), "--write-spec"); }) == "", has_notes);
 }
 
 TEST_F(FilesOfARun, RefuseTwoOutputsThatAreOneFile) {

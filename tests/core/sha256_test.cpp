@@ -14,5 +14,15 @@ TEST(Sha256, GivesTheVectorsOfFips180) {
             "cdc76e5c9914fb9281a1c7e284d73e67f1809a48a497200e046d39ccc7112cd0");
 }
 
+TEST(Sha256, PiecesGiveTheSumOfTheWhole) {
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += static_cast<char>(i);
+  for (const std::size_t piece : {1u, 7u, 63u, 64u, 65u, 128u, 299u}) {
+    Sha256 sum;
+    for (std::size_t at = 0; at < text.size(); at += piece) sum.add(std::string_view(text).substr(at, piece));
+    EXPECT_EQ(sum.digest(), sha256(text)) << piece;
+  }
+}
+
 }  // namespace
 }  // namespace qerr

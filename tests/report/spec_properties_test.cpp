@@ -9,6 +9,7 @@
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/sweep/csv_lines.hpp"
 #include "report/sweep/merge.hpp"
 #include "report/sweep/rows.hpp"
 #include "report/sweep/run_sweep.hpp"
@@ -129,22 +130,26 @@ std::pair<std::string, std::string> merged_and_whole(Dice& dice) {
   job.judged = dice.chance(0.5);
   const SweepRows rows =
       job.judged ? wide_rows(grid, variants, job.statistics) : tidy_rows(grid, job.statistics);
-  job.text = rows.lines;
-  const auto table = [&](const Shard& shard, unsigned threads) {
+  const RunRecord record(variants, grid, {});
+  const auto table = [&](const Shard& shard, unsigned threads, bool marked) {
     job.shard = shard;
     job.threads = threads;
-    std::string text = rows.header + "\r\n";
-    SweepRun(job).run(0, [&](const std::string& lines) { text += lines; });
+    const std::string mark = shard_mark(shard, record);
+    job.text = [&, mark](const SweptVariant& v) {
+      return marked ? marked_lines(rows.lines(v), verdict_of(v, job.judged), mark) : rows.lines(v);
+    };
+    std::string text = rows.header + (marked ? ',' + mark : std::string()) + "\r\n";
+    SweepRun(job).run({}, [&](const std::string& lines, const SweepCounts&) { text += lines; });
     return text;
   };
   const std::uint64_t shards = 1 + dice.below(5);
   std::vector<std::string> files;
   for (std::uint64_t k = 0; k < shards; ++k)
     files.push_back(folder.write(std::to_string(k) + ".csv",
-                                 table({k, shards}, 1 + static_cast<unsigned>(dice.below(3)))));
+                                 table({k, shards}, 1 + static_cast<unsigned>(dice.below(3)), true)));
   std::string merged;
-  merge_shards(files, nullptr, [&](const std::string& text) { merged += text; });
-  return {merged, table({}, 1)};
+  merge_shards(files, &record, [&](const std::string& text) { merged += text; });
+  return {merged, table({}, 1, false)};
 }
 
 // A sweep takes 0.1 s: 12 seeds in place of the usual 100.

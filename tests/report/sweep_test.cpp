@@ -2,7 +2,7 @@
 
 #include <filesystem>
 #include <fstream>
-#include <sstream>
+#include <numbers>
 
 #include "qerr/core/error.hpp"
 #include "report/sweep/csv_lines.hpp"
@@ -63,50 +63,100 @@ class ShardFileTest : public ::testing::Test {
   }
   ~ShardFileTest() override { std::filesystem::remove(path_); }
 
-  static std::string cells(std::uint64_t i) { return std::to_string(i) + ",v" + std::to_string(i) + ','; }
-  static std::string lines(std::uint64_t i) { return cells(i) + "first\r\n" + cells(i) + "second\r\n"; }
+  static std::string lines(std::uint64_t i) {
+    const std::string cells = std::to_string(i) + ",v" + std::to_string(i) + ',';
+    return cells + "first\r\n" + cells + "second\r\n";
+  }
 
   std::string text() const {
     std::ifstream file(path_, std::ios::binary);
     return {std::istreambuf_iterator<char>(file), {}};
   }
-  void set(const std::string& text) const { std::ofstream(path_, std::ios::binary) << text; }
+  void set(const std::string& text) const {
+    std::filesystem::remove(path_);  // and with it the note of the file
+    std::ofstream(path_, std::ios::binary) << text;
+  }
+  /// The same file with other bytes: its note stays.
+  void overwrite(const std::string& text) const { std::ofstream(path_, std::ios::binary) << text; }
 
-  std::uint64_t resumed(std::uint64_t count) const {
-    ShardFile file(path_, "--output", "variant,key,value", true);
-    const std::uint64_t begin = file.resume(count, cells, lines);
-    for (std::uint64_t i = begin; i < count; ++i) file.write(lines(i));
+  std::string mark() const { return shard_mark({}, record_); }
+  std::string header() const { return columns + (marked_ ? ',' + mark() : std::string()); }
+
+  ShardFile opened(bool keep) const { return {path_, "--output", header(), record_, marked_, keep}; }
+
+  /// @returns the variants that were kept
+  std::uint64_t resumed(std::uint64_t variants) const {
+    ShardFile file(path_, "--output", header(), record_, marked_, true);
+    SweepCounts counts = file.resume(false);
+    const std::uint64_t kept = counts.variants;
+    while (counts.variants < variants) {
+      const std::string own = lines(counts.variants);
+      count_verdict(counts, 'u');
+      file.write(marked_ ? marked_lines(own, 'u', mark()) : own, counts);
+    }
     file.close();
-    return begin;
+    return kept;
   }
 
   static constexpr std::uint64_t count = 6;
+  static constexpr const char* columns = "variant,key,value";
   std::filesystem::path path_;
+  RunRecord record_{"spec=1; catalogue e.csv=2"};
+  bool marked_ = false;
 };
 
 TEST_F(ShardFileTest, ResumesFromEveryLength) {
-  ASSERT_EQ(resumed(count), 0u);
-  const std::string whole = text();
-  EXPECT_TRUE(whole.ends_with(lines(count - 1)));
-  for (std::size_t size = 0; size <= whole.size(); ++size) {
-    set(whole.substr(0, size));
-    const std::uint64_t begin = resumed(count);
-    EXPECT_EQ(text(), whole) << size;
-    // Of what stands there, only the last variant is computed again.
-    const auto seen = static_cast<std::uint64_t>(
-        std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size), '\n'));
-    EXPECT_GE(begin + 2, seen / 2) << size;
+  for (const bool marked : {false, true}) {
+    marked_ = marked;
+    set("");
+    ASSERT_EQ(resumed(count), 0u);
+    const std::string whole = text();
+    for (std::size_t size = 0; size <= whole.size(); size += marked ? 7 : 2) {
+      set(whole.substr(0, size));
+      const std::uint64_t kept = resumed(count);
+      EXPECT_EQ(text(), whole) << size;
+      const auto seen = static_cast<std::uint64_t>(
+          std::count(whole.begin(), whole.begin() + static_cast<std::ptrdiff_t>(size), '\n'));
+      if (marked) {
+        EXPECT_GE(kept + 1, seen / 2) << size;
+      }
+    }
   }
 }
 
-TEST_F(ShardFileTest, ResumesBeforeADamagedLine) {
+TEST_F(ShardFileTest, ANoteKeepsWhatWasWritten) {
+  resumed(count);
+  const std::string whole = text();
+  const bool noted = resumed(count) == count;  // not every file system has notes
+  overwrite(whole.substr(0, whole.size() / 2));
+  EXPECT_EQ(resumed(count), 0u);
+  EXPECT_EQ(text(), whole);
+  std::string changed = whole;
+  changed.replace(changed.find("second"), 6, "other!");
+  overwrite(changed);
+  if (noted) {
+    EXPECT_EQ(resumed(count), 0u);
+    EXPECT_EQ(text(), whole);
+  }
+  record_ = RunRecord("spec=1; catalogue e.csv=3");
+  try {
+    resumed(count);
+    EXPECT_FALSE(noted);
+  } catch (const Error& e) {
+    EXPECT_NE(std::string(e.what()).find("the catalogue e.csv"), std::string::npos) << e.what();
+    EXPECT_EQ(text(), whole);
+  }
+}
+
+TEST_F(ShardFileTest, ComputesAChangedVariantOfAShardAnew) {
+  marked_ = true;
   resumed(count);
   const std::string whole = text();
   const std::size_t third = whole.find("3,v3"), end = whole.find("\r\n", third);
-  for (const std::string& damaged : {whole.substr(0, end) + ",more" + whole.substr(end),
-                                     whole.substr(0, end) + "\xe2\x80\xae" + whole.substr(end),
-                                     whole.substr(0, end) + '\0' + whole.substr(end + 1),
-                                     whole.substr(0, end + 2) + whole.substr(third)}) {
+  for (const std::string& damaged :
+       {whole.substr(0, end) + ",more" + whole.substr(end),
+        whole.substr(0, end) + '\0' + whole.substr(end + 1), whole.substr(0, end + 2) + whole.substr(third),
+        whole.substr(0, third) + '4' + whole.substr(third + 1)}) {
     set(damaged);
     EXPECT_LE(resumed(count), 3u);
     EXPECT_EQ(text(), whole) << damaged;
@@ -115,17 +165,17 @@ TEST_F(ShardFileTest, ResumesBeforeADamagedLine) {
 
 TEST_F(ShardFileTest, OnlyACompleteFileEndsWithALineBreak) {
   {
-    ShardFile file(path_, "--output", "variant,key,value", false);
+    ShardFile file = opened(false);
     for (std::uint64_t i = 0; i < count; ++i) {
-      file.write(lines(i));
+      file.write(lines(i), {i + 1});
       EXPECT_FALSE(text().ends_with('\n'));
     }
     file.close();
   }
   EXPECT_TRUE(text().ends_with('\n'));
-  ShardFile empty(path_, "--output", "variant,key,value", false);
+  ShardFile empty = opened(false);
   empty.close();
-  EXPECT_EQ(text(), "variant,key,value\r\n");
+  EXPECT_EQ(text(), std::string(columns) + "\r\n");
 }
 
 TEST_F(ShardFileTest, RefusesFilesThatAreNotItsBegin) {
@@ -136,27 +186,67 @@ TEST_F(ShardFileTest, RefusesFilesThatAreNotItsBegin) {
     EXPECT_THROW(resumed(variants), Error) << content;
     EXPECT_EQ(text(), content);
   };
-  refused(whole, count - 1);
-  refused("variant,key\r\n" + whole.substr(whole.find('\n') + 1), count);
-  refused("something else", count);
-  set("root:secret:0\r\n");
-  try {
-    resumed(count);
-    FAIL() << "a foreign file";
-  } catch (const Error& e) {
-    EXPECT_EQ(std::string(e.what()).find("secret"), std::string::npos) << e.what();
-  }
   std::string changed = whole;
   changed.replace(changed.find("second"), 6, "other!");
-  refused(changed, count);  // the first variant has other figures
-  changed = whole;
-  changed.replace(changed.find("3,v3"), 4, "3,v4");
-  refused(changed, count);
+  for (const bool marked : {false, true}) {
+    marked_ = marked;
+    refused("variant,key\r\n" + whole.substr(whole.find('\n') + 1), count);
+    refused("something else", count);
+    set("root:secret:0\r\n");
+    try {
+      resumed(count);
+      FAIL() << "a foreign file";
+    } catch (const Error& e) {
+      EXPECT_EQ(std::string(e.what()).find("secret"), std::string::npos) << e.what();
+    }
+    if (marked) continue;
+    refused(whole, count - 1);
+    refused(changed, count);
+    changed = whole;
+    changed.replace(changed.find("3,v3"), 4, "3,v4");
+    refused(changed, count);
+  }
+}
+
+TEST(RunRecord, NamesWhatDiffers) {
+  const RunRecord a("URDF arm.urdf=1; catalogue e.csv=2; spec=3; variants=8");
+  EXPECT_EQ(RunRecord(a.text()).difference(a), "");
+  EXPECT_EQ(a.difference(RunRecord("URDF arm.urdf=1; catalogue e.csv=9; spec=4; variants=7")),
+            "the catalogue e.csv, the spec");
+  EXPECT_EQ(a.difference(RunRecord("URDF arm.urdf=1; catalogue e.csv=2; option --set=5; spec=3; variants=8")),
+            "the option --set");
+  EXPECT_EQ(a.value("variants"), "8");
+}
+
+TEST(SweepGrid, NumbersHaveOneUnitAndOthersAreTexts) {
+  Spec spec;
+  const auto axis = [](const std::string& key, const std::vector<std::string>& values) {
+    SweepAxis a{{key}, {}};
+    for (const std::string& value : values) a.steps.push_back({{value}, {{key, value}}, {}});
+    return a;
+  };
+  spec.sweep = {axis("a", {"5 Hz", "1 kHz"}),
+                axis("b", {"90 deg", "2"}),
+                axis("c", {"5 Hz", "1 mm"}),
+                axis("d", {"first_order"}),
+                axis("e", {"1/100", "20 %"}),
+                axis("filters.v.lowpass.cutoff", {"5", "9"}),
+                {{"f"}, {{{"12"}, {{"f", "{bits: 3}"}}, {}}}}};
+  const SweepGrid grid(spec);
+  const auto& columns = grid.columns();
+  std::vector<std::string> headers;
+  for (const SweepColumn& column : columns) headers.push_back(column.header());
+  EXPECT_EQ(headers, (std::vector<std::string>{"a [Hz]", "b [rad]", "c", "d", "e",
+                                               "filters.v.lowpass.cutoff [Hz]", "f"}));
+  EXPECT_EQ(columns[0].values, (std::vector<double>{5, 1000}));
+  EXPECT_NEAR(columns[1].values[0], std::numbers::pi / 2, 1e-15);
+  EXPECT_EQ(columns[4].values, (std::vector<double>{0.01, 0.2}));
+  for (const std::size_t text : {2u, 3u, 6u}) EXPECT_TRUE(columns[text].values.empty()) << text;
 }
 
 TEST_F(ShardFileTest, AFileThatIsBeingWrittenIsNotOpenedAgain) {
-  ShardFile file(path_, "--output", "variant,key,value", false);
-  EXPECT_THROW(ShardFile(path_, "--output", "variant,key,value", true), Error);
+  ShardFile file = opened(false);
+  EXPECT_THROW(opened(true), Error);
 }
 
 }  // namespace

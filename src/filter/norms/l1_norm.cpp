@@ -57,11 +57,12 @@ class Summation {
 
   /// By the direct sum, truncated at most_direct.
   Interval by_samples() const {
-    const auto count = static_cast<std::int64_t>(std::clamp(memory(), 8.0, longest_direct()));
+    const auto count = static_cast<std::int64_t>(short_enough() ? std::max(memory(), 8.0) : longest_direct());
     const PartialSum p = direct_.sum(count);
     return around(p.sum, p.error, p.error + direct_.tail(count));
   }
-  /// Whether the direct sum is not truncated.
+  /// Whether the direct sum is not truncated; false, too, where the memory is not known, as of a response
+  /// whose squares are below the range of double.
   bool short_enough() const { return memory() <= longest_direct(); }
 
   /// By partial fractions, from the first sample where they hold.

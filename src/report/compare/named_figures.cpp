@@ -69,7 +69,8 @@ std::string member_unit(const FilterMember& row, int derivative) {
 
 /// Norms exist always, and null is infinite; null is not known elsewhere.
 void add_filter(const std::string& name, const ReportMember& filter, NamedFigures& to) {
-  const int derivative = static_cast<int>(filter.at("derivative").number());
+  const double stated = filter.at("derivative").number();  // of a file that anybody may have written
+  const auto derivative = static_cast<int>(std::clamp(stated, 0.0, double{max_derivative}));
   for (const FilterMember& row : filter_members) {
     auto value = filter.find(row.member);
     if (value && !row.part.empty()) value = value->at(row.part);

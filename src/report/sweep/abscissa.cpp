@@ -26,19 +26,9 @@ bool equal_ratios(const std::vector<double>& v) {
   return in_log && !linear;
 }
 
-/// The values of a key, or none if they are not numbers of one dimension, two different ones at least.
-std::optional<SweepAbscissa> numeric_key(const SweepAxis& axis, std::size_t key) {
-  SweepAbscissa a;
-  std::optional<Dimension> dimension;
-  for (const SweepStep& step : axis.steps) {
-    std::string why;
-    const auto q = parse_quantity(step.names[key], why);
-    if (!q || (!a.values.empty() && q->dimension != dimension)) return std::nullopt;
-    dimension = q->dimension;
-    a.values.push_back(q->value);
-  }
-  a.key = axis.keys[key];
-  a.unit = dimension ? unit_name(*dimension) : "";
+/// The values of a key, or none if they are not numbers, two different ones at least.
+std::optional<SweepAbscissa> numeric_key(const SweepColumn& column) {
+  SweepAbscissa a{column.axis, column.key, column.unit, column.values, {}, false};
   a.order.resize(a.values.size());
   std::iota(a.order.begin(), a.order.end(), std::size_t{0});
   std::stable_sort(a.order.begin(), a.order.end(),
@@ -54,12 +44,8 @@ std::optional<SweepAbscissa> numeric_key(const SweepAxis& axis, std::size_t key)
 }  // namespace
 
 std::optional<SweepAbscissa> abscissa_of(const SweepGrid& grid) {
-  for (std::size_t i = 0; i < grid.axes().size(); ++i)
-    for (std::size_t key = 0; key < grid.axes()[i].keys.size(); ++key)
-      if (auto a = numeric_key(grid.axes()[i], key)) {
-        a->axis = i;
-        return a;
-      }
+  for (const SweepColumn& column : grid.columns())
+    if (auto a = numeric_key(column)) return a;
   return std::nullopt;
 }
 

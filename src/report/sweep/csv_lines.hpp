@@ -2,24 +2,19 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <string_view>
+
+#include "report/sweep/run_record.hpp"
 
 namespace qerr {
 
 /// What ends a line of the CSV that qerr writes; no cell has one.
 inline constexpr std::string_view csv_line_break = "\r\n";
 
-/// The last column of shards that have one variant at most each: K/N. The numbers of the variants do not tell
-/// then how many shards there are; qerr merge takes it off again.
-inline constexpr std::string_view shard_column = ",shard";
-
-/// The number of cells of a line that qerr has written: commas within quotation marks divide none.
-std::size_t cells_of(std::string_view line);
-
-/// What shows that a line which qerr has written was damaged since: another number of cells than the header,
-/// characters that qerr does not write, or the same line as before; "" if nothing does.
-std::string damage_of(std::string_view line, std::string_view before, std::size_t cells);
+/// Whether a line has characters that qerr does not write, as the end of a torn file may have.
+bool has_hidden(std::string_view line);
 
 /// The lines of a file that qerr has written, one after the other; a file is never held whole.
 class CsvLines {
@@ -44,6 +39,49 @@ class CsvLines {
   std::string_view line_;
   std::uint64_t begin_ = 0, number_ = 0;
   bool ended_ = false;
+};
+
+/// The first line of a shard. Its last cell says which shard it is, and of which sweep:
+/// `shard 2/5; NAME=VALUE; ...`, where the record follows the number.
+struct ShardHeader {
+  std::string columns;  ///< without that cell
+  std::string mark;     ///< that cell
+  Shard shard;
+  RunRecord record;
+};
+std::string shard_mark(const Shard&, const RunRecord&);
+
+/// The lines of a variant as a shard has them: with one more cell, which is empty but in the last line. There
+/// it is the verdict (run_sweep.hpp) and a checksum of it, the lines and the mark of the shard.
+std::string marked_lines(const std::string& lines, char verdict, const std::string& mark);
+
+/// The variants of a shard, one after the other.
+class ShardLines {
+ public:
+  explicit ShardLines(CsvLines::Read read) : lines_(std::move(read)) {}
+
+  /// Reads the first line; to be called once, first. @returns empty if it is not that of a shard
+  const std::optional<ShardHeader>& read_header();
+  /// Whether the first line has its line break, later the last one that was read.
+  bool ended() const { return lines_.ended(); }
+
+  /// Reads the next variant. @returns false at the end
+  bool next();
+  /// Whether it is as it was written. @pre for all functions below
+  bool whole() const { return whole_; }
+  std::uint64_t variant() const { return variant_; }
+  char verdict() const { return verdict_; }
+  const std::string& text() const { return text_; }         ///< its lines, without the last cells
+  std::uint64_t end() const { return end_; }                ///< position of the line break behind it
+  std::uint64_t number() const { return lines_.number(); }  ///< of its last line
+
+ private:
+  CsvLines lines_;
+  std::optional<ShardHeader> header_;
+  std::string text_;
+  std::uint64_t variant_ = 0, end_ = 0;
+  char verdict_ = 0;
+  bool whole_ = false;
 };
 
 }  // namespace qerr

@@ -1,8 +1,32 @@
 #include "report/sweep/grid.hpp"
 
 #include "core/text.hpp"
+#include "input/spec_format.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
+
+namespace {
+
+SweepColumn sweep_column(const SweepAxis& axis, std::size_t number, std::size_t key) {
+  SweepColumn column{axis.keys[key], {}, number, {}};
+  std::optional<Dimension> dimension;
+  std::vector<double> values;
+  for (const SweepStep& step : axis.steps) {
+    const bool entry = key < step.changes.size() && step.changes[key].second.starts_with('{');
+    std::string why;
+    const auto q = entry ? std::nullopt : parse_quantity(step.names[key], why);
+    if (!q || (dimension && q->dimension && *dimension != *q->dimension)) return column;
+    if (q->dimension) dimension = q->dimension;
+    values.push_back(q->value);
+  }
+  if (!dimension) dimension = spec_format::dimension_of(column.key);
+  column.values = std::move(values);
+  column.unit = dimension ? unit_name(*dimension) : "";
+  return column;
+}
+
+}  // namespace
 
 SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
   if (axes_.empty())
@@ -20,6 +44,8 @@ SweepGrid::SweepGrid(const Spec& spec) : axes_(spec.sweep) {
                  "",
                  "let keys vary together (keys: [a, b], values: [[1, 2], [3, 4]]), or give fewer values"});
   for (const SweepAxis& axis : axes_) {
+    const auto number = static_cast<std::size_t>(&axis - axes_.data());
+    for (std::size_t k = 0; k < axis.keys.size(); ++k) columns_.push_back(sweep_column(axis, number, k));
     count_ *= axis.steps.size();
     std::vector<Changes>& steps = changes_.emplace_back();
     for (const SweepStep& step : axis.steps) {

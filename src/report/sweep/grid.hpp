@@ -21,6 +21,18 @@ struct Shard {
   }
 };
 
+/// A key that varies, as programs read it.
+struct SweepColumn {
+  std::string key, unit;
+  std::size_t axis = 0;
+  /// Of the steps of its axis [SI], if all of them are numbers, in units of one kind; else empty: they are
+  /// texts, such as the family of a filter or a row of a catalogue.
+  std::vector<double> values;
+
+  /// The key, with its unit in brackets if it has one.
+  std::string header() const { return unit.empty() ? key : key + " [" + unit + ']'; }
+};
+
 /// The variants of a sweep, numbered from 0: all combinations of the steps of its axes, of which the first
 /// one varies slowest.
 class SweepGrid {
@@ -33,6 +45,7 @@ class SweepGrid {
 
   /// The keys that vary, in the order of the axes.
   std::vector<std::string> keys() const;
+  const std::vector<SweepColumn>& columns() const { return columns_; }
   /// The values of the keys, as reports name them.
   std::vector<std::string> names(std::uint64_t variant) const;
   /// `KEY = VALUE, KEY = VALUE` for messages.
@@ -51,6 +64,7 @@ class SweepGrid {
   };
 
   std::vector<SweepAxis> axes_;
+  std::vector<SweepColumn> columns_;
   std::vector<std::vector<Changes>> changes_;  // [axis][step]
   std::uint64_t count_ = 1;
 };

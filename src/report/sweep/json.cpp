@@ -48,8 +48,15 @@ Json requirements(const SpecCheck& check) {
 std::string SweepJson::variant(const SweptVariant& v, const SweepGrid& grid,
                                const std::vector<const StatisticKind*>& statistics) {
   Json values = Json::object();
-  const std::vector<std::string> keys = grid.keys(), names = grid.names(v.variant);
-  for (std::size_t k = 0; k < keys.size(); ++k) values[keys[k]] = names[k];
+  const std::vector<std::string> names = grid.names(v.variant);
+  const std::vector<std::size_t> steps = grid.steps(v.variant);
+  for (std::size_t k = 0; k < names.size(); ++k) {
+    const SweepColumn& column = grid.columns()[k];
+    if (column.values.empty())
+      values[column.key] = names[k];
+    else
+      values[column.key] = column.values[steps[column.axis]];
+  }
   Json j{{"variant", v.variant}, {"values", values}};
   if (!v.fault.empty()) j["error"] = v.fault;
   if (!v.check) return j.line();
@@ -69,6 +76,10 @@ SweepJson sweep_json(const SpecVariants& variants, const SweepGrid& grid) {
   const Spec& spec = variants.base();
   Json head = report_header(spec, "sweep", spec.configurations.seed);
   head["keys"] = grid.keys();
+  Json units = Json::object();
+  for (const SweepColumn& column : grid.columns())
+    if (!column.unit.empty()) units[column.key] = column.unit;
+  head["units"] = units;
   head["count"] = grid.count();
   std::string begin = head.document();
   begin.erase(begin.rfind('\n', begin.rfind('}')));
@@ -92,7 +103,8 @@ Json sweep_schema() {
                                    {"met", boolean()}});
   const Json variant =
       object({{"variant", number(), "its number, from 0"},
-              {"values", map(text()), "of the keys that vary"},
+              {"values", map({{"type", Json::array({"number", "string"})}}),
+               "of the keys that vary: numbers in SI units, or texts"},
               {"error", text(), "why it cannot be computed, or a requirement not decided", true},
               {"figures", list(object(figure)), "", true},
               {"budget", map(number()), "each encoder's share of the mean variance of the position", true},
@@ -100,6 +112,7 @@ Json sweep_schema() {
               {"requirements", list(requirement), "", true},
               {"met", boolean(), "whether all requirements are", true}});
   return object(joined(header("sweep"), {{"keys", list(text()), "what varies; the first one slowest"},
+                                         {"units", map(text()), "of the keys whose values have one"},
                                          {"count", number(), "of the variants"},
                                          {"variants", list(variant)}}));
 }

@@ -1,5 +1,8 @@
 #include "report/sweep/shard_file.hpp"
 
+#include <algorithm>
+#include <charconv>
+
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
 #include "report/sweep/csv_lines.hpp"
@@ -8,133 +11,188 @@ namespace qerr {
 
 namespace {
 
-/// Reads what a file holds of the variants that it should hold.
-class HeldVariants {
- public:
-  HeldVariants(GrowingFile& file, std::uint64_t count, const std::function<std::string(std::uint64_t)>& cells)
-      : path_(file.path()),
-        lines_([&](std::uint64_t from, std::size_t most) { return file.read(from, most); }),
-        count_(count),
-        cells_(cells) {}
+using std::chrono::steady_clock;
 
-  /// @returns whether the file has a header: else nothing of it is whole
-  bool read_header(const std::string& header) {
-    if (!lines_.next()) return false;
-    const std::string line = header + std::string(csv_line_break);
-    header_cells_ = cells_of(header);
-    if (!lines_.ended() && line.starts_with(lines_.line())) return false;
-    if (lines_.ended() && lines_.line() == header) return true;
-    if (!lines_.line().starts_with("variant,")) refuse("is no CSV of qerr sweep", "");
-    refuse("has other columns than this sweep", shown(lines_.line()));
-  }
+/// What is computed after the last note is computed once more: a fifth of a second. A disk keeps what was
+/// written ten seconds before its power fails.
+constexpr auto note_interval = std::chrono::milliseconds(200);
+constexpr auto synchronization_interval = std::chrono::seconds(10);
 
-  /// Reads all lines. Those of the last variant that is seen may be incomplete.
-  void read_variants() {
-    next_cells_ = cells_of_variant(0);
-    while (lines_.next()) {
-      const std::string_view line = lines_.line();
-      const bool same = seen_ > 0 && line.starts_with(cells_of_last_);
-      if (!same && !begins_next(line)) {
-        if (!lines_.ended() && (next_cells_.starts_with(line) || cells_of_last_.starts_with(line))) return;
-        refuse(seen_ == count_ && lines_.ended() ? "has more variants than this sweep"
-                                                 : "has another variant where this sweep has '" +
-                                                       next_cells_.substr(0, next_cells_.size() - 1) + "'",
-               shown(line));
-      }
-      // A damaged line, too, is not whole: what follows is computed anew.
-      if (lines_.ended() && !damage_of(line, line_before_, header_cells_).empty()) return;
-      line_before_ = line;
-      last_ += line;
-      last_ += csv_line_break;
-    }
-  }
+constexpr const char* begin_anew_remedy = "repeat the run as it was, or leave out --resume to begin anew";
 
-  std::uint64_t whole() const { return seen_ > 0 ? seen_ - 1 : 0; }
-  /// Where the line break before the variant begins that is not whole.
-  std::uint64_t end_of_whole() const { return end_of_whole_; }
-
-  /// Compares a variant that is whole, and is computed anew, with the file.
-  void compare(std::uint64_t variant, const std::string& lines) const {
-    if (lines == (variant == 0 ? first_ : before_last_)) return;
-    throw Error(
-        Fault{{path_},
-              "--resume",
-              "holds other figures than this sweep has",
-              "'" + cells_(variant) + "...'",
-              "the spec, an option or the version differs from the run that is resumed: repeat it as it "
-              "was, or leave out --resume to begin anew"});
-  }
-
- private:
-  std::string cells_of_variant(std::uint64_t i) const { return i < count_ ? cells_(i) : std::string(); }
-
-  bool begins_next(std::string_view line) {
-    if (seen_ == count_ || !line.starts_with(next_cells_)) return false;
-    if (seen_ == 1) first_ = last_;
-    before_last_ = std::move(last_);
-    last_.clear();
-    cells_of_last_ = next_cells_;
-    next_cells_ = cells_of_variant(++seen_);
-    end_of_whole_ = lines_.begin() - csv_line_break.size();
-    return true;
-  }
-
-  static std::string shown(std::string_view line) { return quoted(std::string(line.substr(0, 60))); }
-
-  [[noreturn]] void refuse(const std::string& rule, const std::string& found) const {
-    throw Error(Fault{{path_, static_cast<int>(lines_.number()), 0},
-                      "--resume",
-                      "the file " + rule,
-                      found,
-                      "repeat the spec and the options of the run that is resumed, or leave out --resume to "
-                      "begin anew"});
-  }
-
-  std::string path_;
-  std::size_t header_cells_ = 0;
-  std::string line_before_;
-  CsvLines lines_;
-  std::uint64_t count_;
-  const std::function<std::string(std::uint64_t)>& cells_;
-  std::uint64_t seen_ = 0, end_of_whole_ = 0;
-  std::string cells_of_last_, next_cells_;
-  std::string first_, before_last_, last_;  // lines of these variants
+/// The note of a file: up to which byte it was written, the sum of these bytes, the counts, and the record.
+struct FileNote {
+  std::uint64_t size = 0;
+  std::string sum;
+  SweepCounts counts;
+  RunRecord record;
 };
+
+std::string text_of(const FileNote& note) {
+  std::string text = "1 ";  // version of this form
+  for (const std::uint64_t number :
+       {note.size, note.counts.variants, note.counts.failed, note.counts.unmet, note.counts.unjudged})
+    text += std::to_string(number) + ' ';
+  return text + note.sum + ' ' + note.record.text();
+}
+
+std::optional<FileNote> note_of(std::string_view text) {
+  const auto next = [&] {
+    const std::string_view word = text.substr(0, text.find(' '));
+    text.remove_prefix(std::min(text.size(), word.size() + 1));
+    return word;
+  };
+  if (next() != "1") return std::nullopt;
+  FileNote note;
+  for (std::uint64_t* number :
+       {&note.size, &note.counts.variants, &note.counts.failed, &note.counts.unmet, &note.counts.unjudged}) {
+    const std::string_view word = next();
+    if (std::from_chars(word.data(), word.data() + word.size(), *number).ec != std::errc{})
+      return std::nullopt;
+  }
+  note.sum = next();
+  note.record = RunRecord(text);
+  return note;
+}
 
 }  // namespace
 
-ShardFile::ShardFile(const std::string& path, const std::string& option, std::string header, bool keep)
-    : file_(path, option, keep), header_(std::move(header)) {
-  if (!keep || !file_.regular()) file_.write(header_);
+ShardFile::ShardFile(const std::string& path, const std::string& option, std::string header,
+                     const RunRecord& record, bool marked, bool keep)
+    : file_(path, option, keep), header_(std::move(header)), record_(record), marked_(marked) {
+  if (!keep || !file_.regular()) begin_anew();
 }
 
-std::uint64_t ShardFile::resume(std::uint64_t count, const std::function<std::string(std::uint64_t)>& cells,
-                                const std::function<std::string(std::uint64_t)>& lines) {
-  if (!file_.regular()) return 0;
-  HeldVariants held(file_, count, cells);
-  if (held.read_header(header_)) {
-    held.read_variants();
-    const std::uint64_t whole = held.whole();
-    if (whole > 0) held.compare(0, lines(0));
-    if (whole > 1) held.compare(whole - 1, lines(whole - 1));
-    if (whole > 0) {
-      file_.cut(held.end_of_whole());
-      return whole;
+void ShardFile::begin_anew() {
+  if (file_.regular()) file_.cut(0);
+  put(header_);
+  store_note({});
+}
+
+SweepCounts ShardFile::resume(bool judged) {
+  if (!file_.regular()) return {};
+  const std::string first = header_ + std::string(csv_line_break), begin = file_.read(0, first.size());
+  if (first.starts_with(begin) && begin.size() < first.size()) {
+    begin_anew();  // nothing of it is whole
+    return {};
+  }
+  return counts_ = marked_ ? resume_marked(judged) : resume_noted(judged);
+}
+
+void ShardFile::refuse(const std::string& rule, const std::string& found, std::uint64_t line,
+                       const std::string& remedy) const {
+  throw Error(Fault{{file_.path(), static_cast<int>(line), 0}, "--resume", rule, found, remedy});
+}
+
+void ShardFile::refuse_other(const RunRecord& held) const {
+  if (const std::string changed = held.difference(record_); !changed.empty())
+    refuse("the file was begun with other inputs than this sweep has", "changed: " + changed, 0,
+           begin_anew_remedy);
+}
+
+SweepCounts ShardFile::resume_marked(bool judged) {
+  SweepCounts kept;
+  ShardLines lines([&](std::uint64_t from, std::size_t most) { return file_.read(from, most); });
+  const std::optional<ShardHeader>& header = lines.read_header();
+  if (!header) refuse("the file is no shard of qerr sweep", "", 1, begin_anew_remedy);
+  refuse_other(header->record);
+  if (header->columns + ',' + header->mark != header_)
+    refuse("the file is another shard", header->mark.substr(0, header->mark.find(';')), 1, begin_anew_remedy);
+  std::uint64_t end = header_.size();
+  while (lines.next()) {
+    replaces_ = !lines.whole() && lines.ended();
+    if (!lines.whole() || (judged && lines.verdict() == 'u')) break;
+    count_verdict(kept, lines.verdict());
+    end = lines.end();
+  }
+  file_.cut(end);
+  return kept;
+}
+
+SweepCounts ShardFile::resume_noted(bool judged) {
+  const std::optional<FileNote> note = note_of(file_.note());
+  trusted_ = note.has_value();
+  if (note) refuse_other(note->record);
+  if (note && !(judged && note->counts.unjudged > 0)) {
+    constexpr std::uint64_t block = std::uint64_t{1} << 18;
+    while (size_ < note->size) {
+      const std::string text = file_.read(size_, std::min(block, note->size - size_));
+      if (text.empty()) break;
+      sum_.add(text);
+      size_ += text.size();
+    }
+    if (size_ == note->size && sum_.digest() == note->sum) {
+      file_.cut(size_);
+      return note->counts;
     }
   }
-  file_.cut(0);
-  file_.write(header_);
-  return 0;
+  sum_ = {};
+  size_ = 0;
+  compared_ = 0;
+  put(header_);
+  return {};
 }
 
-void ShardFile::write(std::string_view lines) {
+std::string_view ShardFile::compared(std::string_view text) {
+  const std::string held = file_.read(*compared_, text.size());
+  const std::size_t same =
+      static_cast<std::size_t>(std::mismatch(held.begin(), held.end(), text.begin()).first - held.begin());
+  const std::string_view agreed = text.substr(0, same);
+  line_ += static_cast<std::uint64_t>(std::count(agreed.begin(), agreed.end(), '\n'));
+  *compared_ += same;
+  if (same == text.size()) return {};
+  const std::string rest = file_.read(*compared_, std::size_t{1} << 12);
+  if (!rest.empty()) {
+    if (*compared_ < header_.size())
+      refuse("the file has other columns than this sweep, or is none of qerr sweep", "", 1,
+             begin_anew_remedy);
+    // The end of a file that was torn may hold anything.
+    if (!trusted_ && !has_hidden(rest.substr(0, rest.find(csv_line_break))))
+      refuse("the file holds other figures than this sweep has", "", line_,
+             "the spec, a file that it names, an option or the version of qerr has changed, or the file: " +
+                 std::string(begin_anew_remedy));
+    replaces_ = true;
+  }
+  file_.cut(*compared_);
+  compared_.reset();
+  return text.substr(same);
+}
+
+void ShardFile::put(std::string_view text) {
+  if (!marked_ && file_.regular()) sum_.add(text);
+  size_ += text.size();
+  if (compared_) text = compared(text);
+  if (!text.empty()) file_.write(text);
+}
+
+void ShardFile::write(std::string_view lines, const SweepCounts& counts) {
   if (lines.empty()) return;
   lines.remove_suffix(csv_line_break.size());
-  file_.write(std::string(csv_line_break).append(lines));
+  put(std::string(csv_line_break).append(lines));
+  if (!compared_ && steady_clock::now() - noted_ > note_interval) store_note(counts);
+  counts_ = counts;
+}
+
+void ShardFile::store_note(const SweepCounts& counts) {
+  const auto now = steady_clock::now();
+  if (now - synchronized_ > synchronization_interval) {
+    if (synchronized_ != steady_clock::time_point{}) file_.synchronize();
+    synchronized_ = now;
+  }
+  noted_ = now;
+  if (!marked_) file_.set_note(text_of({size_, sum_.digest(), counts, record_}));
 }
 
 void ShardFile::close() {
-  file_.write(csv_line_break);
+  // The note is that of a file that goes on: without its last line break.
+  const std::string note = text_of({size_, sum_.digest(), counts_, record_});
+  put(csv_line_break);
+  if (compared_ && file_.read(*compared_, 1).size() > 0) {
+    if (!trusted_) refuse("the file has more variants than this sweep", "", line_, begin_anew_remedy);
+    file_.cut(*compared_);
+    replaces_ = true;
+  }
+  if (!marked_) file_.set_note(note);
   file_.close();
 }
 

@@ -23,7 +23,7 @@ class SweepPage {
   std::string row(const SweptVariant&) const;
   /// @param rows  of one or several variants
   void add(const std::string& rows);
-  std::string text(const FailedVariants&) const;
+  std::string text(const SweepOutcome&) const;
 
  private:
   struct Figure {

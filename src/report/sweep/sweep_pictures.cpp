@@ -160,7 +160,7 @@ std::string SweepPage::table() const {
   return out;
 }
 
-std::string SweepPage::text(const FailedVariants& failed) const {
+std::string SweepPage::text(const SweepOutcome& outcome) const {
   constexpr std::size_t most_spec = 40'000;
   std::vector<std::pair<std::string, std::string>> pictures;
   for (std::size_t i = 0; i < figures_.size(); ++i) pictures.emplace_back(figures_[i].name, picture(i));
@@ -171,9 +171,9 @@ std::string SweepPage::text(const FailedVariants& failed) const {
       {{"Figures over the keys", what_is_drawn() + page::choice("Figure", pictures)}, {"Variants", table()}}};
   for (const std::string& warning : spec.warnings)
     if (!warning.starts_with("sweep: ")) page.warnings.push_back(warning);
-  page.warnings.insert(page.warnings.end(), failed.first.begin(), failed.first.end());
-  if (failed.count > 0)
-    page.warnings.push_back(counted(static_cast<std::size_t>(failed.count), "variant") +
+  page.warnings.insert(page.warnings.end(), outcome.faults.begin(), outcome.faults.end());
+  if (outcome.counts.failed > 0)
+    page.warnings.push_back(counted(static_cast<std::size_t>(outcome.counts.failed), "variant") +
                             " cannot be computed or judged; the lines have gaps there");
   describe(page, spec, std::nullopt);
   page.spec_text = spec.text.size() <= most_spec

@@ -141,8 +141,7 @@ class WideColumns {
 SweepRows wide_rows(const SweepGrid& grid, const SpecVariants& variants,
                     std::vector<const StatisticKind*> statistics) {
   const auto columns = std::make_shared<const WideColumns>(grid, variants, statistics);
-  SweepRows rows{"variant,", {}};
-  for (const std::string& key : grid.keys()) rows.header += csv_cell(key) + ',';
+  SweepRows rows{header_of_variants(grid), {}};
   for (const std::string& name : columns->names()) rows.header += csv_cell(name) + ',';
   rows.header += "error";
   rows.lines = [&grid, columns, statistics = std::move(statistics)](const SweptVariant& v) {
