@@ -52,14 +52,6 @@ Error no_page() {
                Trouble::usage);
 }
 
-/// What the command line changed stands above every table.
-std::string changes_above(const Spec& spec, std::size_t width) {
-  std::string all;
-  for (const auto& [key, value] : spec.overrides)
-    all += (all.empty() ? "with --set " : ", --set ") + escaped(key + '=' + value, 200);
-  return all.empty() ? "" : wrapped(all, width);
-}
-
 template <class Report>
 std::string changes_above(const Report& report, const Style& style) {
   if constexpr (requires { report.spec; }) return changes_above(report.spec, style.width);
@@ -81,6 +73,13 @@ std::string written(const Report& report, std::string_view format, const Style& 
 }
 
 }  // namespace
+
+std::string changes_above(const Spec& spec, std::size_t width) {
+  std::string all;
+  for (const auto& [key, value] : spec.overrides)
+    all += (all.empty() ? "with --set " : ", --set ") + escaped(key + '=' + value, 200);
+  return all.empty() ? "" : wrapped(all, width);
+}
 
 void refuse_page(std::string_view format) {
   if (format == "html") throw no_page();

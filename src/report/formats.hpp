@@ -21,6 +21,9 @@
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
 namespace qerr {
 
+/// What the command line changed of a spec, which stands above every table; "" if nothing.
+std::string changes_above(const Spec&, std::size_t width);
+
 /// For commands whose report has no page, before the work that their report takes.
 /// @throws Error (usage) for `html`
 void refuse_page(std::string_view format);

@@ -93,7 +93,7 @@ std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) 
 void refuse_unreached(const Analysis& a) {
   std::vector<Fault> faults;
   for (const Requirement& r : a.spec.requirements) {
-    if (r.figure) continue;
+    if (!r.limits_error()) continue;
     const bool at_rest = r.bound == Requirement::Bound::sigma_in_motion && !r.proven &&
                          a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate]
                                  .sigma_in_motion.value_or(Statistic{1, 1, 1, 1, 1, 1, {}})

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "report/fitted_table.hpp"
+#include "report/formats.hpp"
 #include "report/sweep/sweep_report.hpp"
 #include "report/text_table.hpp"
 #include "report/wrapped_text.hpp"
@@ -90,8 +91,9 @@ void SweepTable::add(const std::string& rows) {
 
 std::string SweepTable::text(const Style& style) const {
   const Spec& spec = variants_.base();
-  return painted("qerr sweep", Paint::bold, style) + " robot '" + shown(spec.robot_name) + "', " +
-         counted(grid_.count(), "variant") + "\n\n" + fitted_table(cells_, style.width) +
+  return changes_above(spec, style.width) + painted("qerr sweep", Paint::bold, style) + " robot '" +
+         shown(spec.robot_name) + "', " + counted(grid_.count(), "variant") + "\n\n" +
+         fitted_table(cells_, style.width) +
          wrapped("all figures: -o FILE.csv, or --wide for one row a variant", style.width, "  ");
 }
 
