@@ -46,7 +46,8 @@ class CountErrors {
     return decodes() ? decoder_.mean(counted, m) - counted : 0;
   }
   bool jitters() const { return rounds_ && jitter_ > 0; }
-  double noise() const { return rounds_ ? noise_ : 0; }  ///< before the rounding, without jitter [counts]
+  /// Before the rounding, without jitter [counts]; 1 without rounding, whose error is as smooth as with it.
+  double noise() const { return rounds_ ? noise_ : 1; }
   /// Counts after which the error repeats: those of a line, or 1.
   double span() const { return line_.empty() ? 1 : span_; }
   /// Errors that can be evaluated in a second.

@@ -63,7 +63,7 @@ struct Zeros {
                     std::max(enough_crossings / std::max(t.length, 1.0), enough_zeros(filter, t.distinct));
     const bool smooth = wanted * noise > 16 * span;
     if (smooth) wanted = 16 * span / noise;
-    add_parts(-0.5 * span, span, number(wanted, samples, most, most_zeros * std::min(std::sqrt(span), 4.0)),
+    add_parts(-0.5 * span, span, number(wanted, samples, most, most_zeros * std::min(std::sqrt(span), 2.0)),
               !smooth);
     for (double& weight : weights) weight /= span;
   }
