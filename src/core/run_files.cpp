@@ -10,6 +10,7 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <string_view>
 #include <tuple>
 
 #include "core/sha256.hpp"
@@ -74,19 +75,35 @@ std::string link_target(const std::string& path) {
 
 namespace {
 
-/// Whether a file is a spec: a line of it begins with the key `qerr` and the version of the format, which is
-/// a number; that of a JSON report is a text.
+/// Whether a line of YAML begins with a key, or a mapping in braces.
+bool begins_mapping(std::string_view line) {
+  if (line.starts_with('{') || line == "---") return true;
+  const std::size_t end = line.find_first_of(":\r");
+  return end != std::string_view::npos && line[end] == ':' &&
+         line.substr(0, end).find_first_not_of(
+             "abcdefghijklmnopqrstuvwxyzABCDEFGHIJKLMNOPQRSTUVWXYZ0123456789_-\"' ") ==
+             std::string_view::npos;
+}
+
+/// Whether a file is a spec: it begins with a key, and a line of it with the key `qerr` and the version of
+/// the format, which is a number; that of a JSON report is a text. Pages and help quote specs, and begin
+/// otherwise.
 bool is_spec(const std::string& path) {
   struct stat status {};
   if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return false;
   std::ifstream file(path, std::ios::binary);
   constexpr int most_lines = 100'000;
   int lines = 0;
+  bool begun = false;
   for (std::string line; ++lines < most_lines && std::getline(file, line);) {
     const auto skip = [&](const char* characters) {
       line.erase(0, std::min(line.find_first_not_of(characters), line.size()));
     };
-    skip(" \t{\"'");
+    skip(" \t\r");
+    if (line.empty() || line.starts_with('#')) continue;
+    if (!begun && !begins_mapping(line)) return false;
+    begun = true;
+    skip("{\"' \t");
     if (!line.starts_with("qerr")) continue;
     line.erase(0, 4);
     skip(" \t\"'");

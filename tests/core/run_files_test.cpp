@@ -65,6 +65,10 @@ TEST_F(FilesOfARun, RefuseAnOutputThatReplacesASpec) {
         << spec;
   EXPECT_EQ(written("o.json", "{\n  \"qerr\": \"1.2\",\n"), "");
   EXPECT_EQ(written("other", "qerr is not a key\nqerrs: 1\n"), "");
+  for (const char* quoting :
+       {"<!DOCTYPE html>\n<pre>\nqerr: 1\n", ".TH QERR 7\nqerr: 1\n",
+        "# Help\n\nSave (as a file) a spec:\n\nqerr: 1\n", "Save this, a spec, as arm.yaml:\nqerr: 1\n"})
+    EXPECT_EQ(written("q" + std::to_string(++number), quoting), "") << quoting;
   permit_replacing_specs();
   EXPECT_EQ(written("forced.yaml", "qerr: 1\n"), "");
 }
