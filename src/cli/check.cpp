@@ -88,6 +88,8 @@ int run(const Values& v) {
   const bool annotated = v.given("annotations");
   const CheckReport report = read_and_check(v, annotated);
   const bool nothing_checked = report.specs.empty();
+  if (nothing_checked && report.broken.front().error.trouble() == Trouble::file_system)
+    throw report.broken.front().error;
   Outputs outputs;
   if (verdicts && !(nothing_checked && v.text("junit") == "-"))
     outputs.write([&] { finish(*verdicts, junit(report, now())); });

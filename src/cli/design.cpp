@@ -24,7 +24,8 @@ int run(const Values& v) {
   for (std::string& warning : idle_overrides(variants.base(), overrides(v), {"threshold", "sweep"}, {}))
     report.warnings.push_back(std::move(warning));
   Outputs outputs;
-  if (written && report.optimal) outputs.write([&] { finish(*written, report.written); });
+  if (written && report.optimal)
+    outputs.write([&] { finish_spec(*written, report.written, options.target); });
   if (out) outputs.write([&] { finish(*out, report, v); });
   warn(report.warnings, v);
   outputs.finish();

@@ -1,5 +1,6 @@
 #include "report/formats.hpp"
 
+#include <algorithm>
 #include <array>
 
 #include "core/suggest.hpp"
@@ -76,8 +77,11 @@ std::string written(const Report& report, std::string_view format, const Style& 
 
 std::string changes_above(const Spec& spec, std::size_t width) {
   std::string all;
-  for (const auto& [key, value] : spec.overrides)
-    all += (all.empty() ? "with --set " : ", --set ") + escaped(key + '=' + value, 200);
+  for (const auto& [key, value] : spec.overrides) {
+    std::string text = key + '=' + value;
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    all += (all.empty() ? "with --set " : ", --set ") + escaped(text, 100);
+  }
   return all.empty() ? "" : wrapped(all, width);
 }
 
