@@ -2,6 +2,7 @@
 #include <cstdio>
 #include <ctime>
 #include <limits>
+#include <map>
 
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
@@ -55,13 +56,14 @@ CheckReport checked(const Baselines& baselines, const ProofRequest& proofs, cons
   const WorkspaceOptions options = workspace_options(v);
   const std::vector<std::string>& paths = v.texts("SPEC");
   CheckReport report;
+  std::map<std::string, const Baseline*> of_specs;  // one that is missing is a wrong command line for all
+  if (v.given("baseline"))
+    for (const std::string& path : paths) of_specs[path] = &baseline_of(baselines, path, paths.size() == 1);
   for (const std::string& path : paths) try {
       const Spec spec = load(path, v, {"threshold", "sweep", "design"},
                              [&](const Spec& s) { return figures_of_some(s, threads(v)); });
       limit_configurations(spec, v);
-      const Baseline* const baseline =
-          v.given("baseline") ? &baseline_of(baselines, spec.file, paths.size() == 1) : nullptr;
-      report.specs.push_back(check(spec, options, baseline, proofs));
+      report.specs.push_back(check(spec, options, of_specs[path], proofs));
     } catch (const Error& e) {
       if (e.trouble() == Trouble::internal || e.trouble() == Trouble::usage) throw;
       report.broken.push_back({path, e});

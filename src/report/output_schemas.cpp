@@ -76,13 +76,17 @@ Json interval() { return object({{"lower", number_or_null()}, {"upper", number_o
 
 Json warnings() { return list(text()); }
 
-std::vector<SchemaMember> header(std::string_view command) {
+Json spec_source() {
   const Json change = object({{"key", text()}, {"value", text()}});
+  return object({{"file", text()},
+                 {"sha256", text(), "of the file's bytes"},
+                 {"set", list(change), "the values that --set replaced", true}});
+}
+
+std::vector<SchemaMember> header(std::string_view command) {
   return {{"qerr", text(), "the version that wrote the report"},
           {"command", constant(command)},
-          {"spec", object({{"file", text()},
-                           {"sha256", text(), "of the file's bytes"},
-                           {"set", list(change), "the values that --set replaced", true}})},
+          {"spec", spec_source()},
           {"seed", number()},
           {"robot", object({{"name", text()}, {"base", text()}, {"tip", text()}})}};
 }

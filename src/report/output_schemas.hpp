@@ -34,6 +34,9 @@ Json object(const std::vector<SchemaMember>& members);
 Json interval();  ///< `{"lower", "upper"}`
 Json warnings();
 
+/// The spec of a report (report/json_header.hpp).
+Json spec_source();
+
 /// The members that the report of a command begins with.
 std::vector<SchemaMember> header(std::string_view command);
 std::vector<SchemaMember> joined(std::vector<SchemaMember> members, const std::vector<SchemaMember>& more);

@@ -13,7 +13,6 @@ import xml.etree.ElementTree as Xml
 from check_pages import CONFIGS, HTML, LARGEST, SVG, figures, marks, page
 from tool import program_and_tally, run
 
-UNITS = {"": 1, "Hz": 1, "kHz": 1e3, "mrad": 1e-3, "deg": math.pi / 180}
 HARD_NAME = 'a<b> & "c" \u05d0\u05d1\u05d2 ' + "n" * 48
 
 
@@ -110,15 +109,12 @@ def page_without_pictures(t, qerr, name, *arguments, code=0):
     return text_of(Xml.fromstring(made[0].out.decode()))
 
 
-def number(text):
-    value, unit = re.fullmatch(r"([-+.\deE]+) *(\w*)", text).groups()
-    return float(value) * UNITS[unit]
-
-
-def short(text):
-    """Numbers of more than eight characters have six digits."""
-    digits = re.match(r"[\d.+\-eE]*", text).group()
-    return f"{float(digits):.6g}{text[len(digits):]}" if len(digits) > 8 else text
+def worded(value, unit):
+    """A value as the spec writes it; numbers of more than eight characters have six digits."""
+    if isinstance(value, str):
+        return value
+    digits = repr(value).removesuffix(".0")
+    return (f"{value:.6g}" if len(digits) > 8 else digits) + (f" {unit}" if unit else "")
 
 
 def swept(found, figure):
@@ -136,7 +132,7 @@ def check_sweep_lines(t, qerr, name, spec, key, *more):
     """Every line of every picture over a key."""
     root = page(t, qerr, name, "sweep", spec, *more)
     found, drawn = report(qerr, "sweep", spec, *more), figures(root)
-    compared = 0
+    units, compared = found.get("units", {}), 0
     for caption, figure in drawn.items():
         values = swept(found, caption)
         t.check(f"{name}: {caption} is a figure", values)
@@ -146,9 +142,9 @@ def check_sweep_lines(t, qerr, name, spec, key, *more):
                 continue
             wanted = []
             for keys, value in values.items():
-                others = ", ".join(f"{k} = {short(v)}" for k, v in keys if k != key) or "all variants"
+                others = ", ".join(f"{k} = {worded(v, units.get(k))}" for k, v in keys if k != key) or "all variants"
                 if others == series:
-                    wanted.append((number(dict(keys)[key]), value))
+                    wanted.append((dict(keys)[key], value))
             points = line(figure, series)
             every = set((float(f"{x:.6g}"), float(f"{y:.6g}")) for x, y in wanted)
             t.check(f"{name}: {caption}, {series} as in JSON", points and set(points) <= every and points == sorted(points),
@@ -187,7 +183,7 @@ def check_bars(t, qerr, few):
         root = page(t, qerr, f"sweep of {name}", "sweep", *arguments)
         found = report(qerr, "sweep", *arguments)
         for caption, figure in figures(root).items():
-            wanted = {", ".join(f"{k} = {v}" for k, v in keys): value for keys, value in swept(found, caption).items()}
+            wanted = {", ".join(f"{k} = {worded(v, None)}" for k, v in keys): value for keys, value in swept(found, caption).items()}
             t.check(f"sweep of {name}: {caption} as in JSON", bars(figure) == wanted, f"{bars(figure)} for {wanted}")
 
 

@@ -270,6 +270,10 @@ class Problem:
         s, i = np.argwhere(met)[0]  # quieter filters first, then the choices in order
         return int(s), int(i)
 
+    def unmoved(self, quantity):
+        """Whether the joints do not move the coordinate of a requirement, within rounding."""
+        return np.abs(self.rows[:, self.coordinates.index(quantity.split(".")[-2]), :]).max() < 1e-12
+
     def expected(self):
         """The optimum and the runner-up, whose encoders differ."""
         if not self.choices:
@@ -318,6 +322,10 @@ PREFIXES = {"m": 1, "mm": 1e-3, "um": 1e-6, "nm": 1e-9, "pm": 1e-12,
 
 def check_problem(qerr, problem, t):
     done = run(qerr, "design", problem.spec, "--format", "json", "-q", "--write-spec", problem.folder / "chosen.yaml", limit=120)
+    if done.code == 3 and b"no error reaches" in done.err:
+        quantity = re.search(rb"found '([\w.]+)'", done.err)[1].decode()
+        t.check(f"{problem.name}: {quantity} is refused where no joint moves it", problem.unmoved(quantity), done.err[:300])
+        return
     expected = problem.expected()
     if not t.check(f"{problem.name}: exit code", done.code == (0 if expected else 1), f"{done.code} {done.err[:300]}"):
         return

@@ -405,7 +405,7 @@ def check_check(t, qerr, spec, folder):
     run(qerr, "sweep", "-q", spec, *changes, "-o", target)
     ran = run(qerr, "sweep", "-q", spec, *changes, "-o", target, "--resume", "--check")
     t.check("--check of a file that was not judged", ran.code == 3 and b"1 of 2 variants do not meet" in ran.err, ran.err.decode())
-    expect(t, "--check without requirements", run(qerr, "sweep", "-q", spec, *changes, "--set", "requirements=[]", "--check"), 3, words=["requirements"])
+    expect(t, "--check without requirements", run(qerr, "sweep", "-q", spec, "--set", "requirements=[]", *changes[2:], "--check"), 3, words=["requirements"])
 
 
 def check_pipe(t, qerr, shards, whole):

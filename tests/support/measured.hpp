@@ -5,6 +5,7 @@
 #include <cmath>
 #include <fstream>
 #include <map>
+#include <optional>
 #include <set>
 #include <sstream>
 #include <string>
@@ -26,7 +27,8 @@ class Measured {
     }
   }
 
-  void expect(const std::string& name, double value) const {
+  /// @param tolerance  relative; in place of that of the file
+  void expect(const std::string& name, double value, std::optional<double> tolerance = {}) const {
     std::ostringstream row;
     row.precision(9);
     row << name << ',' << value;
@@ -34,7 +36,7 @@ class Measured {
     const auto at = values_.find(name);
     ASSERT_NE(at, values_.end()) << "not measured: " << row.str();
     if (std::isfinite(at->second)) {
-      EXPECT_NEAR(value, at->second, tolerance_ * std::abs(at->second)) << row.str();
+      EXPECT_NEAR(value, at->second, tolerance.value_or(tolerance_) * std::abs(at->second)) << row.str();
     } else {
       EXPECT_FALSE(std::isfinite(value)) << row.str();
     }

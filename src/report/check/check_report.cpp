@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 
 #include "core/text.hpp"
 #include "qerr/report/comparison.hpp"
@@ -60,11 +61,17 @@ std::string reached_instead(const Analysis& a) {
 }  // namespace
 
 Analysis analysis_of_some(const Spec& spec, unsigned threads) {
-  constexpr std::uint64_t some = 256;
+  constexpr std::uint64_t some = 256, most_points = 100'000;
   Spec brief = spec;
-  const SamplingMethod method = brief.configurations.method;
-  if (method == SamplingMethod::sobol || method == SamplingMethod::random)
-    brief.configurations.count = std::min(brief.configurations.count, some);
+  Configurations& c = brief.configurations;
+  const double joints = static_cast<double>(c.ranges.size());
+  if (c.method == SamplingMethod::list)
+    c.points.resize(std::min<std::size_t>(c.points.size(), most_points));
+  else
+    c.count = std::min(
+        c.count, c.method == SamplingMethod::grid
+                     ? std::max(std::uint64_t{1}, static_cast<std::uint64_t>(std::pow(some, 1 / joints)))
+                     : some);
   WorkspaceOptions options;
   options.threads = threads;
   return analyze(brief, options);

@@ -88,7 +88,7 @@ Json filter_schema() {
   using namespace schema;
   return object({{"qerr", text(), "the version that wrote the report"},
                  {"command", constant("filter")},
-                 {"spec", object({{"file", text()}})},
+                 {"spec", spec_source()},
                  {"filters", list(one_filter_schema())},
                  {"quantized_sine", list(quantized_sine_schema()), "with --sine", true},
                  {"estimators", list(estimators_schema()), "with --estimators", true}});
