@@ -7,6 +7,7 @@
 
 #include "core/run_files.hpp"
 #include "core/text.hpp"
+#include "input/override.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "report/wrapped_text.hpp"
@@ -130,9 +131,11 @@ SpecOverrides overrides(const Values& v) {
       throw usage("--set", "must be KEY=VALUE", "'" + text + "'", "e.g. --set encoders.elbow.bits=19");
     const std::string key = text.substr(0, equals);
     for (const auto& [other, value] : changes.values)
-      if (other == key)
-        throw usage("--set", "sets " + key + " twice",
-                    quoted(value) + " and " + quoted(text.substr(equals + 1)), "give each key once");
+      // A later change may refine an earlier one: of a key within it.
+      if (set_one_value(key, other) && !(key.starts_with(other + '.') || key.starts_with(other + '[')))
+        throw usage("--set",
+                    key == other ? "sets " + key + " twice" : other + " governs nothing: " + key + " follows",
+                    quoted(value) + " and " + quoted(text.substr(equals + 1)), "give one of the two");
     changes.values.emplace_back(key, text.substr(equals + 1));
   }
   if (v.given("seed")) changes.seed = v.whole("seed");

@@ -91,8 +91,9 @@ void warn_of(const Spec& spec, const Values& v) {
 /// Overrides and keys of the sweep that change no figure.
 void warn_of_idle_keys(const SpecVariants& variants, const Values& v) {
   const Spec& base = variants.base();
-  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
+  const ReportText figures = [&](const Spec& s) { return swept_figures_of_some(s, threads(v)); };
   std::vector<std::string> warnings = idle_overrides(base, overrides(v), {"threshold", "design"}, figures);
+  std::erase_if(warnings, [](const std::string& w) { return w.starts_with("--set sweep"); });
   const auto text = [&](const SweepStep& step) {
     std::vector<Node> effects;
     for (const std::string& effect : step.effects) effects.push_back(parse_yaml(effect, base.file));

@@ -99,6 +99,7 @@ bool is_spec(const std::string& path) {
     const auto skip = [&](const char* characters) {
       line.erase(0, std::min(line.find_first_not_of(characters), line.size()));
     };
+    if (lines == 1 && line.starts_with("\xef\xbb\xbf")) line.erase(0, 3);
     skip(" \t\r");
     if (line.empty() || line.starts_with('#')) continue;
     if (!begun && !begins_mapping(line)) return false;

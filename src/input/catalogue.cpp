@@ -79,6 +79,22 @@ CatalogueColumn effect_column(const std::string& name, const ColumnName& cell, c
   return column;
 }
 
+/// The known column that a header names in capitals, with blanks or hyphens, or with its unit in parentheses
+/// or behind an underscore; "" if there is none.
+std::string another_spelling(const std::string& name, const std::vector<std::string>& known) {
+  std::string plain;
+  for (const char c : name.substr(0, name.find('(')))
+    plain += c == ' ' || c == '-' ? '_' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  while (plain.ends_with('_')) plain.pop_back();
+  for (const std::string& word : known)
+    if (plain == word) return word;
+  const std::size_t last = plain.rfind('_');
+  std::string why;
+  if (last == std::string::npos || !parse_quantity("1 " + plain.substr(last + 1), why)) return "";
+  plain.resize(last);
+  return has(known, plain) ? plain : "";
+}
+
 CatalogueColumn column_of(const std::string& header, const Place& place) {
   const ColumnName cell = column_name(header);
   const std::string& name = cell.name;
@@ -93,6 +109,9 @@ CatalogueColumn column_of(const std::string& header, const Place& place) {
   std::vector<std::string> known = encoder_keys();
   known.insert(known.end(), {"name", "price"});
   for (const std::string& effect : effect_names()) known.push_back(effect);
+  if (const std::string meant = another_spelling(name, known); !meant.empty())
+    throw Error({place, name, "is not how this column is written", quoted(name),
+                 "write '" + meant + "', a unit in brackets behind it: '" + meant + " [unit]'"});
   // A slip of the keyboard rarely hits the first letter; `mounting` is not meant to be `rounding`.
   if (const std::string near = nearest(name, known); !near.empty() && near.front() == name.front())
     throw Error({place, name, "unknown column, and nearly one that is known", quoted(name),

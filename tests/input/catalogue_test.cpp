@@ -93,6 +93,12 @@ TEST_F(CatalogueFile, TellsEveryFaultWithItsPlace) {
   EXPECT_EQ(refusal("part,bits\na,12\n"), "1:1 name: the catalogue has no column of this name\n");
   EXPECT_EQ(refusal("name,bits,acuracy\na,12,1\n"),
             "1:11 acuracy: unknown column, and nearly one that is known\n");
+  for (const char* spelling : {"Accuracy [arcmin]", "accuracy (arcmin)", "accuracy_arcmin", "ACCURACY",
+                               "Gear-Ratio", "Max frequency"})
+    EXPECT_NE(refusal("name,bits," + std::string(spelling) + "\na,12,1\n")
+                  .find("is not how this column is written"),
+              std::string::npos)
+        << spelling;
   EXPECT_EQ(refusal("name,bits,bits\na,12,1\n"), "1:11 bits: duplicate column\n");
   EXPECT_NE(refusal("name,cpr\na,12\n").find("ambiguous"), std::string::npos);
   EXPECT_EQ(refusal("name,bits\n"), "1:1 : the catalogue has no rows\n");

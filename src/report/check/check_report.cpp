@@ -72,18 +72,48 @@ Analysis analysis_of_some(const Spec& spec, unsigned threads) {
         c.count, c.method == SamplingMethod::grid
                      ? std::max(std::uint64_t{1}, static_cast<std::uint64_t>(std::pow(some, 1 / joints)))
                      : some);
+  for (Requirement& r : brief.requirements)
+    if (r.proven) {  // a proof takes longer than a question that does not depend on it
+      r.proven = false;
+      r.value = &Statistic::max;
+    }
   WorkspaceOptions options;
   options.threads = threads;
   return analyze(brief, options);
 }
 
-std::string figures_of_some(const Spec& spec, unsigned threads) {
-  Analysis a = analysis_of_some(spec, threads);
-  std::string text = write(a, "json") + std::to_string(size(spec.configurations));
+std::string verdicts_of_some(const Spec& spec, unsigned threads) {
+  const Analysis a = analysis_of_some(spec, threads);
+  const std::vector<RequirementResult> results = requirement_results(a);
+  std::string text;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Requirement& r = spec.requirements[i];
+    text += r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit) + ": " +
+            shortest(results[i].value) + '\n';
+  }
+  return text + std::to_string(size(spec.configurations));
+}
+
+namespace {
+
+std::string figures_in(const Spec& spec, unsigned threads, const char* format) {
+  std::string text =
+      write(analysis_of_some(spec, threads), format) + std::to_string(size(spec.configurations));
+  for (const NamedFilter& f : spec.filters)
+    for (const FilterFigure& figure : filter_figures())
+      text += shortest(figure.value(f.filter, f.norms).value_or(0)) + ' ';
   for (const Requirement& r : spec.requirements)
     text += '\n' + r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit);
   return text;
 }
+
+}  // namespace
+
+std::string swept_figures_of_some(const Spec& spec, unsigned threads) {
+  return figures_in(spec, threads, "csv");
+}
+
+std::string figures_of_some(const Spec& spec, unsigned threads) { return figures_in(spec, threads, "json"); }
 
 std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) {
   constexpr std::uint64_t quick = 1'000'000;  // configurations
@@ -121,10 +151,15 @@ std::vector<RequirementResult> requirement_results(const Analysis& a) {
   const std::vector<Norms> norms = filter_norms(a.spec);
   std::vector<RequirementResult> results;
   const EncoderSpeeds speeds = any_counter(a.spec) ? encoder_speeds(a.spec) : EncoderSpeeds{};
-  for (const Requirement& r : a.spec.requirements)
+  for (const Requirement& r : a.spec.requirements) {
     results.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))
                       : r.proven     ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
                                      : evaluate(r, a.workspace, filters, norms));
+    if (r.counter >= 0 && results.back().value == 0)
+      throw Error({r.place, "requirements",
+                   "the encoder does not move along `motion:`, which meets any limit", quoted(r.quantity),
+                   "let the joint move, or leave out `motion:`, for the URDF's speed"});
+  }
   return results;
 }
 

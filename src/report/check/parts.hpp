@@ -33,6 +33,13 @@ Json check_json(const SpecCheck&);
 /// more.
 Analysis analysis_of_some(const Spec&, unsigned threads);
 
+/// What `check` says of the requirements of a spec, at some configurations.
+/// @throws Error (input) if they cannot be judged
+std::string verdicts_of_some(const Spec&, unsigned threads);
+
+/// The figures that `sweep` gives of a variant, at some configurations.
+std::string swept_figures_of_some(const Spec&, unsigned threads);
+
 /// Everything that `analyze` and `check` say of a spec, at some configurations.
 std::string figures_of_some(const Spec&, unsigned threads);
 
