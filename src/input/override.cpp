@@ -312,9 +312,8 @@ class JointOverride {
   /// The entries that govern the joints of the pattern. Of a wider pattern a joint gets a copy, and joints
   /// without an entry get one of the pattern itself.
   std::vector<std::string> governing() const {
-    std::vector<std::string> entries, names;
+    std::vector<std::string> entries;
     for (const IndependentJoint& joint : chain_.independent) {
-      names.push_back(joint.name);
       if (!fits(path_.joint, joint.name)) continue;
       const std::vector<std::string> patterns = patterns_of(joint.name);
       const bool own = std::find(patterns.begin(), patterns.end(), path_.joint) != patterns.end();
@@ -326,7 +325,7 @@ class JointOverride {
     }
     if (entries.empty())
       override_.refuse("the pattern fits no joint between base and tip", qerr::quoted(path_.joint),
-                       did_you_mean(path_.joint, names));
+                       did_you_mean(path_.joint, joint_names(chain_)));
     return entries;
   }
 
@@ -357,10 +356,8 @@ class JointOverride {
   /// An entry of a joint that is not part of the chain governs nothing.
   void refuse_unused() const {
     if (find(path_.joint) || !map_->find(path_.joint)) return;
-    std::vector<std::string> names;
-    for (const IndependentJoint& joint : chain_.independent) names.push_back(joint.name);
     override_.refuse("governs nothing: the joint is not between base and tip", qerr::quoted(path_.joint),
-                     did_you_mean(path_.joint, names));
+                     did_you_mean(path_.joint, joint_names(chain_)));
   }
 
   void change(const std::string& name) const {
@@ -466,9 +463,7 @@ SpecChange spec_change(const std::string& path, const std::string& text, const s
 
 std::vector<SpecChange> spec_changes(const std::vector<std::pair<std::string, std::string>>& set) {
   std::vector<SpecChange> changes;
-  for (const auto& [key, value] : set) {
-    changes.push_back(spec_change(key, value, "--set " + key));
-  }
+  for (const auto& [key, value] : set) changes.push_back(spec_change(key, value, "--set " + key));
   return changes;
 }
 
