@@ -370,8 +370,7 @@ class JointOverride {
     override_.apply(entry, path_.map + '.' + name, path_.rest);
   }
 
-  /// What holds for a joint without an entry of its own: that of a pattern, without what it says of prismatic
-  /// joints if the joint is none.
+  /// What holds for a joint without an entry of its own: that of a pattern.
   Node copied(const std::string& name) const {
     const Node nothing{Node::Type::null, place_, {}, false, {}, {}};
     const IndependentJoint* const joint = find(name);
@@ -381,10 +380,7 @@ class JointOverride {
       override_.refuse("two patterns fit joint " + qerr::quoted(name),
                        path_.map + '.' + patterns[0] + " and " + path_.map + '.' + patterns[1],
                        "set the whole entry: --set '" + path_.map + '.' + name + "={...}'");
-    Node copy = *map_->find(patterns.front());
-    if (!joint->prismatic())
-      std::erase_if(copy.entries, [](const auto& entry) { return entry.key.name == "travel_per_rev"; });
-    return copy;
+    return *map_->find(patterns.front());
   }
 
   Override override_;
