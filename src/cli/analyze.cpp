@@ -12,8 +12,9 @@ namespace {
 int run(const Values& v) {
   ProofRequest proofs = proof_request(v);
   proofs.all = v.given("prove");
+  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
-                   [&](const Spec& s) { return figures_of_some(s, threads(v)); });
+                   {at_the_beginning(figures), figures});
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));

@@ -45,8 +45,9 @@ SpecCheck computed(const Side& side, bool with_overrides, const Values& v) {
   SpecOverrides changes = overrides(v);
   if (!with_overrides) changes.values.clear();
   Spec spec = parse_spec(side.text, side.file, changes);
-  for (std::string& warning : idle_overrides(spec, changes, {"threshold", "sweep", "design"},
-                                             [&](const Spec& s) { return figures_of_some(s, threads(v)); }))
+  const ReportText figures = [&](const Spec& s) { return figures_of_some(s, threads(v)); };
+  for (std::string& warning :
+       idle_overrides(spec, changes, {"threshold", "sweep", "design"}, {at_the_beginning(figures), figures}))
     spec.warnings.push_back(std::move(warning));
   limit_configurations(spec, v);
   const WorkspaceOptions options = workspace_options(v);

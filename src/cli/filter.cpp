@@ -76,7 +76,7 @@ int run(const Values& v) {
   const FilterQuestions asked = questions(v);
   const Spec spec =
       load(v.text("SPEC"), v, {"configurations", "requirements", "threshold", "sweep", "design"},
-           [&](const Spec& s) { return write(filter_report(s, asked), "json"); });
+           {[&](const Spec& s) { return write(filter_report(s, asked), "json"); }});
   require_joints(spec, asked.motions);
   if (spec.filters.empty())
     throw Error(Fault{{spec.file, 1, 1},

@@ -143,12 +143,24 @@ SpecOverrides overrides(const Values& v) {
 }
 
 Spec load(const std::string& path, const Values& v, const std::vector<std::string_view>& unused,
-          const ReportText& report) {
+          const std::vector<ReportText>& reports) {
   const SpecOverrides changes = overrides(v);
   Spec spec = read_spec(path, changes);
-  for (std::string& warning : idle_overrides(spec, changes, unused, report))
+  for (std::string& warning : idle_overrides(spec, changes, unused, reports))
     spec.warnings.push_back(std::move(warning));
   return spec;
+}
+
+ReportText at_the_beginning(ReportText report) {
+  return [report = std::move(report)](Spec spec) {
+    constexpr double samples = 1000;
+    if (!spec.motion) return report(spec);
+    Motion& m = *spec.motion;
+    const std::string whole = shortest(m.duration) + ' ' + shortest(m.settling.value_or(-1)) + ' ';
+    m.duration = std::min(m.duration, samples / m.sample_rate);
+    if (m.settling) m.settling = std::min(*m.settling, 0.5 * m.duration);
+    return whole + report(spec);
+  };
 }
 
 void refuse_shared_input(const std::vector<std::string>& paths, const std::string& option) {

@@ -66,8 +66,15 @@ Spec with_cutoffs(const CutoffSearch& search, const Values& v) {
   return spec;
 }
 
+/// One run without the mean over the encoders' zeros.
+std::string quick_run(const Spec& spec) {
+  SimulationOptions options;
+  options.exact = false;
+  return write(simulation_report(spec, options), "json");
+}
+
 /// One run of a motion of a second's work at most; else nothing is compared.
-std::string run_of_some(const Spec& spec) {
+std::string whole_run(const Spec& spec) {
   constexpr double most = 1e5;  // samples
   if (!spec.motion || spec.motion->duration * spec.motion->sample_rate > most)
     throw Error(Fault{{spec.file}, "motion", "too many samples to compare", "", ""});
@@ -77,9 +84,9 @@ std::string run_of_some(const Spec& spec) {
 int run(const Values& v) {
   std::optional<CutoffSearch> search;
   if (v.given("cutoffs")) search = search_of(v.text("cutoffs"));
-  const Spec spec =
-      search ? with_cutoffs(*search, v)
-             : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"}, run_of_some);
+  const Spec spec = search ? with_cutoffs(*search, v)
+                           : load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
+                                  {at_the_beginning(quick_run), whole_run});
   limit_work(spec, spec.motion ? spec.motion->duration * spec.motion->sample_rate * v.number("runs") : 0,
              "motion.duration", "samples", v);
   OutputFile out(v.text("output"));

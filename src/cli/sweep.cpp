@@ -92,7 +92,8 @@ void warn_of(const Spec& spec, const Values& v) {
 void warn_of_idle_keys(const SpecVariants& variants, const Values& v) {
   const Spec& base = variants.base();
   const ReportText figures = [&](const Spec& s) { return swept_figures_of_some(s, threads(v)); };
-  std::vector<std::string> warnings = idle_overrides(base, overrides(v), {"threshold", "design"}, figures);
+  std::vector<std::string> warnings =
+      idle_overrides(base, overrides(v), {"threshold", "design"}, {at_the_beginning(figures), figures});
   std::erase_if(warnings, [](const std::string& w) { return w.starts_with("--set sweep"); });
   const auto text = [&](const SweepStep& step) {
     std::vector<Node> effects;

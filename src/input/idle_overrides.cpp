@@ -38,28 +38,51 @@ Node changed_tree(const Spec& spec, const SpecOverrides& overrides) {
   return root;
 }
 
-/// Whether the report or the values are those of the spec without an override. A spec that cannot be read or
-/// evaluated without it needs it.
-bool is_idle(const Spec& spec, const SpecOverrides& all, const SpecOverrides& others,
-             const ReportText& report) {
+/// A report of a spec as if no value had been set, which the report would print; empty if it cannot be made.
+std::optional<std::string> text_of(const ReportText& report, Spec spec) {
+  spec.overrides.clear();
   try {
-    if (mean_the_same(changed_tree(spec, all), changed_tree(spec, others))) return false;
-    const auto text = [&](Spec s) {
-      s.overrides.clear();
-      return report(s);
-    };
-    return text(spec) == text(parse_spec(spec.text, spec.file, others));
+    return report(spec);
   } catch (const Error&) {
-    return false;
+    return std::nullopt;
   }
 }
+
+/// Reports of the spec with all overrides, each made once.
+class Reports {
+ public:
+  Reports(const Spec& spec, const std::vector<ReportText>& reports)
+      : spec_(spec), reports_(reports), texts_(reports.size()) {}
+
+  /// Whether the values or all reports are those of the spec without an override. A spec that cannot be read
+  /// or evaluated without it needs it.
+  bool show_no_change(const SpecOverrides& all, const SpecOverrides& others) {
+    try {
+      if (mean_the_same(changed_tree(spec_, all), changed_tree(spec_, others))) return false;
+      const Spec without = parse_spec(spec_.text, spec_.file, others);
+      for (std::size_t i = 0; i < reports_.size(); ++i) {
+        if (!texts_[i]) texts_[i] = text_of(reports_[i], spec_);
+        if (*texts_[i] != text_of(reports_[i], without)) return false;
+      }
+      return !reports_.empty() && *texts_.back();
+    } catch (const Error&) {
+      return false;
+    }
+  }
+
+ private:
+  const Spec& spec_;
+  const std::vector<ReportText>& reports_;
+  std::vector<std::optional<std::optional<std::string>>> texts_;
+};
 
 }  // namespace
 
 std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& overrides,
                                         const std::vector<std::string_view>& unused,
-                                        const ReportText& report) {
+                                        const std::vector<ReportText>& reports) {
   std::vector<std::string> warnings;
+  Reports compared(spec, reports);
   for (std::size_t i = 0; i < overrides.values.size(); ++i) {
     const std::string& key = overrides.values[i].first;
     const std::string section = key.substr(0, key.find_first_of(".["));
@@ -69,7 +92,7 @@ std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& o
     }
     SpecOverrides others = overrides;
     others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
-    if (report && is_idle(spec, overrides, others, report))
+    if (compared.show_no_change(overrides, others))
       warnings.push_back("--set " + key + " changes no figure of this report");
   }
   return warnings;
