@@ -126,6 +126,7 @@ double Sensing::shaft_position(std::size_t joint, std::size_t i) {
   Moment m = moment(joint, i);
   if (!a.clock.empty()) {
     const double instant = through(a.clock, m.time, m);
+    m.time = instant;
     m.joint = position(joint, instant);
     if (effort_ && !a.motion.empty()) m.effort = effort(instant)[static_cast<Eigen::Index>(joint)];
   }

@@ -139,7 +139,7 @@ class Slider:
             if kind == "compliance":
                 x = x + e["compliance"] * MASS * self.motion.acceleration(instant)
             elif kind == "backlash":
-                x = x + self.backlash(e, np.broadcast_to(x, shape)[:, :1] if x.shape[1] == 1 else x)
+                x = x + self.backlash(e, x, np.broadcast_to(instant, x.shape))
             elif kind in ("transmission_error", "eccentricity"):
                 ratio = e.get("order", 1) * (1 if e.get("shaft") == "joint" else 2 * math.pi / TRAVEL)
                 x = x + e["amplitude"] * np.sin(ratio * (joint if e.get("shaft") == "joint" else x) + e["phase"])
@@ -187,7 +187,7 @@ class Slider:
         return np.angle(np.exp(1j * (np.arctan2(s, c) - a))) * self.per_line / (2 * math.pi)
 
     @staticmethod
-    def backlash(e, x):
+    def backlash(e, x, instant):
         """Displacement by the play; it depends on the motion's direction alone."""
         gap, out = e["gap"], np.zeros_like(x)
         at = x[0].copy()
@@ -197,7 +197,8 @@ class Slider:
                 at = np.clip(at, x[n] - gap / 2, x[n] + gap / 2)
                 out[n] = at - x[n]
             else:
-                side = np.where(x[n] > x[n - 1], 1, np.where(x[n] < x[n - 1], -1, side))
+                # Jitter may exchange the instants of two readings.
+                side = np.where(x[n] == x[n - 1], side, np.sign((x[n] - x[n - 1]) * (instant[n] - instant[n - 1])))
                 out[n] = side * gap / 2
         return out
 

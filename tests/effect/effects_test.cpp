@@ -198,6 +198,20 @@ TEST(Effects, BacklashIsAPlayOperatorThatHoldsAtRest) {
   }
 }
 
+/// Away from its turning points the joint moves one way, however jitter exchanges the instants of readings.
+TEST(Effects, JitterDoesNotTurnTheJointRoundWithinItsPlay) {
+  const double gap = 2000 * delta, jitter = 1e-3;  // a sample's time
+  const Effect jittered{"timing_jitter", "elbow", {{"sigma", jitter}}, {}};
+  const Readings r = record({jittered, {"backlash", "elbow", {{"gap", gap}}, {}}}),
+                 without = record({jittered});
+  const auto direction = [&](double t) { return path(t + 1e-6) > path(t - 1e-6) ? 1 : -1; };
+  for (std::size_t k = 2; k < r.time.size(); ++k) {
+    const double t = r.time[k];
+    if (direction(t - 8 * jitter) != direction(t + 6 * jitter)) continue;
+    EXPECT_NEAR(r.measured[k] - without.measured[k], direction(t) * gap / 2, 1.02 * delta);
+  }
+}
+
 TEST(Effects, OfTheClockSampleThePathAtOtherTimes) {
   const Readings late = record({{"latency", "elbow", {{"delay", 0.0123}}, {}}});
   const Readings fast = record({{"clock_drift", "elbow", {{"rate", 1e-3}}, {}}});

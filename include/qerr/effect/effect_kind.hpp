@@ -32,7 +32,7 @@ enum class Stage {
 /// State of a joint at one sample, as far as effects depend on it.
 struct Moment {
   std::uint64_t index = 0;      ///< number of the sample
-  double time = 0;              ///< [s]
+  double time = 0;              ///< instant of the reading; for effects at the encoder its stamp [s]
   double joint = 0;             ///< true joint position [rad or m]
   double effort = 0;            ///< torque or force at the joint [N m or N]
   double temperature_rise = 0;  ///< since the start [K]

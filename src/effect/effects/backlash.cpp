@@ -18,7 +18,8 @@ double driven(double before, double driving, double gap) {
 }
 
 /// An encoder on the drive's side leads the joint by half the gap in the direction of the last motion; before
-/// the first motion it is in the middle of the gap. One on the load's side is driven through the play.
+/// the first motion it is in the middle of the gap. Where jitter exchanges the instants of two readings, the
+/// joint has not turned round. One on the load's side is driven through the play.
 Action action(const Effect& e, const Encoder&, std::uint64_t) {
   if (lags(e))
     return [gap = e.number("gap"), at = 0.0, first = true](double x, const Moment&) mutable {
@@ -26,13 +27,14 @@ Action action(const Effect& e, const Encoder&, std::uint64_t) {
       first = false;
       return at;
     };
-  return
-      [half = 0.5 * e.number("gap"), side = 0.0, last = 0.0, first = true](double x, const Moment&) mutable {
-        if (!first && x != last) side = x > last ? 1 : -1;
-        first = false;
-        last = x;
-        return x + side * half;
-      };
+  return [half = 0.5 * e.number("gap"), side = 0.0, last = 0.0, instant = 0.0, first = true](
+             double x, const Moment& m) mutable {
+    if (!first && x != last && m.time != instant) side = (x > last) == (m.time > instant) ? 1 : -1;
+    first = false;
+    last = x;
+    instant = m.time;
+    return x + side * half;
+  };
 }
 
 /// Displacement of the driving side from the driven one per unit of the gap.
