@@ -17,6 +17,7 @@ namespace {
 /// The record of the sweep of a spec.
 RunRecord record_of_spec(const std::string& path, const Values& v) {
   const SpecVariants variants(read_text(path), path, overrides(v));
+  refuse_varied(variants.base(), overrides(v));
   const SweepGrid grid(variants.base());
   return record_of({.variants = variants, .grid = grid, .statistics = {}, .text = {}}, v);
 }

@@ -224,6 +224,7 @@ int run(const Values& v) {
   const Shard shard = chosen_shard(v);
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
+  refuse_varied(variants.base(), overrides(v));
   // Before the steps are read, which may be 1e5 an axis: each variant has a configuration at least.
   double least_work = 1;
   for (const SweepAxis& axis : variants.base().sweep) least_work *= static_cast<double>(axis.steps.size());

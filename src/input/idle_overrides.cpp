@@ -131,4 +131,13 @@ void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
   }
 }
 
+void refuse_varied(const Spec& spec, const SpecOverrides& overrides) {
+  for (const SpecChange& change : spec_changes(overrides.values))
+    for (const SweepAxis& axis : spec.sweep)
+      for (const std::string& key : axis.keys)
+        if (set_one_value(key, change.first))
+          throw Error({change.second.place, change.first, "governs nothing: the sweep varies it",
+                       "sweep key " + key, "leave it out, or replace the sweep: --set 'sweep=[...]'"});
+}
+
 }  // namespace qerr

@@ -27,4 +27,8 @@ std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides&,
 /// @throws Error (input)
 void refuse_chosen_encoders(const Spec& spec, const SpecOverrides&);
 
+/// Refuses, for a sweep, overrides of keys that it varies.
+/// @throws Error (input)
+void refuse_varied(const Spec& spec, const SpecOverrides&);
+
 }  // namespace qerr

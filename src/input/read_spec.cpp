@@ -32,15 +32,8 @@ std::optional<Fault> fault_of_variant(const Node& root, const std::string& file,
 /// Rejects a sweep of which the first and the last step of an axis both give a faulty spec: its key is wrong.
 /// A single faulty value, such as a cut-off that reaches half the sample rate at the end of a range, is
 /// reported by the sweep itself.
-/// @param overrides  of the command line: one of a key that the sweep varies governs nothing
-void check_sweep(const Node& root, const Spec& spec, const std::vector<SpecChange>& overrides) {
+void check_sweep(const Node& root, const Spec& spec) {
   const Node* section = root.find("sweep");
-  for (const SpecChange& change : overrides)
-    for (const SweepAxis& axis : spec.sweep)
-      for (const std::string& key : axis.keys)
-        if (set_one_value(key, change.first))
-          throw Error({change.second.place, change.first, "governs nothing: the sweep varies it",
-                       "sweep key " + key, "leave it out, or replace the sweep: --set 'sweep=[...]'"});
   for (std::size_t i = 0; i < spec.sweep.size(); ++i) {
     const SweepAxis& axis = spec.sweep[i];
     const SweepStep& step = axis.steps.front();
@@ -136,7 +129,7 @@ Spec parse_spec(const std::string& text, const std::string& path, const SpecOver
   if (root.type == Node::Type::mapping) warnings = apply_changes(root, changes, reader.chain_of());
   Spec spec = reader.read(root);
   spec.warnings.insert(spec.warnings.begin(), warnings.begin(), warnings.end());
-  check_sweep(root, spec, changes);
+  check_sweep(root, spec);
   spec.text = text;
   spec.sha256 = sha256(text);
   spec.overrides = overrides.values;

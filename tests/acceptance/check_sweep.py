@@ -388,6 +388,15 @@ def check_edited(t, qerr, rounds, rng):
             t.check(f"edited, round {round_}: {'shards' if sharded else 'one file'}, {', '.join(changed) or 'nothing'} changed", good, message[:300])
 
 
+def check_varied_key(t, qerr, spec):
+    """An override of a key that the sweep varies governs nothing in the sweep, and what it says elsewhere."""
+    words = [spec, "--set", "sweep=[{key: filters.velocity.lowpass.cutoff, values: [50 Hz, 60 Hz]}]", "--set", "configurations.count=20"]
+    change = ["--set", "filters.velocity.lowpass.cutoff=20 Hz"]
+    expect(t, "--set of a key that the sweep varies", run(qerr, "sweep", "-q", *words, *change), 3, words=["the sweep varies it"])
+    found = run(qerr, "analyze", "-q", "--format", "csv", *words, *change)
+    t.check("analyze uses it", found.code == 0 and found.out != run(qerr, "analyze", "-q", "--format", "csv", *words).out, found.err.decode())
+
+
 def check_check(t, qerr, spec, folder):
     """--check: 1 for requirements that are not met, 3 for variants that cannot be computed; these are counted, with -q, too."""
     at_most = "requirements=[{quantity: position.x.worst_case, statistic: max, at_most: %s}]"
@@ -466,6 +475,7 @@ def main():
         check_pipe(t, qerr, [folder / f"{k}of5.csv" for k in range(1, 6)], whole)
         check_check(t, qerr, spec, folder)
         check_edited(t, qerr, arguments.edits, rng)
+        check_varied_key(t, qerr, spec)
         check_shards_of_one_variant(t, qerr, folder)
         check_said_at_once(t, qerr, folder)
     return t.close()
