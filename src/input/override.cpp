@@ -434,10 +434,19 @@ std::vector<std::string> apply_changes(Node& root, const std::vector<SpecChange>
   const auto of_joints = [](const SpecChange& change) {
     return changes_map(change) || !joint_map_of(change.first).empty();
   };
+  // A change within a mapping that another change replaces must follow it, though its key names no joint:
+  // configurations.count behind configurations={...}.
+  const auto refines = [&](const SpecChange& change) {
+    return !of_joints(change) && std::any_of(changes.begin(), changes.end(), [&](const SpecChange& whole) {
+      return changes_map(whole) && change.first.starts_with(whole.first + '.');
+    });
+  };
   for (const SpecChange& change : changes)
-    if (!of_joints(change)) apply(change);
+    if (!of_joints(change) && !refines(change)) apply(change);
   for (auto begin = changes.begin(); begin != changes.end();) {
     const auto end = std::find_if(begin, changes.end(), changes_map);
+    for (auto change = begin; change != end; ++change)
+      if (refines(*change)) apply(*change);
     if (std::any_of(begin, end, [](const SpecChange& c) { return !joint_map_of(c.first).empty(); }))
       apply_to_joints(root, begin, end, chain_of(root), warnings);
     if (end != changes.end()) apply(*end);

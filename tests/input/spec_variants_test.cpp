@@ -66,6 +66,33 @@ TEST(SpecVariants, KeepTheSeedOfTheCommandLineAndItsOrder) {
   EXPECT_EQ(variants.base().configurations.seed, 9u);
 }
 
+TEST(SpecVariants, AChangeBehindThatOfItsWholeMappingRefinesIt) {
+  struct Refined {
+    std::string map, before, key, value, after;
+  };
+  for (const Refined& r : {Refined{"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}",
+                                   "count", "20", "{method: random, count: 20, limits: {wrist: [-1, 1]}}"},
+                           {"configurations", "{method: random, count: 10, limits: {wrist: [-1, 1]}}", "seed",
+                            "7", "{method: random, count: 10, seed: 7, limits: {wrist: [-1, 1]}}"},
+                           {"filters", "{v: {derivative: 1, sample_rate: 1 kHz}}", "v.sample_rate", "2 kHz",
+                            "{v: {derivative: 1, sample_rate: 2 kHz}}"},
+                           {"encoders", "{'*': {bits: 12}, lift: {resolution: 1 mm}}", "elbow.bits", "9",
+                            "{'*': {bits: 12}, elbow: {bits: 9}, lift: {resolution: 1 mm}}"}}) {
+    const Set both{{r.map, r.before}, {r.map + '.' + r.key, r.value}};
+    const auto figures = [](Spec spec) {
+      spec.overrides.clear();
+      spec.requirements.clear();
+      return report(spec);
+    };
+    const std::string expected = figures(parse_spec(text(), file, {{{r.map, r.after}}, {}}));
+    EXPECT_EQ(figures(parse_spec(text(), file, {both, {}})), expected) << r.key;
+    const SpecVariants variants(text(), file, {{both[0]}, {}});
+    EXPECT_EQ(figures(variants.variant(spec_changes({both[1]}))), expected) << "a sweep of " << r.key;
+  }
+  const std::string design = "{minimize: resolution, encoders: {elbow: {bits: 10..12}}}";
+  EXPECT_THROW(parse_spec(text(), file, {{{"design", design}, {"design.nonsense", "1"}}, {}}), Error);
+}
+
 TEST(SpecVariants, AnEffectTakesThePlaceOfOneOfItsKindOnItsJoint) {
   const SpecVariants variants(text(), file);
   const auto with = [&](const std::string& effect) {
