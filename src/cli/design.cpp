@@ -11,7 +11,7 @@ namespace {
 int run(const Values& v) {
   const std::string& path = v.text("SPEC");
   const SpecVariants variants(read_text(path), path, overrides(v));
-  if (variants.base().design) refuse_chosen_encoders(variants.base(), overrides(v));
+  if (variants.base().design) refuse_chosen(variants.base(), overrides(v));
   limit_configurations(variants.base(), v);
   const auto out = opened_report(v, {"write-spec"});
   const auto written = opened(v, "write-spec");

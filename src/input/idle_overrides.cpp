@@ -1,6 +1,7 @@
 #include "input/idle_overrides.hpp"
 
 #include <algorithm>
+#include <tuple>
 
 #include "input/design_request.hpp"
 #include "input/joint_entries.hpp"
@@ -98,6 +99,8 @@ std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides& o
   return warnings;
 }
 
+namespace {
+
 void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
   const auto same = [](const Encoder& a, const Encoder& b) {
     return a.resolution == b.resolution && a.accuracy == b.accuracy && a.rounding == b.rounding;
@@ -129,6 +132,46 @@ void refuse_chosen_encoders(const Spec& spec, const SpecOverrides& overrides) {
                    list_of_names(governed),
                    "change what may be chosen, design.encoders, or leave it out"});
   }
+}
+
+/// The filters of the changed spec, the low-passes that the section `design` chooses left out.
+Node filters_that_hold(const Spec& spec, const SpecOverrides& overrides) {
+  Node root = changed_tree(spec, overrides);
+  Node* const filters = root.find("filters");
+  if (!filters) return {};
+  for (const FilterOptions& chosen : spec.design->filters)
+    if (Node* const filter = filters->find(spec.filters[chosen.filter].name))
+      std::erase_if(filter->entries, [](const Node::Entry& entry) { return entry.key.name == "lowpass"; });
+  return *filters;
+}
+
+void refuse_chosen_filters(const Spec& spec, const SpecOverrides& overrides) {
+  for (std::size_t i = 0; i < overrides.values.size(); ++i) {
+    const std::string& key = overrides.values[i].first;
+    if (!key.starts_with("filters.")) continue;
+    SpecOverrides others = overrides;
+    others.values.erase(others.values.begin() + static_cast<std::ptrdiff_t>(i));
+    bool governs = true;
+    try {
+      std::ignore = parse_spec(spec.text, spec.file, others);
+      governs = mean_the_same(changed_tree(spec, overrides), changed_tree(spec, others)) ||
+                !mean_the_same(filters_that_hold(spec, overrides), filters_that_hold(spec, others));
+    } catch (const Error&) {  // the spec needs the override
+    }
+    if (!governs)
+      throw Error({{"--set " + key, 0, 0},
+                   key,
+                   "governs nothing: design.filters chooses this low-pass",
+                   "",
+                   "change what may be chosen, design.filters, or leave it out"});
+  }
+}
+
+}  // namespace
+
+void refuse_chosen(const Spec& spec, const SpecOverrides& overrides) {
+  refuse_chosen_encoders(spec, overrides);
+  refuse_chosen_filters(spec, overrides);
 }
 
 void refuse_varied(const Spec& spec, const SpecOverrides& overrides) {

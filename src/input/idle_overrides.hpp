@@ -22,10 +22,10 @@ std::vector<std::string> idle_overrides(const Spec& spec, const SpecOverrides&,
                                         const std::vector<std::string_view>& unused,
                                         const std::vector<ReportText>& reports);
 
-/// Refuses overrides of encoders all of which the section `design` chooses.
+/// Refuses overrides of encoders and of low-passes all of which the section `design` chooses.
 /// @pre spec.design
 /// @throws Error (input)
-void refuse_chosen_encoders(const Spec& spec, const SpecOverrides&);
+void refuse_chosen(const Spec& spec, const SpecOverrides&);
 
 /// Refuses, for a sweep, overrides of keys that it varies.
 /// @throws Error (input)

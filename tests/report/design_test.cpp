@@ -5,6 +5,7 @@
 #include <fstream>
 
 #include "core/text.hpp"
+#include "input/idle_overrides.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/design_report.hpp"
@@ -224,6 +225,33 @@ TEST_F(DesignOfSpec, AnEncoderThatCannotCountIsNoChoice) {
   ASSERT_TRUE(required.optimal);
   EXPECT_EQ(required.optimal->encoders[1].name, "bits 14");
   expect_written_spec_to_pass(required, folder_);
+}
+
+TEST_F(DesignOfSpec, AnOverrideOfALowPassThatDesignChoosesIsRefused) {
+  const Spec spec =
+      variants("{quantity: velocity.delay, at_most: 1 s}", "filters: {velocity: {cutoff: [5 Hz, 50 Hz]}}")
+          .base();
+  const auto refused = [&](const std::string& key, const std::string& value) {
+    const SpecOverrides set{{{key, value}}, {}};
+    try {
+      refuse_chosen(parse_spec(spec.text, spec.file, set), set);
+    } catch (const Error& e) {
+      return std::string(e.what()).find("design.filters") != std::string::npos;
+    }
+    return false;
+  };
+  for (const auto& [key, value] : std::vector<std::pair<std::string, std::string>>{
+           {"filters.velocity.lowpass.cutoff", "20 Hz"},
+           {"filters.velocity.lowpass.order", "3"},
+           {"filters.velocity.lowpass", "{family: butterworth, order: 2, cutoff: 20 Hz}"},
+           {"filters.velocity", "{derivative: 1, sample_rate: 1 kHz}"}})
+    EXPECT_TRUE(refused(key, value)) << key;
+  for (const auto& [key, value] : std::vector<std::pair<std::string, std::string>>{
+           {"filters.velocity.lowpass.cutoff", "50 Hz"},  // the value that holds
+           {"filters.velocity.sample_rate", "2 kHz"},
+           {"filters.velocity.derivative", "2"},
+           {"encoders.*.bits", "13"}})
+    EXPECT_FALSE(refused(key, value)) << key;
 }
 
 TEST_F(DesignOfSpec, RowsWithoutAPriceAreChoicesUnlessAPriceIsMinimized) {
