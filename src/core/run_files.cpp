@@ -10,8 +10,11 @@
 #include <map>
 #include <mutex>
 #include <optional>
+#include <sstream>
 #include <string_view>
 #include <tuple>
+#include <utility>
+#include <vector>
 
 #include "core/sha256.hpp"
 #include "qerr/core/error.hpp"
@@ -57,6 +60,7 @@ std::optional<Identity> identity_of(const std::string& path, int stream) {
 
 constexpr const char* standard_input = "(standard input)";
 constexpr const char* overwriting = "an output must not be an input of the same command";
+constexpr const char* force_it = "name another file, or replace it with --force";
 constexpr const char* rename_it = "give the output another name";
 
 }  // namespace
@@ -114,6 +118,52 @@ bool is_spec(const std::string& path) {
     if (!line.empty() && line[0] >= '0' && line[0] <= '9') return true;
   }
   return false;
+}
+
+/// The begin of a file, where its kind is seen.
+std::string begin_of(const std::string& path) {
+  std::string begin(std::size_t{1} << 16, '\0');
+  std::ifstream file(path, std::ios::binary);
+  file.read(begin.data(), static_cast<std::streamsize>(begin.size()));
+  begin.resize(static_cast<std::size_t>(file.gcount()));
+  if (begin.starts_with("\xef\xbb\xbf")) begin.erase(0, 3);
+  return begin;
+}
+
+/// Whether a file is XML with an element `robot`. Pages escape what they quote.
+bool is_urdf(const std::string& begin) {
+  const std::size_t first = begin.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && begin[first] == '<' && begin.find("<robot") != std::string::npos;
+}
+
+/// Whether a file is a catalogue: its first line that is no comment has a column `name` in front, or beside
+/// `price`. No table of qerr has such a header.
+bool is_catalogue(const std::string& begin) {
+  std::istringstream lines(begin);
+  std::string header;
+  while (std::getline(lines, header) && (header.empty() || header.starts_with('#'))) {
+  }
+  std::vector<std::string> cells(1);
+  for (const char c : header) {
+    if (c == ',' || c == ';' || c == '\t')
+      cells.emplace_back();
+    else if (c != '"' && c != ' ' && c != '\r')
+      cells.back() += c;
+  }
+  const auto has = [&](const std::string& name) {
+    return std::any_of(cells.begin(), cells.end(),
+                       [&](const std::string& cell) { return cell == name || cell.starts_with(name + '['); });
+  };
+  return cells.size() > 1 && has("name") && (cells.front() == "name" || has("price"));
+}
+
+/// What a file is that a person may have written; "" if it is another one, or none.
+std::string hand_written(const std::string& path) {
+  struct stat status {};
+  if (stat(path.c_str(), &status) != 0 || !S_ISREG(status.st_mode)) return "";
+  if (is_spec(path)) return "a spec";
+  const std::string begin = begin_of(path);
+  return is_urdf(begin) ? "a URDF" : is_catalogue(begin) ? "a catalogue" : "";
 }
 
 constexpr const char* written_note = "user.qerr.written";
@@ -213,10 +263,13 @@ void note_output(const std::string& path, const std::string& option) {
   const auto [other, is_new] = noted->outputs.emplace(*identity, name);
   if (!is_new)
     refuse(name, option, "two outputs must not be one file", other->second, "give each its own name");
-  if (path != "-" && !noted->replaces_specs && is_spec(path) &&
-      !(option.starts_with("--write-") && is_as_written(path)))
-    refuse(name, option, "this file is a spec, which a person may have edited", "",
-           "name another file, or replace it with --force");
+  if (path == "-" || noted->replaces_specs || (option.starts_with("--write-") && is_as_written(path))) return;
+  if (const std::string kind = hand_written(path); !kind.empty())
+    refuse(name, option, "this file is " + kind + ", which a person may have edited", "", force_it);
+  struct stat status {};
+  if ((option == "--write-spec" || option == "--write-model") && stat(path.c_str(), &status) == 0 &&
+      S_ISREG(status.st_mode) && status.st_size > 0)
+    refuse(name, option, "this file exists, and is none that qerr has written", "", force_it);
 }
 
 }  // namespace qerr

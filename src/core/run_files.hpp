@@ -19,7 +19,7 @@ class RunFiles {
   RunFiles& operator=(const RunFiles&) = delete;
 };
 
-/// Permits the outputs of the run to replace specs (--force): see note_output.
+/// Permits the outputs of the run to replace what a person may have edited (--force): see note_output.
 void permit_replacing_specs();
 
 /// Notes that a file is as the run has written it, in an extended attribute where the file system has them.
@@ -44,11 +44,13 @@ void name_input(const std::string& path, const std::string& role);
 /// The inputs noted so far, but for standard input; those of pipes, too.
 std::vector<RunInput> run_inputs();
 
-/// An output of the run, before it is opened; "-" is standard output, which only one output may have. A spec
-/// that exists, which a person may have edited, is not replaced unless that is permitted, or another spec
-/// (--write-...) replaces it and it still is as a run has written it (note_as_written).
+/// An output of the run, before it is opened; "-" is standard output, which only one output may have. What a
+/// person may have edited is not replaced unless that is permitted, or an output of --write-... replaces it
+/// and it still is as a run has written it (note_as_written): a spec, a URDF, a catalogue; by --write-spec
+/// and
+/// --write-model any file that is not empty.
 /// @param option  of the command line that names it, for the message; may be empty
-/// @throws Error (usage) if it is an input or another output of the run, or a spec
+/// @throws Error (usage) if it is an input or another output of the run, or such a file
 void note_output(const std::string& path, const std::string& option = {});
 
 /// The text that a pipe gave, kept by `keep_piped` for the rest of the run: a pipe gives it once, and a spec

@@ -73,6 +73,32 @@ TEST_F(FilesOfARun, RefuseAnOutputThatReplacesASpec) {
   EXPECT_EQ(written("forced.yaml", "qerr: 1\n"), "");
 }
 
+TEST_F(FilesOfARun, RefuseAnOutputThatReplacesWhatAPersonHasWritten) {
+  const auto refused = [&](const std::string& name, const std::string& text, const char* option) {
+    std::ofstream(file(name)) << text;
+    return refusal([&] { note_output(file(name), option); }).find("--force") != std::string::npos;
+  };
+  for (const char* option : {"--output", "--write-spec", "--log"}) {
+    const std::string o(option);
+    EXPECT_TRUE(
+        refused(o + "arm.urdf", "<?xml version='1.0'?>\n<!-- arm -->\n<robot name='arm'/>\n", option));
+    for (const char* header :
+         {"name,price,bits", "# of 2026\nname;bits", "\xef\xbb\xbf\"price [EUR]\", \"name\""})
+      EXPECT_TRUE(refused(o + header[0] + ".csv", std::string(header) + "\na,1,2\n", option)) << header;
+    const bool any = o == "--write-spec";
+    EXPECT_EQ(refused(o + "notes.txt", "some notes\n", option), any);
+    EXPECT_EQ(refused(o + "other.csv", "section,name,statistic,unit,a,b,change\n", option), any);
+    EXPECT_EQ(refused(o + "page.html", "<!DOCTYPE html><pre>&lt;robot name</pre>", option), any);
+    EXPECT_FALSE(refused(o + "empty", "", option));
+  }
+}
+
+TEST_F(FilesOfARun, ThatAreItsInputsAreRefusedEvenWithForce) {
+  permit_replacing_specs();
+  note_input(file("spec.yaml"));
+  EXPECT_NE(refusal([&] { note_output(file("spec.yaml"), "--write-spec"); }), "");
+}
+
 TEST_F(FilesOfARun, ReplaceASpecThatIsAsItWasWritten) {
   std::ofstream(file("s.yaml")) << "qerr: 1\n";
   note_as_written(file("s.yaml"));
