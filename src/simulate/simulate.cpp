@@ -118,6 +118,24 @@ std::uint64_t runs_of_scatter(const SimulationOptions& options, std::uint64_t sa
   return affordable < least ? 0 : affordable;
 }
 
+/// Sets figures to 0 that are the rounding of a zero: a coordinate that no joint moves, or a mean of errors
+/// that cancel. Entries of a Jacobian that vanish are rounding errors of some 1e-16 times the reach, and n
+/// errors that cancel leave about sqrt(n) 1e-16 of their magnitude, so that 1e-13 of the largest error of the
+/// output in the same unit is above both; no two encoders of a robot differ as much.
+void drop_rounding(const std::vector<Coordinate>& coordinates, std::vector<SimulatedSignal>& signals) {
+  constexpr double rounding = 1e-13;
+  for (std::size_t c = 0; c < signals.size(); ++c) {
+    double largest = 0;
+    for (std::size_t k = 0; k < signals.size(); ++k)
+      if (info(coordinates[k]).unit == info(coordinates[c]).unit && std::isfinite(signals[k].peak_simulated))
+        largest = std::max(largest, signals[k].peak_simulated);
+    SimulatedSignal& s = signals[c];
+    for (double* const figure :
+         {&s.sigma_simulated, &s.sigma_lower, &s.sigma_upper, &s.mean_simulated, &s.peak_simulated})
+      if (std::abs(*figure) <= rounding * largest) *figure = 0;
+  }
+}
+
 /// Root mean square of a signal.
 double rms(double mean, double variance) { return std::sqrt(mean * mean + variance); }
 
@@ -225,6 +243,7 @@ Simulation simulate(const OperationalModel& model, const std::vector<Filter>& fi
       row.back().sigma_lower = interval.lower;
       row.back().sigma_upper = interval.upper;
     }
+    drop_rounding(model.coordinates, row);
   }
   if (options.tracking) add_tracking(job, result);
   return result;
