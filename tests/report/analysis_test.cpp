@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <regex>
+#include <sstream>
 
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/report/filter_report.hpp"
+#include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
 
 namespace qerr {
@@ -92,6 +95,60 @@ TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
   EXPECT_NE(write(analyze(stated), "table").find("mN m"), std::string::npos);
   EXPECT_THROW(servo(", unit: N mm/rad"), Error) << "a coefficient is in SI units";
   EXPECT_THROW(servo(", unit: furlong"), Error);
+}
+
+TEST(Simulation, AMotionThatEndsBeforeItsFiltersHaveSettledIsWarnedOf) {
+  Spec spec = read_spec(QERR_SOURCE_DIR "/configs/phantom_premium/experiment.yaml");
+  const auto warned = [&](double duration) {
+    spec.motion->duration = duration;
+    const std::vector<std::string> all = simulation_report(spec, {}).warnings;
+    return std::any_of(all.begin(), all.end(),
+                       [](const std::string& w) { return w.find("transients") != std::string::npos; });
+  };
+  EXPECT_TRUE(warned(0.001));
+  EXPECT_TRUE(warned(0.05));
+  EXPECT_FALSE(warned(0.2));
+}
+
+// An offset along z of a robot that moves in x and y: its z has a constant error, and no figure of it is
+// rounding.
+TEST(Simulation, FiguresThatAreTheRoundingOfAZeroAreZero) {
+  const Spec spec = parse_spec(
+      "qerr: 1\nrobot: {joint: {name: j, type: revolute, radius: 100 mm}}\nencoders: {j: {counts_per_rev: "
+      "4096}}\n"
+      "filters: {v: {derivative: 1, sample_rate: 1 kHz, lowpass: {family: butterworth, order: 2, cutoff: 50 "
+      "Hz}}}\n"
+      "motion: {sample_rate: 1 kHz, duration: 3, joints: {j: {sines: [{amplitude: 1.2, frequency: 1}]}}}\n"
+      "effects: [{type: geometry, joint: j, axis: z, length: 1 mm}]\n",
+      "one.yaml");
+  const SimulationReport report = simulation_report(spec, {});
+  const SimulatedSignal& z = report.simulation.results[0][2];
+  EXPECT_EQ(z.sigma_simulated, 0);
+  EXPECT_NEAR(z.mean_simulated, -1e-3, 1e-12);
+  for (const auto& row : report.simulation.results)
+    for (const SimulatedSignal& s : row)
+      for (const double figure : {s.sigma_simulated, s.mean_simulated, s.peak_simulated})
+        EXPECT_TRUE(figure == 0 || std::abs(figure) > 1e-13 * row[0].peak_simulated) << figure;
+}
+
+TEST(ControlLaw, WithoutAUnitIsShownWithoutOneInEveryTable) {
+  const auto moving = [](const std::string& unit) {
+    return servo(unit +
+                 "}}\nmotion: {sample_rate: 1 kHz, duration: 200 ms, joints: {j: {velocity: 0.3 rad/s}");
+  };
+  const auto rows_with_a_unit = [](const Spec& spec) {
+    SimulationOptions options;
+    options.tracking = true;
+    std::istringstream lines(write(simulation_report(spec, options), "table") +
+                             write(analyze(spec, {}, {.gap = 0.01, .all = true}), "table"));
+    int found = 0;
+    for (std::string line; std::getline(lines, line);)
+      found +=
+          line.starts_with("  torque") && std::regex_search(line, std::regex(" [pnum]?(rad|m|N m)( |$)"));
+    return found;
+  };
+  EXPECT_EQ(rows_with_a_unit(moving("")), 0);
+  EXPECT_GT(rows_with_a_unit(moving(", unit: N m/rad")), 2);
 }
 
 TEST(Threshold, IsRefusedWhereNothingMovesTheTip) {

@@ -2,12 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
 
 #include "filter/run/cascade.hpp"
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/simulation_report.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
 
@@ -123,6 +125,25 @@ TEST(CountRates, TooHighAWarningNamesTheLowestLimit) {
   EXPECT_TRUE(warnings("{counts_per_rev: 4096, counter_bits: 3}").empty());
   EXPECT_EQ(warnings("{counts_per_rev: 4097, counter_bits: 2}").size(), 1u);
   EXPECT_THROW(warnings("{counts_per_rev: 4096, max_frequency: 1 kHz, max_count_rate: 4 kHz}"), Error);
+}
+
+TEST(CountRates, TooHighAlongAMotionAreWarnedOfBySimulate) {
+  const auto warned = [](const std::string& counter) {
+    const Spec spec = parse_spec(
+        "qerr: 1\nrobot: {joint: {name: j, type: revolute}}\nencoders: {j: {counts_per_rev: 4096, " +
+            counter +
+            "}}\nfilters: {v: {derivative: 1, sample_rate: 500 Hz}}\n"
+            "motion: {sample_rate: 1 kHz, duration: 1, joints: {j: {velocity: 3 rad/s}}}\n",
+        "a.yaml");
+    const std::vector<std::string> all = simulation_report(spec, {}).warnings;
+    return std::count_if(all.begin(), all.end(), [](const std::string& w) {
+      return w.find("cannot count fast enough") != std::string::npos;
+    });
+  };
+  EXPECT_EQ(warned("max_count_rate: 1957 Hz"), 0);
+  EXPECT_EQ(warned("max_count_rate: 1955 Hz"), 1);
+  EXPECT_EQ(warned("max_frequency: 488 Hz"), 1);
+  EXPECT_EQ(warned("counter_bits: 2"), 1);
 }
 
 TEST(GearAccuracy, AnAccuracyBehindAGearThatCouldBeTheGearsIsAskedAbout) {

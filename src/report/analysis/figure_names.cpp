@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/tables.hpp"
 
 namespace qerr {
 
@@ -22,7 +23,7 @@ void for_each_figure(const Analysis& a, const std::function<void(const FigureNam
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateInfo& c = info(coordinates[i]);
     const CoordinateStatistics& s = a.workspace.coordinates[i];
-    FigureName name{"position", "", c.name, std::string(c.unit), {}, {i, -1}};
+    FigureName name{"position", "", c.name, std::string(c.unit), {}, {i, -1}, std::string(c.unit)};
     see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
     if (std::isfinite(s.worst_case_rigorous.min))
       see_bound(name, "worst_case_rigorous", Bound::worst_case_rigorous, s.worst_case_rigorous);
@@ -33,9 +34,13 @@ void for_each_figure(const Analysis& a, const std::function<void(const FigureNam
       const Coordinate c = coordinates[i];
       const DerivativeStatistics& s = a.workspace.derivatives[f][i];
       const NamedFilter& filter = a.spec.filters[f];
-      FigureName name{"derivative", filter.name,
-                      info(c).name, derivative_unit(c, filter.filter),
-                      {},           {i, static_cast<std::ptrdiff_t>(f)}};
+      FigureName name{"derivative",
+                      filter.name,
+                      info(c).name,
+                      derivative_unit(c, filter.filter),
+                      {},
+                      {i, static_cast<std::ptrdiff_t>(f)},
+                      shown_unit(c, filter.filter)};
       see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
       if (s.sigma) see_bound(name, "sigma", Bound::sigma, *s.sigma);
       if (s.sigma_quantization)

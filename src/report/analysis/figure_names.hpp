@@ -16,7 +16,8 @@ struct FigureName {
   std::string_view coordinate;
   std::string unit;
   std::string_view bound;
-  ProvenFigure figure;  ///< the same by indices
+  ProvenFigure figure;       ///< the same by indices
+  std::string shown_unit{};  ///< in pages: "" of a control law that states none
 
   /// `position.x.worst_case`, `velocity.x.sigma`: as requirements name it.
   std::string quantity() const;

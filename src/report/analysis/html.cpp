@@ -20,8 +20,8 @@ std::string answer(const Analysis& a) {
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     if (!text.empty() || name.bound != "worst_case") return;
     text = "Over " + std::to_string(a.workspace.count) + " configurations the tip's " +
-           std::string(name.coordinate) + " is off by at most " + readable(s.max, name.unit) +
-           ", at the median by " + readable(s.p50, name.unit);
+           std::string(name.coordinate) + " is off by at most " + readable(s.max, name.shown_unit) +
+           ", at the median by " + readable(s.p50, name.shown_unit);
   });
   const std::vector<double> budget = encoder_budget(a);
   const auto largest = std::max_element(budget.begin(), budget.end());
@@ -42,9 +42,10 @@ std::string summary(const Analysis& a) {
   std::vector<std::vector<std::string>> rows;
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     const ProvenMaximum* proof = find_proof(a, name.figure);
-    rows.push_back({isolated_quantity(name), readable(s.p50, name.unit), readable(s.p95, name.unit),
-                    readable(s.p99, name.unit), readable(s.max, name.unit),
-                    proof ? readable(proof->upper, name.unit) : "not asked for"});
+    rows.push_back({isolated_quantity(name), readable(s.p50, name.shown_unit),
+                    readable(s.p95, name.shown_unit), readable(s.p99, name.shown_unit),
+                    readable(s.max, name.shown_unit),
+                    proof ? readable(proof->upper, name.shown_unit) : "not asked for"});
   });
   return page::table({"quantity", "median", "p95", "p99", "max", "proven maximum"}, rows);
 }

@@ -116,9 +116,8 @@ std::string quantity_of(const Analysis& a, const ProvenFigure& figure) {
 
 std::string unit_of(const Analysis& a, const ProvenFigure& figure) {
   const Coordinate c = coordinates_and_lengths(a.spec.model)[figure.coordinate];
-  return figure.filter < 0
-             ? std::string(info(c).unit)
-             : derivative_unit(c, a.spec.filters[static_cast<std::size_t>(figure.filter)].filter);
+  return figure.filter < 0 ? std::string(info(c).unit)
+                           : shown_unit(c, a.spec.filters[static_cast<std::size_t>(figure.filter)].filter);
 }
 
 /// A figure that is the rounding of a zero: less than 1e-12 of the largest one of its unit.

@@ -5,6 +5,7 @@
 
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/fitted_table.hpp"
 #include "report/text_table.hpp"
 #include "report/wrapped_text.hpp"
@@ -47,7 +48,7 @@ std::size_t best_of(const std::vector<CutoffChoice>& choices) {
 }
 
 std::string cutoff_unit(const SimulationReport& r) {
-  return derivative_unit(Coordinate::x, r.spec.filters[0].filter);
+  return shown_unit(Coordinate::x, r.spec.filters[0].filter);
 }
 
 std::string cutoff_table(const SimulationReport& r, const Style& style) {

@@ -70,9 +70,10 @@ std::vector<std::vector<std::string>> tracking_cells(const SimulationReport& r) 
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     if (named.filter == "position" || std::isnan(s.tracking_rms)) continue;
-    rows.push_back({label_of(named), readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.unit),
-                    readable(s.tracking_rms, named.unit), readable(s.tracking_peak, named.unit),
-                    readable(s.total_rms, named.unit)});
+    rows.push_back({label_of(named),
+                    readable(std::hypot(s.sigma_simulated, s.mean_simulated), named.shown_unit),
+                    readable(s.tracking_rms, named.shown_unit), readable(s.tracking_peak, named.shown_unit),
+                    readable(s.total_rms, named.shown_unit)});
   }
   return rows;
 }

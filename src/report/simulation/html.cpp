@@ -62,13 +62,14 @@ std::string figure_tables(const SimulationReport& r) {
   std::vector<std::vector<std::string>> sigmas, peaks;
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
-    sigmas.push_back({label_of(named), readable(s.sigma_simulated, named.unit),
-                      readable(s.sigma_lower, named.unit) + " .. " + readable(s.sigma_upper, named.unit),
-                      readable(s.sigma_ipqn, named.unit), readable(s.sigma_ipqn_path, named.unit),
-                      readable(s.sigma_exact, named.unit)});
-    peaks.push_back({label_of(named), readable(s.mean_simulated, named.unit),
-                     readable(s.peak_simulated, named.unit), readable(s.worst_case, named.unit),
-                     readable(s.worst_case_path, named.unit)});
+    sigmas.push_back(
+        {label_of(named), readable(s.sigma_simulated, named.shown_unit),
+         readable(s.sigma_lower, named.shown_unit) + " .. " + readable(s.sigma_upper, named.shown_unit),
+         readable(s.sigma_ipqn, named.shown_unit), readable(s.sigma_ipqn_path, named.shown_unit),
+         readable(s.sigma_exact, named.shown_unit)});
+    peaks.push_back({label_of(named), readable(s.mean_simulated, named.shown_unit),
+                     readable(s.peak_simulated, named.shown_unit), readable(s.worst_case, named.shown_unit),
+                     readable(s.worst_case_path, named.shown_unit)});
   }
   return page::isolated_table({"sigma of", "simulated", "95 % interval", "IPQN at the centre",
                                "IPQN along the path", "exact at its speeds"},

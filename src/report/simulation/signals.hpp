@@ -13,6 +13,7 @@ struct NamedSignal {
   const SimulatedSignal& signal;
   std::string filter;  ///< "position" for the unfiltered signal
   std::string coordinate, unit;
+  std::string shown_unit;  ///< in tables and pages: "" of a control law that states none
 };
 
 /// All signals, in the order of every format. Valid as long as the report.

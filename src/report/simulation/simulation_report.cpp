@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
+#include "core/text.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/filter_report.hpp"
+#include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/simulation/signals.hpp"
 #include "simulate/sensing.hpp"
+#include "simulate/settling.hpp"
 
 namespace qerr {
 
@@ -43,7 +49,8 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
       const Coordinate coordinate = r.spec.model.coordinates[c];
       all.push_back(
           {r.simulation.results[o][c], filter ? filter->name : "position", std::string(info(coordinate).name),
-           filter ? derivative_unit(coordinate, filter->filter) : std::string(info(coordinate).unit)});
+           filter ? derivative_unit(coordinate, filter->filter) : std::string(info(coordinate).unit),
+           filter ? shown_unit(coordinate, filter->filter) : std::string(info(coordinate).unit)});
     }
   }
   return all;
@@ -51,9 +58,22 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
 
 namespace {
 
-/// The figures that are missing from the report, with the reason.
+/// A motion that ends before its filters have settled, so that their transients are in the figures.
+void warn_of_a_short_motion(const SimulationReport& r, std::vector<std::string>& warnings) {
+  Motion endless = *r.spec.motion;
+  endless.duration = std::numeric_limits<double>::infinity();
+  const double needed = settling_time(endless, designed_filters(r.spec)),
+               discarded = static_cast<double>(r.simulation.settling) / endless.sample_rate;
+  if (needed > discarded + 2 / endless.sample_rate)
+    warnings.push_back("the figures contain transients of the filters: these take " + readable(needed, "s") +
+                       ", and of a motion so short only the first " + readable(discarded, "s") +
+                       " are discarded; make motion.duration at least " + readable(2 * needed, "s"));
+}
+
+/// The figures that are missing from the report, or wrong in it, with the reason.
 std::vector<std::string> warnings_of(const SimulationReport& r, bool exact) {
   std::vector<std::string> warnings;
+  warn_of_a_short_motion(r, warnings);
   const bool without_exact = std::any_of(
       r.simulation.results.begin(), r.simulation.results.end(), [](const std::vector<SimulatedSignal>& row) {
         return std::any_of(row.begin(), row.end(),
@@ -100,6 +120,8 @@ SimulationReport simulation_report(const Spec& spec, const SimulationOptions& op
         "the encoders' `accuracy` is not simulated, and not in the theory beside it: the shape of the error "
         "is "
         "not known; an effect such as eccentricity has one");
+  for (std::string& text : filter_warnings(spec)) report.warnings.push_back(std::move(text));
+  for (std::string& text : count_rate_warnings(spec)) report.warnings.push_back(std::move(text));
   for (std::string& text : warnings_of(report, options.exact)) report.warnings.push_back(std::move(text));
   return report;
 }

@@ -31,9 +31,9 @@ std::string sigma_table(const SimulationReport& r, const Style& style) {
   for (const NamedSignal& named : signals_of(r)) {
     const SimulatedSignal& s = named.signal;
     const double sigma = is_constant(s) ? 0 : s.sigma_simulated, half = 0.5 * (s.sigma_upper - s.sigma_lower);
-    rows.push_back({label_of(named), readable(sigma, named.unit),
+    rows.push_back({label_of(named), readable(sigma, named.shown_unit),
                     is_constant(s) ? "" : "+-" + percent(half / s.sigma_simulated),
-                    readable(s.sigma_ipqn, named.unit), ratio_text(sigma, s.sigma_ipqn),
+                    readable(s.sigma_ipqn, named.shown_unit), ratio_text(sigma, s.sigma_ipqn),
                     ratio_text(sigma, s.sigma_ipqn_path), ratio_text(sigma, s.sigma_exact)});
   }
   return fitted_table(rows, style.width) + (r.simulation.runs > 1
@@ -53,10 +53,10 @@ std::string peak_table(const SimulationReport& r, const Style& style) {
   for (const NamedSignal& named : signals) {
     const SimulatedSignal& s = named.signal;
     const bool bounded = std::isfinite(s.worst_case_path) && s.worst_case_path > 0;
-    rows.push_back({label_of(named), readable(s.peak_simulated, named.unit),
-                    readable(s.worst_case_path, named.unit),
+    rows.push_back({label_of(named), readable(s.peak_simulated, named.shown_unit),
+                    readable(s.worst_case_path, named.shown_unit),
                     bounded ? percent(s.peak_simulated / s.worst_case_path) : ""});
-    if (has_means) rows.back().insert(rows.back().begin() + 1, readable(s.mean_simulated, named.unit));
+    if (has_means) rows.back().insert(rows.back().begin() + 1, readable(s.mean_simulated, named.shown_unit));
   }
   const bool gaussian = std::any_of(r.spec.effects.begin(), r.spec.effects.end(), [](const Effect& e) {
     return effect_kind(e.type).random() && has_size(e);

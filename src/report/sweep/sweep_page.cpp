@@ -6,6 +6,7 @@
 
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/figure_names.hpp"
+#include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {
@@ -58,7 +59,7 @@ void SweepPage::add_figures() {
     add({"position." + std::string(info(c).name) + ".worst_case max", std::string(info(c).unit)});
   for (const NamedFilter& f : spec.filters)
     for (const Coordinate c : coordinates)
-      add({f.name + '.' + std::string(info(c).name) + ".sigma max", derivative_unit(c, f.filter)});
+      add({f.name + '.' + std::string(info(c).name) + ".sigma max", shown_unit(c, f.filter)});
 }
 
 std::string SweepPage::row(const SweptVariant& v) const {

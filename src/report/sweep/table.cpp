@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "report/analysis/tables.hpp"
 #include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/sweep/sweep_report.hpp"
@@ -60,7 +61,7 @@ std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t c = 0; c < coordinates.size(); ++c) {
       const auto& sigma = a.workspace.derivatives[f][c].sigma;
-      cells.push_back(sigma ? readable(sigma->max, derivative_unit(coordinates[c], a.spec.filters[f].filter))
+      cells.push_back(sigma ? readable(sigma->max, shown_unit(coordinates[c], a.spec.filters[f].filter))
                             : "-");
     }
   return cells;

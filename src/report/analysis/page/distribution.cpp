@@ -57,7 +57,7 @@ std::string distribution_figures(const Analysis& a, const ConfigurationSample& s
           {"Error of " + of,
            "Percentage of the configurations whose error is at most the value on the abscissa; marks at "
            "the smallest, median, 95 %, 99 % and largest.",
-           {"error", name.unit},
+           {"error", name.shown_unit},
            {"configurations", "%"},
            {}});
     }

@@ -64,7 +64,7 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
                   "Smallest and largest error in each interval of the first run, inside the worst case and "
                   "sigma along the path.",
                   page::time_axis(last),
-                  {"error", s.unit},
+                  {"error", s.shown_unit},
                   {{"error", line.points()}}};
   for (const page::Series& limit :
        {both_signs("worst case along the path", s.signal.worst_case_path, first, last),
@@ -81,7 +81,7 @@ std::string ladder_figure(const NamedSignal& s) {
                     "IPQN at the centre of the motion",
                     "simulated sigma",
                     s.signal.sigma_ipqn,
-                    s.unit,
+                    s.shown_unit,
                     {}};
   for (const auto& [name, value] : factors) {
     std::string words(name);

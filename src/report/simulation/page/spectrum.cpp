@@ -88,7 +88,7 @@ std::string spectrum_figure(const NamedSignal& s, const SimulatedSignal& positio
                   "Amplitude spectral density of the simulated error, beside that of white errors with the "
                   "sigma of the theory behind the filter.",
                   {"frequency", "Hz", true},
-                  {"density", s.unit + "/sqrt(Hz)", true},
+                  {"density", (s.shown_unit.empty() ? "1" : s.shown_unit) + "/sqrt(Hz)", true},
                   {simulated}};
   if (!white.points.empty()) plot.series.push_back(white);
   return figure(plot);
