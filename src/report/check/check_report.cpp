@@ -196,13 +196,27 @@ bool CheckReport::all_met() const {
          std::all_of(specs.begin(), specs.end(), [](const SpecCheck& s) { return s.all_met(); });
 }
 
+namespace {
+
+/// A limit with three digits, or with all that it has, so that two limits differ where they are named. A
+/// number with a unit, such as 0.7 mm, is read to 15 digits.
+std::string limit_text(const Requirement& r) {
+  constexpr int digits = 15;
+  const double limit = rounded_to(r.limit, digits);
+  if (!std::isfinite(limit) || rounded_to(limit, 3) == limit) return readable(limit, r.unit);
+  const PrefixedUnit prefix = prefixed(limit, r.unit);
+  return shortest(rounded_to(limit / prefix.factor, digits)) + (r.unit.empty() ? "" : ' ' + prefix.unit);
+}
+
+}  // namespace
+
 std::string limited(const Requirement& r) {
-  return r.name() + (r.at_least ? " >= " : " <= ") + readable(r.limit, r.unit);
+  return r.name() + (r.at_least ? " >= " : " <= ") + limit_text(r);
 }
 
 std::string verdict(const Requirement& r, const RequirementResult& result) {
   const std::string required =
-      std::string(r.at_least ? "at least " : "at most ") + readable(r.limit, r.unit) + " is required";
+      std::string(r.at_least ? "at least " : "at most ") + limit_text(r) + " is required";
   if (!result.proven) return r.name() + " is " + readable(result.value, r.unit) + ", " + required;
   return r.name() + " lies between " + readable(result.proven->lower, r.unit) + ", which is reached, and " +
          readable(result.proven->upper, r.unit) + ", " + required +
