@@ -65,6 +65,7 @@ class Parser {
     const bool has_value = equals != std::string::npos;
     if (!row->takes_value()) {
       if (has_value) refuse(name, "takes no value", quoted(word.substr(equals + 1)), "leave it out");
+      if (!row->stands_for.empty()) return long_option(std::string(row->stands_for));
       texts_[row->key()] = {row->key()};
     } else {
       take_values(*row, has_value ? std::optional(word.substr(equals + 1)) : std::nullopt);

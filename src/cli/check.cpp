@@ -138,7 +138,7 @@ Command check_command() {
                 .needs = "--baseline"}},
               {prove_option("gap of requirements on proven_max, such as 0.1% (default: 1%)")},
               long_work_option(),
-              output_options_without_page()});
+              output_options_with_markdown()});
   options.front().kind = OptionKind::repeat;
   return {"check",
           "Compare the bounds with the requirements of specs; exit code 1 if one is not met",
@@ -147,6 +147,7 @@ Command check_command() {
           {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
            {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
             "in continuous integration, which shows verdicts at their lines"},
+           {"qerr check arm.yaml --format md", "a table in Markdown, for a job's summary"},
            {"qerr analyze arm.yaml -o old.json", "today's figures, to be a baseline"},
            {"qerr check arm.yaml --baseline old.json --tolerance 2%",
             "has any figure become worse since, by more than 2 %?"}},

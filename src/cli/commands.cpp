@@ -4,7 +4,7 @@ namespace qerr::cli {
 
 namespace {
 
-std::vector<std::string> color_words() { return {"auto", "always", "never"}; }
+std::vector<std::string> when_words() { return {"auto", "always", "never"}; }
 
 std::vector<Command> table() {
   std::vector<Command> rows{analyze_command(),  check_command(),     compare_command(),   sweep_command(),
@@ -25,12 +25,18 @@ const std::vector<Option>& global_options() {
        .value = "WHEN",
        .meaning = "always, never, or auto: on a terminal, unless NO_COLOR is set",
        .fallback = "auto",
-       .choices = color_words,
+       .choices = when_words,
        .choice = "choice"},
       {.name = "--no-color", .kind = OptionKind::flag, .meaning = "the same as --color never"},
+      {.name = "--progress",
+       .value = "WHEN",
+       .meaning = "always, never, or auto: on a terminal, unless --quiet",
+       .fallback = "auto",
+       .choices = when_words,
+       .choice = "choice"},
       {.name = "--force",
        .kind = OptionKind::flag,
-       .meaning = "let an output replace a spec, which a person may have edited"},
+       .meaning = "let an output replace a spec, URDF or catalogue, which a person may have edited"},
       {.name = "-h,--help", .kind = OptionKind::flag, .meaning = "this help"},
       {.name = "-V,--version", .kind = OptionKind::flag, .meaning = "the version of qerr"}};
   return rows;

@@ -37,7 +37,9 @@ struct Option {
   std::string_view implied = {};
   /// The permitted words; null: any text.
   std::vector<std::string> (*choices)() = nullptr;
-  std::string_view choice = {};  ///< what a word is, in messages: `format`
+  std::string_view choice = {};      ///< what a word is, in messages: `format`
+  std::string_view endings = {};     ///< of the files that it may name, such as `.json .txt`; "": any
+  std::string_view stands_for = {};  ///< of a flag: the option in full, such as `--format=json`
   /// The permitted words behind the argument before, where they depend on it; null: they do not.
   std::vector<std::string> (*choices_behind)(const std::string& before) = nullptr;
 

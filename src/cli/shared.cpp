@@ -18,13 +18,20 @@ namespace {
 
 std::vector<std::string> format_names() {
   std::vector<std::string> names;
-  for (const Format& format : formats()) names.emplace_back(format.name);
+  for (const Format& format : formats())
+    if (format.name != "md") names.emplace_back(format.name);
   return names;
 }
 
 std::vector<std::string> format_names_without_page() {
   std::vector<std::string> names = format_names();
   std::erase(names, "html");
+  return names;
+}
+
+std::vector<std::string> format_names_with_markdown() {
+  std::vector<std::string> names = format_names_without_page();
+  names.emplace_back("md");
   return names;
 }
 
@@ -56,7 +63,11 @@ std::vector<Option> output_options() {
            .meaning = "table, json, csv or html (default: by the output's ending, else table)",
            .choices = format_names,
            .choice = "format"},
-          text_output_option()};
+          text_output_option(),
+          {.name = "--json",
+           .kind = OptionKind::flag,
+           .meaning = "the same as --format json",
+           .stands_for = "--format=json"}};
 }
 
 std::vector<Option> output_options_without_page() {
@@ -105,11 +116,20 @@ ProofRequest proof_request(const Values& v) {
   return request;
 }
 
-Option text_output_option() {
+std::vector<Option> output_options_with_markdown() {
+  std::vector<Option> options = output_options();
+  options.front().meaning =
+      "table, json, csv or md, for a job's summary (default: by the output's ending, else table)";
+  options.front().choices = format_names_with_markdown;
+  return options;
+}
+
+Option text_output_option(std::string_view endings) {
   return {.name = "-o,--output",
           .value = "FILE",
           .meaning = "write to FILE; '-' is standard output",
-          .fallback = "-"};
+          .fallback = "-",
+          .endings = endings};
 }
 
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups) {
@@ -196,7 +216,24 @@ std::unique_ptr<OutputFile> opened_report(const Values& v, std::initializer_list
   return taken && !v.given("output") && !v.given("format") ? nullptr : opened(v, "output");
 }
 
+namespace {
+
+/// Of the files that options with one format name.
+void require_own_endings(const std::vector<Option>& of_command, const Values& v) {
+  for (const Option& option : of_command) {
+    const std::string ending = std::filesystem::path(v.text(option.key())).extension().string();
+    const std::string known(option.value == "FILE.csv" ? ".csv .txt" : option.endings);
+    if (known.empty() || ending.empty() || (' ' + known + ' ').find(' ' + ending + ' ') != std::string::npos)
+      continue;
+    throw usage(option.long_name(), "this output has no format with the ending", quoted(ending),
+                "known: " + known + ", or none");
+  }
+}
+
+}  // namespace
+
 void require_known_ending(const std::vector<Option>& of_command, const Values& v) {
+  require_own_endings(of_command, v);
   const auto format = std::find_if(of_command.begin(), of_command.end(),
                                    [](const Option& option) { return option.key() == "format"; });
   if (format == of_command.end() || v.given("format")) return;

@@ -24,11 +24,14 @@ namespace qerr::cli {
 std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
 /// `--allow-long`, of commands that call limit_work.
 std::vector<Option> long_work_option();
-/// `--format` and `--output` of a command whose report has a page, and of one whose report has none.
+/// `--format` and `--output` of a command whose report has a page, and of one whose report has none, or
+/// Markdown instead.
 std::vector<Option> output_options();
 std::vector<Option> output_options_without_page();
+std::vector<Option> output_options_with_markdown();
 /// `-o,--output` of a command whose output has one format.
-Option text_output_option();
+/// @param endings  of the files that hold this format
+Option text_output_option(std::string_view endings = {});
 std::vector<Option> joined(std::initializer_list<std::vector<Option>> groups);
 
 /// An error in the use of the command line.

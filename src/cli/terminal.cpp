@@ -98,7 +98,9 @@ void print_error(const std::string& text) {
 }
 
 std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {
-  if (v.given("quiet") || !isatty(STDERR_FILENO)) return {};
+  const std::string& when = v.text("progress");
+  const bool terminal = isatty(STDERR_FILENO);
+  if (when == "never" || (when == "auto" && (v.given("quiet") || !terminal))) return {};
   using Clock = std::chrono::steady_clock;
   const auto start = Clock::now();
   const auto last_shown = std::make_shared<Clock::time_point>(start);
@@ -107,7 +109,7 @@ std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std:
     if (done >= total) return clear_progress();
     // The rate of the first moment misleads.
     if (done == 0 || now - start < std::chrono::milliseconds(300) ||
-        now - *last_shown < std::chrono::milliseconds(100))
+        now - *last_shown < std::chrono::milliseconds(terminal ? 100 : 1000))
       return;
     *last_shown = now;
     const double rate = static_cast<double>(done) / std::chrono::duration<double>(now - start).count();
@@ -115,9 +117,9 @@ std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std:
     const std::string line = fixed_point(100 * part, 0) + " % of " + amount(static_cast<double>(total)) +
                              (noun.empty() ? "" : ' ' + noun) + ", " + readable(rate, "/s") + ", " +
                              duration(static_cast<double>(total - done) / rate) + " left";
-    std::fprintf(stderr, "\r%s\x1b[K", line.c_str());
+    std::fprintf(stderr, terminal ? "\r%s\x1b[K" : "%s\n", line.c_str());
     std::fflush(stderr);
-    progress_is_visible = true;
+    progress_is_visible = terminal;
   };
 }
 

@@ -5,11 +5,18 @@
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "report/check/parts.hpp"
 #include "report/wrapped_text.hpp"
 
 namespace qerr {
 
 namespace {
+
+/// The table in Markdown of a report; null: it has none.
+template <class Report>
+inline constexpr Writer<Report>* markdown_of = nullptr;
+template <>
+inline constexpr Writer<CheckReport>* markdown_of<CheckReport> = to_markdown;
 
 template <class Report>
 struct Exporter {
@@ -35,11 +42,12 @@ inline constexpr Writer<DiagnosisReport>* page_of<DiagnosisReport> = to_html;
 
 /// The first row is the format of an output whose ending is not listed.
 template <class Report>
-inline constexpr std::array<Exporter<Report>, 4> exporters{{
+inline constexpr std::array<Exporter<Report>, 5> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
     {{"json", ".json", "everything, SI units"}, to_json},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
     {{"html", ".html", "a page with pictures"}, page_of<Report>},
+    {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>},
 }};
 
 std::vector<std::string> format_names() {
@@ -48,8 +56,12 @@ std::vector<std::string> format_names() {
   return names;
 }
 
-Error no_page() {
-  return Error({{}, "", "this report has no page", "'html'", "choose table, json or csv with --format"},
+Error not_written(std::string_view format) {
+  return Error({{},
+                "",
+                format == "html" ? "this report has no page" : "this report is not written in this format",
+                quoted(std::string(format)),
+                "choose table, json or csv with --format"},
                Trouble::usage);
 }
 
@@ -65,8 +77,9 @@ template <class Report>
 std::string written(const Report& report, std::string_view format, const Style& style) {
   for (const Exporter<Report>& exporter : exporters<Report>)
     if (exporter.format.name == format) {
-      if (exporter.write == nullptr) throw no_page();
-      return (format == "table" ? changes_above(report, style) : "") + exporter.write(report, style);
+      if (exporter.write == nullptr) throw not_written(format);
+      return (format == "table" || format == "md" ? changes_above(report, style) : "") +
+             exporter.write(report, style);
     }
   throw Error(
       {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
@@ -86,7 +99,7 @@ std::string changes_above(const Spec& spec, std::size_t width) {
 }
 
 void refuse_page(std::string_view format) {
-  if (format == "html") throw no_page();
+  if (format == "html") throw not_written(format);
 }
 
 std::string_view version() { return QERR_VERSION; }

@@ -132,6 +132,31 @@ TEST_F(Requirements, OfWhichOneFailsIsAnnotatedAtItsLine) {
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 1);
 }
 
+TEST_F(Requirements, OfDifferentLimitsHaveDifferentNamesOfTestCases) {
+  const std::string text = junit(report_of(read("{quantity: v.x.delay, at_most: 1.0001 ms}\n"
+                                                "  - {quantity: v.x.delay, at_most: 1.0002 ms}\n"
+                                                "  - {quantity: v.x.delay, at_most: 0.7 ms}")),
+                                 "");
+  for (const char* name :
+       {"v.x.delay &lt;= 1.0001 ms\"", "v.x.delay &lt;= 1.0002 ms\"", "v.x.delay &lt;= 700 us\""})
+    EXPECT_NE(text.find(name), std::string::npos) << text;
+}
+
+TEST_F(Requirements, AreATableInMarkdownWhoseRowsHaveAsManyCells) {
+  CheckReport report =
+      report_of(read("{quantity: v.x.delay, at_most: 1 us}\n  - {quantity: v.x.delay, at_most: 1 s}"));
+  report.broken.push_back({"a|b`.yaml", Error(Fault{{"a|b`.yaml", 2, 1}, "robto", "unknown key", "", ""})});
+  std::istringstream lines(qerr::write(report, "md"));
+  int rows = 0;
+  for (std::string line; std::getline(lines, line); ++rows) {
+    int bars = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\');
+    EXPECT_EQ(bars, 5) << line;
+  }
+  EXPECT_EQ(rows, 5);
+  EXPECT_THROW(qerr::write(report.specs[0].analysis, "md"), Error);
+}
+
 TEST_F(Requirements, OfSeveralSpecsAreSuitesOfOneDocument) {
   const Spec spec = read("{quantity: v.x.delay, at_most: 1 us}");
   CheckReport report = report_of(spec);

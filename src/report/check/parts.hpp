@@ -4,6 +4,7 @@
 #include <string_view>
 
 #include "qerr/report/analysis.hpp"
+#include "qerr/report/write.hpp"
 #include "report/json_value.hpp"
 
 namespace qerr {
@@ -16,6 +17,9 @@ std::string limited(const Requirement&);
 
 /// What may decide a requirement whose limit lies between what is reached and what is proven.
 inline constexpr std::string_view undecided_remedy = "a smaller gap may decide: --prove GAP";
+
+/// The verdicts as a table in Markdown, for the summary of a job.
+std::string to_markdown(const CheckReport&, const Style&);
 
 /// `3 of 120 figures worse than in old.json by more than 2 %`, or `none of ...`.
 std::string verdict(const BaselineCheck&);
