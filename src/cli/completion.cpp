@@ -36,7 +36,7 @@ Command completion_command() {
             .required = true,
             .choices = shell_names,
             .choice = "shell"},
-           text_output_option()},
+           text_output_option(".bash .zsh .fish .sh .txt")},
           run,
           {{"source <(qerr completion bash)", "complete in this bash; zsh likewise"},
            {"qerr completion fish | source", "complete in this fish"}}};

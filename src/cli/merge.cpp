@@ -98,7 +98,7 @@ Command merge_command() {
                 .meaning = "a file of each shard, in any order",
                 .required = true}},
               spec_comparison(),
-              {text_output_option()}}),
+              {text_output_option(".csv .txt")}}),
       run,
       {{"qerr merge 1.csv 2.csv 3.csv 4.csv 5.csv --spec arm.yaml -o sweep.csv", "one file of all variants"},
        {"qerr merge shards/*.csv --spec arm.yaml -o sweep.csv",

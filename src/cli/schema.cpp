@@ -23,7 +23,7 @@ Command schema_command() {
             .meaning = "of the JSON that this command writes; plan is diagnose --plan",
             .choices = reports,
             .choice = "report"},
-           text_output_option()},
+           text_output_option(".json .txt")},
           run,
           {{"qerr schema -o qerr.schema.json", "of the spec, for an editor that completes and checks it"},
            {"qerr schema --output-of analyze", "of the report of analyze (draft 2020-12)"}},
