@@ -2,6 +2,7 @@
 #include "cli/shared.hpp"
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
+#include "report/formats.hpp"
 
 namespace qerr::cli {
 
@@ -24,7 +25,8 @@ int run(const Values& v) {
     warnings.emplace_back(spec.file, spec.warnings);
   }
   warn(warnings, v);
-  finish(out, report, v);
+  const std::string above = chosen_format(v) == "table" ? changes_above(specs.front(), style(v).width) : "";
+  finish(out, above + write(report, chosen_format(v), style(v)));
   return 0;
 }
 
