@@ -189,9 +189,10 @@ void report_frames(const TipModel& m, const std::string& tip, TipDiagnosis& d) {
          {},
          {},
          target.norm()});
-    d.warnings.push_back("the tracked point lies " + by_axes(target) + " from '" + tip +
-                         "': no pose tells a longer tool from a target beside its tip: measure the tool, or "
-                         "where the target is held, and correct the URDF or robot.tool");
+    d.warnings.push_back(
+        "the tracked point lies " + by_axes(target) + " from '" + tip +
+        "': no pose tells a longer tool from a target beside its tip: measure the tool, or "
+        "where the target is held, and correct the URDF or robot.tool (the radius of a robot of one joint)");
     return;
   }
   const Eigen::Vector3d shift = m.estimate().base.translation();
