@@ -108,11 +108,33 @@ def check_outputs(t, qerr, folder, spec):
     t.check("the output is independent of the locale", plain["C"] == plain["de"] and plain["C"])
     ran = run(qerr, "analyze", spec, "--no-color")
     t.check("no colour codes unless on a terminal", b"\x1b" not in ran.out)
+    check_forms(t, qerr, folder, spec)
     check_files_of_a_run(t, qerr, folder, spec)
     check_comparison(t, qerr, folder)
     check_closed_streams(t, qerr, folder, spec)
     check_long_work(t, qerr, folder)
     check_interrupt(t, qerr, folder, spec)
+
+
+def check_forms(t, qerr, folder, spec):
+    """Endings that are no format of an output, and the options about the form of what is written."""
+    for words in (["merge", "none.csv", "-o", folder / "all.xlsx"], ["schema", "-o", folder / "schema.yaml"],
+                  ["completion", "bash", "-o", folder / "qerr.py"], ["simulate", spec, "--log", folder / "log.json"],
+                  ["analyze", spec, "--per-configuration", folder / "each.html"], ["analyze", spec, "-o", folder / "report.md"]):
+        expect(t, f"{words[0]} into {words[-1].name}: 2", run(qerr, *words), 2, words=[words[-1].suffix])
+        t.check(f"{words[-1].name} is not written", not words[-1].exists())
+    expect(t, "schema -o schema.json: 0", run(qerr, "schema", "-o", folder / "schema.json"), 0)
+    quiet = run(qerr, "analyze", spec, "-q", "--json")
+    t.check("--json is --format json", quiet.out == run(qerr, "analyze", spec, "-q", "--format", "json").out and quiet.out.startswith(b"{"))
+    expect(t, "--json beside another --format: 2", run(qerr, "analyze", spec, "--json", "--format", "csv"), 2)
+    ran = run(qerr, "threshold", spec, "-q", "--set", "threshold.length=300 mm",
+              "--set", "filters={v: {derivative: 1, sample_rate: 1 kHz}}")
+    t.check("threshold shows what --set changed", ran.out.startswith(b"with --set threshold.length=300"), ran.out.decode()[:200])
+    long = ["analyze", CORPUS.parents[1] / "configs/kuka_lwr/spec.yaml", "--set", "configurations.count=30000000", "--threads", "1"]
+    for when, lines in (("always", True), ("never", False), ("auto", False)):
+        ran = run(qerr, *long, "-q", "--progress", when)
+        t.check(f"--progress {when} where no terminal is", (b"% of 30.0 M configurations" in ran.err) == lines and b"\x1b" not in ran.err,
+                ran.err.decode()[:200])
 
 
 def check_files_of_a_run(t, qerr, folder, spec):
