@@ -21,6 +21,7 @@ packages=(
   libyaml-cpp-dev       # specs
   libboost-dev          # headers only: Sobol sequence, multiprecision, distributions
   nlohmann-json3-dev    # reports
+  libcli11-dev          # command line
 )
 test_packages=(
   libgtest-dev librapidcheck-dev
@@ -45,7 +46,6 @@ plot_packages=(
 bench_packages=(
   libbenchmark-dev      # timing
   liborocos-kdl-dev     # scripts/compare_peers.sh
-  libcli11-dev          # command line of compare_peers
   python3-pandas        # bench_read_log
 )
 libfuzzer_packages=(

@@ -33,6 +33,9 @@ const std::vector<Command>& commands();
 const Command* command_of(std::string_view name);
 std::vector<std::string> command_names();
 
+/// `qerr analyze [OPTION...] SPEC`
+std::string usage_line(const Command&);
+
 /// Options that every command has, and that may also stand before its name.
 const std::vector<Option>& global_options();
 

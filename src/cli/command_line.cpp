@@ -1,12 +1,14 @@
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 
-#include "cli/arguments.hpp"
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/parallel.hpp"
 #include "core/run_files.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr::cli {
 
@@ -14,30 +16,197 @@ namespace {
 
 using Words = std::vector<std::string>;
 
-const Option* global_option(const std::string& word) {
-  for (const Option& row : global_options())
-    if (word == row.short_name() || word.substr(0, word.find('=')) == row.long_name()) return &row;
+const Option* option_of(const std::vector<Option>& rows, const std::string& word) {
+  for (const Option& row : rows)
+    if (!row.positional() && !word.empty() && (row.long_name() == word || row.short_name() == word))
+      return &row;
   return nullptr;
 }
 
-/// The place of the command's name: behind the global options.
-Words::const_iterator command_place(const Words& words) {
-  auto at = words.begin();
-  while (at != words.end() && at->starts_with('-')) {
-    const Option* row = global_option(*at);
-    if (!row) throw usage(*at, "options stand behind a command", "", "e.g. qerr analyze SPEC " + *at);
-    const bool value_follows = row->needs_value() && at->find('=') == std::string::npos;
-    at += value_follows && at + 1 != words.end() ? 2 : 1;
+/// What CLI11 makes of a command line.
+struct SortedWords {
+  Values::Texts texts;                 ///< of each option, by its key; of one without a value "true"
+  Words others;                        ///< arguments, `--`, and options that no row has
+  const Option* incomplete = nullptr;  ///< the option whose values the command line ends before
+};
+
+/// Written as with GNU programs: `--runs 3`, `--runs=3`, `-o FILE`, `-oFILE`, `-qo FILE`; `--` ends the
+/// options.
+/// @param whole  whether options behind the first argument count, too
+SortedWords sort_words(const std::vector<Option>& rows, const Words& words, bool whole = true) {
+  CLI::App app;
+  app.set_help_flag();
+  app.allow_extras();
+  app.prefix_command(!whole);
+  for (const Option& row : rows) {
+    if (row.positional()) continue;
+    const std::string name(row.name);
+    CLI::Option* option = row.needs_value() ? app.add_option(name) : app.add_flag(name);
+    if (row.kind == OptionKind::pair) option->type_size(2);
+    option->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   }
-  return at;
+  SortedWords sorted;
+  try {
+    app.parse(Words(words.rbegin(), words.rend()));
+  } catch (const CLI::ArgumentMismatch& e) {  // begins with the name of the option
+    const std::string text = e.what();
+    sorted.incomplete = option_of(rows, text.substr(0, text.find(':')));
+  }
+  for (const Option& row : rows)
+    sorted.texts[row.key()] = row.positional() ? Words() : app.get_option(row.long_name())->results();
+  sorted.others = app.remaining();
+  return sorted;
 }
 
-bool has_flag(const Words& words, const char* key) {
-  const auto end = std::find(words.begin(), words.end(), "--");
-  return std::any_of(words.begin(), end, [&](const std::string& word) {
-    const Option* row = global_option(word);
-    return row && !row->takes_value() && row->key() == key;
-  });
+/// Checks the sorted words by the rows of a command.
+class Parser {
+ public:
+  Parser(const Command& command, const Words& words) : command_(command), words_(words) {}
+
+  Values parse() {
+    const SortedWords sorted = sort_words(command_.options, with_optional_values());
+    const auto mark = std::find(sorted.others.begin(), sorted.others.end(), "--");
+    for (auto at = sorted.others.begin(); at != mark; ++at)
+      if (at->size() > 1 && at->starts_with('-')) refuse_option(*at);
+    for (const Option& row : command_.options) add_values(row, sorted.texts.at(row.key()));
+    if (const Option* row = sorted.incomplete) refuse_missing(*row, texts_[row->key()].size(), "");
+    for (auto at = sorted.others.begin(); at != sorted.others.end(); ++at)
+      if (at != mark) add_argument(*at);
+    check_complete();
+    Values::Texts fallbacks;
+    for (const Option& row : command_.options)
+      if (!row.fallback.empty()) fallbacks[row.key()] = {std::string(row.fallback)};
+    return Values(std::move(texts_), std::move(fallbacks));
+  }
+
+ private:
+  /// The words as CLI11 shall read them: `--prove=1%` for `--prove 1%`, as it cannot tell a value from an
+  /// argument. It would read `--seed=` as `--seed`, and `--quiet=true` as `--quiet`.
+  Words with_optional_values() const {
+    Words joined;
+    const auto mark = std::find(words_.begin(), words_.end(), "--");
+    for (auto at = words_.begin(); at != mark; ++at) {
+      const Option* before = joined.empty() ? nullptr : option_of(command_.options, joined.back());
+      if (before && before->kind == OptionKind::optional && before->is_value(*at)) {
+        joined.back() += '=' + *at;
+        continue;
+      }
+      const std::size_t equals = at->find('=');
+      const Option* row =
+          equals == std::string::npos ? nullptr : option_of(command_.options, at->substr(0, equals));
+      if (row && !row->takes_value())
+        refuse(row->long_name(), "takes no value", qerr::quoted(at->substr(equals + 1)), "leave it out");
+      if (row && equals + 1 == at->size()) refuse_missing(*row, 0, "");
+      const Option* flag = option_of(command_.options, *at);
+      joined.push_back(flag && !flag->stands_for.empty() ? std::string(flag->stands_for) : *at);
+    }
+    joined.insert(joined.end(), mark, words_.end());
+    return joined;
+  }
+
+  void add_values(const Option& row, const Words& values) {
+    const std::size_t once = row.kind == OptionKind::pair ? 2 : 1;
+    texts_[row.key()];
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      const std::string& text = values[i];
+      if (i == once && row.takes_value() && !row.repeats())
+        refuse(row.long_name(), "can be given once", qerr::quoted(texts_[row.key()].front()) + " before",
+               "leave out one of the two");
+      const bool no_value = text.empty() || text.starts_with("--") || option_of(command_.options, text);
+      if (no_value && std::find(words_.begin(), words_.end(), text) != words_.end())
+        refuse_missing(row, i % once, qerr::quoted(text) + " instead");
+      if (!row.needs_value() && text == "true")  // CLI11's word for no value
+        texts_[row.key()].emplace_back(row.takes_value() ? row.implied : row.name);
+      else
+        add_value(row, text);
+    }
+  }
+
+  void add_value(const Option& row, const std::string& text) {
+    if (row.kind == OptionKind::list && text.find(',') != std::string::npos) {
+      const std::size_t comma = text.find(',');
+      add_value(row, text.substr(0, comma));
+      return add_value(row, text.substr(comma + 1));
+    }
+    if (row.kind == OptionKind::number || row.kind == OptionKind::whole) check_number(row, text);
+    if (row.choices) check_choice(row, text, row.choices());
+    if (row.choices_behind) check_choice(row, text, row.choices_behind(last_argument_));
+    if (row.positional()) last_argument_ = text;
+    texts_[row.key()].push_back(text);
+  }
+
+  void add_argument(const std::string& word) {
+    for (const Option& row : command_.options)
+      if (row.positional() && (texts_[row.key()].empty() || row.repeats())) return add_value(row, word);
+    const bool override = word.find('=') != std::string::npos && option_of(command_.options, "--set");
+    refuse(
+        "", "one argument too many", qerr::quoted(word),
+        override ? "did you mean --set " + qerr::quoted(word) + "?" : "the usage is " + usage_line(command_));
+  }
+
+  void check_complete() {
+    for (const Option& row : command_.options) {
+      if (row.required && texts_[row.key()].empty())
+        refuse("", std::string(row.name) + " is missing: " + std::string(row.meaning), "",
+               "e.g. " +
+                   std::string(command_.examples.empty() ? usage_line(command_) : command_.examples[0].line));
+      if (!row.needs.empty() && !texts_[row.key()].empty() &&
+          texts_[std::string(row.needs.substr(2))].empty())
+        refuse(row.long_name(), "needs " + std::string(row.needs), "", "add " + std::string(row.needs));
+    }
+  }
+
+  [[noreturn]] void refuse(const std::string& option, const std::string& rule, const std::string& found,
+                           const std::string& remedy) const {
+    throw Error({{"qerr " + std::string(command_.name)}, option, rule, found, remedy}, Trouble::usage);
+  }
+
+  /// @param count  of the values that are there
+  [[noreturn]] void refuse_missing(const Option& row, std::size_t count, const std::string& found) const {
+    refuse(row.long_name(), count ? "the second value is missing" : "the value is missing", found,
+           "write " + row.long_name() + ' ' + std::string(row.value));
+  }
+
+  [[noreturn]] void refuse_option(std::string word) const {
+    if (word.starts_with("--")) word = word.substr(0, word.find('='));
+    std::vector<std::string> known;
+    for (const Option& row : command_.options)
+      if (!row.positional()) known.push_back(row.long_name());
+    const std::string near = nearest(word, known);
+    refuse(word, "unknown option", "",
+           near.empty() ? "qerr help " + std::string(command_.name) + " lists the options of this command"
+                        : "did you mean '" + near + "'?");
+  }
+
+  void check_choice(const Option& row, const std::string& text, const std::vector<std::string>& words) const {
+    if (std::find(words.begin(), words.end(), text) == words.end())
+      refuse(row.long_name(), "unknown " + std::string(row.choice), qerr::quoted(text),
+             did_you_mean(text, words));
+  }
+
+  void check_number(const Option& row, const std::string& text) const {
+    const auto number = parse_number(text);
+    const bool whole = row.kind == OptionKind::whole;
+    const bool good = number && *number >= row.least && *number <= row.most;
+    if (!good || (whole && *number != std::floor(*number)))
+      refuse(row.long_name(),
+             std::string("must be a ") + (whole ? "whole " : "") + "number from " + row.range(),
+             qerr::quoted(text), row.fallback.empty() ? "" : "the default is " + std::string(row.fallback));
+  }
+
+  const Command& command_;
+  const Words& words_;
+  Values::Texts texts_;
+  std::string last_argument_;
+};
+
+/// The number of words in front of the command's name: the global options.
+std::size_t leading_words(const Words& words) {
+  const SortedWords sorted = sort_words(global_options(), words, false);
+  if (!sorted.others.empty() && sorted.others.front().starts_with('-'))
+    throw usage(sorted.others.front(), "options stand behind a command", "",
+                "e.g. qerr analyze SPEC " + sorted.others.front());
+  return words.size() - sorted.others.size();
 }
 
 [[noreturn]] void refuse_command(const std::string& word) {
@@ -45,20 +214,23 @@ bool has_flag(const Words& words, const char* key) {
   std::string remedy = near.empty() ? "qerr help lists the commands" : "did you mean 'qerr " + near + "'?";
   if (word.ends_with(".yaml") || word.ends_with(".yml"))
     remedy = "a spec stands behind a command: qerr analyze " + word;
-  throw usage("", "unknown command", quoted(word), remedy);
+  throw usage("", "unknown command", qerr::quoted(word), remedy);
+}
+
+bool asks_for(const Words& words, std::string_view long_name, std::string_view short_name) {
+  return std::any_of(words.begin(), std::find(words.begin(), words.end(), "--"),
+                     [&](const std::string& word) { return word == long_name || word == short_name; });
 }
 
 /// `--help` is the command `help` about this page, with the colours asked for.
 int show_help(const std::string& page, const Words& words) {
+  const SortedWords sorted = sort_words(global_options(), words);
   Words about;
   if (!page.empty()) about.push_back(page);
-  for (auto at = words.begin(); at != words.end(); ++at) {
-    const bool color = at->starts_with("--color");
-    if (color || *at == "--no-color") about.push_back(*at);
-    if (color && at->find('=') == std::string::npos && at + 1 != words.end()) about.push_back(*++at);
-  }
+  for (const std::string& when : sorted.texts.at("color")) about.insert(about.end(), {"--color", when});
+  if (!sorted.texts.at("no-color").empty()) about.emplace_back("--no-color");
   const Command& help = *command_of("help");
-  return help.run(parse_arguments(help, about));
+  return help.run(Parser(help, about).parse());
 }
 
 int show_version() {
@@ -70,11 +242,11 @@ int show_version() {
 }  // namespace
 
 int run_command_line(const Words& words) {
-  const auto place = command_place(words);
+  const auto place = words.begin() + static_cast<std::ptrdiff_t>(leading_words(words));
   Words rest(words.begin(), place);
   if (place != words.end()) rest.insert(rest.end(), place + 1, words.end());
-  if (has_flag(rest, "version")) return show_version();
-  const bool help = has_flag(rest, "help");
+  if (asks_for(rest, "--version", "-V")) return show_version();
+  const bool help = asks_for(rest, "--help", "-h");
   if (place == words.end()) {
     if (help) return show_help("", rest);
     throw usage("", "a command is missing", "", "e.g. qerr analyze arm.yaml; qerr help lists the commands");
@@ -82,7 +254,7 @@ int run_command_line(const Words& words) {
   const Command* command = command_of(*place);
   if (!command) refuse_command(*place);
   if (help) return show_help(*place, rest);
-  const Values values = parse_arguments(*command, rest);
+  const Values values = Parser(*command, rest).parse();
   require_known_ending(command->options, values);
   if (values.given("force")) permit_replacing_specs();
   const int code = command->run(values);

@@ -59,4 +59,13 @@ std::vector<std::string> command_names() {
   return names;
 }
 
+std::string usage_line(const Command& command) {
+  std::string line = "qerr " + std::string(command.name) + " [OPTION...]";
+  for (const Option& row : command.options)
+    if (row.positional())
+      line += (row.required ? " " : " [") + std::string(row.name) + (row.repeats() ? "..." : "") +
+              (row.required ? "" : "]");
+  return line;
+}
+
 }  // namespace qerr::cli

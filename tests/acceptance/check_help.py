@@ -198,7 +198,31 @@ MISTAKES = [  # words; what the message must name
     (["help", "encoder"], ["'encoder'", "did you mean 'encoders'"]),
     (["schema", "--output-of", "analyse"], ["--output-of", "did you mean 'analyze'"]),
     (["--seed", "3", "analyze", "a.yaml"], ["--seed", "behind a command"]),
+    # What CLI11 alone would take for a value, or for none.
+    (["analyze", "--seed=", "a.yaml"], ["--seed: the value is missing"]),
+    (["analyze", "a.yaml", "-o", ""], ["--output: the value is missing", "''"]),
+    (["analyze", "a.yaml", "-qo", "--", "b.yaml"], ["--output: the value is missing", "'--'"]),
+    (["analyze", "a.yaml", "--quiet=true"], ["--quiet: takes no value", "'true'"]),
+    (["filter", "a.yaml", "--motion-band", "3Hz", "-q"], ["--motion-band: the second value is missing", "'-q'"]),
+    (["analyze", "a.yaml", "-5"], ["-5: unknown option"]),
+    (["analyze", "a.yaml", "-qx"], ["-x: unknown option"]),
+    (["analyze", "a.yaml", "--fromat=json"], ["--fromat: unknown option", "did you mean '--format'"]),
+    (["list", "filters", "[kalman,bessel]"], ["'[kalman,bessel]'"]),
 ]
+
+
+def check_words(t, qerr):
+    """Words that an option takes as its value, and files named like options and commands."""
+    spec = "qerr: 1\nrobot: {urdf: %s}\nencoders: {'*': {bits: 12}}\nconfigurations: {count: 5}\n" % (
+        ROOT / "configs" / "kuka_lwr" / "kuka_lwr.urdf")
+    with tempfile.TemporaryDirectory() as folder:
+        for name in ("analyze", "-x", "--seed", "[a,b].yaml", "--"):
+            (pathlib.Path(folder) / name).write_text(spec)
+        for words in (["analyze"], ["--", "-x"], ["--", "--seed"], ["--", "--"], ["[a,b].yaml"], ["-", "--set", "encoders.*.bits=13"],
+                      ["-qo-", "analyze"], ["--output=-", "analyze"], ["analyze", "-qo", "-", "--seed=3"]):
+            ran = subprocess.run([qerr, "analyze", *words], cwd=folder, input=spec.encode(), capture_output=True)
+            t.check(f"qerr analyze {' '.join(words)} runs", ran.returncode == 0 and b"kuka_lwr" in ran.stdout, ran.stderr.decode())
+
 
 
 def check_mistakes(t, qerr):
@@ -237,6 +261,7 @@ def main():
     check_man_pages(t, qerr, commands, topics)
     check_completions(t, qerr)
     check_mistakes(t, qerr)
+    check_words(t, qerr)
     check_globals(t, qerr)
     return t.close()
 

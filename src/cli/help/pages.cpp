@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "cli/arguments.hpp"
+#include "cli/command.hpp"
 #include "cli/help/page.hpp"
 
 namespace qerr::cli {
