@@ -36,7 +36,7 @@ std::vector<std::uint64_t> percentile_ranks(std::uint64_t count);
 /// The value of a rank; 0: the smallest.
 using OrderStatistic = std::function<double(std::uint64_t rank)>;
 
-/// The same of one percentile, and its value.
+/// Ranks from which one percentile is interpolated, and its value.
 std::vector<std::uint64_t> percentile_ranks(double fraction, std::uint64_t count);
 double percentile(double fraction, std::uint64_t count, const OrderStatistic&);
 

@@ -33,9 +33,9 @@ namespace qerr {
 /// square over V.
 double constant_speed_sigma(const Autocorrelation&, double quanta_per_sample);
 
-/// The same for any filter. Filters with too long a memory are computed from harmonics: exact at speeds p/q
-/// with q <= 2000; otherwise the first 500 000 are summed and the remainder, about 1e-6 of the variance of
-/// IPQN, is replaced by its mean over V (an estimate, not a bound).
+/// Sigma at constant speed behind any filter. Filters with too long a memory are computed from harmonics:
+/// exact at speeds p/q with q <= 2000; otherwise the first 500 000 are summed and the remainder, about 1e-6
+/// of the variance of IPQN, is replaced by its mean over V (an estimate, not a bound).
 double constant_speed_sigma(const Filter&, double quanta_per_sample);
 
 /// Along a sine of the given amplitude [quanta] and frequency [cycles per sample], over random zero and

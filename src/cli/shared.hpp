@@ -99,7 +99,7 @@ class Outputs {
       if (!failure_) failure_ = std::current_exception();
     }
   }
-  /// The same of a further part of an output: nothing if one has failed.
+  /// Writes a further part of an output: nothing if one has failed.
   template <class Write>
   void write_next(Write write_one) {
     if (good()) write(write_one);
@@ -117,7 +117,8 @@ class Outputs {
 /// Writes a text to a file that is already open, and closes it.
 void finish(OutputFile& file, const std::string& text);
 
-/// The same of a spec, which a later run may replace while it is as it was written.
+/// Writes a spec to a file that is already open, and closes it; a later run may replace the spec while it is
+/// as it was written.
 void finish_spec(OutputFile& file, const std::string& text, const std::string& path);
 
 /// Writes a report in the chosen format and style to a file that is already open, and closes it.

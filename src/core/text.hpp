@@ -32,8 +32,8 @@ enum class LongWords {
 std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width, std::size_t first_width,
                                        LongWords = LongWords::whole);
 
-/// The same, each with a line break, behind an indent, which `width` includes. The first line starts with
-/// `first` in place of the indent.
+/// The wrapped lines as one text, each with a line break, behind an indent, which `width` includes. The first
+/// line starts with `first` in place of the indent.
 std::string wrapped(std::string_view text, std::size_t width, const std::string& indent,
                     const std::string& first, LongWords = LongWords::whole);
 

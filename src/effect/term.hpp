@@ -37,7 +37,7 @@ struct Term {
   double shape = 0, half_width = 0;
   Term (*reshaped)(const RecordSignals&, const Term&, double shape) = nullptr;
 
-  /// The same term linearized at other coefficients; null: it is linear.
+  /// The term linearized at other coefficients; null: it is linear.
   Term (*relinearized)(const RecordSignals&, const Term&, const Eigen::VectorXd& coefficients) = nullptr;
 
   /// Displacement of its path by clock, link and gear, row by row (empty: zero), and the same term along a
@@ -75,7 +75,7 @@ Term step_term(const RecordSignals&, double time);
 /// amplitude * sin(order * angle + phase) of the encoder's or the joint's shaft, by the effect of this order.
 Term periodic_term(const RecordSignals&, double order, bool of_encoder);
 
-/// The same at an order of the joint that a scan found [periods per rad or m of the joint * 2 pi];
+/// A sine at an order of the joint that a scan found [periods per rad or m of the joint * 2 pi];
 /// uncatalogued.
 Term free_order_term(const RecordSignals&, double order);
 

@@ -107,7 +107,7 @@ class LastOutside {
   int blocks_ = 0;
 };
 
-/// The same for slow filters, from their modes: the error of the estimate is that of its limit plus the
+/// Settling time of slow filters, from their modes: the error of the estimate is that of its limit plus the
 /// (d + 1)-fold sum of the impulse response from k on, itself a sum of modes. Empty where close poles do not
 /// allow partial fractions.
 std::optional<double> settling_by_modes(const Filter& filter, double fraction) {

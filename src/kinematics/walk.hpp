@@ -115,7 +115,7 @@ template <class L, class Before, class After>
   return tip;
 }
 
-/// The same for joint coordinates.
+/// The tip as of `walk`, for joint coordinates.
 ///
 /// @param q        independent joint i at q + i * stride [rad or m]
 /// @param motions  [joint]: scratch
@@ -210,7 +210,7 @@ template <class L, class After, class Consumer, class Interleaved = Ignore>
   return tip;
 }
 
-/// The same for joint coordinates, as `walk`.
+/// The tip and its columns for joint coordinates, as `walk`.
 template <class L, class After, class Consumer>
 [[gnu::always_inline]] inline Frame<L> columns(const FoldedPath& chain, const double* scale, const double* q,
                                                std::size_t stride, SineCosine<L>* motions,

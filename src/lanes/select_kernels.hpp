@@ -12,7 +12,7 @@ namespace qerr {
 template <class Table, InstructionSet set>
 const Table& compiled_kernels();
 
-/// The same for a set that is known at run time.
+/// The kernels of a table as compiled for a set that is known at run time.
 /// @pre this build holds the set (`available_instruction_sets`)
 template <class Table>
 const Table& select_kernels(InstructionSet set) {

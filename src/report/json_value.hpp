@@ -96,7 +96,7 @@ class Json {
   /// The document: indented by two blanks a level, with a line break at its end. Doubles are written with as
   /// many digits as read back as the same double; bytes that are not UTF-8 are replaced by U+FFFD.
   std::string document() const;
-  /// The same on one line, without the break.
+  /// The document on one line, without the break.
   std::string line() const;
 
  private:

@@ -30,7 +30,7 @@ class FusedFilter {
   /// Filters rows that are `stride` numbers apart, at most batch_size of them; the output is dropped.
   void pass(const double* in, std::size_t stride, std::size_t rows);
 
-  /// The same, and adds the output to the statistics of a block.
+  /// Filters rows as `pass` does, and adds the output to the statistics of a block.
   void tally(const double* in, std::size_t stride, std::size_t rows, std::uint64_t block, RunStatistics&);
 
  private:

@@ -85,7 +85,7 @@ class Sensing {
   /// @throws Error (input; key `effects`) if a count exceeds 2^53
   const SensedBatch& sense(std::uint64_t first, std::size_t count = batch_size);
 
-  /// The same for the samples of a given path.
+  /// What the sensors read at the samples of a given path.
   const SensedBatch& sense(const PathBatch&);
 
   /// A sample of the last batch.

@@ -25,7 +25,8 @@ struct Bounds {
 ///   about one count per sample
 Bounds derivative_error(double half_width, double mean, double sigma, const Norms& norms);
 
-/// The same for a coordinate of an OperationalError with error sources: their half widths are multiplied by
+/// Bounds of the filtered error for a coordinate of an OperationalError with error sources: their half widths
+/// are multiplied by
 /// ||H||_1 and their means by |H(1)| as well, the sigma of each by its own ratio, which depends on the
 /// spectrum of the source.
 /// @param ratios  of `sigma_ratios`, one per source; empty without sources

@@ -38,7 +38,8 @@ struct Workspace {
   std::vector<CoordinateStatistics> coordinates;               ///< of coordinates_and_lengths
   std::vector<std::vector<DerivativeStatistics>> derivatives;  ///< [filter][coordinate]
   Eigen::MatrixXd mean_variance_parts;  ///< coordinates x encoders: mean variance due to each encoder
-  /// The same of quantization alone, without the sources attributed to the encoder.
+  /// Coordinates x encoders: mean variance of quantization alone, without the sources attributed to the
+  /// encoder.
   Eigen::MatrixXd mean_quantization_parts;
   Eigen::MatrixXd mean_covariance;        ///< of all coordinates, mean over the configurations
   Eigen::MatrixXd covariance_at_largest;  ///< where the trace of the position's covariance is largest

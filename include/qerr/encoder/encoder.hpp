@@ -20,7 +20,7 @@ struct Encoder {
   /// Bound on the slow error of disc or scale, of unknown shape, in joint coordinates [rad or m]; 0: not
   /// stated.
   double accuracy = 0;
-  /// The same of the gear between shaft and joint.
+  /// Bound on the slow error of the gear between shaft and joint [rad or m at the joint]; 0: not stated.
   double gear_accuracy = 0;
 };
 

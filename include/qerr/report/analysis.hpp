@@ -77,7 +77,7 @@ const ProvenMaximum* find_proof(const Analysis&, const ProvenFigure&);
 /// memory
 Analysis analyze(const Spec&, const WorkspaceOptions& = {}, const ProofRequest& = {});
 
-/// The same, and one CSV row per configuration: its joint coordinates and its bounds.
+/// The analysis, and one CSV row per configuration: its joint coordinates and its bounds.
 /// @param csv  is called with the header, and then with the rows in the order of the configurations
 Analysis analyze(const Spec&, const WorkspaceOptions&, const std::function<void(const std::string&)>& csv,
                  const ProofRequest& = {});
@@ -98,7 +98,7 @@ struct SpecCheck {
 /// cannot be decided then
 SpecCheck evaluate(const Spec&, const WorkspaceOptions& = {}, const ProofRequest& = {});
 
-/// The same, of a spec that has requirements or is checked against a baseline.
+/// The evaluation of a spec that has requirements or is checked against a baseline.
 /// @param baseline  a report of check or analyze; may be null
 /// @throws Error (input; key `requirements`) if there is nothing to check
 SpecCheck check(const Spec&, const WorkspaceOptions& = {}, const Baseline* baseline = nullptr,
@@ -135,7 +135,7 @@ std::string junit(const CheckReport&, const std::string& time);
 
 /// Workflow commands of GitHub Actions: an error at the line of each requirement that is not met.
 std::string github_annotations(const CheckReport&);
-/// The same for what is wrong with a spec that cannot be checked.
+/// Workflow commands for what is wrong with a spec that cannot be checked.
 std::string github_annotations(const Error&);
 
 /// The result of `qerr threshold`: Table IV of the paper.

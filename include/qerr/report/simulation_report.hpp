@@ -10,7 +10,7 @@
 
 namespace qerr {
 
-/// The same filter with several cut-offs: the filters of a spec, in this order.
+/// One filter with several cut-offs: the filters of a spec, in this order.
 struct CutoffSearch {
   std::string filter;          ///< its name in the spec of the user
   std::vector<double> values;  ///< [Hz]

@@ -19,7 +19,7 @@ namespace {
 /// at most the root of the summed variances per length; that is 100 units in the last place, 2^-53 each,
 /// for each of the operations below: coordinates, forms, weights, averages.
 constexpr double tip_rounding = 1e-13;
-/// The same of the quadratic forms, relative to the square of (sum of sigmas) (largest reach).
+/// Rounding of the quadratic forms, relative to the square of (sum of sigmas) (largest reach).
 constexpr double rounding_of_form = 1e-14;
 
 Eigen::Matrix3d cross_matrix(const Eigen::Vector3d& z) {
@@ -93,7 +93,7 @@ void set_bins(TipLevel& t) {
   t.view.node_of_bin = t.node_of_bin.data();
 }
 
-/// The same chain with its last moved frame turned about its axis.
+/// The chain with its last moved frame turned about its axis.
 ChainForm tip_at_azimuth_0(ChainForm form) {
   const Eigen::Vector3d p = form.tip.translation();
   const double azimuth = std::atan2(p.y(), p.x());

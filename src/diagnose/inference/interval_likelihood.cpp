@@ -44,7 +44,7 @@ ReadingLikelihood near_reading(double a, double b, double outliers, double other
   return {std::log(total), own / total, std::exp(-0.5 * a * a) * over_p, std::exp(-0.5 * b * b) * over_p};
 }
 
-/// The same in logarithms.
+/// Likelihood of a reading far from its interval, in logarithms, which do not underflow.
 ReadingLikelihood far_reading(double a, double b, double outliers, double other) {
   const double log_near = log_tail(std::max(a, -b)), log_beyond = log_tail(std::max(b, -a));
   const double log_p = log_near + std::log1p(-std::exp(log_beyond - log_near));

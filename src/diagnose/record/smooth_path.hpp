@@ -26,9 +26,10 @@ double noise_of_path(const Eigen::ArrayXd& time, const Eigen::ArrayXd& recorded,
 /// `threshold` are treated as noise.
 Eigen::ArrayXd direction_of_motion(const Eigen::ArrayXd& path, double threshold);
 
-/// The same where readings show what happens while the joint rests at a reversal: a motor that crosses the
-/// play of a gear does so at some time of the rest. The direction changes there, where the reading passes the
-/// middle between its values at both ends of the rest; it is 0 while the reading is in between.
+/// Direction of motion where readings show what happens while the joint rests at a reversal: a motor that
+/// crosses the play of a gear does so at some time of the rest. The direction changes there, where the
+/// reading passes the middle between its values at both ends of the rest; it is 0 while the reading is in
+/// between.
 /// @param direction  by the path alone
 /// @param still      motion up to which the joint rests [unit of the path]
 /// @param step       smallest difference of readings that counts [the same]

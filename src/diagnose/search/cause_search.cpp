@@ -27,8 +27,8 @@ constexpr int most_passes = 7;
 /// exact sines.
 constexpr double material_part = 0.012;
 
-/// The same of a table or polynomial, which follows a curve that is not its own only coarsely, and of any
-/// uncatalogued term of a model that does not explain everything.
+/// The smallest part for a table or polynomial, which follows a curve that is not its own only coarsely, and
+/// of any uncatalogued term of a model that does not explain everything.
 constexpr double material_part_of_table = 0.2;
 
 /// Whether a term displaces the position on which the errors of gear teeth and disc depend.

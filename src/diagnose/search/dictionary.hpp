@@ -19,7 +19,7 @@ struct Candidate {
   double alternatives = 1;     ///< size of the family, for the price of the choice
   double least = 0, most = 0;  ///< range of its coefficient in which the columns hold; 0, 0: any
   std::size_t scanned = 0;     ///< number of its event or place in the list of what scans have found
-  /// The same term over another sampling of the record.
+  /// The term over another sampling of the record.
   std::function<Term(const Sampling&)> over;
 };
 

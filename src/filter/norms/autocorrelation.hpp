@@ -25,7 +25,7 @@ inline constexpr std::size_t longest_autocorrelation = std::size_t{1} << 21;
 /// about 4e-6 of the sample rate
 Autocorrelation autocorrelation(const Filter&);
 
-/// The same, empty when the memory exceeds `longest` [samples].
+/// The autocorrelation; empty when the memory exceeds `longest` [samples].
 std::optional<Autocorrelation> autocorrelation_within(const Filter&,
                                                       std::size_t longest = longest_autocorrelation);
 

@@ -7,7 +7,7 @@
 namespace qerr {
 namespace {
 
-/// The same number with at least as many bits, exactly: the sum of its leading doubles.
+/// The number with at least as many bits, exactly: the sum of its leading doubles.
 template <class T>
 T widened(const Binary1024& x) {
   int exponent = 0;

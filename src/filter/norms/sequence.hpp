@@ -50,7 +50,7 @@ class Sequence {
   /// x_k within 1e-12 of bound(k, k), if `accurate`. @param powers  quick ones of k
   double quick_at(std::int64_t k, const std::vector<std::complex<double>>& powers) const;
   double bound(std::int64_t first, std::int64_t last) const;  ///< of |x_k| over first..last
-  /// The same. @param moduli  of first
+  /// Bound of |x_k| up to last. @param moduli  of first
   double bound(const std::vector<double>& moduli, std::int64_t last) const;
   double tail(std::int64_t first) const;  ///< of sum |x_k| over k >= first
   /// Whether the coefficients have relative errors below 1e-14 of their contribution to `bound`.

@@ -73,7 +73,7 @@ std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Sty
 /// @param effects  of `effect_report` for this spec
 Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&, const ProofRequest&);
 
-/// The same without the bounds over the configurations and without warnings.
+/// An analysis without the bounds over the configurations and without warnings.
 /// @param noise_in_motion  of the spec
 Analysis unbounded_analysis(const Spec&, EffectReport effects, std::vector<Eigen::VectorXd> noise_in_motion);
 

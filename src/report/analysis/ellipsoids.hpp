@@ -16,7 +16,7 @@ struct TipEllipsoids {
   ErrorEllipsoid at_largest;  ///< where the trace of the position's covariance is largest
 };
 
-/// Those of x y z and of rx ry rz, if all three are among the coordinates.
+/// The ellipsoids of x y z and of rx ry rz, if all three are among the coordinates.
 std::vector<TipEllipsoids> tip_ellipsoids(const Analysis&);
 
 }  // namespace qerr

@@ -78,7 +78,7 @@ void scan_family(const FilterFamily& family, int derivative, double sample_rate,
   }
 }
 
-/// Those that no other one equals in delay and noise, by ascending delay.
+/// The filters that no other one equals in delay and noise, by ascending delay.
 std::vector<ScannedFilter> undominated(std::vector<ScannedFilter> all) {
   std::stable_sort(all.begin(), all.end(), [](const ScannedFilter& a, const ScannedFilter& b) {
     return a.delay != b.delay ? a.delay < b.delay : a.h2 < b.h2;

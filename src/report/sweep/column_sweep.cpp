@@ -33,7 +33,7 @@ bool adds_effects(const SweepAxis& axis) {
          std::any_of(axis.steps.begin(), axis.steps.end(), [](const auto& s) { return !s.effects.empty(); });
 }
 
-/// Those of the requirements, too; all of them where requirements vary.
+/// The wanted statistics and those of the requirements; all of them where requirements vary.
 std::vector<const StatisticKind*> with_requirements(std::vector<const StatisticKind*> wanted,
                                                     const Spec& spec, const SweepGrid& grid) {
   for (const std::string& key : grid.keys())

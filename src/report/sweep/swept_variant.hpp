@@ -26,8 +26,8 @@ struct SweptVariant {
 SweptVariant evaluate_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
                               const WorkspaceOptions&);
 
-/// The same, but where `without_workspace` says so, the bounds over the configurations are left out, and the
-/// requirements with them.
+/// A variant as of `evaluate_variant`; where `without_workspace` says so, the bounds over the configurations
+/// are left out, and the requirements with them.
 SweptVariant prepared_variant(const SpecVariants&, const SweepGrid&, std::uint64_t variant, bool judged,
                               const WorkspaceOptions&,
                               const std::function<bool(const Analysis&)>& without_workspace);

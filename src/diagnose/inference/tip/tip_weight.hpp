@@ -17,7 +17,7 @@ double gain_of(const TipSolution&, const Eigen::MatrixXd& beyond);
 /// from the encoders' quantization along the path.
 double variance_inflation(const TipModel&, const TipSolution& with, const Eigen::MatrixXd& columns);
 
-/// The same of a term that the model has.
+/// Variance inflation of a term that the model has.
 double variance_inflation(const TipModel&, std::size_t term);
 
 /// Tail probability of chi squared with that many degrees of freedom at twice a log-likelihood gain, which is

@@ -20,7 +20,7 @@ constexpr double least_modulus = 256;  ///< of a counter of 8 bits
 /// Counts by which a jump may differ from the modulus: motion and edge errors between two rows (convention).
 constexpr double slack = 3;
 
-/// The same relative to the modulus, for fast motion (convention).
+/// Difference relative to the modulus, for fast motion (convention).
 constexpr double relative_slack = 0.05;
 
 /// Modulus of a counter of 15 bits and a sign.

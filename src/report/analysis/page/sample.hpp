@@ -27,7 +27,7 @@ struct ConfigurationSample {
 /// At most so many: the standard error of a percentage is then below 0.3 %, half a pixel.
 inline constexpr std::uint64_t most_sampled = std::uint64_t{1} << 15;
 
-/// The same configurations for any number of threads: the first ones of Sobol's sequence and of random
+/// Configurations to draw, equal for any number of threads: the first ones of Sobol's sequence and of random
 /// points, which are spread like all of them; of a grid and of a list one at random of each of equally many
 /// parts.
 ConfigurationSample configuration_sample(const Analysis&);
