@@ -6,6 +6,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/search.hpp"
 #include "qerr/bound/quantized_sine.hpp"
 #include "qerr/filter/norms.hpp"
 
@@ -181,14 +182,13 @@ class ThresholdSearch {
   /// The crossing above the largest V = p + part outside the tolerance; 0: all are within.
   double last_crossing(int p, const std::vector<double>& parts) const {
     for (const double part : parts) {
-      double low = p + part;
+      const double low = p + part;
       if (low <= 0) break;
       if (!outside(low)) continue;
       const auto next = std::find(grid_.begin(), grid_.end(), part);
-      double high = next == grid_.begin() ? low + 1e-3 : p + *(next - 1);
+      const double high = next == grid_.begin() ? low + 1e-3 : p + *(next - 1);
       if (outside(high)) return high;
-      for (int i = 0; i < 50; ++i) (outside(0.5 * (low + high)) ? low : high) = 0.5 * (low + high);
-      return high;
+      return bisect({low, high}, 50, [&](double v) { return outside(v); }).fails;
     }
     return 0;
   }

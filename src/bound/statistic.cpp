@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "bound/joined_tally.hpp"
+#include "core/statistics.hpp"
 
 namespace qerr {
 
@@ -45,18 +46,6 @@ constexpr StatisticKind kinds[] = {
     {"p99", "p99", "99th percentile", &Statistic::p99, 0.99},
 };
 
-/// Position of a percentile among the order statistics 0 .. count - 1.
-struct Rank {
-  std::uint64_t below;
-  double part;  ///< of the interval to the next order statistic
-
-  Rank(double fraction, std::uint64_t count) {
-    const double position = fraction * static_cast<double>(count - 1);
-    below = static_cast<std::uint64_t>(position);
-    part = position - static_cast<double>(below);
-  }
-};
-
 /// Rows of percentiles, the largest first.
 std::vector<const StatisticKind*> percentiles() {
   std::vector<const StatisticKind*> rows;
@@ -83,14 +72,14 @@ Statistic scaled(const Statistic& s, double factor) {
 }
 
 double percentile(double fraction, std::uint64_t count, const OrderStatistic& order) {
-  const Rank rank(fraction, count);
+  const PercentileRank rank(fraction, count);
   const double high = rank.part > 0 ? order(rank.below + 1) : 0, low = order(rank.below);
   if (rank.part == 0) return low;
   return std::isinf(high) ? high : low + rank.part * (high - low);
 }
 
 std::vector<std::uint64_t> percentile_ranks(double fraction, std::uint64_t count) {
-  const Rank rank(fraction, count);
+  const PercentileRank rank(fraction, count);
   if (rank.part > 0) return {rank.below, rank.below + 1};
   return {rank.below};
 }

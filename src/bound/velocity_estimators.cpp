@@ -6,6 +6,7 @@
 #include <limits>
 #include <numbers>
 
+#include "core/search.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
@@ -39,12 +40,8 @@ Map positions_behind(Stage stage, const Encoder& encoder, const std::vector<Effe
 /// within a line are below half a period of it.
 double displacement(const Map& seen, const Encoder& encoder, double k) {
   const double ideal = (k - below_reading(encoder)) * encoder.resolution;
-  double low = -0.5 * encoder.counts_per_period * encoder.resolution, high = -low;
-  for (int i = 0; i < 60; ++i) {
-    const double middle = 0.5 * (low + high);
-    (seen(ideal + middle) < ideal ? low : high) = middle;
-  }
-  return 0.5 * (low + high);
+  const double half = 0.5 * encoder.counts_per_period * encoder.resolution;
+  return bisect({-half, half}, 60, [&](double x) { return seen(ideal + x) < ideal; }).middle();
 }
 
 /// Largest |d (seen - x)/dx| of one effect of the disc, over a period or, of one without, a unit.
@@ -120,15 +117,11 @@ double estimator_crossing(double resolution, double sample_rate, double clock, c
   double m = std::max(1.0, std::floor(std::sqrt(ratio)));
   if (m * (m + 1) < ratio) m += 1;
   if (edges.ideal()) return resolution * clock / m;
-  double better = 0, worse = resolution * clock;  // two edges may share a tick
-  for (int i = 0; i < 100; ++i) {
-    const double speed = 0.5 * (better + worse);
-    (inverse_time_error(resolution, clock, speed, edges).varying <=
-             finite_difference_error(resolution, sample_rate, speed, edges).varying
-         ? better
-         : worse) = speed;
-  }
-  return better;
+  const auto better = [&](double speed) {
+    return inverse_time_error(resolution, clock, speed, edges).varying <=
+           finite_difference_error(resolution, sample_rate, speed, edges).varying;
+  };
+  return bisect({0, resolution * clock}, 100, better).holds;  // at its end two edges may share a tick
 }
 
 double worst_case_snr_db(double speed, double error) { return 20 * std::log10(std::abs(speed) / error); }

@@ -12,6 +12,12 @@ double median(std::vector<double> values) {
   return *middle;
 }
 
+PercentileRank::PercentileRank(double fraction, std::uint64_t count) {
+  const double position = fraction * static_cast<double>(count - 1);
+  below = static_cast<std::uint64_t>(position);
+  part = position - static_cast<double>(below);
+}
+
 double rms(const Eigen::ArrayXd& x) { return x.size() > 0 ? std::sqrt(x.square().mean()) : 0; }
 
 double standard_deviation(const Eigen::ArrayXd& x) { return x.size() > 0 ? rms(x - x.mean()) : 0; }

@@ -1,12 +1,26 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <cstdint>
 #include <vector>
 
 namespace qerr {
 
 /// The upper of the two middle values where their number is even; 0 without values.
 double median(std::vector<double>);
+
+/// Place of a percentile among sorted values v: (1 - part) v[below] + part v[below + 1].
+struct PercentileRank {
+  std::uint64_t below = 0;
+  double part = 0;
+
+  /// @param fraction  0.95 of the 95th percentile
+  /// @pre count > 0
+  PercentileRank(double fraction, std::uint64_t count);
+
+  /// More values than this beyond a limit exceed it for certain.
+  std::uint64_t permitted(std::uint64_t count) const { return count - 1 - below; }
+};
 
 /// Of no values each of these is 0.
 double rms(const Eigen::ArrayXd&);

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <limits>
 
+#include "core/statistics.hpp"
+
 namespace qerr {
 
 std::vector<std::size_t> option_offsets(const ChoiceProblem& problem) {
@@ -158,12 +160,6 @@ double mean_of(const ChoiceFigure& figure, const SumWeights& weights, std::size_
 }
 
 }  // namespace
-
-PercentileRank::PercentileRank(double fraction, std::size_t count) {
-  const double position = fraction * static_cast<double>(count - 1);
-  below = static_cast<std::size_t>(position);
-  part = position - static_cast<double>(below);
-}
 
 double figure_value(const ChoiceFigure& figure, const SumWeights& weights, std::size_t configurations) {
   if (figure.over == ChoiceFigure::Over::mean) return mean_of(figure, weights, configurations);

@@ -41,13 +41,4 @@ ChoiceCut tangent_of_mean(const ChoiceFigure&, std::size_t index, const ChoicePr
 ChoiceCut cut_at_configuration(const ChoiceFigure&, std::size_t index, const ChoiceProblem&,
                                const SumWeights&, std::size_t configuration);
 
-/// Rank and interpolation of a percentile: (1 - part) v[below] + part v[below + 1] of sorted values v.
-struct PercentileRank {
-  std::size_t below = 0;
-  double part = 0;
-  PercentileRank(double fraction, std::size_t count);
-  /// More values than this beyond a limit exceed it for certain.
-  std::size_t permitted(std::size_t count) const { return count - 1 - below; }
-};
-
 }  // namespace qerr

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "core/statistics.hpp"
 #include "design/choice_pool.hpp"
 
 namespace qerr {

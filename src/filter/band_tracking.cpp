@@ -4,6 +4,7 @@
 #include <numbers>
 #include <vector>
 
+#include "core/search.hpp"
 #include "filter/corners.hpp"
 #include "filter/tracking_error.hpp"
 
@@ -98,28 +99,6 @@ std::vector<Panel> resolved(const Filter& filter, const TrackingError& tracking,
   return panels;
 }
 
-/// The largest value between two frequencies that enclose one maximum, by golden section: the value is
-/// accurate to the square of the accuracy of its place.
-double peak(const TrackingError& tracking, double low, double high) {
-  constexpr double ratio = 1 / std::numbers::phi;
-  double left = high - ratio * (high - low), right = low + ratio * (high - low);
-  double at_left = tracking(left), at_right = tracking(right);
-  for (int i = 0; i < 45; ++i) {
-    if (at_left > at_right) {
-      high = right;
-      right = left;
-      at_right = at_left;
-      at_left = tracking(left = high - ratio * (high - low));
-    } else {
-      low = left;
-      left = right;
-      at_left = at_right;
-      at_right = tracking(right = low + ratio * (high - low));
-    }
-  }
-  return std::max(at_left, at_right);
-}
-
 double largest_error(const TrackingError& tracking, const std::vector<Panel>& panels) {
   std::vector<BandSample> all{{panels.front().from, tracking(panels.front().from)}};
   for (const Panel& p : panels) {
@@ -131,7 +110,8 @@ double largest_error(const TrackingError& tracking, const std::vector<Panel>& pa
   const double candidate = promising * largest;
   for (std::size_t i = 1; i + 1 < all.size(); ++i)
     if (all[i].error >= candidate && all[i].error >= all[i - 1].error && all[i].error >= all[i + 1].error)
-      largest = std::max(largest, peak(tracking, all[i - 1].frequency, all[i + 1].frequency));
+      largest =
+          std::max(largest, golden_section(all[i - 1].frequency, all[i + 1].frequency, 45, tracking).value);
   return largest;
 }
 

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "core/search.hpp"
+
 namespace qerr {
 
 const std::vector<double>& normal_values() {
@@ -11,13 +13,11 @@ const std::vector<double>& normal_values() {
     std::vector<double> v;
     double square = 0;
     for (int i = 0; i < count; ++i) {
-      double low = -8, high = 8;
-      for (int k = 0; k < 60; ++k) {
-        const double middle = 0.5 * (low + high);
-        (0.5 * std::erfc(-middle / std::numbers::sqrt2) < (i + 0.5) / count ? low : high) = middle;
-      }
-      v.push_back(low);
-      square += low * low / count;
+      const auto below = [&](double x) {
+        return 0.5 * std::erfc(-x / std::numbers::sqrt2) < (i + 0.5) / count;
+      };
+      v.push_back(bisect({-8, 8}, 60, below).holds);
+      square += v.back() * v.back() / count;
     }
     for (double& x : v) x /= std::sqrt(square);
     return v;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <vector>
 
+#include "core/search.hpp"
+
 namespace qerr {
 
 namespace {
@@ -94,12 +96,7 @@ double argmax_of_squares(const Harmonics& h, const Limits& whole) {
     const double t = i == samples ? range.upper : range.lower + (range.upper - range.lower) * i / samples;
     const double slope_at = slope(t);
     if (slope_before > 0 && slope_at < 0) {  // a maximum between the two: bisection
-      double low = before, high = t;
-      for (int step = 0; step < 52; ++step) {
-        const double middle = 0.5 * (low + high);
-        (slope(middle) > 0 ? low : high) = middle;
-      }
-      consider(0.5 * (low + high));
+      consider(bisect({before, t}, 52, [&](double x) { return slope(x) > 0; }).middle());
     }
     consider(t);
     before = t;
@@ -107,27 +104,6 @@ double argmax_of_squares(const Harmonics& h, const Limits& whole) {
   }
   return best;
 }
-
-namespace {
-
-/// The maximum of a function with one maximum in [low, high], by golden sections.
-double golden_maximum(const std::function<double(double)>& f, double low, double high) {
-  constexpr double golden = 0.6180339887498949;
-  double left = high - golden * (high - low), right = low + golden * (high - low);
-  double at_left = f(left), at_right = f(right);
-  for (int i = 0; i < 40; ++i) {  // golden^40 = 4e-9, whose square is lost in rounding
-    if (at_left > at_right) {
-      high = right, right = left, at_right = at_left;
-      left = high - golden * (high - low), at_left = f(left);
-    } else {
-      low = left, left = right, at_left = at_right;
-      right = low + golden * (high - low), at_right = f(right);
-    }
-  }
-  return 0.5 * (low + high);
-}
-
-}  // namespace
 
 double argmax_by_search(const std::function<double(double)>& f, const Limits& range, int samples) {
   const double step = (range.upper - range.lower) / samples;
@@ -146,7 +122,9 @@ double argmax_by_search(const std::function<double(double)>& f, const Limits& ra
   peaks.resize(std::min(peaks.size(), refined));
   double best = at[peaks.front()], largest = value[peaks.front()];
   for (const std::size_t peak : peaks) {
-    const double t = golden_maximum(f, at[peak == 0 ? 0 : peak - 1], at[std::min(peak + 1, count)]);
+    // 0.618^40 = 4e-9, whose square is lost in rounding.
+    const double t =
+        golden_section(at[peak == 0 ? 0 : peak - 1], at[std::min(peak + 1, count)], 40, f).middle();
     if (const double there = f(t); there > largest) largest = there, best = t;
   }
   return best;

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/random.hpp"
+#include "core/search.hpp"
 
 namespace qerr {
 
@@ -18,10 +19,7 @@ double filtered_variance(double a) { return (1 - a) * (1 + a * a) / std::pow(1 +
 
 /// The pole at which this variance is `variance`.
 double pole_of(double variance) {
-  double low = 0, high = 0.999;
-  for (int i = 0; i < 40; ++i)
-    (filtered_variance(0.5 * (low + high)) > variance ? low : high) = 0.5 * (low + high);
-  return 0.5 * (low + high);
+  return bisect({0, 0.999}, 40, [&](double a) { return filtered_variance(a) > variance; }).middle();
 }
 
 /// Moving average over 9 rows, applied twice.
