@@ -66,17 +66,10 @@ RequirementResult evaluate(const Requirement& r, double value) {
 }
 
 ProvenFigure proven_figure(const Requirement& r, const OperationalModel& model) {
-  using Of = Requirement::Bound;
-  using Bound = ProvenFigure::Bound;
-  const Bound bound = r.bound == Of::worst_case            ? Bound::worst_case
-                      : r.bound == Of::worst_case_rigorous ? Bound::worst_case_rigorous
-                      : r.bound == Of::sigma               ? Bound::sigma
-                      : r.bound == Of::sigma_in_motion     ? Bound::sigma_in_motion
-                                                           : Bound::sigma_quantization;
-  const bool sigma = bound == Bound::sigma || bound == Bound::sigma_in_motion;
+  const bool sigma = r.bound == ProvenFigure::Bound::sigma || r.bound == ProvenFigure::Bound::sigma_in_motion;
   if (r.filter >= 0 && sigma && !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
     throw unknown_sigma(r);
-  return {r.coordinate, r.filter, bound};
+  return {r.coordinate, r.filter, r.bound};
 }
 
 RequirementResult evaluate(const Requirement& r, const ProvenMaximum& proven) {

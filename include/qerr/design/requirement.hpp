@@ -34,7 +34,7 @@ std::string figure_unit(const FilterFigure&, const Filter&);
 /// An entry of `requirements:` in a spec: a limit of a statistic of a bound, of a figure of a filter, or of
 /// the rate of an encoder's counts.
 struct Requirement {
-  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion, sigma_quantization };
+  using Bound = ProvenFigure::Bound;
 
   std::string quantity;                  ///< as in the spec: `velocity.x.sigma`, `velocity.delay`
   std::string statistic;                 ///< as in the spec: `p99`; "" for a figure of a filter
