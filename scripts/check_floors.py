@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
-"""Checks the structure of qerr's sources: a module includes only modules on the floors below it, no type is defined
-twice, no call follows the locale, and the rows of a family are named in its folder alone.
+"""Checks the structure of qerr's sources: a module includes only modules on the floors below it, its folders do not
+include each other in a circle, no type is defined twice, no call follows the locale, and the rows of a family are named
+in its folder alone.
 
     check_floors.py [ROOT]       reads the #include lines of ROOT/include and ROOT/src (default: this project)
     check_floors.py --self-test  tests the check itself on a small tree
@@ -113,6 +114,38 @@ def fault_of(root, path, quote, name):
     return ""
 
 
+def folders_of(path):
+    """The folders of a source inside src/ or include/qerr/, its module first."""
+    return path.parts[2 if path.parts[:2] == ("include", "qerr") else 1:-1]
+
+
+def check_circles(includes):
+    """One line per circle of folders that stand beside each other in a module; `includes` are (path, line, name).
+
+    A folder and one inside it are no circle, nor are a module's own files and its folders: the inner one is a part.
+    """
+    uses = {}  # folder -> {folder beside it that it includes: where}
+    for path, line, name in includes:
+        user, used = folders_of(path), folders_of(pathlib.Path("include" if name.startswith("qerr/") else "src", name))
+        depth = next((i for i, (a, b) in enumerate(zip(user, used)) if a != b), 0)
+        if depth:
+            uses.setdefault(user[:depth + 1], {}).setdefault(used[:depth + 1], f"{path}:{line}")
+    faults, done = [], set()
+
+    def follow(folder, trail):
+        if folder in trail:
+            circle = trail[trail.index(folder):] + [folder]
+            faults.append(f"{uses[trail[-1]][folder]}: folders include each other: {' -> '.join(map('/'.join, circle))}")
+        elif folder not in done:
+            for used in sorted(uses.get(folder, ())):
+                follow(used, trail + [folder])
+            done.add(folder)
+
+    for folder in sorted(uses):
+        follow(folder, [])
+    return faults
+
+
 def types_defined(text):
     """(line, qualified name) of every type defined in a named namespace, in text as clang-format leaves it."""
     scopes = []
@@ -171,6 +204,7 @@ def check(root):
     faults = []
     umbrella = root / "include" / UMBRELLA
     shown = set()
+    includes = []
     # src/precompiled.* belongs to the build of all modules, not to a module.
     files = sorted(p for top in ("include", "src") for p in (root / top).rglob("*")
                    if p.suffix in SOURCES and not (p.parent == root / "src" and p.stem == "precompiled"))
@@ -188,11 +222,13 @@ def check(root):
                 continue
             if file == umbrella:
                 shown.add(found[2])
+            elif found[1] == '"' or found[2].startswith("qerr/"):
+                includes.append((path, number, found[2]))
             fault = fault_of(root, path, found[1], found[2])
             if fault:
                 faults.append(f"{path}:{number}: {fault}")
     texts = [(p.relative_to(root), p.read_text(encoding="utf-8")) for p in files]
-    faults += check_types(texts) + check_calls(texts) + check_families(texts)
+    faults += check_circles(includes) + check_types(texts) + check_calls(texts) + check_families(texts)
     public = {p.relative_to(root / "include").as_posix() for p in files if p.is_relative_to(root / "include")}
     faults += [f"include/{UMBRELLA}:1: does not include {name}" for name in sorted(public - shown - {UMBRELLA})]
     return faults
@@ -255,7 +291,28 @@ def self_test():
         wrong.append(f"the umbrella header without {forgotten}: no fault")
     if len(faults) != sum(word is not None for _, _, word in cases) + 1:
         wrong.append(f"unexpected faults among {faults}")
-    return [f"self-test: {w}" for w in wrong + self_test_of_types() + self_test_of_texts()]
+    return [f"self-test: {w}" for w in wrong + self_test_of_circles() + self_test_of_types() + self_test_of_texts()]
+
+
+def self_test_of_circles():
+    """Files that include one another, and the folders of the circles that they form."""
+    cases = [
+        ([("src/a/x/f.cpp", "a/y/f.hpp"), ("src/a/y/f.hpp", "a/x/g.hpp")], ["a/x -> a/y -> a/x"]),
+        ([("src/a/x/f.cpp", "a/y/f.hpp"), ("src/a/y/f.hpp", "a/z/g.hpp"), ("src/a/z/g.hpp", "a/x/g.hpp")],
+         ["a/x -> a/y -> a/z -> a/x"]),
+        ([("src/a/x/in/f.cpp", "a/y/f.hpp"), ("src/a/y/f.hpp", "a/x/g.hpp")], ["a/x -> a/y -> a/x"]),
+        ([("src/a/x/u/f.cpp", "a/x/v/f.hpp"), ("src/a/x/v/f.cpp", "a/x/u/f.hpp")], ["a/x/u -> a/x/v -> a/x/u"]),
+        ([("src/a/x/f.cpp", "a/y/f.hpp"), ("src/a/x/f.cpp", "a/z/f.hpp"), ("src/a/y/f.hpp", "a/z/f.hpp")], []),
+        ([("src/a/x/f.cpp", "a/x/in/f.hpp"), ("src/a/x/in/f.hpp", "a/x/g.hpp")], []),
+        ([("src/a/x/f.cpp", "qerr/a/f.hpp"), ("src/a/f.cpp", "a/x/f.hpp")], []),
+        ([("src/a/x/f.cpp", "b/x/f.hpp"), ("src/b/x/f.cpp", "a/x/f.hpp")], []),
+    ]
+    wrong = []
+    for includes, expected in cases:
+        faults = check_circles([(pathlib.Path(path), 1, name) for path, name in includes])
+        if [f.split("each other: ")[-1] for f in faults] != expected:
+            wrong.append(f"{includes}: expected {expected}, got {faults}")
+    return wrong
 
 
 def self_test_of_types():

@@ -3,7 +3,7 @@
 #include "input/read_limits.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/exceedance.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr::cli {
 

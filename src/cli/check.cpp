@@ -10,7 +10,7 @@
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr::cli {
 

@@ -3,7 +3,7 @@
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/report/comparison.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr::cli {
 

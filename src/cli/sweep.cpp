@@ -7,7 +7,7 @@
 #include "core/text.hpp"
 #include "input/read_text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/sweep/csv_lines.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/sweep_page.hpp"

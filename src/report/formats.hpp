@@ -21,6 +21,8 @@
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
 namespace qerr {
 
+class Json;
+
 /// What the command line changed of a spec, which stands above every table; "" if nothing.
 std::string changes_above(const Spec&, std::size_t width);
 
@@ -42,6 +44,10 @@ Writer<DiagnosisReport> to_table, to_json, to_csv;
 Writer<PlanReport> to_table, to_json, to_csv;
 Writer<RobotReport> to_table, to_json, to_csv;
 Writer<ListReport> to_table, to_json, to_csv;
+
+/// What to_json writes, for `compare`.
+Json report_json(const Analysis&);
+Json report_json(const FilterReport&);
 
 Writer<Analysis> to_html;
 Writer<ReportComparison> to_html;

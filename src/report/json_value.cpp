@@ -1,6 +1,7 @@
 #include "report/json_value.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <nlohmann/json.hpp>
 #include <string_view>
 #include <utility>
@@ -133,7 +134,9 @@ void Json::set(std::int64_t value) { value_ = value; }
 void Json::set(std::uint64_t value) { value_ = value; }
 
 Json::Json() = default;
-Json::Json(double value) : value_(value) {}
+Json::Json(double value) : Json() {
+  if (std::isfinite(value)) value_ = value;
+}
 Json::Json(const char* text) : value_(std::string(text)) {}
 Json::Json(std::string_view text) : value_(std::string(text)) {}
 Json::Json(std::string text) : value_(std::move(text)) {}

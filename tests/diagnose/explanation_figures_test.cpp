@@ -8,7 +8,7 @@
 #include "diagnose/inference/explanation.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/inference/selection.hpp"
-#include "diagnose/terms/unnamed_terms.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 #include "support/fit_record.hpp"
 #include "support/record_figures.hpp"
 

@@ -1,4 +1,4 @@
-#include "diagnose/verdict/gain.hpp"
+#include "diagnose/inference/gain.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include "core/random.hpp"
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/record/smooth_path.hpp"
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "diagnose/verdict/comparison.hpp"
 
 namespace qerr {

@@ -36,6 +36,7 @@ TEST(JsonValue, EscapesWhatATerminalObeys) {
 TEST(JsonValue, IsNullWhereANumberIsNotFiniteOrNotKnown) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   EXPECT_EQ(Json(infinity).line(), "null");
+  EXPECT_TRUE(Json(infinity).is_null()) << "compare reads values that were never text";
   EXPECT_EQ(Json(std::numeric_limits<double>::quiet_NaN()).line(), "null");
   EXPECT_EQ(Json(std::optional<double>()).line(), "null");
   EXPECT_EQ(Json(std::optional<double>(2)).line(), "2.0");

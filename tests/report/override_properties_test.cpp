@@ -9,7 +9,7 @@
 #include "input/idle_overrides.hpp"
 #include "input/joint_entries.hpp"
 #include "qerr/report/write.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 #include "support/random_spec.hpp"
 
 // What an override changes, and what a requirement says, on random robots and specs.

@@ -4,7 +4,7 @@
 
 #include "core/parallel.hpp"
 #include "core/random.hpp"
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/kinematics/jacobian.hpp"
 

@@ -4,12 +4,12 @@
 #include <optional>
 #include <vector>
 
+#include "diagnose/inference/gain.hpp"
 #include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/selection.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
-#include "diagnose/verdict/gain.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "diagnose/record/smooth_path.hpp"
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "kinematics/inverse_dynamics.hpp"
 #include "simulate/motion_path.hpp"
 

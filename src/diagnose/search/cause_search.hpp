@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "diagnose/record/sampling.hpp"
 #include "diagnose/search/dictionary.hpp"
-#include "diagnose/search/sampling.hpp"
 
 namespace qerr {
 

@@ -7,7 +7,7 @@
 
 #include "core/statistics.hpp"
 #include "core/text.hpp"
-#include "diagnose/terms/unnamed_terms.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnose/record/sampling.hpp"
 #include "diagnose/search/peaks.hpp"
-#include "diagnose/search/sampling.hpp"
 #include "effect/term.hpp"
 
 namespace qerr {

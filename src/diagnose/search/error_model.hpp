@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
+#include "diagnose/record/sampling.hpp"
 #include "diagnose/search/dictionary.hpp"
 #include "diagnose/search/linear_model.hpp"
-#include "diagnose/search/sampling.hpp"
 
 namespace qerr {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "diagnose/search/peaks.hpp"
-#include "diagnose/terms/unnamed_terms.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 
 namespace qerr {
 

@@ -2,11 +2,11 @@
 #include <cmath>
 
 #include "core/text.hpp"
+#include "report/analysis/about.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/page/pictures.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/page/about.hpp"
 #include "report/page/prose.hpp"
 #include "report/text_table.hpp"
 

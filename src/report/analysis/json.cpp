@@ -200,7 +200,7 @@ Json exceedances(const Analysis& a) {
 
 }  // namespace
 
-std::string to_json(const Analysis& a, const Style&) {
+Json report_json(const Analysis& a) {
   Json j = analysis_header(a, "analyze");
   j["joints"] = joints(a);
   j["position"] = position(a);
@@ -218,7 +218,9 @@ std::string to_json(const Analysis& a, const Style&) {
   if (!a.exceedances.empty()) j["exceedances"] = exceedances(a);
   j["effects"] = effects(a);
   j["warnings"] = a.warnings;
-  return j.document();
+  return j;
 }
+
+std::string to_json(const Analysis& a, const Style&) { return report_json(a).document(); }
 
 }  // namespace qerr

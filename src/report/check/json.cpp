@@ -25,32 +25,17 @@ void add_baseline(const BaselineCheck& b, Json& to) {
   to["regressions"] = regressions;
 }
 
-}  // namespace
-
+/// The report of one spec.
 Json check_json(const SpecCheck& check) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < check.results.size(); ++i) {
-    const Requirement& r = check.analysis.spec.requirements[i];
-    Json row = {{"quantity", r.quantity}};
-    if (r.limits_error()) row["statistic"] = r.statistic;
-    row[std::string(r.relation())] = r.limit;
-    row["value"] = check.results[i].value;
-    const bool of_filter = r.filter >= 0 && !r.figure;
-    row["unit"] =
-        of_filter ? derivative_unit(coordinates_and_lengths(check.analysis.spec.model)[r.coordinate],
-                                    check.analysis.spec.filters[static_cast<std::size_t>(r.filter)].filter)
-                  : r.unit;
-    row["met"] = check.results[i].met;
-    if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
-    list.push_back(row);
-  }
   Json j = analysis_header(check.analysis, "check");
-  j["requirements"] = list;
+  j["requirements"] = requirements_json(check);
   if (check.baseline) add_baseline(*check.baseline, j);
   j["met"] = check.all_met();
   j["warnings"] = check.analysis.warnings;
   return j;
 }
+
+}  // namespace
 
 /// Of one spec its report; of several a list of such reports.
 std::string to_json(const CheckReport& report, const Style&) {

@@ -1,22 +1,12 @@
 #pragma once
 
 #include <string>
-#include <string_view>
 
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/write.hpp"
-#include "report/json_value.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
-
-/// `velocity.x.sigma p99 is 1.20 mm/s, at most 1.00 mm/s is required`.
-std::string verdict(const Requirement&, const RequirementResult&);
-
-/// `velocity.x.sigma p99 <= 1.00 mm/s`.
-std::string limited(const Requirement&);
-
-/// What may decide a requirement whose limit lies between what is reached and what is proven.
-inline constexpr std::string_view undecided_remedy = "a smaller gap may decide: --prove GAP";
 
 /// The verdicts as a table in Markdown, for the summary of a job.
 std::string to_markdown(const CheckReport&, const Style&);
@@ -29,34 +19,5 @@ std::string verdict(const FigureChange& regression);
 
 /// Quantities that a person is told of; the others are counted.
 inline constexpr std::size_t most_regressions = 10;
-
-/// The report of one spec.
-Json check_json(const SpecCheck&);
-
-/// The analysis at no more than a few hundred of the configurations, for questions that do not depend on
-/// more.
-Analysis analysis_of_some(const Spec&, unsigned threads);
-
-/// What `check` says of the requirements of a spec, at some configurations.
-/// @throws Error (input) if they cannot be judged
-std::string verdicts_of_some(const Spec&, unsigned threads);
-
-/// The figures that `sweep` gives of a variant, at some configurations.
-std::string swept_figures_of_some(const Spec&, unsigned threads);
-
-/// Everything that `analyze` and `check` say of a spec, at some configurations.
-std::string figures_of_some(const Spec&, unsigned threads);
-
-/// The requirements of a spec for a page about something else: empty if they cannot be judged, or not in a
-/// second.
-std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec&);
-
-/// Refuses requirements on quantities that no error reaches: 0 at all configurations, whatever the encoders.
-/// @throws Error (input)
-void refuse_unreached(const Analysis&);
-
-/// The requirements of an analysis whose bounds are computed.
-/// @throws Error (input) like `evaluate` and refuse_unreached
-std::vector<RequirementResult> requirement_results(const Analysis&);
 
 }  // namespace qerr

@@ -5,7 +5,8 @@
 #include "qerr/bound/statistic.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/json_header.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/compare/report_member.hpp"
 #include "report/formats.hpp"
 
@@ -136,17 +137,18 @@ struct ComparableCommand {
   Json (*report)(const SpecCheck&);
 };
 
-Json analysis_document(const SpecCheck& s) {
-  return Json::parse(to_json(s.analysis, {}), s.analysis.spec.file);
+Json analyzed(const SpecCheck& s) { return report_json(s.analysis); }
+Json checked(const SpecCheck& s) {
+  Json j = analysis_header(s.analysis, "check");
+  j["requirements"] = requirements_json(s);
+  return j;
 }
-Json filter_document(const SpecCheck& s) {
-  return Json::parse(to_json(filter_report(s.analysis.spec, {}), {}), s.analysis.spec.file);
-}
+Json filtered(const SpecCheck& s) { return report_json(filter_report(s.analysis.spec, {})); }
 
 constexpr ComparableCommand comparable_commands[] = {
-    {"analyze", read_analyze, analysis_document},
-    {"check", read_check, check_json},
-    {"filter", read_filter, filter_document},
+    {"analyze", read_analyze, analyzed},
+    {"check", read_check, checked},
+    {"filter", read_filter, filtered},
 };
 
 /// What the figures belong to, in reports of a robot.

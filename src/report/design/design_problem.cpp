@@ -9,7 +9,7 @@
 #include "input/catalogue.hpp"
 #include "input/yaml_text.hpp"
 #include "report/analysis/effects.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
 

@@ -1,9 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "report/analysis/about.hpp"
 #include "report/design/sentences.hpp"
 #include "report/formats.hpp"
-#include "report/page/about.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/plot.hpp"

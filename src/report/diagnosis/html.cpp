@@ -1,12 +1,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "report/check/parts.hpp"
+#include "report/analysis/about.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/diagnosis/page/pictures.hpp"
 #include "report/diagnosis/sections.hpp"
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
-#include "report/page/about.hpp"
 #include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 

@@ -3,10 +3,10 @@
 #include <numbers>
 
 #include "core/text.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/about.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/filter/pictures.hpp"
 #include "report/formats.hpp"
-#include "report/page/about.hpp"
 #include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
 

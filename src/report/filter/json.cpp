@@ -93,7 +93,7 @@ Json estimator_json(const EstimatorReport& report) {
 
 }  // namespace
 
-std::string to_json(const FilterReport& report, const Style&) {
+Json report_json(const FilterReport& report) {
   Json list = Json::array();
   for (std::size_t i = 0; i < report.filters.size(); ++i) {
     list.push_back(filter_json(report.filters[i], report.questions.coefficients));
@@ -103,7 +103,9 @@ std::string to_json(const FilterReport& report, const Style&) {
       {"qerr", version()}, {"command", "filter"}, {"spec", spec_source(report.spec)}, {"filters", list}};
   if (!report.sine_errors.empty()) all["quantized_sine"] = sine_error_json(report.sine_errors);
   if (report.estimators) all["estimators"] = estimator_json(*report.estimators);
-  return all.document();
+  return all;
 }
+
+std::string to_json(const FilterReport& report, const Style&) { return report_json(report).document(); }
 
 }  // namespace qerr

@@ -18,7 +18,7 @@ struct Page {
   std::vector<Section> sections;
   std::vector<std::string> warnings = {};
   std::string spec_file = {}, spec_text = {};  ///< as given; folded at the end
-  std::string about = {};                      ///< markup below the answer (report/page/about.hpp)
+  std::string about = {};                      ///< markup below the answer (report/analysis/about.hpp)
 };
 
 /// A table for people and screen readers. The cells are text.

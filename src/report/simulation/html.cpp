@@ -3,9 +3,9 @@
 #include <utility>
 
 #include "core/text.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/about.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/page/about.hpp"
 #include "report/page/page_size.hpp"
 #include "report/page/prose.hpp"
 #include "report/simulation/cutoffs.hpp"

@@ -5,7 +5,7 @@
 
 #include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
 

@@ -2,7 +2,7 @@
 #include <cctype>
 #include <cmath>
 
-#include "report/page/about.hpp"
+#include "report/analysis/about.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"
 #include "report/page/plot.hpp"

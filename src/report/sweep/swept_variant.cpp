@@ -2,7 +2,7 @@
 
 #include "report/analysis/effects.hpp"
 #include "report/analysis/proofs.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 
 namespace qerr {
 

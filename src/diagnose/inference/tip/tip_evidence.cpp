@@ -5,7 +5,7 @@
 
 #include "core/parallel.hpp"
 #include "diagnose/record/smooth_path.hpp"
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 
 namespace qerr {
 

@@ -3,7 +3,7 @@
 
 #include "diagnose/record/encoder_columns.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {

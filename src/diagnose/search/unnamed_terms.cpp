@@ -1,4 +1,4 @@
-#include "diagnose/terms/unnamed_terms.hpp"
+#include "diagnose/search/unnamed_terms.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnose/terms/with_effects.hpp"
+#include "diagnose/record/with_effects.hpp"
 
 #include <algorithm>
 #include <cmath>

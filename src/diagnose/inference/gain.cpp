@@ -1,4 +1,4 @@
-#include "diagnose/verdict/gain.hpp"
+#include "diagnose/inference/gain.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "diagnose/search/sampling.hpp"
+#include "diagnose/record/sampling.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,8 +1,8 @@
-#include "report/page/about.hpp"
+#include "report/analysis/about.hpp"
 
 #include "core/text.hpp"
 #include "qerr/report/write.hpp"
-#include "report/check/parts.hpp"
+#include "report/analysis/requirements.hpp"
 #include "report/page/markup.hpp"
 #include "report/text_table.hpp"
 

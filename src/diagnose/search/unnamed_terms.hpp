@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "diagnose/search/sampling.hpp"
+#include "diagnose/record/sampling.hpp"
 #include "effect/term.hpp"
 
 namespace qerr {

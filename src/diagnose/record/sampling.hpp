@@ -19,7 +19,7 @@ struct Sampling {
 
   Sampling(const Evidence& record, std::vector<RowGroup> groups);
 
-  /// The same averages of a column over the rows of the record.
+  /// Averages over the groups of a column over the rows of the record.
   Eigen::ArrayXd averaged(const Eigen::ArrayXd& column) const;
 };
 

@@ -1,0 +1,220 @@
+#include "report/analysis/requirements.hpp"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+#include "core/text.hpp"
+#include "qerr/report/write.hpp"
+#include "report/analysis/count_rates.hpp"
+#include "report/analysis/effects.hpp"
+#include "report/analysis/json_header.hpp"
+#include "report/formats.hpp"
+#include "report/text_table.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// The largest worst case of a coordinate, behind a filter or not.
+double largest(const Workspace& w, std::ptrdiff_t filter, std::size_t coordinate) {
+  if (filter < 0) return w.coordinates[coordinate].worst_case.max;
+  const DerivativeStatistics& d = w.derivatives[static_cast<std::size_t>(filter)][coordinate];
+  return d.worst_case.max;
+}
+
+/// The worst case of the coordinate if every joint moved it with the whole reach as its lever arm.
+double conceivable(const Analysis& a, std::ptrdiff_t filter, Coordinate coordinate) {
+  const bool length = info(coordinate).unit == "m";
+  const double arm = length ? reach(a.spec.model.chain, a.spec.configurations) : 1;
+  double sum = 0;
+  for (std::size_t i = 0; i < a.spec.model.chain.independent.size(); ++i) {
+    const bool prismatic = a.spec.model.chain.independent[i].prismatic();
+    sum += (prismatic ? (length ? 1 : 0) : arm) * a.joints.worst_case[static_cast<Eigen::Index>(i)];
+  }
+  return filter < 0 ? sum : sum * a.spec.filters[static_cast<std::size_t>(filter)].norms.h2;
+}
+
+bool is_unreached(const Analysis& a, std::ptrdiff_t filter, std::size_t coordinate) {
+  // Entries of the Jacobian that vanish are rounding errors of some 1e-16 times the reach. No two encoders of
+  // a robot differ by 1e13 in resolution.
+  constexpr double rounding = 1e-13;
+  const Coordinate c = coordinates_and_lengths(a.spec.model)[coordinate];
+  return largest(a.workspace, filter, coordinate) <= rounding * conceivable(a, filter, c);
+}
+
+/// What to require in place of a quantity that no error reaches.
+std::string reached_instead(const Analysis& a) {
+  std::string names;
+  const std::vector<Coordinate> all = coordinates_and_lengths(a.spec.model);
+  for (std::size_t i = 0; i < all.size(); ++i)
+    if (!is_unreached(a, -1, i)) names += (names.empty() ? "" : ", ") + std::string(info(all[i]).name);
+  return names.empty() ? "the joints move none of the spec's coordinates; add those that they move, such as "
+                         "rx, ry, rz, to `coordinates`"
+                       : "the joints move " + names;
+}
+
+}  // namespace
+
+Analysis analysis_of_some(const Spec& spec, unsigned threads) {
+  constexpr std::uint64_t some = 256, most_points = 100'000;
+  Spec brief = spec;
+  Configurations& c = brief.configurations;
+  const double joints = static_cast<double>(c.ranges.size());
+  if (c.method == SamplingMethod::list)
+    c.points.resize(std::min<std::size_t>(c.points.size(), most_points));
+  else
+    c.count = std::min(
+        c.count, c.method == SamplingMethod::grid
+                     ? std::max(std::uint64_t{1}, static_cast<std::uint64_t>(std::pow(some, 1 / joints)))
+                     : some);
+  for (Requirement& r : brief.requirements)
+    if (r.proven) {  // a proof takes longer than a question that does not depend on it
+      r.proven = false;
+      r.value = &Statistic::max;
+    }
+  WorkspaceOptions options;
+  options.threads = threads;
+  return analyze(brief, options);
+}
+
+std::string verdicts_of_some(const Spec& spec, unsigned threads) {
+  const Analysis a = analysis_of_some(spec, threads);
+  const std::vector<RequirementResult> results = requirement_results(a);
+  std::string text;
+  for (std::size_t i = 0; i < results.size(); ++i) {
+    const Requirement& r = spec.requirements[i];
+    text += r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit) + ": " +
+            shortest(results[i].value) + '\n';
+  }
+  return text + std::to_string(size(spec.configurations));
+}
+
+namespace {
+
+std::string figures_in(const Spec& spec, unsigned threads, const char* format) {
+  std::string text =
+      write(analysis_of_some(spec, threads), format) + std::to_string(size(spec.configurations));
+  for (const NamedFilter& f : spec.filters)
+    for (const FilterFigure& figure : filter_figures())
+      text += shortest(figure.value(f.filter, f.norms).value_or(0)) + ' ';
+  for (const Requirement& r : spec.requirements)
+    text += '\n' + r.name() + ' ' + std::string(r.relation()) + ' ' + shortest(r.limit);
+  return text;
+}
+
+}  // namespace
+
+std::string swept_figures_of_some(const Spec& spec, unsigned threads) {
+  return figures_in(spec, threads, "csv");
+}
+
+std::string figures_of_some(const Spec& spec, unsigned threads) { return figures_in(spec, threads, "json"); }
+
+std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) {
+  constexpr std::uint64_t quick = 1'000'000;  // configurations
+  const bool proofs = std::any_of(spec.requirements.begin(), spec.requirements.end(),
+                                  [](const Requirement& r) { return r.proven; });
+  if (spec.requirements.empty() || proofs || size(spec.configurations) > quick) return std::nullopt;
+  try {
+    return evaluate(spec).results;
+  } catch (const Error&) {
+    return std::nullopt;
+  }
+}
+
+void refuse_unreached(const Analysis& a) {
+  std::vector<Fault> faults;
+  for (const Requirement& r : a.spec.requirements) {
+    if (!r.limits_error()) continue;
+    const bool at_rest = r.bound == Requirement::Bound::sigma_in_motion && !r.proven &&
+                         a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate]
+                                 .sigma_in_motion.value_or(Statistic{1, 1, 1, 1, 1, 1, {}})
+                                 .max == 0;
+    if (!at_rest && !is_unreached(a, r.filter, r.coordinate)) continue;
+    faults.push_back({r.place, "requirements",
+                      "no error reaches this quantity: it is 0 at all configurations, which meets any limit",
+                      quoted(r.quantity),
+                      at_rest ? "along `motion:` no encoder counts; require sigma, or let the joints move"
+                              : reached_instead(a)});
+  }
+  if (!faults.empty()) throw Error(faults);
+}
+
+std::vector<RequirementResult> requirement_results(const Analysis& a) {
+  refuse_unreached(a);
+  const std::vector<Filter> filters = designed_filters(a.spec);
+  const std::vector<Norms> norms = filter_norms(a.spec);
+  std::vector<RequirementResult> results;
+  const EncoderSpeeds speeds = any_counter(a.spec) ? encoder_speeds(a.spec) : EncoderSpeeds{};
+  for (const Requirement& r : a.spec.requirements) {
+    results.push_back(r.counter >= 0 ? evaluate(r, required_count_rate(r, a.spec, speeds))
+                      : r.proven     ? evaluate(r, *find_proof(a, proven_figure(r, a.spec.model)))
+                                     : evaluate(r, a.workspace, filters, norms));
+    if (r.counter >= 0 && results.back().value == 0)
+      throw Error({r.place, "requirements",
+                   "the encoder does not move along `motion:`, which meets any limit", quoted(r.quantity),
+                   "let the joint move, or leave out `motion:`, for the URDF's speed"});
+  }
+  return results;
+}
+
+SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options, const ProofRequest& proofs) {
+  using Clock = std::chrono::steady_clock;
+  const auto start = Clock::now();
+  EffectReport effects = effect_report(spec);
+  require_known(spec, effects.shares);
+  SpecCheck report{analyze(spec, std::move(effects), options, proofs), {}};
+  report.results = requirement_results(report.analysis);
+  report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
+  return report;
+}
+
+namespace {
+
+/// A limit with three digits, or with all that it has, so that two limits differ where they are named. A
+/// number with a unit, such as 0.7 mm, is read to 15 digits.
+std::string limit_text(const Requirement& r) {
+  constexpr int digits = 15;
+  const double limit = rounded_to(r.limit, digits);
+  if (!std::isfinite(limit) || rounded_to(limit, 3) == limit) return readable(limit, r.unit);
+  const PrefixedUnit prefix = prefixed(limit, r.unit);
+  return shortest(rounded_to(limit / prefix.factor, digits)) + (r.unit.empty() ? "" : ' ' + prefix.unit);
+}
+
+}  // namespace
+
+std::string limited(const Requirement& r) {
+  return r.name() + (r.at_least ? " >= " : " <= ") + limit_text(r);
+}
+
+std::string verdict(const Requirement& r, const RequirementResult& result) {
+  const std::string required =
+      std::string(r.at_least ? "at least " : "at most ") + limit_text(r) + " is required";
+  if (!result.proven) return r.name() + " is " + readable(result.value, r.unit) + ", " + required;
+  return r.name() + " lies between " + readable(result.proven->lower, r.unit) + ", which is reached, and " +
+         readable(result.proven->upper, r.unit) + ", " + required +
+         (result.undecided ? ": not proven; " : "") + (result.undecided ? std::string(undecided_remedy) : "");
+}
+
+Json requirements_json(const SpecCheck& check) {
+  Json list = Json::array();
+  for (std::size_t i = 0; i < check.results.size(); ++i) {
+    const Requirement& r = check.analysis.spec.requirements[i];
+    Json row = {{"quantity", r.quantity}};
+    if (r.limits_error()) row["statistic"] = r.statistic;
+    row[std::string(r.relation())] = r.limit;
+    row["value"] = check.results[i].value;
+    const bool of_filter = r.filter >= 0 && !r.figure;
+    row["unit"] =
+        of_filter ? derivative_unit(coordinates_and_lengths(check.analysis.spec.model)[r.coordinate],
+                                    check.analysis.spec.filters[static_cast<std::size_t>(r.filter)].filter)
+                  : r.unit;
+    row["met"] = check.results[i].met;
+    if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
+    list.push_back(row);
+  }
+  return list;
+}
+
+}  // namespace qerr
