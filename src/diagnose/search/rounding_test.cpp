@@ -14,7 +14,7 @@ namespace qerr {
 namespace {
 
 constexpr int draws = 9;
-constexpr double refuted = 0.01;
+constexpr double rounding_refuted = 0.01;
 
 /// Decrease of the weighted sum of squares by a candidate beside others, in another record of the same
 /// motion; none where that record has too few samples to fit them.
@@ -75,7 +75,7 @@ std::vector<std::string> brought_by_rounding(const ErrorModel& m, const Choice& 
     if (lost > m.weight().sum() * m.record().step() * m.record().step()) continue;
     const double expected = expected_gain(m, without, rest, choice.chosen[i], seed);
     const auto d = static_cast<double>(m.term(choice.chosen[i]).size());
-    if (fisher_f_tail(lost / std::max(expected, 1e-300), d, draws * d) >= refuted)
+    if (fisher_f_tail(lost / std::max(expected, 1e-300), d, draws * d) >= rounding_refuted)
       families.push_back(m.candidate(choice.chosen[i]).family);
   }
   return families;

@@ -11,7 +11,7 @@ namespace qerr {
 
 namespace {
 
-constexpr Eigen::Index draws = 40;  // of quantization along the path
+constexpr Eigen::Index path_draws = 40;  // of quantization along the path
 
 // The rigid motion T that minimizes sum |T from_k - to_k|^2. Its rotation is the quaternion that belongs to
 // the largest eigenvalue of a symmetric 4x4 matrix of the correlations. Source: Horn, "Closed-form solution
@@ -161,7 +161,7 @@ void TipModel::fit() {
 
 void TipModel::draw_surrogates() {
   const std::uint64_t phases = stream_seed(seed_, "tip phases");
-  surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
+  surrogates_.setZero(y_.size(), evidence_->ordered ? path_draws : 0);
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
     if (!evidence_->judged(i)) continue;

@@ -14,11 +14,11 @@ namespace qerr::sanity {
 
 namespace {
 
-constexpr Eigen::Index most_poses = 1500;  ///< at which loads are computed
+constexpr Eigen::Index most_loads = 1500;  ///< at which loads are computed
 
 /// Residual of a proportional relation, relative to the effort, below which the effort is the output of a
 /// proportional controller (convention).
-constexpr double proportional = 0.1;
+constexpr double proportional_residual = 0.1;
 
 /// Shares of the effort's variance that a load and a servo explain along the references.
 struct EffortShares {
@@ -51,7 +51,7 @@ EffortShares effort_shares(const Sanity& s, std::size_t joint, const Eigen::Arra
     v[j] = path.velocity;
     a[j] = smooth_path(t, path.velocity, 0).velocity;
   }
-  const Eigen::Index stride = std::max<Eigen::Index>(1, n / most_poses), poses = n / stride;
+  const Eigen::Index stride = std::max<Eigen::Index>(1, n / most_loads), poses = n / stride;
   Eigen::ArrayXd load(poses), sampled(poses);
   Eigen::MatrixXd own(poses, 2);
   Eigen::VectorXd position(joints), velocity(joints), acceleration(joints);
@@ -93,7 +93,7 @@ void check_controller_output(Sanity& s, std::size_t joint) {
   if (const auto command = s.log.find(LogSignal::command, joint)) {
     const Eigen::ArrayXd error = s.log.values.col(*command) - *measured;
     const Line line = fit_line(error, effort);
-    if (line.residual_rms < proportional * standard_deviation(effort) &&
+    if (line.residual_rms < proportional_residual * standard_deviation(effort) &&
         standard_deviation(error) > 2 * ideal)
       return drop_effort(s, joint, "proportional to command - measured");
   }
