@@ -250,7 +250,7 @@ def check_errors(t, qerr, spec, whole, folder):
         ran = run(qerr, "sweep", "-q", *words, "-o", target, "--resume")
         expect(t, f"resume with {name}", ran, 3, words=["resumed.csv", "--resume"])
         t.check(f"resume with {name}: the file is as before", target.read_bytes() == part)
-    target.write_text("name,price\nx,3\n")
+    target.write_text("key,value\nx,3\n")
     expect(t, "resume of a file that is no sweep", run(qerr, "sweep", "-q", spec, "-o", target, "--resume"), 3, words=["resumed.csv"])
     expect(t, "an output that is the spec", run(qerr, "sweep", "-q", spec, "-o", spec), 2)
 
