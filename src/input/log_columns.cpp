@@ -105,6 +105,23 @@ bool means_time(const std::string& name) {
          lower.starts_with("t [");
 }
 
+bool is_position_signal(LogSignal signal) {
+  return signal == LogSignal::counts || signal == LogSignal::measured || signal == LogSignal::reference ||
+         signal == LogSignal::tip;
+}
+
+/// Whether a name is a spelling of a near one: `a7` is not one of `a1`, but the joint of another robot, and
+/// `tip.rz` not one of `tip.z`.
+bool means(const std::string& name, const std::string& near) {
+  const auto digits = [](std::string text) {
+    std::erase_if(text, [](char c) { return c < '0' || c > '9'; });
+    return text;
+  };
+  const bool same_length = name.size() == near.size();
+  const bool same_end = name.back() == near.back() || name.back() + 32 == near.back();
+  return digits(name) == digits(near) && (!near.starts_with("tip.") || (same_length && same_end));
+}
+
 /// Finds the columns in one pass over the header, then checks that they are complete.
 class ColumnFinder {
  public:
@@ -113,6 +130,7 @@ class ColumnFinder {
     for (const KnownColumn& k : known_) names_.push_back(k.name);
     for (std::size_t i = 0; i < table.header().size(); ++i) add(i);
     log_.columns = found_.columns;
+    find_misspelt();
   }
 
   LogColumns checked(std::vector<std::string>& warnings) const {
@@ -147,6 +165,18 @@ class ColumnFinder {
       unitless_ += (unitless_.empty() ? "'" : ", '") + cell + "'";
     found_.columns.push_back(column);
     found_.places.push_back(i);
+  }
+
+  /// Positions that the log lacks, and that an ignored column is nearly called.
+  void find_misspelt() {
+    for (const std::string& name : ignored_names_) {
+      const std::string near = nearest(name, names_);
+      if (near.empty() || !means(name, near)) continue;
+      const auto at = std::find(names_.begin(), names_.end(), near) - names_.begin();
+      const KnownColumn& known = known_[static_cast<std::size_t>(at)];
+      if (is_position_signal(known.signal) && !log_.find(known.signal, known.index))
+        found_.misspelt.push_back(known.signal == LogSignal::tip ? near : near.substr(0, near.rfind('.')));
+    }
   }
 
   static Error duplicate(const LogHeader& first, const LogHeader& second) {

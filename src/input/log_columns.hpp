@@ -10,7 +10,8 @@ namespace qerr {
 /// The columns of a log that qerr reads, in the order of the file.
 struct LogColumns {
   std::vector<LogColumn> columns;
-  std::vector<std::size_t> places;  ///< index of each column in the file
+  std::vector<std::size_t> places;    ///< index of each column in the file
+  std::vector<std::string> misspelt;  ///< see Log
 };
 
 /// Finds the columns by their names in the header; adds a warning about all other columns.

@@ -5,6 +5,7 @@
 #include <numbers>
 
 #include "core/physical_range.hpp"
+#include "core/statistics.hpp"
 #include "core/text.hpp"
 #include "input/count_grid.hpp"
 #include "input/log_columns.hpp"
@@ -64,6 +65,7 @@ class LogReader::Rows {
     log.file = table_.file();
     LogColumns found = find_log_columns(table_, spec, log.warnings);
     log.columns = std::move(found.columns);
+    log.misspelt = std::move(found.misspelt);
     table_.choose(found.places);
     time_ = log.find(LogSignal::time);
     for (std::size_t i = 0; i < log.columns.size(); ++i) {
@@ -207,8 +209,13 @@ class LogReader::Rows {
     for (auto& [column, unwrap] : unwraps_) {
       Wraps& wraps = log.columns[static_cast<std::size_t>(column)].wraps;
       for (Eigen::Index i = 0; i < rows.rows(); ++i) {
-        const std::int64_t before = unwrap.turns();
+        std::int64_t before = unwrap.turns();
         rows(i, column) = unwrap(rows(i, column));
+        if (const std::int64_t withdrawn = unwrap.withdrawn(); withdrawn != 0) {
+          before -= withdrawn;
+          --wraps.count;
+          if (i > 0) rows(i - 1, column) -= static_cast<double>(withdrawn) * unwrap.turn();
+        }
         if (unwrap.turns() != before) note(wraps, row_in_file(i), log.time_origin + rows(i, *time_));
       }
       wraps.contradicted = unwrap.contradicted();
@@ -227,7 +234,10 @@ class LogReader::Rows {
     }
     const Eigen::ArrayXd measured = *measured_joint(log, rows, transmission_, column.index);
     if (first) {
-      const double turns_apart = (measured[0] - rows(0, f.column)) / f.turn;
+      // The median of some rows: the first one may be far off.
+      const Eigen::ArrayXd apart =
+          (measured - rows.col(f.column)).head(std::min<Eigen::Index>(7, rows.rows()));
+      const double turns_apart = (time_ ? median({apart.begin(), apart.end()}) : apart[0]) / f.turn;
       if (std::abs(turns_apart - std::round(turns_apart)) < 0.25 && std::abs(turns_apart) < 1e9)
         column.wraps.start = f.turns = std::llround(turns_apart);
       f.last = -(turns_apart - static_cast<double>(f.turns)) * f.turn;

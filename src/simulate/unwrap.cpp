@@ -10,24 +10,46 @@ int turns_after(double step, double turn) {
   return std::abs(step + turn) < 0.25 * turn ? 1 : 0;
 }
 
+/// The next state, a number of samples later.
+Unwrap::State Unwrap::after(const State& s, double value, double samples) const {
+  State next = s;
+  next.lowest = std::min(s.lowest, value);
+  next.highest = std::max(s.highest, value);
+  const double unwrapped = value + static_cast<double>(s.turns) * turn_;
+  if (!is_beyond(next)) next.turns += turns_after(unwrapped - (s.last + samples * s.velocity), turn_);
+  next.wrapped = s.wrapped || next.turns != s.turns;
+  next.last = value + static_cast<double>(next.turns) * turn_;
+  next.velocity = (next.last - s.last) / samples;
+  return next;
+}
+
 double Unwrap::operator()(double value) {
+  // Of a turn: a reading that is off by more is neither noise nor, for once, motion.
+  constexpr double noticeable = 1.0 / 16;
+  withdrawn_ = 0;
   if (!started_) {
     started_ = true;
-    lowest_ = highest_ = last_ = before_last_ = value;
+    before_ = now_ = {value, value, value};
     return value;
   }
-  lowest_ = std::min(lowest_, value);
-  highest_ = std::max(highest_, value);
-  beyond_ = highest_ - lowest_ > 1.01 * turn_;
-  const double unwrapped = value + static_cast<double>(turns_) * turn_;
-  if (!beyond_) {
-    const int turns = turns_after(unwrapped - (2 * last_ - before_last_), turn_);
-    turns_ += turns;
-    wrapped_ = wrapped_ || turns != 0;
+  const auto deviation = [](const State& from, const State& to, double samples) {
+    return std::abs(to.last - (from.last + samples * from.velocity));
+  };
+  State next = after(now_, value, 1);
+  double off = deviation(now_, next, 1);
+  if (far_off_) {
+    const State without = after(before_, value, 2);
+    const double off_without = deviation(before_, without, 2);
+    if (off_without < noticeable * turn_ && (without.turns != next.turns || off > 0.25 * turn_)) {
+      withdrawn_ = now_.turns - before_.turns;
+      next = now_ = without;
+      off = off_without;
+    }
   }
-  before_last_ = last_;
-  last_ = value + static_cast<double>(turns_) * turn_;
-  return last_;
+  far_off_ = off > noticeable * turn_;
+  before_ = now_;
+  now_ = next;
+  return now_.last;
 }
 
 }  // namespace qerr

@@ -11,11 +11,14 @@ int turns_after(double step, double turn);
 /// Unwraps a position that is measured modulo one turn: the angle of a tracker, the count of an absolute
 /// encoder.
 ///
-/// A sample is a wrap if it differs from the linear prediction 2 u[i-1] - u[i-2] by one turn within a quarter
-/// turn, and if all samples so far span at most one turn (plus 1 % for measurement errors): a position that
-/// exceeds the span of a turn does not wrap at a turn, and its jumps are data (missed counts, a rollover at
-/// another power of two). So are deviations between a quarter and three quarters of a turn. The rule is valid
-/// while the velocity changes by less than a quarter turn per sample.
+/// A sample is a wrap if it differs from the linear prediction u[i-1] + v by one turn within a quarter turn,
+/// and if all samples so far span at most one turn (plus 1 % for measurement errors): a position that exceeds
+/// the span of a turn does not wrap at a turn, and its jumps are data (missed counts, a rollover at another
+/// power of two). So are deviations between a quarter and three quarters of a turn. The rule is valid while
+/// the velocity changes by less than a quarter turn per sample.
+///
+/// A single reading far off is no motion: where the next sample is as predicted from the samples before it,
+/// the reading and its turn are disregarded. The velocity to it would remove further turns, without end.
 class Unwrap {
  public:
   /// @param turn  interval of the wraps [unit of the values], > 0
@@ -24,18 +27,32 @@ class Unwrap {
   /// The next sample, unwrapped: value + turns() * turn.
   double operator()(double value);
 
+  double turn() const { return turn_; }
+
   /// Turns added so far.
-  std::int64_t turns() const { return turns_; }
+  std::int64_t turns() const { return now_.turns; }
+
+  /// Turns of the sample before the last one that are withdrawn, because it was a single reading far off.
+  std::int64_t withdrawn() const { return withdrawn_; }
 
   /// Whether a wrap was removed and later samples span more than a turn, so that it was not a wrap.
-  bool contradicted() const { return wrapped_ && beyond_; }
+  bool contradicted() const { return now_.wrapped && is_beyond(now_); }
 
  private:
+  /// What is known after a sample.
+  struct State {
+    double lowest = 0, highest = 0;  // of the samples
+    double last = 0, velocity = 0;   // of the unwrapped ones; per sample
+    std::int64_t turns = 0;
+    bool wrapped = false;
+  };
+  State after(const State&, double value, double samples) const;
+  bool is_beyond(const State& s) const { return s.highest - s.lowest > 1.01 * turn_; }
+
   double turn_;
-  double lowest_ = 0, highest_ = 0;    // of the samples
-  double last_ = 0, before_last_ = 0;  // unwrapped
-  std::int64_t turns_ = 0;
-  bool started_ = false, wrapped_ = false, beyond_ = false;
+  State before_, now_;  // before_: of the sample before the last one
+  std::int64_t withdrawn_ = 0;
+  bool started_ = false, far_off_ = false;
 };
 
 }  // namespace qerr

@@ -35,6 +35,27 @@ TEST(Unwrap, RestoresEveryPathWhoseVelocityChangesByLessThanAQuarterTurnPerSampl
   }
 }
 
+/// A reading far off, of any size, costs itself and nothing after it; of a turn and a reading, only the turn
+/// is counted.
+TEST(Unwrap, DisregardsSingleReadingsFarOff) {
+  std::mt19937_64 dice(5);
+  std::uniform_real_distribution<double> start(-5, 5), size(-1.5, 1.5), phase(0, 6);
+  for (int run = 0; run < 400; ++run) {
+    const double turn = run % 2 ? 2 * pi : 16384, from = start(dice) * turn;
+    const double swing = run % 4 < 2 ? 0.3 * turn : 2 * turn, at = phase(dice);
+    const double off = (run % 8 == 0 ? 100 : 1) * size(dice) * turn;
+    Unwrap unwrap(turn);
+    const auto path = [&](int i) { return swing * std::sin(0.02 * i + at); };
+    const int cell = 20 + run % 400;
+    double offset = 0;
+    for (int i = 0; i < 500; ++i) {
+      const double u = unwrap(wrapped(path(i), turn, from) + (i == cell ? off : 0));
+      if (i == 0) offset = path(0) - u;
+      if (i != cell) ASSERT_NEAR(u, path(i) - offset, 1e-9 * turn) << run << ' ' << i << ' ' << off / turn;
+    }
+  }
+}
+
 TEST(Unwrap, KeepsAJumpOtherThanARevolution) {
   for (const double jump : {0.3, -0.5, 0.7, -0.74, 2.0, -3.0}) {
     Unwrap unwrap(1);
@@ -105,6 +126,33 @@ TEST_F(ReadLog, MovesAReferenceToTheRevolutionOfTheMeasuredPosition) {
     for (Eigen::Index i = 0; i < 300; ++i)
       ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], 1 + 6 * pi * static_cast<double>(i) / 300, 1e-6);
   }
+}
+
+TEST_F(ReadLog, CountsNoTurnOfAReadingFarOff) {
+  std::string text = "time [s],wrist.counts,wrist.reference [rad]\n";
+  for (int i = 0; i < 300; ++i) {
+    const double angle = std::sin(0.02 * i);
+    text += std::to_string(0.01 * i) + ',' + std::to_string(std::lround(angle / (2 * pi) * 4096)) + ',' +
+            std::to_string(angle + (i == 0 || i == 120 ? 5 : 0)) + '\n';
+  }
+  const Log log = read(text);
+  EXPECT_NEAR(values(log, LogSignal::reference, 3)[120], std::sin(2.4) + 5, 1e-6);
+  for (Eigen::Index i = 1; i < 300; ++i)
+    if (i != 120)
+      ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], std::sin(0.02 * static_cast<double>(i)), 1e-6)
+          << i;
+}
+
+TEST_F(ReadLog, NamesPositionsWhoseColumnsAreMisspelt) {
+  const auto misspelt = [&](const std::string& header) {
+    return read("time [s],wrist.counts," + header + "\n0,1,2\n1,2,3\n").misspelt;
+  };
+  using Names = std::vector<std::string>;
+  for (const std::string name : {"wrist.refrence", "wrist.Reference [rad]", "wrist.ref", "Wrist.reference"})
+    EXPECT_EQ(misspelt(name), Names{"wrist"}) << name;
+  for (const std::string name : {"wrist.reference", "wrist.Effort", "wrist9.reference", "tip.rz", "notes"})
+    EXPECT_EQ(misspelt(name), Names{}) << name;
+  EXPECT_EQ(misspelt("lift.Counts,lift.Reference"), (Names{"lift", "lift"}));
 }
 
 TEST_F(ReadLog, KeepsTheJumpOfAnIncrementalCounter) {

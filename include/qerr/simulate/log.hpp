@@ -81,6 +81,9 @@ struct Log {
   /// Index in the file of each row of `values`, from 0, where others have been left out; empty: see
   /// `stretches`.
   std::vector<std::uint64_t> file_rows;
+  /// Joints (or coordinates of the tip: `tip.x`) of which a position is missing and an ignored column is
+  /// called nearly so, such as `elbow.refrence`.
+  std::vector<std::string> misspelt;
 
   /// Index of the column with this signal of this joint (or coordinate of the tip); empty if absent.
   std::optional<Eigen::Index> find(LogSignal, std::size_t index = 0) const;

@@ -96,9 +96,23 @@ std::vector<Eigen::Index> far_off(const Eigen::ArrayXd& error, const Eigen::Arra
   return rows;
 }
 
+/// Motion from row to row beside rows at an end of the record, three times: it may accelerate. 0 elsewhere.
+///
+/// A reading that stays behind by no more, as before a play is taken up or a drive breaks loose, may be true.
+double motion_at_end(const Eigen::ArrayXd& motion, Eigen::Index first, Eigen::Index end) {
+  const Eigen::Index n = motion.size();
+  if (first > 0 && end < n) return 0;
+  const Eigen::Index from = first > 0 ? first - half : end;
+  double step = 0;
+  for (Eigen::Index k = std::max<Eigen::Index>(from, 0); k + 1 < std::min(from + half, n); ++k)
+    step = std::max(step, std::abs(motion[k + 1] - motion[k]));
+  return 3 * step;
+}
+
 /// Whether rows first .. end - 1 are off and the two on either side agree: else the error itself moves fast,
 /// in a vibration or a step.
-bool stand_alone(const Eigen::ArrayXd& error, Eigen::Index first, Eigen::Index end) {
+bool stand_alone(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion, Eigen::Index first,
+                 Eigen::Index end) {
   const Eigen::Index n = error.size();
   std::vector<double> around;
   for (const Eigen::Index k : {first - 2, first - 1, end, end + 1})
@@ -106,16 +120,18 @@ bool stand_alone(const Eigen::ArrayXd& error, Eigen::Index first, Eigen::Index e
   if (end - first > half || around.size() < 2) return false;
   const auto [low, high] = std::minmax_element(around.begin(), around.end());
   const double middle = 0.5 * (*low + *high);
-  return (error.segment(first, end - first) - middle).abs().minCoeff() > 3 * (*high - *low);
+  return (error.segment(first, end - first) - middle).abs().minCoeff() >
+         std::max(3 * (*high - *low), motion_at_end(motion, first, end));
 }
 
 /// Of the rows that are far off, those that stand alone.
-std::vector<Eigen::Index> alone(const Eigen::ArrayXd& error, const std::vector<Eigen::Index>& rows) {
+std::vector<Eigen::Index> alone(const Eigen::ArrayXd& error, const Eigen::ArrayXd& motion,
+                                const std::vector<Eigen::Index>& rows) {
   std::vector<Eigen::Index> single;
   for (std::size_t i = 0; i < rows.size();) {
     std::size_t end = i + 1;
     while (end < rows.size() && rows[end] == rows[end - 1] + 1) ++end;
-    if (stand_alone(error, rows[i], rows[end - 1] + 1))
+    if (stand_alone(error, motion, rows[i], rows[end - 1] + 1))
       single.insert(single.end(), rows.begin() + static_cast<std::ptrdiff_t>(i),
                     rows.begin() + static_cast<std::ptrdiff_t>(end));
     i = end;
@@ -137,7 +153,7 @@ std::vector<Eigen::Index> check_outliers(Sanity& s, std::size_t encoder) {
   if (!read || reference.size() == 0 || !stamps || n < static_cast<Eigen::Index>(fewest_of_class)) return {};
   const Eigen::ArrayXd motion = reference / s.model.transmission.encoders[encoder].resolution;
   const Eigen::ArrayXd error = read->counts - motion;
-  const std::vector<Eigen::Index> rows = alone(error, far_off(error, motion));
+  const std::vector<Eigen::Index> rows = alone(error, motion, far_off(error, motion));
   // A hundredth of the rows and more are not single readings, but a scatter.
   if (rows.empty() || static_cast<double>(rows.size()) > 0.01 * static_cast<double>(n)) return {};
   const Eigen::Index worst = *std::max_element(
