@@ -36,6 +36,44 @@ Eigen::Isometry3d rigid_alignment(const Eigen::Matrix3Xd& from, const Eigen::Mat
 
 }  // namespace
 
+SecondOrder second_order(const TipPose& p, const Chain& chain, const Eigen::MatrixXd& to_joints,
+                         const Eigen::VectorXd& steps) {
+  const auto moving = static_cast<Eigen::Index>(chain.joints.size());
+  // Motion of each moving joint per unit of each encoder.
+  const Eigen::MatrixXd share = to_independent(chain, Eigen::MatrixXd::Identity(moving, moving)) * to_joints;
+  const Eigen::Index encoders = share.cols();
+  SecondOrder s{{}, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+  s.hessian.assign(static_cast<std::size_t>(encoders), Eigen::Matrix3Xd::Zero(3, encoders));
+  for (Eigen::Index near = 0; near < moving; ++near) {
+    if (chain.joints[static_cast<std::size_t>(near)].prismatic) continue;
+    for (Eigen::Index far = near; far < moving; ++far) {
+      const Eigen::Vector3d axis = p.axis.col(far), arm = p.tip - p.origin.col(far);
+      const bool slides = chain.joints[static_cast<std::size_t>(far)].prismatic;
+      const Eigen::Vector3d speed = slides ? axis : axis.cross(arm);
+      // A joint turns the speed that those beyond it give the tip.
+      const Eigen::Vector3d turned = p.axis.col(near).cross(speed);
+      std::vector<Eigen::Index> moved;
+      for (Eigen::Index a = 0; a < encoders; ++a)
+        if (share(near, a) != 0 || share(far, a) != 0) moved.push_back(a);
+      for (const Eigen::Index a : moved)
+        for (const Eigen::Index b : moved) {
+          const double both =
+              share(near, a) * share(far, b) + (far > near ? share(far, a) * share(near, b) : 0);
+          s.hessian[static_cast<std::size_t>(a)].col(b) += both * turned;
+        }
+    }
+  }
+  // Of a uniform error: E delta^2 = Delta^2 / 12, Var delta^2 = Delta^4 / 180.
+  for (Eigen::Index a = 0; a < encoders; ++a)
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      const Eigen::Vector3d h = s.hessian[static_cast<std::size_t>(a)].col(b);
+      const double product = std::pow(steps[a] * steps[b], 2);
+      if (a == b) s.mean -= h * std::pow(steps[a], 2) / 24;
+      s.covariance += h * h.transpose() * (a == b ? product / 720 : product / 144);
+    }
+  return s;
+}
+
 /// Rotation and translation from the model's tip to the tracked one, where they differ strongly: a start for
 /// the fit, which is linearized in the rotation (Kabsch).
 void TipModel::align() {
@@ -90,6 +128,15 @@ void TipModel::arrange_nuisance() {
   }
 }
 
+/// Curvature changes little from estimate to estimate: that of the first is kept.
+void TipModel::find_second_order() {
+  auto all = std::make_shared<std::vector<SecondOrder>>();
+  const Eigen::VectorXd steps = resolutions(model_->transmission);
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k)
+    all->push_back(second_order(estimate_.pose(*evidence_, k), estimate_.chain, evidence_->to_joints, steps));
+  second_order_ = std::move(all);
+}
+
 /// Computes poses, entries and columns at the current estimate.
 void TipModel::linearize() {
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
@@ -102,12 +149,14 @@ void TipModel::linearize() {
   const Eigen::VectorXd quantization = resolutions(model_->transmission).array().square() / 12;
   const Eigen::VectorXd reference = evidence_->joint_noise.array().square();
   const Eigen::VectorXd mean = mean_errors(model_->transmission);
+  if (!second_order_) find_second_order();
   for (Eigen::Index k = 0; k < rows; ++k) {
     const TipPose p = estimate_.pose(*evidence_, k);
+    const SecondOrder& second = (*second_order_)[static_cast<std::size_t>(k)];
     const Eigen::Matrix3d all = p.encoders * quantization.asDiagonal() * p.encoders.transpose() +
-                                p.joints * reference.asDiagonal() * p.joints.transpose();
+                                p.joints * reference.asDiagonal() * p.joints.transpose() + second.covariance;
     // A counter that truncates reads too low by half a count on average.
-    const Eigen::Vector3d tip = p.tip - p.encoders * mean;
+    const Eigen::Vector3d tip = p.tip - p.encoders * mean - second.mean;
     const Eigen::MatrixXd tracked = all(evidence_->axes, evidence_->axes);
     const SymmetricEigen axes = symmetric_eigen(tracked);
     Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
@@ -159,24 +208,35 @@ void TipModel::fit() {
   }
 }
 
-void TipModel::draw_surrogates() {
+/// Quantization errors of all encoders in every row, for one draw of their sub-count phases, less their mean.
+Eigen::MatrixXd TipModel::drawn_errors(std::uint64_t draw) const {
   const std::uint64_t phases = stream_seed(seed_, "tip phases");
-  surrogates_.setZero(y_.size(), evidence_->ordered ? path_draws : 0);
-  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(evidence_->rows(), evidence_->to_joints.cols());
   for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
     if (!evidence_->judged(i)) continue;
     const Evidence& e = evidence_->encoders[i];
-    TipTerm unit{TipTerm::Kind::encoder, {}, i};
-    unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
-    const Eigen::VectorXd column = columns(unit);
-    for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
-      const double phase = e.step() * unit_interval(random_bits(phases, i, static_cast<std::uint64_t>(d)));
-      for (Eigen::Index k = 0; k < e.rows(); ++k) {
-        const double x = e.path[k] + phase;
-        surrogates_.col(d).segment(k * coordinates, coordinates) +=
-            (quantize(e.encoder, x) - x - mean_error(e.encoder)) *
-            column.segment(k * coordinates, coordinates);
-      }
+    const double phase = e.step() * unit_interval(random_bits(phases, i, draw));
+    for (Eigen::Index k = 0; k < e.rows(); ++k) {
+      const double x = e.path[k] + phase;
+      errors(k, static_cast<Eigen::Index>(i)) = quantize(e.encoder, x) - x - mean_error(e.encoder);
+    }
+  }
+  return errors;
+}
+
+void TipModel::draw_surrogates() {
+  surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
+    const Eigen::MatrixXd errors = drawn_errors(static_cast<std::uint64_t>(d));
+    for (Eigen::Index k = 0; k < evidence_->rows(); ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      const Eigen::VectorXd delta = errors.row(k).transpose();
+      const SecondOrder& second = (*second_order_)[row];
+      Eigen::Vector3d at_tip = (*poses_)[row].encoders * delta - second.mean;
+      for (Eigen::Index a = 0; a < delta.size(); ++a)
+        if (delta[a] != 0) at_tip -= 0.5 * delta[a] * (second.hessian[static_cast<std::size_t>(a)] * delta);
+      surrogates_.col(d).segment(k * coordinates, coordinates) = turn_[row] * at_tip;
     }
   }
 }

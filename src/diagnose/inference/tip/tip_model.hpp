@@ -13,13 +13,27 @@ namespace qerr {
 /// (3), or that and the frame of the tracker (9).
 enum class UnknownFrames { none, target, all };
 
+/// Second-order part of the error that quantization causes at the tip in one row, in the base frame:
+/// -1/2 delta^T H delta, with errors delta uniform over Delta and the Hessian H of the tip's position.
+struct SecondOrder {
+  std::vector<Eigen::Matrix3Xd> hessian;  ///< column b of element a: d^2 tip / (d encoder a d encoder b)
+  Eigen::Vector3d mean;                   ///< -1/24 sum H_aa Delta_a^2 [m]
+  Eigen::Matrix3d covariance;             ///< [m^2]
+};
+
+/// The second-order part at a pose.
+/// @param steps  resolutions of the encoders [rad or m]
+SecondOrder second_order(const TipPose&, const Chain&, const Eigen::MatrixXd& to_joints,
+                         const Eigen::VectorXd& steps);
+
 /// Model of the tracked tip, given the readings of the encoders.
 ///
 /// tip = FK(true joints, links as built) + white noise of the tracker; true joints = readings - additions of
 /// the causes - quantization. The encoders' quantization is carried to the tip as in the bounds, with the
-/// covariance (J C) diag(Delta^2/12) (J C)^T of every row, known exactly; all other white noise has one free
-/// sigma. In the axes of each row's covariance the entries are independent, and the fit is a weighted least
-/// squares, linearized repeatedly about the estimate.
+/// covariance (J C) diag(Delta^2/12) (J C)^T of every row, known exactly, and with the mean and the
+/// covariance of its second-order part (SecondOrder), which is all that remains along a stretched arm; all
+/// other white noise has one free sigma. In the axes of each row's covariance the entries are independent,
+/// and the fit is a weighted least squares, linearized repeatedly about the estimate.
 class TipModel {
  public:
   /// Borrows the model and the evidence: both must outlive it.
@@ -74,10 +88,12 @@ class TipModel {
 
  private:
   void update_estimate();
+  void find_second_order();
   void linearize();
   void arrange_nuisance();
   void move_frames();
   void align();
+  Eigen::MatrixXd drawn_errors(std::uint64_t draw) const;
   void draw_surrogates();
 
   const OperationalModel* model_;
@@ -89,6 +105,8 @@ class TipModel {
   Eigen::VectorXd theta_;  ///< of the terms
   std::shared_ptr<const std::vector<TipPose>> poses_;
   std::vector<Eigen::MatrixXd> turn_;  ///< from base axes to the row's own, coordinates x 3
+  /// Of every row, at the first estimate; shared by copies.
+  std::shared_ptr<const std::vector<SecondOrder>> second_order_;
   Eigen::VectorXd y_, known_;
   Eigen::MatrixXd nuisance_;
   std::vector<Eigen::MatrixXd> term_columns_;
