@@ -139,7 +139,8 @@ Command diagnose_command() {
              .kind = OptionKind::flag,
              .meaning =
                  "end with 1 unless nothing is wrong, neither with the robot nor with the record (corrupt, "
-                 "missing, repeated, contradictory readings), for continuous integration"},
+                 "missing, repeated, contradictory readings), and all joints of the log are judged, for "
+                 "continuous integration"},
             {.name = "--details",
              .kind = OptionKind::flag,
              .meaning = "in the table also the statistics, p-values, all intervals and gains"},

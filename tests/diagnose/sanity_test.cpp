@@ -203,6 +203,47 @@ TEST(Sanity, DetectsACounterThatUsesOnlyEveryFourthCount) {
   EXPECT_NEAR(s.causes[0].effect.number("step"), 4 * m.resolution, 1e-12);
 }
 
+/// A reference that is computed from the readings confirms them, whatever they are.
+TEST(Sanity, RejectsAReferenceThatIsACopyOfTheReadings) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const OperationalModel model = model_of(m);
+    const Column counts = m.counted(m.path);
+    const Sanity s = check_sanity(
+        model, {},
+        log_of({{LogSignal::time, m.time},
+                {LogSignal::counts, counts, 0},
+                {LogSignal::reference, counts * model.transmission.encoders[0].resolution + seed % 3}}));
+    EXPECT_FALSE(s.log.find(LogSignal::reference)) << seed;
+    EXPECT_FALSE(s.cannot_judge.empty()) << seed;
+    ASSERT_FALSE(s.data.empty()) << seed;
+    EXPECT_EQ(s.data.back().kind, DataKind::contradictory) << seed;
+  }
+}
+
+/// A motor that has to take up a play stays behind by as much as the joint moves at first.
+TEST(Sanity, TakesTheFirstStateOfAPlayForNoCorruptReading) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const OperationalModel model = model_of(m);
+    const double step = model.transmission.encoders[0].resolution, fast = (10 + seed) * step;
+    for (Eigen::Index k = 0; k < m.rows; ++k) m.path[k] = fast * static_cast<double>(k);
+    const auto with_first = [&](double error) {
+      Column read = m.path;
+      read.tail(m.rows - 1) -= 0.9 * fast;
+      read[0] += error;
+      const Sanity s = check_sanity(model, {},
+                                    log_of({{LogSignal::time, m.time},
+                                            {LogSignal::counts, m.counted(read), 0},
+                                            {LogSignal::reference, m.reference()}}));
+      return std::count_if(s.data.begin(), s.data.end(),
+                           [](const DataFinding& f) { return f.kind == DataKind::corrupt; });
+    };
+    EXPECT_EQ(with_first(0), 0) << seed;
+    EXPECT_EQ(with_first(20 * fast), 1) << seed;
+  }
+}
+
 TEST(Sanity, ReportsConstantSensors) {
   Machine m(7);
   const Column counts = m.counted(m.path);

@@ -317,6 +317,79 @@ TEST(DiagnoseTip, DetectsGeometryInAdditionToReferencesOnAllJoints) {
   }
 }
 
+/// Second-order errors of coarse encoders are systematic: along a stretched arm nothing else remains.
+TEST(DiagnoseTip, FindsNothingForACleanPlanarArmOfCoarseEncodersAndAnExactTracker) {
+  int alarms = 0;
+  std::string said;
+  for (std::uint64_t seed = 1; seed <= 24; ++seed) {
+    Dice dice(7000 + seed);
+    const std::size_t joints = 2 + dice.below(2);
+    Arm arm = random_arm(dice, joints);
+    for (Eigen::Vector3d& axis : arm.axis) axis = Eigen::Vector3d::UnitZ();
+    const std::vector<double> resolution(joints, 6.2831853 / std::exp2(8 + dice.below(5)));
+    const Diagnosis d =
+        judge(arm.model(resolution), log_of(dice, arm, motion(dice, joints, 1500), resolution, 0));
+    if (d.verdict == Verdict::nothing_wrong) continue;
+    ++alarms;
+    said += std::to_string(seed) + ": " + summary(d) + "; ";
+  }
+  EXPECT_LE(alarms, 1) << said;
+}
+
+/// A planar arm whose tip is logged across its plane only.
+TEST(DiagnoseTip, HasNoVerdictOnCoordinatesThatNoJointMoves) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Dice dice(7100 + seed);
+    Arm arm = random_arm(dice, 2);
+    for (Eigen::Vector3d& axis : arm.axis) axis = Eigen::Vector3d::UnitZ();
+    const std::vector<double> resolution(2, 1e-3);
+    Record r = motion(dice, 2, 1000);
+    r.with_references = seed % 2 == 0;
+    Log log = log_of(dice, arm, r, resolution, 1e-5);
+    const Eigen::Index last = log.values.cols() - 1;
+    log.columns.erase(log.columns.end() - 3, log.columns.end() - 1);
+    log.values.col(last - 2) = log.values.col(last).eval();
+    log.values.conservativeResize(Eigen::NoChange, last - 1);
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_EQ(d.verdict, r.with_references ? Verdict::nothing_wrong : Verdict::cannot_judge) << summary(d);
+    EXPECT_EQ(d.unjudged.back(), "tip");
+    EXPECT_EQ(d.unjudged.size(), r.with_references ? 1U : 3U);
+    EXPECT_FALSE(is_faultless(d));
+    if (!r.with_references)
+      EXPECT_NE(d.reason.find("record coordinates that the joints move"), std::string::npos);
+  }
+}
+
+/// Of two joints, one has no reference that can be used.
+TEST(Diagnose, NamesTheJointsThatAreNotJudgedBesideOthers) {
+  for (std::uint64_t seed = 1; seed <= 8; ++seed) {
+    Dice dice(7200 + seed);
+    const Arm arm = random_arm(dice, 2);
+    const std::vector<double> resolution(2, 1e-3);
+    Record r = motion(dice, 2, 1000);
+    r.with_references = true;
+    Log log = log_of(dice, arm, r, resolution, 1e-5);
+    log.columns.resize(5);  // without the tip
+    log.values.conservativeResize(Eigen::NoChange, 5);
+    EXPECT_TRUE(is_faultless(judge(arm.model(resolution), log)));
+    Log other = log;  // the log of one joint asks about that joint
+    other.columns = {log.columns[0], log.columns[1], log.columns[3]};
+    other.values = log.values(Eigen::all, std::vector<Eigen::Index>{0, 1, 3}).eval();
+    EXPECT_TRUE(is_faultless(judge(arm.model(resolution), other)));
+    other.misspelt = {"j2"};
+    EXPECT_EQ(judge(arm.model(resolution), other).unjudged, std::vector<std::string>{"j2"});
+    if (seed % 2 == 0)
+      log.values.col(4).setConstant(0.3);
+    else
+      log.columns.resize(4), log.values.conservativeResize(Eigen::NoChange, 4);
+    const Diagnosis d = judge(arm.model(resolution), log);
+    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << summary(d);
+    EXPECT_EQ(d.unjudged, std::vector<std::string>{"j2"}) << seed;
+    EXPECT_FALSE(is_faultless(d));
+    EXPECT_NE(d.warnings.back().find("j2: not judged: "), std::string::npos);
+  }
+}
+
 TEST(DiagnoseTip, HasNoVerdictWithoutTheTipOrReferences) {
   Dice dice(6);
   const Arm arm = random_arm(dice, 3);

@@ -190,6 +190,19 @@ TEST(DiagnosisTable, SaysInTheVerdictsLineThatTheRecordHasFaults) {
       << table(r);
 }
 
+TEST(DiagnosisTable, NamesWhatIsNotJudgedInTheVerdictsLine) {
+  DiagnosisReport r = play();
+  r.diagnosis.unjudged = {"rail", "tip"};
+  EXPECT_TRUE(contains(table(r), "; not judged: rail and tip\n")) << table(r);
+  r.diagnosis.verdict = Verdict::nothing_wrong;
+  r.diagnosis.causes.clear();
+  EXPECT_FALSE(is_faultless(r.diagnosis));
+  EXPECT_TRUE(contains(table(r), "NOTHING WRONG, BUT NOT ALL JUDGED: the log agrees")) << table(r);
+  r.diagnosis.data = {{"2 gaps", "", 9, {}, "", DataKind::missing}};
+  EXPECT_TRUE(contains(table(r), "NOTHING WRONG, BUT MISSING READINGS, AND NOT ALL JUDGED: apart from them"));
+  EXPECT_TRUE(contains(write(r, "json", {}), "\"unjudged\": [")) << write(r, "json", {});
+}
+
 TEST(DiagnosisTable, NamesTheShapeOfWhatIsLeft) {
   EXPECT_EQ(line_of(shaped(Shape::step, 37.4 * count, {{"time", 9}})),
             "a step of 37.4 counts = 23.5 mrad = 1.35 deg at 9.00 s");

@@ -133,14 +133,18 @@ struct Diagnosis {
   std::vector<DataFinding> data;  ///< about the record itself
   std::vector<Visible> visible;   ///< what the record could have shown
   Gain gain;                      ///< over all joints with a verdict; of the tip if no joint has a reference
+  /// What the log has columns of and nothing can be said of: joints, `tip`, or a misspelt coordinate `tip.x`.
+  /// A warning says why, or the reason of cannot_judge. Joints of which the log has no column are not
+  /// listed.
+  std::vector<std::string> unjudged;
   std::vector<std::string> warnings;
 };
 
 /// The kinds of faults of the record, each once, in the order of their enumeration.
 std::vector<DataKind> record_faults(const Diagnosis&);
 
-/// Whether neither the robot nor the record has a fault: the verdict is `nothing_wrong`, and no reading had
-/// to be left out, replaced or converted to come to it.
+/// Whether neither the robot nor the record has a fault: the verdict is `nothing_wrong`, no reading had to be
+/// left out, replaced or converted to come to it, and nothing of which the log has columns is unjudged.
 bool is_faultless(const Diagnosis&);
 
 /// The result does not depend on the number of threads. Of a record with more than 4096 independent readings
@@ -160,8 +164,8 @@ struct DiagnoseOptions {
 ///
 /// It is assumed that references have white noise, independent of the encoders' errors, that joints move on
 /// paths that are smooth from row to row, and that the rows of a log with time are consecutive. An
-/// insufficient log (fewer than 30 rows, no reference that moves, references noisier than 0.3 counts) is not
-/// an error: the verdict is `cannot_judge`, with the reason.
+/// insufficient log (fewer than 30 rows, no reference that can be used, references noisier than 0.3 counts)
+/// is not an error: the verdict is `cannot_judge`, with the reason.
 ///
 /// @param filters  of the spec; those of the first derivative are compared with JOINT.velocity
 /// @param present  effects that the spec has: they are part of the model

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cstdio>
-#include <iterator>
 #include <limits>
+#include <map>
 #include <optional>
 #include <set>
 #include <utility>
@@ -60,44 +60,96 @@ std::vector<DataKind> record_faults(const Diagnosis& d) {
 }
 
 bool is_faultless(const Diagnosis& d) {
-  return d.verdict == Verdict::nothing_wrong && record_faults(d).empty();
+  return d.verdict == Verdict::nothing_wrong && record_faults(d).empty() && d.unjudged.empty();
 }
 
 namespace {
 
 constexpr Eigen::Index fewest_rows = 30;
 
-/// Joints that the log reads and that nothing can be said of.
-void warn_of_unjudged(const OperationalModel& model, const Log& log, const std::vector<Evidence>& all,
-                      std::vector<std::string>& warnings) {
-  if (all.empty()) return;
-  for (std::size_t i = 0; i < model.chain.independent.size(); ++i) {
-    const std::string& name = model.chain.independent[i].name;
-    const bool read = log.find(LogSignal::counts, i) || log.find(LogSignal::measured, i);
-    if (!read || std::any_of(all.begin(), all.end(), [&](const Evidence& e) { return e.joint == name; }))
-      continue;
-    warnings.push_back(name + ": not judged: " +
-                       (log.find(LogSignal::reference, i)
-                            ? "its encoder feels a joint that has no reference or no reading"
-                            : "it has no reference"));
-  }
+/// The columns of a log, without its rows.
+Log columns_of(const Log& log) {
+  Log columns;
+  columns.columns = log.columns;
+  columns.misspelt = log.misspelt;
+  return columns;
 }
 
 bool has_tip(const Log& log) {
   return log.find(LogSignal::tip, 0) || log.find(LogSignal::tip, 1) || log.find(LogSignal::tip, 2);
 }
 
+/// The residual noise of a reference that hides all errors worth reporting [counts].
+constexpr double hiding_noise = 0.3;
+
 /// Why no reference is usable: the residual noise of each hides all errors worth reporting. Empty if one is
 /// usable.
 std::optional<std::string> too_noisy(const std::vector<Evidence>& all) {
-  constexpr double hides = 0.3;  // [counts]
   double least = std::numeric_limits<double>::infinity(), recorded = 0;
   for (const Evidence& e : all)
     if (e.path_noise / e.step() < least) least = e.path_noise / e.step(), recorded = e.noise / e.step();
-  if (all.empty() || least < hides) return std::nullopt;
+  if (all.empty() || least < hiding_noise) return std::nullopt;
   return "the references' noise is " + significant(least, 2) + " counts (" + significant(recorded, 2) +
          " where the path is smooth): 0.3 or less is needed; use a better sensor, or a slower motion at the "
          "same rate";
+}
+
+/// Residual noise of the reference of every encoder that has one [counts].
+std::map<std::string, double> reference_noise(const std::vector<Evidence>& all) {
+  std::map<std::string, double> noise;
+  for (const Evidence& e : all) noise[e.joint] = e.path_noise / e.step();
+  return noise;
+}
+
+/// Whether something is said of a joint or of the tip.
+bool is_named(const Diagnosis& d, const std::string& place) {
+  return std::any_of(d.causes.begin(), d.causes.end(),
+                     [&](const Cause& c) { return c.effect.joint == place; }) ||
+         std::any_of(d.unexplained.begin(), d.unexplained.end(),
+                     [&](const Unidentified& u) { return u.joint == place; });
+}
+
+/// Why nothing can be said of the position of a joint; empty if something can, or if the log does not have
+/// the joint.
+/// @param recorded  columns of the log as recorded, of which the repair may have dropped some
+/// @param noise     of the references [counts]
+std::optional<std::string> why_unjudged(std::size_t joint, const Sanity& sane, const Log& recorded,
+                                        const std::map<std::string, double>& noise, const TipDiagnosis& tip,
+                                        const Diagnosis& d) {
+  const std::string& name = sane.model.chain.independent[joint].name;
+  const bool misspelt = std::count(recorded.misspelt.begin(), recorded.misspelt.end(), name) > 0;
+  const bool read = recorded.find(LogSignal::counts, joint) || recorded.find(LogSignal::measured, joint);
+  if (!read) return misspelt ? std::optional("its columns are misspelt") : std::nullopt;
+  const bool unseen = std::count(tip.unseen.begin(), tip.unseen.end(), name) > 0;
+  if (const auto own = noise.find(name); own != noise.end()) {
+    if (own->second < hiding_noise || is_named(d, name)) return std::nullopt;
+    return "its reference's noise is " + significant(own->second, 2) + " counts: 0.3 or less is needed";
+  }
+  if (tip.judged && !unseen) return std::nullopt;
+  if (misspelt) return "a column of it is misspelt";
+  if (!recorded.find(LogSignal::reference, joint))
+    return unseen ? "it has no reference, and does not move the logged tip" : "it has no reference";
+  if (!sane.log.find(LogSignal::reference, joint))
+    return is_named(d, name) ? std::nullopt : std::optional("its reference cannot be used");
+  if (!sane.log.find(LogSignal::counts, joint) && !sane.log.find(LogSignal::measured, joint))
+    return is_named(d, name) ? std::nullopt : std::optional("its readings are not fresh");
+  return "its encoder feels a joint that has no reference or no reading";
+}
+
+/// Adds what the log has columns of and nothing can be said of. Beside a verdict, a warning says why.
+void add_unjudged(const Sanity& sane, const Log& recorded, const std::map<std::string, double>& noise,
+                  const TipDiagnosis& tip, Diagnosis& d) {
+  const auto add = [&](const std::string& place, const std::string& why) {
+    d.unjudged.push_back(place);
+    if (d.verdict != Verdict::cannot_judge) d.warnings.push_back(place + ": not judged: " + why);
+  };
+  for (std::size_t i = 0; i < sane.model.chain.independent.size(); ++i)
+    if (const auto why = why_unjudged(i, sane, recorded, noise, tip, d))
+      add(sane.model.chain.independent[i].name, *why);
+  if (!tip.reason.empty()) add("tip", tip.reason);
+  for (const char* coordinate : {"tip.x", "tip.y", "tip.z"})
+    if (std::count(recorded.misspelt.begin(), recorded.misspelt.end(), coordinate) > 0)
+      add(coordinate, "its column is misspelt");
 }
 
 /// Compares the record with simulations and collects its evidence, thinned where it is long: as many encoders
@@ -123,21 +175,22 @@ std::vector<Comparison> simulated(const Sanity& sane, const std::vector<Filter>&
 }
 
 /// Adds the diagnosis of the tip. Its gain is the total gain if no joint has a reference.
-void add_tip(TipDiagnosis tip, bool joints_judged, Diagnosis& d) {
+void add_tip(const TipDiagnosis& tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
     d.gain = tip.gain;
     d.reason.clear();
   }
-  std::move(tip.causes.begin(), tip.causes.end(), std::back_inserter(d.causes));
-  std::move(tip.alternatives.begin(), tip.alternatives.end(), std::back_inserter(d.alternatives));
-  std::move(tip.unexplained.begin(), tip.unexplained.end(), std::back_inserter(d.unexplained));
-  std::move(tip.warnings.begin(), tip.warnings.end(), std::back_inserter(d.warnings));
+  d.causes.insert(d.causes.end(), tip.causes.begin(), tip.causes.end());
+  d.alternatives.insert(d.alternatives.end(), tip.alternatives.begin(), tip.alternatives.end());
+  d.unexplained.insert(d.unexplained.end(), tip.unexplained.begin(), tip.unexplained.end());
+  d.warnings.insert(d.warnings.end(), tip.warnings.begin(), tip.warnings.end());
 }
 
 }  // namespace
 
 Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& filters,
                    const std::vector<Effect>& present, Log log, const DiagnoseOptions& options) {
+  const Log recorded = columns_of(log);
   Sanity sane = check_sanity(model, filters, std::move(log), present);
   Diagnosis d;
   d.causes = sane.causes;
@@ -155,7 +208,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
   }
   std::vector<Evidence> all;
   if (enough) d.simulation = simulated(sane, filters, options, all);
-  warn_of_unjudged(sane.model, sane.log, all, d.warnings);
+  const std::map<std::string, double> noise = reference_noise(all);
   const std::optional<std::string> noisy = too_noisy(all);
   const bool joints_judged = !all.empty();
   // From here on, the first pose and a tracked tip are all that is needed of the log itself.
@@ -189,13 +242,15 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     return a.gain.rms_before * a.gain.rms_before - a.gain.rms_after * a.gain.rms_after >
            b.gain.rms_before * b.gain.rms_before - b.gain.rms_after * b.gain.rms_after;
   });
-  add_tip(std::move(tip), joints_judged, d);
+  if (!judged && d.reason.empty()) d.reason = tip.reason;
+  add_tip(tip, joints_judged, d);
   d.verdict = verdict(d, judged);
   // What a repaired log shows is no all-clear for the log as it stands.
   if (d.verdict == Verdict::nothing_wrong && !sane.spoilt.empty()) {
     d.verdict = Verdict::cannot_judge;
     d.reason = sane.spoilt + "; after that nothing is wrong";
   }
+  add_unjudged(sane, recorded, noise, tip, d);
   return d;
 }
 

@@ -148,6 +148,8 @@ std::string to_csv(const DiagnosisReport& r, const Style&) {
   const Diagnosis& d = r.diagnosis;
   Tidy rows;
   rows.add({.section = "verdict", .name = std::string(name(d.verdict)), .text = d.reason});
+  for (const std::string& place : d.unjudged)
+    rows.add({.section = "verdict", .joint = place, .name = "unjudged"});
   add_data(rows, d);
   for (const Comparison& c : d.simulation) {
     rows.add({.section = "simulation",

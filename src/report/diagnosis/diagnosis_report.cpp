@@ -33,17 +33,9 @@ namespace {
 
 /// A log without its values.
 Log described(const Log& log) {
-  return {log.file,
-          log.columns,
-          log.rows,
-          log.first_time,
-          log.last_time,
-          log.time_origin,
-          log.warnings,
-          {},
-          log.stretches,
-          log.stretch_rows,
-          {}};
+  return {log.file,      log.columns,      log.rows,     log.first_time,
+          log.last_time, log.time_origin,  log.warnings, {},
+          log.stretches, log.stretch_rows, {},           log.misspelt};
 }
 
 }  // namespace

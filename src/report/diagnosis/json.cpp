@@ -149,6 +149,7 @@ std::string to_json(const DiagnosisReport& r, const Style&) {
               {"seed", r.spec.configurations.seed},
               {"verdict", name(d.verdict)},
               {"reason", d.reason},
+              {"unjudged", d.unjudged},
               {"data", data(d)},
               {"simulation", simulation(d)},
               {"causes", causes(r)},

@@ -125,6 +125,9 @@ Json diagnosis_schema() {
                 {"verdict", one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous",
                                     "unexplained", "cannot_judge"})},
                 {"reason", text()},
+                {"unjudged", list(text()),
+                 "joints (or tip, tip.x) of which the log has columns and nothing can be said: if any, "
+                 "--check ends with 1"},
                 {"data", list(data_schema()), "faults of the record itself"},
                 {"simulation", list(comparison), "statistics of the log, and of the simulated model"},
                 {"causes", list(cause_schema()), "in the order of the variance that they remove"},

@@ -16,10 +16,8 @@ std::string label(const Cause& c) {
 
 namespace {
 
-/// At most four, to keep the sentence readable.
-std::string listed_causes(const Diagnosis& d) {
-  std::vector<std::string> names;
-  for (const Cause& c : d.causes) names.push_back(label(c));
+/// Names, at most four to keep the sentence readable.
+std::string few_listed(std::vector<std::string> names) {
   constexpr std::size_t most = 4;
   if (names.size() > most) {
     const std::string more = std::to_string(names.size() - most + 1) + " more";
@@ -27,6 +25,19 @@ std::string listed_causes(const Diagnosis& d) {
     names.push_back(more);
   }
   return listed(names);
+}
+
+std::string listed_causes(const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const Cause& c : d.causes) names.push_back(label(c));
+  return few_listed(std::move(names));
+}
+
+/// "; not judged: elbow and tip"; "" if all is judged.
+std::string unjudged_words(const Diagnosis& d) {
+  std::vector<std::string> names;
+  for (const std::string& place : d.unjudged) names.push_back(shown(place));
+  return names.empty() ? "" : "; not judged: " + few_listed(std::move(names));
 }
 
 std::string cause_or_alternative(const Diagnosis& d) {
@@ -56,7 +67,9 @@ std::string verdict_title(const Diagnosis& d) {
   if (d.verdict == Verdict::nothing_wrong && !is_faultless(d)) {
     std::vector<std::string> faults;
     for (const DataKind kind : record_faults(d)) faults.emplace_back(name(kind));
-    word += ", but " + listed(faults) + " readings";
+    const std::string readings = faults.empty() ? "" : listed(faults) + " readings";
+    const std::string part = d.unjudged.empty() ? "" : "not all judged";
+    word += ", but " + readings + (faults.empty() || part.empty() ? "" : ", and ") + part;
   }
   std::replace(word.begin(), word.end(), '_', ' ');
   std::transform(word.begin(), word.end(), word.begin(),
@@ -64,11 +77,13 @@ std::string verdict_title(const Diagnosis& d) {
   return word;
 }
 
-std::string verdict_words(const DiagnosisReport& r) {
+namespace {
+
+std::string words_of_verdict(const DiagnosisReport& r) {
   const Diagnosis& d = r.diagnosis;
   switch (d.verdict) {
     case Verdict::nothing_wrong:
-      return std::string(is_faultless(d) ? "" : "apart from them ") +
+      return std::string(record_faults(d).empty() ? "" : "apart from them ") +
              "the log agrees with the model, its quantization and the noise of the reference";
     case Verdict::explained:
       return listed_causes(d);
@@ -89,6 +104,13 @@ std::string verdict_words(const DiagnosisReport& r) {
                               : escaped(d.reason);
   }
   return "";
+}
+
+}  // namespace
+
+std::string verdict_words(const DiagnosisReport& r) {
+  const bool judged = r.diagnosis.verdict != Verdict::cannot_judge;
+  return words_of_verdict(r) + (judged ? unjudged_words(r.diagnosis) : "");
 }
 
 }  // namespace qerr

@@ -11,6 +11,7 @@
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/kinematics/jacobian.hpp"
 #include "simulate/sensing.hpp"
 
 namespace qerr {
@@ -120,6 +121,18 @@ Gain gain_of(const TipModel& m) {
   return gain;
 }
 
+/// Whether causes and frames reduce the residual of held-out blocks, by an interval of the ratio without 1.
+/// What does not is no error that anyone would notice, however significant it seems to be.
+bool improves(const OperationalModel& model, const TipEvidence& e, const TipModel& found) {
+  if (found.terms().empty() && found.frames() == UnknownFrames::none) return true;
+  const auto coordinates = static_cast<Eigen::Index>(e.axes.size());
+  const TipModel ideal(model, e, UnknownFrames::none, found.seed());
+  Gain gain;
+  ratio_interval({held_out(ideal, coordinates).before, held_out(found, coordinates).after}, coordinates,
+                 stream_seed(found.seed(), "tip bootstrap"), gain);
+  return gain.lower > 1;
+}
+
 /// What to record to distinguish two causes.
 std::string record(const TipAlternative& a, const TipTerm& chosen) {
   if (a.everywhere) return "no pose distinguishes them: measure the link or the joint's zero directly";
@@ -205,6 +218,50 @@ void report_frames(const TipModel& m, const std::string& tip, TipDiagnosis& d) {
                        "first joint");
 }
 
+/// By how much the logged coordinates of the tip change per unit of each joint, at most [m/rad or 1], in
+/// some rows of the record.
+Eigen::MatrixXd sensitivity(const OperationalModel& model, const TipEvidence& e) {
+  constexpr Eigen::Index enough_rows = 200;
+  Eigen::MatrixXd largest = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(e.axes.size()), e.joints.rows());
+  const Eigen::Index stride = std::max<Eigen::Index>(1, e.rows() / enough_rows);
+  for (Eigen::Index k = 0; k < e.rows(); k += stride)
+    largest = largest.cwiseMax(jacobian(model.chain, e.joints.col(k))(e.axes, Eigen::all).cwiseAbs());
+  return largest;
+}
+
+/// Whether the joints move some logged coordinate by more than a count of each of them does.
+bool moves(const OperationalModel& model, const TipEvidence& e, const Eigen::MatrixXd& sensitivity) {
+  const Transmission& t = model.transmission;
+  const Eigen::VectorXd steps = t.coupling.dense().cwiseAbs() * resolutions(t);
+  Eigen::MatrixXd tip(sensitivity.rows(), e.rows());
+  for (Eigen::Index k = 0; k < e.rows(); ++k)
+    tip.col(k) = forward_kinematics(model.chain, e.joints.col(k)).translation()(e.axes);
+  const Eigen::VectorXd travel = tip.rowwise().maxCoeff() - tip.rowwise().minCoeff();
+  return ((travel - sensitivity * steps).array() > 0).any();
+}
+
+std::string logged_coordinates(const TipEvidence& e) {
+  std::string names;
+  for (const Eigen::Index axis : e.axes)
+    names += (names.empty() ? "tip." : ", tip.") + std::string(1, "xyz"[axis]);
+  return names;
+}
+
+/// What the record does not show: joints that do not move the logged coordinates, or all of them.
+void find_unseen(const OperationalModel& model, const TipEvidence& e, TipDiagnosis& d) {
+  constexpr double negligible = 1e-9;  // rounding errors of the kinematics, in parts of the arm's reach
+  const Eigen::MatrixXd m_per_unit = sensitivity(model, e);
+  const double least = negligible * m_per_unit.maxCoeff();
+  for (Eigen::Index j = 0; j < m_per_unit.cols(); ++j)
+    if (!e.to_joints.row(j).isZero() && m_per_unit.col(j).maxCoeff() <= least)
+      d.unseen.push_back(model.chain.independent[static_cast<std::size_t>(j)].name);
+  if (!d.causes.empty() || !d.unexplained.empty() || moves(model, e, m_per_unit)) return;
+  d.judged = false;
+  d.reason = "the joints do not move '" + model.chain.tip + "' along " + logged_coordinates(e) +
+             ": record coordinates that the joints move, through many counts of each, or 'JOINT.reference' "
+             "with a reference sensor; or name another robot.tip";
+}
+
 }  // namespace
 
 TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effect>& present, const Log& log,
@@ -218,6 +275,11 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   const TipSelection s = select_tip(model, *e, seed);
   const double without = rms_without_causes(model, *e);
   d.gain = gain_of(s.model);
+  if (!improves(model, *e, s.model)) {
+    d.gain = gain_of(TipModel(model, *e, UnknownFrames::none, seed));
+    find_unseen(model, *e, d);
+    return d;
+  }
   // The fit linearizes: far from every arm of the catalogue it may leave more than it began with.
   if (!(d.gain.rms_after <= 2 * without)) {
     d.gain = {};
@@ -235,6 +297,7 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
     d.warnings.push_back(
         "a displacement of " + model.chain.joints.front().name +
         " is indistinguishable from one of the tracker's frame: survey the tracker at the base");
+  find_unseen(model, *e, d);
   return d;
 }
 

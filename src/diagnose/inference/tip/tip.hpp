@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <string>
 #include <vector>
 
 #include "qerr/diagnose/diagnosis.hpp"
@@ -9,7 +10,9 @@ namespace qerr {
 
 /// Contribution of a tracked tip to a diagnosis.
 struct TipDiagnosis {
-  bool judged = false;  ///< the log has a tip, and all joints
+  bool judged = false;  ///< the log has a tip that moves, or a constant error of it, and all joints
+  std::string reason;   ///< why a tip that the log has is not judged, and what to record; else ""
+  std::vector<std::string> unseen;  ///< joints without a reference that do not move the logged coordinates
   std::vector<Cause> causes;
   std::vector<AlternativeCause> alternatives;
   std::vector<Unidentified> unexplained;

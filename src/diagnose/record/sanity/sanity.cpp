@@ -91,7 +91,8 @@ void check_reference_exists(Sanity& s) {
     exists = exists || (recorded_counts(s, i) && encoder_reference(s, i).size() > 0);
   if (!exists)
     s.cannot_judge =
-        "the log has no reference that moves: record 'JOINT.reference' with a reference sensor at a joint, "
+        "the log has no reference that can be used: record 'JOINT.reference' with a reference sensor at a "
+        "joint, "
         "or 'tip.x', 'tip.y', 'tip.z' with a tracker";
 }
 

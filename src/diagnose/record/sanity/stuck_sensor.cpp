@@ -15,6 +15,10 @@ namespace {
 /// wrong ratio, nor play, nor noise of a reference that is of use explains it (convention).
 constexpr double unrelated_slope = 0.02;
 
+/// Standard deviation of measured - reference below which one is computed from the other [counts]: a
+/// thirtieth of what quantization leaves (convention).
+constexpr double copied = 0.01;
+
 /// Rows in which the readings do not change: first, and one past the last.
 struct ConstantRun {
   Eigen::Index first, end;
@@ -54,6 +58,21 @@ void check_constant_columns(Sanity& s, std::size_t encoder) {
     return;
   }
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  if (column && reference.size() > 0 && travel >= missed_motion) {
+    const double differs = standard_deviation(read->counts - reference / resolution);
+    if (differs >= copied) return;
+    s.data.push_back(
+        {"the reference is a copy of the readings: it differs from them by " + significant(differs, 2) +
+             " counts (standard deviation), and quantization alone leaves 0.29 of any other sensor",
+         s.model.chain.independent[encoder].name,
+         1,
+         {},
+         "record a sensor of its own as the reference; if it is one, the encoder is finer than in "
+         "the spec",
+         DataKind::contradictory});
+    drop_column(s.log, *column);
+    return;
+  }
   if (reference.size() == 0 || travel > 0 || peak_to_peak(reference) < missed_motion * resolution) return;
   s.unexplained.push_back({s.model.chain.independent[encoder].name,
                            "the encoder is constant while its reference moves",
