@@ -225,7 +225,7 @@ Eigen::MatrixXd TipModel::drawn_errors(std::uint64_t draw) const {
 }
 
 void TipModel::draw_surrogates() {
-  surrogates_.setZero(y_.size(), evidence_->ordered ? draws : 0);
+  surrogates_.setZero(y_.size(), evidence_->ordered ? path_draws : 0);
   const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
   for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
     const Eigen::MatrixXd errors = drawn_errors(static_cast<std::uint64_t>(d));
