@@ -130,24 +130,24 @@ void bootstrap(const std::vector<HeldOut>& all, std::uint64_t seed, Gain& g) {
 
 }  // namespace
 
-HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
+HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
                  const Explanation& model) {
   HeldOut h;
   h.step = record.step();
   h.prismatic = record.prismatic;
-  const std::vector<Eigen::Index> blocks = block_starts(few);
-  const auto end_of = [&](std::size_t b) { return b + 1 < blocks.size() ? blocks[b + 1] : few.rows(); };
+  const std::vector<Eigen::Index> blocks = block_starts(sampled);
+  const auto end_of = [&](std::size_t b) { return b + 1 < blocks.size() ? blocks[b + 1] : sampled.rows(); };
   h.held_out = blocks.size() >= fewest_blocks;
   std::vector<Eigen::Index> halves[2];
   for (std::size_t b = 0; b < blocks.size(); ++b)
     for (const Eigen::Index k : range(blocks[b], end_of(b))) halves[h.held_out ? b % 2 : 0].push_back(k);
-  Eigen::ArrayXd before(few.rows()), after(few.rows());
+  Eigen::ArrayXd before(sampled.rows()), after(sampled.rows());
   for (int half = 0; half < (h.held_out ? 2 : 1); ++half) {
     const std::vector<Eigen::Index>& asked = halves[half];
-    const Prediction p = predict(few, model, halves[h.held_out ? 1 - half : 0], asked);
+    const Prediction p = predict(sampled, model, halves[h.held_out ? 1 - half : 0], asked);
     before(asked) = p.before;
     after(asked) = p.after;
-    judge(few, asked, p, h);
+    judge(sampled, asked, p, h);
   }
   const Eigen::ArrayXd residual = record.measured - record.reference;
   for (std::size_t b = 0; b < blocks.size(); ++b) {

@@ -28,10 +28,10 @@ struct HeldOut {
   double inside = 0;     ///< readings within the model's central 95 %
 };
 
-/// @param record  all rows
-/// @param few     the independent rows among them, `groups` that each one represents
-/// @param model   fitted to `few`
-HeldOut hold_out(const Evidence& record, const Evidence& few, const std::vector<RowGroup>& groups,
+/// @param record   all rows
+/// @param sampled  the independent rows among them, `groups` that each one represents
+/// @param model    fitted to `sampled`
+HeldOut hold_out(const Evidence& record, const Evidence& sampled, const std::vector<RowGroup>& groups,
                  const Explanation& model);
 
 /// The gain over all rows of some encoders, with the 95 % interval of its ratio by drawing blocks with

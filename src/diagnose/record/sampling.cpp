@@ -56,18 +56,18 @@ std::vector<RowGroup> sample_groups(const Evidence& e) {
 
 ErrorSamples error_samples(const Evidence& e, std::uint64_t seed, Eigen::Index most) {
   ErrorSamples s{Sampling(e, drawn(sample_groups(e), seed, most)), {}, {}};
-  const Evidence& few = s.sampling.evidence;
+  const Evidence& sampled = s.sampling.evidence;
   const double step = e.step();
-  s.error = few.measured - few.path + (0.5 - below_reading(e.encoder)) * step;
-  s.variance.resize(few.rows());
-  for (Eigen::Index i = 0; i < few.rows(); ++i) {
+  s.error = sampled.measured - sampled.path + (0.5 - below_reading(e.encoder)) * step;
+  s.variance.resize(sampled.rows());
+  for (Eigen::Index i = 0; i < sampled.rows(); ++i) {
     const RowGroup& g = s.sampling.groups[static_cast<std::size_t>(i)];
     const bool edge = e.measured[g.first] != e.measured[g.end - 1];
     const double moved = (e.path[g.end - 1] - e.path[g.first]) / step;
     const double rounding = edge ? std::min(moved * moved, 1.0) / 12 : 1.0 / 12;
     const double averaged = edge ? 2 : 1;
     s.variance[i] = rounding * step * step + e.path_noise * e.path_noise / averaged;
-    if (few.random_sigma.size() > 0) s.variance[i] += std::pow(few.random_sigma[i], 2) / averaged;
+    if (sampled.random_sigma.size() > 0) s.variance[i] += std::pow(sampled.random_sigma[i], 2) / averaged;
   }
   // An edge that is crossed at almost no speed has no rounding error, but its own one: edges are not placed
   // better than to a few percent of a count.

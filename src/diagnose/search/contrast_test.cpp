@@ -24,8 +24,8 @@ constexpr double guess_error = 0.2;
 bool is_among_neighbours(const ErrorModel& m, const Choice& c, std::size_t i) {
   const Term& t = m.term(c.chosen[i]);
   if (!t.named() || !t.harmonic) return false;
-  const double order = std::abs(wave_number(t.effect, m.few().encoder));
-  const double resolution = 2 * std::numbers::pi / m.few().range();
+  const double order = std::abs(wave_number(t.effect, m.sampled().encoder));
+  const double resolution = 2 * std::numbers::pi / m.sampled().range();
   if (order < resolution) return false;  // of less than a period there is no neighbour
   const Eigen::ArrayXd residual = c.residual + addition(t, m.coefficients(c.chosen, c.fit, i));
   double sum = 0;
@@ -33,7 +33,7 @@ bool is_among_neighbours(const ErrorModel& m, const Choice& c, std::size_t i) {
   for (int k = 0; k < 8; ++k)
     for (const double other : {order - (1.5 + k) * resolution, order + (1.5 + k) * resolution}) {
       if (other < 0.75 * resolution) continue;
-      sum += m.gain(free_order_term(m.few(), other), residual);
+      sum += m.gain(free_order_term(m.sampled(), other), residual);
       ++count;
     }
   const double ratio = m.gain(t, residual) / std::max(sum / count, 1e-300);

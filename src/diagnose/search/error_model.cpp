@@ -34,7 +34,8 @@ ErrorModel::ErrorModel(const Evidence& record, const ErrorSamples& samples, std:
 
 double ErrorModel::periods(std::size_t i) const {
   const Term& t = term(i);
-  return t.named() && t.harmonic ? periods_covered(t.effect, few()) : std::numeric_limits<double>::infinity();
+  return t.named() && t.harmonic ? periods_covered(t.effect, sampled())
+                                 : std::numeric_limits<double>::infinity();
 }
 
 bool ErrorModel::is_arc(std::size_t i) const {
@@ -67,12 +68,12 @@ Eigen::ArrayXd ErrorModel::weights(const ErrorSamples& s) const {
 
 void ErrorModel::weigh(const std::vector<Event>& events) {
   weight_ = weights(*samples_);
-  if (!few().ordered) return;
+  if (!sampled().ordered) return;
   // A sample that a step divides belongs to neither side.
   for (const Event& event : events)
-    weight_ = ((few().time - event.time).abs() < 2 * few().interval).select(0.0, weight_);
+    weight_ = ((sampled().time - event.time).abs() < 2 * sampled().interval).select(0.0, weight_);
   // Nor does one at which the side of a play is unknown.
-  if ((few().direction.abs() == 1).any()) weight_ = (few().direction.abs() == 1).select(weight_, 0.0);
+  if ((sampled().direction.abs() == 1).any()) weight_ = (sampled().direction.abs() == 1).select(weight_, 0.0);
 }
 
 void ErrorModel::price(double independent, double worth, double worth_of_shapes) {

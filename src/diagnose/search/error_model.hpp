@@ -46,7 +46,7 @@ class ErrorModel {
   const Evidence& record() const { return *record_; }
   const ErrorSamples& samples() const { return *samples_; }
   /// The record at the samples.
-  const Evidence& few() const { return samples_->sampling.evidence; }
+  const Evidence& sampled() const { return samples_->sampling.evidence; }
 
   const std::vector<Candidate>& candidates() const { return candidates_; }
   const Candidate& candidate(std::size_t i) const { return candidates_[i]; }

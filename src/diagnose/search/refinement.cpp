@@ -55,8 +55,8 @@ class Refinement {
     for (std::size_t s = 0; s < shaped.size(); ++s) {
       const Term& t = term(shaped[s]);
       const double by = 1e-3 * t.half_width;
-      const Eigen::ArrayXXd change =
-          t.reshaped(m_.few(), t, t.shape + by).columns - t.reshaped(m_.few(), t, t.shape - by).columns;
+      const Eigen::ArrayXXd change = t.reshaped(m_.sampled(), t, t.shape + by).columns -
+                                     t.reshaped(m_.sampled(), t, t.shape - by).columns;
       columns.col(count + static_cast<Eigen::Index>(s)) =
           change.matrix() * coefficients(shaped[s]) / (2 * by);
     }
@@ -89,7 +89,7 @@ class Refinement {
     for (std::size_t k = 0; k < choice_.chosen.size(); ++k)
       if (k == i || !term(k).named()) target += addition(term(k), coefficients(k));
     for (int step = 0; step < steps; ++step) {
-      const Term t = original.relinearized(m_.few(), original, p);
+      const Term t = original.relinearized(m_.sampled(), original, p);
       Eigen::MatrixXd columns(target.size(), t.size() + 1);
       columns << Eigen::VectorXd::Ones(target.size()), t.columns.matrix();
       Eigen::VectorXd left = target.matrix();
@@ -131,7 +131,7 @@ class Refinement {
     const auto rate = [](const Scanned::Rate& r) { return r.value; };
     const double order = t.effect.number_or("order", 0);
     if (t.harmonic && t.named())
-      add(next.orders, Scanned::Rate{std::abs(wave_number(t.effect, m_.few().encoder)), 1, true}, rate);
+      add(next.orders, Scanned::Rate{std::abs(wave_number(t.effect, m_.sampled().encoder)), 1, true}, rate);
     else if (t.harmonic && !is_refined(t, next.orders))
       add(next.orders, Scanned::Rate{t.shape, hypotheses_of(scanned_.orders, t.shape)}, rate);
     else if (t.pattern == Shape::line && !is_refined(t, next.lines))

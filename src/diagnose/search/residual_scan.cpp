@@ -53,16 +53,17 @@ double highest_order(const Evidence& record) {
 /// path covers few periods, a peak of the periodogram is displaced by the mean and by its own side lobes.
 double refined_order(const ErrorModel& m, const Eigen::ArrayXd& residual, double order) {
   constexpr double few_periods = 8;
-  const double resolution = turn / m.few().range();
+  const double resolution = turn / m.sampled().range();
   if (order > few_periods * resolution) return order;
-  double best = m.gain(free_order_term(m.few(), order), residual);
+  double best = m.gain(free_order_term(m.sampled(), order), residual);
   for (double step = 0.25 * resolution; step > 0.005 * resolution; step /= 2) {
     bool better = true;
     for (int move = 0; better && move < most_moves_of_step; ++move) {
       better = false;
       for (const double other : {order - step, order + step}) {
         if (other < 0.75 * resolution) continue;
-        if (const double gain = m.gain(free_order_term(m.few(), other), residual); gain > best * (1 + 1e-9)) {
+        if (const double gain = m.gain(free_order_term(m.sampled(), other), residual);
+            gain > best * (1 + 1e-9)) {
           best = gain, order = other, better = true;
           break;
         }
@@ -74,12 +75,12 @@ double refined_order(const ErrorModel& m, const Eigen::ArrayXd& residual, double
 
 bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eigen::ArrayXd& scores,
                  std::vector<Scanned::Rate>& known) {
-  const double range = m.few().range();
+  const double range = m.sampled().range();
   const RateScan s{turn / range, highest_order(m.record()), 5};
   double hypotheses = 1;
   bool any = false;
-  for (double rate : strongest_rates(scores, m.few().path, s, hypotheses)) {
-    if (gain_of(free_order_term(m.few(), rate), scores, m.weight()) < 2 * std::log(hypotheses)) break;
+  for (double rate : strongest_rates(scores, m.sampled().path, s, hypotheses)) {
+    if (gain_of(free_order_term(m.sampled(), rate), scores, m.weight()) < 2 * std::log(hypotheses)) break;
     rate = refined_order(m, residual, rate);
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
@@ -90,12 +91,12 @@ bool scan_orders(const ErrorModel& m, const Eigen::ArrayXd& residual, const Eige
 
 bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
                         std::vector<Scanned::Rate>& known) {
-  const double range = m.few().range();
+  const double range = m.sampled().range();
   const RateScan s{1.5 * turn / range, highest_order(m.record()), 2};
-  const Eigen::ArrayXd load = m.few().effort / std::max(1e-300, m.few().effort.abs().maxCoeff());
+  const Eigen::ArrayXd load = m.sampled().effort / std::max(1e-300, m.sampled().effort.abs().maxCoeff());
   double hypotheses = 1;
   bool any = false;
-  for (const double rate : strongest_rates(scores * load, m.few().path, s, hypotheses)) {
+  for (const double rate : strongest_rates(scores * load, m.sampled().path, s, hypotheses)) {
     if (has_near(known, rate, 0.25 * turn / range)) continue;
     known.push_back({rate, hypotheses});
     any = true;
@@ -105,10 +106,10 @@ bool scan_loaded_orders(const ErrorModel& m, const Eigen::ArrayXd& scores,
 
 bool scan_lines(const ErrorModel& m, const Eigen::ArrayXd& scores, std::vector<Scanned::Rate>& known,
                 double duration) {
-  const RateScan s{turn * 8 / duration, std::numbers::pi / m.few().interval, 3};
+  const RateScan s{turn * 8 / duration, std::numbers::pi / m.sampled().interval, 3};
   double hypotheses = 1;
   bool any = false;
-  for (const double rate : strongest_rates(scores, m.few().time, s, hypotheses)) {
+  for (const double rate : strongest_rates(scores, m.sampled().time, s, hypotheses)) {
     if (has_near(known, rate / turn, 0.25 / duration)) continue;
     known.push_back({rate / turn, hypotheses});
     any = true;
@@ -120,15 +121,15 @@ bool scan_events(const ErrorModel& m, Eigen::ArrayXd left, std::vector<Event>& k
   const Eigen::ArrayXd& weight = m.weight();
   bool any = false;
   for (int i = 0; i < most_events; ++i) {
-    Event event = strongest_event(left, weight, m.few().time);
+    Event event = strongest_event(left, weight, m.sampled().time);
     if (event.hypotheses == 0) break;
-    const Term t = offset_step_term(m.few(), event.time);
+    const Term t = offset_step_term(m.sampled(), event.time);
     const Eigen::ArrayXd step = t.columns.col(0) - (t.columns.col(0) * weight).sum() / weight.sum();
     const double size = (step * weight * left).sum() / (step.square() * weight).sum();
     if (size * size * (step.square() * weight).sum() < 2 * std::log(event.hypotheses)) break;
     if (std::none_of(known.begin(), known.end(),
                      [&](const Event& e) { return std::abs(e.time - event.time) < 2e-3 * duration; })) {
-      find_transitions(event, left, weight, m.few().time);
+      find_transitions(event, left, weight, m.sampled().time);
       known.push_back(event);
       any = true;
     }
@@ -138,7 +139,7 @@ bool scan_events(const ErrorModel& m, Eigen::ArrayXd left, std::vector<Event>& k
 }
 
 bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vector<Bump>& known) {
-  const Bump b = strongest_bump(residual, m.weight(), m.few().path);
+  const Bump b = strongest_bump(residual, m.weight(), m.sampled().path);
   if (b.width == 0 || std::any_of(known.begin(), known.end(),
                                   [&](const Bump& p) { return std::abs(p.position - b.position) < b.width; }))
     return false;
@@ -151,16 +152,16 @@ bool scan_places(const ErrorModel& m, const Eigen::ArrayXd& residual, std::vecto
 bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned& scanned) {
   const Eigen::ArrayXd& weight = m.weight();
   const Eigen::ArrayXd scores = (residual - (residual * weight).sum() / weight.sum()) * weight;
-  const Evidence& few = m.few();
+  const Evidence& sampled = m.sampled();
   bool any = false;
-  if (!few.is_stationary()) any |= scan_orders(m, residual, scores, scanned.orders);
-  if (!few.is_stationary() && few.effort.size() > 0)
+  if (!sampled.is_stationary()) any |= scan_orders(m, residual, scores, scanned.orders);
+  if (!sampled.is_stationary() && sampled.effort.size() > 0)
     any |= scan_loaded_orders(m, scores, scanned.loaded_orders);
-  if (const double duration = few.ordered ? few.time[few.rows() - 1] : 0; duration > 0) {
+  if (const double duration = sampled.ordered ? sampled.time[sampled.rows() - 1] : 0; duration > 0) {
     any |= scan_lines(m, scores, scanned.lines, duration);
     any |= scan_events(m, residual, scanned.events, duration);
   }
-  if (!few.is_stationary()) any |= scan_places(m, residual, scanned.places);
+  if (!sampled.is_stationary()) any |= scan_places(m, residual, scanned.places);
   return any;
 }
 

@@ -115,9 +115,10 @@ Choice choose_terms(ErrorModel& m, const ChoiceHistory& history) {
   Choice c;
   c.richest = best_of_starts(m, history, m.rows());
   const Eigen::ArrayXd residual = m.residual(c.richest, m.fit(c.richest)) * m.weight().sqrt();
-  c.correlation = m.few().ordered ? integrated_correlation(residual) : 1;
-  c.chosen = !m.few().ordered || c.correlation < 1.5 ? c.richest
-                                                     : best_of_starts(m, history, m.rows() / c.correlation);
+  c.correlation = m.sampled().ordered ? integrated_correlation(residual) : 1;
+  c.chosen = !m.sampled().ordered || c.correlation < 1.5
+                 ? c.richest
+                 : best_of_starts(m, history, m.rows() / c.correlation);
   c.fit = m.fit(c.chosen);
   c.residual = m.residual(c.chosen, c.fit);
   return c;

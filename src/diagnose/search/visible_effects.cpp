@@ -45,7 +45,7 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
   std::vector<VisibleEffect> visible;
   const double noise = m.scale(choice);
   for (const EffectKind& kind : effect_kinds()) {
-    if (!kind.terms || !suits(kind, m.few().encoder)) continue;
+    if (!kind.terms || !suits(kind, m.sampled().encoder)) continue;
     const auto of_kind = [&](std::size_t g) { return m.term(g).effect.type == kind.name; };
     if (std::any_of(choice.chosen.begin(), choice.chosen.end(), of_kind)) continue;
     VisibleEffect v{std::string(kind.name), {}, 0, {}};
@@ -56,7 +56,7 @@ std::vector<VisibleEffect> visible_effects(const ErrorModel& m, const Choice& ch
         set_smallest(v, m.term(g),
                      std::sqrt((m.group(g).least_gain + m.group(g).price * noise) / information));
     }
-    if (v.smallest == 0) v.hidden_by = hidden_by(kind, m.few());
+    if (v.smallest == 0) v.hidden_by = hidden_by(kind, m.sampled());
     visible.push_back(std::move(v));
   }
   return visible;

@@ -35,10 +35,10 @@ std::string pair_of_bars(const FigureChange& f) {
   return figure(bars);
 }
 
-std::string figure_pictures(const std::vector<FigureChange>& told) {
+std::string figure_pictures(const std::vector<FigureChange>& notable) {
   std::string out;
   std::size_t drawn = 0, possible = 0;
-  for (const FigureChange& f : told) {
+  for (const FigureChange& f : notable) {
     if (!has_bar(f.a) || !has_bar(f.b)) continue;
     if (++possible <= most_pictures) out += pair_of_bars(f), ++drawn;
   }
@@ -50,16 +50,17 @@ std::string figure_pictures(const std::vector<FigureChange>& told) {
   return out;
 }
 
-std::string figure_table(const std::vector<FigureChange>& told) {
+std::string figure_table(const std::vector<FigureChange>& notable) {
   std::vector<std::vector<std::string>> rows;
-  for (const FigureChange& f : told)
+  for (const FigureChange& f : notable)
     if (rows.size() < most_compared_rows)
       rows.push_back(
           {f.figure.name(), readable(*f.a, f.figure.unit), readable(*f.b, f.figure.unit), change_text(f)});
   if (rows.empty()) return "";
   std::string out = page::table({"figure", "A", "B", "change"}, rows);
-  if (rows.size() < told.size())
-    out += "<p>The first " + std::to_string(rows.size()) + " of " + counted(told.size(), "figure") + ".</p>";
+  if (rows.size() < notable.size())
+    out +=
+        "<p>The first " + std::to_string(rows.size()) + " of " + counted(notable.size(), "figure") + ".</p>";
   return out;
 }
 
@@ -130,7 +131,7 @@ std::string single_figures(const ReportComparison& c, bool in_a) {
 }  // namespace
 
 std::string to_html(const ReportComparison& c, const Style&) {
-  const std::vector<FigureChange> told = told_figures(c);
+  const std::vector<FigureChange> notable = notable_figures(c);
   std::string sentence = comparison_sentence(c);
   sentence.front() = static_cast<char>(std::toupper(static_cast<unsigned char>(sentence.front())));
   return markup(page::Page{
@@ -139,9 +140,9 @@ std::string to_html(const ReportComparison& c, const Style&) {
       {{"What is compared", "<p>A (before): " + page::escaped_markup(side_text(c.a)) +
                                 "</p><p>B (after): " + page::escaped_markup(side_text(c.b)) + "</p>"},
        {"Requirements", requirement_section(c)},
-       {"Before and after", figure_pictures(told)},
+       {"Before and after", figure_pictures(notable)},
        {"Shares of the encoders", share_section(c)},
-       {"All changes", figure_table(told) + single_figures(c, true) + single_figures(c, false)}},
+       {"All changes", figure_table(notable) + single_figures(c, true) + single_figures(c, false)}},
       c.warnings});
 }
 

@@ -25,7 +25,7 @@ std::string change_text(const FigureChange&);
 
 /// The figures of both reports that are worth a reader's time: those that read differently, and without
 /// `details` only the maximum of a quantity in place of its other statistics.
-std::vector<FigureChange> told_figures(const ReportComparison&);
+std::vector<FigureChange> notable_figures(const ReportComparison&);
 
 /// What has flipped, and how many figures grew and shrank.
 std::string comparison_sentence(const ReportComparison&);

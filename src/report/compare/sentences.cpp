@@ -42,17 +42,17 @@ std::string flips_sentence(const ReportComparison& c) {
 
 }  // namespace
 
-std::vector<FigureChange> told_figures(const ReportComparison& c) {
-  std::vector<FigureChange> told;
+std::vector<FigureChange> notable_figures(const ReportComparison& c) {
+  std::vector<FigureChange> notable;
   std::set<std::string> spoken_for;
   for (const FigureChange& f : c.figures)
     if (is_main(f.figure) && changed_in_print(f)) spoken_for.insert(f.figure.quantity);
   for (const FigureChange& f : c.figures) {
     if (!f.in_both()) continue;
     const bool wanted = is_main(f.figure) || !spoken_for.contains(f.figure.quantity);
-    if (c.details || (wanted && changed_in_print(f) && !repeats_another(f, c.figures))) told.push_back(f);
+    if (c.details || (wanted && changed_in_print(f) && !repeats_another(f, c.figures))) notable.push_back(f);
   }
-  return told;
+  return notable;
 }
 
 std::string judged_text(const std::optional<JudgedRequirement>& r) {

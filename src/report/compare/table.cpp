@@ -55,17 +55,17 @@ std::string requirements_section(const ReportComparison& c, const Style& style) 
 }
 
 std::string figures_section(const ReportComparison& c, const Style& style) {
-  const std::vector<FigureChange> told = told_figures(c);
-  if (told.empty()) return "";
-  const std::size_t rows = c.details ? told.size() : std::min(told_at_most, told.size());
+  const std::vector<FigureChange> notable = notable_figures(c);
+  if (notable.empty()) return "";
+  const std::size_t rows = c.details ? notable.size() : std::min(told_at_most, notable.size());
   std::vector<std::vector<std::string>> cells{{"figure", "A", "B", "change"}};
   for (std::size_t i = 0; i < rows; ++i) {
-    const FigureChange& f = told[i];
+    const FigureChange& f = notable[i];
     cells.push_back({shown(f.figure.name()), shown_value(f.a, f.figure.unit), shown_value(f.b, f.figure.unit),
                      change_text(f)});
   }
   std::string out = heading("Figures, the largest changes first", style) + fitted_table(cells, style.width);
-  if (rows < told.size()) out += "  and " + std::to_string(told.size() - rows) + " more: --details\n";
+  if (rows < notable.size()) out += "  and " + std::to_string(notable.size() - rows) + " more: --details\n";
   return out;
 }
 
