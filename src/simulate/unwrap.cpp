@@ -36,17 +36,20 @@ double Unwrap::operator()(double value) {
     return std::abs(to.last - (from.last + samples * from.velocity));
   };
   State next = after(now_, value, 1);
-  double off = deviation(now_, next, 1);
-  if (far_off_) {
-    const State without = after(before_, value, 2);
-    const double off_without = deviation(before_, without, 2);
-    if (off_without < noticeable * turn_ && (without.turns != next.turns || off > 0.25 * turn_)) {
+  const double off = deviation(now_, next, 1);
+  const bool jumped = far_off_;
+  // Only a sample whose prediction does not itself come from a jump is judged.
+  far_off_ = !jumped && off > noticeable * turn_;
+  if (jumped) {
+    State without = after(before_, value, 2);
+    const bool other_turns = without.turns != next.turns;
+    if (deviation(before_, without, 2) < noticeable * turn_ && (other_turns || off > noticeable * turn_)) {
       withdrawn_ = now_.turns - before_.turns;
+      // Within a quarter turn it may be motion: then only the span of the samples is corrected.
+      if (!other_turns && off <= 0.25 * turn_) without.velocity = next.velocity;
       next = now_ = without;
-      off = off_without;
     }
   }
-  far_off_ = off > noticeable * turn_;
   before_ = now_;
   now_ = next;
   return now_.last;

@@ -18,7 +18,8 @@ int turns_after(double step, double turn);
 /// the velocity changes by less than a quarter turn per sample.
 ///
 /// A single reading far off is no motion: where the next sample is as predicted from the samples before it,
-/// the reading and its turn are disregarded. The velocity to it would remove further turns, without end.
+/// the reading and its turn are disregarded (one that is off by nearly a turn is a wrap). The velocity to it
+/// would remove further turns, without end.
 class Unwrap {
  public:
   /// @param turn  interval of the wraps [unit of the values], > 0

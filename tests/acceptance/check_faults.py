@@ -39,13 +39,13 @@ def commands():
     yield ["filter", "s.yaml"], {"-o": "o.json", "--response": "r.csv", "--impulse": "i.csv", "--transient": "t.csv"}
     yield ["check", "s.yaml"], {"-o": "o.json", "--junit": "j.xml"}
     yield ["simulate", "s.yaml", "--threads", "2"], {"-o": "o.json", "--log": "l.csv"}
-    yield ["diagnose", "s.yaml", "log.csv", "--threads", "2"], {"-o": "o.json", "--write-model": "m.yaml"}
+    yield ["diagnose", "s.yaml", "log.csv", "--force", "--threads", "2"], {"-o": "o.json", "--write-model": "m.yaml"}
     yield ["sweep", "s.yaml", "--threads", "2"], {"-o": "o.csv"}
     yield ["merge", "k1.csv", "k2.csv"], {"-o": "o.csv"}
-    yield ["design", "s.yaml"], {"-o": "o.json", "--write-spec": "w.yaml"}
+    yield ["design", "s.yaml", "--force"], {"-o": "o.json", "--write-spec": "w.yaml"}
     yield ["threshold", "s.yaml"], {"-o": "o.csv"}
     yield ["compare", "s.yaml", "other.yaml"], {"-o": "o.json"}
-    yield ["robot", "arm.urdf"], {"-o": "o.json", "--write-spec": "w.yaml"}
+    yield ["robot", "arm.urdf", "--force"], {"-o": "o.json", "--write-spec": "w.yaml"}
     yield ["schema"], {"-o": "o.json"}
 
 

@@ -44,6 +44,7 @@ TEST(Unwrap, DisregardsSingleReadingsFarOff) {
     const double turn = run % 2 ? 2 * pi : 16384, from = start(dice) * turn;
     const double swing = run % 4 < 2 ? 0.3 * turn : 2 * turn, at = phase(dice);
     const double off = (run % 8 == 0 ? 100 : 1) * size(dice) * turn;
+    if (std::abs(std::abs(off / turn) - 1) < 0.07) continue;  // looks like a wrap
     Unwrap unwrap(turn);
     const auto path = [&](int i) { return swing * std::sin(0.02 * i + at); };
     const int cell = 20 + run % 400;
@@ -51,7 +52,8 @@ TEST(Unwrap, DisregardsSingleReadingsFarOff) {
     for (int i = 0; i < 500; ++i) {
       const double u = unwrap(wrapped(path(i), turn, from) + (i == cell ? off : 0));
       if (i == 0) offset = path(0) - u;
-      if (i != cell) ASSERT_NEAR(u, path(i) - offset, 1e-9 * turn) << run << ' ' << i << ' ' << off / turn;
+      if (i == cell) continue;
+      ASSERT_NEAR(u, path(i) - offset, 1e-9 * turn) << run << ' ' << i << ' ' << off / turn;
     }
   }
 }
@@ -137,15 +139,16 @@ TEST_F(ReadLog, CountsNoTurnOfAReadingFarOff) {
   }
   const Log log = read(text);
   EXPECT_NEAR(values(log, LogSignal::reference, 3)[120], std::sin(2.4) + 5, 1e-6);
-  for (Eigen::Index i = 1; i < 300; ++i)
-    if (i != 120)
-      ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], std::sin(0.02 * static_cast<double>(i)), 1e-6)
-          << i;
+  for (Eigen::Index i = 1; i < 300; ++i) {
+    if (i == 120) continue;
+    ASSERT_NEAR(values(log, LogSignal::reference, 3)[i], std::sin(0.02 * static_cast<double>(i)), 1e-6) << i;
+  }
 }
 
 TEST_F(ReadLog, NamesPositionsWhoseColumnsAreMisspelt) {
   const auto misspelt = [&](const std::string& header) {
-    return read("time [s],wrist.counts," + header + "\n0,1,2\n1,2,3\n").misspelt;
+    const std::string cells(header.find(',') == header.npos ? ",1,2\n" : ",1,2,3\n");
+    return read("time [s],wrist.counts," + header + "\n0" + cells + "1" + cells).misspelt;
   };
   using Names = std::vector<std::string>;
   for (const std::string name : {"wrist.refrence", "wrist.Reference [rad]", "wrist.ref", "Wrist.reference"})
