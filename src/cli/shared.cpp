@@ -218,7 +218,7 @@ std::unique_ptr<OutputFile> opened_report(const Values& v, std::initializer_list
 
 namespace {
 
-/// Of the files that options with one format name.
+/// Refuses an ending that an output of one format, such as FILE.csv, does not have.
 void require_own_endings(const std::vector<Option>& of_command, const Values& v) {
   for (const Option& option : of_command) {
     const std::string ending = std::filesystem::path(v.text(option.key())).extension().string();

@@ -137,7 +137,7 @@ bool is_urdf(const std::string& begin) {
 }
 
 /// Whether a file is a catalogue: its first line that is no comment has a column `name` in front, or beside
-/// `price`. No table of qerr has such a header.
+/// `price`. Of the tables of qerr only that of `list` begins with `name`; it has a column `parameter`.
 bool is_catalogue(const std::string& begin) {
   std::istringstream lines(begin);
   std::string header;
@@ -154,7 +154,7 @@ bool is_catalogue(const std::string& begin) {
     return std::any_of(cells.begin(), cells.end(),
                        [&](const std::string& cell) { return cell == name || cell.starts_with(name + '['); });
   };
-  return cells.size() > 1 && has("name") && (cells.front() == "name" || has("price"));
+  return cells.size() > 1 && has("name") && !has("parameter") && (cells.front() == "name" || has("price"));
 }
 
 /// What a file is that a person may have written; "" if it is another one, or none.

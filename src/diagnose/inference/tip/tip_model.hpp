@@ -105,7 +105,7 @@ class TipModel {
   Eigen::VectorXd theta_;  ///< of the terms
   std::shared_ptr<const std::vector<TipPose>> poses_;
   std::vector<Eigen::MatrixXd> turn_;  ///< from base axes to the row's own, coordinates x 3
-  /// Of every row, at the first estimate; shared by copies.
+  /// Second-order errors of every row, at the first estimate; shared by copies.
   std::shared_ptr<const std::vector<SecondOrder>> second_order_;
   Eigen::VectorXd y_, known_;
   Eigen::MatrixXd nuisance_;
