@@ -46,7 +46,7 @@
 #include "qerr/bound/derivative_error.hpp"
 #include "qerr/bound/effect_shares.hpp"
 #include "qerr/bound/error_along_motion.hpp"
-#include "qerr/bound/error_source.hpp"
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/bound/joint_error.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/proven_maximum.hpp"

@@ -89,18 +89,14 @@ void add_derivatives(const ColumnModel& m, Workspace& w) {
 }
 
 Eigen::MatrixXd variance_parts(const ColumnStatistics& columns, const OperationalModel& model) {
-  const auto& encoders = model.transmission.encoders;
-  Eigen::MatrixXd parts(static_cast<Eigen::Index>(model.coordinates.size()),
-                        static_cast<Eigen::Index>(encoders.size()));
+  Eigen::MatrixXd parts =
+      Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(model.coordinates.size()),
+                            static_cast<Eigen::Index>(model.transmission.encoders.size()));
   for (Eigen::Index c = 0; c < parts.rows(); ++c) {
     const auto coordinate = static_cast<std::size_t>(c);
-    for (std::size_t e = 0; e < encoders.size(); ++e)
-      parts(c, static_cast<Eigen::Index>(e)) =
-          columns.mean_square(coordinate, ErrorColumns::column_of_encoder(e)) *
-          (encoders[e].resolution * encoders[e].resolution / 12);
-    for (const ErrorSource& s : model.sources)
-      parts(c, static_cast<Eigen::Index>(s.owner)) +=
-          columns.mean_square(coordinate, columns.columns().column_of(s)) * (s.sigma * s.sigma);
+    for (const IndependentError& e : independent_errors(model))
+      parts(c, static_cast<Eigen::Index>(e.owner)) +=
+          columns.mean_square(coordinate, columns.columns().column_of(e)) * (e.sigma * e.sigma);
   }
   return parts;
 }

@@ -130,18 +130,18 @@ double sigma_ratio(const EffectShare& s, const Norms& norms, std::optional<doubl
 
 }  // namespace
 
-std::vector<ErrorSource> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
+std::vector<IndependentError> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
                                        const std::vector<Norms>& norms,
                                        const std::vector<double>& step_energies) {
-  std::vector<ErrorSource> sources;
+  std::vector<IndependentError> sources;
   for (const EffectShare& s : shares) {
     if (!s.included || is_zero(*s.share)) continue;
     const Stage stage = effect_kind(s.effect.type).stage;
-    ErrorSource source{at_joint(stage) ? ErrorSource::Where::joint : ErrorSource::Where::encoder, s.joint};
+    IndependentError source{at_joint(stage) ? IndependentError::Where::joint : IndependentError::Where::encoder, s.joint};
     if (stage == Stage::kinematics) {
       const auto link = find_joint(model.chain, s.effect.joint);
       if (!link) continue;  // a mimicked joint outside the chain: its origin does not displace the tip
-      source.where = ErrorSource::Where::origin;
+      source.where = IndependentError::Where::origin;
       source.link = *link;
       source.direction = displacement_direction(s.effect);
     }

@@ -9,7 +9,7 @@ namespace qerr {
 /// @param rotation      of the tip in the base frame
 /// @param joint_rows    rows of the coordinates, by independent joints (J)
 /// @param encoder_rows  the same by encoders (J C)
-Eigen::VectorXd error_column(const ErrorSource&, const OperationalModel&, const Eigen::VectorXd& q,
+Eigen::VectorXd error_column(const IndependentError&, const OperationalModel&, const Eigen::VectorXd& q,
                              const Eigen::Matrix3d& rotation, const Eigen::MatrixXd& joint_rows,
                              const Eigen::MatrixXd& encoder_rows);
 

@@ -16,9 +16,9 @@ namespace qerr {
 
 namespace {
 
-bool same_place(const ErrorSource& a, const ErrorSource& b) {
+bool same_place(const IndependentError& a, const IndependentError& b) {
   if (a.where != b.where) return false;
-  if (a.where != ErrorSource::Where::origin) return a.owner == b.owner;
+  if (a.where != IndependentError::Where::origin) return a.owner == b.owner;
   return a.link == b.link && a.direction == b.direction;
 }
 
@@ -29,7 +29,7 @@ bool needs_rotation(const OperationalModel& model) {
 
 }  // namespace
 
-ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<ErrorSource>& sources,
+ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<IndependentError>& sources,
                            const Configurations& configurations, unsigned threads, InstructionSet set)
     : count_(size(configurations)),
       padded_((count_ + batch_size - 1) / batch_size * batch_size),
@@ -37,9 +37,9 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Erro
       joints_(model.chain.joints.size()),
       coupled_(!model.transmission.coupling.is_identity()) {
   const std::size_t encoders = model.transmission.encoders.size();
-  for (std::size_t e = 0; e < encoders; ++e) places_.push_back({ErrorSource::Where::encoder, e});
-  for (ErrorSource s : sources) {
-    if (!coupled_ && s.where == ErrorSource::Where::joint) continue;
+  for (std::size_t e = 0; e < encoders; ++e) places_.push_back({IndependentError::Where::encoder, e});
+  for (IndependentError s : sources) {
+    if (!coupled_ && s.where == IndependentError::Where::joint) continue;
     if (std::none_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); }))
       places_.push_back(std::move(s));
   }
@@ -90,13 +90,13 @@ void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t firs
   }
 }
 
-bool ErrorColumns::has_column(const ErrorSource& s) const {
-  return (!coupled_ && s.where == ErrorSource::Where::joint) ||
+bool ErrorColumns::has_column(const IndependentError& s) const {
+  return (!coupled_ && s.where == IndependentError::Where::joint) ||
          std::any_of(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
 }
 
-std::size_t ErrorColumns::column_of(const ErrorSource& s) const {
-  if (!coupled_ && s.where == ErrorSource::Where::joint) return s.owner;
+std::size_t ErrorColumns::column_of(const IndependentError& s) const {
+  if (!coupled_ && s.where == IndependentError::Where::joint) return s.owner;
   const auto found =
       std::find_if(places_.begin(), places_.end(), [&](const auto& p) { return same_place(p, s); });
   if (found == places_.end()) throw std::logic_error("no column for this error source");
@@ -122,21 +122,21 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
     w.added_worst = model.along_motion->filtered[filter].peak;
     w.added_variance = model.along_motion->filtered[filter].covariance.diagonal();
   }
-  const Eigen::VectorXd delta = resolutions(model.transmission);
-  w.variance_of_quantization.head(delta.size()) = (norms.h2 * delta / std::sqrt(12.0)).cwiseAbs2();
-  if (!sigma_is_known(model.sources, filter)) return w;
-  const auto of_sources = [&](bool beside_noise_in_motion) {
+  const std::vector<IndependentError> errors = independent_errors(model);
+  const auto of_errors = [&](std::size_t count, bool beside_noise_in_motion) {
     Eigen::VectorXd variance = zeros(columns.columns());
-    const Eigen::VectorXd ratios = sigma_ratios(model.sources, filter, norms.h2, beside_noise_in_motion);
-    for (std::size_t s = 0; s < model.sources.size(); ++s)
-      variance[static_cast<Eigen::Index>(columns.column_of(model.sources[s]))] +=
-          std::pow(model.sources[s].sigma * ratios[static_cast<Eigen::Index>(s)], 2);
+    const Eigen::VectorXd ratios = sigma_ratios(errors, filter, norms.h2, beside_noise_in_motion);
+    for (std::size_t i = 0; i < count; ++i)
+      variance[static_cast<Eigen::Index>(columns.column_of(errors[i]))] +=
+          std::pow(errors[i].sigma * ratios[static_cast<Eigen::Index>(i)], 2);
     return variance;
   };
-  w.variance = of_sources(false) + w.variance_of_quantization;
+  w.variance_of_quantization = of_errors(model.transmission.encoders.size(), false);
+  if (!sigma_is_known(model.sources, filter)) return w;
+  w.variance = of_errors(errors.size(), false);
   if (!noise) return w;
-  w.variance_in_motion = of_sources(true);
-  w.variance_in_motion.head(delta.size()) += noise->cwiseProduct(delta).cwiseAbs2();
+  w.variance_in_motion = of_errors(errors.size(), true);
+  w.variance_in_motion.head(noise->size()) += noise->cwiseProduct(resolutions(model.transmission)).cwiseAbs2();
   return w;
 }
 
@@ -145,7 +145,6 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
 ErrorWeights error_weights(const ErrorColumns& columns, const OperationalModel& model,
                            const std::vector<Norms>& filters,
                            const std::vector<Eigen::VectorXd>& noise_in_motion) {
-  const Eigen::VectorXd delta = resolutions(model.transmission);
   ErrorWeights w{zeros(columns.columns()),
                  zeros(columns.columns()),
                  zeros(columns.columns()),
@@ -153,14 +152,11 @@ ErrorWeights error_weights(const ErrorColumns& columns, const OperationalModel& 
                  zeros(columns.coordinates()),
                  linearization_remainder(model.chain, joint_error(model).worst_case),
                  {}};
-  w.half_width.head(delta.size()) = 0.5 * delta;
-  w.mean.head(delta.size()) = mean_errors(model.transmission);
-  w.variance.head(delta.size()) = delta.cwiseAbs2() / 12;
-  for (const ErrorSource& s : model.sources) {
-    const auto k = static_cast<Eigen::Index>(columns.column_of(s));
-    w.half_width[k] += s.half_width;
-    w.mean[k] += s.mean;
-    w.variance[k] += s.sigma * s.sigma;
+  for (const IndependentError& e : independent_errors(model)) {
+    const auto k = static_cast<Eigen::Index>(columns.column_of(e));
+    w.half_width[k] += e.half_width;
+    w.mean[k] += e.mean;
+    w.variance[k] += e.sigma * e.sigma;
   }
   if (model.along_motion) {
     w.added_worst = model.along_motion->tip.peak;

@@ -30,7 +30,7 @@ class ErrorColumns {
   /// @param threads  0: one per core
   /// @pre size(configurations) numbers for each column and coordinate fit in memory; angles are within 2^20
   /// rad (`workspace`)
-  ErrorColumns(const OperationalModel& model, const std::vector<ErrorSource>& sources,
+  ErrorColumns(const OperationalModel& model, const std::vector<IndependentError>& sources,
                const Configurations& configurations, unsigned threads = 0,
                InstructionSet = instruction_set());
 
@@ -50,8 +50,8 @@ class ErrorColumns {
   const double* norms(std::size_t j) const { return norms_.data() + j * padded_; }
 
   /// The column at which a source enters. @pre its place was among those of the constructor
-  std::size_t column_of(const ErrorSource&) const;
-  bool has_column(const ErrorSource&) const;
+  std::size_t column_of(const IndependentError&) const;
+  bool has_column(const IndependentError&) const;
   /// The column of an encoder: its index.
   static std::size_t column_of_encoder(std::size_t encoder) { return encoder; }
 
@@ -59,7 +59,7 @@ class ErrorColumns {
   void compute_batch(const OperationalModel&, std::size_t first, const double* q, const double* jacobians);
 
   std::size_t count_, padded_, coordinates_, joints_;
-  std::vector<ErrorSource> places_;  // one per column; only where, owner, link and direction count
+  std::vector<IndependentError> places_;  // one per column; only where, owner, link and direction count
   bool coupled_;                     // else an error at a joint enters like one at its encoder
   AlignedNumbers values_, norms_;
 };

@@ -29,8 +29,7 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& re
                   any_of_kind(model.coordinates, is_euler_angle) || model.frame == CoordinateFrame::tip)) {
   for (const FoldedJoint& joint : chain_.joints) column_scale_.push_back(joint.sign);
   set_coordinates(model);
-  add_encoders(model);
-  for (const ErrorSource& source : model.sources) add_source(model, source);
+  add_errors(model);
   plan_.plain = model.sources.empty() && mean_errors(model.transmission).isZero(0);
   set_direct();
   set_remainder(model);
@@ -61,51 +60,39 @@ void PlannedError::set_coordinates(const OperationalModel& model) {
   plan_.any_position = any_of_kind(model.coordinates, is_position);
 }
 
-void PlannedError::add_encoders(const OperationalModel& model) {
-  const Eigen::VectorXd delta = resolutions(model.transmission), mean = mean_errors(model.transmission);
-  plan_.encoders = static_cast<std::size_t>(delta.size());
-  for (Eigen::Index j = 0; j < delta.size(); ++j) {
-    const double sigma = delta[j] / std::sqrt(12.0);
-    std::vector<JointWeight>& weights = weights_.emplace_back();
-    for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
-      const ChainJoint& joint = model.chain.joints[k];
-      const double weight =
-          joint.multiplier * model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate), j);
-      if (weight != 0) weights.push_back({k, weight * sigma});
-    }
-    parts_.push_back({.sigma = 1,
-                      .half_width = half_width_of_sigma,
-                      .mean = mean[j] / sigma,
-                      .width = half_width_of_sigma,
-                      .owner = static_cast<std::size_t>(j)});
-    arm_.push_back(1 / sigma);
+void PlannedError::add_errors(const OperationalModel& model) {
+  plan_.encoders = model.transmission.encoders.size();
+  const std::vector<IndependentError> errors = independent_errors(model);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const IndependentError& e = errors[i];
+    const bool source = i >= plan_.encoders;
+    const double largest = source ? std::max({e.sigma, e.half_width, std::abs(e.mean)}) : e.sigma;
+    add_error(model, e, source, largest > 0 ? largest : 1);
+    if (!source) arm_.push_back(1 / e.sigma);
   }
 }
 
-void PlannedError::add_source(const OperationalModel& model, const ErrorSource& source) {
-  const double largest = std::max({source.sigma, source.half_width, std::abs(source.mean)});
-  const double scale = largest > 0 ? largest : 1;
+void PlannedError::add_error(const OperationalModel& model, const IndependentError& e, bool source,
+                             double scale) {
   std::vector<JointWeight>& weights = weights_.emplace_back();
-  ErrorPart part{.sigma = source.sigma / scale,
-                 .half_width = source.half_width / scale,
-                 .mean = source.mean / scale,
-                 .width = (std::abs(source.mean) + source.half_width) / scale,
-                 .owner = source.owner,
-                 .source = true};
-  if (source.where == ErrorSource::Where::origin) {
-    const Eigen::Vector3d along = scale * (model.chain.joints[source.link].parent_axes * source.direction);
+  ErrorPart part{.sigma = e.sigma / scale,
+                 .half_width = source ? e.half_width / scale : half_width_of_sigma,
+                 .mean = e.mean / scale,
+                 .width = source ? (std::abs(e.mean) + e.half_width) / scale : half_width_of_sigma,
+                 .owner = e.owner,
+                 .source = source};
+  if (e.where == IndependentError::Where::origin) {
+    const Eigen::Vector3d along = scale * (model.chain.joints[e.link].parent_axes * e.direction);
     const Eigen::Vector3d direction =
-        source.link == 0 ? along : Eigen::Vector3d(chain_.link_axes[source.link - 1] * along);
-    part.link = source.link;
+        e.link == 0 ? along : Eigen::Vector3d(chain_.link_axes[e.link - 1] * along);
+    part.link = e.link;
     std::copy(direction.begin(), direction.end(), part.direction);
   } else {
+    const Eigen::VectorXd moved = scale * moved_joints(model.transmission, e);
     for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
       const ChainJoint& joint = model.chain.joints[k];
-      const double coupling = source.where == ErrorSource::Where::joint
-                                  ? static_cast<double>(joint.coordinate == source.owner)
-                                  : model.transmission.coupling(static_cast<Eigen::Index>(joint.coordinate),
-                                                                static_cast<Eigen::Index>(source.owner));
-      if (coupling != 0) weights.push_back({k, joint.multiplier * coupling * scale});
+      const double weight = joint.multiplier * moved[static_cast<Eigen::Index>(joint.coordinate)];
+      if (weight != 0) weights.push_back({k, weight});
     }
   }
   parts_.push_back(part);
@@ -155,33 +142,29 @@ void PlannedError::set_remainder(const OperationalModel& model) {
 }
 
 void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures& requested) {
-  const auto& sources = model.sources;
+  const std::vector<IndependentError> errors = independent_errors(model);
   const bool biased = !mean_errors(model.transmission).isZero(0);
   for (std::size_t f = 0; f < requested.filters.size(); ++f) {
     const Norms& norms = requested.filters[f];
-    const Eigen::VectorXd ratios = sigma_ratios(sources, f, norms.h2),
-                          in_motion = sigma_ratios(sources, f, norms.h2, true);
-    const bool known = f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0;
+    const Eigen::VectorXd ratios = sigma_ratios(errors, f, norms.h2),
+                          beside = sigma_ratios(errors, f, norms.h2, true);
+    const bool known = is_known(requested.noise_in_motion, f);
     l1_.push_back(norms.l1.upper);
     dc_gain_.push_back(std::abs(norms.dc_gain));
-    Eigen::Index source = 0;
-    for (const ErrorPart& part : parts_) {
-      double square = norms.h2 * norms.h2, motion_square = -1;
-      if (part.source) {
-        square = std::pow(part.sigma * ratios[source], 2);
-        if (known) motion_square = std::pow(part.sigma * in_motion[source], 2);
-        ++source;
-      } else if (known) {
-        // noise_in_motion is in quantization intervals, sigma is 1/sqrt(12) of one.
-        motion_square = 12 * std::pow(requested.noise_in_motion[f][static_cast<Eigen::Index>(part.owner)], 2);
-      }
-      ratio_squares_.push_back(square);
-      motion_squares_.push_back(motion_square);
+    Eigen::Index source = static_cast<Eigen::Index>(plan_.encoders);
+    for (const ErrorPart& part : parts_) {  // of direct models in the order of the joints
+      const Eigen::Index i = part.source ? source++ : static_cast<Eigen::Index>(part.owner);
+      ratio_squares_.push_back(std::pow(part.sigma * ratios[i], 2));
+      // noise_in_motion is in quantization intervals, sigma is 1/sqrt(12) of one.
+      motion_squares_.push_back(!known        ? -1
+                                : part.source ? std::pow(part.sigma * beside[i], 2)
+                                              : 12 * std::pow(requested.noise_in_motion[f][i], 2));
     }
   }
+  const bool others = !model.sources.empty() || model.along_motion;
   plan_.filters = requested.filters.size();
-  plan_.filtered_worst = biased || !sources.empty() || model.along_motion;
-  plan_.filtered_sigma = !sources.empty() || model.along_motion;
+  plan_.filtered_worst = biased || others;
+  plan_.filtered_sigma = others;
   plan_.l1 = l1_.data();
   plan_.dc_gain = dc_gain_.data();
   plan_.ratio_squares = ratio_squares_.data();

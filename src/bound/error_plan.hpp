@@ -19,8 +19,9 @@ class PlannedError {
 
  private:
   void set_coordinates(const OperationalModel&);
-  void add_encoders(const OperationalModel&);
-  void add_source(const OperationalModel&, const ErrorSource&);
+  void add_errors(const OperationalModel&);
+  /// @param scale  of which the part's sizes are multiples
+  void add_error(const OperationalModel&, const IndependentError&, bool source, double scale);
   void set_direct();
   void share_scale();
   void set_remainder(const OperationalModel&);

@@ -38,20 +38,11 @@ LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& re
   for (std::size_t f = 0; f < filters_.size(); ++f)
     in_motion_.push_back(f < requested.noise_in_motion.size() && requested.noise_in_motion[f].size() > 0);
   double shift = 0;  // of origins
-  const Eigen::VectorXd mean = mean_errors(model.transmission), delta = resolutions(model.transmission);
-  for (Eigen::Index e = 0; e < delta.size(); ++e)
-    add_generator(model, model.transmission.coupling.col(e), 0.5 * delta[e], mean[e]);
-  for (const ErrorSource& s : model.sources) {
-    const auto i = static_cast<Eigen::Index>(s.owner);
-    if (s.where == ErrorSource::Where::origin)
-      shift += std::abs(s.mean) + s.half_width;
+  for (const IndependentError& e : independent_errors(model))
+    if (e.where == IndependentError::Where::origin)
+      shift += std::abs(e.mean) + e.half_width;
     else
-      add_generator(model,
-                    s.where == ErrorSource::Where::encoder
-                        ? Eigen::VectorXd(model.transmission.coupling.col(i))
-                        : Eigen::VectorXd::Unit(delta.size(), i),
-                    s.half_width, s.mean);
-  }
+      add_generator(model, e);
   for (const Coordinate c : model.lengths) {
     const Coordinate first = first_component(c);
     Length length{static_cast<std::size_t>(first), {}};
@@ -71,9 +62,9 @@ LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& re
 }
 
 /// Errors along the same direction of the joints have one corner: their half widths add.
-void LengthErrors::add_generator(const OperationalModel& model, const Eigen::VectorXd& of_independent,
-                                 double half_width, double mean) {
-  biased_ = biased_ || mean != 0;
+void LengthErrors::add_generator(const OperationalModel& model, const IndependentError& error) {
+  const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);
+  biased_ = biased_ || error.mean != 0;
   Eigen::VectorXd of_joints(static_cast<Eigen::Index>(joints_));
   for (std::size_t k = 0; k < joints_; ++k) {
     const ChainJoint& joint = model.chain.joints[k];
@@ -82,11 +73,11 @@ void LengthErrors::add_generator(const OperationalModel& model, const Eigen::Vec
   }
   for (Generator& g : generators_)
     if (g.of_joints == of_joints) {
-      g.half_width += half_width;
-      g.mean += mean;
+      g.half_width += error.half_width;
+      g.mean += error.mean;
       return;
     }
-  generators_.push_back({std::move(of_joints), half_width, mean});
+  generators_.push_back({std::move(of_joints), error.half_width, error.mean});
 }
 
 void LengthErrors::set_worst(const Length& length, std::size_t index, std::size_t i, double* figures) const {

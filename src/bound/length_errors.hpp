@@ -36,8 +36,7 @@ class LengthErrors {
     std::vector<double> added_behind = {};  ///< [filter]
   };
 
-  void add_generator(const OperationalModel&, const Eigen::VectorXd& of_independent, double half_width,
-                     double mean);
+  void add_generator(const OperationalModel&, const IndependentError&);
   void set_worst(const Length&, std::size_t index, std::size_t configuration, double* figures) const;
   void set_sigmas(const Length&, std::size_t index, std::size_t configuration, double* figures) const;
   double root_of_sum(const Length&, std::size_t block, const double* figures) const;

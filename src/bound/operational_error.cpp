@@ -23,7 +23,7 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
   e.added_sigma.resize(joint_rows.rows(), static_cast<Eigen::Index>(model.sources.size()));
   e.added_worst.resizeLike(e.added_sigma);
   for (Eigen::Index i = 0; i < e.added_sigma.cols(); ++i) {
-    const ErrorSource& s = model.sources[static_cast<std::size_t>(i)];
+    const IndependentError& s = model.sources[static_cast<std::size_t>(i)];
     const Eigen::VectorXd column = error_column(s, model, q, tip_rotation, joint_rows, encoder_rows);
     e.mean += column * s.mean;
     e.half_width += column.cwiseAbs() * s.half_width;
@@ -38,6 +38,10 @@ std::vector<Coordinate> coordinates_and_lengths(const OperationalModel& model) {
   std::vector<Coordinate> all = model.coordinates;
   all.insert(all.end(), model.lengths.begin(), model.lengths.end());
   return all;
+}
+
+std::vector<IndependentError> independent_errors(const OperationalModel& model) {
+  return independent_errors(model.transmission, model.sources);
 }
 
 JointError joint_error(const OperationalModel& model) {

@@ -17,7 +17,7 @@ struct Channels {
         encoders(static_cast<Eigen::Index>(model.transmission.encoders.size())),
         biased((mean_errors(model.transmission).array() != 0).any() ||
                std::any_of(model.sources.begin(), model.sources.end(),
-                           [](const ErrorSource& source) { return source.mean != 0; })) {}
+                           [](const IndependentError& source) { return source.mean != 0; })) {}
 
   Eigen::Index count() const { return coordinates * (2 + encoders + (biased ? 1 : 0)); }
   Eigen::Index linear() const { return coordinates; }

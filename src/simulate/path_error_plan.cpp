@@ -37,7 +37,7 @@ void PathErrors::add_column(const Chain& chain, const Eigen::VectorXd& of_indepe
   columns_.push_back(column);
 }
 
-void PathErrors::add_origin(const Chain& chain, const ErrorSource& s) {
+void PathErrors::add_origin(const Chain& chain, const IndependentError& s) {
   ErrorColumn column{parts_.size(), 0, false, true, s.link, {}, s.mean, s.half_width};
   Eigen::Vector3d direction = chain.joints[s.link].parent_axes * s.direction;
   if (s.link > 0) direction = chain_.link_axes[s.link - 1] * direction;
@@ -46,21 +46,15 @@ void PathErrors::add_origin(const Chain& chain, const ErrorSource& s) {
 }
 
 void PathErrors::add_columns(const OperationalModel& model) {
-  const Transmission& t = model.transmission;
-  for (std::size_t e = 0; e < t.encoders.size(); ++e) {
-    const Encoder& encoder = t.encoders[e];
-    per_resolution_.push_back(1 / encoder.resolution);
-    add_column(model.chain, t.coupling.col(static_cast<Eigen::Index>(e)) * encoder.resolution,
-               mean_error(encoder) / encoder.resolution, 0.5);
-  }
-  for (const ErrorSource& s : model.sources) {
-    const auto i = static_cast<Eigen::Index>(s.owner);
-    if (s.where == ErrorSource::Where::origin)
-      add_origin(model.chain, s);
-    else if (s.where == ErrorSource::Where::encoder)
-      add_column(model.chain, t.coupling.col(i), s.mean, s.half_width);
+  for (const Encoder& encoder : model.transmission.encoders) per_resolution_.push_back(1 / encoder.resolution);
+  const std::vector<IndependentError> errors = independent_errors(model);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const IndependentError& e = errors[i];
+    const double unit = i < per_resolution_.size() ? model.transmission.encoders[i].resolution : 1;
+    if (e.where == IndependentError::Where::origin)
+      add_origin(model.chain, e);
     else
-      add_column(model.chain, Eigen::VectorXd::Unit(t.coupling.size(), i), s.mean, s.half_width);
+      add_column(model.chain, moved_joints(model.transmission, e) * unit, e.mean / unit, e.half_width / unit);
   }
 }
 

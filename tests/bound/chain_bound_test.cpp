@@ -110,15 +110,15 @@ TEST(ChainBound, EndsOfTheRangeCount) {
 
 void add_sources(Dice& dice, OperationalModel& m, bool origins) {
   const auto owner = [&] { return dice.below(m.chain.independent.size()); };
-  m.sources.push_back({.where = ErrorSource::Where::joint,
+  m.sources.push_back({.where = IndependentError::Where::joint,
                        .owner = owner(),
                        .mean = dice.chance(0.5) ? 3e-5 : 0,
                        .half_width = 2e-5,
                        .sigma = 1e-5});
   m.sources.push_back(
-      {.where = ErrorSource::Where::encoder, .owner = owner(), .half_width = 3e-5, .sigma = 2e-5});
+      {.where = IndependentError::Where::encoder, .owner = owner(), .half_width = 3e-5, .sigma = 2e-5});
   if (origins)
-    m.sources.push_back({.where = ErrorSource::Where::origin,
+    m.sources.push_back({.where = IndependentError::Where::origin,
                          .owner = owner(),
                          .link = dice.below(m.chain.joints.size()),
                          .direction = dice.direction(),

@@ -35,7 +35,7 @@ OperationalModel unbiased_model(Dice& dice, std::size_t filters) {
   OperationalModel m = testing::random_model(dice, filters, dice.chance(0.5) ? 1 : 0);
   m.coordinates.assign(testing::all_coordinates, testing::all_coordinates + (dice.chance(0.5) ? 3 : 6));
   for (Encoder& e : m.transmission.encoders) e.rounding = Rounding::nearest;
-  for (ErrorSource& s : m.sources) s.mean = 0;
+  for (IndependentError& s : m.sources) s.mean = 0;
   return m;
 }
 

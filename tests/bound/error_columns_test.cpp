@@ -94,9 +94,9 @@ TEST(ErrorColumns, ServeModelsWithOtherSources) {
   OperationalModel model = testing::random_model(dice, 0, 0);
   model.sources.clear();
   const std::size_t encoders = model.transmission.encoders.size();
-  std::vector<ErrorSource> sources;
+  std::vector<IndependentError> sources;
   for (std::size_t e = 0; e < encoders; ++e)
-    sources.push_back({ErrorSource::Where::joint, e, 0, Eigen::Vector3d::Zero(), 0, 1e-4, 5e-5});
+    sources.push_back({IndependentError::Where::joint, e, 0, Eigen::Vector3d::Zero(), 0, 1e-4, 5e-5});
   Configurations configurations{.count = 10, .ranges = {}};
   configurations.ranges.assign(encoders, {-2, 2});
   const ErrorColumns columns(model, sources, configurations);
@@ -110,7 +110,7 @@ TEST(ErrorColumns, ServeModelsWithOtherSources) {
   EXPECT_THROW(error_weights(ErrorColumns(model, {}, configurations),
                              [&] {
                                OperationalModel other = model;
-                               other.sources = {{ErrorSource::Where::origin, 0, 0, {0, 0, 1}, 0, 1e-3, 0}};
+                               other.sources = {{IndependentError::Where::origin, 0, 0, {0, 0, 1}, 0, 1e-3, 0}};
                                return other;
                              }(),
                              {}),

@@ -102,7 +102,7 @@ TEST(ErrorPlan, ScalesErrorsByTheirLargestFigure) {
     EXPECT_FALSE(p.plain || p.direct) << seed;
     EXPECT_TRUE(p.filtered_worst && p.filtered_sigma && p.quantization_parts) << seed;
     for (std::size_t i = 0; i < m.sources.size(); ++i) {
-      const ErrorSource& s = m.sources[i];
+      const IndependentError& s = m.sources[i];
       const ErrorPart& part = p.part[p.encoders + i];
       const double largest = std::max({s.sigma, s.half_width, std::abs(s.mean)});
       const double scale = largest > 0 ? largest : 1;
@@ -113,7 +113,7 @@ TEST(ErrorPlan, ScalesErrorsByTheirLargestFigure) {
       EXPECT_DOUBLE_EQ(part.mean * scale, s.mean) << seed;
       EXPECT_DOUBLE_EQ(part.width * scale, std::abs(s.mean) + s.half_width) << seed;
       EXPECT_LE(std::max({part.sigma, part.half_width, std::abs(part.mean)}), 1) << seed;
-      if (s.where == ErrorSource::Where::origin) {
+      if (s.where == IndependentError::Where::origin) {
         EXPECT_NEAR(Eigen::Vector3d(part.direction).norm(), scale, 1e-15 * scale) << seed;
       }
       if (!s.sigma_ratios.empty()) {

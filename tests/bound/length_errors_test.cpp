@@ -38,7 +38,7 @@ double largest_length(const OperationalModel& m, const Eigen::VectorXd& q, Coord
   const OperationalError e = operational_error(without, q);
   Eigen::MatrixXd generators = 0.5 * e.weighted;
   Eigen::VectorXd mean = e.mean;
-  for (const ErrorSource& s : m.sources) {
+  for (const IndependentError& s : m.sources) {
     OperationalModel unit = without;  // a joint's column is its error of 1 alone
     unit.sources = {{.owner = s.owner, .mean = 1, .half_width = 0, .sigma = 0}};
     const Eigen::VectorXd column = operational_error(unit, q).mean - e.mean;

@@ -111,8 +111,8 @@ RobotCase enlarged(const RobotCase& r, double factor) {
     for (Eigen::VectorXd& point : large.configurations.points) point[at] *= factor;
   }
   t.coupling = coupling;
-  for (ErrorSource& s : large.model.sources)
-    if (s.where == ErrorSource::Where::origin || slides(chain, s.owner))
+  for (IndependentError& s : large.model.sources)
+    if (s.where == IndependentError::Where::origin || slides(chain, s.owner))
       s.mean *= factor, s.half_width *= factor, s.sigma *= factor;
   return large;
 }

@@ -150,9 +150,9 @@ TEST(EffectShareFigures, OfRandomEffectsAreAsMeasured) {
         expect(name,
                Eigen::Vector3d(shares[i].share->mean, shares[i].share->half_width, shares[i].share->sigma));
     }
-    const std::vector<ErrorSource> sources = error_sources(m, shares, testing::two_filters());
+    const std::vector<IndependentError> sources = error_sources(m, shares, testing::two_filters());
     for (std::size_t i = 0; i < sources.size(); ++i) {
-      const ErrorSource& s = sources[i];
+      const IndependentError& s = sources[i];
       const std::string name = "source " + std::to_string(i);
       expect(name + " place", static_cast<double>(100 * static_cast<int>(s.where) + 10 * s.owner + s.link));
       expect(name, Eigen::Vector3d(s.mean, s.half_width, s.sigma));
@@ -172,7 +172,7 @@ TEST(ColumnWorkspaceFigures, InMotionAreThoseOfTheWorkspace) {
     m.coordinates.assign(testing::all_coordinates, testing::all_coordinates + 6);
     m.lengths.clear();
     for (Encoder& e : m.transmission.encoders) e.rounding = Rounding::nearest;
-    for (ErrorSource& s : m.sources) s.mean = 0;
+    for (IndependentError& s : m.sources) s.mean = 0;
     if (m.along_motion) {
       m.along_motion->tip = testing::moments_of_motion(dice, 6, 3e-4);
       m.along_motion->filtered = {testing::moments_of_motion(dice, 6, 0.1),

@@ -50,7 +50,7 @@ OperationalModel random_model(Dice& dice, std::size_t joints) {
   if (dice.chance(0.3))
     m.sources.push_back({.owner = 0, .mean = 1e-4, .half_width = 2e-4, .sigma = 1e-4, .sigma_ratios = {3}});
   if (dice.chance(0.3))
-    m.sources.push_back({.where = ErrorSource::Where::origin,
+    m.sources.push_back({.where = IndependentError::Where::origin,
                          .link = dice.below(m.chain.joints.size()),
                          .direction = dice.direction(),
                          .mean = 1e-5,
@@ -148,7 +148,7 @@ TEST(ProvenMaximum, BehindAFilterIsThatOfItsModel) {
   for (std::uint64_t seed = 0; seed < 20; ++seed) {
     Dice dice(seed);
     OperationalModel m = random_model(dice, 4);
-    for (ErrorSource& s : m.sources) s.sigma_ratios = {2, 3};
+    for (IndependentError& s : m.sources) s.sigma_ratios = {2, 3};
     const Eigen::VectorXd q = configuration_in(dice, random_ranges(dice, m.chain));
     const OperationalError e = operational_error(m, q);
     for (std::size_t f = 0; f < filters.size(); ++f) {

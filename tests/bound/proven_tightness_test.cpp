@@ -146,12 +146,12 @@ OperationalModel model_with_everything(Dice& dice, std::uint64_t seed, std::size
   if (seed % 5 == 4) m.transmission = testing::random_transmission(dice, m.chain, 1e-4, 1e-3, true);
   if (seed % 2 == 1) m.sources.push_back(testing::displaced_origin(dice, m.chain));
   if (seed % 3 == 1) {
-    m.sources.push_back({.where = ErrorSource::Where::joint,
+    m.sources.push_back({.where = IndependentError::Where::joint,
                          .owner = m.chain.independent.size() - 1,
                          .mean = 2e-5,
                          .half_width = 1e-4,
                          .sigma = 4e-5});
-    m.sources.push_back({.where = ErrorSource::Where::encoder, .half_width = 2e-4, .sigma = 9e-5});
+    m.sources.push_back({.where = IndependentError::Where::encoder, .half_width = 2e-4, .sigma = 9e-5});
   }
   if (seed % 4 == 3) {
     const auto n = static_cast<Eigen::Index>(m.chain.independent.size());
@@ -203,7 +203,7 @@ TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
   for (std::uint64_t seed = 0; seed < 8; ++seed) {
     Dice dice(1700 + seed);
     OperationalModel m = model_with_everything(dice, seed, 1 + seed % 4);
-    for (ErrorSource& s : m.sources) s.sigma_ratios = {2, 3};
+    for (IndependentError& s : m.sources) s.sigma_ratios = {2, 3};
     if (m.along_motion) m.along_motion->filtered.assign(2, m.along_motion->tip);
     const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
     const auto joints = static_cast<Eigen::Index>(ranges.size());

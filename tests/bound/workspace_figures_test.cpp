@@ -85,7 +85,7 @@ TEST(WorkspaceFigures, OfRandomModelsAreAsMeasured) {
     if (seed % 3 > 0) options.noise_in_motion = {dice.vector(encoders, 100, 500)};
     if (seed % 3 > 1) options.noise_in_motion.push_back(dice.vector(encoders, 0.1, 0.4));
     if (seed % 4 == 3)  // a spectrum that is not known
-      for (ErrorSource& s : m.sources) s.sigma_ratios = {2e3, std::nan("")};
+      for (IndependentError& s : m.sources) s.sigma_ratios = {2e3, std::nan("")};
     const Configurations c = configurations_of_figures(dice, m, 60 + dice.below(400));
     const testing::MeasuredFigures expect("model " + std::to_string(seed));
     for (const InstructionSet set : available_instruction_sets()) {

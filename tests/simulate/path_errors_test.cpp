@@ -30,11 +30,11 @@ OperationalModel random_model(Dice& dice, std::size_t joints, double finest = 1e
 }
 
 /// Errors at a joint, at an encoder and of an origin.
-std::vector<ErrorSource> random_sources(Dice& dice, const Chain& chain) {
-  std::vector<ErrorSource> sources;
-  using Where = ErrorSource::Where;
+std::vector<IndependentError> random_sources(Dice& dice, const Chain& chain) {
+  std::vector<IndependentError> sources;
+  using Where = IndependentError::Where;
   for (const Where where : {Where::joint, Where::encoder, Where::origin, Where::origin}) {
-    ErrorSource s{where, dice.below(chain.independent.size()), dice.below(chain.joints.size()),
+    IndependentError s{where, dice.below(chain.independent.size()), dice.below(chain.joints.size()),
                   dice.direction()};
     s.mean = dice.between(-1e-3, 1e-3);
     s.half_width = dice.between(0, 1e-3);

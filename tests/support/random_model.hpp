@@ -10,11 +10,11 @@ inline constexpr Coordinate all_coordinates[] = {Coordinate::x,   Coordinate::y,
                                                  Coordinate::rx,  Coordinate::ry,   Coordinate::rz,
                                                  Coordinate::yaw, Coordinate::roll, Coordinate::pitch};
 
-inline ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t filters) {
-  ErrorSource s;
-  s.where = static_cast<ErrorSource::Where>(dice.below(3));
+inline IndependentError random_source(Dice& dice, const Chain& chain, std::size_t filters) {
+  IndependentError s;
+  s.where = static_cast<IndependentError::Where>(dice.below(3));
   s.owner = dice.below(chain.independent.size());
-  if (s.where == ErrorSource::Where::origin) {
+  if (s.where == IndependentError::Where::origin) {
     s.link = dice.below(chain.joints.size());
     s.owner = chain.joints[s.link].coordinate;
     s.direction = dice.direction();
@@ -28,8 +28,8 @@ inline ErrorSource random_source(Dice& dice, const Chain& chain, std::size_t fil
 }
 
 /// A displaced origin of the frame of a random joint.
-inline ErrorSource displaced_origin(Dice& dice, const Chain& chain) {
-  return {.where = ErrorSource::Where::origin,
+inline IndependentError displaced_origin(Dice& dice, const Chain& chain) {
+  return {.where = IndependentError::Where::origin,
           .link = dice.below(chain.joints.size()),
           .direction = dice.direction(),
           .mean = 1e-5,

@@ -37,8 +37,8 @@ inline double largest_sum(const OperationalModel& m, const std::vector<Limits>& 
   for (const ChainJoint& joint : m.chain.joints)
     (joint.prismatic ? shifts : angles) +=
         std::abs(joint.multiplier) * joints[static_cast<Eigen::Index>(joint.coordinate)];
-  for (const ErrorSource& s : m.sources)
-    if (s.where == ErrorSource::Where::origin) shifts += std::abs(s.mean) + s.half_width + s.sigma;
+  for (const IndependentError& s : m.sources)
+    if (s.where == IndependentError::Where::origin) shifts += std::abs(s.mean) + s.half_width + s.sigma;
   // The linearization remainder adds half the square of the angles.
   return metres ? largest_extent(m.chain, ranges) * angles * (1 + angles) + shifts * (1 + angles)
                 : angles * (1 + angles);
@@ -47,7 +47,7 @@ inline double largest_sum(const OperationalModel& m, const std::vector<Limits>& 
 /// The largest factor by which a filter multiplies an error.
 inline double largest_ratio(const OperationalModel& m, const Norms& filter, std::size_t index) {
   double ratio = filter.l1.upper;
-  for (const ErrorSource& s : m.sources)
+  for (const IndependentError& s : m.sources)
     if (index < s.sigma_ratios.size()) ratio = std::max(ratio, s.sigma_ratios[index]);
   return ratio;
 }

@@ -50,7 +50,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
 /// response. Shares that are not included or zero are skipped.
 /// @param norms          one per filter
 /// @param step_energies  [filter]: T sum s_k^2 [s^(1 - 2d)]; empty: not known
-std::vector<ErrorSource> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
+std::vector<IndependentError> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
                                        const std::vector<Norms>& norms,
                                        const std::vector<double>& step_energies = {});
 

@@ -3,7 +3,7 @@
 #include <Eigen/Core>
 
 #include "qerr/bound/error_along_motion.hpp"
-#include "qerr/bound/error_source.hpp"
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/encoder/transmission.hpp"
 
 namespace qerr {
@@ -20,7 +20,7 @@ struct JointError {
 /// Joint error of a transmission, from the quantization intervals of its encoders and the sources at joints
 /// and encoders: means, half widths and variances add (displaced origins do not move a joint).
 /// @param along_motion  of the joints, or null: its peak adds to half_width and its variance to that of sigma
-JointError joint_error(const Transmission&, const std::vector<ErrorSource>& = {},
+JointError joint_error(const Transmission&, const std::vector<IndependentError>& = {},
                        const SignalMoments* along_motion = nullptr);
 
 }  // namespace qerr

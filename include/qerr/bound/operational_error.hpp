@@ -33,7 +33,7 @@ struct OperationalModel {
   Chain chain;
   Transmission transmission;
   std::vector<Coordinate> coordinates;
-  std::vector<ErrorSource> sources = {};  ///< errors other than quantization; empty: the ideal model
+  std::vector<IndependentError> sources = {};  ///< errors other than quantization; empty: the ideal model
   /// What effects add along a motion; the same at every configuration.
   std::optional<ErrorAlongMotion> along_motion = {};
   CoordinateFrame frame = CoordinateFrame::base;
@@ -43,6 +43,9 @@ struct OperationalModel {
 
 /// The coordinates and then the lengths: the order of a workspace's statistics.
 std::vector<Coordinate> coordinates_and_lengths(const OperationalModel&);
+
+/// All independent errors of the model: of its encoders, and its sources.
+std::vector<IndependentError> independent_errors(const OperationalModel&);
 
 /// Joint error of the model, with its sources and the error along its motion.
 JointError joint_error(const OperationalModel&);

@@ -12,8 +12,8 @@ Eigen::Matrix3d frame_of_axis(const Eigen::Vector3d& axis) {
   return Eigen::Quaterniond::FromTwoVectors(Eigen::Vector3d::UnitZ(), axis).toRotationMatrix();
 }
 
-void add_error(ChainForm& form, const OperationalModel& model, const Eigen::VectorXd& of_independent,
-               double half_width, double mean, double variance) {
+void add_error(ChainForm& form, const OperationalModel& model, const IndependentError& error) {
+  const Eigen::VectorXd of_independent = moved_joints(model.transmission, error);
   DirectedError e;
   e.of_joints.resize(static_cast<Eigen::Index>(form.size()));
   e.first = e.of_joints.size();
@@ -27,9 +27,9 @@ void add_error(ChainForm& form, const OperationalModel& model, const Eigen::Vect
   }
   if (scale == 0) return;
   e.of_joints /= scale;
-  e.half_width = half_width * std::abs(scale);
-  e.mean = mean * scale;
-  e.variance = variance * scale * scale;
+  e.half_width = error.half_width * std::abs(scale);
+  e.mean = error.mean * scale;
+  e.variance = std::pow(error.sigma * scale, 2);
   for (DirectedError& other : form.errors)
     if (other.of_joints == e.of_joints) {
       other.half_width += e.half_width;
@@ -41,23 +41,14 @@ void add_error(ChainForm& form, const OperationalModel& model, const Eigen::Vect
 }
 
 void add_errors(ChainForm& form, const OperationalModel& model, const std::vector<Eigen::Matrix3d>& axes) {
-  const Eigen::VectorXd mean = mean_errors(model.transmission), delta = resolutions(model.transmission);
-  for (Eigen::Index e = 0; e < delta.size(); ++e)
-    add_error(form, model, model.transmission.coupling.col(e), 0.5 * delta[e], mean[e],
-              delta[e] * delta[e] / 12);
-  for (const ErrorSource& s : model.sources) {
-    const auto i = static_cast<Eigen::Index>(s.owner);
-    if (s.where == ErrorSource::Where::origin) {
-      const Eigen::Vector3d in_parent = model.chain.joints[s.link].parent_axes * s.direction;
-      form.origins.push_back({s.link, s.link == 0 ? in_parent : axes[s.link - 1].transpose() * in_parent,
-                              s.half_width, s.mean, s.sigma * s.sigma});
-    } else {
-      const bool encoder = s.where == ErrorSource::Where::encoder;
-      add_error(form, model,
-                encoder ? Eigen::VectorXd(model.transmission.coupling.col(i))
-                        : Eigen::VectorXd(Eigen::VectorXd::Unit(delta.size(), i)),
-                s.half_width, s.mean, s.sigma * s.sigma);
+  for (const IndependentError& e : independent_errors(model)) {
+    if (e.where != IndependentError::Where::origin) {
+      add_error(form, model, e);
+      continue;
     }
+    const Eigen::Vector3d in_parent = model.chain.joints[e.link].parent_axes * e.direction;
+    form.origins.push_back({e.link, e.link == 0 ? in_parent : axes[e.link - 1].transpose() * in_parent,
+                            e.half_width, e.mean, e.sigma * e.sigma});
   }
 }
 

@@ -21,13 +21,14 @@ ErrorTerms::ErrorTerms(const OperationalModel& model, std::size_t coordinate, bo
 }
 
 void ErrorTerms::add_axes(const OperationalModel& model, bool rotation) {
-  axis_of_source_.assign(model.sources.size(), 0);
+  const std::vector<IndependentError> errors = independent_errors(model);
+  axis_of_error_.assign(errors.size(), 0);
   for (std::size_t k = 0; k < model.chain.joints.size(); ++k) {
     const ChainJoint& joint = model.chain.joints[k];
-    for (std::size_t s = 0; s < model.sources.size() && !rotation; ++s) {
-      const ErrorSource& source = model.sources[s];
-      if (source.where != ErrorSource::Where::origin || source.link != k) continue;
-      axis_of_source_[s] = axes_.size();
+    for (std::size_t s = 0; s < errors.size() && !rotation; ++s) {
+      const IndependentError& source = errors[s];
+      if (source.where != IndependentError::Where::origin || source.link != k) continue;
+      axis_of_error_[s] = axes_.size();
       axes_.push_back({.axis = joint.parent_axes * source.direction});
     }
     const TermAxis axis{
@@ -93,26 +94,19 @@ void ErrorTerms::add_terms(const OperationalModel& model, bool rotation) {
     }
     return weights;
   };
-  const Eigen::VectorXd delta = resolutions(model.transmission), mean = mean_errors(model.transmission);
-  for (Eigen::Index e = 0; e < delta.size(); ++e)
-    add_term(of_joints(model.transmission.coupling.col(e)), 0.5 * delta[e], mean[e],
-             delta[e] / std::sqrt(12.0));
-  for (std::size_t s = 0; s < model.sources.size(); ++s) {
-    const ErrorSource& source = model.sources[s];
-    const auto owner = static_cast<Eigen::Index>(source.owner);
-    if (source.where == ErrorSource::Where::origin) {
-      if (rotation) continue;
-      if (length_ && !sigma_)
-        added_ += std::abs(source.mean) + source.half_width;
-      else
-        add_term(Eigen::VectorXd::Unit(axes, static_cast<Eigen::Index>(axis_of_source_[s])),
-                 source.half_width, source.mean, source.sigma);
+  const std::vector<IndependentError> errors = independent_errors(model);
+  for (std::size_t i = 0; i < errors.size(); ++i) {
+    const IndependentError& e = errors[i];
+    if (e.where != IndependentError::Where::origin) {
+      add_term(of_joints(moved_joints(model.transmission, e)), e.half_width, e.mean, e.sigma);
       continue;
     }
-    add_term(of_joints(source.where == ErrorSource::Where::encoder
-                           ? Eigen::VectorXd(model.transmission.coupling.col(owner))
-                           : Eigen::VectorXd::Unit(delta.size(), owner)),
-             source.half_width, source.mean, source.sigma);
+    if (rotation) continue;
+    if (length_ && !sigma_)
+      added_ += std::abs(e.mean) + e.half_width;
+    else
+      add_term(Eigen::VectorXd::Unit(axes, static_cast<Eigen::Index>(axis_of_error_[i])), e.half_width, e.mean,
+               e.sigma);
   }
 }
 

@@ -88,7 +88,7 @@ class ErrorTerms {
   std::vector<ErrorTerm> terms_;
   std::vector<std::size_t> column_of_joint_;  // of the chain
   std::vector<double> sign_of_joint_;         // 1 or -1
-  std::vector<std::size_t> axis_of_source_;   // of displaced origins
+  std::vector<std::size_t> axis_of_error_;    // of displaced origins
   Eigen::Isometry3d tip_ = Eigen::Isometry3d::Identity();
   bool sigma_, in_tip_frame_ = false, length_ = false, turned_base_ = false;
   Eigen::Index row_ = 0;

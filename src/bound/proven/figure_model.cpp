@@ -27,13 +27,13 @@ void scale_encoders(OperationalModel& model, const Eigen::VectorXd& factors) {
 void set_worst_case(OperationalModel& model, const Norms& norms, bool length) {
   const Eigen::VectorXd means = mean_errors(model.transmission);
   scale_encoders(model, Eigen::VectorXd::Constant(means.size(), norms.l1.upper));
-  for (ErrorSource& s : model.sources) {
+  for (IndependentError& s : model.sources) {
     s.half_width *= norms.l1.upper;
-    s.mean *= length && s.where == ErrorSource::Where::origin ? norms.l1.upper : norms.dc_gain;
+    s.mean *= length && s.where == IndependentError::Where::origin ? norms.l1.upper : norms.dc_gain;
   }
   for (Eigen::Index i = 0; i < means.size(); ++i) {
     if (means[i] == 0 || norms.dc_gain == 0) continue;
-    ErrorSource bias{ErrorSource::Where::encoder, static_cast<std::size_t>(i)};
+    IndependentError bias{IndependentError::Where::encoder, static_cast<std::size_t>(i)};
     bias.mean = norms.dc_gain * means[i];
     model.sources.push_back(std::move(bias));
   }

@@ -158,7 +158,7 @@ Workspace workspace_with_quantization(const OperationalModel& model, const std::
   OperationalModel more = model;
   std::vector<Norms> norms = filters;
   norms.push_back({.h2 = 1, .h2_error = 0, .l1 = {1, 1}, .dc_gain = 1});
-  for (ErrorSource& source : more.sources) {
+  for (IndependentError& source : more.sources) {
     if (source.sigma_ratios.empty())
       for (const Norms& n : filters) source.sigma_ratios.push_back(n.h2);
     source.sigma_ratios.resize(filters.size(), 0);

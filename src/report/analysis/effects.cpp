@@ -158,12 +158,12 @@ class EffectsInMotion {
   }
 
  private:
-  void add(EffectShare& s, std::vector<ErrorSource>& sources) {
+  void add(EffectShare& s, std::vector<IndependentError>& sources) {
     const EffectKind& kind = effect_kind(s.effect.type);
     const bool loaded = !needs_effort({s.effect}) || has_masses(spec_.model.chain);
     const bool tied = kind.stage == Stage::line || kind.random();
     if (!s.included || is_zero(*s.share) || !loaded || tied) {
-      for (ErrorSource& source : error_sources(spec_.model, {s}, norms_)) {
+      for (IndependentError& source : error_sources(spec_.model, {s}, norms_)) {
         if (tied) tie(s, source);
         sources.push_back(std::move(source));
       }
@@ -189,7 +189,7 @@ class EffectsInMotion {
   }
 
   /// What the position of the zero within a count changes in the signals of an encoder.
-  void add_change_with_zero(std::size_t encoder, std::vector<ErrorSource>& sources) const {
+  void add_change_with_zero(std::size_t encoder, std::vector<IndependentError>& sources) const {
     std::vector<Effect> on_position;
     for (const Effect& e : steady_)
       if (effect_kind(e.type).stage <= Stage::disc && on_encoder(spec_, e, encoder)) on_position.push_back(e);
@@ -199,8 +199,8 @@ class EffectsInMotion {
   }
 
   /// An error at an encoder that widens the bounds and adds nothing to sigma.
-  ErrorSource bounded(std::size_t encoder, double half_width, double mean = 0) const {
-    return {.where = ErrorSource::Where::encoder,
+  IndependentError bounded(std::size_t encoder, double half_width, double mean = 0) const {
+    return {.where = IndependentError::Where::encoder,
             .owner = encoder,
             .mean = mean,
             .half_width = half_width,
@@ -208,17 +208,17 @@ class EffectsInMotion {
   }
 
   /// An error that is tied to the counts.
-  void tie(const EffectShare& s, ErrorSource& source) {
+  void tie(const EffectShare& s, IndependentError& source) {
     const double step = spec_.model.transmission.encoders[s.joint].resolution;
     source.in_counts =
-        source.where == ErrorSource::Where::encoder || spec_.model.transmission.coupling.is_identity();
+        source.where == IndependentError::Where::encoder || spec_.model.transmission.coupling.is_identity();
     for (std::size_t f = 0; f < filters_.size() && s.share->spectrum == Spectrum::motion; ++f) {
       const Eigen::VectorXd behind =
           sigma_within_line(spec_.model, {s.effect}, *spec_.motion, filters_[f], settling_);
       source.sigma_ratios[f] =
           source.sigma > 0 ? step * behind[static_cast<Eigen::Index>(s.joint)] / source.sigma : 0;
     }
-    if (source.where == ErrorSource::Where::encoder) source.half_width += (multiplied(s.joint) - 1) * half(s);
+    if (source.where == IndependentError::Where::encoder) source.half_width += (multiplied(s.joint) - 1) * half(s);
   }
 
   static double half(const EffectShare& s) { return std::abs(s.share->mean) + s.share->half_width; }
@@ -269,7 +269,7 @@ class EffectsInMotion {
 EffectReport effect_report(const Spec& spec) {
   EffectReport report = effects_follow_motion(spec) ? EffectsInMotion(spec).report() : effects_by_range(spec);
   const SlowErrorRatios ratios = slow_error_ratios(spec);
-  for (ErrorSource& source :
+  for (IndependentError& source :
        accuracy_sources(spec.model.transmission.encoders, ratios.accuracy, ratios.gear_accuracy))
     report.sources.push_back(std::move(source));
   return report;

@@ -24,7 +24,7 @@ bool states_accuracy(const Spec&);
 /// those whose load is not known along the motion.
 struct EffectReport {
   std::vector<EffectShare> shares;  ///< in the order of the spec
-  std::vector<ErrorSource> sources;
+  std::vector<IndependentError> sources;
   std::optional<ErrorAlongMotion> along_motion = {};
 };
 EffectReport effect_report(const Spec&);

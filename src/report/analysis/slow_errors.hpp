@@ -3,7 +3,7 @@
 #include <string>
 
 #include "qerr/bound/effect_shares.hpp"
-#include "qerr/bound/error_source.hpp"
+#include "qerr/bound/independent_error.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

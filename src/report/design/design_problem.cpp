@@ -211,10 +211,10 @@ void DesignProblem::make_columns() {
   const auto add_places = [&](const Spec& spec) {
     EffectReport report = effect_report(spec);
     require_known(spec, report.shares);
-    for (ErrorSource& source : report.sources) {
+    for (IndependentError& source : report.sources) {
       source.mean = source.half_width = source.sigma = 0;
       source.sigma_ratios.clear();
-      const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const ErrorSource& other) {
+      const bool known = std::any_of(sources_.begin(), sources_.end(), [&](const IndependentError& other) {
         return other.where == source.where && other.owner == source.owner && other.link == source.link &&
                other.direction == source.direction;
       });

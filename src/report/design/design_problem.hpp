@@ -91,7 +91,7 @@ class DesignProblem {
   bool by_bits_ = false;
   EncoderSpeeds speeds_;
   std::vector<std::string> left_out_, obstacles_;
-  std::vector<ErrorSource> sources_;  // places of all options' error sources
+  std::vector<IndependentError> sources_;  // places of all options' error sources
   std::unique_ptr<ErrorColumns> columns_;
   std::unique_ptr<FigureSums> sums_;
 };

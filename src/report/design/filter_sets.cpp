@@ -90,7 +90,7 @@ void add_ratios(const DesignProblem& problem, std::vector<ComparedFilter>& all) 
     Spec spec = *stated;
     spec.filters.clear();
     for (const ComparedFilter& c : all) spec.filters.push_back({"", c.candidate.filter, c.norms});
-    for (const ErrorSource& source : effect_report(spec).sources)
+    for (const IndependentError& source : effect_report(spec).sources)
       for (std::size_t i = 0; i < all.size() && i < source.sigma_ratios.size(); ++i)
         all[i].criteria.push_back(source.sigma_ratios[i]);
   }

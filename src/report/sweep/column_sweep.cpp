@@ -70,12 +70,12 @@ std::optional<Spec> ColumnSweep::readable(const std::vector<std::size_t>& steps)
 }
 
 /// The sources of a variant and of those that differ from it in one axis of effects.
-std::vector<ErrorSource> ColumnSweep::sources(std::vector<std::size_t> steps) const {
-  std::vector<ErrorSource> all;
+std::vector<IndependentError> ColumnSweep::sources(std::vector<std::size_t> steps) const {
+  std::vector<IndependentError> all;
   const auto add = [&] {
     const auto spec = readable(steps);
     if (!spec) return;
-    for (ErrorSource& source : effect_report(*spec).sources) all.push_back(std::move(source));
+    for (IndependentError& source : effect_report(*spec).sources) all.push_back(std::move(source));
   };
   add();
   for (std::size_t a = first_light_; a < steps.size(); ++a) {
@@ -95,7 +95,7 @@ std::shared_ptr<const ColumnSweep::Shared> ColumnSweep::computed(std::uint64_t g
     const std::vector<std::size_t> steps = grid_.steps(group * shared_ + i);
     const auto spec = readable(steps);
     if (!spec) continue;
-    const std::vector<ErrorSource> places = sources(steps);
+    const std::vector<IndependentError> places = sources(steps);
     const double numbers = static_cast<double>(size(spec->configurations)) *
                            static_cast<double>(spec->model.coordinates.size()) *
                            static_cast<double>(spec->model.transmission.encoders.size() + places.size());
@@ -160,7 +160,7 @@ std::vector<SweptVariant> ColumnSweep::evaluate(std::span<const std::uint64_t> v
       const auto with_columns = [&](const Analysis& a) {
         if (!columns->columns || !have_columns(a.spec.model, a.spec.configurations)) return false;
         return std::all_of(a.spec.model.sources.begin(), a.spec.model.sources.end(),
-                           [&](const ErrorSource& s) { return columns->columns->has_column(s); });
+                           [&](const IndependentError& s) { return columns->columns->has_column(s); });
       };
       results[i] = prepared_variant(variants_, grid_, variants[i], judged_, options, with_columns);
       if (!results[i].check || results[i].check->analysis.workspace.count > 0) continue;

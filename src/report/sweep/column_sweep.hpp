@@ -42,7 +42,7 @@ class ColumnSweep {
   std::shared_ptr<const Shared> shared(std::uint64_t group) const;
   std::shared_ptr<const Shared> computed(std::uint64_t group) const;
   std::optional<Spec> readable(const std::vector<std::size_t>& steps) const;
-  std::vector<ErrorSource> sources(std::vector<std::size_t> steps) const;
+  std::vector<IndependentError> sources(std::vector<std::size_t> steps) const;
 
   const SpecVariants& variants_;
   const SweepGrid& grid_;

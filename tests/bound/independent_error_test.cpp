@@ -1,4 +1,4 @@
-#include "qerr/bound/error_source.hpp"
+#include "qerr/bound/independent_error.hpp"
 
 #include <gtest/gtest.h>
 
@@ -91,7 +91,7 @@ TEST(Workspace, IsUnchangedBySourcesOfMagnitudeZero) {
   const Filter filter = cascade(1, 2);
   Configurations c{SamplingMethod::random, 200, 1, std::vector<Limits>(3, Limits{-2, 2})};
   const Workspace without = workspace(model, {norms(filter)}, c);
-  model.sources = {{ErrorSource::Where::joint, 1}, {ErrorSource::Where::encoder, 2}};
+  model.sources = {{IndependentError::Where::joint, 1}, {IndependentError::Where::encoder, 2}};
   const Workspace with = workspace(model, {norms(filter)}, c);
   for (std::size_t i = 0; i < 3; ++i) {
     EXPECT_DOUBLE_EQ(with.coordinates[i].sigma.p95, without.coordinates[i].sigma.p95);

@@ -4,12 +4,13 @@
 #include <cstddef>
 #include <vector>
 
-#include "qerr/encoder/encoder.hpp"
+#include "qerr/encoder/transmission.hpp"
 
 namespace qerr {
 
-/// An error other than the quantization of the encoders, estimate - true, and where it enters.
-struct ErrorSource {
+/// An error that is independent of all others, estimate - true, and where it enters: quantization of an encoder,
+/// an encoder's accuracy, the share of an effect, the displacement of a joint's origin.
+struct IndependentError {
   enum class Where {
     joint,    ///< a joint's coordinate: a column of J
     encoder,  ///< an encoder's coordinate: a column of J C
@@ -28,23 +29,31 @@ struct ErrorSource {
   bool in_counts = false;
 };
 
+/// Quantization of the encoders, in their order: uniform over an interval Delta about its mean, half width Delta/2
+/// (paper, Eq. 3), sigma Delta/sqrt(12) (Eq. 9), white; behind it `others`.
+std::vector<IndependentError> independent_errors(const Transmission&, const std::vector<IndependentError>& others);
+
+/// Derivative of the independent joints with respect to an error at a joint, e_i, or at an encoder, column i of C.
+/// @pre not at an origin
+Eigen::VectorXd moved_joints(const Transmission&, const IndependentError&);
+
 /// [encoder][filter]: sigma behind the filter over sigma before it; NaN: not known.
 using SigmaRatios = std::vector<std::vector<double>>;
 
 /// Slow errors of the encoders within their `accuracy` A, a bound of unknown shape: half width A, and sigma
 /// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)); and
 /// those of their gears within `gear_accuracy`, likewise.
-std::vector<ErrorSource> accuracy_sources(const std::vector<Encoder>&, const SigmaRatios& of_encoders,
+std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>&, const SigmaRatios& of_encoders,
                                           const SigmaRatios& of_gears);
 
 /// Whether the spectra of all sources are known, and with them sigma behind the filter.
-bool sigma_is_known(const std::vector<ErrorSource>&, std::size_t filter);
+bool sigma_is_known(const std::vector<IndependentError>&, std::size_t filter);
 
 /// Ratios sigma behind a filter over sigma before it, one per source; 0 where it is not known.
-/// @param filter  index into ErrorSource::sigma_ratios
+/// @param filter  index into IndependentError::sigma_ratios
 /// @param h2      ||H||_2 of the filter, the ratio of a white source
 /// @param beside_noise_in_motion  0 also for sources that are part of noise_in_motion
-Eigen::VectorXd sigma_ratios(const std::vector<ErrorSource>&, std::size_t filter, double h2,
+Eigen::VectorXd sigma_ratios(const std::vector<IndependentError>&, std::size_t filter, double h2,
                              bool beside_noise_in_motion = false);
 
 }  // namespace qerr
