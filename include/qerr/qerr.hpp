@@ -12,18 +12,47 @@
 /// A whole report takes two calls, `read_spec` and `analyze`; each step is also a free function of its own.
 /// All values are in SI units. Errors are thrown as qerr::Error; nothing is printed.
 
+#include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/effect_shares.hpp"
+#include "qerr/bound/error_along_motion.hpp"
+#include "qerr/bound/figure.hpp"
+#include "qerr/bound/independent_error.hpp"
+#include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/operational_error.hpp"
+#include "qerr/bound/proven_maximum.hpp"
+#include "qerr/bound/quantized_sine.hpp"
+#include "qerr/bound/signal.hpp"
+#include "qerr/bound/statistic.hpp"
+#include "qerr/bound/velocity_estimators.hpp"
+#include "qerr/bound/workspace.hpp"
 #include "qerr/core/double_double.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/core/instruction_set.hpp"
 #include "qerr/core/parameter.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/core/unit.hpp"
-
+#include "qerr/design/requirement.hpp"
+#include "qerr/design/threshold.hpp"
+#include "qerr/diagnose/diagnosis.hpp"
+#include "qerr/diagnose/plan.hpp"
+#include "qerr/effect/effect.hpp"
+#include "qerr/effect/effect_kind.hpp"
+#include "qerr/effect/residual_shape.hpp"
+#include "qerr/effect/share.hpp"
 #include "qerr/encoder/coupling.hpp"
 #include "qerr/encoder/encoder.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/encoder/transmission.hpp"
-
+#include "qerr/filter/family.hpp"
+#include "qerr/filter/filter.hpp"
+#include "qerr/filter/norms.hpp"
+#include "qerr/filter/quality.hpp"
+#include "qerr/filter/representations.hpp"
+#include "qerr/input/extended_spec.hpp"
+#include "qerr/input/first_spec.hpp"
+#include "qerr/input/read_log.hpp"
+#include "qerr/input/read_urdf.hpp"
+#include "qerr/input/spec.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/configurations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
@@ -31,46 +60,6 @@
 #include "qerr/kinematics/jacobian.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 #include "qerr/kinematics/tree_ends.hpp"
-
-#include "qerr/filter/family.hpp"
-#include "qerr/filter/filter.hpp"
-#include "qerr/filter/norms.hpp"
-#include "qerr/filter/quality.hpp"
-#include "qerr/filter/representations.hpp"
-
-#include "qerr/effect/effect.hpp"
-#include "qerr/effect/effect_kind.hpp"
-#include "qerr/effect/residual_shape.hpp"
-#include "qerr/effect/share.hpp"
-
-#include "qerr/bound/derivative_error.hpp"
-#include "qerr/bound/effect_shares.hpp"
-#include "qerr/bound/error_along_motion.hpp"
-#include "qerr/bound/independent_error.hpp"
-#include "qerr/bound/joint_error.hpp"
-#include "qerr/bound/operational_error.hpp"
-#include "qerr/bound/proven_maximum.hpp"
-#include "qerr/bound/quantized_sine.hpp"
-#include "qerr/bound/statistic.hpp"
-#include "qerr/bound/velocity_estimators.hpp"
-#include "qerr/bound/workspace.hpp"
-
-#include "qerr/simulate/log.hpp"
-#include "qerr/simulate/motion.hpp"
-#include "qerr/simulate/simulate.hpp"
-
-#include "qerr/diagnose/diagnosis.hpp"
-#include "qerr/diagnose/plan.hpp"
-
-#include "qerr/design/requirement.hpp"
-#include "qerr/design/threshold.hpp"
-
-#include "qerr/input/extended_spec.hpp"
-#include "qerr/input/first_spec.hpp"
-#include "qerr/input/read_log.hpp"
-#include "qerr/input/read_urdf.hpp"
-#include "qerr/input/spec.hpp"
-
 #include "qerr/report/analysis.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/design_report.hpp"
@@ -81,4 +70,17 @@
 #include "qerr/report/robot_report.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
+#include "qerr/simulate/log.hpp"
+#include "qerr/simulate/motion.hpp"
+#include "qerr/simulate/simulate.hpp"
+
+
+
+
+
+
+
+
+
+
 // clang-format on

@@ -6,6 +6,7 @@
 
 #include "bound/error_plan.hpp"
 #include "bound/length_errors.hpp"
+#include "bound/signal_errors.hpp"
 #include "lanes/aligned.hpp"
 
 namespace qerr {
@@ -62,11 +63,14 @@ class AlongMotion {
 struct BatchedError::Work {
   AlignedNumbers scratch, sums;
   std::optional<LengthErrors> lengths;
+  std::optional<SignalErrors> signals;
 
   explicit Work(const Plan& p)
       : scratch(p.kernels.scratch(p.error.plan())), sums(p.error.plan().sums.count * p.kernels.lanes) {
     const FigureLayout& layout = p.error.plan().figures;
-    if (layout.coordinates > p.error.plan().coordinates) lengths.emplace(p.model, p.requested, layout, p.set);
+    if (layout.coordinates == p.error.plan().coordinates) return;
+    if (!p.model.lengths.empty()) lengths.emplace(p.model, p.requested, layout, p.set);
+    if (!p.model.signals.empty()) signals.emplace(p.model, p.requested, layout);
   }
 };
 
@@ -90,6 +94,7 @@ void BatchedError::operator()(const double* q, double* figures) {
   if (plan_->model.along_motion)
     AlongMotion(this->figures(), figures).add(*plan_->model.along_motion, plan_->error.plan());
   if (work_->lengths) (*work_->lengths)(q, figures);
+  if (work_->signals) (*work_->signals)(q, figures);
 }
 
 std::vector<double> BatchedError::take_sums() {

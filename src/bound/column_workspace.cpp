@@ -110,7 +110,7 @@ bool have_columns(const OperationalModel& model, const Configurations& configura
       !mean_errors(model.transmission).isZero(0) ||
       std::any_of(model.sources.begin(), model.sources.end(), [](const auto& s) { return s.mean != 0; });
   return count >= ColumnStatistics::fewest_configurations && count <= exact_percentiles_limit && !euler &&
-         !biased && model.lengths.empty();
+         !biased && model.lengths.empty() && model.signals.empty();
 }
 
 std::vector<Workspace> workspaces(const ColumnStatistics& columns, std::span<const ColumnModel> models) {

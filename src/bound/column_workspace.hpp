@@ -16,7 +16,7 @@ struct ColumnModel {
 };
 
 /// Whether ErrorColumns give a model's figures over these configurations as `workspace` does: percentiles are
-/// exact, no error has a mean, and there are no lengths and no Euler angles.
+/// exact, no error has a mean, and there are no lengths, no signals of other kinds and no Euler angles.
 bool have_columns(const OperationalModel&, const Configurations&);
 
 /// The statistics of `workspace` for models that share their columns, as far as reports of a sweep have them:

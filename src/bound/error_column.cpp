@@ -19,17 +19,18 @@ Eigen::Matrix3d parent_axes(const Chain& chain, const Eigen::VectorXd& q, std::s
 
 }  // namespace
 
-Eigen::VectorXd error_column(const IndependentError& s, const OperationalModel& model, const Eigen::VectorXd& q,
-                             const Eigen::Matrix3d& rotation, const Eigen::MatrixXd& joint_rows,
-                             const Eigen::MatrixXd& encoder_rows) {
+Eigen::VectorXd error_column(const IndependentError& s, const OperationalModel& model,
+                             const Eigen::VectorXd& q, const Eigen::Matrix3d& rotation,
+                             const Eigen::MatrixXd& joint_rows, const Eigen::MatrixXd& encoder_rows) {
   const auto i = static_cast<Eigen::Index>(s.owner);
   if (s.where == IndependentError::Where::joint) return joint_rows.col(i);
   if (s.where == IndependentError::Where::encoder) return encoder_rows.col(i);
   Eigen::Vector3d shift = parent_axes(model.chain, q, s.link) * s.direction;
   if (model.frame == CoordinateFrame::tip) shift = rotation.transpose() * shift;
   Eigen::VectorXd column = Eigen::VectorXd::Zero(joint_rows.rows());
-  for (Eigen::Index c = 0; c < column.size(); ++c) {
-    const Coordinate coordinate = model.coordinates[static_cast<std::size_t>(c)];
+  for (std::size_t k = 0; k < model.coordinates.size(); ++k) {
+    const auto c = static_cast<Eigen::Index>(k);
+    const Coordinate coordinate = model.coordinates[k];
     if (is_position(coordinate)) column[c] = shift[static_cast<Eigen::Index>(coordinate)];
   }
   return column;

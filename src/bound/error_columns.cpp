@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "bound/error_column.hpp"
+#include "bound/signal_errors.hpp"
 #include "core/parallel.hpp"
 #include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
@@ -33,7 +34,7 @@ ErrorColumns::ErrorColumns(const OperationalModel& model, const std::vector<Inde
                            const Configurations& configurations, unsigned threads, InstructionSet set)
     : count_(size(configurations)),
       padded_((count_ + batch_size - 1) / batch_size * batch_size),
-      coordinates_(model.coordinates.size()),
+      coordinates_(model.coordinates.size() + model.signals.size()),
       joints_(model.chain.joints.size()),
       coupled_(!model.transmission.coupling.is_identity()) {
   const std::size_t encoders = model.transmission.encoders.size();
@@ -76,14 +77,17 @@ void ErrorColumns::compute_batch(const OperationalModel& model, std::size_t firs
     const Eigen::Array<bool, Eigen::Dynamic, 1> unbounded = !rows.array().isFinite().rowwise().all();
     for (Eigen::Index c = 0; c < rows.rows(); ++c)
       if (unbounded[c]) rows.row(c).setZero();
-    const Eigen::MatrixXd joint_rows = to_independent(model.chain, rows);
+    Eigen::MatrixXd joint_rows(static_cast<Eigen::Index>(coordinates_), static_cast<Eigen::Index>(encoders));
+    joint_rows << to_independent(model.chain, rows), signal_rows(model, at);
     const Eigen::MatrixXd encoder_rows = joint_rows * model.transmission.coupling;
     for (std::size_t k = 0; k < columns(); ++k) {
       const Eigen::VectorXd column = error_column(places_[k], model, at, rotation, joint_rows, encoder_rows);
-      for (std::size_t c = 0; c < coordinates_; ++c)
+      for (std::size_t c = 0; c < coordinates_; ++c) {
+        const auto row = static_cast<Eigen::Index>(c);
         values_[(c * columns() + k) * padded_ + first + i] =
-            k < encoders && unbounded[static_cast<Eigen::Index>(c)] ? std::numeric_limits<double>::infinity()
-                                                                    : column[static_cast<Eigen::Index>(c)];
+            k < encoders && row < unbounded.size() && unbounded[row] ? std::numeric_limits<double>::infinity()
+                                                                     : column[row];
+      }
     }
     for (std::size_t j = 0; j < joints_; ++j)
       norms_[j * padded_ + first + i] = joints.col(static_cast<Eigen::Index>(j)).head<3>().norm();
@@ -136,7 +140,8 @@ ErrorWeights::Filtered filtered_weights(const ErrorColumns& columns, const Opera
   w.variance = of_errors(errors.size(), false);
   if (!noise) return w;
   w.variance_in_motion = of_errors(errors.size(), true);
-  w.variance_in_motion.head(noise->size()) += noise->cwiseProduct(resolutions(model.transmission)).cwiseAbs2();
+  w.variance_in_motion.head(noise->size()) +=
+      noise->cwiseProduct(resolutions(model.transmission)).cwiseAbs2();
   return w;
 }
 

@@ -35,7 +35,8 @@ class ErrorColumns {
                InstructionSet = instruction_set());
 
   std::size_t configurations() const { return count_; }
-  /// Of the model; lengths have no columns, but follow from those of their components.
+  /// Of the model, then its signals of other kinds; lengths have no columns, but follow from those of their
+  /// components.
   std::size_t coordinates() const { return coordinates_; }
   std::size_t columns() const { return places_.size(); }
   std::size_t joints() const { return joints_; }
@@ -60,7 +61,7 @@ class ErrorColumns {
 
   std::size_t count_, padded_, coordinates_, joints_;
   std::vector<IndependentError> places_;  // one per column; only where, owner, link and direction count
-  bool coupled_;                     // else an error at a joint enters like one at its encoder
+  bool coupled_;                          // else an error at a joint enters like one at its encoder
   AlignedNumbers values_, norms_;
 };
 

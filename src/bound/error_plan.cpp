@@ -47,7 +47,7 @@ PlannedError::PlannedError(const OperationalModel& model, const ErrorFigures& re
   plan_.moving_parts = parts_.size() - (tip_on_axis ? 1 : 0);
   plan_.arm = arm_.data();
   set_filters(model, requested);
-  set_layout(requested, requested.covariance ? 0 : model.lengths.size());
+  set_layout(requested, requested.covariance ? 0 : model.lengths.size() + model.signals.size());
 }
 
 void PlannedError::set_coordinates(const OperationalModel& model) {
@@ -171,12 +171,12 @@ void PlannedError::set_filters(const OperationalModel& model, const ErrorFigures
   plan_.motion_squares = motion_squares_.data();
 }
 
-void PlannedError::set_layout(const ErrorFigures& requested, std::size_t lengths) {
+void PlannedError::set_layout(const ErrorFigures& requested, std::size_t others) {
   plan_.keep_covariance = requested.covariance;
   plan_.shares = requested.shares;
   plan_.rigorous = requested.rigorous;
   plan_.keep_columns = requested.shares || requested.rigorous || plan_.filters > 0;
-  const std::size_t m = plan_.coordinates, all = m + lengths, entries = m * (m + 1) / 2, f = plan_.filters;
+  const std::size_t m = plan_.coordinates, all = m + others, entries = m * (m + 1) / 2, f = plan_.filters;
   const auto place = [](std::size_t& total, bool wanted, std::size_t count) {
     const std::size_t first = total;
     if (wanted) total += count;

@@ -26,7 +26,7 @@ class PlannedError {
   void share_scale();
   void set_remainder(const OperationalModel&);
   void set_filters(const OperationalModel&, const ErrorFigures&);
-  void set_layout(const ErrorFigures&, std::size_t lengths);
+  void set_layout(const ErrorFigures&, std::size_t others);
 
   ErrorPlan plan_ = {};
   FoldedChain chain_;

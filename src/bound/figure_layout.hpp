@@ -7,7 +7,7 @@ namespace qerr {
 /// Layout of the figures of a batch: figure i of configuration c at i * batch_size + c. Each member is the
 /// index of the first coordinate's figure, the others follow. Figures that were not requested take no space.
 struct FigureLayout {
-  std::size_t coordinates = 0;  ///< those of the model, then its lengths
+  std::size_t coordinates = 0;  ///< all_signals of the model
   std::size_t worst_case = 0, sigma = 0, rigorous = 0;
   std::size_t filtered_worst = 0, filtered_sigma = 0, in_motion = 0;  ///< [filter][coordinate]
   std::size_t trace = 0;       ///< one: variance of the position, of all coordinates if there is no position

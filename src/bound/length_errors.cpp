@@ -31,7 +31,8 @@ LengthErrors::LengthErrors(const OperationalModel& model, const ErrorFigures& re
       own_sigma_(layout.in_motion > layout.filtered_sigma),
       jacobian_(model.chain, set),
       columns_(6 * model.chain.joints.size() * batch_size),
-      joints_(model.chain.joints.size()) {
+      joints_(model.chain.joints.size()),
+      components_(model.coordinates.size()) {
   const LinearizationRemainder r = linearization_remainder(model.chain, joint_error(model).worst_case);
   rotation_remainder_ = r.rotation;
   rotation_angle_ = r.rotation_angle;
@@ -133,11 +134,10 @@ void LengthErrors::set_sigmas(const Length& length, std::size_t index, std::size
 
 void LengthErrors::operator()(const double* q, double* figures) {
   jacobian_(q, columns_.data());
-  const std::size_t components = layout_.coordinates - lengths_.size();
   for (std::size_t l = 0; l < lengths_.size(); ++l)
     for (std::size_t i = 0; i < batch_size; ++i) {
-      set_sigmas(lengths_[l], components + l, i, figures);
-      set_worst(lengths_[l], components + l, i, figures);
+      set_sigmas(lengths_[l], components_ + l, i, figures);
+      set_worst(lengths_[l], components_ + l, i, figures);
     }
 }
 

@@ -50,7 +50,7 @@ class LengthErrors {
   double rotation_remainder_, rotation_angle_;
   BatchedJacobian jacobian_;
   AlignedNumbers columns_;
-  std::size_t joints_;
+  std::size_t joints_, components_;
 };
 
 }  // namespace qerr

@@ -34,9 +34,11 @@ void add_sources(const OperationalModel& model, const Eigen::VectorXd& q, const 
 
 }  // namespace
 
-std::vector<Coordinate> coordinates_and_lengths(const OperationalModel& model) {
-  std::vector<Coordinate> all = model.coordinates;
-  all.insert(all.end(), model.lengths.begin(), model.lengths.end());
+std::vector<Signal> all_signals(const OperationalModel& model) {
+  std::vector<Signal> all;
+  for (const Coordinate c : model.coordinates) all.push_back(signal_of(c));
+  for (const Coordinate c : model.lengths) all.push_back(signal_of(c));
+  all.insert(all.end(), model.signals.begin(), model.signals.end());
   return all;
 }
 
@@ -86,9 +88,10 @@ OperationalError operational_error(const OperationalModel& model, const Eigen::V
                                    position_remainder);
   if (model.along_motion) {
     const SignalMoments& tip = model.along_motion->tip;
-    e.worst_case += tip.peak;
-    e.rigorous += tip.peak;
-    e.sigma = (e.sigma.array().square() + tip.covariance.diagonal().array()).sqrt();
+    const Eigen::Index m = e.sigma.size();
+    e.worst_case += tip.peak.head(m);
+    e.rigorous += tip.peak.head(m);
+    e.sigma = (e.sigma.array().square() + tip.covariance.diagonal().head(m).array()).sqrt();
   }
   return e;
 }

@@ -76,7 +76,7 @@ class Summary {
     CoordinateStatistics s{statistic(figures_.worst_case + c), {}, statistic(figures_.sigma + c), {}, {}};
     if (options_.brief) return s;
     s.worst_case_rigorous = statistic(figures_.rigorous + c);
-    if (c >= m_) return s;  // a length
+    if (c >= m_) return s;  // without sums
     s.share = above(1e-24, matrix(sums_.share).row(static_cast<Eigen::Index>(c)));
     s.share_worst_case = above(1e-12, matrix(sums_.worst_share).row(static_cast<Eigen::Index>(c)));
     return s;
@@ -125,8 +125,8 @@ class Summary {
     }
     if (!model_.along_motion) return;
     const auto add = [](const SignalMoments& signal, Eigen::MatrixXd& mean, Eigen::MatrixXd& at_largest) {
-      mean += signal.covariance;
-      at_largest += signal.covariance;
+      mean += signal.covariance.topLeftCorner(mean.rows(), mean.cols());
+      at_largest += signal.covariance.topLeftCorner(mean.rows(), mean.cols());
     };
     add(model_.along_motion->tip, w.mean_covariance, w.covariance_at_largest);
     for (std::size_t f = 0; f < w.filtered.size(); ++f)
@@ -161,6 +161,21 @@ class Summary {
 };
 
 }  // namespace
+
+const Statistic* statistic_of(const Workspace& w, const Figure& f) {
+  const auto pointer = [](const std::optional<Statistic>& s) { return s ? &*s : nullptr; };
+  if (f.filter < 0) {
+    const CoordinateStatistics& position = w.coordinates[f.signal];
+    return f.bound == Bound::worst_case            ? &position.worst_case
+           : f.bound == Bound::worst_case_rigorous ? &position.worst_case_rigorous
+                                                   : &position.sigma;
+  }
+  const DerivativeStatistics& behind = w.derivatives[static_cast<std::size_t>(f.filter)][f.signal];
+  return f.bound == Bound::worst_case           ? &behind.worst_case
+         : f.bound == Bound::sigma              ? pointer(behind.sigma)
+         : f.bound == Bound::sigma_quantization ? pointer(behind.sigma_quantization)
+                                                : pointer(behind.sigma_in_motion);
+}
 
 Workspace workspace(const OperationalModel& model, const std::vector<Norms>& filters,
                     const Configurations& configurations, const WorkspaceOptions& options) {

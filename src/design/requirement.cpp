@@ -17,26 +17,12 @@ Error unknown_sigma(const Requirement& r) {
                    "sigma_quantization");
 }
 
-const Statistic& statistic_behind(const Requirement& r, const DerivativeStatistics& d) {
-  using Bound = Requirement::Bound;
-  if (r.bound == Bound::worst_case) return d.worst_case;
-  if (r.bound == Bound::sigma_in_motion) {
-    if (!d.sigma_in_motion) throw undecided(r, "sigma in motion is not computed", "");
-    return *d.sigma_in_motion;
-  }
-  if (r.bound == Requirement::Bound::sigma_quantization && d.sigma_quantization) return *d.sigma_quantization;
-  if (!d.sigma) throw unknown_sigma(r);
-  return *d.sigma;
-}
-
-const Statistic& statistic_of(const Requirement& r, const Workspace& w) {
-  using Bound = Requirement::Bound;
-  if (r.filter >= 0)
-    return statistic_behind(r, w.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate]);
-  const CoordinateStatistics& position = w.coordinates[r.coordinate];
-  return r.bound == Bound::sigma        ? position.sigma
-         : r.bound == Bound::worst_case ? position.worst_case
-                                        : position.worst_case_rigorous;
+const Statistic& known_statistic(const Requirement& r, const Workspace& w) {
+  if (const Statistic* s = statistic_of(w, r)) return *s;
+  if (r.bound == Bound::sigma_in_motion) throw undecided(r, "sigma in motion is not computed", "");
+  const Statistic* all = statistic_of(w, {r.signal, r.filter, Bound::sigma});  // nothing but quantization
+  if (!all) throw unknown_sigma(r);
+  return *all;
 }
 
 }  // namespace
@@ -53,7 +39,7 @@ RequirementResult evaluate(const Requirement& r, const Workspace& w, const std::
                       "see `qerr filter`; ask for another figure");
     result.value = *value;
   } else {
-    const Statistic& statistic = statistic_of(r, w);
+    const Statistic& statistic = known_statistic(r, w);
     result.value = statistic.*r.value;
     result.at_max = statistic.at_max;
   }
@@ -65,11 +51,11 @@ RequirementResult evaluate(const Requirement& r, double value) {
   return {.value = value, .met = r.met_by(value)};
 }
 
-ProvenFigure proven_figure(const Requirement& r, const OperationalModel& model) {
-  const bool sigma = r.bound == ProvenFigure::Bound::sigma || r.bound == ProvenFigure::Bound::sigma_in_motion;
-  if (r.filter >= 0 && sigma && !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
+Figure proven_figure(const Requirement& r, const OperationalModel& model) {
+  if (r.filter >= 0 && is_sigma(r.bound) && r.bound != Bound::sigma_quantization &&
+      !sigma_is_known(model.sources, static_cast<std::size_t>(r.filter)))
     throw unknown_sigma(r);
-  return {r.coordinate, r.filter, r.bound};
+  return r;
 }
 
 RequirementResult evaluate(const Requirement& r, const ProvenMaximum& proven) {

@@ -35,22 +35,44 @@ Words<std::ptrdiff_t> signals_of(const Spec& spec) {
   return signals;
 }
 
-/// The coordinates and lengths of the spec; lengths that it does not list are added where they are required.
-std::size_t read_coordinate(const Field& f, const std::string& word, Spec& spec) {
-  Words<Coordinate> known;
-  for (const Coordinate c : spec.model.coordinates) known.emplace_back(info(c).name, c);
-  for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name, c);
-  if (find_coordinate(word) && !find(known, word)) {
+/// The signals of the spec; lengths and joints that it does not list are added where they are required.
+std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
+  std::vector<std::string> known = signal_names(spec.model.chain);
+  for (const Signal& s : all_signals(spec.model)) known.push_back(s.name);
+  for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name);
+  const std::optional<Coordinate> coordinate = find_coordinate(word);
+  if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
     std::string listed;
     for (const Coordinate c : spec.model.coordinates)
       listed += (listed.empty() ? "" : ", ") + std::string(info(c).name);
-    throw Error(f.fault("'" + word + "' is not among the spec's coordinates",
-                        "add it to 'coordinates', which are " + listed + " here"));
+    throw Error(
+        f.fault("'" + word + "' is not among the spec's coordinates",
+                "add it to 'coordinates'" + (listed.empty() ? "" : ", which are " + listed + " here")));
   }
-  const Coordinate wanted = pick(f, word, "coordinate", known);
-  if (is_length(wanted)) add_length(wanted, spec.model);
-  const std::vector<Coordinate> all = coordinates_and_lengths(spec.model);
-  return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
+  if (coordinate && is_length(*coordinate)) add_length(*coordinate, spec.model);
+  const std::vector<Signal> found =
+      coordinate ? std::vector{signal_of(*coordinate)} : find_signals(spec.model.chain, word);
+  if (found.size() != 1) throw Error(f.fault("no such coordinate '" + word + "'", did_you_mean(word, known)));
+  if (!coordinate) add_signal(found.front(), spec.model);
+  const std::vector<Signal> all = all_signals(spec.model);
+  return static_cast<std::size_t>(
+      std::find_if(all.begin(), all.end(), [&](const Signal& s) { return s.name == found.front().name; }) -
+      all.begin());
+}
+
+/// The signal and the coordinate of a quantity without its bound: of `velocity.x` velocity and x. Both may
+/// contain dots.
+std::pair<std::string, std::string> parts_of(const std::string& before, const Words<std::ptrdiff_t>& filters,
+                                             const Spec& spec) {
+  for (const std::string& name : signal_names(spec.model.chain)) {
+    if (before == name) return {"position", name};
+    if (before.size() > name.size() && before.ends_with('.' + name))
+      if (const std::string first = before.substr(0, before.size() - name.size() - 1); find(filters, first))
+        return {first, name};
+  }
+  const std::size_t middle = before.rfind('.');
+  if (middle == std::string::npos) return {"position", before};
+  return {before.substr(0, middle), before.substr(middle + 1)};
 }
 
 /// `encoder.JOINT.count_rate`. @returns whether the quantity has this form
@@ -70,7 +92,6 @@ bool read_counter(const Field& f, const Spec& spec, Requirement& r) {
 /// The names of CSV: `position.x.worst_case`, `velocity.x.sigma`, `velocity.delay`; `x.worst_case` is an
 /// older name of the first. A filter's name may contain dots.
 void read_quantity(const Field& f, Spec& spec, Requirement& r) {
-  using Bound = Requirement::Bound;
   if (read_counter(f, spec, r)) return;
   const std::size_t last = r.quantity.rfind('.');
   const std::string before = last == std::string::npos ? "" : r.quantity.substr(0, last);
@@ -86,16 +107,14 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
   if (before.empty())
     throw Error(f.fault("a quantity names a signal, a coordinate and a bound",
                         "write position.x.worst_case, FILTER.x.sigma or FILTER.delay"));
-  const std::size_t middle = before.rfind('.');
-  const std::string signal = middle == std::string::npos ? "position" : before.substr(0, middle);
+  const auto [signal, coordinate] = parts_of(before, signals, spec);
   r.filter = pick(f, signal, "filter", signals);
-  r.coordinate = read_coordinate(f, middle == std::string::npos ? before : before.substr(middle + 1), spec);
-  Words<Bound> bounds{{"worst_case", Bound::worst_case}, {"sigma", Bound::sigma}};
-  if (r.filter < 0)
-    bounds.emplace_back("worst_case_rigorous", Bound::worst_case_rigorous);
-  else
-    bounds.insert(bounds.end(), {{"sigma_in_motion", Bound::sigma_in_motion},
-                                 {"sigma_quantization", Bound::sigma_quantization}});
+  r.signal = read_signal(f, coordinate, spec);
+  Words<Bound> bounds;
+  for (const Bound b : r.filter < 0 ? std::vector{Bound::worst_case, Bound::sigma, Bound::worst_case_rigorous}
+                                    : std::vector{Bound::worst_case, Bound::sigma, Bound::sigma_in_motion,
+                                                  Bound::sigma_quantization})
+    bounds.emplace_back(name_of(b), b);
   r.bound = pick(f, end, "bound", bounds);
   if (r.bound == Bound::sigma_in_motion && !spec.motion)
     throw Error(f.fault("sigma_in_motion needs a motion", "add 'motion:' to the spec, or use sigma"));
@@ -104,7 +123,7 @@ void read_quantity(const Field& f, Spec& spec, Requirement& r) {
 Dimension dimension_of(const Requirement& r, const Spec& spec) {
   if (r.counter >= 0) return dimension::frequency;
   if (r.figure) return r.figure->dimension(spec.filters[static_cast<std::size_t>(r.filter)].filter);
-  const bool length = info(coordinates_and_lengths(spec.model)[r.coordinate]).unit == "m";
+  const bool length = all_signals(spec.model)[r.signal].unit == "m";
   const Dimension d = length ? dimension::length : dimension::angle;
   return r.filter < 0 ? d : output_dimension(d, spec.filters[static_cast<std::size_t>(r.filter)].filter);
 }
@@ -121,7 +140,7 @@ void read_statistic(const Object& o, Requirement& r) {
                                "add 'statistic: max', or another one of `qerr list statistics`"));
   r.statistic = o.choice("statistic");
   r.proven = r.statistic == proven_statistic;
-  if (r.proven && r.bound == Requirement::Bound::sigma_quantization)
+  if (r.proven && r.bound == Bound::sigma_quantization)
     throw Error(o.at("statistic")
                     .fault("the maximum of sigma_quantization is not proven",
                            "require 'max' of it, or proven_max of sigma"));

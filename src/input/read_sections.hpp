@@ -41,6 +41,8 @@ RobotModel read_joint(const Field&, const std::string& file);
 Eigen::Isometry3d read_tool(const Field&);
 /// Adds a length, and those of its components that are missing.
 void add_length(Coordinate, OperationalModel&);
+/// Adds a signal that is no coordinate of the tip.
+void add_signal(const Signal&, OperationalModel&);
 void read_coordinates(const Field&, Spec&);
 void read_filters(const Field&, Spec&, Faults&);
 /// @param field  its node is null if the section is absent; the defaults are then checked

@@ -11,8 +11,9 @@ namespace qerr {
 
 namespace {
 
-bool contains(const std::vector<Coordinate>& list, Coordinate c) {
-  return std::find(list.begin(), list.end(), c) != list.end();
+template <class Value>
+bool contains(const std::vector<Value>& list, const Value& value) {
+  return std::find(list.begin(), list.end(), value) != list.end();
 }
 
 }  // namespace
@@ -26,24 +27,37 @@ void add_length(Coordinate length, OperationalModel& model) {
   model.lengths.push_back(length);
 }
 
+void add_signal(const Signal& signal, OperationalModel& model) {
+  const bool known = std::any_of(model.signals.begin(), model.signals.end(),
+                                 [&](const Signal& s) { return s.name == signal.name; });
+  if (!known) model.signals.push_back(signal);
+}
+
 void read_coordinates(const Field& f, Spec& spec) {
-  std::vector<std::string> all;
+  std::vector<std::string> all = signal_names(spec.model.chain);
   for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
-  std::vector<Coordinate> named;
+  std::vector<std::string> named;
+  std::vector<Coordinate> lengths;
+  OperationalModel& model = spec.model;
+  model.coordinates.clear();
   for (const Field& item : read_list(f, "[x, y, z]")) {
     const std::string name = read_text_value(item);
     const auto coordinate = find_coordinate(name);
-    if (!coordinate) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
-    if (contains(named, *coordinate)) throw Error(item.fault("duplicate coordinate", "keep one of them"));
-    named.push_back(*coordinate);
+    const std::vector<Signal> signals =
+        coordinate ? std::vector{signal_of(*coordinate)} : find_signals(model.chain, name);
+    if (signals.empty()) throw Error(item.fault("no such coordinate", did_you_mean(name, all)));
+    for (const Signal& s : signals) {
+      if (contains(named, s.name)) throw Error(item.fault("duplicate coordinate", "keep one of them"));
+      named.push_back(s.name);
+      if (!s.coordinate)
+        add_signal(s, model);
+      else
+        (is_length(*s.coordinate) ? lengths : model.coordinates).push_back(*s.coordinate);
+    }
   }
   if (named.empty())
     throw Error(f.fault("the list of coordinates is empty", "write [x, y, z], or leave the key out"));
-  spec.model.coordinates.clear();
-  for (const Coordinate c : named)
-    if (!is_length(c)) spec.model.coordinates.push_back(c);
-  for (const Coordinate c : named)
-    if (is_length(c)) add_length(c, spec.model);
+  for (const Coordinate c : lengths) add_length(c, model);
 }
 
 void read_log_section(const Field& f, Spec& spec) {

@@ -102,6 +102,7 @@ const std::vector<SpecReader::Stage>& SpecReader::stages() {
        [](Spec& spec) {
          spec.model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
          spec.model.lengths.clear();
+         spec.model.signals.clear();
          spec.model.frame = CoordinateFrame::base;
        },
        [](SpecReader& r, const Object& top) {

@@ -213,6 +213,7 @@ std::string json_schema() {
   Json root = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "qerr spec, version 1"}};
   Json names = Json::array();
   for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
+  for (const SignalKind& kind : signal_kinds()) names.push_back(kind.group);
   Json& p = s["properties"];
   p["robot"] = object_of(spec_format::robot());
   p["robot"]["properties"]["tool"] = tool();
@@ -220,8 +221,10 @@ std::string json_schema() {
   for (const char* key : {"urdf", "joint"}) p["robot"]["oneOf"].push_back({{"required", Json::array({key})}});
   p["encoders"] = map_of(encoder());
   p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
-  p["coordinates"] = {
-      {"type", "array"}, {"minItems", 1}, {"uniqueItems", true}, {"items", {{"enum", names}}}};
+  p["coordinates"] = {{"type", "array"},
+                      {"minItems", 1},
+                      {"uniqueItems", true},
+                      {"items", {{"type", "string"}, {"examples", names}}}};
   p["filters"] = map_of(filter());
   p["configurations"] = configurations();
   Json requirement = object_of(spec_format::requirement());

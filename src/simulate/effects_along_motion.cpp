@@ -5,6 +5,7 @@
 #include <limits>
 #include <memory>
 
+#include "bound/signal_errors.hpp"
 #include "filter/run/row_filter.hpp"
 #include "simulate/path_errors.hpp"
 #include "simulate/unrounded_record.hpp"
@@ -41,36 +42,47 @@ class MomentSums {
   Eigen::MatrixXd squares_;
 };
 
-/// Moments of the tip's error behind a filter; null: of the error itself, and of the joints'.
+/// Moments of the errors of the model's coordinates and of its signals of other kinds, c(q) times the
+/// joints', behind a filter; null: of the errors themselves, and of the joints'.
 SignalMoments moments_of_tip(const OperationalModel& model, const std::vector<Effect>& effects,
                              const UnroundedRecord& record, const Filter* filter, SignalMoments* of_joints) {
   const auto m = static_cast<Eigen::Index>(model.coordinates.size());
   const auto n = static_cast<Eigen::Index>(model.transmission.encoders.size());
   constexpr std::size_t lanes = 8;
-  const std::size_t width = (model.coordinates.size() + lanes - 1) / lanes * lanes;
+  const std::size_t signals = model.coordinates.size() + model.signals.size();
+  const std::size_t width = (signals + lanes - 1) / lanes * lanes;
   PathErrors errors(model, as_built(model.chain, effects), Eigen::VectorXd::Zero(m));
   AlignedNumbers rows(width * batch_size), filtered(width * batch_size);
   std::unique_ptr<RowFilter> run;
   if (filter) run = std::make_unique<RowFilter>(*filter, width, batch_size);
   MomentSums tip, joints;
-  Eigen::VectorXd joint(n);
+  Eigen::VectorXd joint(n), q(n);
+  const auto joints_at = [&](const SensedBatch& batch, std::size_t sample) {
+    for (Eigen::Index j = 0; j < n; ++j) {
+      const std::size_t at = static_cast<std::size_t>(j) * batch_size + sample;
+      q[j] = batch.joint[at];
+      joint[j] = batch.estimate[at] - batch.joint[at];
+    }
+  };
   bool first = true;
   record.read(model, effects, [&](const SensedBatch& batch, const std::vector<std::size_t>& used) {
     errors(batch, {});
-    for (std::size_t k = 0; k < used.size(); ++k)
+    for (std::size_t k = 0; k < used.size(); ++k) {
       std::copy_n(errors.rows() + used[k] * errors.width(), m, rows.data() + k * width);
+      if (model.signals.empty()) continue;
+      joints_at(batch, used[k]);
+      Eigen::Map<Eigen::VectorXd>(rows.data() + k * width + m, static_cast<Eigen::Index>(signals) - m) =
+          signal_rows(model, q) * joint;
+    }
     if (run && first) run->settle(rows.data());
     if (run) (*run)(rows.data(), width, used.size(), filtered.data());
     first = false;
     const double* const out = run ? filtered.data() : rows.data();
     for (std::size_t k = 0; k < used.size(); ++k) {
       if (!record.is_after_settling(batch.first + used[k])) continue;
-      tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, m));
+      tip.add(Eigen::Map<const Eigen::VectorXd>(out + k * width, static_cast<Eigen::Index>(signals)));
       if (!of_joints) continue;
-      for (Eigen::Index j = 0; j < n; ++j) {
-        const std::size_t at = static_cast<std::size_t>(j) * batch_size + used[k];
-        joint[j] = batch.estimate[at] - batch.joint[at];
-      }
+      joints_at(batch, used[k]);
       joints.add(joint);
     }
   });

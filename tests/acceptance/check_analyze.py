@@ -62,6 +62,7 @@ def check_case(t, qerr, case, folder):
     check_joints(t, label, report, case, e)
     check_position(t, label, report, case, e)
     check_derivatives(t, label, report, case, e)
+    check_joint_signals(t, qerr, spec, label, case, e)
     check_each(t, label, folder / "each.csv", case, e)
     tidy = run(qerr, "analyze", spec, "--format", "csv")
     reports.check_tidy(t, label, tidy, report)
@@ -76,6 +77,33 @@ def check_joints(t, label, report, case, e):
         worst.add(f"{joint['name']}.worst_case", joint["worst_case"], float(e["joint_worst"][i]))
         worst.add(f"{joint['name']}.sigma", joint["sigma"], float(e["joint_sigma"][i]))
     t.check(f"{label}: joints", worst.holds(), worst.detail())
+
+
+def check_joint_signals(t, qerr, spec, label, case, e):
+    """Joints as coordinates: the same at all configurations, behind filters, and alone or beside the tip's."""
+    for listed in ("joints", f"z, '{case.chain.names[-1]}'"):
+        ran = run(qerr, "analyze", spec, "--set", f"coordinates=[{listed}]", "--json", "--quiet")
+        if not t.check(f"{label}: coordinates [{listed}]", ran.code == 0, ran.err.decode()[:300]):
+            return
+        report, worst = json.loads(ran.out), Worst()
+        named = {n if n not in ANGULAR + ("x", "y", "z", "xyz", "rxyz") else f"joint:{n}": i for i, n in enumerate(case.chain.names)}
+        rows = {row["coordinate"]: row for row in report["position"]}
+        t.check(f"{label}: their names", [n for n in rows if n != "z"] == (list(named) if listed == "joints" else list(named)[-1:]), list(rows))
+        for name, i in named.items():
+            if name not in rows:
+                continue
+            wanted = {"worst_case": e["joint_worst"][i], "worst_case_rigorous": e["joint_worst"][i], "sigma": e["joint_sigma"][i]}
+            found = [(rows[name], wanted)]
+            for d in report["derivatives"]:
+                x = e["derivatives"][d["filter"]]
+                found.append(({row["coordinate"]: row for row in d["coordinates"]}[name],
+                              {"worst_case": x["l1"] * e["joint_half"][i] + abs(x["dc"]) * e["joint_mean"][i],
+                               "sigma": x["h2"] * e["joint_sigma"][i]}))
+            for row, values in found:
+                for bound, value in values.items():
+                    for statistic in STAT[:-1]:
+                        worst.add(f"{name}.{bound}.{statistic}", row[bound][statistic], float(value))
+        t.check(f"{label}: their figures", worst.holds(), worst.detail())
 
 
 def check_position(t, label, report, case, e):

@@ -31,6 +31,7 @@ def expected(case):
     result = {
         "coupling": coupling, "half": half, "mean": mean, "worst": half + mean, "sigma": sigma, "share": share,
         "joint_worst": joint_half + joint_mean,
+        "joint_half": joint_half, "joint_mean": joint_mean,
         "joint_sigma": np.sqrt(coupling**2 @ (delta**2 / 12)),
         "derivatives": {},
     }

@@ -42,12 +42,11 @@ void row(const std::string& path, const std::string& figure, double gap) {
   std::vector<Limits> ranges;
   const OperationalModel m = model_of(path, ranges);
   const std::size_t dot = figure.find('.');
-  const auto all = coordinates_and_lengths(m);
-  const Coordinate c = find_coordinate(figure.substr(0, dot)).value();
-  const ChainBoundRequest request{
-      static_cast<std::size_t>(std::find(all.begin(), all.end(), c) - all.begin()),
-      figure.substr(dot + 1) == "sigma" ? ChainBoundRequest::Figure::sigma
-                                        : ChainBoundRequest::Figure::worst_case};
+  const auto all = all_signals(m);
+  const auto signal =
+      std::find_if(all.begin(), all.end(), [&](const Signal& s) { return s.name == figure.substr(0, dot); });
+  const Figure request{static_cast<std::size_t>(signal - all.begin()), -1,
+                       figure.substr(dot + 1) == "sigma" ? Bound::sigma : Bound::worst_case};
   const double lower = testing::largest_figure(m, ranges, request, 20000, 1);
   const std::clock_t start = std::clock();  // of all threads
   const auto upper = chain_upper_bound(m, ranges, request, lower, gap);

@@ -15,10 +15,9 @@
 namespace qerr {
 namespace {
 
+using std::numbers::pi;
 using testing::ChainMix;
 using testing::Dice;
-using Figure = ChainBoundRequest::Figure;
-using std::numbers::pi;
 
 /// Index among the coordinates and lengths of the models below.
 constexpr std::size_t x = 0, rx = 3, xyz = 6, rxyz = 7;
@@ -69,24 +68,24 @@ std::vector<Limits> random_ranges(Dice& dice, const OperationalModel& m) {
   return ranges;
 }
 
-void expect_at_least(const OperationalModel& m, const std::vector<Limits>& ranges,
-                     const ChainBoundRequest& request, double gap, double promised) {
+void expect_at_least(const OperationalModel& m, const std::vector<Limits>& ranges, const Figure& request,
+                     double gap, double promised) {
   const double lower = testing::largest_figure(m, ranges, request, 150, 5);
   const std::optional<double> upper = chain_upper_bound(m, ranges, request, lower, gap);
   ASSERT_TRUE(upper);
-  EXPECT_GE(*upper, lower * (1 - 1e-12)) << request.coordinate;
-  EXPECT_LE(*upper, lower * (1 + promised)) << request.coordinate;
+  EXPECT_GE(*upper, lower * (1 - 1e-12)) << request.signal;
+  EXPECT_LE(*upper, lower * (1 + promised)) << request.signal;
 }
 
 TEST(ChainBound, OfOneJointIsItsRadiusTimesItsWidth) {
   const OperationalModel m = planar_arm({0.7});
   const std::vector<Limits> turn{{-pi, pi}};
   for (const std::size_t c : {x, xyz}) {
-    const double worst = *chain_upper_bound(m, turn, {c, Figure::worst_case}, 0.7 * 0.5e-4, 1e-4);
+    const double worst = *chain_upper_bound(m, turn, {c, -1, Bound::worst_case}, 0.7 * 0.5e-4, 1e-4);
     EXPECT_NEAR(worst / (0.7 * 0.5e-4), 1, 1e-3);
     EXPECT_GE(worst, 0.7 * 0.5e-4);
   }
-  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::sigma}, 0, 0.01), 0.7e-4 / std::sqrt(12.0), 1e-12);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, -1, Bound::sigma}, 0, 0.01), 0.7e-4 / std::sqrt(12.0), 1e-12);
 }
 
 TEST(ChainBound, OfAPlanarArmIsThatOfTheStretchedArm) {
@@ -95,16 +94,16 @@ TEST(ChainBound, OfAPlanarArmIsThatOfTheStretchedArm) {
   const std::vector<Limits> turn(3, {-pi, pi});
   const double worst = 0.5e-4 * (1.0 + 0.5 + 0.2);
   const double sigma = 1e-4 / std::sqrt(12.0) * std::sqrt(1.0 + 0.25 + 0.04);
-  EXPECT_NEAR(*chain_upper_bound(m, turn, {x, Figure::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
-  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
-  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, Figure::sigma}, sigma, 0.001) / sigma, 1.0005, 0.0006);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {x, -1, Bound::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, -1, Bound::worst_case}, worst, 0.001) / worst, 1.001, 0.0011);
+  EXPECT_NEAR(*chain_upper_bound(m, turn, {xyz, -1, Bound::sigma}, sigma, 0.001) / sigma, 1.0005, 0.0006);
 }
 
 TEST(ChainBound, EndsOfTheRangeCount) {
   // dx = -dq (0.7 sin q), largest at the end of the range.
   const OperationalModel m = planar_arm({0.7});
   const double worst = 0.5e-4 * 0.7 * std::sin(0.4);
-  EXPECT_NEAR(*chain_upper_bound(m, {{-0.1, 0.4}}, {x, Figure::worst_case}, worst, 0.001) / worst, 1.0005,
+  EXPECT_NEAR(*chain_upper_bound(m, {{-0.1, 0.4}}, {x, -1, Bound::worst_case}, worst, 0.001) / worst, 1.0005,
               0.0006);
 }
 
@@ -134,11 +133,11 @@ TEST(ChainBound, HoldsWithoutLeversAndWithoutTurns) {
   for (ChainJoint& joint : slides.chain.joints) joint.prismatic = true, joint.axis = Eigen::Vector3d::UnitX();
   for (const CoordinateFrame frame : {CoordinateFrame::base, CoordinateFrame::tip}) {
     wrist.frame = slides.frame = frame;
-    for (const Figure figure : {Figure::worst_case, Figure::sigma})
+    for (const Bound figure : {Bound::worst_case, Bound::sigma})
       for (const std::size_t c : {x, xyz}) {
-        EXPECT_NEAR(*chain_upper_bound(wrist, turn, {c, figure}, 0, 0.01), 0, 1e-9);
-        const double sum = figure == Figure::sigma ? 1e-4 / std::sqrt(6.0) : 1e-4;
-        const double bound = *chain_upper_bound(slides, turn, {c, figure}, sum, 0.01);
+        EXPECT_NEAR(*chain_upper_bound(wrist, turn, {c, -1, figure}, 0, 0.01), 0, 1e-9);
+        const double sum = figure == Bound::sigma ? 1e-4 / std::sqrt(6.0) : 1e-4;
+        const double bound = *chain_upper_bound(slides, turn, {c, -1, figure}, sum, 0.01);
         EXPECT_GE(bound, sum * (1 - 1e-12));
         EXPECT_LE(bound, sum * 1.01);
       }
@@ -154,8 +153,8 @@ TEST(ChainBound, IsNeverBelowASearchOfRandomChains) {
     m.frame = i % 2 == 0 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz}) {
-      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.03, 0.03);
-      expect_at_least(m, ranges, {c, Figure::sigma}, 0.03, 0.03);
+      expect_at_least(m, ranges, {c, -1, Bound::worst_case}, 0.03, 0.03);
+      expect_at_least(m, ranges, {c, -1, Bound::sigma}, 0.03, 0.03);
     }
   }
 }
@@ -178,8 +177,8 @@ TEST(ChainBound, IsNeverBelowASearchOfChainsWithSources) {
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx})
       // The finest grid for a gap keeps it for most chains only: the last of these is 3.003 % above.
-      for (const Figure figure : {Figure::worst_case, Figure::sigma})
-        expect_at_least(m, ranges, {c, figure}, 0.03, 0.035);
+      for (const Bound figure : {Bound::worst_case, Bound::sigma})
+        expect_at_least(m, ranges, {c, -1, figure}, 0.03, 0.035);
   }
 }
 
@@ -193,10 +192,10 @@ TEST(ChainBound, IsNeverBelowASearchOfCoupledAndMimicJoints) {
     m.frame = i % 4 < 2 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz}) {
-      expect_at_least(m, ranges, {c, Figure::worst_case}, 0.06, 0.06);
+      expect_at_least(m, ranges, {c, -1, Bound::worst_case}, 0.06, 0.06);
       // Errors that move distant joints are relaxed.
       const bool distant = m.chain.joints.size() > 2 && m.chain.independent.size() > 1;
-      expect_at_least(m, ranges, {c, Figure::sigma}, 0.06, distant ? 1 : 0.06);
+      expect_at_least(m, ranges, {c, -1, Bound::sigma}, 0.06, distant ? 1 : 0.06);
     }
   }
 }
@@ -215,8 +214,8 @@ TEST(ChainBound, IsReachedByCouplingsOfNeighbours) {
     m.frame = i < 3 ? CoordinateFrame::base : CoordinateFrame::tip;
     const std::vector<Limits> ranges = random_ranges(dice, m);
     for (const std::size_t c : {x, rx, xyz, rxyz})
-      for (const Figure figure : {Figure::worst_case, Figure::sigma})
-        expect_at_least(m, ranges, {c, figure}, 0.03, 0.03);
+      for (const Bound figure : {Bound::worst_case, Bound::sigma})
+        expect_at_least(m, ranges, {c, -1, figure}, 0.03, 0.03);
   }
 }
 
@@ -234,25 +233,25 @@ TEST(ChainBound, IsNeverBelowASearchOnTheCoarsestGrids) {
     const std::vector<Eigen::Vector3d> along_x{Eigen::Vector3d::UnitX()};
     const bool tip = i % 2 != 0;
     const RotationAxes axes = tip ? RotationAxes::tip : RotationAxes::base;
-    std::map<std::pair<std::size_t, Figure>, double> lower;
+    std::map<std::pair<std::size_t, Bound>, double> lower;
     for (const std::size_t c : {x, rx, xyz, rxyz})
-      for (const Figure figure : {Figure::worst_case, Figure::sigma})
-        lower[{c, figure}] = testing::largest_figure(m, ranges, {c, figure}, 60, 5);
-    const auto expect = [&](std::size_t c, Figure figure, double bound) {
-      EXPECT_GE(bound, (lower[{c, figure}] * (1 - 1e-12))) << c << (figure == Figure::sigma);
+      for (const Bound figure : {Bound::worst_case, Bound::sigma})
+        lower[{c, figure}] = testing::largest_figure(m, ranges, {c, -1, figure}, 60, 5);
+    const auto expect = [&](std::size_t c, Bound figure, double bound) {
+      EXPECT_GE(bound, (lower[{c, figure}] * (1 - 1e-12))) << c << (figure == Bound::sigma);
     };
     for (const double cells : {2.0, 3.0, 5.0}) {
       const PositionWorstCase worst = position_worst_case_bound(form, along_x, cells);
-      expect(xyz, Figure::worst_case, worst.length);
-      expect(xyz, Figure::sigma, position_sigma_bound(form, cells));
-      expect(x, Figure::worst_case,
+      expect(xyz, Bound::worst_case, worst.length);
+      expect(xyz, Bound::sigma, position_sigma_bound(form, cells));
+      expect(x, Bound::worst_case,
              tip ? tip_component_bound(form, TipFigure::worst_case, along_x, cells)[0] : worst.along[0]);
-      expect(x, Figure::sigma,
+      expect(x, Bound::sigma,
              tip ? tip_component_bound(form, TipFigure::sigma, along_x, cells)[0]
                  : component_sigma_bound(form, along_x, cells)[0]);
-      expect(rx, Figure::worst_case, rotation_worst_case_bound(form, axes, along_x, cells).along[0]);
-      expect(rx, Figure::sigma, rotation_sigma_bound(form, axes, along_x, cells).along[0]);
-      expect(rxyz, Figure::worst_case, rotation_worst_case_bound(form, RotationAxes::base, {}, cells).length);
+      expect(rx, Bound::worst_case, rotation_worst_case_bound(form, axes, along_x, cells).along[0]);
+      expect(rx, Bound::sigma, rotation_sigma_bound(form, axes, along_x, cells).along[0]);
+      expect(rxyz, Bound::worst_case, rotation_worst_case_bound(form, RotationAxes::base, {}, cells).length);
     }
   }
 }

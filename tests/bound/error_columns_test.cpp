@@ -107,14 +107,15 @@ TEST(ErrorColumns, ServeModelsWithOtherSources) {
   EXPECT_NEAR(with.half_width[at] - without.half_width[at], 1e-4, 1e-18);
   EXPECT_EQ((with.half_width - without.half_width).cwiseAbs().sum(),
             std::abs(with.half_width[at] - without.half_width[at]));
-  EXPECT_THROW(error_weights(ErrorColumns(model, {}, configurations),
-                             [&] {
-                               OperationalModel other = model;
-                               other.sources = {{IndependentError::Where::origin, 0, 0, {0, 0, 1}, 0, 1e-3, 0}};
-                               return other;
-                             }(),
-                             {}),
-               std::logic_error);
+  EXPECT_THROW(
+      error_weights(ErrorColumns(model, {}, configurations),
+                    [&] {
+                      OperationalModel other = model;
+                      other.sources = {{IndependentError::Where::origin, 0, 0, {0, 0, 1}, 0, 1e-3, 0}};
+                      return other;
+                    }(),
+                    {}),
+      std::logic_error);
 }
 
 }  // namespace

@@ -22,7 +22,6 @@ namespace {
 
 using testing::ChainMix;
 using testing::Dice;
-using Bound = ProvenFigure::Bound;
 
 using std::numbers::pi;
 
@@ -69,8 +68,8 @@ Eigen::VectorXd configuration_in(Dice& dice, const std::vector<Limits>& ranges) 
   return q;
 }
 
-std::vector<ProvenFigure> all_figures(std::size_t coordinates, std::ptrdiff_t filter) {
-  std::vector<ProvenFigure> figures;
+std::vector<Figure> all_figures(std::size_t coordinates, std::ptrdiff_t filter) {
+  std::vector<Figure> figures;
   for (std::size_t c = 0; c < coordinates; ++c)
     for (const Bound bound : {Bound::worst_case, Bound::sigma}) figures.push_back({c, filter, bound});
   return figures;
@@ -120,8 +119,8 @@ TEST(ProvenMaximum, IsReachedWhereItSaysAndNeverExceeded) {
     Dice dice(100 + seed);
     const OperationalModel m = random_model(dice, 1 + dice.below(4));
     const std::vector<Limits> ranges = random_ranges(dice, m.chain);
-    std::vector<ProvenFigure> figures = all_figures(8, -1);
-    for (const ProvenFigure& figure : all_figures(8, 0)) figures.push_back(figure);
+    std::vector<Figure> figures = all_figures(8, -1);
+    for (const Figure& figure : all_figures(8, 0)) figures.push_back(figure);
     for (std::size_t c = 0; c < 8; ++c) figures.push_back({c, -1, Bound::worst_case_rigorous});
     const auto proven = proven_maxima(m, filters, ranges, figures, {.gap = 0.05});
     FigureValues values(m, filters, {});
@@ -155,9 +154,8 @@ TEST(ProvenMaximum, BehindAFilterIsThatOfItsModel) {
       const Eigen::VectorXd ratios = sigma_ratios(m.sources, f, filters[f].h2);
       for (Eigen::Index c = 0; c < 6; ++c) {
         const Bounds expected = derivative_error(e, c, filters[f], ratios);
-        const ProvenFigure worst{static_cast<std::size_t>(c), static_cast<std::ptrdiff_t>(f),
-                                 Bound::worst_case};
-        ProvenFigure sigma = worst;
+        const Figure worst{static_cast<std::size_t>(c), static_cast<std::ptrdiff_t>(f), Bound::worst_case};
+        Figure sigma = worst;
         sigma.bound = Bound::sigma;
         EXPECT_NEAR(operational_error(figure_model(m, filters, {}, worst), q).worst_case[c],
                     expected.worst_case, 1e-12 * expected.worst_case);
@@ -194,7 +192,7 @@ TEST(ProvenMaximum, StartsFromConfigurationsThatAreGiven) {
   const OperationalModel m = random_model(dice, 4);
   const std::vector<Limits> ranges = random_ranges(dice, m.chain);
   FigureValues values(m, {}, {});
-  const ProvenFigure figure{0, -1, Bound::worst_case};
+  const Figure figure{0, -1, Bound::worst_case};
   const Eigen::VectorXd start = configuration_in(dice, ranges);
   EXPECT_GE(proven_maxima(m, {}, ranges, {figure}, {.gap = 0.5, .starts = {start}})[0].lower,
             values({figure}, {start})[0][0]);

@@ -170,7 +170,6 @@ std::string numbered(const char* what, std::uint64_t seed, std::size_t coordinat
 }
 
 TEST(ProvenMaximum, IsAsTightAsMeasured) {
-  using Bound = ProvenFigure::Bound;
   const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6),
       at_maximum("proven_bounds.csv", 1e-3);
   for (std::uint64_t seed = 0; seed < 14; ++seed) {
@@ -178,14 +177,14 @@ TEST(ProvenMaximum, IsAsTightAsMeasured) {
     const std::size_t joints = 1 + seed % 7;
     const OperationalModel m = model_with_everything(dice, seed, joints);
     const std::vector<Limits> ranges = ranges_of_all_kinds(dice, m.chain.independent.size());
-    std::vector<ProvenFigure> figures;
+    std::vector<Figure> figures;
     for (const std::size_t c : {0u, 4u, 6u, 7u})
       for (const Bound bound : {Bound::worst_case, Bound::worst_case_rigorous, Bound::sigma})
         figures.push_back({c, -1, bound});
     const auto proven = proven_maxima(m, {}, ranges, figures, {.gap = joints > 4 ? 0.4 : 0.05});
     for (std::size_t i = 0; i < figures.size(); ++i) {
       const bool sigma = figures[i].bound == Bound::sigma;
-      const std::string name = numbered("maximum", seed, figures[i].coordinate, sigma) +
+      const std::string name = numbered("maximum", seed, figures[i].signal, sigma) +
                                (figures[i].bound == Bound::worst_case_rigorous ? " rigorous" : "");
       // Where the linear worst case has several maxima, the rigorous one differs among them.
       (figures[i].bound == Bound::worst_case_rigorous ? at_maximum : lower)
@@ -196,7 +195,6 @@ TEST(ProvenMaximum, IsAsTightAsMeasured) {
 }
 
 TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
-  using Bound = ProvenFigure::Bound;
   const Measured lower("proven_bounds.csv", 1e-8), upper("proven_bounds.csv", 1e-6),
       at_maximum("proven_bounds.csv", 1e-3);
   const std::vector<Norms> filters{norms(difference_filter(1000, 1)), norms(difference_filter(250, 2))};
@@ -209,7 +207,7 @@ TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
     const auto joints = static_cast<Eigen::Index>(ranges.size());
     ProofOptions options{.gap = 0.1};
     options.noise_in_motion = {dice.vector(joints, 1e-3, 2e-3), dice.vector(joints, 1e-2, 2e-2)};
-    std::vector<ProvenFigure> figures;
+    std::vector<Figure> figures;
     for (const std::size_t c : {2u, 3u, 6u})
       for (const std::ptrdiff_t filter : {-1, 0, 1})
         for (const Bound bound :
@@ -219,7 +217,7 @@ TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
     const auto expect = [&](const char* limit, const std::vector<ProvenMaximum>& proven) {
       for (std::size_t i = 0; i < figures.size(); ++i) {
         std::ostringstream name;
-        name << "filtered " << seed << limit << ',' << figures[i].coordinate << " filter "
+        name << "filtered " << seed << limit << ',' << figures[i].signal << " filter "
              << figures[i].filter << " bound " << static_cast<int>(figures[i].bound);
         (figures[i].bound == Bound::worst_case_rigorous ? at_maximum : lower)
             .expect(name.str() + ",lower", proven[i].lower);
@@ -261,7 +259,6 @@ TEST(BranchAndBound, IsAsFastAsMeasured) {
 }
 
 TEST(ChainBound, OfGapsAndDependentJointsIsAsTightAsMeasured) {
-  using Figure = ChainBoundRequest::Figure;
   const Measured measured("proven_bounds.csv", 1e-6);
   for (std::uint64_t seed = 0; seed < 15; ++seed) {
     Dice dice(1300 + seed);
@@ -279,7 +276,7 @@ TEST(ChainBound, OfGapsAndDependentJointsIsAsTightAsMeasured) {
         measured.expect(name + ",ascent", reached);
         for (const double gap : {0.5, 0.1}) {
           const auto upper =
-              chain_upper_bound(m, ranges, {c, sigma ? Figure::sigma : Figure::worst_case}, reached, gap);
+              chain_upper_bound(m, ranges, {c, -1, sigma ? Bound::sigma : Bound::worst_case}, reached, gap);
           measured.expect(name + (gap > 0.2 ? ",wide" : ",narrow"), upper.value_or(-1));
         }
       }

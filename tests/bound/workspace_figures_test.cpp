@@ -40,10 +40,10 @@ Configurations configurations_of_figures(Dice& dice, const OperationalModel& m, 
 
 void expect_coordinates(const testing::MeasuredFigures& expect, const OperationalModel& m,
                         const Workspace& w) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(m);
+  const std::vector<Signal> coordinates = all_signals(m);
   ASSERT_EQ(w.coordinates.size(), coordinates.size());
   for (std::size_t c = 0; c < coordinates.size(); ++c) {
-    const std::string name(info(coordinates[c]).name);
+    const std::string& name = coordinates[c].name;
     const CoordinateStatistics& s = w.coordinates[c];
     expect(name + " worst case", s.worst_case);
     expect(name + " rigorous", s.worst_case_rigorous);

@@ -14,6 +14,7 @@ TEST(Requirement, IsMetByAValueThatEqualsTheLimitAndByNoneBeyond) {
   for (const bool at_least : {false, true})
     for (const double limit : {0.3, 1e-9, 0.0, 7e5}) {
       Requirement r;
+      r.bound = Bound::sigma;
       r.at_least = at_least;
       r.limit = limit;
       const double beyond = std::nextafter(limit, at_least ? -INFINITY : INFINITY);

@@ -109,11 +109,6 @@ TEST(DiagnosisFigures, OfTwoEffectsOnATrackedArmAreAsMeasured) {
          t.built.axis[1] = testing::rotation(Eigen::Vector3d::UnitZ(), 3e-3) * t.built.axis[1];
        }},
       {"frame of the tracker", move_tracker},
-      {"frame and offset",
-       [](Tracked& t) {
-         move_tracker(t);
-         t.record.additions.row(1).array() += 12 * tip_step;
-       }},
       {"frame and order",
        [](Tracked& t) {
          move_tracker(t);

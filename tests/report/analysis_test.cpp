@@ -52,7 +52,7 @@ TEST(Analysis, GivesNoVerdictOnARequirementThatCannotBeDecided) {
   Requirement r;
   r.quantity = "velocity_1.x.sigma_in_motion";
   r.filter = 0;
-  r.bound = Requirement::Bound::sigma_in_motion;
+  r.bound = Bound::sigma_in_motion;
   spec.requirements = {r};
   EXPECT_NO_THROW(analyze(spec));
   spec.motion->duration = 1e9;  // more samples than are evaluated
@@ -84,8 +84,8 @@ TEST(ControlLaw, HasTheUnitOfItsGainOrNone) {
   const Spec bare = servo(""), stated = servo(", unit: N m/rad"), position = servo(", derivative: 0");
   EXPECT_TRUE(has_unknown_unit(bare.filters[0].filter));
   EXPECT_FALSE(has_unknown_unit(position.filters[0].filter));
-  EXPECT_EQ(derivative_unit(Coordinate::rz, stated.filters[0].filter), "N m");
-  EXPECT_EQ(derivative_unit(Coordinate::rz, position.filters[0].filter), "rad");
+  EXPECT_EQ(derivative_unit("rad", stated.filters[0].filter), "N m");
+  EXPECT_EQ(derivative_unit("rad", position.filters[0].filter), "rad");
   EXPECT_EQ(filter_warnings(bare).size(), 1u);
   EXPECT_TRUE(filter_warnings(stated).empty());
   // By hand: (2200 + 2000) times half a count of 2 pi/100000.

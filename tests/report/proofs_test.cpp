@@ -13,8 +13,6 @@
 namespace qerr {
 namespace {
 
-using Bound = ProvenFigure::Bound;
-
 /// A spec of a robot of three joints, and requirements.
 Spec premium(const std::string& requirements, const std::string& encoder = "{bits: 14}") {
   const std::string folder = QERR_SOURCE_DIR "/configs/phantom_premium/";

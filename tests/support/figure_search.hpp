@@ -12,13 +12,12 @@ namespace qerr::testing {
 
 /// The figure at a configuration, by the scalar bounds.
 /// @pre a length's components are coordinates of the model, and its sources do not displace origins
-inline double figure_at(const OperationalModel& m, const ChainBoundRequest& request,
-                        const Eigen::VectorXd& q) {
+inline double figure_at(const OperationalModel& m, const Figure& request, const Eigen::VectorXd& q) {
   const OperationalError e = operational_error(m, q);
-  const bool worst = request.figure == ChainBoundRequest::Figure::worst_case;
-  const auto index = static_cast<Eigen::Index>(request.coordinate);
+  const bool worst = !is_sigma(request.bound);
+  const auto index = static_cast<Eigen::Index>(request.signal);
   if (index < e.sigma.size()) return worst ? e.worst_case[index] : e.sigma[index];
-  const Coordinate first = first_component(m.lengths[request.coordinate - m.coordinates.size()]);
+  const Coordinate first = first_component(m.lengths[request.signal - m.coordinates.size()]);
   Eigen::Vector3d sigma, mean;
   Eigen::Matrix3Xd corners(3, e.weighted.cols());
   for (Eigen::Index k = 0; k < 3; ++k) {
@@ -34,7 +33,7 @@ inline double figure_at(const OperationalModel& m, const ChainBoundRequest& requ
 /// The largest figure that a search finds: random samples, and from the best of them coordinate ascent by
 /// samples of each joint's range and successive refinement.
 inline double largest_figure(const OperationalModel& m, const std::vector<Limits>& ranges,
-                             const ChainBoundRequest& request, std::size_t samples, std::uint64_t seed) {
+                             const Figure& request, std::size_t samples, std::uint64_t seed) {
   Dice dice(seed);
   const auto value = [&](const Eigen::VectorXd& q) { return figure_at(m, request, q); };
   std::vector<std::pair<double, Eigen::VectorXd>> found;

@@ -54,15 +54,15 @@ inline double largest_ratio(const OperationalModel& m, const Norms& filter, std:
 
 /// Every statistic of the worst case, the rigorous one, where there is one, and sigma, also behind filters.
 /// @param ranges  of the independent joints
-/// @param first   index of the first coordinate of the list, in coordinates_and_lengths
+/// @param first   index of the first coordinate of the list, in all_signals
 inline std::vector<WorkspaceFigure> workspace_figures(const OperationalModel& m,
                                                       const std::vector<Norms>& filters,
                                                       const std::vector<Limits>& ranges, const Workspace& w,
                                                       std::size_t first = 0) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(m);
+  const std::vector<Signal> coordinates = all_signals(m);
   std::vector<WorkspaceFigure> list;
   for (std::size_t c = first; c < coordinates.size(); ++c) {
-    const bool metres = info(coordinates[c]).unit == "m";
+    const bool metres = coordinates[c].unit == "m";
     const double size = largest_sum(m, ranges, metres);
     const auto append = [&](const Statistic& s, double factor) {
       for (const StatisticKind& kind : statistic_kinds())

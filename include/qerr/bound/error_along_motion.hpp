@@ -17,9 +17,9 @@ struct SignalMoments {
 /// An effect behind the quantizer that multiplies counts also multiplies the quantization error, which is not
 /// part of this signal.
 struct ErrorAlongMotion {
-  SignalMoments joints;                 ///< of the independent joints [rad or m]
-  SignalMoments tip;                    ///< of the model's coordinates [m or rad]
-  std::vector<SignalMoments> filtered;  ///< [filter]: of the coordinates behind it [m/s, rad/s, ...]
+  SignalMoments joints;  ///< of the independent joints [rad or m]
+  SignalMoments tip;     ///< of the model's coordinates, then its signals of other kinds [m or rad]
+  std::vector<SignalMoments> filtered;  ///< [filter]: the same signals behind it [m/s, rad/s, ...]
 };
 
 }  // namespace qerr

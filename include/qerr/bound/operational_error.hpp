@@ -6,6 +6,7 @@
 
 #include "qerr/bound/error_along_motion.hpp"
 #include "qerr/bound/joint_error.hpp"
+#include "qerr/bound/signal.hpp"
 #include "qerr/kinematics/chain.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 
@@ -39,10 +40,12 @@ struct OperationalModel {
   CoordinateFrame frame = CoordinateFrame::base;
   /// xyz and rxyz, whose components are among the coordinates; only `workspace` has them.
   std::vector<Coordinate> lengths = {};
+  /// Of other kinds, likewise.
+  std::vector<Signal> signals = {};
 };
 
-/// The coordinates and then the lengths: the order of a workspace's statistics.
-std::vector<Coordinate> coordinates_and_lengths(const OperationalModel&);
+/// The coordinates, then the lengths, then the signals of other kinds: the order of a workspace's statistics.
+std::vector<Signal> all_signals(const OperationalModel&);
 
 /// All independent errors of the model: of its encoders, and its sources.
 std::vector<IndependentError> independent_errors(const OperationalModel&);

@@ -1,26 +1,16 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 #include <vector>
 
+#include "qerr/bound/figure.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/filter/norms.hpp"
 
 namespace qerr {
-
-/// A figure whose maximum over all configurations of the joint ranges is wanted.
-struct ProvenFigure {
-  enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_in_motion, sigma_quantization };
-  std::size_t coordinate = 0;  ///< index into coordinates_and_lengths of the model
-  std::ptrdiff_t filter = -1;  ///< index into the filters; -1: the unfiltered position
-  Bound bound = Bound::worst_case;
-
-  friend auto operator<=>(const ProvenFigure&, const ProvenFigure&) = default;
-};
 
 /// The maximum of a figure over a box of joint coordinates lies between `lower` and `upper`.
 struct ProvenMaximum {
@@ -68,6 +58,6 @@ struct ProofOptions {
 /// @throws Error (input; key `requirements`) if sigma behind a filter, or in motion, is not known
 std::vector<ProvenMaximum> proven_maxima(const OperationalModel&, const std::vector<Norms>& filters,
                                          const std::vector<Limits>& ranges,
-                                         const std::vector<ProvenFigure>& figures, const ProofOptions& = {});
+                                         const std::vector<Figure>& figures, const ProofOptions& = {});
 
 }  // namespace qerr

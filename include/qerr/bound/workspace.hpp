@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "qerr/bound/derivative_error.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "qerr/core/instruction_set.hpp"
@@ -19,7 +20,8 @@ namespace qerr {
 struct CoordinateStatistics {
   Statistic worst_case, worst_case_rigorous, sigma;
   /// [encoder]: mean over the configurations of its fraction of the variance (J C)_i^2 Delta_i^2/12, and of
-  /// the worst case |J C|_i Delta_i / 2, each with the sources attributed to the encoder. Empty for a length.
+  /// the worst case |J C|_i Delta_i / 2, each with the sources attributed to the encoder. Empty for a length,
+  /// or a signal of another kind.
   Eigen::VectorXd share, share_worst_case;
 };
 
@@ -35,7 +37,7 @@ struct DerivativeStatistics {
 /// Statistics over the sampled configurations, as `analyze` reports them.
 struct Workspace {
   std::uint64_t count = 0;
-  std::vector<CoordinateStatistics> coordinates;               ///< of coordinates_and_lengths
+  std::vector<CoordinateStatistics> coordinates;               ///< of all_signals
   std::vector<std::vector<DerivativeStatistics>> derivatives;  ///< [filter][coordinate]
   Eigen::MatrixXd mean_variance_parts;  ///< coordinates x encoders: mean variance due to each encoder
   /// Coordinates x encoders: mean variance of quantization alone, without the sources attributed to the
@@ -54,6 +56,9 @@ struct Workspace {
   double smallest_cosine_of_pitch = 1;
   bool exact_percentiles = true;
 };
+
+/// The statistics of a figure; null: it is not known, or `sigma` is the same as `sigma_quantization`.
+const Statistic* statistic_of(const Workspace&, const Figure&);
 
 struct ConfigurationBatch;
 

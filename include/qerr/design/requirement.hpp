@@ -33,16 +33,11 @@ std::string figure_unit(const FilterFigure&, const Filter&);
 
 /// An entry of `requirements:` in a spec: a limit of a statistic of a bound, of a figure of a filter, or of
 /// the rate of an encoder's counts.
-struct Requirement {
-  using Bound = ProvenFigure::Bound;
-
-  std::string quantity;                  ///< as in the spec: `velocity.x.sigma`, `velocity.delay`
-  std::string statistic;                 ///< as in the spec: `p99`; "" for a figure of a filter
-  std::size_t coordinate = 0;            ///< index into coordinates_and_lengths of the model
-  std::ptrdiff_t filter = -1;            ///< index into the filters; -1: the unfiltered position
-  const FilterFigure* figure = nullptr;  ///< of `filter`; null: a bound of a coordinate
-  std::ptrdiff_t counter = -1;           ///< index of the encoder whose count rate is limited; -1: none
-  Bound bound = Bound::sigma;
+struct Requirement : Figure {
+  std::string quantity;                        ///< as in the spec: `velocity.x.sigma`, `velocity.delay`
+  std::string statistic;                       ///< as in the spec: `p99`; "" for a figure of a filter
+  const FilterFigure* figure = nullptr;        ///< of `filter`; null: a bound of a coordinate
+  std::ptrdiff_t counter = -1;                 ///< index of the encoder whose count rate is limited; -1: none
   double Statistic::*value = &Statistic::max;  ///< member of Statistic for `statistic`, unless `proven`
   bool proven = false;                         ///< `statistic` is the proven maximum
   bool at_least = false;                       ///< the limit is the lowest value; else the highest
@@ -84,7 +79,7 @@ RequirementResult evaluate(const Requirement&, double value);
 /// @pre r.proven
 /// @throws Error (input; key `requirements`) if the figure is not known: sigma behind a filter, with sources
 /// of unknown spectrum
-ProvenFigure proven_figure(const Requirement& r, const OperationalModel&);
+Figure proven_figure(const Requirement& r, const OperationalModel&);
 
 /// Compares a proven maximum with the limit. `at_most` is judged by `upper`, which no configuration exceeds,
 /// and `at_least` by `lower`, which one reaches: what is met is proven. Where the limit lies between the two

@@ -46,7 +46,7 @@ struct ProofRequest {
 
 /// The proven maximum of a figure.
 struct ProvenResult {
-  ProvenFigure figure;
+  Figure figure;
   ProvenMaximum maximum;
   double gap = 0;  ///< that was asked for
 };
@@ -66,7 +66,7 @@ struct Analysis {
 };
 
 /// The proof of a figure; null if there is none.
-const ProvenMaximum* find_proof(const Analysis&, const ProvenFigure&);
+const ProvenMaximum* find_proof(const Analysis&, const Figure&);
 
 /// Every bound of the spec over its configurations, with the effects of the spec, and the proofs that are
 /// asked for or required.
@@ -155,8 +155,9 @@ ThresholdRow threshold_row(const Spec&, unsigned threads);
 /// long to compute it.
 std::vector<Eigen::VectorXd> noise_in_motion(const Spec&, unsigned threads = 0);
 
-/// Unit of a coordinate behind a filter: `rad/s`, `m/s^2`, that of a control law; "" where it is unknown.
-std::string derivative_unit(Coordinate, const Filter&);
+/// Unit of a signal, m or rad, behind a filter: `rad/s`, `m/s^2`, that of a control law; "" where it is
+/// unknown.
+std::string derivative_unit(std::string_view unit, const Filter&);
 
 /// Each encoder's share of the mean variance of the tip's position (of all coordinates if no position is
 /// analysed); sums to 1, or is 0 if no encoder moves the tip.

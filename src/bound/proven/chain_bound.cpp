@@ -16,8 +16,6 @@ namespace qerr {
 
 namespace {
 
-using Figure = ChainBoundRequest::Figure;
-
 /// A recursion and the grids on which it is worth its time: the error falls as 1/cells^2.
 struct ChainRecursion {
   std::function<double(const ChainForm&, double cells)> bound;
@@ -38,9 +36,8 @@ double finest(double at_one_percent, double gap, double most) {
   return std::min(most, std::ceil(at_one_percent * std::sqrt(0.01 / std::max(gap, 1e-6))));
 }
 
-std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordinate c, Figure figure,
+std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordinate c, bool worst,
                                            double gap) {
-  const bool worst = figure == Figure::worst_case;
   const bool tip = model.frame == CoordinateFrame::tip;
   if (is_rotation_vector(c) || c == Coordinate::rxyz) {
     std::vector<Eigen::Vector3d> directions;
@@ -79,9 +76,8 @@ std::optional<ChainRecursion> recursion_of(const OperationalModel& model, Coordi
 
 /// The figure from the bound of what the recursion covers: adds origins where that has not, and the errors
 /// along a motion.
-double with_constants(const OperationalModel& model, const ChainForm& form, Coordinate c, Figure figure,
+double with_constants(const OperationalModel& model, const ChainForm& form, Coordinate c, bool worst,
                       double bound) {
-  const bool worst = figure == Figure::worst_case;
   double width = 0, variance = 0;
   for (const DirectedOrigin& o : form.origins) {
     width += std::abs(o.mean) + o.half_width;
@@ -193,24 +189,25 @@ ChainForm with_sigma_as_width(ChainForm form) {
 }  // namespace
 
 std::optional<double> chain_upper_bound(const OperationalModel& model, const std::vector<Limits>& ranges,
-                                        const ChainBoundRequest& request, double known_lower, double gap) {
-  const Coordinate c = coordinates_and_lengths(model).at(request.coordinate);
+                                        const Figure& wanted, double known_lower, double gap) {
+  const Coordinate c = *all_signals(model).at(wanted.signal).coordinate;
   const ChainForm form = chain_form(model, ranges);
   for (const ChainStep& step : form.steps)
     if (!std::isfinite(step.lower) || !std::isfinite(step.upper)) return std::nullopt;
   const std::size_t distant = distant_errors(form);
-  const bool as_worst_case = request.figure == Figure::sigma && distant > 0 && one_error(form);
-  const bool relaxed = request.figure == Figure::sigma && distant > 0 && !as_worst_case;
-  std::optional<ChainRecursion> r =
-      recursion_of(model, c, as_worst_case ? Figure::worst_case : request.figure, gap);
-  if (!r || (request.figure == Figure::worst_case && distant > most_distant_errors)) return std::nullopt;
+  const bool as_worst_case = is_sigma(wanted.bound) && distant > 0 && one_error(form);
+  const bool relaxed = is_sigma(wanted.bound) && distant > 0 && !as_worst_case;
+  std::optional<ChainRecursion> r = recursion_of(model, c, as_worst_case || !is_sigma(wanted.bound), gap);
+  if (!r || (!is_sigma(wanted.bound) && distant > most_distant_errors)) return std::nullopt;
   if (as_worst_case)
     r->bound = [own = r->bound](const ChainForm& f, double cells) {
       return own(with_sigma_as_width(f), cells);
     };
   // What the relaxation adds is not reduced by finer grids.
   if (relaxed) r->finest = std::min(r->finest, 2 * r->coarsest);
-  const auto figure = [&](double bound) { return with_constants(model, form, c, request.figure, bound); };
+  const auto figure = [&](double bound) {
+    return with_constants(model, form, c, !is_sigma(wanted.bound), bound);
+  };
   const std::vector<std::size_t> dependent = masters(model);
   if (dependent.empty()) return refined(*r, figure, form, known_lower, known_lower * (1 + gap));
   return split_masters(model, ranges, dependent, *r, figure, known_lower * (1 + gap), relaxed ? 40 : 400);

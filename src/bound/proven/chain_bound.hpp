@@ -4,17 +4,11 @@
 #include <optional>
 #include <vector>
 
+#include "qerr/bound/figure.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
 namespace qerr {
-
-/// A figure of one coordinate or length of a model.
-struct ChainBoundRequest {
-  enum class Figure { worst_case, sigma };
-  std::size_t coordinate = 0;  ///< index into coordinates_and_lengths(model)
-  Figure figure = Figure::worst_case;
-};
 
 /// Upper bound of a figure of the model over the box of the joint ranges: never exceeded, rounding included.
 ///
@@ -25,6 +19,7 @@ struct ChainBoundRequest {
 /// sigma such distant errors are relaxed to independent ones unless there is no other error: the bound holds,
 /// but a gap remains. Joints that mimic one another are independent within parts of their master's range, at
 /// most 400 parts.
+/// @param figure       worst_case or sigma of the position, of a coordinate or length
 /// @param ranges       one per independent joint [rad or m]
 /// @param known_lower  a value of the figure that is reached in the box
 /// @param gap          the grid is refined until bound <= known_lower (1 + gap), or to a finest grid that
@@ -32,6 +27,6 @@ struct ChainBoundRequest {
 /// @returns empty where the method does not apply (Euler angles, infinite ranges, more errors of distant
 /// joints)
 std::optional<double> chain_upper_bound(const OperationalModel&, const std::vector<Limits>& ranges,
-                                        const ChainBoundRequest&, double known_lower, double gap);
+                                        const Figure& figure, double known_lower, double gap);
 
 }  // namespace qerr

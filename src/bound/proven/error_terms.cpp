@@ -9,7 +9,7 @@
 namespace qerr {
 
 ErrorTerms::ErrorTerms(const OperationalModel& model, std::size_t coordinate, bool sigma) : sigma_(sigma) {
-  const Coordinate c = coordinates_and_lengths(model)[coordinate];
+  const Coordinate c = *all_signals(model)[coordinate].coordinate;
   length_ = is_length(c);
   const Coordinate first = length_ ? first_component(c) : c;
   const bool rotation = is_rotation_vector(first);
@@ -105,8 +105,8 @@ void ErrorTerms::add_terms(const OperationalModel& model, bool rotation) {
     if (length_ && !sigma_)
       added_ += std::abs(e.mean) + e.half_width;
     else
-      add_term(Eigen::VectorXd::Unit(axes, static_cast<Eigen::Index>(axis_of_error_[i])), e.half_width, e.mean,
-               e.sigma);
+      add_term(Eigen::VectorXd::Unit(axes, static_cast<Eigen::Index>(axis_of_error_[i])), e.half_width,
+               e.mean, e.sigma);
   }
 }
 

@@ -42,21 +42,22 @@ void set_worst_case(OperationalModel& model, const Norms& norms, bool length) {
 }  // namespace
 
 OperationalModel figure_model(const OperationalModel& position, const std::vector<Norms>& filters,
-                              const std::vector<Eigen::VectorXd>& noise_in_motion,
-                              const ProvenFigure& figure) {
+                              const std::vector<Eigen::VectorXd>& noise_in_motion, const Figure& figure) {
   OperationalModel model = position;
   if (figure.filter < 0) return model;
   const auto f = static_cast<std::size_t>(figure.filter);
   if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
-  if (!is_sigma(figure)) {
-    set_worst_case(model, filters[f], figure.coordinate >= model.coordinates.size());
+  if (!is_sigma(figure.bound)) {
+    set_worst_case(model, filters[f],
+                   figure.signal >= model.coordinates.size() &&
+                       figure.signal < model.coordinates.size() + model.lengths.size());
     return model;
   }
   if (!sigma_is_known(model.sources, f))
     throw not_known(
         "sigma behind a filter is not known: it depends on the motion, of which nothing is stated",
         "add `motion:`, or velocity to the joints' <limit> in the URDF; or ask for worst_case");
-  const bool in_motion = figure.bound == ProvenFigure::Bound::sigma_in_motion;
+  const bool in_motion = figure.bound == Bound::sigma_in_motion;
   if (in_motion && !is_known(noise_in_motion, f))
     throw not_known("sigma in motion is not known", "ask for sigma, or for worst_case");
   const auto count = static_cast<Eigen::Index>(model.transmission.encoders.size());

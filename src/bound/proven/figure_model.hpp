@@ -11,11 +11,6 @@ namespace qerr {
 /// The rigorous worst case has the model of the linear one.
 /// @throws Error (input; key `requirements`) if sigma behind the filter is not known
 OperationalModel figure_model(const OperationalModel&, const std::vector<Norms>& filters,
-                              const std::vector<Eigen::VectorXd>& noise_in_motion, const ProvenFigure&);
-
-/// Whether the figure is a variance's root; else it is a worst case.
-inline bool is_sigma(const ProvenFigure& f) {
-  return f.bound == ProvenFigure::Bound::sigma || f.bound == ProvenFigure::Bound::sigma_in_motion;
-}
+                              const std::vector<Eigen::VectorXd>& noise_in_motion, const Figure&);
 
 }  // namespace qerr

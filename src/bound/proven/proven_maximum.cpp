@@ -48,18 +48,16 @@ Limits bounded_range(const Chain& chain, std::size_t joint, const Limits& range)
 
 /// What is proven of the position: its maximum times `factor` is that of the figure.
 struct Proportional {
-  ProvenFigure figure;
+  Figure figure;
   double factor = 1, error = 0;  ///< of the factor, relative
 };
 
-Proportional proportional(const OperationalModel& model, const std::vector<Norms>& filters,
-                          ProvenFigure figure) {
-  using Bound = ProvenFigure::Bound;
+Proportional proportional(const OperationalModel& model, const std::vector<Norms>& filters, Figure figure) {
   if (figure.bound == Bound::worst_case_rigorous) figure.bound = Bound::worst_case;
   const bool ideal = model.sources.empty() && !model.along_motion;
   if (figure.filter < 0 || !ideal || figure.bound == Bound::sigma_in_motion) return {figure};
   const Norms& norms = filters[static_cast<std::size_t>(figure.filter)];
-  const ProvenFigure of_position{figure.coordinate, -1, figure.bound};
+  const Figure of_position{figure.signal, -1, figure.bound};
   if (figure.bound == Bound::sigma)
     return {of_position, norms.h2, norms.h2 > 0 ? norms.h2_error / norms.h2 : 0};
   return mean_errors(model.transmission).isZero(0) ? Proportional{of_position, norms.l1.upper}
@@ -110,14 +108,14 @@ Eigen::VectorXd ascend_by_search(const std::function<double(const Eigen::VectorX
 class Proof {
  public:
   /// @param limit  as in ProofOptions; infinite without one
-  Proof(OperationalModel model, const ProvenFigure& figure, const std::vector<Limits>& ranges, double gap,
+  Proof(OperationalModel model, const Figure& figure, const std::vector<Limits>& ranges, double gap,
         double limit)
       : model_(std::move(model)), figure_(figure), ranges_(ranges), gap_(gap), limit_(limit) {}
 
   ProvenMaximum run(const std::vector<Eigen::VectorXd>& starts) {
-    const Coordinate c = coordinates_and_lengths(model_)[figure_.coordinate];
-    if (is_euler_angle(c)) return search_only(starts);
-    const ErrorTerms terms(model_, figure_.coordinate, is_sigma(figure_));
+    const Signal signal = all_signals(model_)[figure_.signal];
+    if (signal.kind || is_euler_angle(*signal.coordinate)) return search_only(signal, starts);
+    const ErrorTerms terms(model_, figure_.signal, is_sigma(figure_.bound));
     if (terms.terms().empty())
       return {terms.added(), terms.added() * (1 + 4 * machine_epsilon) + rounding_of_nothing(),
               starts.front()};
@@ -171,20 +169,20 @@ class Proof {
   }
 
   void along_chain(double rounding) {
-    const ChainBoundRequest request{figure_.coordinate, is_sigma(figure_)
-                                                            ? ChainBoundRequest::Figure::sigma
-                                                            : ChainBoundRequest::Figure::worst_case};
-    const auto upper = chain_upper_bound(model_, ranges_, request, result_.lower, gap_);
+    const auto upper = chain_upper_bound(model_, ranges_, figure_, result_.lower, gap_);
     if (upper) result_.upper = std::min(result_.upper, *upper + rounding);
   }
 
-  ProvenMaximum search_only(const std::vector<Eigen::VectorXd>& starts) {
+  /// No bound is known but of a signal that has one value.
+  ProvenMaximum search_only(const Signal& signal, const std::vector<Eigen::VectorXd>& starts) {
     constexpr std::size_t few = 8;
-    const auto row = static_cast<Eigen::Index>(figure_.coordinate);
-    const auto value = [&](const Eigen::VectorXd& q) {
-      const OperationalError e = operational_error(model_, q);
-      return is_sigma(figure_) ? e.sigma[row] : e.worst_case[row];
-    };
+    FigureValues values(model_, {}, {});
+    const Figure figure{figure_.signal, -1, is_sigma(figure_.bound) ? Bound::sigma : Bound::worst_case};
+    const auto value = [&](const Eigen::VectorXd& q) { return values({figure}, {q})[0][0]; };
+    if (signal.kind && signal.kind->constant) {
+      const double only = value(starts.front());
+      return {only, only * (1 + 4 * machine_epsilon), starts.front()};
+    }
     std::vector<Eigen::VectorXd> best = starts;
     std::stable_sort(best.begin(), best.end(),
                      [&](const auto& a, const auto& b) { return value(a) > value(b); });
@@ -199,7 +197,7 @@ class Proof {
   }
 
   OperationalModel model_;
-  ProvenFigure figure_;
+  Figure figure_;
   const std::vector<Limits>& ranges_;
   double gap_, limit_, rounding_ = 0;
   ProvenMaximum result_;
@@ -234,26 +232,24 @@ void set_reached(ProvenMaximum& m, double value) {
 
 std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const std::vector<Norms>& filters,
                                          const std::vector<Limits>& given_ranges,
-                                         const std::vector<ProvenFigure>& figures,
-                                         const ProofOptions& options) {
+                                         const std::vector<Figure>& figures, const ProofOptions& options) {
   if (figures.empty()) return {};
   std::vector<Limits> ranges;
   for (std::size_t j = 0; j < given_ranges.size(); ++j)
     ranges.push_back(bounded_range(model.chain, j, given_ranges[j]));
-  std::vector<ProvenFigure> jobs;  // without duplicates
-  for (const ProvenFigure& figure : figures) jobs.push_back(proportional(model, filters, figure).figure);
+  std::vector<Figure> jobs;  // without duplicates
+  for (const Figure& figure : figures) jobs.push_back(proportional(model, filters, figure).figure);
   std::sort(jobs.begin(), jobs.end());
   jobs.erase(std::unique(jobs.begin(), jobs.end()), jobs.end());
   std::vector<OperationalModel> models;
-  for (const ProvenFigure& job : jobs)
-    models.push_back(figure_model(model, filters, options.noise_in_motion, job));
+  for (const Figure& job : jobs) models.push_back(figure_model(model, filters, options.noise_in_motion, job));
 
   // The strictest limit of the figures that a job proves, in units of the job's figure.
-  const auto limit_of_job = [&](const ProvenFigure& job) {
+  const auto limit_of_job = [&](const Figure& job) {
     double limit = unbounded;
     for (std::size_t i = 0; i < options.limits.size(); ++i) {
       const Proportional of = proportional(model, filters, figures[i]);
-      const bool scaled = of.factor > 0 && figures[i].bound != ProvenFigure::Bound::worst_case_rigorous;
+      const bool scaled = of.factor > 0 && figures[i].bound != Bound::worst_case_rigorous;
       if (of.figure == job) limit = scaled ? std::min(limit, options.limits[i] / of.factor) : unbounded;
       if (of.figure == job && !scaled) break;
     }
@@ -271,15 +267,17 @@ std::vector<ProvenMaximum> proven_maxima(const OperationalModel& model, const st
   });
 
   std::vector<ProvenMaximum> results;
-  for (const ProvenFigure& figure : figures) {
+  for (const Figure& figure : figures) {
     const Proportional of = proportional(model, filters, figure);
     ProvenMaximum result = proven[static_cast<std::size_t>(
         std::lower_bound(jobs.begin(), jobs.end(), of.figure) - jobs.begin())];
-    if (figure.bound == ProvenFigure::Bound::worst_case_rigorous) {
-      const Coordinate c = coordinates_and_lengths(model)[figure.coordinate];
-      if (!is_euler_angle(c)) {
-        const ErrorTerms terms(model, figure.coordinate, false);
-        const LargestRemainder r = largest_remainder(model, terms, c, ranges);
+    if (figure.bound == Bound::worst_case_rigorous) {
+      const Signal signal = all_signals(model)[figure.signal];
+      if (signal.kind) {
+        result.upper += signal.kind->remainder(model.chain, signal.index, joint_error(model).worst_case);
+      } else if (!is_euler_angle(*signal.coordinate)) {
+        const ErrorTerms terms(model, figure.signal, false);
+        const LargestRemainder r = largest_remainder(model, terms, *signal.coordinate, ranges);
         result.upper = std::min(result.upper + r.added, r.most) * (1 + 4 * machine_epsilon);
       }
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "bound/figure_column.hpp"
 #include "kinematics/sampler.hpp"
 
 namespace qerr {
@@ -15,27 +16,13 @@ FigureValues::FigureValues(const OperationalModel& model, const std::vector<Norm
       q_(joints_ * batch_size),
       figures_(errors_.figures().count * batch_size) {}
 
-double FigureValues::value(const ProvenFigure& figure, std::size_t configuration) const {
-  using Bound = ProvenFigure::Bound;
-  const FigureLayout& at = errors_.figures();
-  const auto of = [&](std::size_t index) { return figures_[index * batch_size + configuration]; };
-  const std::size_t c = figure.coordinate;
-  if (figure.filter < 0)
-    return of((figure.bound == Bound::sigma        ? at.sigma
-               : figure.bound == Bound::worst_case ? at.worst_case
-                                                   : at.rigorous) +
-              c);
-  const auto f = static_cast<std::size_t>(figure.filter);
-  const std::size_t behind = f * at.coordinates + c;
-  if (figure.bound == Bound::sigma_in_motion) return of(at.in_motion + behind);
-  if (figure.bound == Bound::sigma)
-    return errors_.own_sigma() ? of(at.filtered_sigma + behind) : filters_[f].h2 * of(at.sigma + c);
-  return errors_.own_worst_case() ? of(at.filtered_worst + behind)
-                                  : filters_[f].l1.upper * of(at.worst_case + c);
+double FigureValues::value(const Figure& figure, std::size_t configuration) const {
+  const FigureColumn column = figure_column(figure, filters_, errors_.figures());
+  return column.factor * figures_[column.figure * batch_size + configuration];
 }
 
 std::vector<std::vector<double>> FigureValues::operator()(
-    const std::vector<ProvenFigure>& figures, const std::vector<Eigen::VectorXd>& configurations) {
+    const std::vector<Figure>& figures, const std::vector<Eigen::VectorXd>& configurations) {
   std::vector<std::vector<double>> values(figures.size());
   for (std::size_t first = 0; first < configurations.size(); first += batch_size) {
     const std::size_t count = std::min<std::size_t>(batch_size, configurations.size() - first);
@@ -49,7 +36,7 @@ std::vector<std::vector<double>> FigureValues::operator()(
   return values;
 }
 
-std::vector<std::vector<Eigen::VectorXd>> FigureValues::best_samples(const std::vector<ProvenFigure>& figures,
+std::vector<std::vector<Eigen::VectorXd>> FigureValues::best_samples(const std::vector<Figure>& figures,
                                                                      const std::vector<Limits>& ranges) {
   constexpr std::uint64_t blocks = 64, block = 1024;
   const Configurations points{.method = SamplingMethod::sobol, .count = blocks * block, .ranges = ranges};

@@ -80,7 +80,7 @@ std::vector<std::string> warnings_of_derivatives(const Spec& spec, const std::ve
 /// A requirement without a figure cannot be decided.
 void require_answers(const Spec& spec, const std::vector<Eigen::VectorXd>& noise) {
   for (const Requirement& r : spec.requirements) {
-    if (r.bound != Requirement::Bound::sigma_in_motion) continue;
+    if (r.bound != Bound::sigma_in_motion) continue;
     if (is_known(noise, static_cast<std::size_t>(r.filter))) continue;
     throw Error({r.place, "requirements", "the motion has too many samples for sigma_in_motion",
                  "'" + r.quantity + "'",
@@ -242,8 +242,8 @@ std::vector<Eigen::VectorXd> noise_in_motion(const Spec& spec, unsigned threads)
   return noise;
 }
 
-std::string derivative_unit(Coordinate c, const Filter& filter) {
-  return unit_name(output_dimension(info(c).unit == "m" ? dimension::length : dimension::angle, filter));
+std::string derivative_unit(std::string_view unit, const Filter& filter) {
+  return unit_name(output_dimension(unit == "m" ? dimension::length : dimension::angle, filter));
 }
 
 namespace {

@@ -19,8 +19,8 @@ std::string analysis_csv_rows(const Analysis& a, const std::string& before,
   std::string out;
   for_each_figure(a, [&](const FigureName& name, const Statistic& s) {
     const std::string prefix = before + std::string(name.signal) + ',' + csv_cell(name.filter) + ',' +
-                               std::string(name.coordinate) + ',' + name.unit + ',' +
-                               std::string(name.bound) + ',';
+                               csv_cell(name.coordinate) + ',' + name.unit + ',' + std::string(name.bound) +
+                               ',';
     for (const StatisticKind* kind : statistics)
       out += prefix + std::string(kind->name) + ',' + csv_number(s.*kind->value) + "\r\n";
     const ProvenMaximum* const proven = find_proof(a, name.figure);

@@ -37,11 +37,11 @@ const char* sigma_label(const Analysis& a) {
 }
 
 std::string position_table(const Analysis& a) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const std::string name(info(coordinates[i]).name), unit(info(coordinates[i]).unit);
+    const std::string &name = coordinates[i].name, &unit = coordinates[i].unit;
     rows.push_back(figures(name + sigma_label(a), c.sigma, unit));
     rows.push_back(figures(name + "  worst case", c.worst_case, unit));
     if (std::isfinite(c.worst_case_rigorous.min))
@@ -51,21 +51,20 @@ std::string position_table(const Analysis& a) {
 }
 
 std::string derivative_table(const Analysis& a, std::size_t f) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::vector<std::string>> rows{headings()};
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
-    const Coordinate c = coordinates[i];
-    const std::string unit = shown_unit(c, a.spec.filters[f].filter);
+    const Signal& c = coordinates[i];
+    const std::string unit = shown_unit(c.unit, a.spec.filters[f].filter);
     if (const auto& sigma = a.workspace.derivatives[f][i].sigma)
-      rows.push_back(figures(std::string(info(c).name) + sigma_label(a), *sigma, unit));
+      rows.push_back(figures(c.name + sigma_label(a), *sigma, unit));
     else
-      rows.push_back({std::string(info(c).name) + "  sigma: not known"});
+      rows.push_back({c.name + "  sigma: not known"});
     if (const auto& alone = a.workspace.derivatives[f][i].sigma_quantization)
-      rows.push_back(figures(std::string(info(c).name) + "  sigma of quantization", *alone, unit));
+      rows.push_back(figures(c.name + "  sigma of quantization", *alone, unit));
     if (const auto& moving = a.workspace.derivatives[f][i].sigma_in_motion)
-      rows.push_back(figures(std::string(info(c).name) + "  sigma in motion", *moving, unit));
-    rows.push_back(
-        figures(std::string(info(c).name) + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
+      rows.push_back(figures(c.name + "  sigma in motion", *moving, unit));
+    rows.push_back(figures(c.name + "  worst case", a.workspace.derivatives[f][i].worst_case, unit));
   }
   return aligned(rows);
 }

@@ -218,7 +218,8 @@ class EffectsInMotion {
       source.sigma_ratios[f] =
           source.sigma > 0 ? step * behind[static_cast<Eigen::Index>(s.joint)] / source.sigma : 0;
     }
-    if (source.where == IndependentError::Where::encoder) source.half_width += (multiplied(s.joint) - 1) * half(s);
+    if (source.where == IndependentError::Where::encoder)
+      source.half_width += (multiplied(s.joint) - 1) * half(s);
   }
 
   static double half(const EffectShare& s) { return std::abs(s.share->mean) + s.share->half_width; }

@@ -22,14 +22,16 @@ std::string encoder_table(const Analysis& a, const Style& style) {
   const std::vector<double> budget = encoder_budget(a);
   const std::vector<bool> largest = largest_of(budget);
   const auto first = std::count(largest.begin(), largest.end(), true);
-  std::vector<std::vector<std::string>> rows{{"encoder", "resolution", "worst case", "sigma", "share"}};
+  const bool of_tip = !a.spec.model.coordinates.empty();
+  std::vector<std::vector<std::string>> rows{{"encoder", "resolution", "worst case", "sigma"}};
+  if (of_tip) rows.front().emplace_back("share");
   for (std::size_t i = 0; i < budget.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[i];
     const std::string unit = joint.prismatic() ? "m" : "rad";
     const auto row = static_cast<Eigen::Index>(i);
     rows.push_back({shortened(joint.name, 22), readable(a.resolutions[row], unit),
-                    readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit),
-                    percent(budget[i])});
+                    readable(a.joints.worst_case[row], unit), readable(a.joints.sigma[row], unit)});
+    if (of_tip) rows.back().push_back(percent(budget[i]));
   }
   const std::string text = aligned(rows), mark = first == 1 ? "  <- first" : "  <- equal";
   std::size_t table_width = 0;

@@ -5,9 +5,9 @@
 #include <mutex>
 
 #include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "report/analysis/figure_column.hpp"
 
 namespace qerr {
 
@@ -27,9 +27,9 @@ constexpr double most_shells = 10;  // that fit on a terminal beside the other t
 
 struct ExceedanceCounter::Job {
   Chain chain;
-  std::vector<NamedFilter> filters;
+  std::vector<Norms> filters;
   std::vector<Requirement> limits;
-  std::vector<ProvenFigure> figures;  // of the limits
+  std::vector<Figure> figures;  // of the limits
   double step;
   std::mutex guard;
   std::vector<Exceedance> counts;  // [limit]; sums and extremes do not depend on the order of the batches
@@ -70,7 +70,7 @@ ExceedanceCounter::ExceedanceCounter(const Spec& spec, std::vector<Requirement> 
     empty.by_distance.push_back({from, from + step, 0, 0});
   job_ = std::make_unique<Job>();
   job_->chain = spec.model.chain;
-  job_->filters = spec.filters;
+  job_->filters = filter_norms(spec);
   job_->step = step;
   for (const Requirement& r : limits) {
     job_->counts.push_back(empty);
@@ -89,20 +89,14 @@ std::function<void(const ConfigurationBatch&)> ExceedanceCounter::visitor() {
 }
 
 std::vector<Exceedance> ExceedanceCounter::result(const Analysis& a) const {
-  for (const Requirement& r : job_->limits) {
-    if (r.filter < 0) continue;
-    const DerivativeStatistics& d = a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate];
-    const bool known =
-        r.bound == Requirement::Bound::worst_case || r.bound == Requirement::Bound::sigma_quantization ||
-        (r.bound == Requirement::Bound::sigma ? d.sigma.has_value() : d.sigma_in_motion.has_value());
-    if (!known)
+  for (const Requirement& r : job_->limits)
+    if (!statistic_of(a.workspace, r) && r.bound != Bound::sigma_quantization)
       throw Error({{},
                    "--above",
                    "the bound is not known at the configurations",
                    quoted(r.quantity),
                    "the warnings of `qerr analyze` without the option say why; name another bound"},
                   Trouble::usage);
-  }
   return job_->counts;
 }
 

@@ -2,51 +2,52 @@
 
 #include <cmath>
 
-#include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/tables.hpp"
 
 namespace qerr {
 
+namespace {
+
+FigureName name_of(const Spec& spec, const Signal& s, const Figure& f) {
+  const NamedFilter* filter = f.filter < 0 ? nullptr : &spec.filters[static_cast<std::size_t>(f.filter)];
+  return {f,
+          filter ? "derivative" : "position",
+          filter ? filter->name : "",
+          s.name,
+          filter ? derivative_unit(s.unit, filter->filter) : s.unit,
+          name_of(f.bound),
+          filter ? shown_unit(s.unit, filter->filter) : s.unit};
+}
+
+}  // namespace
+
 std::string FigureName::quantity() const {
-  return (filter.empty() ? std::string(signal) : filter) + '.' + std::string(coordinate) + '.' +
-         std::string(bound);
+  return (filter.empty() ? std::string(signal) : filter) + '.' + coordinate + '.' + std::string(bound);
+}
+
+FigureName name_of(const Spec& spec, const Figure& f) {
+  return name_of(spec, all_signals(spec.model)[f.signal], f);
+}
+
+std::vector<FigureName> all_figures(const Spec& spec) {
+  const std::vector<Signal> signals = all_signals(spec.model);
+  std::vector<FigureName> figures;
+  const auto add = [&](std::ptrdiff_t filter, std::initializer_list<Bound> bounds) {
+    for (std::size_t s = 0; s < signals.size(); ++s)
+      for (const Bound bound : bounds) figures.push_back(name_of(spec, signals[s], {s, filter, bound}));
+  };
+  add(-1, {Bound::worst_case, Bound::worst_case_rigorous, Bound::sigma});
+  for (std::size_t f = 0; f < spec.filters.size(); ++f)
+    add(static_cast<std::ptrdiff_t>(f),
+        {Bound::worst_case, Bound::sigma, Bound::sigma_quantization, Bound::sigma_in_motion});
+  return figures;
 }
 
 void for_each_figure(const Analysis& a, const std::function<void(const FigureName&, const Statistic&)>& see) {
-  using Bound = ProvenFigure::Bound;
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
-  const auto see_bound = [&](FigureName& name, std::string_view text, Bound bound, const Statistic& s) {
-    name.bound = text;
-    name.figure.bound = bound;
-    see(name, s);
-  };
-  for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
-    const CoordinateInfo& c = info(coordinates[i]);
-    const CoordinateStatistics& s = a.workspace.coordinates[i];
-    FigureName name{"position", "", c.name, std::string(c.unit), {}, {i, -1}, std::string(c.unit)};
-    see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
-    if (std::isfinite(s.worst_case_rigorous.min))
-      see_bound(name, "worst_case_rigorous", Bound::worst_case_rigorous, s.worst_case_rigorous);
-    see_bound(name, "sigma", Bound::sigma, s.sigma);
+  for (const FigureName& name : all_figures(a.spec)) {
+    const Statistic* const s = statistic_of(a.workspace, name.figure);
+    if (s && (std::isfinite(s->min) || name.figure.bound != Bound::worst_case_rigorous)) see(name, *s);
   }
-  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
-    for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
-      const Coordinate c = coordinates[i];
-      const DerivativeStatistics& s = a.workspace.derivatives[f][i];
-      const NamedFilter& filter = a.spec.filters[f];
-      FigureName name{"derivative",
-                      filter.name,
-                      info(c).name,
-                      derivative_unit(c, filter.filter),
-                      {},
-                      {i, static_cast<std::ptrdiff_t>(f)},
-                      shown_unit(c, filter.filter)};
-      see_bound(name, "worst_case", Bound::worst_case, s.worst_case);
-      if (s.sigma) see_bound(name, "sigma", Bound::sigma, *s.sigma);
-      if (s.sigma_quantization)
-        see_bound(name, "sigma_quantization", Bound::sigma_quantization, *s.sigma_quantization);
-      if (s.sigma_in_motion) see_bound(name, "sigma_in_motion", Bound::sigma_in_motion, *s.sigma_in_motion);
-    }
 }
 
 }  // namespace qerr

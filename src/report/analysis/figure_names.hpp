@@ -11,19 +11,25 @@ namespace qerr {
 
 /// What a figure of an analysis belongs to: the columns of its rows in CSV.
 struct FigureName {
+  Figure figure;
   std::string_view signal;  ///< `position` or `derivative`
   std::string filter;       ///< "" of the position
-  std::string_view coordinate;
+  std::string coordinate;
   std::string unit;
   std::string_view bound;
-  ProvenFigure figure;       ///< the same by indices
-  std::string shown_unit{};  ///< in pages: "" of a control law that states none
+  std::string shown_unit;  ///< in pages: "" of a control law that states none
 
   /// `position.x.worst_case`, `velocity.x.sigma`: as requirements name it.
   std::string quantity() const;
 };
 
-/// Calls `see` with every figure that the analysis has, in the order of its CSV.
+/// Every figure that a spec can have, in the order of CSV: of the position by signal, then by filter and
+/// signal.
+std::vector<FigureName> all_figures(const Spec&);
+
+FigureName name_of(const Spec&, const Figure&);
+
+/// Calls `see` with every figure that the analysis has.
 void for_each_figure(const Analysis&, const std::function<void(const FigureName&, const Statistic&)>& see);
 
 /// The header of the analysis in CSV.

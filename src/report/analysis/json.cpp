@@ -12,9 +12,7 @@ namespace qerr {
 
 namespace {
 
-using Bound = ProvenFigure::Bound;
-
-Json statistic(const Analysis& a, const Statistic& s, const ProvenFigure& figure) {
+Json statistic(const Analysis& a, const Statistic& s, const Figure& figure) {
   Json object;
   for (const StatisticKind& kind : statistic_kinds()) object[kind.name] = s.*kind.value;
   object["at_max"] = by_joint(a.spec, s.at_max);
@@ -23,7 +21,7 @@ Json statistic(const Analysis& a, const Statistic& s, const ProvenFigure& figure
 }
 
 /// Null for a quantity without a bound.
-Json statistic_or_null(const Analysis& a, const Statistic& s, const ProvenFigure& figure) {
+Json statistic_or_null(const Analysis& a, const Statistic& s, const Figure& figure) {
   return std::isfinite(s.min) ? statistic(a, s, figure) : Json(nullptr);
 }
 
@@ -105,17 +103,17 @@ Json joints(const Analysis& a) {
 
 Json position(const Analysis& a) {
   Json list = Json::array();
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const CoordinateInfo& row = info(coordinates[i]);
+    const Signal& row = coordinates[i];
     list.push_back({{"coordinate", row.name},
                     {"unit", row.unit},
                     {"worst_case", statistic(a, c.worst_case, {i, -1, Bound::worst_case})},
                     {"worst_case_rigorous",
                      statistic_or_null(a, c.worst_case_rigorous, {i, -1, Bound::worst_case_rigorous})},
                     {"sigma", statistic(a, c.sigma, {i, -1, Bound::sigma})}});
-    if (is_length(row.coordinate)) continue;
+    if (c.share.size() == 0) continue;
     list.back()["share"] = by_joint(a.spec, c.share);
     list.back()["share_worst_case"] = by_joint(a.spec, c.share_worst_case);
   }
@@ -124,15 +122,15 @@ Json position(const Analysis& a) {
 
 Json derivatives(const Analysis& a) {
   Json list = Json::array();
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f) {
     const NamedFilter& filter = a.spec.filters[f];
     const auto index = static_cast<std::ptrdiff_t>(f);
     Json rows = Json::array();
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = a.workspace.derivatives[f][i];
-      rows.push_back({{"coordinate", info(coordinates[i]).name},
-                      {"unit", derivative_unit(coordinates[i], filter.filter)},
+      rows.push_back({{"coordinate", coordinates[i].name},
+                      {"unit", derivative_unit(coordinates[i].unit, filter.filter)},
                       {"worst_case", statistic(a, d.worst_case, {i, index, Bound::worst_case})},
                       {"sigma", d.sigma ? statistic(a, *d.sigma, {i, index, Bound::sigma}) : Json()}});
       if (d.sigma_quantization)

@@ -6,7 +6,7 @@
 
 #include "bound/proven/reached.hpp"
 #include "core/text.hpp"
-#include "qerr/kinematics/coordinates.hpp"
+#include "report/analysis/figure_names.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/fitted_table.hpp"
 #include "report/text_table.hpp"
@@ -16,41 +16,21 @@ namespace qerr {
 
 namespace {
 
-using Bound = ProvenFigure::Bound;
-
 /// Every worst case and sigma whose figures are known.
-std::vector<ProvenFigure> all_figures(const Analysis& a) {
-  std::vector<ProvenFigure> figures;
-  const std::size_t coordinates = a.workspace.coordinates.size();
-  for (std::size_t c = 0; c < coordinates; ++c)
-    for (const Bound bound : {Bound::worst_case, Bound::sigma}) figures.push_back({c, -1, bound});
-  for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
-    for (std::size_t c = 0; c < coordinates; ++c) {
-      const auto filter = static_cast<std::ptrdiff_t>(f);
-      figures.push_back({c, filter, Bound::worst_case});
-      if (a.workspace.derivatives[f][c].sigma) figures.push_back({c, filter, Bound::sigma});
-    }
+std::vector<Figure> provable_figures(const Analysis& a) {
+  std::vector<Figure> figures;
+  for (const FigureName& name : all_figures(a.spec)) {
+    const Figure& f = name.figure;
+    if ((f.bound == Bound::worst_case || f.bound == Bound::sigma) && statistic_of(a.workspace, f))
+      figures.push_back(f);
+  }
   return figures;
 }
 
-const Statistic& sampled(const Analysis& a, const ProvenFigure& figure) {
-  if (figure.filter >= 0) {
-    const DerivativeStatistics& d =
-        a.workspace.derivatives[static_cast<std::size_t>(figure.filter)][figure.coordinate];
-    return figure.bound == Bound::worst_case ? d.worst_case
-           : figure.bound == Bound::sigma    ? *d.sigma
-                                             : *d.sigma_in_motion;
-  }
-  const CoordinateStatistics& c = a.workspace.coordinates[figure.coordinate];
-  return figure.bound == Bound::worst_case ? c.worst_case
-         : figure.bound == Bound::sigma    ? c.sigma
-                                           : c.worst_case_rigorous;
-}
-
 /// The limits of requirements on the proven maxima of figures, infinite where one has another relation.
-std::vector<double> limits_of(const Analysis& a, const std::vector<ProvenFigure>& figures) {
+std::vector<double> limits_of(const Analysis& a, const std::vector<Figure>& figures) {
   std::vector<double> limits;
-  for (const ProvenFigure& figure : figures) {
+  for (const Figure& figure : figures) {
     // Limits of several requirements need the proof itself.
     double limit = std::numeric_limits<double>::infinity();
     std::size_t count = 0;
@@ -65,16 +45,17 @@ std::vector<double> limits_of(const Analysis& a, const std::vector<ProvenFigure>
   return limits;
 }
 
-void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions options, bool verdicts_only) {
+void prove(Analysis& a, const std::vector<Figure>& figures, ProofOptions options, bool verdicts_only) {
   if (verdicts_only) options.limits = limits_of(a, figures);
-  for (const ProvenFigure& figure : figures)
-    if (const Eigen::VectorXd& at = sampled(a, figure).at_max; at.size() > 0) options.starts.push_back(at);
+  for (const Figure& figure : figures)
+    if (const Eigen::VectorXd& at = statistic_of(a.workspace, figure)->at_max; at.size() > 0)
+      options.starts.push_back(at);
   const std::vector<ProvenMaximum> maxima =
       proven_maxima(a.spec.model, filter_norms(a.spec), a.spec.configurations.ranges, figures, options);
   for (std::size_t i = 0; i < figures.size(); ++i) {
     ProvenMaximum maximum = maxima[i];
     // Of configurations that are equal but for rounding the sample reports the first one.
-    set_reached(maximum, std::max(maximum.lower, sampled(a, figures[i]).max));
+    set_reached(maximum, std::max(maximum.lower, statistic_of(a.workspace, figures[i])->max));
     const auto known = std::find_if(a.proofs.begin(), a.proofs.end(),
                                     [&](const ProvenResult& p) { return p.figure == figures[i]; });
     if (known == a.proofs.end())
@@ -86,10 +67,10 @@ void prove(Analysis& a, const std::vector<ProvenFigure>& figures, ProofOptions o
 
 /// Repeats the proofs of figures whose requirements are undecided.
 void refine(Analysis& a, ProofOptions options, bool verdicts_only) {
-  std::map<ProvenFigure, double> gaps;
+  std::map<Figure, double> gaps;
   for (const Requirement& r : a.spec.requirements) {
     if (!r.proven) continue;
-    const ProvenFigure figure = proven_figure(r, a.spec.model);
+    const Figure figure = proven_figure(r, a.spec.model);
     const ProvenMaximum& proven = *find_proof(a, figure);
     if (!evaluate(r, proven).undecided) continue;
     const double gap = deciding_gap(r, proven, options.gap);
@@ -103,29 +84,12 @@ void refine(Analysis& a, ProofOptions options, bool verdicts_only) {
   }
 }
 
-std::string quantity_of(const Analysis& a, const ProvenFigure& figure) {
-  static const std::map<Bound, std::string> names{{Bound::worst_case, ".worst_case"},
-                                                  {Bound::worst_case_rigorous, ".worst_case_rigorous"},
-                                                  {Bound::sigma, ".sigma"},
-                                                  {Bound::sigma_in_motion, ".sigma_in_motion"}};
-  const std::string signal =
-      figure.filter < 0 ? "position" : a.spec.filters[static_cast<std::size_t>(figure.filter)].name;
-  return signal + '.' + std::string(info(coordinates_and_lengths(a.spec.model)[figure.coordinate]).name) +
-         names.at(figure.bound);
-}
-
-std::string unit_of(const Analysis& a, const ProvenFigure& figure) {
-  const Coordinate c = coordinates_and_lengths(a.spec.model)[figure.coordinate];
-  return figure.filter < 0 ? std::string(info(c).unit)
-                           : shown_unit(c, a.spec.filters[static_cast<std::size_t>(figure.filter)].filter);
-}
-
 /// A figure that is the rounding of a zero: less than 1e-12 of the largest one of its unit.
 bool is_zero(const Analysis& a, const ProvenResult& proof) {
   constexpr double rounding = 1e-12;
   double largest = 0;
   for (const ProvenResult& other : a.proofs)
-    if (unit_of(a, other.figure) == unit_of(a, proof.figure))
+    if (name_of(a.spec, other.figure).shown_unit == name_of(a.spec, proof.figure).shown_unit)
       largest = std::max(largest, other.maximum.lower);
   return proof.maximum.upper <= rounding * largest;
 }
@@ -136,9 +100,9 @@ void warn_of_gaps(Analysis& a) {
     const double gap = proof.maximum.gap();
     if (!(gap > proof.gap) || is_zero(a, proof)) continue;
     if (std::isinf(proof.maximum.upper))
-      unbounded.push_back(quantity_of(a, proof.figure));
+      unbounded.push_back(name_of(a.spec, proof.figure).quantity());
     else
-      wide.push_back(quantity_of(a, proof.figure) + ' ' + percent(gap));
+      wide.push_back(name_of(a.spec, proof.figure).quantity() + ' ' + percent(gap));
   }
   constexpr std::size_t most_named = 6;
   const auto list = [&](std::vector<std::string> names) {
@@ -156,14 +120,14 @@ void warn_of_gaps(Analysis& a) {
 
 std::vector<std::string> row_of(const Analysis& a, const ProvenResult& proof) {
   const ProvenMaximum& m = proof.maximum;
-  const std::string si = unit_of(a, proof.figure);
+  const std::string si = name_of(a.spec, proof.figure).shown_unit;
   const PrefixedUnit unit = prefixed(cleaned(std::isfinite(m.upper) ? m.upper : m.lower), si);
   const auto cell = [&](double value) {
     return std::isinf(value) ? "inf" : significant(cleaned(value) / unit.factor, 5);
   };
-  return {quantity_of(a, proof.figure),
+  return {name_of(a.spec, proof.figure).quantity(),
           unit.unit,
-          cell(sampled(a, proof.figure).max),
+          cell(statistic_of(a.workspace, proof.figure)->max),
           cell(m.lower),
           cell(m.upper),
           is_zero(a, proof)     ? "-"
@@ -185,18 +149,18 @@ std::string place_of(const Analysis& a, const Eigen::VectorXd& q) {
 
 }  // namespace
 
-const ProvenMaximum* find_proof(const Analysis& a, const ProvenFigure& figure) {
+const ProvenMaximum* find_proof(const Analysis& a, const Figure& figure) {
   for (const ProvenResult& proof : a.proofs)
     if (proof.figure == figure) return &proof.maximum;
   return nullptr;
 }
 
 void add_proofs(Analysis& a, const ProofRequest& request, unsigned threads) {
-  std::vector<ProvenFigure> figures;
-  if (request.all) figures = all_figures(a);
+  std::vector<Figure> figures;
+  if (request.all) figures = provable_figures(a);
   for (const Requirement& r : a.spec.requirements) {
     if (!r.proven) continue;
-    const ProvenFigure figure = proven_figure(r, a.spec.model);
+    const Figure figure = proven_figure(r, a.spec.model);
     if (std::find(figures.begin(), figures.end(), figure) == figures.end()) figures.push_back(figure);
   }
   if (figures.empty()) return;
@@ -220,7 +184,7 @@ std::string proof_table(const Analysis& a, const Style& style) {
     const std::string place = place_of(a, proof.maximum.at);
     if (is_zero(a, proof) || std::find(told.begin(), told.end(), place) != told.end()) continue;
     told.push_back(place);
-    out += wrapped(quantity_of(a, proof.figure) + " at " + place, style.width, "    ", "  ");
+    out += wrapped(name_of(a.spec, proof.figure).quantity() + " at " + place, style.width, "    ", "  ");
   }
   return out;
 }

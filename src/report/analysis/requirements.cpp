@@ -8,6 +8,7 @@
 #include "qerr/report/write.hpp"
 #include "report/analysis/count_rates.hpp"
 #include "report/analysis/effects.hpp"
+#include "report/analysis/figure_names.hpp"
 #include "report/analysis/json_header.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
@@ -24,8 +25,8 @@ double largest(const Workspace& w, std::ptrdiff_t filter, std::size_t coordinate
 }
 
 /// The worst case of the coordinate if every joint moved it with the whole reach as its lever arm.
-double conceivable(const Analysis& a, std::ptrdiff_t filter, Coordinate coordinate) {
-  const bool length = info(coordinate).unit == "m";
+double conceivable(const Analysis& a, std::ptrdiff_t filter, const Signal& signal) {
+  const bool length = signal.unit == "m";
   const double arm = length ? reach(a.spec.model.chain, a.spec.configurations) : 1;
   double sum = 0;
   for (std::size_t i = 0; i < a.spec.model.chain.independent.size(); ++i) {
@@ -39,16 +40,16 @@ bool is_unreached(const Analysis& a, std::ptrdiff_t filter, std::size_t coordina
   // Entries of the Jacobian that vanish are rounding errors of some 1e-16 times the reach. No two encoders of
   // a robot differ by 1e13 in resolution.
   constexpr double rounding = 1e-13;
-  const Coordinate c = coordinates_and_lengths(a.spec.model)[coordinate];
+  const Signal c = all_signals(a.spec.model)[coordinate];
   return largest(a.workspace, filter, coordinate) <= rounding * conceivable(a, filter, c);
 }
 
 /// What to require in place of a quantity that no error reaches.
 std::string reached_instead(const Analysis& a) {
   std::string names;
-  const std::vector<Coordinate> all = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> all = all_signals(a.spec.model);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (!is_unreached(a, -1, i)) names += (names.empty() ? "" : ", ") + std::string(info(all[i]).name);
+    if (!is_unreached(a, -1, i)) names += (names.empty() ? "" : ", ") + all[i].name;
   return names.empty() ? "the joints move none of the spec's coordinates; add those that they move, such as "
                          "rx, ry, rz, to `coordinates`"
                        : "the joints move " + names;
@@ -127,11 +128,10 @@ void refuse_unreached(const Analysis& a) {
   std::vector<Fault> faults;
   for (const Requirement& r : a.spec.requirements) {
     if (!r.limits_error()) continue;
-    const bool at_rest = r.bound == Requirement::Bound::sigma_in_motion && !r.proven &&
-                         a.workspace.derivatives[static_cast<std::size_t>(r.filter)][r.coordinate]
-                                 .sigma_in_motion.value_or(Statistic{1, 1, 1, 1, 1, 1, {}})
-                                 .max == 0;
-    if (!at_rest && !is_unreached(a, r.filter, r.coordinate)) continue;
+    const Statistic* const in_motion =
+        r.bound == Bound::sigma_in_motion ? statistic_of(a.workspace, r) : nullptr;
+    const bool at_rest = in_motion && !r.proven && in_motion->max == 0;
+    if (!at_rest && !is_unreached(a, r.filter, r.signal)) continue;
     faults.push_back({r.place, "requirements",
                       "no error reaches this quantity: it is 0 at all configurations, which meets any limit",
                       quoted(r.quantity),
@@ -205,11 +205,7 @@ Json requirements_json(const SpecCheck& check) {
     if (r.limits_error()) row["statistic"] = r.statistic;
     row[std::string(r.relation())] = r.limit;
     row["value"] = check.results[i].value;
-    const bool of_filter = r.filter >= 0 && !r.figure;
-    row["unit"] =
-        of_filter ? derivative_unit(coordinates_and_lengths(check.analysis.spec.model)[r.coordinate],
-                                    check.analysis.spec.filters[static_cast<std::size_t>(r.filter)].filter)
-                  : r.unit;
+    row["unit"] = r.limits_error() ? name_of(check.analysis.spec, r).unit : r.unit;
     row["met"] = check.results[i].met;
     if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
     list.push_back(row);

@@ -23,10 +23,10 @@ std::vector<std::string> cells(const Statistic& s, const PrefixedUnit& unit) {
 }
 
 /// A coordinate: its unit, and median and maximum of sigma, of sigma in motion, of the worst case.
-std::vector<std::string> summary_row(Coordinate c, const std::string& si, const Statistic* sigma,
+std::vector<std::string> summary_row(const Signal& c, const std::string& si, const Statistic* sigma,
                                      const Statistic* in_motion, bool motion_column, const Statistic& worst) {
   const PrefixedUnit unit = prefixed(cleaned(worst.max), si);
-  std::vector<std::string> row{std::string(info(c).name), unit.unit};
+  std::vector<std::string> row{c.name, unit.unit};
   const auto add = [&](const Statistic* s) {
     const std::vector<std::string> two = s ? cells(*s, unit) : std::vector<std::string>{"-", "-"};
     row.insert(row.end(), two.begin(), two.end());
@@ -39,14 +39,14 @@ std::vector<std::string> summary_row(Coordinate c, const std::string& si, const 
 
 /// The largest rigorous bounds that differ in print from the largest linear ones.
 std::string rigorous_note(const Analysis& a, const Style& style) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::string> differing;
   for (std::size_t i = 0; i < coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const std::string unit(info(coordinates[i]).unit);
+    const std::string unit(coordinates[i].unit);
     const std::string text = readable(cleaned(c.worst_case_rigorous.max), unit);
     if (std::isfinite(c.worst_case_rigorous.max) && text != readable(cleaned(c.worst_case.max), unit))
-      differing.push_back(std::string(info(coordinates[i]).name) + ' ' + text);
+      differing.push_back(coordinates[i].name + ' ' + text);
   }
   if (differing.empty()) return "";
   return wrapped("with the linearization remainder (rigorous) at most " + listed(differing), style.width,
@@ -57,18 +57,19 @@ using Rows = std::vector<std::vector<std::string>>;
 
 /// The rows of the position, then those of each filter.
 std::vector<Rows> blocks_of(const Analysis& a, bool motion) {
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   const Workspace& w = a.workspace;
   std::vector<Rows> blocks(1 + a.spec.filters.size());
   for (std::size_t i = 0; i < coordinates.size(); ++i)
-    blocks[0].push_back(summary_row(coordinates[i], std::string(info(coordinates[i]).unit),
-                                    &w.coordinates[i].sigma, nullptr, motion, w.coordinates[i].worst_case));
+    blocks[0].push_back(summary_row(coordinates[i], coordinates[i].unit, &w.coordinates[i].sigma, nullptr,
+                                    motion, w.coordinates[i].worst_case));
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t i = 0; i < coordinates.size(); ++i) {
       const DerivativeStatistics& d = w.derivatives[f][i];
-      blocks[f + 1].push_back(summary_row(
-          coordinates[i], shown_unit(coordinates[i], a.spec.filters[f].filter), d.sigma ? &*d.sigma : nullptr,
-          d.sigma_in_motion ? &*d.sigma_in_motion : nullptr, motion, d.worst_case));
+      blocks[f + 1].push_back(
+          summary_row(coordinates[i], shown_unit(coordinates[i].unit, a.spec.filters[f].filter),
+                      d.sigma ? &*d.sigma : nullptr, d.sigma_in_motion ? &*d.sigma_in_motion : nullptr,
+                      motion, d.worst_case));
     }
   return blocks;
 }

@@ -28,8 +28,8 @@ std::string name_of(SamplingMethod m) {
 
 }  // namespace
 
-std::string shown_unit(Coordinate c, const Filter& filter) {
-  return has_unknown_unit(filter) ? "" : derivative_unit(c, filter);
+std::string shown_unit(std::string_view unit, const Filter& filter) {
+  return has_unknown_unit(filter) ? "" : derivative_unit(unit, filter);
 }
 
 double cleaned(double value) { return std::abs(value) < 1e-18 ? 0 : value; }

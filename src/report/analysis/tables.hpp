@@ -32,8 +32,8 @@ bool has_effects(const Analysis&);
 /// `H2 norm 40.738/s, l1 norm 138.86/s, 1.00 ms a sample`.
 std::string norm_text(const NamedFilter&);
 
-/// The unit of a coordinate behind a filter; "" behind a control law that states none.
-std::string shown_unit(Coordinate, const Filter&);
+/// The unit of a signal, m or rad, behind a filter; "" behind a control law that states none.
+std::string shown_unit(std::string_view unit, const Filter&);
 
 /// 0 for rounding errors of sines and cosines: no length, angle or derivative of one is this small.
 double cleaned(double value);

@@ -145,7 +145,7 @@ class DesignJob {
   void refuse_motion_of_chosen_filters() const {
     for (const Requirement& r : variants_.base().requirements)
       for (const FilterOptions& f : request_.filters)
-        if (r.limits_error() && r.bound == Requirement::Bound::sigma_in_motion &&
+        if (r.limits_error() && r.bound == Bound::sigma_in_motion &&
             static_cast<std::size_t>(r.filter) == f.filter)
           throw Error(Fault{r.place, "requirements",
                             "sigma_in_motion behind a filter that is itself chosen is not supported",
@@ -202,9 +202,8 @@ class DesignJob {
   /// How slow errors of a design are judged where sigma behind a filter is required.
   void state_assumption(const FoundDesign& found) {
     const bool asked = std::any_of(
-        problem_->base().requirements.begin(), problem_->base().requirements.end(), [](const Requirement& r) {
-          return r.limits_error() && r.filter >= 0 && r.bound == Requirement::Bound::sigma;
-        });
+        problem_->base().requirements.begin(), problem_->base().requirements.end(),
+        [](const Requirement& r) { return r.limits_error() && r.filter >= 0 && r.bound == Bound::sigma; });
     if (!asked) return;
     const Spec spec = problem_->variant(found.choice, solver_->set(found).filters);
     const std::string text = slow_error_assumption(spec, effect_report(spec).shares);

@@ -59,9 +59,9 @@ DesignProblem::DesignProblem(const SpecVariants& variants, const DesignRequest& 
   base_ = variant_of({}, {});
   for (const Requirement& r : base_.requirements) {
     if (!r.limits_error()) continue;
-    needs_motion_noise_ = needs_motion_noise_ || r.bound == Requirement::Bound::sigma_in_motion;
+    needs_motion_noise_ = needs_motion_noise_ || r.bound == Bound::sigma_in_motion;
     any_proven_ = any_proven_ || r.statistic == "proven_max";
-    needs_rigorous_ = needs_rigorous_ || r.bound == Requirement::Bound::worst_case_rigorous;
+    needs_rigorous_ = needs_rigorous_ || r.bound == Bound::worst_case_rigorous;
     if (r.at_least)
       throw Error(Fault{r.place, "requirements",
                         "at_least of an error is no limit of a design: finer encoders only lower it",

@@ -141,28 +141,38 @@ const double* FigureSums::part(std::size_t coordinate, std::size_t column, Part 
 
 /// Index of the coordinate that is a component of the requirement's length.
 std::size_t FigureSums::component(const Requirement& r, std::size_t axis) const {
-  const Coordinate length = coordinates_and_lengths(spec_.model)[r.coordinate];
+  const Coordinate length = *all_signals(spec_.model)[r.signal].coordinate;
   const auto wanted = static_cast<Coordinate>(static_cast<std::size_t>(first_component(length)) + axis);
   const auto& all = spec_.model.coordinates;
   return static_cast<std::size_t>(std::find(all.begin(), all.end(), wanted) - all.begin());
 }
 
+bool FigureSums::is_of_length(const Requirement& r) const {
+  const std::size_t m = spec_.model.coordinates.size();
+  return r.signal >= m && r.signal < m + spec_.model.lengths.size();
+}
+
+/// Row of a signal in the columns, which has no lengths.
+std::size_t FigureSums::row_of(const Requirement& r) const {
+  return r.signal < spec_.model.coordinates.size() ? r.signal : r.signal - spec_.model.lengths.size();
+}
+
 const double* FigureSums::squares_of_length(const Requirement& r, std::size_t column) {
-  AlignedNumbers& to = parts_[{r.coordinate, column, Part::square}];
+  AlignedNumbers& to = squares_of_lengths_[{r.signal, column}];
   if (to.size() > 0) return to.data();
   AlignedNumbers sum(columns_.configurations());
   for (std::size_t axis = 0; axis < 3; ++axis) {
     const double* const squares = part(component(r, axis), column, Part::square);
     for (std::size_t i = 0; i < sum.size(); ++i) sum[i] += squares[i];
   }
-  return (parts_[{r.coordinate, column, Part::square}] = std::move(sum)).data();
+  return (squares_of_lengths_[{r.signal, column}] = std::move(sum)).data();
 }
 
 WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& weights) {
-  const bool length = r.coordinate >= spec_.model.coordinates.size();
+  const bool length = is_of_length(r);
   const auto f = static_cast<std::size_t>(std::max<std::ptrdiff_t>(r.filter, 0));
-  const bool in_motion = r.bound == Requirement::Bound::sigma_in_motion;
-  const bool alone = r.bound == Requirement::Bound::sigma_quantization;
+  const bool in_motion = r.bound == Bound::sigma_in_motion;
+  const bool alone = r.bound == Bound::sigma_quantization;
   const auto unknown = [&](const ErrorWeights& w) {
     const ErrorWeights::Filtered& behind = w.filtered[f];
     return !alone && (in_motion ? behind.variance_in_motion : behind.variance).size() == 0;
@@ -181,9 +191,9 @@ WeightedSum FigureSums::sigma_sum(const Requirement& r, const OptionWeights& wei
       r.filter < 0 ? weights.stated.added_variance : weights.stated.filtered[f].added_variance;
   WeightedSum sum;
   for (std::size_t axis = 0; axis < (length ? 3 : 1) && !alone && !weights.along_motion; ++axis)
-    sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : r.coordinate)];
+    sum.added += added[static_cast<Eigen::Index>(length ? component(r, axis) : row_of(r))];
   for (std::size_t k = 0; k < columns_.columns(); ++k)
-    add_column(sum, k, length ? squares_of_length(r, k) : part(r.coordinate, k, Part::square), weights,
+    add_column(sum, k, length ? squares_of_length(r, k) : part(row_of(r), k, Part::square), weights,
                [&](const ErrorWeights& w, Eigen::Index column) {
                  return r.filter < 0 ? w.variance[column]
                         : alone      ? w.filtered[f].variance_of_quantization[column]
@@ -273,7 +283,6 @@ ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weigh
   // Beyond the limit of exact percentiles those of a report are counted in bins, right to 1e-3.
   if (figure.over == ChoiceFigure::Over::percentile && columns_.configurations() > exact_percentiles_limit)
     figure.tolerance = 2e-3;
-  using Bound = Requirement::Bound;
   // Errors along a motion do not add by joints: without them the sums are a lower bound, and dearer options
   // may have less of them.
   const bool follows = weights.along_motion && r.bound != Bound::sigma_quantization;
@@ -284,10 +293,10 @@ ChoiceFigure FigureSums::figure(const Requirement& r, const OptionWeights& weigh
     figure.sums = {sigma_sum(r, weights)};
     return figure;
   }
-  const bool length = r.coordinate >= spec_.model.coordinates.size();
+  const bool length = is_of_length(r);
   figure.bound = proven || length || follows || r.bound == Bound::worst_case_rigorous;
   if (!length) {
-    figure.sums = worst_sums(r, weights, r.coordinate);
+    figure.sums = worst_sums(r, weights, row_of(r));
     return figure;
   }
   figure.sums = length_sums(r, weights, reference);

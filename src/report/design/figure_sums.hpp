@@ -44,6 +44,8 @@ class FigureSums {
   std::vector<WeightedSum> worst_sums(const Requirement&, const OptionWeights&, std::size_t coordinate);
   std::vector<WeightedSum> length_sums(const Requirement&, const OptionWeights&,
                                        const OptionChoice& reference);
+  bool is_of_length(const Requirement&) const;
+  std::size_t row_of(const Requirement&) const;
   std::size_t component(const Requirement&, std::size_t axis) const;
   const double* part(std::size_t coordinate, std::size_t column, Part);
   const double* squares_of_length(const Requirement&, std::size_t column);
@@ -51,6 +53,7 @@ class FigureSums {
   const Spec& spec_;
   const ErrorColumns& columns_;
   std::map<std::tuple<std::size_t, std::size_t, Part>, AlignedNumbers> parts_;
+  std::map<std::pair<std::size_t, std::size_t>, AlignedNumbers> squares_of_lengths_;
   std::vector<AlignedNumbers> along_;  // components of lengths
 };
 

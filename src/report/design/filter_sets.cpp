@@ -30,7 +30,7 @@ FilterNeeds needs_of(const Spec& spec, std::size_t filter, std::optional<std::si
       if (goal == i) needs.minimized = r.figure;
       continue;
     }
-    (r.bound == Requirement::Bound::worst_case ? needs.worst_case : needs.sigma) = true;
+    (r.bound == Bound::worst_case ? needs.worst_case : needs.sigma) = true;
   }
   if (!needs.worst_case && !needs.minimized) needs.sigma = true;
   return needs;

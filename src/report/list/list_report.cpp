@@ -37,6 +37,8 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
   if (kind == "coordinates")
     for (const CoordinateInfo& c : coordinate_list())
       rows.push_back({std::string(c.name), std::string(c.summary) + " [" + std::string(c.unit) + "]"});
+  if (kind == "coordinates")
+    for (const SignalKind& s : signal_kinds()) rows.push_back({std::string(s.group), std::string(s.summary)});
   if (kind == "statistics")
     for (const StatisticKind& row : statistic_kinds())
       rows.push_back({std::string(row.name), std::string(row.summary)});

@@ -47,9 +47,7 @@ std::size_t best_of(const std::vector<CutoffChoice>& choices) {
   return static_cast<std::size_t>(best - choices.begin());
 }
 
-std::string cutoff_unit(const SimulationReport& r) {
-  return shown_unit(Coordinate::x, r.spec.filters[0].filter);
-}
+std::string cutoff_unit(const SimulationReport& r) { return shown_unit("m", r.spec.filters[0].filter); }
 
 std::string cutoff_table(const SimulationReport& r, const Style& style) {
   const std::vector<CutoffChoice> choices = cutoff_choices(r);

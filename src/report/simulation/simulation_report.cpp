@@ -46,11 +46,10 @@ std::vector<NamedSignal> signals_of(const SimulationReport& r) {
   for (std::size_t o = 0; o < r.simulation.results.size(); ++o) {
     const NamedFilter* filter = o == 0 ? nullptr : &r.spec.filters[o - 1];
     for (std::size_t c = 0; c < r.simulation.results[o].size(); ++c) {
-      const Coordinate coordinate = r.spec.model.coordinates[c];
-      all.push_back(
-          {r.simulation.results[o][c], filter ? filter->name : "position", std::string(info(coordinate).name),
-           filter ? derivative_unit(coordinate, filter->filter) : std::string(info(coordinate).unit),
-           filter ? shown_unit(coordinate, filter->filter) : std::string(info(coordinate).unit)});
+      const Signal s = signal_of(r.spec.model.coordinates[c]);
+      all.push_back({r.simulation.results[o][c], filter ? filter->name : "position", s.name,
+                     filter ? derivative_unit(s.unit, filter->filter) : s.unit,
+                     filter ? shown_unit(s.unit, filter->filter) : s.unit});
     }
   }
   return all;

@@ -54,12 +54,11 @@ void SweepPage::add_figures() {
   };
   for (std::size_t i = 0; i < spec.requirements.size(); ++i)
     add({spec.requirements[i].name(), spec.requirements[i].unit, static_cast<std::ptrdiff_t>(i)});
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(spec.model);
-  for (const Coordinate c : coordinates)
-    add({"position." + std::string(info(c).name) + ".worst_case max", std::string(info(c).unit)});
+  const std::vector<Signal> coordinates = all_signals(spec.model);
+  for (const Signal& c : coordinates) add({"position." + c.name + ".worst_case max", c.unit});
   for (const NamedFilter& f : spec.filters)
-    for (const Coordinate c : coordinates)
-      add({f.name + '.' + std::string(info(c).name) + ".sigma max", shown_unit(c, f.filter)});
+    for (const Signal& c : coordinates)
+      add({f.name + '.' + c.name + ".sigma max", shown_unit(c.unit, f.filter)});
 }
 
 std::string SweepPage::row(const SweptVariant& v) const {

@@ -27,11 +27,10 @@ std::vector<std::string> headers(const Spec& spec) {
     headers.emplace_back("met");
     return headers;
   }
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(spec.model);
-  for (const Coordinate c : coordinates) headers.push_back(std::string(info(c).name) + " worst max");
+  const std::vector<Signal> coordinates = all_signals(spec.model);
+  for (const Signal& c : coordinates) headers.push_back(c.name + " worst max");
   for (const NamedFilter& f : spec.filters)
-    for (const Coordinate c : coordinates)
-      headers.push_back(stacked(f.name) + ' ' + std::string(info(c).name) + " sigma max");
+    for (const Signal& c : coordinates) headers.push_back(stacked(f.name) + ' ' + c.name + " sigma max");
   return headers;
 }
 
@@ -54,14 +53,13 @@ std::vector<std::string> SweepTable::figures(const SpecCheck& check) const {
     if (!check.results.empty()) cells.emplace_back(check.all_met() ? "yes" : "NO");
     return cells;
   }
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   for (std::size_t c = 0; c < coordinates.size(); ++c)
-    cells.push_back(
-        readable(a.workspace.coordinates[c].worst_case.max, std::string(info(coordinates[c]).unit)));
+    cells.push_back(readable(a.workspace.coordinates[c].worst_case.max, coordinates[c].unit));
   for (std::size_t f = 0; f < a.spec.filters.size(); ++f)
     for (std::size_t c = 0; c < coordinates.size(); ++c) {
       const auto& sigma = a.workspace.derivatives[f][c].sigma;
-      cells.push_back(sigma ? readable(sigma->max, shown_unit(coordinates[c], a.spec.filters[f].filter))
+      cells.push_back(sigma ? readable(sigma->max, shown_unit(coordinates[c].unit, a.spec.filters[f].filter))
                             : "-");
     }
   return cells;

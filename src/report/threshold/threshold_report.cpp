@@ -13,6 +13,7 @@ Eigen::VectorXd largest_arms(const Spec& spec, unsigned threads) {
   OperationalModel model = spec.model;
   model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
   model.lengths.clear();
+  model.signals.clear();
   WorkspaceOptions options;
   options.threads = threads;
   return workspace(model, {}, spec.configurations, options).largest_arms;

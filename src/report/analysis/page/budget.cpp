@@ -29,10 +29,10 @@ std::string budget_figures(const Analysis& a) {
   const std::vector<double> budget = encoder_budget(a);
   const Eigen::Map<const Eigen::VectorXd> mean(budget.data(), static_cast<Eigen::Index>(budget.size()));
   all.emplace_back("tip, variance", figure(bars_of(a, "Share of the tip's mean variance", mean)));
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   for (std::size_t i = 0; i < a.workspace.coordinates.size(); ++i) {
     const CoordinateStatistics& c = a.workspace.coordinates[i];
-    const std::string name(info(coordinates[i]).name);
+    const std::string& name = coordinates[i].name;
     if (c.share.size() > 0)
       all.emplace_back(name + ", variance", figure(bars_of(a, "Share of the variance of " + name, c.share)));
     if (c.share_worst_case.size() > 0)

@@ -65,12 +65,12 @@ TipGrid tip_grid(const ConfigurationSample& sample) {
   return g;
 }
 
-std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, const CoordinateInfo& c) {
-  page::HeatMap map{"Worst case of " + std::string(c.name) + " over the workspace",
+std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, const Signal& c) {
+  page::HeatMap map{"Worst case of " + c.name + " over the workspace",
                     "Largest worst case among the configurations with the tip in a cell.",
                     {axis_names[static_cast<std::size_t>(g.axes[0])], "m", false, false},
                     {axis_names[static_cast<std::size_t>(g.axes[1])], "m", false, false},
-                    {"worst case of " + std::string(c.name), std::string(c.unit)},
+                    {"worst case of " + c.name, c.unit},
                     g.span[0],
                     g.span[1],
                     g.cells[0],
@@ -89,10 +89,10 @@ std::string worst_case_map(const TipGrid& g, const std::vector<double>& values, 
 std::string workspace_figures(const Analysis& a, const ConfigurationSample& sample) {
   if (sample.tips.empty()) return "<p>Without a configuration there is no workspace.</p>";
   const TipGrid grid = tip_grid(sample);
-  const std::vector<Coordinate> coordinates = coordinates_and_lengths(a.spec.model);
+  const std::vector<Signal> coordinates = all_signals(a.spec.model);
   std::vector<std::pair<std::string, std::string>> all;
   for (std::size_t c = 0; c < sample.worst.size(); ++c)
-    all.emplace_back(info(coordinates[c]).name, worst_case_map(grid, sample.worst[c], info(coordinates[c])));
+    all.emplace_back(coordinates[c].name, worst_case_map(grid, sample.worst[c], coordinates[c]));
   return "<p>By the position of the tip in the base frame, seen along the third axis: the largest worst case "
          "of the configurations in a cell, of " +
          std::to_string(sample.of) + " configurations" + sampled_note(sample) +

@@ -50,6 +50,7 @@ struct DrawnPose {
 OperationalModel of_position(OperationalModel model) {
   model.coordinates = {Coordinate::x, Coordinate::y, Coordinate::z};
   model.lengths.clear();
+  model.signals.clear();
   return model;
 }
 

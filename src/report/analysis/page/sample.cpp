@@ -3,10 +3,10 @@
 #include <algorithm>
 
 #include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
 #include "qerr/kinematics/coordinates.hpp"
-#include "report/analysis/figure_column.hpp"
 #include "report/analysis/figure_names.hpp"
 
 namespace qerr {
@@ -34,7 +34,7 @@ Configurations reduced(const Configurations& all) {
 /// Receives batches from any thread; each writes to places of its own.
 class SampleCollector {
  public:
-  SampleCollector(const Analysis& a, std::size_t count) : a_(a) {
+  SampleCollector(const Analysis& a, std::size_t count) : a_(a), filters_(filter_norms(a.spec)) {
     for_each_figure(a, [&](const FigureName& name, const Statistic&) { figures_.push_back(name.figure); });
     sample_.of = a.workspace.count;
     sample_.q.resize(count);
@@ -47,7 +47,7 @@ class SampleCollector {
   void add(const ConfigurationBatch& batch) {
     const Chain& chain = a_.spec.model.chain;
     std::vector<FigureColumn> columns;
-    for (const ProvenFigure& f : figures_) columns.push_back(figure_column(f, a_.spec.filters, batch.layout));
+    for (const Figure& f : figures_) columns.push_back(figure_column(f, filters_, batch.layout));
     for (std::size_t i = 0; i < batch.count; ++i) {
       const std::size_t to = static_cast<std::size_t>(batch.first) + i;
       const auto figure = [&](std::size_t f) { return batch.figures[f * batch_size + i]; };
@@ -73,7 +73,8 @@ class SampleCollector {
 
  private:
   const Analysis& a_;
-  std::vector<ProvenFigure> figures_;
+  std::vector<Norms> filters_;
+  std::vector<Figure> figures_;
   ConfigurationSample sample_;
 };
 

@@ -1,11 +1,9 @@
-#include "report/analysis/figure_column.hpp"
+#include "bound/figure_column.hpp"
 
 namespace qerr {
 
-FigureColumn figure_column(const ProvenFigure& f, const std::vector<NamedFilter>& filters,
-                           const FigureLayout& at) {
-  using Bound = ProvenFigure::Bound;
-  const std::size_t c = f.coordinate;
+FigureColumn figure_column(const Figure& f, const std::vector<Norms>& filters, const FigureLayout& at) {
+  const std::size_t c = f.signal;
   if (f.filter < 0)
     return {(f.bound == Bound::worst_case            ? at.worst_case
              : f.bound == Bound::worst_case_rigorous ? at.rigorous
@@ -14,7 +12,7 @@ FigureColumn figure_column(const ProvenFigure& f, const std::vector<NamedFilter>
             1};
   const auto filter = static_cast<std::size_t>(f.filter);
   const std::size_t behind = filter * at.coordinates + c;
-  const Norms& norms = filters[filter].norms;
+  const Norms& norms = filters[filter];
   // Of other errors there is one more filter, behind which is nothing but quantization.
   if (f.bound == Bound::sigma_quantization && at.in_motion > at.filtered_sigma)
     return {at.filtered_sigma + filters.size() * at.coordinates + c, norms.h2};

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "bound/figure_layout.hpp"
-#include "qerr/bound/proven_maximum.hpp"
-#include "qerr/input/spec.hpp"
+#include "qerr/bound/figure.hpp"
+#include "qerr/filter/norms.hpp"
 
 namespace qerr {
 
@@ -15,7 +15,7 @@ struct FigureColumn {
   double factor;
 };
 
-/// @pre the analysis has the figure
-FigureColumn figure_column(const ProvenFigure&, const std::vector<NamedFilter>&, const FigureLayout&);
+/// @pre the batch has the figure
+FigureColumn figure_column(const Figure&, const std::vector<Norms>& filters, const FigureLayout&);
 
 }  // namespace qerr

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "qerr/kinematics/chain.hpp"
+#include "qerr/kinematics/coordinates.hpp"
+
+namespace qerr {
+
+struct SignalKind;
+
+/// A quantity of the robot whose error is of interest.
+struct Signal {
+  std::string name;                           ///< in specs and reports: `x`, `xyz`, a joint's name
+  std::string unit;                           ///< "m" or "rad"
+  std::optional<Coordinate> coordinate = {};  ///< of the tip, or a length of three; empty: of `kind`
+  const SignalKind* kind = nullptr;
+  std::size_t index = 0;  ///< among the robot's signals of `kind`
+};
+
+/// A kind of signals beside the tip's coordinates, by its row c(q): an error dq of the independent joints
+/// changes the signal by c dq, and a displaced origin of a joint does not change it. Every bound follows from
+/// the row.
+///
+/// A row of a family: its file in src/bound/signals, and a line in list.inc there.
+struct SignalKind {
+  std::string_view group;    ///< stands for all of a robot's signals of this kind in `coordinates`
+  std::string_view summary;  ///< for `qerr list coordinates`
+  /// The robot's signals, without kind and index.
+  std::vector<Signal> (*signals)(const Chain&);
+  /// c(q), one number for each independent joint [1, m/rad or rad/m].
+  Eigen::RowVectorXd (*row)(const Chain&, std::size_t index, const Eigen::VectorXd& q);
+  /// Largest |signal(q + dq) - signal(q) - c(q) dq| for |dq| <= `worst_case` of each joint, at any q,
+  /// infinite if none is known.
+  double (*remainder)(const Chain&, std::size_t index, const Eigen::VectorXd& worst_case);
+  bool constant = false;  ///< c is the same at all configurations
+};
+
+const std::vector<SignalKind>& signal_kinds();
+
+/// The signals that a word in `coordinates` stands for, the tip's coordinates left out: of the group, or the
+/// one of that name. Empty: none.
+std::vector<Signal> find_signals(const Chain&, std::string_view word);
+
+/// Names of all signals of the kinds that a robot has.
+std::vector<std::string> signal_names(const Chain&);
+
+/// A coordinate of the tip, or a length, as a signal.
+Signal signal_of(Coordinate);
+
+}  // namespace qerr

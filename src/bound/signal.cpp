@@ -1,0 +1,52 @@
+#include "qerr/bound/signal.hpp"
+
+#include "bound/signals/signals.hpp"
+
+namespace qerr {
+
+const std::vector<SignalKind>& signal_kinds() {
+  static const std::vector<SignalKind> all{
+#define QERR_SIGNAL(name) name##_signal(),
+#include "bound/signals/list.inc"
+#undef QERR_SIGNAL
+  };
+  return all;
+}
+
+namespace {
+
+std::vector<Signal> signals_of(const SignalKind& kind, const Chain& chain) {
+  std::vector<Signal> signals = kind.signals(chain);
+  for (std::size_t i = 0; i < signals.size(); ++i) {
+    signals[i].kind = &kind;
+    signals[i].index = i;
+  }
+  return signals;
+}
+
+}  // namespace
+
+std::vector<Signal> find_signals(const Chain& chain, std::string_view word) {
+  constexpr std::string_view of_joint = "joint:";
+  const std::string_view bare = word.starts_with(of_joint) ? word.substr(of_joint.size()) : word;
+  for (const SignalKind& kind : signal_kinds()) {
+    const std::vector<Signal> all = signals_of(kind, chain);
+    if (word == kind.group) return all;
+    for (const Signal& signal : all)
+      if (signal.name == word || signal.name == bare) return {signal};
+  }
+  return {};
+}
+
+std::vector<std::string> signal_names(const Chain& chain) {
+  std::vector<std::string> names;
+  for (const SignalKind& kind : signal_kinds())
+    for (const Signal& signal : kind.signals(chain)) names.push_back(signal.name);
+  return names;
+}
+
+Signal signal_of(Coordinate c) {
+  return {std::string(info(c).name), std::string(info(c).unit), c, nullptr, 0};
+}
+
+}  // namespace qerr

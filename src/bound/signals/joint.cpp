@@ -1,0 +1,32 @@
+#include "bound/signals/signals.hpp"
+
+namespace qerr {
+
+namespace {
+
+/// `joint:NAME` of a joint that is called like a coordinate.
+std::vector<Signal> of_joints(const Chain& chain) {
+  std::vector<Signal> signals;
+  for (const IndependentJoint& joint : chain.independent)
+    signals.push_back({(find_coordinate(joint.name) || joint.name == "joints" ? "joint:" : "") + joint.name,
+                       joint.prismatic() ? "m" : "rad"});
+  return signals;
+}
+
+}  // namespace
+
+/// The coordinate of an independent joint, behind gears and coupling.
+SignalKind joint_signal() {
+  return {.group = "joints",
+          .summary = "the robot's joints; a joint's name, or joint:NAME, is one of them",
+          .signals = of_joints,
+          .row =
+              [](const Chain& chain, std::size_t index, const Eigen::VectorXd&) {
+                return Eigen::RowVectorXd(Eigen::RowVectorXd::Unit(
+                    static_cast<Eigen::Index>(chain.independent.size()), static_cast<Eigen::Index>(index)));
+              },
+          .remainder = [](const Chain&, std::size_t, const Eigen::VectorXd&) { return 0.0; },
+          .constant = true};
+}
+
+}  // namespace qerr
