@@ -37,9 +37,10 @@ Words<std::ptrdiff_t> signals_of(const Spec& spec) {
 
 /// The signals of the spec; lengths and joints that it does not list are added where they are required.
 std::size_t read_signal(const Field& f, const std::string& word, Spec& spec) {
-  std::vector<std::string> known = signal_names(spec.model.chain);
-  for (const Signal& s : all_signals(spec.model)) known.push_back(s.name);
+  std::vector<std::string> known;
+  for (const Coordinate c : spec.model.coordinates) known.emplace_back(info(c).name);
   for (const Coordinate c : {Coordinate::xyz, Coordinate::rxyz}) known.emplace_back(info(c).name);
+  for (std::string& name : signal_names(spec.model.chain)) known.push_back(std::move(name));
   const std::optional<Coordinate> coordinate = find_coordinate(word);
   if (coordinate && std::find(known.begin(), known.end(), word) == known.end()) {
     std::string listed;

@@ -34,8 +34,9 @@ void add_signal(const Signal& signal, OperationalModel& model) {
 }
 
 void read_coordinates(const Field& f, Spec& spec) {
-  std::vector<std::string> all = signal_names(spec.model.chain);
+  std::vector<std::string> all;
   for (const CoordinateInfo& row : coordinate_list()) all.emplace_back(row.name);
+  for (std::string& name : signal_names(spec.model.chain)) all.push_back(std::move(name));
   std::vector<std::string> named;
   std::vector<Coordinate> lengths;
   OperationalModel& model = spec.model;
