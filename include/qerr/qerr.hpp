@@ -74,13 +74,4 @@
 #include "qerr/simulate/motion.hpp"
 #include "qerr/simulate/simulate.hpp"
 
-
-
-
-
-
-
-
-
-
 // clang-format on

@@ -130,14 +130,16 @@ double sigma_ratio(const EffectShare& s, const Norms& norms, std::optional<doubl
 
 }  // namespace
 
-std::vector<IndependentError> error_sources(const OperationalModel& model, const std::vector<EffectShare>& shares,
-                                       const std::vector<Norms>& norms,
-                                       const std::vector<double>& step_energies) {
+std::vector<IndependentError> error_sources(const OperationalModel& model,
+                                            const std::vector<EffectShare>& shares,
+                                            const std::vector<Norms>& norms,
+                                            const std::vector<double>& step_energies) {
   std::vector<IndependentError> sources;
   for (const EffectShare& s : shares) {
     if (!s.included || is_zero(*s.share)) continue;
     const Stage stage = effect_kind(s.effect.type).stage;
-    IndependentError source{at_joint(stage) ? IndependentError::Where::joint : IndependentError::Where::encoder, s.joint};
+    IndependentError source{
+        at_joint(stage) ? IndependentError::Where::joint : IndependentError::Where::encoder, s.joint};
     if (stage == Stage::kinematics) {
       const auto link = find_joint(model.chain, s.effect.joint);
       if (!link) continue;  // a mimicked joint outside the chain: its origin does not displace the tip

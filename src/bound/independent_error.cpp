@@ -28,7 +28,7 @@ Eigen::VectorXd moved_joints(const Transmission& t, const IndependentError& e) {
 }
 
 std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>& encoders,
-                                          const SigmaRatios& of_encoders, const SigmaRatios& of_gears) {
+                                               const SigmaRatios& of_encoders, const SigmaRatios& of_gears) {
   std::vector<IndependentError> sources;
   const auto add = [&](std::size_t encoder, double bound, const SigmaRatios& ratios) {
     if (!(bound > 0)) return;

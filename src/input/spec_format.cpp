@@ -44,7 +44,8 @@ const std::vector<Parameter>& top() {
        .meaning = "joint angles = coupling * (encoder angles / gear ratio), rows of numbers in chain order"},
       {.name = "coordinates",
        .kind = Kind::any,
-       .meaning = "of the tip: x y z rx ry rz roll pitch yaw, and the lengths xyz and rxyz; and joints: their names, "
+       .meaning = "of the tip: x y z rx ry rz roll pitch yaw, and the lengths xyz and rxyz; and joints: "
+                  "their names, "
                   "or `joints` for all"},
       {.name = "frame",
        .kind = Kind::choice,

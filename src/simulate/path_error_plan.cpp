@@ -46,7 +46,8 @@ void PathErrors::add_origin(const Chain& chain, const IndependentError& s) {
 }
 
 void PathErrors::add_columns(const OperationalModel& model) {
-  for (const Encoder& encoder : model.transmission.encoders) per_resolution_.push_back(1 / encoder.resolution);
+  for (const Encoder& encoder : model.transmission.encoders)
+    per_resolution_.push_back(1 / encoder.resolution);
   const std::vector<IndependentError> errors = independent_errors(model);
   for (std::size_t i = 0; i < errors.size(); ++i) {
     const IndependentError& e = errors[i];

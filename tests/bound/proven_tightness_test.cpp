@@ -217,8 +217,8 @@ TEST(ProvenMaximum, BehindFiltersAndWithLimitsIsAsTightAsMeasured) {
     const auto expect = [&](const char* limit, const std::vector<ProvenMaximum>& proven) {
       for (std::size_t i = 0; i < figures.size(); ++i) {
         std::ostringstream name;
-        name << "filtered " << seed << limit << ',' << figures[i].signal << " filter "
-             << figures[i].filter << " bound " << static_cast<int>(figures[i].bound);
+        name << "filtered " << seed << limit << ',' << figures[i].signal << " filter " << figures[i].filter
+             << " bound " << static_cast<int>(figures[i].bound);
         (figures[i].bound == Bound::worst_case_rigorous ? at_maximum : lower)
             .expect(name.str() + ",lower", proven[i].lower);
         upper.expect(name.str() + ",upper", proven[i].upper);

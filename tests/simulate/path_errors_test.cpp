@@ -35,7 +35,7 @@ std::vector<IndependentError> random_sources(Dice& dice, const Chain& chain) {
   using Where = IndependentError::Where;
   for (const Where where : {Where::joint, Where::encoder, Where::origin, Where::origin}) {
     IndependentError s{where, dice.below(chain.independent.size()), dice.below(chain.joints.size()),
-                  dice.direction()};
+                       dice.direction()};
     s.mean = dice.between(-1e-3, 1e-3);
     s.half_width = dice.between(0, 1e-3);
     sources.push_back(s);

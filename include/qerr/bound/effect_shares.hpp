@@ -51,7 +51,7 @@ std::vector<EffectShare> effect_shares(const OperationalModel&, const std::vecto
 /// @param norms          one per filter
 /// @param step_energies  [filter]: T sum s_k^2 [s^(1 - 2d)]; empty: not known
 std::vector<IndependentError> error_sources(const OperationalModel&, const std::vector<EffectShare>&,
-                                       const std::vector<Norms>& norms,
-                                       const std::vector<double>& step_energies = {});
+                                            const std::vector<Norms>& norms,
+                                            const std::vector<double>& step_energies = {});
 
 }  // namespace qerr

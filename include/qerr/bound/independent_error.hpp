@@ -8,8 +8,8 @@
 
 namespace qerr {
 
-/// An error that is independent of all others, estimate - true, and where it enters: quantization of an encoder,
-/// an encoder's accuracy, the share of an effect, the displacement of a joint's origin.
+/// An error that is independent of all others, estimate - true, and where it enters: quantization of an
+/// encoder, an encoder's accuracy, the share of an effect, the displacement of a joint's origin.
 struct IndependentError {
   enum class Where {
     joint,    ///< a joint's coordinate: a column of J
@@ -29,11 +29,13 @@ struct IndependentError {
   bool in_counts = false;
 };
 
-/// Quantization of the encoders, in their order: uniform over an interval Delta about its mean, half width Delta/2
-/// (paper, Eq. 3), sigma Delta/sqrt(12) (Eq. 9), white; behind it `others`.
-std::vector<IndependentError> independent_errors(const Transmission&, const std::vector<IndependentError>& others);
+/// Quantization of the encoders, in their order: uniform over an interval Delta about its mean, half width
+/// Delta/2 (paper, Eq. 3), sigma Delta/sqrt(12) (Eq. 9), white; behind it `others`.
+std::vector<IndependentError> independent_errors(const Transmission&,
+                                                 const std::vector<IndependentError>& others);
 
-/// Derivative of the independent joints with respect to an error at a joint, e_i, or at an encoder, column i of C.
+/// Derivative of the independent joints with respect to an error at a joint, e_i, or at an encoder, column i
+/// of C.
 /// @pre not at an origin
 Eigen::VectorXd moved_joints(const Transmission&, const IndependentError&);
 
@@ -44,7 +46,7 @@ using SigmaRatios = std::vector<std::vector<double>>;
 /// A/sqrt(2), that of a sine of amplitude A and unknown phase (a uniform error would have A/sqrt(3)); and
 /// those of their gears within `gear_accuracy`, likewise.
 std::vector<IndependentError> accuracy_sources(const std::vector<Encoder>&, const SigmaRatios& of_encoders,
-                                          const SigmaRatios& of_gears);
+                                               const SigmaRatios& of_gears);
 
 /// Whether the spectra of all sources are known, and with them sigma behind the filter.
 bool sigma_is_known(const std::vector<IndependentError>&, std::size_t filter);
