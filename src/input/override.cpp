@@ -261,8 +261,51 @@ class JointOverride {
 
   bool of_pattern() const { return is_pattern(path_.joint) && !find(path_.joint); }
 
+  /// The joints that the change is made for.
+  std::vector<std::string> joints() const {
+    std::vector<std::string> names;
+    for (const IndependentJoint& joint : chain_.independent)
+      if (of_pattern() ? fits(path_.joint, joint.name) : joint.name == path_.joint)
+        names.push_back(joint.name);
+    return names;
+  }
+
+  /// Whether nothing of an earlier change is left at a joint that both are made for.
+  bool replaces(const JointOverride& earlier) const {
+    const std::string before = earlier.path_.map + ".j." + earlier.path_.rest,
+                      now = path_.map + ".j." + path_.rest;
+    return path_.map == earlier.path_.map && set_one_value(now, before) &&
+           (path_.rest.empty() || earlier.path_.rest.size() >= path_.rest.size() ||
+            !earlier.path_.rest.starts_with(path_.rest)) &&
+           !(path_.rest.starts_with(earlier.path_.rest + '.') ||
+             (earlier.path_.rest.empty() && !path_.rest.empty()));
+  }
+
+  /// @param later  changes that are made behind this one
+  void refuse_replaced(const std::vector<JointOverride>& later) const {
+    std::vector<std::string> left = joints();
+    if (left.empty()) return;
+    std::string holding;
+    for (const JointOverride& other : later) {
+      if (!other.replaces(*this)) continue;
+      const std::vector<std::string> of_other = other.joints();
+      if (std::erase_if(left, [&](const std::string& name) {
+            return std::find(of_other.begin(), of_other.end(), name) != of_other.end();
+          }) > 0)
+        holding += (holding.empty() ? "" : ", ") + other.key();
+    }
+    if (left.empty())
+      override_.refuse("governs nothing: " + holding + " holds for its joints", qerr::quoted(key()),
+                       "leave one of them out");
+  }
+
+  std::string key() const {
+    return path_.map + '.' + path_.joint + (path_.rest.empty() ? "" : '.' + path_.rest);
+  }
+
+  /// @param later  changes that are made behind this one
   /// @returns a warning, or ""
-  std::string apply() const {
+  std::string apply(const std::vector<JointOverride>& later) const {
     if (!of_pattern()) {
       refuse_unused();
       change(path_.joint);
@@ -276,6 +319,8 @@ class JointOverride {
     std::erase_if(changed, [&](const auto& name) { return std::count(kept.begin(), kept.end(), name) > 0; });
     for (const std::string& name : changed) change(name);
     std::erase(changed, path_.joint);
+    for (const JointOverride& other : later)
+      if (!other.of_pattern() && other.replaces(*this)) std::erase(changed, other.path_.joint);
     const std::string also = own_entry && !changed.empty() ? " also changes " + list_of_names(changed) : "";
     const std::string not_these =
         kept.empty() ? "" : " does not change " + list_of_names(kept) + ", whose encoders cannot have it";
@@ -396,14 +441,24 @@ class JointOverride {
 void apply_to_joints(Node& root, std::vector<SpecChange>::const_iterator begin,
                      std::vector<SpecChange>::const_iterator end, const Chain& chain,
                      std::vector<std::string>& warnings) {
-  for (const bool patterns : {true, false})
-    for (auto change = begin; change != end; ++change) {
-      if (joint_map_of(change->first).empty()) continue;
-      const JointOverride override(root, *change, chain);
-      if (override.of_pattern() != patterns) continue;
-      const std::string warning = override.apply();
-      if (!warning.empty()) warnings.push_back(warning);
-    }
+  const auto made = [&] {  // anew each time, as a change may add entries
+    std::vector<JointOverride> all;
+    for (const bool patterns : {true, false})
+      for (auto change = begin; change != end; ++change)
+        if (!joint_map_of(change->first).empty())
+          if (JointOverride override(root, *change, chain); override.of_pattern() == patterns)
+            all.push_back(std::move(override));
+    return all;
+  };
+  const std::size_t count = made().size();
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::vector<JointOverride> all = made();
+    const JointOverride& first = all[i];
+    const std::vector<JointOverride> later(all.begin() + static_cast<std::ptrdiff_t>(i) + 1, all.end());
+    first.refuse_replaced(later);
+    const std::string warning = first.apply(later);
+    if (!warning.empty()) warnings.push_back(warning);
+  }
 }
 
 /// Whether a change replaces a mapping by joints, or one in which it lies.

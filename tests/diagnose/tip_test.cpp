@@ -195,16 +195,20 @@ TEST(DiagnoseTip, AttributesADisplacedFrameToTheTracker) {
     const Arm arm = random_arm(dice, 6);
     const std::vector<double> resolution(6, 1e-5);
     const double size = seed % 2 == 1 ? 2e-3 : 1.5;  // [m] and rad
-    const Eigen::Vector3d shift = size * dice.direction();
-    const Eigen::Matrix3d turn = rotation(dice.direction(), size);
+    const Eigen::Vector3d shift = size * dice.direction(), axis = dice.direction();
+    const Eigen::Matrix3d turn = rotation(axis, size);
     const Log log = log_of(dice, arm, poses(dice, 6, 200), resolution, 2e-5,
                            [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return shift + turn * p; });
     const Diagnosis d = judge(arm.model(resolution), log);
-    EXPECT_TRUE(d.causes.empty()) << "seed " << seed << ": " << summary(d);
-    ASSERT_FALSE(d.unexplained.empty()) << seed;
-    EXPECT_EQ(d.unexplained[0].joint, "tip");
-    EXPECT_NEAR(d.unexplained[0].amplitude, shift.norm(), 1e-4) << seed;
-    EXPECT_FALSE(d.warnings.empty());
+    EXPECT_EQ(d.verdict, Verdict::explained) << "seed " << seed << ": " << summary(d);
+    ASSERT_EQ(d.causes.size(), 1u) << "seed " << seed << ": " << summary(d);
+    EXPECT_EQ(d.causes[0].effect.type, "frame");
+    const char* names[] = {"x", "y", "z", "rx", "ry", "rz"};
+    for (Eigen::Index i = 0; i < 3; ++i) {
+      EXPECT_NEAR(d.causes[0].effect.number_or(names[i], 0), shift[i], 1e-4) << seed;
+      EXPECT_NEAR(d.causes[0].effect.number_or(names[3 + i], 0), size * axis[i], 1e-4) << seed;
+    }
+    EXPECT_GT(d.gain.lower, 10) << seed;
   }
 }
 
@@ -219,9 +223,11 @@ TEST(DiagnoseTip, TellsOfALongerToolOrADisplacedTarget) {
     built.tool += longer;
     const Diagnosis d =
         judge(arm.model(resolution), log_of(dice, built, poses(dice, joints, 200), resolution, 1e-5));
-    ASSERT_FALSE(d.unexplained.empty()) << seed << ": " << summary(d);
-    EXPECT_NE(d.unexplained[0].what.find("tool"), std::string::npos) << seed << ": " << summary(d);
-    EXPECT_NEAR(d.unexplained[0].amplitude, longer.norm(), 0.05 * longer.norm()) << seed;
+    ASSERT_EQ(d.causes.size(), 1u) << seed << ": " << summary(d);
+    ASSERT_EQ(d.causes[0].effect.type, "tool");
+    const char* names[] = {"x", "y", "z"};
+    for (Eigen::Index i = 0; i < 3; ++i)
+      EXPECT_NEAR(d.causes[0].effect.number_or(names[i], 0), longer[i], 0.05 * longer.norm()) << seed;
   }
 }
 
@@ -244,8 +250,12 @@ Diagnosis uncalibrated(std::uint64_t seed, double askew) {
                       [&](const Eigen::Vector3d& p) -> Eigen::Vector3d { return shift + turn * p; }));
 }
 
+/// Behind the frames.
 bool begins_with_a_dimension(const Diagnosis& d) {
-  return !d.causes.empty() && (d.causes[0].effect.type == "geometry" || d.causes[0].effect.type == "offset");
+  const auto first = std::find_if(d.causes.begin(), d.causes.end(), [](const Cause& c) {
+    return c.effect.type != "frame" && c.effect.type != "tool";
+  });
+  return first != d.causes.end() && (first->effect.type == "geometry" || first->effect.type == "offset");
 }
 
 TEST(DiagnoseTip, ReducesTheErrorOfAnUncalibratedArmToTheTrackersNoise) {

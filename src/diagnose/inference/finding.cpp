@@ -148,6 +148,21 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     if (!has_names(found)) found = search_causes(record, seed, false);
     select();
   }
+  // Where the simulation of the causes leaves more than they do, or something is left, it is fitted itself.
+  // Each round has one term less.
+  if (!is_reproduced(*f->sampling, f->selection->model))
+    while (has_names(found)) {
+      Explanation fitted = simulated_fit(*f->sampling, f->selection->model);
+      if (const auto needless = needless_term(fitted)) {
+        drop(found, *needless);
+        select();
+        continue;
+      }
+      f->selection->model = std::move(fitted);
+      f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
+      break;
+    }
+  f->simulated = simulated_readings(*f->sampling, f->selection->model);
   f->visible = found.visible;
   f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   // Displaced edges have any high order where the rows beat with them.

@@ -8,6 +8,7 @@
 #include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/scatter.hpp"
 #include "diagnose/inference/selection.hpp"
+#include "diagnose/inference/simulated_fit.hpp"
 #include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity.hpp"
 
@@ -22,6 +23,7 @@ struct Finding {
   Scatter scatter;
   Remainder remainder;
   HeldOut held;
+  SimulatedReadings simulated;  ///< with the causes found
 
   const Evidence& evidence() const { return sampling->evidence; }
 

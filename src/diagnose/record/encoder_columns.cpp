@@ -7,7 +7,7 @@ namespace qerr {
 
 namespace {
 
-constexpr double negligible = 1e-12;  ///< weight, by rounding errors
+constexpr double negligible_weight = 1e-12;  ///< by rounding errors
 
 /// Change of the encoder's coordinate per unit of every joint.
 Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index encoder) {
@@ -17,14 +17,14 @@ Eigen::RowVectorXd joint_weights(const OperationalModel& model, Eigen::Index enc
 }  // namespace
 
 bool depends_on_one_joint(const OperationalModel& model, Eigen::Index encoder) {
-  return (joint_weights(model, encoder).array().abs() > negligible).count() == 1;
+  return (joint_weights(model, encoder).array().abs() > negligible_weight).count() == 1;
 }
 
 EncoderReference encoder_reference(const OperationalModel& model, const Log& log, Eigen::Index encoder) {
   const Eigen::RowVectorXd weights = joint_weights(model, encoder);
   EncoderReference r{Eigen::ArrayXd::Zero(log.values.rows())};
   for (Eigen::Index j = 0; j < weights.size(); ++j) {
-    if (std::abs(weights[j]) < negligible) continue;
+    if (std::abs(weights[j]) < negligible_weight) continue;
     const auto column = log.find(LogSignal::reference, static_cast<std::size_t>(j));
     if (!column) return {};
     r.position += weights[j] * log.values.col(*column);
@@ -38,7 +38,7 @@ Eigen::ArrayXd encoder_measured(const OperationalModel& model, const Log& log, E
   const Eigen::RowVectorXd weights = joint_weights(model, encoder);
   Eigen::ArrayXd x = Eigen::ArrayXd::Zero(log.values.rows());
   for (Eigen::Index j = 0; j < weights.size(); ++j) {
-    if (std::abs(weights[j]) < negligible) continue;
+    if (std::abs(weights[j]) < negligible_weight) continue;
     const auto joint = measured_joint(log, log.values, model.transmission, static_cast<std::size_t>(j));
     if (!joint) return {};
     x += weights[j] * *joint;

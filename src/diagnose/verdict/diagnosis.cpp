@@ -174,6 +174,35 @@ std::vector<Comparison> simulated(const Sanity& sane, const std::vector<Filter>&
   return comparison(statistics);
 }
 
+/// Whether the simulated causes leave what the gain says, to a tenth; less than a hundredth of a count is
+/// rounding.
+bool agrees(const Finding& f) {
+  double after = 0, rows = 0;
+  for (const HeldOut::Block& b : f.held.blocks) after += b.after, rows += b.rows;
+  const double left = std::sqrt(f.simulated.left), step = f.evidence().step();
+  double random = 0;  // scatter that was found, which no simulated position has
+  for (const ScatterCause& c : f.scatter.causes) random += c.rms * c.rms;
+  constexpr double tenth = 1.1, rounding = 0.01;
+  return left <= tenth * std::sqrt(std::max(rows > 0 ? after / rows : 0, step * step / 12 + random)) +
+                     rounding * step;
+}
+
+std::optional<Reproduction> reproduction(const std::vector<std::unique_ptr<Finding>>& findings) {
+  if (findings.empty()) return std::nullopt;
+  Reproduction all;
+  double rows = 0;
+  for (const auto& f : findings) {
+    const auto n = static_cast<double>(f->evidence().rows());
+    all.rms_simulated += n * f->simulated.simulated;
+    all.rms_measured += n * f->simulated.measured;
+    rows += n;
+    all.agrees = all.agrees && agrees(*f);
+  }
+  all.rms_simulated = std::sqrt(all.rms_simulated / rows);
+  all.rms_measured = std::sqrt(all.rms_measured / rows);
+  return all;
+}
+
 /// Adds the diagnosis of the tip. Its gain is the total gain if no joint has a reference.
 void add_tip(const TipDiagnosis& tip, bool joints_judged, Diagnosis& d) {
   if (tip.judged && !joints_judged) {
@@ -224,6 +253,7 @@ Diagnosis diagnose(const OperationalModel& model, const std::vector<Filter>& fil
     add(d, f, of_joint);
   }
   d.gain = gain(held, options.seed);
+  d.check = reproduction(findings);
   for (const AlternativeCause& a : sane.alternatives)
     for (const Cause& c : d.causes)
       if (c.effect.type == a.instead_of && c.effect.joint == a.joint) d.alternatives.push_back(a);

@@ -25,7 +25,7 @@ Verdict verdict(const Diagnosis& d, bool judged) {
   if (!d.alternatives.empty()) return Verdict::ambiguous;
   const bool counting = std::any_of(d.unexplained.begin(), d.unexplained.end(),
                                     [&](const Unidentified& u) { return affects_verdict(u, d.causes); });
-  return counting ? Verdict::partly_explained : Verdict::explained;
+  return counting || (d.check && !d.check->agrees) ? Verdict::partly_explained : Verdict::explained;
 }
 
 }  // namespace qerr

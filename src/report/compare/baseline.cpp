@@ -68,6 +68,12 @@ const Baseline& baseline_of(const Baselines& baselines, const std::string& spec,
 
 BaselineCheck against(const Baseline& baseline, const NamedFigures& now) {
   const NamedFigures& old = baseline.figures;
+  if (old.robot != now.robot && !old.robot.empty() && !now.robot.empty())
+    throw Error(Fault{{old.file},
+                      "robot",
+                      "the baseline is that of another robot or chain than " + quoted(now.file),
+                      quoted(old.robot) + ", here " + quoted(now.robot),
+                      "write it anew: qerr check SPEC -o OLD.json"});
   BaselineCheck check{old.file, baseline.tolerance, 0, {}, {}, {}, {}, comparison_warnings(old, now)};
   for (const FigureChange& c : figure_changes(old, now)) {
     check.compared += c.in_both();

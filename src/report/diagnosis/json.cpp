@@ -121,6 +121,14 @@ Json visible(const Diagnosis& d) {
   return list;
 }
 
+/// Null without a joint that is judged.
+Json check(const Diagnosis& d) {
+  if (!d.check) return nullptr;
+  return {{"rms_simulated", d.check->rms_simulated},
+          {"rms_measured", d.check->rms_measured},
+          {"agrees", d.check->agrees}};
+}
+
 Json log(const Log& l) {
   Json unwrapped = Json::array();
   for (const LogColumn& c : l.columns)
@@ -157,6 +165,7 @@ std::string to_json(const DiagnosisReport& r, const Style&) {
               {"unexplained", unexplained(r)},
               {"visible", visible(d)},
               {"gain", gain(d.gain)},
+              {"check", check(d)},
               {"extended_model", r.extended_model.empty() ? Json(nullptr) : Json(r.extended_model)},
               {"warnings", r.warnings}}
       .document();

@@ -121,22 +121,28 @@ Json diagnosis_schema() {
   std::vector<SchemaMember> members = header("diagnose");
   std::erase_if(members, [](const SchemaMember& member) { return member.name == "robot"; });
   return object(joined(
-      members, {{"log", log_schema()},
-                {"verdict", one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous",
-                                    "unexplained", "cannot_judge"})},
-                {"reason", text()},
-                {"unjudged", list(text()),
-                 "joints (or tip, tip.x) of which the log has columns and nothing can be said: if any, "
-                 "--check ends with 1"},
-                {"data", list(data_schema()), "faults of the record itself"},
-                {"simulation", list(comparison), "statistics of the log, and of the simulated model"},
-                {"causes", list(cause_schema()), "in the order of the variance that they remove"},
-                {"alternatives", list(alternative), "what explains it as well, and what to record to tell"},
-                {"unexplained", list(unexplained_schema())},
-                {"visible", list(visible_schema()), "what the record could have shown"},
-                {"gain", gain_schema(), "of the extended model, over all judged joints"},
-                {"extended_model", text_or_null(), "its file"},
-                {"warnings", warnings()}}));
+      members,
+      {{"log", log_schema()},
+       {"verdict", one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous", "unexplained",
+                           "cannot_judge"})},
+       {"reason", text()},
+       {"unjudged", list(text()),
+        "joints (or tip, tip.x) of which the log has columns and nothing can be said: if any, "
+        "--check ends with 1"},
+       {"data", list(data_schema()), "faults of the record itself"},
+       {"simulation", list(comparison), "statistics of the log, and of the simulated model"},
+       {"causes", list(cause_schema()), "in the order of the variance that they remove"},
+       {"alternatives", list(alternative), "what explains it as well, and what to record to tell"},
+       {"unexplained", list(unexplained_schema())},
+       {"visible", list(visible_schema()), "what the record could have shown"},
+       {"gain", gain_schema(), "of the extended model, over all judged joints"},
+       {"check",
+        or_null(object({{"rms_simulated", number(), "of the extended model, simulated along the record"},
+                        {"rms_measured", number()},
+                        {"agrees", boolean(), "whether the simulation leaves what the gain says"}})),
+        "residual, reading - reference; null without a joint that is judged"},
+       {"extended_model", text_or_null(), "its file"},
+       {"warnings", warnings()}}));
 }
 
 }  // namespace qerr

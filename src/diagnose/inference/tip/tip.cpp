@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "core/probability.hpp"
 #include "core/random.hpp"
 #include "core/solve.hpp"
 #include "core/statistics.hpp"
@@ -100,9 +101,10 @@ void ratio_interval(const HeldOutEntries& h, Eigen::Index coordinates, std::uint
   gain.upper = ratios[resamples - 1 - resamples / 40];
 }
 
-Gain gain_of(const TipModel& m) {
+/// @param ideal  the model without causes and frames
+Gain gain_of(const TipModel& m, const TipModel& ideal) {
   const auto coordinates = static_cast<Eigen::Index>(m.evidence().axes.size());
-  const HeldOutEntries h = held_out(m, coordinates);
+  const HeldOutEntries h{held_out(ideal, coordinates).before, held_out(m, coordinates).after};
   Gain gain;
   gain.unit = "m";
   gain.of_tip = true;
@@ -123,14 +125,8 @@ Gain gain_of(const TipModel& m) {
 
 /// Whether causes and frames reduce the residual of held-out blocks, by an interval of the ratio without 1.
 /// What does not is no error that anyone would notice, however significant it seems to be.
-bool improves(const OperationalModel& model, const TipEvidence& e, const TipModel& found) {
-  if (found.terms().empty() && found.frames() == UnknownFrames::none) return true;
-  const auto coordinates = static_cast<Eigen::Index>(e.axes.size());
-  const TipModel ideal(model, e, UnknownFrames::none, found.seed());
-  Gain gain;
-  ratio_interval({held_out(ideal, coordinates).before, held_out(found, coordinates).after}, coordinates,
-                 stream_seed(found.seed(), "tip bootstrap"), gain);
-  return gain.lower > 1;
+bool improves(const TipModel& found, const Gain& gain) {
+  return (found.terms().empty() && found.frames() == UnknownFrames::none) || gain.lower > 1;
 }
 
 /// What to record to distinguish two causes.
@@ -173,15 +169,6 @@ void name_causes(const TipSelection& s, TipDiagnosis& d) {
   for (auto& [removed, cause] : causes) d.causes.push_back(std::move(cause));
 }
 
-/// A position in the last link, by its components that matter.
-std::string by_axes(const Eigen::Vector3d& x) {
-  std::string text;
-  for (Eigen::Index i = 0; i < 3; ++i)
-    if (std::abs(x[i]) > 0.1 * x.norm())
-      text += (text.empty() ? "" : ", ") + readable(x[i], "m") + " along its " + "xyz"[i];
-  return text;
-}
-
 /// rms of what was tracked minus the model's tip [m].
 double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
   double squares = 0;
@@ -192,30 +179,45 @@ double rms_without_causes(const OperationalModel& model, const TipEvidence& e) {
   return std::sqrt(squares / static_cast<double>(e.tip.size()));
 }
 
-void report_frames(const TipModel& m, const std::string& tip, TipDiagnosis& d) {
-  if (m.frames() == UnknownFrames::none) return;
-  const Eigen::Vector3d target = m.estimate().tool;
-  if (m.frames() == UnknownFrames::target) {
-    d.unexplained.push_back(
-        {"tip",
-         "the tool is longer than in the model, or the tracker's target is not at its tip",
-         {},
-         {},
-         target.norm()});
-    d.warnings.push_back(
-        "the tracked point lies " + by_axes(target) + " from '" + tip +
-        "': no pose tells a longer tool from a target beside its tip: measure the tool, or "
-        "where the target is held, and correct the URDF or robot.tool (the radius of a robot of one joint)");
-    return;
+/// A nuisance of the fit as a cause, with its value at the estimate. Of a value that is no more than its
+/// uncertainty there is none.
+/// @param first  of its columns among those of the nuisances
+void add_frame_cause(const TipModel& m, const std::string& type, const Eigen::VectorXd& value,
+                     Eigen::Index first, TipDiagnosis& d) {
+  constexpr double significant = 1e-4;
+  const Eigen::Index n = value.size();
+  const Eigen::MatrixXd columns = m.all_columns().middleCols(first, n);
+  const double inflation =
+      std::max(TipModel::variance_inflation(m.solution(), columns,
+                                            static_cast<Eigen::Index>(m.evidence().axes.size())),
+               m.quantization_inflation(columns));
+  const Eigen::MatrixXd covariance = inflation * m.solution().covariance.block(first, first, n, n);
+  const NormalInverse information(covariance);
+  const double p = chi_squared_tail(value.dot(information.inverse * value),
+                                    static_cast<double>(std::max<Eigen::Index>(1, information.rank)));
+  // What moves the tip by less than what remains is the frame's share of other errors.
+  if (!(p < significant) || signal_to_noise(m.solution(), columns, value) < 1) return;
+  Cause cause{{type, "tip", {}, {}}, {}, p, d.gain};
+  const std::vector<Parameter>& rows = effect_kind(type).parameters;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const std::string name(rows[static_cast<std::size_t>(i)].name);
+    const double half = 1.96 * std::sqrt(std::max(0.0, covariance(i, i)));
+    cause.effect.numbers[name] = value[i];
+    cause.parameters.push_back({name, value[i], value[i] - half, value[i] + half});
   }
-  const Eigen::Vector3d shift = m.estimate().base.translation();
-  const double angle = Eigen::AngleAxisd(m.estimate().base.linear()).angle();
-  d.unexplained.push_back({"tip", "the tracker's frame is not the robot's base", {}, {}, shift.norm()});
-  d.warnings.push_back("tip.x/y/z are in the tracker's frame: the robot's base is displaced by " +
-                       readable(shift.norm(), "m") + " and rotated by " + readable(angle, "rad") +
-                       ", its target " + readable(target.norm(), "m") +
-                       " from the model's tip; both were fitted and removed, which also hides a displaced "
-                       "first joint");
+  d.causes.push_back(std::move(cause));
+}
+
+void name_frames(const TipModel& m, TipDiagnosis& d) {
+  const Eigen::Isometry3d& base = m.estimate().base;
+  const Eigen::Index of_base = m.frames() == UnknownFrames::all ? 6 : 0;
+  if (of_base > 0) {
+    const Eigen::AngleAxisd turn(base.linear());
+    Eigen::VectorXd motion(of_base);
+    motion << base.translation(), turn.angle() * turn.axis();
+    add_frame_cause(m, "frame", motion, 0, d);
+  }
+  if (m.frames() != UnknownFrames::none) add_frame_cause(m, "tool", m.estimate().tool, of_base, d);
 }
 
 /// By how much the logged coordinates of the tip change per unit of each joint, at most [m/rad or 1], in
@@ -274,9 +276,10 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
   d.judged = true;
   const TipSelection s = select_tip(model, *e, seed);
   const double without = rms_without_causes(model, *e);
-  d.gain = gain_of(s.model);
-  if (!improves(model, *e, s.model)) {
-    d.gain = gain_of(TipModel(model, *e, UnknownFrames::none, seed));
+  const TipModel alone(model, *e, UnknownFrames::none, seed);
+  d.gain = gain_of(s.model, alone);
+  if (!improves(s.model, d.gain)) {
+    d.gain = gain_of(alone, alone);
     find_unseen(model, *e, d);
     return d;
   }
@@ -287,8 +290,8 @@ TipDiagnosis diagnose_tip(const OperationalModel& ideal, const std::vector<Effec
         {"tip", "no error of the catalogue brings the model near the tip", {}, {}, without});
     return d;
   }
+  name_frames(s.model, d);
   name_causes(s, d);
-  report_frames(s.model, model.chain.tip, d);
   const bool at_base = std::any_of(d.causes.begin(), d.causes.end(), [&](const Cause& c) {
     return effect_kind(c.effect.type).stage == Stage::kinematics &&
            c.effect.joint == model.chain.joints.front().name;

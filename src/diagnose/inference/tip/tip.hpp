@@ -23,7 +23,7 @@ struct TipDiagnosis {
 /// Diagnoses the error of the tip: link dimensions, and errors of encoders whose joints have no reference.
 ///
 /// Where the frame of the tracker and the position of its target (9 parameters) are significantly different
-/// from the model, they are estimated and removed; the gain refers to the residual after that.
+/// from the model, they are causes, `frame` and `tool`.
 /// @param present  effects that the spec already has: they are part of the model, and found lengths are added
 /// to theirs
 TipDiagnosis diagnose_tip(const OperationalModel&, const std::vector<Effect>& present, const Log&,
