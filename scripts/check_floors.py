@@ -47,6 +47,16 @@ FAMILIES = [
 ]
 # Keys and figures that are spelt like a member of a family: (file, name) and what the name means there.
 HOMONYMS = {
+    ("src/input/spec_format.cpp", "frame"): "key of the spec",
+    ("src/input/spec_format.cpp", "tool"): "key of the spec",
+    ("src/input/spec_reader.cpp", "frame"): "key of the spec",
+    ("src/input/spec_reader.cpp", "tool"): "key of the spec",
+    ("src/report/schema.cpp", "tool"): "key of the spec",
+    ("src/kinematics/tree_ends.cpp", "tool"): "name of a link",
+    ("src/report/analysis/json.cpp", "frame"): "member of a report",
+    ("src/report/analysis/output_schema.cpp", "frame"): "member of a report",
+    ("src/diagnose/inference/tip/tip.cpp", "frame"): "nuisances of the tip's fit",
+    ("src/diagnose/inference/tip/tip.cpp", "tool"): "nuisances of the tip's fit",
     ("src/effect/residual_shape.cpp", "noise"): "the shape of a residual",
     ("src/input/read_design.cpp", "resolution"): "minimize: resolution",
     ("src/encoder/kinds/lines_per_rev.cpp", "decoding"): "parameter of an encoder: x1, x2 or x4",
