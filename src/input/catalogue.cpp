@@ -153,16 +153,42 @@ void add_effect(CatalogueRow& row, const CatalogueColumn& column, Node value, co
   add_entry(*effect, column.detail, std::move(value), place);
 }
 
+bool is_digit(char c) { return c >= '0' && c <= '9'; }
+
+/// `1.200` or `12.500 mm`: three digits behind a point, which may be that of thousands.
+bool may_be_thousands(const std::string& cell) {
+  const std::size_t point = cell.find('.');
+  if (point == std::string::npos || point == 0 || point > 3 || cell[0] == '0' || cell.size() < point + 4)
+    return false;
+  const auto digits = std::find_if_not(cell.begin(), cell.end(), is_digit) - cell.begin();
+  const auto behind =
+      std::find_if_not(cell.begin() + static_cast<std::ptrdiff_t>(point) + 1, cell.end(), is_digit) -
+      cell.begin();
+  return static_cast<std::size_t>(digits) == point && static_cast<std::size_t>(behind) == point + 4;
+}
+
+/// What a table that semicolons separate says of its numbers.
+struct Decimals {
+  bool commas = false;             ///< some have decimal commas
+  std::vector<Fault> ambiguities;  ///< of numbers whose point may be that of thousands
+};
+
 /// `12,5` or `0,05 deg` in a table that semicolons separate: its numbers have decimal commas.
-void read_decimal_commas(const std::vector<CatalogueColumn>& columns, std::vector<std::string>& cells) {
-  const auto is_digit = [](char c) { return c >= '0' && c <= '9'; };
+void read_decimal_commas(const std::vector<CatalogueColumn>& columns, std::vector<std::string>& cells,
+                         const std::vector<Place>& places, Decimals& decimals) {
   for (std::size_t i = 0; i < columns.size(); ++i) {
     using Role = CatalogueColumn::Role;
     if (columns[i].role == Role::name || columns[i].role == Role::description) continue;
+    if (may_be_thousands(cells[i]))
+      decimals.ambiguities.push_back({places[i], "",
+                                      "a point in a table of decimal commas: of thousands, or of decimals?",
+                                      quoted(cells[i]), "write all digits without it, or a decimal comma"});
     const std::size_t comma = cells[i].find(',');
     if (comma == std::string::npos || comma == 0 || cells[i].find('.') != std::string::npos) continue;
-    if (is_digit(cells[i][comma - 1]) && comma + 1 < cells[i].size() && is_digit(cells[i][comma + 1]))
+    if (is_digit(cells[i][comma - 1]) && comma + 1 < cells[i].size() && is_digit(cells[i][comma + 1])) {
       cells[i][comma] = '.';
+      decimals.commas = true;
+    }
   }
 }
 
@@ -230,9 +256,10 @@ Catalogue read_catalogue(const std::string& path) {
   std::vector<std::string> cells;
   std::vector<Place> places;
   std::unordered_map<std::string, int> lines;
+  Decimals decimals;
   while (csv.next_texts(cells, places))
     faults.guard([&] {
-      if (csv.separator() == ';') read_decimal_commas(columns, cells);
+      if (csv.separator() == ';') read_decimal_commas(columns, cells, places, decimals);
       CatalogueRow row = row_of(columns, cells, places);
       const auto [other, is_new] = lines.emplace(row.name, row.place.line);
       if (!is_new)
@@ -241,6 +268,7 @@ Catalogue read_catalogue(const std::string& path) {
       catalogue.rows.push_back(std::move(row));
     });
   faults.raise();
+  if (decimals.commas && !decimals.ambiguities.empty()) throw Error(decimals.ambiguities);
   if (catalogue.rows.empty())
     throw Error({{csv.file(), 1, 1}, "", "the catalogue has no rows", "", "add a row for each encoder"});
   return catalogue;

@@ -272,13 +272,10 @@ class JointOverride {
 
   /// Whether nothing of an earlier change is left at a joint that both are made for.
   bool replaces(const JointOverride& earlier) const {
-    const std::string before = earlier.path_.map + ".j." + earlier.path_.rest,
-                      now = path_.map + ".j." + path_.rest;
-    return path_.map == earlier.path_.map && set_one_value(now, before) &&
-           (path_.rest.empty() || earlier.path_.rest.size() >= path_.rest.size() ||
-            !earlier.path_.rest.starts_with(path_.rest)) &&
-           !(path_.rest.starts_with(earlier.path_.rest + '.') ||
-             (earlier.path_.rest.empty() && !path_.rest.empty()));
+    const std::string &now = path_.rest, &before = earlier.path_.rest;
+    if (path_.map != earlier.path_.map || (before.empty() && !now.empty()) || now.starts_with(before + '.'))
+      return false;
+    return now.empty() || set_one_value(path_.map + ".j." + now, path_.map + ".j." + before);
   }
 
   /// @param later  changes that are made behind this one

@@ -15,10 +15,11 @@ namespace {
 /// Of the median filter: it keeps a step of the error, and removes up to three readings in a row.
 constexpr Eigen::Index half = 3, window = 2 * half + 1;
 
-/// Deviations from the median of seven that no noise has: four times the 95 % quantile, which the outliers
-/// themselves (at most 1 %) cannot reach, and three counts for the quantization. Of a Gaussian that is 7.8
-/// standard deviations, exceeded once in 1e14 rows; of exponential tails once in 2e5.
-constexpr double outlier_quantile = 0.95, outlier_factor = 4, outlier_counts = 3;
+/// Deviations from the median of seven that no noise has: four times what noise adds to the 95 % quantile of
+/// quantization alone (0.9 counts), which the outliers themselves (at most 1 %) cannot reach, and two counts
+/// for the quantization. Of a Gaussian of many counts that is 7.8 standard deviations, exceeded once in 1e14
+/// rows; of exponential tails once in 2e5.
+constexpr double outlier_quantile = 0.95, outlier_factor = 4, outlier_counts = 2, of_quantization = 0.9;
 
 /// Jitter scatters in proportion to the speed: deviations are compared with those at the same speed.
 /// Classes of speed: below one count a row, and by powers of two.
@@ -73,9 +74,10 @@ std::array<double, classes> limits(const Eigen::ArrayXd& error, const Eigen::Arr
     by_speed[class_of(motion, k)].push_back(deviation(error, k));
   std::array<double, classes> limit;
   for (std::size_t c = 0; c < classes; ++c)
-    limit[c] = by_speed[c].size() < fewest_of_class
-                   ? -1
-                   : outlier_counts + outlier_factor * upper_quantile(by_speed[c]);
+    limit[c] =
+        by_speed[c].size() < fewest_of_class
+            ? -1
+            : outlier_counts + outlier_factor * std::max(0.0, upper_quantile(by_speed[c]) - of_quantization);
   const double largest = std::max(outlier_counts, *std::max_element(limit.begin(), limit.end()));
   std::replace(limit.begin(), limit.end(), -1.0, largest);  // classes with too few rows
   return limit;

@@ -121,7 +121,12 @@ void check_intervals(Sanity& s, const Eigen::ArrayXd& intervals, double usual, d
     return;
   }
   const Eigen::Index half = (n - 1) / 2;
-  const double change = within.tail(half).mean() / within.head(half).mean() - 1;
+  // A doubled or a late stamp is none of the clock's rate.
+  const auto rate_of = [&](const Eigen::ArrayXd& part) {
+    const auto regular = ((part - usual).abs() < near_multiple * usual).cast<double>().eval();
+    return (part * regular).sum() / std::max(1.0, regular.sum());
+  };
+  const double change = rate_of(within.tail(half)) / rate_of(within.head(half)) - 1;
   // A mean of intervals errs by those of its first and last stamp: by a step at most, and by their scatter.
   const double error = (2 * step + 6 * deviation) / (static_cast<double>(half) * usual);
   if ((intervals <= gap * usual).all() && std::abs(change) > clock_drift + error)
