@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <charconv>
 #include <optional>
+#include <span>
 
 #include "core/suggest.hpp"
 #include "core/text.hpp"
@@ -279,7 +280,7 @@ class JointOverride {
   }
 
   /// @param later  changes that are made behind this one
-  void refuse_replaced(const std::vector<JointOverride>& later) const {
+  void refuse_replaced(std::span<const JointOverride> later) const {
     std::vector<std::string> left = joints();
     if (left.empty()) return;
     std::string holding;
@@ -302,7 +303,7 @@ class JointOverride {
 
   /// @param later  changes that are made behind this one
   /// @returns a warning, or ""
-  std::string apply(const std::vector<JointOverride>& later) const {
+  std::string apply(std::span<const JointOverride> later) const {
     if (!of_pattern()) {
       refuse_unused();
       change(path_.joint);
@@ -438,7 +439,7 @@ class JointOverride {
 void apply_to_joints(Node& root, std::vector<SpecChange>::const_iterator begin,
                      std::vector<SpecChange>::const_iterator end, const Chain& chain,
                      std::vector<std::string>& warnings) {
-  const auto made = [&] {  // anew each time, as a change may add entries
+  const auto made = [&] {
     std::vector<JointOverride> all;
     for (const bool patterns : {true, false})
       for (auto change = begin; change != end; ++change)
@@ -447,13 +448,12 @@ void apply_to_joints(Node& root, std::vector<SpecChange>::const_iterator begin,
             all.push_back(std::move(override));
     return all;
   };
-  const std::size_t count = made().size();
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::vector<JointOverride> all = made();
-    const JointOverride& first = all[i];
-    const std::vector<JointOverride> later(all.begin() + static_cast<std::ptrdiff_t>(i) + 1, all.end());
-    first.refuse_replaced(later);
-    const std::string warning = first.apply(later);
+  made();  // begins the mappings that are missing, so that those found next stay where they are
+  const std::vector<JointOverride> all = made();
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    const auto later = std::span(all).subspan(i + 1);
+    all[i].refuse_replaced(later);
+    const std::string warning = all[i].apply(later);
     if (!warning.empty()) warnings.push_back(warning);
   }
 }

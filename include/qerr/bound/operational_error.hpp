@@ -40,7 +40,7 @@ struct OperationalModel {
   CoordinateFrame frame = CoordinateFrame::base;
   /// xyz and rxyz, whose components are among the coordinates; only `workspace` has them.
   std::vector<Coordinate> lengths = {};
-  /// Of other kinds, likewise.
+  /// Signals of other kinds, which only `workspace` has, too.
   std::vector<Signal> signals = {};
 };
 

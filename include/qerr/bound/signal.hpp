@@ -52,4 +52,6 @@ std::vector<std::string> signal_names(const Chain&);
 /// A coordinate of the tip, or a length, as a signal.
 Signal signal_of(Coordinate);
 
+inline bool is_length(const Signal& s) { return s.coordinate && is_length(*s.coordinate); }
+
 }  // namespace qerr

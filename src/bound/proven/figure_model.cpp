@@ -48,9 +48,7 @@ OperationalModel figure_model(const OperationalModel& position, const std::vecto
   const auto f = static_cast<std::size_t>(figure.filter);
   if (model.along_motion) model.along_motion->tip = model.along_motion->filtered[f];
   if (!is_sigma(figure.bound)) {
-    set_worst_case(model, filters[f],
-                   figure.signal >= model.coordinates.size() &&
-                       figure.signal < model.coordinates.size() + model.lengths.size());
+    set_worst_case(model, filters[f], is_length(all_signals(model)[figure.signal]));
     return model;
   }
   if (!sigma_is_known(model.sources, f))

@@ -44,18 +44,6 @@ Explanation names_of(Explanation m) {
   return m;
 }
 
-/// Effects of the named terms, with their parameters.
-std::vector<Effect> effects_of(const Explanation& m) {
-  std::vector<Effect> effects;
-  for (std::size_t i = 0; i < m.terms().size(); ++i) {
-    const Term& t = m.terms()[i];
-    if (!t.named()) continue;
-    effects.push_back(t.effect);
-    t.fill(effects.back(), m.coefficients(i));
-  }
-  return effects;
-}
-
 /// Whether a joint's own weight can load it: its axis is not vertical.
 bool is_loaded(const OperationalModel& model, const Log& log, Eigen::Index joint) {
   const std::size_t n = model.chain.independent.size();
@@ -141,16 +129,10 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
     }
     f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
   };
-  select();
-  // Each round has one name less, and a search without names, which follows the last one, finds none.
-  while (has_names(found) && !lowers_residual(f->held)) {
-    drop(found, least_name(found));
-    if (!has_names(found)) found = search_causes(record, seed, false);
-    select();
-  }
   // Where the simulation of the causes leaves more than they do, or something is left, it is fitted itself.
   // Each round has one term less.
-  if (!is_reproduced(*f->sampling, f->selection->model))
+  const auto fit_by_simulation = [&] {
+    if (is_reproduced(*f->sampling, f->selection->model)) return;
     while (has_names(found)) {
       Explanation fitted = simulated_fit(*f->sampling, f->selection->model);
       if (const auto needless = needless_term(fitted)) {
@@ -160,17 +142,27 @@ std::unique_ptr<Finding> finding_of(const Evidence& record, const Sanity& sane, 
       }
       f->selection->model = std::move(fitted);
       f->held = hold_out(record, f->evidence(), f->sampling->groups, names_of(f->selection->model));
-      break;
+      return;
     }
-  f->simulated = simulated_readings(*f->sampling, f->selection->model);
+  };
+  select();
+  // Each round has one name less, and a search without names, which follows the last one, finds none.
+  while (has_names(found) && !lowers_residual(f->held)) {
+    drop(found, least_name(found));
+    if (!has_names(found)) found = search_causes(record, seed, false);
+    select();
+  }
+  fit_by_simulation();
   f->visible = found.visible;
   f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   // Displaced edges have any high order where the rows beat with them.
   if (const double displaced = displaced_edges(f->scatter); drop_small_orders(found, 0.5 * displaced)) {
     select();
+    fit_by_simulation();
     f->scatter = scatter_of(f->evidence(), f->selection->model, largest_unnamed(f->selection->model));
   }
   const Explanation& m = f->selection->model;
+  f->simulated = simulated_readings(*f->sampling, m);
   const double unnamed = largest_unnamed(m);
   f->remainder = remainder_of(f->evidence(), m, f->scatter, unnamed);
   if (const auto before = before_repair(sane, record.joint)) undo_repair(f->held, *before);
@@ -193,7 +185,7 @@ std::vector<std::unique_ptr<Finding>> findings_of(std::vector<Evidence> all, con
   std::vector<Effect> found;
   for (const auto& f : findings)
     if (f)
-      for (Effect& effect : effects_of(f->selection->model)) found.push_back(std::move(effect));
+      for (Effect& effect : named_effects(f->selection->model)) found.push_back(std::move(effect));
   add_coupled_effects(all, sane.model.transmission, found);
   find(true);
   return findings;

@@ -11,11 +11,12 @@ namespace qerr {
 
 namespace {
 
-std::vector<Effect> effects_at(const Explanation& m, const std::vector<Eigen::VectorXd>& coefficients) {
+std::vector<Effect> named_effects(const Explanation& m, const std::vector<Eigen::VectorXd>& coefficients) {
   std::vector<Effect> effects;
   for (std::size_t i = 0; i < m.terms().size(); ++i) {
+    if (!m.terms()[i].named()) continue;
     effects.push_back(m.terms()[i].effect);
-    if (m.terms()[i].named()) m.terms()[i].fill(effects.back(), coefficients[i]);
+    m.terms()[i].fill(effects.back(), coefficients[i]);
   }
   return effects;
 }
@@ -29,10 +30,7 @@ std::vector<Eigen::VectorXd> coefficients_of(const Explanation& m) {
 /// What the named effects add to the path in the simulation, at the rows of the sampling.
 Eigen::ArrayXd simulated(const Sampling& s, const Explanation& m,
                          const std::vector<Eigen::VectorXd>& coefficients) {
-  std::vector<Effect> effects = effects_at(m, coefficients);
-  for (std::size_t i = effects.size(); i-- > 0;)
-    if (!m.terms()[i].named()) effects.erase(effects.begin() + static_cast<std::ptrdiff_t>(i));
-  return s.averaged(with_effects(*s.record, effects).path - s.record->path);
+  return s.averaged(with_effects(*s.record, named_effects(m, coefficients)).path - s.record->path);
 }
 
 /// Readings, without the mean of their rounding, less the path and less what terms without a name add.
@@ -92,11 +90,7 @@ std::vector<Eigen::VectorXd> improved(const Evidence& e, const std::vector<Eigen
 
 }  // namespace
 
-std::vector<Effect> effects_of_terms(const Explanation& m) { return effects_at(m, coefficients_of(m)); }
-
-double simulated_residual(const Sampling& s, const Explanation& m) {
-  return rms_of(s.evidence, unexplained_by_others(s, m) - simulated(s, m, coefficients_of(m)));
-}
+std::vector<Effect> named_effects(const Explanation& m) { return named_effects(m, coefficients_of(m)); }
 
 SimulatedReadings simulated_readings(const Sampling& s, const Explanation& m) {
   const Evidence& e = s.evidence;
@@ -121,11 +115,13 @@ bool is_reproduced(const Sampling& s, const Explanation& m) {
   const Evidence& e = s.evidence;
   double floor = e.step() * e.step() / 12 + e.path_noise * e.path_noise;
   if (e.random_sigma.size() > 0) floor += e.random_sigma.square().mean();
-  Eigen::ArrayXd of_terms = unexplained_by_others(s, m);
+  const Eigen::ArrayXd others = unexplained_by_others(s, m);
+  Eigen::ArrayXd of_terms = others;
   for (std::size_t i = 0; i < m.terms().size(); ++i)
     if (m.terms()[i].named()) of_terms -= addition(m.terms()[i], m.coefficients(i));
   const double left = rms_of(e, of_terms), allowed = rounding * e.step();
-  return simulated_residual(s, m) <= tenth * left + allowed && left <= tenth * std::sqrt(floor) + allowed;
+  return rms_of(e, others - simulated(s, m, coefficients_of(m))) <= tenth * left + allowed &&
+         left <= tenth * std::sqrt(floor) + allowed;
 }
 
 Explanation simulated_fit(const Sampling& s, const Explanation& model) {

@@ -8,12 +8,8 @@
 
 namespace qerr {
 
-/// The effects of the named terms, with their parameters; one for each term, those of unnamed ones empty.
-std::vector<Effect> effects_of_terms(const Explanation&);
-
-/// What the named effects of a model leave of the readings if they are simulated along the record, rms [rad
-/// or m]: without what is linear in the model and not in the simulation.
-double simulated_residual(const Sampling&, const Explanation&);
+/// The effects of the named terms, with their parameters.
+std::vector<Effect> named_effects(const Explanation&);
 
 /// Mean squares of one encoder's readings less the path, and of the simulated ones [rad^2 or m^2].
 struct SimulatedReadings {

@@ -148,8 +148,7 @@ std::size_t FigureSums::component(const Requirement& r, std::size_t axis) const 
 }
 
 bool FigureSums::is_of_length(const Requirement& r) const {
-  const std::size_t m = spec_.model.coordinates.size();
-  return r.signal >= m && r.signal < m + spec_.model.lengths.size();
+  return is_length(all_signals(spec_.model)[r.signal]);
 }
 
 /// Row of a signal in the columns, which has no lengths.
