@@ -1,5 +1,6 @@
 #include "report/csv_text.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <string_view>
 
@@ -38,6 +39,35 @@ std::string csv_number(double value) { return std::isfinite(value) ? shortest(va
 
 std::string csv_number(const std::optional<double>& value) {
   return value ? csv_number(*value) : std::string();
+}
+
+std::string csv_cells(const Json& object, const std::vector<std::string>& paths) {
+  std::string cells;
+  for (const std::string& path : paths) {
+    const Json* value = &object;
+    for (std::size_t begin = 0; value && begin <= path.size();) {
+      const std::size_t dot = std::min(path.find('.', begin), path.size());
+      value = value->find(std::string_view(path).substr(begin, dot - begin));
+      begin = dot + 1;
+    }
+    if (&path != &paths.front()) cells += ',';
+    if (!value) continue;
+    if (const std::optional<bool> truth = value->boolean())
+      cells += *truth ? "true" : "false";
+    else
+      cells += value->text() ? csv_cell(*value->text()) : csv_number(value->number());
+  }
+  return cells;
+}
+
+std::vector<std::string> csv_paths(const Json& schema) {
+  std::vector<std::string> paths;
+  for (const auto& [name, member] : schema.find("properties")->members()) {
+    if (!member.find("properties")) paths.push_back(name);
+    if (member.find("properties"))
+      for (const std::string& inner : csv_paths(member)) paths.push_back(name + '.' + inner);
+  }
+  return paths;
 }
 
 }  // namespace qerr

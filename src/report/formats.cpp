@@ -6,17 +6,27 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "report/check/parts.hpp"
+#include "report/output_schemas.hpp"
 #include "report/wrapped_text.hpp"
 
 namespace qerr {
 
 namespace {
 
-/// The table in Markdown of a report; null: it has none.
 template <class Report>
-inline constexpr Writer<Report>* markdown_of = nullptr;
+std::string to_json(const Report& report, const Style&) {
+  return json_of(report).document();
+}
 template <>
-inline constexpr Writer<CheckReport>* markdown_of<CheckReport> = to_markdown;
+std::string to_json(const ListReport& report, const Style&) {
+  return json_of(report.rows).document();
+}
+/// Of one spec its report; of several a list of such reports.
+template <>
+std::string to_json(const CheckReport& report, const Style&) {
+  const bool single = report.specs.size() == 1 && report.broken.empty();
+  return (single ? json_of(report.specs.front()) : json_of(report)).document();
+}
 
 template <class Report>
 struct Exporter {
@@ -26,28 +36,30 @@ struct Exporter {
 
 /// The page of a report; null: it has none.
 template <class Report>
-inline constexpr Writer<Report>* page_of = nullptr;
-template <>
-inline constexpr Writer<Analysis>* page_of<Analysis> = to_html;
-template <>
-inline constexpr Writer<ReportComparison>* page_of<ReportComparison> = to_html;
-template <>
-inline constexpr Writer<DesignReport>* page_of<DesignReport> = to_html;
-template <>
-inline constexpr Writer<FilterReport>* page_of<FilterReport> = to_html;
-template <>
-inline constexpr Writer<SimulationReport>* page_of<SimulationReport> = to_html;
-template <>
-inline constexpr Writer<DiagnosisReport>* page_of<DiagnosisReport> = to_html;
+constexpr Writer<Report>* page_of() {
+  if constexpr (requires(const Report& r) { to_html(r, Style()); })
+    return to_html;
+  else
+    return nullptr;
+}
+
+/// The table in Markdown of a report; null: it has none.
+template <class Report>
+constexpr Writer<Report>* markdown_of() {
+  if constexpr (std::same_as<Report, CheckReport>)
+    return to_markdown;
+  else
+    return nullptr;
+}
 
 /// The first row is the format of an output whose ending is not listed.
 template <class Report>
 inline constexpr std::array<Exporter<Report>, 5> exporters{{
     {{"table", ".txt", "for reading on a terminal"}, to_table},
-    {{"json", ".json", "everything, SI units"}, to_json},
+    {{"json", ".json", "everything, SI units"}, to_json<Report>},
     {{"csv", ".csv", "one figure a row, RFC 4180, SI units"}, to_csv},
-    {{"html", ".html", "a page with pictures"}, page_of<Report>},
-    {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>},
+    {{"html", ".html", "a page with pictures"}, page_of<Report>()},
+    {{"md", ".md", "a table in Markdown, of check"}, markdown_of<Report>()},
 }};
 
 std::vector<std::string> format_names() {
@@ -71,19 +83,6 @@ std::string changes_above(const Report& report, const Style& style) {
   if constexpr (requires { report.specs; })
     return report.specs.empty() ? "" : changes_above(report.specs.front().analysis.spec, style.width);
   return "";
-}
-
-template <class Report>
-std::string written(const Report& report, std::string_view format, const Style& style) {
-  for (const Exporter<Report>& exporter : exporters<Report>)
-    if (exporter.format.name == format) {
-      if (exporter.write == nullptr) throw not_written(format);
-      return (format == "table" || format == "md" ? changes_above(report, style) : "") +
-             exporter.write(report, style);
-    }
-  throw Error(
-      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
-      Trouble::usage);
 }
 
 }  // namespace
@@ -119,38 +118,29 @@ std::string_view format_of(std::string_view path) {
   return formats().front().name;
 }
 
-std::string write(const Analysis& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
+template <class Report>
+std::string write(const Report& report, std::string_view format, const Style& style) {
+  for (const Exporter<Report>& exporter : exporters<Report>)
+    if (exporter.format.name == format) {
+      if (exporter.write == nullptr) throw not_written(format);
+      return (format == "table" || format == "md" ? changes_above(report, style) : "") +
+             exporter.write(report, style);
+    }
+  throw Error(
+      {{}, "", "unknown format", "'" + std::string(format) + "'", did_you_mean(format, format_names())},
+      Trouble::usage);
 }
-std::string write(const CheckReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const ReportComparison& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const DesignReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const ThresholdReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const FilterReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const SimulationReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const DiagnosisReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const PlanReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const RobotReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
-std::string write(const ListReport& r, std::string_view format, const Style& style) {
-  return written(r, format, style);
-}
+
+template std::string write(const Analysis&, std::string_view, const Style&);
+template std::string write(const CheckReport&, std::string_view, const Style&);
+template std::string write(const ReportComparison&, std::string_view, const Style&);
+template std::string write(const DesignReport&, std::string_view, const Style&);
+template std::string write(const ThresholdReport&, std::string_view, const Style&);
+template std::string write(const FilterReport&, std::string_view, const Style&);
+template std::string write(const SimulationReport&, std::string_view, const Style&);
+template std::string write(const DiagnosisReport&, std::string_view, const Style&);
+template std::string write(const PlanReport&, std::string_view, const Style&);
+template std::string write(const RobotReport&, std::string_view, const Style&);
+template std::string write(const ListReport&, std::string_view, const Style&);
 
 }  // namespace qerr

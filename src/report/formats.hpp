@@ -21,8 +21,6 @@
 /// file per report (report/analysis/FORMAT.cpp, report/check/FORMAT.cpp, ...).
 namespace qerr {
 
-class Json;
-
 /// What the command line changed of a spec, which stands above every table; "" if nothing.
 std::string changes_above(const Spec&, std::size_t width);
 
@@ -33,21 +31,17 @@ void refuse_page(std::string_view format);
 template <class Report>
 using Writer = std::string(const Report&, const Style&);
 
-Writer<Analysis> to_table, to_json, to_csv;
-Writer<CheckReport> to_table, to_json, to_csv;
-Writer<ReportComparison> to_table, to_json, to_csv;
-Writer<DesignReport> to_table, to_json, to_csv;
-Writer<ThresholdReport> to_table, to_json, to_csv;
-Writer<FilterReport> to_table, to_json, to_csv;
-Writer<SimulationReport> to_table, to_json, to_csv;
-Writer<DiagnosisReport> to_table, to_json, to_csv;
-Writer<PlanReport> to_table, to_json, to_csv;
-Writer<RobotReport> to_table, to_json, to_csv;
-Writer<ListReport> to_table, to_json, to_csv;
-
-/// What to_json writes, for `compare`.
-Json report_json(const Analysis&);
-Json report_json(const FilterReport&);
+Writer<Analysis> to_table, to_csv;
+Writer<CheckReport> to_table, to_csv;
+Writer<ReportComparison> to_table, to_csv;
+Writer<DesignReport> to_table, to_csv;
+Writer<ThresholdReport> to_table, to_csv;
+Writer<FilterReport> to_table, to_csv;
+Writer<SimulationReport> to_table, to_csv;
+Writer<DiagnosisReport> to_table, to_csv;
+Writer<PlanReport> to_table, to_csv;
+Writer<RobotReport> to_table, to_csv;
+Writer<ListReport> to_table, to_csv;
 
 Writer<Analysis> to_html;
 Writer<ReportComparison> to_html;

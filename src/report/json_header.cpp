@@ -1,22 +1,40 @@
 #include "report/json_header.hpp"
 
-#include "qerr/report/write.hpp"
-
 namespace qerr {
 
-Json spec_source(const Spec& spec) {
-  Json source = {{"file", spec.file}, {"sha256", spec.sha256}};
-  for (const auto& [key, value] : spec.overrides) source["set"].push_back({{"key", key}, {"value", value}});
-  return source;
+namespace {
+
+struct Override {
+  std::string key, value;
+};
+
+Override override_of(const std::pair<std::string, std::string>& o) { return {o.first, o.second}; }
+
+}  // namespace
+
+RowsOf<Override> rows(Of<Override>) { return {{"key", &Override::key}, {"value", &Override::value}}; }
+
+RowsOf<Spec> rows(Of<Spec>) {
+  return {{"file", &Spec::file},
+          {"sha256", &Spec::sha256, "of the file's bytes"},
+          {"set", [](auto& s) { return s.overrides | std::views::transform(override_of); },
+           "the values that --set replaced", optional}};
 }
 
-Json report_header(const Spec& spec, const char* command, std::uint64_t seed) {
-  const Chain& chain = spec.model.chain;
-  return {{"qerr", version()},
-          {"command", command},
-          {"spec", spec_source(spec)},
-          {"seed", seed},
-          {"robot", {{"name", spec.robot_name}, {"base", chain.base}, {"tip", chain.tip}}}};
+RowsOf<Interval> rows(Of<Interval>) {
+  return {{"lower", &Interval::lower, nullable}, {"upper", &Interval::upper, nullable}};
+}
+
+std::vector<std::vector<double>> nested(const Eigen::MatrixXd& m) {
+  std::vector<std::vector<double>> rows;
+  for (const auto& row : m.rowwise()) rows.emplace_back(row.begin(), row.end());
+  return rows;
+}
+
+std::vector<std::pair<std::string, double>> by_joint(const Spec& spec, const Eigen::VectorXd& values) {
+  std::vector<std::pair<std::string, double>> all;
+  for (const double value : values) all.emplace_back(spec.model.chain.independent[all.size()].name, value);
+  return all;
 }
 
 }  // namespace qerr

@@ -1,17 +1,50 @@
 #pragma once
 
-#include <cstdint>
-
+#include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
-#include "report/json_value.hpp"
+#include "report/output_schemas.hpp"
 
 /// What the JSON of several reports begins with.
 namespace qerr {
 
 /// The spec of a report: its file, the file's hash, and the values that the command line replaced.
-Json spec_source(const Spec&);
+RowsOf<Spec> rows(Of<Spec>);
 
-/// The members `qerr`, `command`, `spec`, `seed`, `robot`.
-Json report_header(const Spec&, const char* command, std::uint64_t seed);
+RowsOf<Interval> rows(Of<Interval>);
+
+/// The rows of a matrix.
+std::vector<std::vector<double>> nested(const Eigen::MatrixXd&);
+/// Values of the independent joints by their names.
+std::vector<std::pair<std::string, double>> by_joint(const Spec&, const Eigen::VectorXd& values);
+
+/// `qerr`, `command`.
+template <class Report>
+RowsOf<Report> header(std::string_view command) {
+  return {{"qerr", [](auto&) { return version(); }, "the version that wrote the report"},
+          {"command", [command](auto&) { return command; }, constant(command)}};
+}
+
+/// `qerr`, `command`, `spec`, `seed`, `robot`.
+/// @param spec_of  the spec of a report, by reference
+template <class Report, class SpecOf>
+RowsOf<Report> spec_header(std::string_view command, SpecOf spec_of) {
+  return header<Report>(command).with(
+      {{"spec", spec_of},
+       {"seed",
+        [spec_of](auto& r) {
+          if constexpr (requires { r.seed; })
+            return r.seed;
+          else
+            return spec_of(r).configurations.seed;
+        }},
+       {"robot",
+        {{"name", [spec_of](auto& r) { return spec_of(r).robot_name; }},
+         {"base", [spec_of](auto& r) { return spec_of(r).model.chain.base; }},
+         {"tip", [spec_of](auto& r) { return spec_of(r).model.chain.tip; }}}}});
+}
+template <class Report>
+RowsOf<Report> spec_header(std::string_view command) {
+  return spec_header<Report>(command, [](const Report& r) -> const Spec& { return r.spec; });
+}
 
 }  // namespace qerr

@@ -141,9 +141,6 @@ Json::Json(const char* text) : value_(std::string(text)) {}
 Json::Json(std::string_view text) : value_(std::string(text)) {}
 Json::Json(std::string text) : value_(std::move(text)) {}
 Json::Json(std::initializer_list<JsonMember> members) : value_(Members(members)) {}
-Json::Json(const std::map<std::string, std::string>& members) : Json(object()) {
-  for (const auto& [name, text] : members) std::get<Members>(value_).push_back({name, text});
-}
 
 // The copy is made outside the variant, into which it moves without an exception: with the defaulted
 // constructor of g++ 12, a copy that lacked memory ended in a wild jump (check_faults.py).
@@ -192,8 +189,6 @@ void Json::push_back(Json item) {
   if (std::holds_alternative<std::nullptr_t>(value_)) value_ = Items();
   std::get<Items>(value_).push_back(std::move(item));
 }
-
-Json& Json::back() { return std::get<Items>(value_).back(); }
 
 void Json::append(Json members) {
   for (JsonMember& member : std::get<Members>(members.value_))

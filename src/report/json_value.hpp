@@ -3,7 +3,6 @@
 #include <concepts>
 #include <cstdint>
 #include <initializer_list>
-#include <map>
 #include <optional>
 #include <ranges>
 #include <span>
@@ -23,7 +22,7 @@ struct JsonMember;
 ///     j["counts"] = Json::array();
 ///     j["counts"].push_back(4096);
 ///
-/// Braces always denote an object. A number that is not finite, and an empty optional, is null, as JSON has
+/// Braces always denote an object. A number that is not finite is null, as JSON has
 /// no infinity.
 class Json {
  public:
@@ -34,7 +33,6 @@ class Json {
   Json(std::string_view text);
   Json(std::string text);
   Json(std::initializer_list<JsonMember> members);
-  Json(const std::map<std::string, std::string>& members);
 
   template <std::integral T>
   Json(T value) : Json() {
@@ -44,11 +42,6 @@ class Json {
       set(static_cast<std::int64_t>(value));
     else
       set(static_cast<std::uint64_t>(value));
-  }
-
-  template <class T>
-  Json(const std::optional<T>& value) : Json() {
-    if (value) *this = Json(*value);
   }
 
   /// An array.
@@ -74,8 +67,6 @@ class Json {
 
   /// Appends an item. @pre an array, or null, which becomes one
   void push_back(Json item);
-  /// The last item. @pre an array that is not empty
-  Json& back();
   /// Appends the members of another object, whose names must be new. @pre both are objects
   void append(Json members);
 

@@ -8,8 +8,8 @@
 #include "qerr/filter/representations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
-#include "report/json_value.hpp"
 #include "report/list/parameter_unit.hpp"
+#include "report/rows.hpp"
 
 /// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits
 /// are checked by the reader alone.
@@ -26,8 +26,6 @@ Json any_of(std::initializer_list<Json> schemas) { return {{"anyOf", Json::array
 
 Json number_or_quantity() { return any_of({Json({{"type", "number"}}), quantity()}); }
 
-Json map_of(Json value) { return {{"type", "object"}, {"additionalProperties", std::move(value)}}; }
-Json list_of(Json items) { return {{"type", "array"}, {"items", std::move(items)}}; }
 Json non_empty_list_of(Json items) {
   return {{"type", "array"}, {"minItems", 1}, {"items", std::move(items)}};
 }
@@ -64,15 +62,15 @@ Json of_row(const Parameter& p) {
       s = {{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 1}};
       break;
     case Kind::matrix:
-      s = any_of(
-          {number_or_quantity(), list_of(any_of({number_or_quantity(), list_of(number_or_quantity())}))});
+      s = any_of({number_or_quantity(),
+                  schema::list(any_of({number_or_quantity(), schema::list(number_or_quantity())}))});
       break;
     case Kind::object:
     case Kind::map:
       s = {{"type", "object"}};
       break;
     case Kind::objects:
-      s = list_of({{"type", "object"}});
+      s = schema::list({{"type", "object"}});
       break;
     case Kind::any:
       s = Json::object();
@@ -146,18 +144,18 @@ Json effect() {
 Json configurations() {
   Json s = object_of(spec_format::configurations());
   s["properties"]["limits"] =
-      map_of({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}});
-  s["properties"]["points"] = non_empty_list_of(list_of(number_or_quantity()));
+      schema::map({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}});
+  s["properties"]["points"] = non_empty_list_of(schema::list(number_or_quantity()));
   return s;
 }
 
 Json motion() {
   Json joint = object_of(spec_format::joint_motion());
-  joint["properties"]["sines"] = list_of(object_of(spec_format::sine()));
+  joint["properties"]["sines"] = schema::list(object_of(spec_format::sine()));
   joint["properties"]["moves"] = non_empty_list_of(object_of(spec_format::move()));
   for (const char* key : {"sines", "velocity"}) joint["dependencies"][key] = {{"not", required({"moves"})}};
   Json s = object_of(spec_format::motion());
-  s["properties"]["joints"] = map_of(joint);
+  s["properties"]["joints"] = schema::map(joint);
   s["oneOf"] = Json::array({required({"joints", "sample_rate", "duration"}), required({"file"})});
   return s;
 }
@@ -194,8 +192,8 @@ Json design() {
   Json filter = object_of(spec_format::design_filter());
   filter["properties"]["tracking"] = object_of(spec_format::design_tracking());
   Json s = object_of(spec_format::design());
-  s["properties"]["encoders"] = map_of(design_encoder());
-  s["properties"]["filters"] = map_of(filter);
+  s["properties"]["encoders"] = schema::map(design_encoder());
+  s["properties"]["filters"] = schema::map(filter);
   return s;
 }
 
@@ -219,23 +217,23 @@ std::string json_schema() {
   p["robot"]["properties"]["tool"] = tool();
   p["robot"]["properties"]["joint"] = object_of(spec_format::joint());
   for (const char* key : {"urdf", "joint"}) p["robot"]["oneOf"].push_back({{"required", Json::array({key})}});
-  p["encoders"] = map_of(encoder());
-  p["coupling"] = non_empty_list_of(list_of(number_or_quantity()));
+  p["encoders"] = schema::map(encoder());
+  p["coupling"] = non_empty_list_of(schema::list(number_or_quantity()));
   p["coordinates"] = {{"type", "array"},
                       {"minItems", 1},
                       {"uniqueItems", true},
                       {"items", {{"type", "string"}, {"examples", names}}}};
-  p["filters"] = map_of(filter());
+  p["filters"] = schema::map(filter());
   p["configurations"] = configurations();
   Json requirement = object_of(spec_format::requirement());
   for (const char* key : {"at_most", "at_least"}) requirement["properties"][key] = number_or_quantity();
   requirement["oneOf"] = Json::array({required({"at_most"}), required({"at_least"})});
-  p["requirements"] = list_of(requirement);
+  p["requirements"] = schema::list(requirement);
   p["threshold"] = object_of(spec_format::threshold());
   p["motion"] = motion();
-  p["effects"] = list_of(effect());
+  p["effects"] = schema::list(effect());
   p["log"] = object_of(spec_format::log());
-  p["sweep"] = list_of(sweep());
+  p["sweep"] = schema::list(sweep());
   p["design"] = design();
   root.append(s);
   return root.document();

@@ -42,20 +42,11 @@ struct Style {
   std::size_t width = 80;  ///< columns of the terminal: no line of a table is wider where it can be broken
 };
 
-/// The report as text.
+/// One of the reports above as text.
 /// @param format  name of a row of formats()
 /// @throws Error (usage) for an unknown format
-std::string write(const Analysis&, std::string_view format, const Style& = {});
-std::string write(const CheckReport&, std::string_view format, const Style& = {});
-std::string write(const ReportComparison&, std::string_view format, const Style& = {});
-std::string write(const DesignReport&, std::string_view format, const Style& = {});
-std::string write(const ThresholdReport&, std::string_view format, const Style& = {});
-std::string write(const FilterReport&, std::string_view format, const Style& = {});
-std::string write(const SimulationReport&, std::string_view format, const Style& = {});
-std::string write(const DiagnosisReport&, std::string_view format, const Style& = {});
-std::string write(const PlanReport&, std::string_view format, const Style& = {});
-std::string write(const RobotReport&, std::string_view format, const Style& = {});
-std::string write(const ListReport&, std::string_view format, const Style& = {});
+template <class Report>
+std::string write(const Report&, std::string_view format, const Style& = {});
 
 /// The result of `qerr list KIND`: the members of one family.
 struct ListReport {

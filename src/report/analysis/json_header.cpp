@@ -2,31 +2,26 @@
 
 namespace qerr {
 
-Json analysis_header(const Analysis& a, const char* command) {
-  const Spec& spec = a.spec;
-  const auto method = spec.configurations.method;
-  Json j = report_header(spec, command, spec.configurations.seed);
-  j["configurations"] = {{"method", method == SamplingMethod::sobol    ? "sobol"
-                                    : method == SamplingMethod::random ? "random"
-                                    : method == SamplingMethod::grid   ? "grid"
-                                    : spec.points_file.empty()         ? "list"
-                                                                       : "file"},
-                         {"count", a.workspace.count}};
-  return j;
+std::string_view method_name(const Spec& spec) {
+  const SamplingMethod method = spec.configurations.method;
+  return method == SamplingMethod::sobol    ? "sobol"
+         : method == SamplingMethod::random ? "random"
+         : method == SamplingMethod::grid   ? "grid"
+         : spec.points_file.empty()         ? "list"
+                                            : "file";
 }
 
-Json by_joint(const Spec& spec, const Eigen::VectorXd& values) {
-  Json object = Json::object();
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    object[spec.model.chain.independent[static_cast<std::size_t>(i)].name] = values[i];
-  return object;
+std::vector<std::pair<std::string, double>> budget(const Analysis& a) {
+  const std::vector<double> shares = encoder_budget(a);
+  return by_joint(a.spec, Eigen::Map<const Eigen::VectorXd>(shares.data(), std::ssize(shares)));
 }
 
-Json proven_json(const Spec& spec, const ProvenMaximum& proven) {
-  return {{"lower", proven.lower},
-          {"upper", proven.upper},
-          {"gap", proven.gap()},
-          {"at", by_joint(spec, proven.at)}};
+RowsOf<ReportedProof> rows(Of<ReportedProof>) {
+  return {{"lower", &ReportedProof::lower, "reached at `at`", nullable},
+          {"upper", &ReportedProof::upper, "never exceeded, rounding included; null: no bound is known",
+           nullable},
+          {"gap", &ReportedProof::gap, "upper/lower - 1; null: unbounded", nullable},
+          {"at", [](auto& p) { return by_joint(p.spec, p.at); }, "joints"}};
 }
 
 }  // namespace qerr

@@ -197,20 +197,4 @@ std::string verdict(const Requirement& r, const RequirementResult& result) {
          (result.undecided ? ": not proven; " : "") + (result.undecided ? std::string(undecided_remedy) : "");
 }
 
-Json requirements_json(const SpecCheck& check) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < check.results.size(); ++i) {
-    const Requirement& r = check.analysis.spec.requirements[i];
-    Json row = {{"quantity", r.quantity}};
-    if (r.limits_error()) row["statistic"] = r.statistic;
-    row[std::string(r.relation())] = r.limit;
-    row["value"] = check.results[i].value;
-    row["unit"] = r.limits_error() ? name_of(check.analysis.spec, r).unit : r.unit;
-    row["met"] = check.results[i].met;
-    if (check.results[i].proven) row["proven"] = proven_json(check.analysis.spec, *check.results[i].proven);
-    list.push_back(row);
-  }
-  return list;
-}
-
 }  // namespace qerr

@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "qerr/report/analysis.hpp"
-#include "report/json_value.hpp"
 
 namespace qerr {
 
@@ -16,9 +15,6 @@ std::string limited(const Requirement&);
 
 /// What may decide a requirement whose limit lies between what is reached and what is proven.
 inline constexpr std::string_view undecided_remedy = "a smaller gap may decide: --prove GAP";
-
-/// `{"quantity", "statistic", "at_most", "value", "unit", "met"}` of each requirement.
-Json requirements_json(const SpecCheck&);
 
 /// The analysis at no more than a few hundred of the configurations, for questions that do not depend on
 /// more.

@@ -1,57 +1,63 @@
 #include "qerr/report/comparison.hpp"
-#include "report/formats.hpp"
-#include "report/json_value.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 
-namespace {
-
-Json source_json(const NamedFigures& f) { return {{"file", f.file}, {"command", f.command}}; }
-
-Json judged_json(const std::optional<JudgedRequirement>& r) {
-  if (!r) return {};
-  Json json = {{r->at_least ? "at_least" : "at_most", r->limit}};
-  json["value"] = r->figure.value;
-  json["met"] = r->met;
-  json["margin"] = margin(*r);
-  return json;
+RowsOf<NamedFigures> rows(Of<NamedFigures>) {
+  return {{"file", &NamedFigures::file},
+          {"command", &NamedFigures::command, one_of({"analyze", "check", "filter", "spec"}),
+           "that wrote the report; spec: its figures are those of now"}};
 }
 
-/// Null stands for what is unbounded; `only` names the report that has a figure alone.
-Json figure_json(const FigureChange& f) {
-  Json json = {{"figure", f.figure.quantity},
-               {"statistic", f.figure.statistic},
-               {"unit", f.figure.unit},
-               {"a", f.a},
-               {"b", f.b},
-               {"change", f.relative}};
-  if (!f.in_both()) json["only"] = f.a ? "a" : "b";
-  return json;
+RowsOf<JudgedRequirement> rows(Of<JudgedRequirement>) {
+  return {{"at_most", [](auto& r) { return only_if(!r.at_least, r.limit); }, optional},
+          {"at_least", [](auto& r) { return only_if(r.at_least, r.limit); }, optional},
+          {"value", [](auto& r) { return r.figure.value; }, "null: unbounded", nullable},
+          {"met", &JudgedRequirement::met},
+          {"margin", margin, "distance from the limit over the limit", nullable}};
 }
 
-}  // namespace
+RowsOf<FigureChange> rows(Of<FigureChange>) {
+  return {{"figure", [](auto& f) { return f.figure.quantity; }, "the name that requirements use"},
+          {"statistic", [](auto& f) { return f.figure.statistic; }, "empty: a figure of a filter"},
+          {"unit", [](auto& f) { return f.figure.unit; }},
+          {"a", &FigureChange::a, "null: unbounded, or only B has it"},
+          {"b", &FigureChange::b, "null: unbounded, or only A has it"},
+          {"change", &FigureChange::relative,
+           "(b - a)/|a|; null: from zero, to unbounded, or one report only", nullable},
+          {"only", [](auto& f) { return f.in_both() ? ""
+                                        : f.a       ? "a"
+                                                    : "b"; }, one_of({"a", "b"}),
+           "the report that has the figure, if one has it", optional}};
+}
 
-std::string to_json(const ReportComparison& c, const Style&) {
-  Json figures = Json::array(), shares = Json::array(), requirements = Json::array();
-  for (const FigureChange& f : c.figures) figures.push_back(figure_json(f));
-  for (const ShareChange& s : c.shares) {
-    const std::optional<double> change = s.a && s.b ? std::optional(*s.b - *s.a) : std::nullopt;
-    shares.push_back({{"encoder", s.encoder}, {"a", s.a}, {"b", s.b}, {"change", change}});
-  }
-  for (const RequirementChange& r : c.requirements)
-    requirements.push_back({{"quantity", r.any().figure.quantity},
-                            {"statistic", r.any().figure.statistic},
-                            {"unit", r.any().figure.unit},
-                            {"a", judged_json(r.a)},
-                            {"b", judged_json(r.b)},
-                            {"flipped", r.flipped()},
-                            {"flips_after", r.flips_after()}});
-  Json j = {{"qerr", version()}, {"command", "compare"}, {"a", source_json(c.a)}, {"b", source_json(c.b)}};
-  j["figures"] = figures;
-  j["shares"] = shares;
-  j["requirements"] = requirements;
-  j["warnings"] = c.warnings;
-  return j.document();
+RowsOf<ShareChange> rows(Of<ShareChange>) {
+  return {
+      {"encoder", &ShareChange::encoder},
+      {"a", &ShareChange::a},
+      {"b", &ShareChange::b},
+      {"change", [](auto& s) { return s.a && s.b ? std::optional(*s.b - *s.a) : std::nullopt; }, "b - a"}};
+}
+
+RowsOf<RequirementChange> rows(Of<RequirementChange>) {
+  return {{"quantity", [](auto& r) { return r.any().figure.quantity; }},
+          {"statistic", [](auto& r) { return r.any().figure.statistic; }, "empty: a figure of a filter"},
+          {"unit", [](auto& r) { return r.any().figure.unit; }},
+          {"a", &RequirementChange::a, "null: only B has it"},
+          {"b", &RequirementChange::b, "null: only A has it"},
+          {"flipped", &RequirementChange::flipped},
+          {"flips_after", &RequirementChange::flips_after, "part of the way from A to B"}};
+}
+
+RowsOf<ReportComparison> rows(Of<ReportComparison>) {
+  return header<ReportComparison>("compare").with(
+      {{"a", &ReportComparison::a},
+       {"b", &ReportComparison::b},
+       {"figures", &ReportComparison::figures, "the largest changes first"},
+       {"shares", &ReportComparison::shares, "of each encoder in the variance of the tip"},
+       {"requirements", &ReportComparison::requirements,
+        "flipped ones first, in their order; then the smallest margins in B"},
+       {"warnings", &ReportComparison::warnings}});
 }
 
 }  // namespace qerr

@@ -5,10 +5,8 @@
 #include "qerr/bound/statistic.hpp"
 #include "qerr/report/comparison.hpp"
 #include "qerr/report/filter_report.hpp"
-#include "report/analysis/json_header.hpp"
-#include "report/analysis/requirements.hpp"
 #include "report/compare/report_member.hpp"
-#include "report/formats.hpp"
+#include "report/output_schemas.hpp"
 
 /// Reads reports as lists of named figures.
 namespace qerr {
@@ -137,13 +135,9 @@ struct ComparableCommand {
   Json (*report)(const SpecCheck&);
 };
 
-Json analyzed(const SpecCheck& s) { return report_json(s.analysis); }
-Json checked(const SpecCheck& s) {
-  Json j = analysis_header(s.analysis, "check");
-  j["requirements"] = requirements_json(s);
-  return j;
-}
-Json filtered(const SpecCheck& s) { return report_json(filter_report(s.analysis.spec, {})); }
+Json analyzed(const SpecCheck& s) { return json_of(s.analysis); }
+Json checked(const SpecCheck& s) { return json_of(s); }
+Json filtered(const SpecCheck& s) { return json_of(filter_report(s.analysis.spec, {})); }
 
 constexpr ComparableCommand comparable_commands[] = {
     {"analyze", read_analyze, analyzed},

@@ -1,97 +1,99 @@
-#include "report/formats.hpp"
-#include "report/json_header.hpp"
-#include "report/json_value.hpp"
+#include "qerr/report/design_report.hpp"
+#include "report/analysis/json_header.hpp"
 
 namespace qerr {
 
 namespace {
 
-Json encoders_json(const std::vector<DesignedEncoder>& encoders) {
-  Json names = Json::object();
-  for (const DesignedEncoder& e : encoders) names[e.joint] = e.name;
-  return names;
-}
+using ReportedDesign = In<Design, DesignReport>;
+using ReportedRequirement = In<RequirementResult, ReportedDesign>;
+using Best = DesignedFilter::BestLinear;
 
-Json filter_json(const DesignedFilter& f) {
-  Json j = {{"family", f.family},
-            {"order", f.order},
-            {"cutoff", f.cutoff},
-            {"h2_norm", f.filter.norms.h2},
-            {"l1_norm", f.filter.norms.l1.upper},
-            {"delay", f.delay},
-            {"tracking_error", f.tracking}};
-  if (!f.best_linear) {
-    j["best_linear"] = nullptr;
-    return j;
-  }
-  j["best_linear"] = {{"taps", f.best_linear->taps},
-                      {"h2_norm", f.best_linear->h2},
-                      {"h2_norm_bound", f.best_linear->h2_bound},
-                      {"ratio", f.filter.norms.h2 / f.best_linear->h2}};
-  return j;
-}
-
-Json design_json(const DesignReport& report, const std::optional<Design>& d) {
-  if (!d) return nullptr;
-  Json filters = Json::object(), requirements = Json::array();
-  for (const DesignedFilter& f : d->filters) filters[f.name] = filter_json(f);
-  for (std::size_t i = 0; i < d->results.size(); ++i) {
-    const Requirement& r = report.spec.requirements[i];
-    Json row = {{"quantity", r.quantity}};
-    if (r.limits_error()) row["statistic"] = r.statistic;
-    row[std::string(r.relation())] = r.limit;
-    row["value"] = d->results[i].value;
-    row["unit"] = r.unit;
-    row["met"] = d->results[i].met;
-    requirements.push_back(row);
-  }
-  Json set = Json::array();
-  for (const std::string& change : d->changes_by_set) set.push_back(change);
-  Json j = {{"price", d->price}, {"bits", d->bits}};
-  if (d->minimized) j["value"] = *d->minimized;
-  j["encoders"] = encoders_json(d->encoders);
-  j["filters"] = filters;
-  j["requirements"] = requirements;
-  j["set"] = set;
-  return j;
+/// The name of the option by joint.
+auto option_names(const std::vector<DesignedEncoder>& encoders) {
+  return by_name(encoders, &DesignedEncoder::joint, &DesignedEncoder::name);
 }
 
 }  // namespace
 
-std::string to_json(const DesignReport& report, const Style&) {
-  Json j = report_header(report.spec, "design", report.spec.configurations.seed);
-  j["minimize"] = report.goal;
-  j["price_unit"] = report.price_unit;
-  if (report.budget) j["budget"] = *report.budget;
-  j["optimal"] = design_json(report, report.optimal);
-  j["runner_up"] = design_json(report, report.runner_up);
-  j["proven"] = report.proven;
-  j["bound"] = report.bound;
-  Json prices = Json::array(), front = Json::array();
-  for (const RequirementPrice& p : report.requirement_prices)
-    prices.push_back({{"requirement", p.requirement},
-                      {"relaxed", p.relaxed},
-                      {"price", p.price},
-                      {"bits", p.bits},
-                      {"proven", p.proven}});
-  for (const ParetoPoint& p : report.pareto)
-    front.push_back({{"price", p.price},
-                     {"bits", p.bits},
-                     {"quantity", report.pareto_figure},
-                     {"value", p.value},
-                     {"unit", report.pareto_unit},
-                     {"encoders", encoders_json(p.encoders)},
-                     {"proven", p.proven}});
-  j["price_of_requirements"] = prices;
-  j["pareto"] = front;
-  j["finest"] = design_json(report, report.finest);
-  j["obstacles"] = report.obstacles;
-  j["left_out"] = report.left_out;
-  Json idle = Json::array();
-  for (const std::size_t i : report.without_influence) idle.push_back(i);
-  j["without_influence"] = idle;
-  j["warnings"] = report.warnings;
-  return j.document();
+RowsOf<In<Best, DesignedFilter>> rows(Of<In<Best, DesignedFilter>>) {
+  return {{"taps", &Best::taps, "of the filters compared with"},
+          {"h2_norm", &Best::h2, "of the quietest one found"},
+          {"h2_norm_bound", &Best::h2_bound, "none with as many taps falls below"},
+          {"ratio", [](auto& b) { return b.whole.filter.norms.h2 / b->h2; },
+           "of the chosen filter's norm to it"}};
+}
+
+RowsOf<DesignedFilter> rows(Of<DesignedFilter>) {
+  return {
+      {"family", &DesignedFilter::family},
+      {"order", &DesignedFilter::order},
+      {"cutoff", &DesignedFilter::cutoff, "Hz"},
+      {"h2_norm", [](auto& f) { return f.filter.norms.h2; }},
+      {"l1_norm", [](auto& f) { return f.filter.norms.l1.upper; }},
+      {"delay", &DesignedFilter::delay, "at 0 Hz, s"},
+      {"tracking_error", &DesignedFilter::tracking, "largest up to the band's end; null: no band is stated"},
+      {"best_linear", within(&DesignedFilter::best_linear),
+       "the quietest filter of that tracking error; null: no band"}};
+}
+
+RowsOf<ReportedRequirement> rows(Of<ReportedRequirement>) {
+  return requirement_rows<ReportedRequirement>(
+      [](auto& r) -> auto& { return r.whole.whole.spec.requirements[r.i]; }, "not of a figure of a filter",
+      "", "null: unbounded");
+}
+
+RowsOf<ReportedDesign> rows(Of<ReportedDesign>) {
+  return {{"price", &Design::price, "of all encoders; null: not stated of one"},
+          {"bits", &Design::bits,
+           "sum over the joints of the binary logarithm of the intervals in a turn, or in 1 m"},
+          {"value", &Design::minimized, Schema{schema::or_null(schema::number())},
+           "of the quantity that is minimized", optional},
+          {"encoders", [](auto& d) { return option_names(d->encoders); }, "name of the option by joint"},
+          {"filters", [](auto& d) { return by_name(d->filters, &DesignedFilter::name, std::identity()); },
+           "by name"},
+          {"requirements", within(&Design::results)},
+          {"set", &Design::changes_by_set,
+           "KEY=VALUE for --set: encoders and filters of the choice; effects of catalogue rows are only in "
+           "what --write-spec writes"}};
+}
+
+RowsOf<RequirementPrice> rows(Of<RequirementPrice>) {
+  return {{"requirement", &RequirementPrice::requirement, "its index in the spec"},
+          {"relaxed", &RequirementPrice::relaxed, "part of the limit by which it is looser"},
+          {"price", &RequirementPrice::price, "then; null: none is found, or not stated"},
+          {"bits", &RequirementPrice::bits},
+          {"proven", &RequirementPrice::proven}};
+}
+
+RowsOf<In<ParetoPoint, DesignReport>> rows(Of<In<ParetoPoint, DesignReport>>) {
+  return {{"price", &ParetoPoint::price},
+          {"bits", &ParetoPoint::bits, "sum over the joints"},
+          {"quantity", [](auto& p) { return p.whole.pareto_figure; }},
+          {"value", &ParetoPoint::value, nullable},
+          {"unit", [](auto& p) { return p.whole.pareto_unit; }},
+          {"encoders", [](auto& p) { return option_names(p->encoders); }},
+          {"proven", &ParetoPoint::proven}};
+}
+
+RowsOf<DesignReport> rows(Of<DesignReport>) {
+  using Report = DesignReport;
+  return spec_header<Report>("design").with(
+      {{"minimize", &Report::goal, "price, resolution, or a quantity"},
+       {"price_unit", &Report::price_unit, "of the catalogues; empty: not stated"},
+       {"budget", &Report::budget, optional},
+       {"optimal", within(&Report::optimal), "null: no design meets the requirements"},
+       {"runner_up", within(&Report::runner_up)},
+       {"proven", &Report::proven, "whether no better design exists"},
+       {"bound", &Report::bound, "of the price (bits), if it is not proven"},
+       {"price_of_requirements", &Report::requirement_prices},
+       {"pareto", within(&Report::pareto),
+        "by ascending price; minimize: resolution, or a price is missing: by bits"},
+       {"finest", within(&Report::finest), "nothing feasible: the design nearest to all limits"},
+       {"obstacles", &Report::obstacles, "nothing feasible: why"},
+       {"left_out", &Report::left_out, "options that cannot count fast enough"},
+       {"without_influence", &Report::without_influence, "requirements that no option changes"},
+       {"warnings", &Report::warnings}});
 }
 
 }  // namespace qerr

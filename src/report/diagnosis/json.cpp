@@ -1,174 +1,193 @@
 #include "report/diagnosis/parts.hpp"
-#include "report/formats.hpp"
 #include "report/json_header.hpp"
 
 namespace qerr {
 
 namespace {
 
-Json gain(const Gain& g) {
-  return {{"held_out", g.held_out},
-          {"rms_before", g.rms_before},
-          {"rms_after", g.rms_after},
-          {"ratio", g.ratio()},
-          {"lower", g.lower},
-          {"upper", g.upper},
-          {"counts_before", g.counts_before},
-          {"counts_after", g.counts_after},
-          {"sigma_ratio", g.sigma_ratio},
-          {"log_score", g.log_score},
-          {"coverage", g.coverage},
-          {"unit", g.unit}};
+using ReportedCause = In<Cause, DiagnosisReport>;
+using ReportedError = In<Unidentified, DiagnosisReport>;
+
+std::optional<ResidualCurve> curve(const auto& of) { return only_if(!of->curve.at.empty(), of->curve); }
+
+/// Of its contribution to the readings, in counts of its joint's encoder.
+std::optional<double> counts(const ReportedCause& c) {
+  const Encoder* encoder = encoder_of(c.whole.spec, c->effect.joint);
+  return encoder && c->rms > 0 ? std::optional(c->rms / encoder->resolution) : std::nullopt;
 }
 
-Json simulation(const Diagnosis& d) {
-  Json list = Json::array();
-  for (const Comparison& c : d.simulation)
-    list.push_back({{"joint", c.joint},
-                    {"statistic", c.statistic},
-                    {"observed", c.observed},
-                    {"expected", c.expected},
-                    {"p_value", c.p_value}});
-  return list;
+auto figure_units(const ReportedError& u) {
+  return by_name(
+      u->figures, [](auto& f) { return f.first; },
+      [&](auto& f) { return figure_unit(u.whole.spec, *u, f.first); });
 }
 
-/// Null without bins.
-Json curve(const ResidualCurve& c) {
-  if (c.at.empty()) return nullptr;
-  return {{"against", c.against}, {"unit", c.unit}, {"at", c.at}, {"residual", c.residual}, {"fit", c.fit}};
+template <class T>
+auto of_diagnosis(T Diagnosis::*value) {
+  return [value](const DiagnosisReport& r) { return r.diagnosis.*value; };
 }
 
-Json causes(const DiagnosisReport& r) {
-  Json list = Json::array();
-  for (const Cause& c : r.diagnosis.causes) {
-    Json parameters = Json::array();
-    for (const ReportedParameter& p : reported_parameters(r.spec, c))
-      parameters.push_back({{"name", p.figure.name},
-                            {"value", p.figure.value},
-                            {"lower", p.figure.lower},
-                            {"upper", p.figure.upper},
-                            {"unit", p.unit}});
-    Json entry = {{"effect", c.effect.type},
-                  {"joint", c.effect.joint},
-                  {"p_value", c.p_value},
-                  {"parameters", parameters},
-                  {"gain", gain(c.gain)}};
-    if (c.rms > 0) entry["rms"] = c.rms;
-    if (const Encoder* encoder = encoder_of(r.spec, c.effect.joint); encoder && c.rms > 0)
-      entry["counts"] = c.rms / encoder->resolution;
-    entry["rms_without"] = c.rms_without;
-    entry["curve"] = curve(c.curve);
-    if (!c.effect.choices.empty()) entry["choices"] = c.effect.choices;
-    list.push_back(entry);
-  }
-  return list;
+std::vector<LogColumn> unwrapped(const Log& log) {
+  std::vector<LogColumn> columns;
+  for (const LogColumn& c : log.columns)
+    if (c.wraps.count > 0 || c.wraps.start != 0) columns.push_back(c);
+  return columns;
 }
 
-Json alternatives(const Diagnosis& d) {
-  Json list = Json::array();
-  for (const AlternativeCause& a : d.alternatives)
-    list.push_back(
-        {{"instead_of", a.instead_of}, {"effect", a.effect}, {"joint", a.joint}, {"record", a.record}});
-  return list;
-}
-
-Json unexplained(const DiagnosisReport& r) {
-  Json list = Json::array();
-  for (const Unidentified& u : r.diagnosis.unexplained) {
-    Json figures = Json::object(), units = Json::object();
-    for (const auto& [key, value] : u.figures) {
-      figures[key] = value;
-      units[key] = figure_unit(r.spec, u, key);
-    }
-    list.push_back({{"joint", u.joint},
-                    {"what", u.what},
-                    {"order", u.order},
-                    {"frequency", u.frequency},
-                    {"amplitude", u.amplitude},
-                    {"unit", coordinate_unit(r.spec, u.joint)},
-                    {"shape", name(u.shape)},
-                    {"figures", figures},
-                    {"units", units},
-                    {"curve", curve(u.curve)}});
-  }
-  return list;
-}
-
-Json null_if_empty(const std::string& text) { return text.empty() ? Json(nullptr) : Json(text); }
-
-/// Each with the row or the time at which it begins, or with neither.
-Json data(const Diagnosis& d) {
-  Json list = Json::array();
-  for (const DataFinding& f : d.data) {
-    Json entry = {{"what", f.what}, {"kind", name(f.kind)}, {"joint", null_if_empty(f.joint)}};
-    if (f.row) entry["row"] = *f.row;
-    if (f.time) entry["time"] = *f.time;
-    entry["remedy"] = f.remedy;
-    list.push_back(entry);
-  }
-  return list;
-}
-
-Json visible(const Diagnosis& d) {
-  Json list = Json::array();
-  for (const Visible& v : d.visible)
-    list.push_back({{"effect", v.effect},
-                    {"joint", v.joint},
-                    {"parameter", v.parameter},
-                    {"smallest", v.smallest},
-                    {"unit", v.unit},
-                    {"hidden_by", null_if_empty(v.hidden_by)}});
-  return list;
-}
-
-/// Null without a joint that is judged.
-Json check(const Diagnosis& d) {
-  if (!d.check) return nullptr;
-  return {{"rms_simulated", d.check->rms_simulated},
-          {"rms_measured", d.check->rms_measured},
-          {"agrees", d.check->agrees}};
-}
-
-Json log(const Log& l) {
-  Json unwrapped = Json::array();
-  for (const LogColumn& c : l.columns)
-    if (c.wraps.count > 0 || c.wraps.start != 0)
-      unwrapped.push_back({{"column", c.header},
-                           {"turns_at_start", c.wraps.start},
-                           {"wraps", c.wraps.count},
-                           {"first_row", c.wraps.first_row},
-                           {"first_time", c.wraps.first_time},
-                           {"contradicted", c.wraps.contradicted}});
-  return {{"file", l.file},
-          {"rows", l.rows},
-          {"first_time", l.has_time() ? l.first_time : Json(nullptr)},
-          {"last_time", l.has_time() ? l.last_time : Json(nullptr)},
-          {"unwrapped", unwrapped}};
+std::vector<std::string> shape_names() {
+  std::vector<std::string> names;
+  for (const Shape shape : {Shape::step, Shape::hysteresis, Shape::exponential, Shape::line, Shape::order,
+                            Shape::bump, Shape::by_count, Shape::noise, Shape::unknown})
+    names.emplace_back(name(shape));
+  return names;
 }
 
 }  // namespace
 
-std::string to_json(const DiagnosisReport& r, const Style&) {
-  const Diagnosis& d = r.diagnosis;
-  return Json{{"qerr", version()},
-              {"command", "diagnose"},
-              {"spec", spec_source(r.spec)},
-              {"log", log(r.log)},
-              {"seed", r.spec.configurations.seed},
-              {"verdict", name(d.verdict)},
-              {"reason", d.reason},
-              {"unjudged", d.unjudged},
-              {"data", data(d)},
-              {"simulation", simulation(d)},
-              {"causes", causes(r)},
-              {"alternatives", alternatives(d)},
-              {"unexplained", unexplained(r)},
-              {"visible", visible(d)},
-              {"gain", gain(d.gain)},
-              {"check", check(d)},
-              {"extended_model", r.extended_model.empty() ? Json(nullptr) : Json(r.extended_model)},
-              {"warnings", r.warnings}}
-      .document();
+RowsOf<Gain> rows(Of<Gain>) {
+  return {{"held_out", &Gain::held_out, "measured on blocks of the log that the fit has not seen"},
+          {"rms_before", &Gain::rms_before, nullable},
+          {"rms_after", &Gain::rms_after, nullable},
+          {"ratio", &Gain::ratio, nullable},
+          {"lower", &Gain::lower, nullable},
+          {"upper", &Gain::upper, nullable},
+          {"counts_before", &Gain::counts_before, nullable},
+          {"counts_after", &Gain::counts_after, nullable},
+          {"sigma_ratio", &Gain::sigma_ratio, nullable},
+          {"log_score", &Gain::log_score, nullable},
+          {"coverage", &Gain::coverage, nullable},
+          {"unit", &Gain::unit}};
+}
+
+RowsOf<ResidualCurve> rows(Of<ResidualCurve>) {
+  return {{"against", &ResidualCurve::against, "the quantity on which the error depends"},
+          {"unit", &ResidualCurve::unit, "of `at`"},
+          {"at", &ResidualCurve::at, "centres of the bins"},
+          {"residual", &ResidualCurve::residual, numbers_or_null(), "mean of the bin without this cause"},
+          {"fit", &ResidualCurve::fit, numbers_or_null(), "mean contribution of this cause"}};
+}
+
+RowsOf<DataFinding> rows(Of<DataFinding>) {
+  return {{"what", &DataFinding::what},
+          {"kind", [](auto& f) { return name(f.kind); },
+           one_of({"remark", "corrupt", "missing", "repeated", "contradictory"}),
+           "of all but a remark --check ends with 1"},
+          {"joint", &DataFinding::joint, "null: the whole record", nullable},
+          {"row", &DataFinding::row, "of the file, from 1, where it begins", optional},
+          {"time", &DataFinding::time, "[s], where it begins", optional},
+          {"remedy", &DataFinding::remedy}};
+}
+
+RowsOf<Visible> rows(Of<Visible>) {
+  return {{"effect", &Visible::effect},
+          {"joint", &Visible::joint},
+          {"parameter", &Visible::parameter, "whose smallest visible size is stated"},
+          {"smallest", &Visible::smallest, "null: the record cannot show the effect", nullable},
+          {"unit", &Visible::unit},
+          {"hidden_by", &Visible::hidden_by, "why the record cannot show it", nullable}};
+}
+
+RowsOf<ReportedError> rows(Of<ReportedError>) {
+  return {{"joint", &Unidentified::joint},
+          {"what", &Unidentified::what},
+          {"order", &Unidentified::order},
+          {"frequency", &Unidentified::frequency},
+          {"amplitude", &Unidentified::amplitude, nullable},
+          {"unit", [](auto& u) { return coordinate_unit(u.whole.spec, u->joint); }},
+          {"shape", [](auto& u) { return name(u->shape); }, one_of(shape_names())},
+          {"figures", &Unidentified::figures, named_numbers_or_null(),
+           "of the shape, SI, such as the time of a step"},
+          {"units", figure_units, "of the figures"},
+          {"curve", curve<ReportedError>}};
+}
+
+RowsOf<ReportedParameter> rows(Of<ReportedParameter>) {
+  return {{"name", [](auto& p) { return p.figure.name; }},
+          {"value", [](auto& p) { return p.figure.value; }},
+          {"lower", [](auto& p) { return p.figure.lower; }, nullable},
+          {"upper", [](auto& p) { return p.figure.upper; }, nullable},
+          {"unit", &ReportedParameter::unit}};
+}
+
+RowsOf<ReportedCause> rows(Of<ReportedCause>) {
+  return {
+      {"effect", [](auto& c) { return c->effect.type; }},
+      {"joint", [](auto& c) { return c->effect.joint; }},
+      {"p_value", &Cause::p_value},
+      {"parameters", [](auto& c) { return reported_parameters(c.whole.spec, *c); }, "with 95 % intervals"},
+      {"gain", &Cause::gain, "of its joint"},
+      {"rms", [](auto& c) { return only_if(c->rms > 0, c->rms); }, "of its contribution to the readings",
+       optional},
+      {"counts", counts, "the same in counts of the joint's encoder", optional},
+      {"rms_without", &Cause::rms_without, "of the residual if the model lacks this cause alone", nullable},
+      {"curve", curve<ReportedCause>},
+      {"choices", [](auto& c) { return c->effect.choices; }, optional}};
+}
+
+RowsOf<LogColumn> rows(Of<LogColumn>) {
+  return {{"column", &LogColumn::header},
+          {"turns_at_start", [](auto& c) { return c.wraps.start; }},
+          {"wraps", [](auto& c) { return c.wraps.count; }},
+          {"first_row", [](auto& c) { return c.wraps.first_row; }},
+          {"first_time", [](auto& c) { return c.wraps.first_time; }, nullable},
+          {"contradicted", [](auto& c) { return c.wraps.contradicted; }}};
+}
+
+RowsOf<Log> rows(Of<Log>) {
+  return {{"file", &Log::file},
+          {"rows", &Log::rows},
+          {"first_time", [](auto& l) { return only_if(l.has_time(), l.first_time); }},
+          {"last_time", [](auto& l) { return only_if(l.has_time(), l.last_time); }},
+          {"unwrapped", unwrapped, "columns that wrapped at a full turn"}};
+}
+
+RowsOf<Reproduction> rows(Of<Reproduction>) {
+  return {{"rms_simulated", &Reproduction::rms_simulated, "of the extended model, simulated along the record"},
+          {"rms_measured", &Reproduction::rms_measured},
+          {"agrees", &Reproduction::agrees, "whether the simulation leaves what the gain says"}};
+}
+
+RowsOf<Comparison> rows(Of<Comparison>) {
+  return {{"joint", &Comparison::joint},
+          {"statistic", &Comparison::statistic},
+          {"observed", &Comparison::observed, nullable},
+          {"expected", &Comparison::expected, nullable},
+          {"p_value", &Comparison::p_value, nullable}};
+}
+
+RowsOf<AlternativeCause> rows(Of<AlternativeCause>) {
+  return {{"instead_of", &AlternativeCause::instead_of},
+          {"effect", &AlternativeCause::effect},
+          {"joint", &AlternativeCause::joint},
+          {"record", &AlternativeCause::record}};
+}
+
+RowsOf<DiagnosisReport> rows(Of<DiagnosisReport>) {
+  return header<DiagnosisReport>("diagnose")
+      .with({{"spec", &DiagnosisReport::spec},
+             {"log", &DiagnosisReport::log},
+             {"seed", [](auto& r) { return r.spec.configurations.seed; }},
+             {"verdict", [](auto& r) { return name(r.diagnosis.verdict); },
+              one_of({"nothing_wrong", "explained", "partly_explained", "ambiguous", "unexplained",
+                      "cannot_judge"})},
+             {"reason", of_diagnosis(&Diagnosis::reason)},
+             {"unjudged", of_diagnosis(&Diagnosis::unjudged),
+              "joints (or tip, tip.x) of which the log has columns and nothing can be said: if any, --check "
+              "ends with 1"},
+             {"data", of_diagnosis(&Diagnosis::data), "faults of the record itself"},
+             {"simulation", of_diagnosis(&Diagnosis::simulation),
+              "statistics of the log, and of the simulated model"},
+             {"causes", within(of_diagnosis(&Diagnosis::causes)),
+              "in the order of the variance that they remove"},
+             {"alternatives", of_diagnosis(&Diagnosis::alternatives),
+              "what explains it as well, and what to record to tell"},
+             {"unexplained", within(of_diagnosis(&Diagnosis::unexplained))},
+             {"visible", of_diagnosis(&Diagnosis::visible), "what the record could have shown"},
+             {"gain", of_diagnosis(&Diagnosis::gain), "of the extended model, over all judged joints"},
+             {"check", of_diagnosis(&Diagnosis::check),
+              "residual, reading - reference; null without a joint that is judged"},
+             {"extended_model", &DiagnosisReport::extended_model, "its file", nullable},
+             {"warnings", &DiagnosisReport::warnings}});
 }
 
 }  // namespace qerr

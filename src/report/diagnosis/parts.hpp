@@ -6,6 +6,7 @@
 
 #include "qerr/report/diagnosis_report.hpp"
 #include "qerr/report/write.hpp"
+#include "report/rows.hpp"
 
 /// What the formats and files of a diagnosis share.
 namespace qerr {
@@ -23,5 +24,7 @@ std::string figure_unit(const Spec&, const Unidentified&, const std::string& fig
 /// asymmetric interval `566 urad (540 urad .. 570 urad)`; phases in degrees; without an interval if the
 /// parameter was not fitted.
 std::string with_interval(const ReportedParameter&);
+
+RowsOf<Gain> rows(Of<Gain>);
 
 }  // namespace qerr

@@ -1,111 +1,145 @@
-#include "report/formats.hpp"
 #include "report/json_header.hpp"
-#include "report/json_value.hpp"
 
 namespace qerr {
 
 namespace {
 
-Json filter_json(const FilterFigures& f, bool coefficients) {
-  Json j = {{"name", f.name},
-            {"derivative", f.filter.derivative},
-            {"sample_rate", f.filter.sample_rate},
-            {"h2_norm", f.norms.h2},
-            {"h2_error", f.norms.h2_error},
-            {"l1_norm", {{"lower", f.norms.l1.lower}, {"upper", f.norms.l1.upper}}},
-            {"dc_gain", f.norms.dc_gain},
-            {"group_delay_s", f.group_delay},
-            {"poles_max_modulus", f.poles_max_modulus},
-            {"bandwidth_hz", f.bandwidth},
-            {"noise_bandwidth_hz", f.noise_bandwidth},
-            {"settling_time_s", f.settling_time}};
-  for (const Fidelity& at : f.fidelity)
-    j["at"].push_back({{"frequency", at.frequency},
-                       {"gain_error", at.gain_error},
-                       {"phase_error", at.phase_error},
-                       {"tracking_error", at.tracking_error}});
-  if (f.tracking) j["motion_band"] = {{"largest", f.tracking->largest}, {"rms", f.tracking->rms}};
-  if (coefficients && f.filter.taps.empty()) j["sections"] = second_order_sections(f.filter);
-  if (coefficients && !f.filter.taps.empty()) j["taps"] = impulse_response(f.filter, f.filter.taps.size());
-  return j;
+using ReportedFilter = In<FilterFigures, FilterReport>;
+using ComparedEncoder = In<EncoderEstimators, EstimatorReport>;
+
+/// Of the filter's noise, if it was asked for.
+template <class T>
+auto noise(T FilterNoise::*value) {
+  return [value](const ReportedFilter& f) {
+    const auto& noise = f.whole.noise;
+    return f.i < noise.size() ? std::optional<T>(noise[f.i].*value) : std::nullopt;
+  };
 }
 
-void add_noise(Json& filter, const FilterNoise& f) {
-  filter["ipqn_within_10_percent_above"] = f.within_10_percent;
-  filter["ipqn_within_1_percent_above"] = f.within_1_percent;
-  filter["noise_rise_time_s"] = f.rise_time;
-  for (const NoiseRow& r : f.rows) {
-    Json row = {{"encoder", r.encoder}, {"motion", r.motion.sine ? "sine" : "constant_speed"}};
-    const std::string size = r.motion.sine ? "amplitude" : "speed";
-    row[size] = r.motion.size;
-    row[size + "_unit"] = r.motion.unit();
-    if (r.motion.sine) row["frequency_hz"] = r.motion.frequency;
-    row["counts_per_sample"] = r.counts_per_sample;
-    row["sigma"] = r.sigma;
-    row["sigma_ipqn"] = r.sigma_ipqn;
-    row["sigma_unit"] = r.unit;
-    filter["in_motion"].push_back(row);
-  }
+RowsOf<EstimatorRow> bound(EstimatorError EstimatorRow::*errors, double EstimatorError::*bound) {
+  return {{"error", [=](auto& r) { return r.*errors.*bound; }, nullable},
+          {"snr_db", [=](auto& r) { return worst_case_snr_db(r.speed, r.*errors.*bound); }, nullable}};
 }
 
-Json sine_error_json(const std::vector<SineErrorRow>& rows) {
-  Json list = Json::array();
-  for (const SineErrorRow& r : rows)
-    list.push_back({{"encoder", r.encoder},
-                    {"amplitude_counts", r.amplitude},
-                    {"largest_mean_counts", r.largest_mean},
-                    {"mean_envelope_counts", r.mean_envelope},
-                    {"mean_square_counts2", {{"least", r.least_square}, {"largest", r.largest_square}}},
-                    {"mean_square_envelope_counts2",
-                     {{"least", 1.0 / 12 + r.square_below}, {"largest", 1.0 / 12 + r.square_above}}}});
-  return list;
-}
-
-Json error_json(const EstimatorError& e, double speed) {
-  Json j;
-  for (const auto& [name, error] :
-       {std::pair{"printed", e.printed}, {"varying", e.varying}, {"constant", e.constant}})
-    j[name] = {{"error", error}, {"snr_db", worst_case_snr_db(speed, error)}};
-  return j;
-}
-
-Json estimator_json(const EstimatorReport& report) {
-  Json list = Json::array();
-  for (const EncoderEstimators& e : report.encoders) {
-    Json rows = Json::array();
-    for (const EstimatorRow& r : e.rows)
-      rows.push_back({{"speed", r.speed},
-                      {"quanta_per_sample", r.quanta_per_sample},
-                      {"finite_difference", error_json(r.finite_difference, r.speed)},
-                      {"inverse_time", error_json(r.inverse_time, r.speed)},
-                      {"better", r.inverse_time_is_better() ? "inverse_time" : "finite_difference"}});
-    list.push_back({{"encoder", e.encoder},
-                    {"unit", e.unit},
-                    {"resolution", e.resolution},
-                    {"sample_rate", report.sample_rate},
-                    {"clock", report.clock},
-                    {"crossing_speed", e.crossing_speed},
-                    {"edge_distance", {{"shortest", e.edges.shortest}, {"longest", e.edges.longest}}},
-                    {"speeds", rows}});
-  }
-  return list;
+RowsOf<EstimatorRow> bounds(EstimatorError EstimatorRow::*errors) {
+  return {{"printed", bound(errors, &EstimatorError::printed), "the paper's bound, as printed"},
+          {"varying", bound(errors, &EstimatorError::varying), "for a speed that varies between two edges"},
+          {"constant", bound(errors, &EstimatorError::constant)}};
 }
 
 }  // namespace
 
-Json report_json(const FilterReport& report) {
-  Json list = Json::array();
-  for (std::size_t i = 0; i < report.filters.size(); ++i) {
-    list.push_back(filter_json(report.filters[i], report.questions.coefficients));
-    if (i < report.noise.size()) add_noise(list.back(), report.noise[i]);
-  }
-  Json all = {
-      {"qerr", version()}, {"command", "filter"}, {"spec", spec_source(report.spec)}, {"filters", list}};
-  if (!report.sine_errors.empty()) all["quantized_sine"] = sine_error_json(report.sine_errors);
-  if (report.estimators) all["estimators"] = estimator_json(*report.estimators);
-  return all;
+RowsOf<Fidelity> rows(Of<Fidelity>) {
+  return {{"frequency", &Fidelity::frequency},
+          {"gain_error", &Fidelity::gain_error, nullable},
+          {"phase_error", &Fidelity::phase_error, nullable},
+          {"tracking_error", &Fidelity::tracking_error, nullable}};
 }
 
-std::string to_json(const FilterReport& report, const Style&) { return report_json(report).document(); }
+RowsOf<BandTracking> rows(Of<BandTracking>) {
+  return {{"largest", &BandTracking::largest}, {"rms", &BandTracking::rms}};
+}
+
+RowsOf<NoiseRow> rows(Of<NoiseRow>) {
+  return {{"encoder", &NoiseRow::encoder},
+          {"motion", [](auto& r) { return r.motion.sine ? "sine" : "constant_speed"; },
+           one_of({"sine", "constant_speed"})},
+          {"speed", [](auto& r) { return only_if(!r.motion.sine, r.motion.size); }, "of a constant speed",
+           optional},
+          {"speed_unit", [](auto& r) { return only_if(!r.motion.sine, r.motion.unit()); }, optional},
+          {"amplitude", [](auto& r) { return only_if(r.motion.sine, r.motion.size); }, "of a sine", optional},
+          {"amplitude_unit", [](auto& r) { return only_if(r.motion.sine, r.motion.unit()); }, optional},
+          {"frequency_hz", [](auto& r) { return only_if(r.motion.sine, r.motion.frequency); }, "of a sine",
+           optional},
+          {"counts_per_sample", &NoiseRow::counts_per_sample},
+          {"sigma", &NoiseRow::sigma, "null: the filter's memory is too long"},
+          {"sigma_ipqn", &NoiseRow::sigma_ipqn},
+          {"sigma_unit", &NoiseRow::unit}};
+}
+
+RowsOf<ReportedFilter> rows(Of<ReportedFilter>) {
+  using Figures = FilterFigures;
+  return {
+      {"name", &Figures::name},
+      {"derivative", [](auto& f) { return f->filter.derivative; }},
+      {"sample_rate", [](auto& f) { return f->filter.sample_rate; }},
+      {"h2_norm", [](auto& f) { return f->norms.h2; }},
+      {"h2_error", [](auto& f) { return f->norms.h2_error; }, "bound of its numerical error"},
+      {"l1_norm", [](auto& f) { return f->norms.l1; }},
+      {"dc_gain", [](auto& f) { return f->norms.dc_gain; }, "H(1)", nullable},
+      {"group_delay_s", &Figures::group_delay, "limit at 0 Hz", nullable},
+      {"poles_max_modulus", &Figures::poles_max_modulus},
+      {"bandwidth_hz", &Figures::bandwidth, "-3 dB"},
+      {"noise_bandwidth_hz", &Figures::noise_bandwidth},
+      {"settling_time_s", &Figures::settling_time, "to 2 %"},
+      {"at", &Figures::fidelity, "with --at", optional},
+      {"motion_band", &Figures::tracking, "tracking error, with --motion-band", optional},
+      {"sections",
+       [](auto& f) {
+         return f.whole.questions.coefficients && f->filter.taps.empty()
+                    ? std::optional(second_order_sections(f->filter))
+                    : std::nullopt;
+       },
+       "with --coefficients", optional},
+      {"taps",
+       [](auto& f) {
+         return impulse_response(f->filter, f.whole.questions.coefficients ? f->filter.taps.size() : 0);
+       },
+       "with --coefficients", optional},
+      {"ipqn_within_10_percent_above", noise(&FilterNoise::within_10_percent), "counts per sample", optional},
+      {"ipqn_within_1_percent_above", noise(&FilterNoise::within_1_percent), "counts per sample", optional},
+      {"noise_rise_time_s", noise(&FilterNoise::rise_time), optional},
+      {"in_motion", noise(&FilterNoise::rows), "with --speed or --sine", optional}};
+}
+
+RowsOf<SineErrorRow> rows(Of<SineErrorRow>) {
+  using Sine = SineErrorRow;
+  return {{"encoder", &Sine::encoder},
+          {"amplitude_counts", &Sine::amplitude},
+          {"largest_mean_counts", &Sine::largest_mean},
+          {"mean_envelope_counts", &Sine::mean_envelope},
+          {"mean_square_counts2", {{"least", &Sine::least_square}, {"largest", &Sine::largest_square}}},
+          {"mean_square_envelope_counts2",
+           {{"least", [](auto& r) { return 1.0 / 12 + r.square_below; }},
+            {"largest", [](auto& r) { return 1.0 / 12 + r.square_above; }}}}};
+}
+
+RowsOf<EstimatorRow> rows(Of<EstimatorRow>) {
+  return {
+      {"speed", &EstimatorRow::speed},
+      {"quanta_per_sample", &EstimatorRow::quanta_per_sample},
+      {"finite_difference", bounds(&EstimatorRow::finite_difference)},
+      {"inverse_time", bounds(&EstimatorRow::inverse_time)},
+      {"better", [](auto& r) { return r.inverse_time_is_better() ? "inverse_time" : "finite_difference"; },
+       one_of({"finite_difference", "inverse_time"})}};
+}
+
+RowsOf<ComparedEncoder> rows(Of<ComparedEncoder>) {
+  using Estimators = EncoderEstimators;
+  return {{"encoder", &Estimators::encoder},
+          {"unit", &Estimators::unit},
+          {"resolution", &Estimators::resolution},
+          {"sample_rate", [](auto& e) { return e.whole.sample_rate; }},
+          {"clock", [](auto& e) { return e.whole.clock; }},
+          {"crossing_speed", &Estimators::crossing_speed, nullable},
+          {"edge_distance",
+           {{"shortest", [](auto& e) { return e->edges.shortest; }},
+            {"longest", [](auto& e) { return e->edges.longest; }, nullable}},
+           "of neighbouring edges, with the effects of the disc [counts]"},
+          {"speeds", &Estimators::rows}};
+}
+
+RowsOf<FilterReport> rows(Of<FilterReport>) {
+  return header<FilterReport>("filter").with(
+      {{"spec", &FilterReport::spec},
+       {"filters", within(&FilterReport::filters)},
+       {"quantized_sine", &FilterReport::sine_errors, "with --sine", optional},
+       {"estimators",
+        [](auto& r) {
+          const auto encoders = within(&EstimatorReport::encoders);
+          return r.estimators ? std::optional(encoders(*r.estimators)) : std::nullopt;
+        },
+        "with --estimators", optional}});
+}
 
 }  // namespace qerr

@@ -1,28 +1,40 @@
 #include <cmath>
 
-#include "report/formats.hpp"
-#include "report/json_value.hpp"
 #include "report/list/parameter_unit.hpp"
+#include "report/output_schemas.hpp"
 
 namespace qerr {
 
-std::string to_json(const ListReport& report, const Style&) {
-  Json list = Json::array();
-  for (const ListReport::Row& row : report.rows) {
-    Json parameters = Json::array();
-    for (const Parameter& p : row.parameters) {
-      Json parameter = {
-          {"name", p.name}, {"unit", parameter_unit(p)}, {"meaning", p.meaning}, {"required", p.required}};
-      if (p.fallback) parameter["default"] = *p.fallback;
-      if (std::isfinite(p.least)) parameter["least"] = p.least;
-      if (std::isfinite(p.most)) parameter["most"] = p.most;
-      if (!p.choices.empty()) parameter["choices"] = choices_of(p);
-      parameters.push_back(parameter);
-    }
-    list.push_back({{"name", row.name}, {"summary", row.summary}, {"parameters", parameters}});
-    for (const auto& [name, text] : row.notes) list.back()[name] = text;
-  }
-  return list.document();
+namespace {
+
+/// A further column, by its name.
+auto note(std::string_view name) {
+  return [name](const ListReport::Row& row) {
+    for (const auto& [of, text] : row.notes)
+      if (of == name) return text;
+    return std::string();
+  };
+}
+
+}  // namespace
+
+RowsOf<Parameter> rows(Of<Parameter>) {
+  return {{"name", &Parameter::name},
+          {"unit", parameter_unit, "SI; empty of a pure number and of other kinds"},
+          {"meaning", &Parameter::meaning},
+          {"required", &Parameter::required},
+          {"default", &Parameter::fallback, optional},
+          {"least", [](auto& p) { return only_if(std::isfinite(p.least), p.least); }, optional},
+          {"most", [](auto& p) { return only_if(std::isfinite(p.most), p.most); }, optional},
+          {"choices", choices_of, "the default first", optional}};
+}
+
+RowsOf<ListReport::Row> rows(Of<ListReport::Row>) {
+  return {{"name", &ListReport::Row::name},
+          {"summary", &ListReport::Row::summary},
+          {"parameters", &ListReport::Row::parameters},
+          {"stage", note("stage"), "of an effect: where it acts", optional},
+          {"typical", note("typical"), "of an effect: usual magnitudes", optional}};
 }
 
 }  // namespace qerr

@@ -7,20 +7,19 @@ namespace qerr {
 namespace {
 
 void add_rows(std::string& out, const char* motion, const std::vector<PlannedJoint>& joints) {
-  for (const PlannedJoint& joint : joints)
-    for (const PlannedEffect& p : joint.effects) {
+  for (const PlannedJoint& joint : joints) {
+    const Json json = json_of(joint);
+    for (std::size_t i = 0; i < joint.effects.size(); ++i) {
       std::string twins;
-      for (const CorrelatedEffect& r : p.correlated)
+      for (const CorrelatedEffect& r : joint.effects[i].correlated)
         if (r.inseparable()) twins += (twins.empty() ? "" : "; ") + family_of(r.effect);
-      const auto shaft = p.effect.choices.find("shaft");
-      out += std::string(motion) + ',' + csv_cell(joint.joint) + ',' + p.effect.type + ',' +
-             (shaft == p.effect.choices.end() ? "" : shaft->second) + ',' +
-             (p.effect.numbers.contains("order") ? shortest(p.effect.number("order")) : "") + ',' +
-             (p.effect.numbers.contains("time_constant") ? shortest(p.effect.number("time_constant")) : "") +
-             ',' + p.parameter + ',' + csv_number(p.detectable) + ',' + csv_number(p.identifiable) + ',' +
-             size_unit(p, joint.prismatic) + ',' + csv_number(p.detectable_counts()) + ',' +
-             csv_number(p.identifiable_counts()) + ',' + csv_cell(twins) + "\r\n";
+      out += std::string(motion) + ',' + csv_cell(joint.joint) + ',' +
+             csv_cells((*json.find("effects")->items())[i],
+                       {"effect", "shaft", "order", "time_constant", "parameter", "seen", "named", "unit",
+                        "seen_counts", "named_counts"}) +
+             ',' + csv_cell(twins) + "\r\n";
     }
+  }
 }
 
 }  // namespace

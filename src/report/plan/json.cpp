@@ -1,4 +1,3 @@
-#include "report/formats.hpp"
 #include "report/json_header.hpp"
 #include "report/plan/parts.hpp"
 
@@ -6,69 +5,86 @@ namespace qerr {
 
 namespace {
 
-Json effect_json(const Effect& e) {
-  Json j = {{"effect", e.type}};
-  for (const auto& [choice, word] : e.choices) j[choice] = word;
-  for (const char* name : {"order", "time_constant"})
-    if (e.numbers.contains(name)) j[name] = e.number(name);
-  return j;
-}
+using JointEffect = In<PlannedEffect, PlannedJoint>;
 
-Json joints_json(const std::vector<PlannedJoint>& joints) {
-  Json list = Json::array();
-  for (const PlannedJoint& joint : joints) {
-    Json effects = Json::array(), undetectable = Json::array();
-    for (const PlannedEffect& p : joint.effects) {
-      Json correlated = Json::array(), entry = effect_json(p.effect);
-      for (const CorrelatedEffect& r : p.correlated) {
-        Json other = effect_json(r.effect);
-        other["correlation"] = r.correlation;
-        other["told_apart"] = r.separable_from;
-        other["record"] = r.record;
-        correlated.push_back(other);
-      }
-      entry["parameter"] = p.parameter;
-      entry["unit"] = size_unit(p, joint.prismatic);
-      entry["seen"] = p.detectable;
-      entry["named"] = p.identifiable;
-      entry["seen_counts"] = p.detectable_counts();
-      entry["named_counts"] = p.identifiable_counts();
-      entry["alike"] = correlated;
-      effects.push_back(entry);
-    }
-    for (const UndetectableEffect& u : joint.undetectable)
-      undetectable.push_back({{"effect", u.effect}, {"needs", u.required}});
-    list.push_back({{"joint", joint.joint},
-                    {"unit", joint.prismatic ? "m" : "rad"},
-                    {"resolution", joint.resolution},
-                    {"moves", joint.moves},
-                    {"readings", joint.readings},
-                    {"effects", effects},
-                    {"unseen", undetectable}});
-  }
-  return list;
+using BetterMotion = In<Motion, PlanReport>;
+
+/// An effect with the choices and the figures that tell it from others of its type.
+template <class Entry, class Planned>
+RowsOf<Entry> effect_rows(Effect Planned::*effect) {
+  const auto number = [effect](const char* name) {
+    return [=](const Entry& e) {
+      const Effect& of = std::invoke(effect, e);
+      return of.numbers.contains(name) ? std::optional(of.number(name)) : std::nullopt;
+    };
+  };
+  return {{"effect", [effect](auto& e) { return std::invoke(effect, e).type; }},
+          {"shaft",
+           [effect](auto& e) {
+             const Effect& of = std::invoke(effect, e);
+             return of.choices.contains("shaft") ? of.choices.at("shaft") : "";
+           },
+           optional},
+          {"order", number("order"), optional},
+          {"time_constant", number("time_constant"), optional}};
 }
 
 }  // namespace
 
-std::string to_json(const PlanReport& r, const Style&) {
-  Json better = nullptr;
-  if (r.plan.better) {
-    Json changed = Json::array();
-    for (const std::size_t j : r.plan.changed) changed.push_back(r.spec.model.chain.independent[j].name);
-    better = {{"motion", motion_text(*r.plan.better, r.spec.model.chain)},
-              {"changed", changed},
-              {"joints", joints_json(r.plan.joints_better)}};
-  }
-  const Json j = {{"qerr", version()},
-                  {"command", "diagnose --plan"},
-                  {"spec", {{"file", r.spec.file}, {"sha256", r.spec.sha256}}},
-                  {"reference_noise", r.plan.options.reference_noise},
-                  {"power", r.plan.options.power},
-                  {"joints", joints_json(r.plan.joints)},
-                  {"better", better},
-                  {"warnings", r.warnings}};
-  return j.document();
+RowsOf<CorrelatedEffect> rows(Of<CorrelatedEffect>) {
+  return effect_rows<CorrelatedEffect>(&CorrelatedEffect::effect)
+      .with({{"correlation", &CorrelatedEffect::correlation},
+             {"told_apart", &CorrelatedEffect::separable_from, "from this magnitude on", nullable},
+             {"record", &CorrelatedEffect::record, "what tells them apart"}});
+}
+
+RowsOf<JointEffect> rows(Of<JointEffect>) {
+  return effect_rows<JointEffect>(&PlannedEffect::effect)
+      .with({{"parameter", &PlannedEffect::parameter},
+             {"unit", [](auto& e) { return size_unit(*e, e.whole.prismatic); }},
+             {"seen", &PlannedEffect::detectable, "smallest detectable magnitude", nullable},
+             {"named", &PlannedEffect::identifiable, "smallest identifiable magnitude", nullable},
+             {"seen_counts", &PlannedEffect::detectable_counts, nullable},
+             {"named_counts", &PlannedEffect::identifiable_counts, nullable},
+             {"alike", &PlannedEffect::correlated}});
+}
+
+RowsOf<UndetectableEffect> rows(Of<UndetectableEffect>) {
+  return {{"effect", &UndetectableEffect::effect}, {"needs", &UndetectableEffect::required}};
+}
+
+RowsOf<PlannedJoint> rows(Of<PlannedJoint>) {
+  return {{"joint", &PlannedJoint::joint},
+          {"unit", [](auto& j) { return j.prismatic ? "m" : "rad"; }},
+          {"resolution", &PlannedJoint::resolution},
+          {"moves", &PlannedJoint::moves},
+          {"readings", &PlannedJoint::readings, "independent ones"},
+          {"effects", within(&PlannedJoint::effects)},
+          {"unseen", &PlannedJoint::undetectable}};
+}
+
+RowsOf<BetterMotion> rows(Of<BetterMotion>) {
+  return {{"motion", [](auto& b) { return motion_text(*b, b.whole.spec.model.chain); }, "YAML to paste"},
+          {"changed",
+           [](auto& b) {
+             const auto& joints = b.whole.spec.model.chain.independent;
+             return b.whole.plan.changed |
+                    std::views::transform([&](std::size_t j) { return joints[j].name; });
+           },
+           "joints"},
+          {"joints", [](auto& b) { return b.whole.plan.joints_better; }}};
+}
+
+RowsOf<PlanReport> rows(Of<PlanReport>) {
+  return header<PlanReport>("diagnose --plan")
+      .with({{"spec",
+              {{"file", [](auto& r) { return r.spec.file; }},
+               {"sha256", [](auto& r) { return r.spec.sha256; }}}},
+             {"reference_noise", [](auto& r) { return r.plan.options.reference_noise; }, "counts"},
+             {"power", [](auto& r) { return r.plan.options.power; }},
+             {"joints", [](auto& r) { return r.plan.joints; }},
+             {"better", within([](auto& r) { return r.plan.better; }), "a motion that identifies more"},
+             {"warnings", &PlanReport::warnings}});
 }
 
 }  // namespace qerr

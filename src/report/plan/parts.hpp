@@ -3,6 +3,7 @@
 #include <string>
 
 #include "qerr/report/plan_report.hpp"
+#include "report/rows.hpp"
 
 /// What the formats of a plan share.
 namespace qerr {
@@ -12,5 +13,7 @@ std::string size_unit(const PlannedEffect&, bool prismatic);
 
 /// An effect with its shaft, without its order: `eccentricity (joint)`.
 std::string family_of(const Effect&);
+
+RowsOf<PlannedJoint> rows(Of<PlannedJoint>);
 
 }  // namespace qerr

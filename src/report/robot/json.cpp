@@ -1,69 +1,90 @@
 #include "input/urdf_reader.hpp"
-#include "report/formats.hpp"
-#include "report/json_value.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 
 namespace {
 
-Json joint_json(const Joint& joint) {
-  const bool linear = joint.type == JointType::prismatic;
-  Json j = {{"name", joint.name},
-            {"type", joint_type_name(joint.type)},
-            {"parent", joint.parent},
-            {"child", joint.child}};
-  if (joint.type == JointType::fixed) return j;
-  j["unit"] = linear ? "m" : "rad";
-  j["axis"] = Json::array({joint.axis.x(), joint.axis.y(), joint.axis.z()});
-  j["limits"] = joint.limits ? Json{{"lower", joint.limits->lower}, {"upper", joint.limits->upper}} : Json();
-  j["effort"] = joint.effort_limit;
-  j["velocity"] = joint.velocity_limit;
-  j["ratio"] = joint.stated_ratio;
-  j["mimic"] = joint.mimic ? Json{{"joint", joint.mimic->joint},
-                                  {"multiplier", joint.mimic->multiplier},
-                                  {"offset", joint.mimic->offset}}
-                           : Json();
-  return j;
+/// Of a moving joint.
+template <class T>
+auto moving(T Joint::*value) {
+  return [value](const Joint& j) { return only_if(j.type != JointType::fixed, j.*value); };
 }
+
+using ReportedEnd = In<TreeEnd, RobotReport>;
+
+struct FirstSpec {
+  std::string base, tip;
+};
 
 }  // namespace
 
-std::string to_json(const RobotReport& report, const Style&) {
-  const RobotModel& robot = report.robot;
-  Json joints = Json::array(), ends = Json::array(), flaws = Json::array();
-  for (const Joint& joint : robot.joints) joints.push_back(joint_json(joint));
-  Json couplings = Json::array();
-  for (const StatedCoupling& c : robot.couplings)
-    couplings.push_back({{"transmission", c.transmission},
-                         {"type", c.type},
-                         {"joints", Json::array({c.joints[0], c.joints[1]})},
-                         {"ratios", Json::array({c.ratios[0], c.ratios[1]})},
-                         {"coupling", Json::array({Json::array({c.coupling(0, 0), c.coupling(0, 1)}),
-                                                   Json::array({c.coupling(1, 0), c.coupling(1, 1)})})}});
-  for (const TreeEnd& end : report.ends) {
-    Json names = Json::array();
-    for (const std::size_t i : end.joints) names.push_back(robot.joints[i].name);
-    ends.push_back({{"tip", end.tip},
-                    {"base", end.base},
-                    {"moving_joints", end.joints.size()},
-                    {"kind", end_kind_name(end.kind)},
-                    {"joints", names}});
-  }
-  for (const Flaw& flaw : robot.flaws)
-    flaws.push_back({{"severity", flaw.spoils ? "error" : "warning"}, {"message", format({flaw.fault})}});
-  Json first = Json();
-  if (!report.tip.empty()) first = {{"base", report.base}, {"tip", report.tip}};
-  return Json{{"qerr", version()},
-              {"command", "robot"},
-              {"urdf", {{"file", robot.file}, {"sha256", report.sha256}}},
-              {"robot", {{"name", robot.name}, {"roots", report.roots}}},
-              {"first_spec", first},
-              {"links", robot.links},
-              {"joints", joints},
-              {"couplings", couplings},
-              {"ends", ends},
-              {"flaws", flaws}}
-      .document();
+RowsOf<Limits> rows(Of<Limits>) {
+  return {{"lower", &Limits::lower, nullable}, {"upper", &Limits::upper, nullable}};
+}
+
+RowsOf<Mimic> rows(Of<Mimic>) {
+  return {{"joint", &Mimic::joint}, {"multiplier", &Mimic::multiplier}, {"offset", &Mimic::offset}};
+}
+
+RowsOf<Joint> rows(Of<Joint>) {
+  return {{"name", &Joint::name},
+          {"type", [](auto& j) { return joint_type_name(j.type); }},
+          {"parent", &Joint::parent},
+          {"child", &Joint::child},
+          {"unit",
+           [](auto& j) {
+             return j.type == JointType::fixed ? "" : j.type == JointType::prismatic ? "m" : "rad";
+           },
+           one_of({"m", "rad"}), "of a moving joint, as the members below", optional},
+          {"axis", moving(&Joint::axis), "in the frame of the joint", optional},
+          {"limits", moving(&Joint::limits), "null: none", optional},
+          {"effort", moving(&Joint::effort_limit), optional},
+          {"velocity", moving(&Joint::velocity_limit), optional},
+          {"ratio", moving(&Joint::stated_ratio), "that the URDF states", optional},
+          {"mimic", moving(&Joint::mimic), optional}};
+}
+
+RowsOf<StatedCoupling> rows(Of<StatedCoupling>) {
+  return {{"transmission", &StatedCoupling::transmission},
+          {"type", &StatedCoupling::type},
+          {"joints", &StatedCoupling::joints},
+          {"ratios", &StatedCoupling::ratios, "of the two motors"},
+          {"coupling", [](auto& c) { return nested(c.coupling); }, "joints = coupling * (motors / ratios)"}};
+}
+
+RowsOf<ReportedEnd> rows(Of<ReportedEnd>) {
+  return {{"tip", &TreeEnd::tip},
+          {"base", &TreeEnd::base},
+          {"moving_joints", [](auto& end) { return end->joints.size(); }},
+          {"kind", [](auto& end) { return end_kind_name(end->kind); }},
+          {"joints", [](auto& end) {
+             return end->joints |
+                    std::views::transform([&](std::size_t i) { return end.whole.robot.joints[i].name; });
+           }}};
+}
+
+RowsOf<Flaw> rows(Of<Flaw>) {
+  return {{"severity", [](auto& f) { return f.spoils ? "error" : "warning"; }, one_of({"error", "warning"})},
+          {"message", [](auto& f) { return format({f.fault}); }}};
+}
+
+RowsOf<FirstSpec> rows(Of<FirstSpec>) { return {{"base", &FirstSpec::base}, {"tip", &FirstSpec::tip}}; }
+
+RowsOf<RobotReport> rows(Of<RobotReport>) {
+  return header<RobotReport>("robot").with(
+      {{"urdf", {{"file", [](auto& r) { return r.robot.file; }}, {"sha256", &RobotReport::sha256}}},
+       {"robot", {{"name", [](auto& r) { return r.robot.name; }}, {"roots", &RobotReport::roots}}},
+       {"first_spec",
+        [](auto& r) {
+          return only_if(!r.tip.empty(), FirstSpec{r.base, r.tip});
+        },
+        "the chain of --write-spec"},
+       {"links", [](auto& r) { return r.robot.links; }},
+       {"joints", [](auto& r) { return r.robot.joints; }},
+       {"couplings", [](auto& r) { return r.robot.couplings; }, "of two motors and two joints"},
+       {"ends", within(&RobotReport::ends), "of the tree, the likeliest tip first"},
+       {"flaws", [](auto& r) { return r.robot.flaws; }}});
 }
 
 }  // namespace qerr

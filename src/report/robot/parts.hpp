@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "qerr/report/robot_report.hpp"
+#include "report/rows.hpp"
 #include "report/text_table.hpp"
 
 /// Parts of the table of `qerr robot`.
@@ -14,5 +15,7 @@ std::string tree_text(const RobotReport&, std::size_t width);
 
 /// The moving joints with axis, range, effort, velocity and stated ratio; then the mimics.
 std::string joint_text(const RobotReport&, std::size_t width);
+
+RowsOf<Joint> rows(Of<Joint>);
 
 }  // namespace qerr

@@ -1,5 +1,4 @@
 #include "report/analysis/effects.hpp"
-#include "report/formats.hpp"
 #include "report/json_header.hpp"
 #include "report/simulation/cutoffs.hpp"
 #include "report/simulation/signals.hpp"
@@ -8,47 +7,84 @@ namespace qerr {
 
 namespace {
 
-Json json_of(const NamedSignal& s) {
-  Json row = {{"filter", s.filter}, {"coordinate", s.coordinate}, {"unit", s.unit}};
-  for (const auto& [name, value] : figures_of(s.signal)) row[name] = value;
-  for (const auto& [name, value] : factors_of(s.signal.ladder)) row["ladder"][name] = value;
-  return row;
+using Cutoffs = In<CutoffSearch, SimulationReport>;
+
+/// An effect with its parameters beside its type.
+Json reported_effects(const SimulationReport& r) {
+  Json effects = Json::array();
+  for (const Effect& effect : r.spec.effects) {
+    Json entry = {{"effect", effect.type}, {"joint", effect.joint}};
+    for (const EffectParameter& p : effect_parameters(r.spec, effect)) entry[p.name] = p.value;
+    for (const auto& [name, choice] : effect.choices) entry[name] = choice;
+    effects.push_back(entry);
+  }
+  return effects;
 }
 
-Json cutoffs(const SimulationReport& r) {
-  const std::vector<CutoffChoice> choices = cutoff_choices(r);
-  Json list = Json::array();
-  for (const CutoffChoice& c : choices)
-    list.push_back({{"cutoff", c.cutoff},
-                    {"encoder_rms", c.noise},
-                    {"tracking_rms", c.tracking},
-                    {"total_rms", c.total}});
-  return {{"filter", r.cutoffs->filter},
-          {"unit", cutoff_unit(r)},
-          {"best", choices[best_of(choices)].cutoff},
-          {"choices", list}};
+Schema effects_schema() {
+  Json effect = schema_of(RowsOf<Effect>{{"effect", &Effect::type}, {"joint", &Effect::joint}}.list);
+  effect["additionalProperties"] = {{"type", Json::array({"number", "string", "null"})}};
+  return {schema::list(effect)};
 }
 
 }  // namespace
 
-std::string to_json(const SimulationReport& r, const Style&) {
-  Json effects = Json::array();
-  for (const Effect& effect : r.spec.effects) {
-    Json row = {{"effect", effect.type}, {"joint", effect.joint}};
-    for (const EffectParameter& p : effect_parameters(r.spec, effect)) row[p.name] = p.value;
-    for (const auto& [name, choice] : effect.choices) row[name] = choice;
-    effects.push_back(row);
-  }
-  Json j = report_header(r.spec, "simulate", r.seed);
-  j["effects"] = effects;
-  j["runs"] = r.simulation.runs;
-  j["samples"] = r.simulation.samples;
-  j["settling_samples"] = r.simulation.settling;
-  j["results"] = Json::array();
-  for (const NamedSignal& s : signals_of(r)) j["results"].push_back(json_of(s));
-  if (r.cutoffs) j["cutoffs"] = cutoffs(r);
-  j["warnings"] = r.warnings;
-  return j.document();
+RowsOf<Ladder> rows(Of<Ladder>) {
+  return {{"varying_jacobian", &Ladder::varying_jacobian, nullable},
+          {"joint_error", &Ladder::joint_error, nullable},
+          {"correlated_joints", &Ladder::correlated_joints, nullable},
+          {"nonlinear", &Ladder::nonlinear, nullable}};
+}
+
+RowsOf<NamedSignal> rows(Of<NamedSignal>) {
+  return {{"filter", &NamedSignal::filter, "\"position\" or the filter's name"},
+          {"coordinate", &NamedSignal::coordinate},
+          {"unit", &NamedSignal::unit},
+          {"sigma_simulated", &SimulatedSignal::sigma_simulated, nullable},
+          {"sigma_lower", &SimulatedSignal::sigma_lower, nullable},
+          {"sigma_upper", &SimulatedSignal::sigma_upper, nullable},
+          {"mean_simulated", &SimulatedSignal::mean_simulated, nullable},
+          {"peak_simulated", &SimulatedSignal::peak_simulated, nullable},
+          {"sigma_ipqn", &SimulatedSignal::sigma_ipqn, nullable},
+          {"sigma_ipqn_path", &SimulatedSignal::sigma_ipqn_path, nullable},
+          {"sigma_exact", &SimulatedSignal::sigma_exact, nullable},
+          {"worst_case", &SimulatedSignal::worst_case, nullable},
+          {"worst_case_path", &SimulatedSignal::worst_case_path, nullable},
+          {"tracking_rms", &SimulatedSignal::tracking_rms, nullable},
+          {"tracking_peak", &SimulatedSignal::tracking_peak, nullable},
+          {"total_rms", &SimulatedSignal::total_rms, nullable},
+          {"ladder", &SimulatedSignal::ladder, "factors from sigma_ipqn to sigma_simulated"}};
+}
+
+RowsOf<CutoffChoice> rows(Of<CutoffChoice>) {
+  return {{"cutoff", &CutoffChoice::cutoff, "[Hz]"},
+          {"encoder_rms", &CutoffChoice::noise, "by the errors of the encoders"},
+          {"tracking_rms", &CutoffChoice::tracking, "by the filter"},
+          {"total_rms", &CutoffChoice::total}};
+}
+
+RowsOf<Cutoffs> rows(Of<Cutoffs>) {
+  return {{"filter", &CutoffSearch::filter},
+          {"unit", [](auto& c) { return cutoff_unit(c.whole); }, "of the errors"},
+          {"best",
+           [](auto& c) {
+             const std::vector<CutoffChoice> choices = cutoff_choices(c.whole);
+             return choices[best_of(choices)].cutoff;
+           },
+           "the cut-off with the least total [Hz]"},
+          {"choices", [](auto& c) { return cutoff_choices(c.whole); },
+           "of the vector of the position's coordinates"}};
+}
+
+RowsOf<SimulationReport> rows(Of<SimulationReport>) {
+  return spec_header<SimulationReport>("simulate")
+      .with({{"effects", reported_effects, effects_schema()},
+             {"runs", [](auto& r) { return r.simulation.runs; }},
+             {"samples", [](auto& r) { return r.simulation.samples; }, "of a run"},
+             {"settling_samples", [](auto& r) { return r.simulation.settling; }, "discarded at the start"},
+             {"results", signals_of},
+             {"cutoffs", within(&SimulationReport::cutoffs), "with --cutoffs", optional},
+             {"warnings", &SimulationReport::warnings}});
 }
 
 }  // namespace qerr

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "qerr/report/simulation_report.hpp"
+#include "report/rows.hpp"
 
 namespace qerr {
 
@@ -14,6 +15,8 @@ struct NamedSignal {
   std::string filter;  ///< "position" for the unfiltered signal
   std::string coordinate, unit;
   std::string shown_unit;  ///< in tables and pages: "" of a control law that states none
+
+  const SimulatedSignal& operator*() const { return signal; }  ///< for rows that name its members
 };
 
 /// All signals, in the order of every format. Valid as long as the report.
@@ -39,13 +42,7 @@ std::vector<IpqnDeviation> ipqn_deviations(const SimulationReport&);
 /// Of each estimate with a tracking error: label, encoder error, tracking error, its peak, total.
 std::vector<std::vector<std::string>> tracking_cells(const SimulationReport&);
 
-/// Names and values.
-using Figures = std::vector<std::pair<const char*, double>>;
-
-/// Simulated sigma, mean and peak of a signal, and the bounds that they are compared with.
-Figures figures_of(const SimulatedSignal&);
-
-/// Factors from the IPQN sigma to the simulated one.
-Figures factors_of(const Ladder&);
+RowsOf<Ladder> rows(Of<Ladder>);
+RowsOf<NamedSignal> rows(Of<NamedSignal>);
 
 }  // namespace qerr

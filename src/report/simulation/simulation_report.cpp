@@ -18,29 +18,6 @@
 
 namespace qerr {
 
-Figures figures_of(const SimulatedSignal& s) {
-  return {{"sigma_simulated", s.sigma_simulated},
-          {"sigma_lower", s.sigma_lower},
-          {"sigma_upper", s.sigma_upper},
-          {"mean_simulated", s.mean_simulated},
-          {"peak_simulated", s.peak_simulated},
-          {"sigma_ipqn", s.sigma_ipqn},
-          {"sigma_ipqn_path", s.sigma_ipqn_path},
-          {"sigma_exact", s.sigma_exact},
-          {"worst_case", s.worst_case},
-          {"worst_case_path", s.worst_case_path},
-          {"tracking_rms", s.tracking_rms},
-          {"tracking_peak", s.tracking_peak},
-          {"total_rms", s.total_rms}};
-}
-
-Figures factors_of(const Ladder& l) {
-  return {{"varying_jacobian", l.varying_jacobian},
-          {"joint_error", l.joint_error},
-          {"correlated_joints", l.correlated_joints},
-          {"nonlinear", l.nonlinear}};
-}
-
 std::vector<NamedSignal> signals_of(const SimulationReport& r) {
   std::vector<NamedSignal> all;
   for (std::size_t o = 0; o < r.simulation.results.size(); ++o) {

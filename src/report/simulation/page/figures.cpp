@@ -74,7 +74,7 @@ std::string error_figure(const NamedSignal& s, const ErrorTrace& trace, const st
 }
 
 std::string ladder_figure(const NamedSignal& s) {
-  const Figures factors = factors_of(s.signal.ladder);
+  const Json factors = json_of(s.signal.ladder);
   if (is_unbounded(s.signal) || is_constant(s.signal) || !(s.signal.sigma_ipqn > 0)) return "";
   page::Waterfall w{page::isolated_runs("From IPQN to the simulated sigma of " + label_of(s)),
                     "The theory at the centre of the motion times each factor is the simulated sigma.",
@@ -83,10 +83,10 @@ std::string ladder_figure(const NamedSignal& s) {
                     s.signal.sigma_ipqn,
                     s.shown_unit,
                     {}};
-  for (const auto& [name, value] : factors) {
-    std::string words(name);
+  for (const auto& [name, value] : factors.members()) {
+    std::string words = name;
     std::replace(words.begin(), words.end(), '_', ' ');
-    w.factors.push_back({words, value});
+    w.factors.push_back({words, value.number().value_or(NAN)});
   }
   return figure(w);
 }
