@@ -275,6 +275,51 @@ TEST(Sanity, ExcludesTheRowsOfAStuckSensor) {
   }
 }
 
+bool stands_still(const Sanity& s) {
+  return std::any_of(s.data.begin(), s.data.end(), [](const DataFinding& f) {
+    return f.kind == DataKind::repeated && f.what.starts_with("the reference stands still");
+  });
+}
+
+TEST(Sanity, LeavesOutTheRowsInWhichAReferenceIsFrozen) {
+  int tried = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Machine m(seed);
+    Column reference = m.reference();
+    // It may return to where the reference is: no jump at the end.
+    const Eigen::Index length = m.rows / 20 + static_cast<Eigen::Index>(m.dice() % (m.rows / 8)),
+                       at = m.rows / 4 + static_cast<Eigen::Index>(m.dice() % (m.rows / 2));
+    if (const Column part = m.path.segment(at, length); part.maxCoeff() - part.minCoeff() < 30 * m.resolution)
+      continue;
+    reference.segment(at, length).setConstant(reference[at]);
+    const Sanity s = check_sanity(model_of(m), {},
+                                  log_of({{LogSignal::time, m.time},
+                                          {LogSignal::counts, m.counted(m.path), 0},
+                                          {LogSignal::reference, reference}}));
+    EXPECT_TRUE(stands_still(s)) << seed;
+    EXPECT_EQ(s.log.values.rows(), m.rows - length) << seed;
+    ++tried;
+  }
+  EXPECT_GT(tried, 20);
+}
+
+TEST(Sanity, TakesNoPlayForAFrozenReference) {
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    Machine m(seed);
+    const double width = m.between(20, 2000) * m.resolution;
+    const Eigen::Index end = m.rows / 4 + static_cast<Eigen::Index>(m.dice() % (3 * m.rows / 4));
+    Column joint = m.path.head(end);
+    joint[0] += m.between(-0.5, 0.5) * width;
+    for (Eigen::Index k = 1; k < end; ++k)
+      joint[k] = std::clamp(joint[k - 1], m.path[k] - width / 2, m.path[k] + width / 2);
+    const Sanity s = check_sanity(model_of(m), {},
+                                  log_of({{LogSignal::time, m.time.head(end)},
+                                          {LogSignal::counts, m.counted(m.path).head(end), 0},
+                                          {LogSignal::reference, joint}}));
+    EXPECT_FALSE(stands_still(s)) << seed;
+  }
+}
+
 TEST(Sanity, RestoresRoundedStampsAndReportsGapsAndDuplicates) {
   Machine m(5);
   const Column counts = m.counted(m.path);

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,73 @@ constexpr double unrelated_slope = 0.02;
 /// thirtieth of what quantization leaves (convention).
 constexpr double copied = 0.01;
 
-/// Rows in which the readings do not change: first, and one past the last.
+/// Rows in which a signal does not change: first, and one past the last.
 struct ConstantRun {
   Eigen::Index first, end;
 };
+
+std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal) {
+  std::vector<ConstantRun> runs;
+  for (Eigen::Index first = 0, end = 0; first < signal.size(); first = end) {
+    while (end < signal.size() && signal[end] == signal[first]) ++end;
+    runs.push_back({first, end});
+  }
+  return runs;
+}
+
+/// A reference that stands, and what the encoder does meanwhile.
+struct Standstill {
+  ConstantRun rows;
+  double motion;  ///< peak to peak [counts]
+  double net;     ///< from its first row to its last [counts]
+};
+
+/// How often the motion in a standstill exceeds the error elsewhere before it is no play and no wind-up
+/// against friction: both leave their whole width as an error of the rest of the record, where the joint
+/// moves both ways or has moved on in the same direction; static friction that is twice the sliding one adds
+/// half of it.
+constexpr double beyond_play = 3;
+
+/// Largest rise up to each row.
+Eigen::ArrayXd largest_rise(const Eigen::ArrayXd& x) {
+  Eigen::ArrayXd rise(x.size());
+  double lowest = x[0], largest = 0;
+  for (Eigen::Index k = 0; k < x.size(); ++k) {
+    lowest = std::min(lowest, x[k]);
+    rise[k] = largest = std::max(largest, x[k] - lowest);
+  }
+  return rise;
+}
+
+/// The standstills that the joint has not made.
+std::vector<Standstill> frozen(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+  std::vector<Standstill> all;
+  for (const ConstantRun& run : constant_runs(reference)) {
+    const auto read = counts.segment(run.first, run.end - run.first);
+    all.push_back({run, peak_to_peak(read), read[read.size() - 1] - read[0]});
+  }
+  const auto less = [](const Standstill& a, const Standstill& b) { return a.motion < b.motion; };
+  if (std::max_element(all.begin(), all.end(), less)->motion < missed_motion) return {};
+  std::stable_sort(all.begin(), all.end(), less);
+  const Eigen::Index last = reference.size() - 1;
+  const Eigen::ArrayXd rise = largest_rise(reference), fall = largest_rise(-reference);
+  const bool both_ways = std::min(rise[last], fall[last]) >= missed_motion;
+  const auto goes_on = [&](const Standstill& s) {
+    const bool one_way = std::abs(s.net) >= s.motion - 2;
+    return one_way && (s.net > 0 ? rise : fall)[s.rows.first] >= missed_motion;
+  };
+  double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;  // error elsewhere
+  for (auto s = all.begin(); s != all.end(); ++s) {
+    if (s->motion >= missed_motion && (both_ways || goes_on(*s)) &&
+        s->motion > beyond_play * (highest - lowest))
+      return {s, all.end()};
+    for (Eigen::Index k = s->rows.first; k < s->rows.end; ++k) {
+      lowest = std::min(lowest, counts[k] - reference[k]);
+      highest = std::max(highest, counts[k] - reference[k]);
+    }
+  }
+  return {};
+}
 
 /// Motion of the reference that a stuck sensor misses during a run, 0 if the sensor is not stuck [counts].
 ///
@@ -115,6 +179,30 @@ void check_unrelated(Sanity& s, std::size_t encoder) {
   drop_column(s.log, *column);
 }
 
+void check_frozen_reference(Sanity& s, std::size_t encoder) {
+  const auto read = recorded_counts(s, encoder);
+  const auto column = s.log.find(LogSignal::reference, encoder);
+  if (!read || !column) return;
+  const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  const double resolution = s.model.transmission.encoders[encoder].resolution;
+  const std::vector<Standstill> all = frozen(read->counts, reference / resolution);
+  if (all.empty()) return;
+  std::vector<char> left_out(static_cast<std::size_t>(reference.size()));
+  for (const Standstill& still : all)
+    std::fill(left_out.begin() + still.rows.first, left_out.begin() + still.rows.end, 1);
+  std::vector<Eigen::Index> kept;
+  for (Eigen::Index k = 0; k < reference.size(); ++k)
+    if (!left_out[static_cast<std::size_t>(k)]) kept.push_back(k);
+  const Eigen::Index first = all.back().rows.first;
+  s.data.push_back(
+      {"the reference stands still while the encoder moves by " + significant(all.back().motion, 4) +
+           " counts, and elsewhere it follows: " + counted(left_out.size() - kept.size(), "row") + " at " +
+           counted(all.size(), "place") + " are left out",
+       s.model.chain.independent[encoder].name, s.log.row_number(first) + 1, time_of(s, first),
+       "look for lost messages of the reference sensor, or for an end of its range", DataKind::repeated});
+  keep_rows(s, kept);
+}
+
 void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   const auto read = recorded_counts(s, encoder);
   if (!read || !s.log.has_time()) return;
@@ -125,9 +213,7 @@ void check_stuck_sensor(Sanity& s, std::size_t encoder) {
   std::vector<Eigen::Index> kept;
   double missed = 0;
   Eigen::Index since = 0;
-  for (ConstantRun run{0, 0}; run.first < n; run.first = run.end) {
-    run.end = run.first + 1;
-    while (run.end < n && read->counts[run.end] == read->counts[run.first]) ++run.end;
+  for (const ConstantRun& run : constant_runs(read->counts)) {
     const double here = missed_in(run, read->counts, reference);
     if (here > missed) missed = here, since = run.first;
     for (Eigen::Index k = run.first; k < (here > 0 ? run.first + 1 : run.end); ++k) kept.push_back(k);
