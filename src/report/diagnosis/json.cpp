@@ -142,9 +142,10 @@ RowsOf<Log> rows(Of<Log>) {
 }
 
 RowsOf<Reproduction> rows(Of<Reproduction>) {
-  return {{"rms_simulated", &Reproduction::rms_simulated, "of the extended model, simulated along the record"},
-          {"rms_measured", &Reproduction::rms_measured},
-          {"agrees", &Reproduction::agrees, "whether the simulation leaves what the gain says"}};
+  return {
+      {"rms_simulated", &Reproduction::rms_simulated, "of the extended model, simulated along the record"},
+      {"rms_measured", &Reproduction::rms_measured},
+      {"agrees", &Reproduction::agrees, "whether the simulation leaves what the gain says"}};
 }
 
 RowsOf<Comparison> rows(Of<Comparison>) {
