@@ -22,11 +22,13 @@ using testing::RandomSpec;
 /// A random spec in a folder of its own.
 class SpecOnDisk {
  public:
-  explicit SpecOnDisk(const RandomSpec& s)
-      : folder_(std::filesystem::temp_directory_path() / ("qerr_overrides_" + std::to_string(getpid()))) {
+  explicit SpecOnDisk(const RandomSpec& s) : SpecOnDisk(s.urdf({}), s.text({}, "robot.urdf")) {}
+  /// @param spec  of `robot.urdf`
+  SpecOnDisk(const std::string& urdf, std::string spec)
+      : text(std::move(spec)),
+        folder_(std::filesystem::temp_directory_path() / ("qerr_overrides_" + std::to_string(getpid()))) {
     std::filesystem::create_directories(folder_);
-    std::ofstream(folder_ / "robot.urdf") << s.urdf({});
-    text = s.text({}, "robot.urdf");
+    std::ofstream(folder_ / "robot.urdf") << urdf;
   }
   ~SpecOnDisk() { std::filesystem::remove_all(folder_); }
   SpecOnDisk(const SpecOnDisk&) = delete;
@@ -173,6 +175,51 @@ bool moves(Dice& dice, const Spec& spec, Eigen::Index coordinate) {
     }
   }
   return false;
+}
+
+/// A planar arm whose axes are turned out of the plane's normal and back by right angles.
+/// @param digits  of pi/2 behind the point
+std::string planar_arm(int digits, double elbow) {
+  const double right = std::round(std::numbers::pi / 2 * std::pow(10, digits)) / std::pow(10, digits);
+  const auto joint = [](const std::string& type, int k, double roll, double yaw) {
+    return "<joint name='" + type + std::to_string(k) + "' type='" + type + "'><parent link='l" +
+           std::to_string(k) + "'/><child link='l" + std::to_string(k + 1) +
+           "'/><origin xyz='0.3 0 0' rpy='" + std::to_string(roll) + " 0 " + std::to_string(yaw) +
+           "'/><axis xyz='0 1 0'/><limit lower='-2' upper='2' effort='1' velocity='1'/></joint>";
+  };
+  std::string text = "<robot name='planar'>";
+  for (int k = 0; k < 5; ++k) text += "<link name='l" + std::to_string(k) + "'/>";
+  return text + joint("fixed", 0, right, 0) + joint("revolute", 1, 0, 0) + joint("revolute", 2, 0, elbow) +
+         joint("fixed", 3, right, 0) + "</robot>";
+}
+
+TEST(RequirementProperties, RoundedRightAnglesLetNoErrorReachAQuantity) {
+  const auto verdict = [](int digits, double elbow, char coordinate) {
+    SpecOnDisk disk(planar_arm(digits, elbow),
+                    "qerr: 1\nrobot: {urdf: robot.urdf}\nencoders: {'*': {bits: 12}}\n");
+    disk.text += std::string("requirements: [{quantity: position.") + coordinate +
+                 ".worst_case, statistic: max, at_most: 1 mm}]\n";
+    const SpecCheck check = evaluate(disk.read(), {.threads = 1});
+    std::string warnings;
+    for (const std::string& w : check.analysis.warnings) warnings += w;
+    return warnings;
+  };
+  const auto refused = [&](int digits, double elbow, char coordinate) {
+    try {
+      verdict(digits, elbow, coordinate);
+      return std::string();
+    } catch (const Error& e) {
+      return std::string(e.what());
+    }
+  };
+  constexpr double none = 0, tilted = 0.3;
+  for (int digits = 4; digits <= 6; ++digits) {
+    EXPECT_NE(refused(digits, none, 'z').find("only the rounding of the URDF's angles"), std::string::npos)
+        << digits << refused(digits, none, 'z');
+    EXPECT_EQ(verdict(digits, none, 'x').find("angles"), std::string::npos);
+    EXPECT_EQ(verdict(digits, tilted, 'z').find("angles"), std::string::npos);
+  }
+  EXPECT_NE(verdict(2, none, 'z').find("right angles to 2 mrad"), std::string::npos);
 }
 
 RC_GTEST_PROP(RequirementProperties, AVerdictIsGivenWhereAnErrorReachesTheQuantityAndNowhereElse, ()) {

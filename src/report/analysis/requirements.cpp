@@ -36,12 +36,48 @@ double conceivable(const Analysis& a, std::ptrdiff_t filter, const Signal& signa
   return filter < 0 ? sum : sum * a.spec.filters[static_cast<std::size_t>(filter)].norms.h2;
 }
 
-bool is_unreached(const Analysis& a, std::ptrdiff_t filter, std::size_t coordinate) {
+/// Whether a quantity is a share at the most of what is conceivable.
+bool is_below(const Analysis& a, std::ptrdiff_t filter, std::size_t signal, double share) {
+  return largest(a.workspace, filter, signal) <=
+         share * conceivable(a, filter, all_signals(a.spec.model)[signal]);
+}
+
+bool is_unreached(const Analysis& a, std::ptrdiff_t filter, std::size_t signal) {
   // Entries of the Jacobian that vanish are rounding errors of some 1e-16 times the reach. No two encoders of
   // a robot differ by 1e13 in resolution.
-  constexpr double rounding = 1e-13;
-  const Signal c = all_signals(a.spec.model)[coordinate];
-  return largest(a.workspace, filter, coordinate) <= rounding * conceivable(a, filter, c);
+  return is_below(a, filter, signal, 1e-13);
+}
+
+/// Angles between joints that are this near to right angles, or to none [rad]: pi/2 and pi with four decimals
+/// or more, some of them in a row; and with two decimals. A tilt of the first size is nowhere measured, one
+/// of the second may be.
+constexpr double rounded_angle = 5e-5, almost_right_angle = 2e-3;
+
+/// A rotation whose entries below the tolerance are zeros.
+Eigen::Matrix3d without_rounding(Eigen::Matrix3d rotation, double tolerance) {
+  rotation = (rotation.array().abs() < tolerance).select(0.0, rotation);
+  const Eigen::Vector3d x = rotation.col(0).normalized(),
+                        y = (rotation.col(1) - x * x.dot(rotation.col(1))).normalized();
+  return (Eigen::Matrix3d() << x, y, x.cross(y)).finished();
+}
+
+Chain without_rounding(Chain chain, double tolerance) {
+  for (ChainJoint& j : chain.joints) {
+    j.origin.linear() = without_rounding(j.origin.linear(), tolerance);
+    j.axis = (j.axis.array().abs() < tolerance).select(0.0, j.axis).normalized();
+  }
+  chain.tip_offset.linear() = without_rounding(chain.tip_offset.linear(), tolerance);
+  return chain;
+}
+
+/// Whether no error reaches the quantity where angles that are nearly right are right.
+bool moved_by_rounding(const Analysis& a, const Requirement& r, double tolerance) {
+  const double angles = static_cast<double>(a.spec.model.chain.joints.size() + 1);
+  if (!is_below(a, r.filter, r.signal, angles * tolerance)) return false;
+  Spec right = a.spec;
+  right.requirements.clear();
+  right.model.chain = without_rounding(a.spec.model.chain, tolerance);
+  return is_unreached(analysis_of_some(right, 1), r.filter, r.signal);
 }
 
 /// What to require in place of a quantity that no error reaches.
@@ -49,7 +85,7 @@ std::string reached_instead(const Analysis& a) {
   std::string names;
   const std::vector<Signal> all = all_signals(a.spec.model);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (!is_unreached(a, -1, i)) names += (names.empty() ? "" : ", ") + all[i].name;
+    if (!is_below(a, -1, i, almost_right_angle)) names += (names.empty() ? "" : ", ") + all[i].name;
   return names.empty() ? "the joints move none of the spec's coordinates; add those that they move, such as "
                          "rx, ry, rz, to `coordinates`"
                        : "the joints move " + names;
@@ -131,9 +167,16 @@ void refuse_unreached(const Analysis& a) {
     const Statistic* const in_motion =
         r.bound == Bound::sigma_in_motion ? statistic_of(a.workspace, r) : nullptr;
     const bool at_rest = in_motion && !r.proven && in_motion->max == 0;
-    if (!at_rest && !is_unreached(a, r.filter, r.signal)) continue;
+    const bool unreached = is_unreached(a, r.filter, r.signal);
+    if (!at_rest && !unreached && !moved_by_rounding(a, r, rounded_angle)) continue;
     faults.push_back({r.place, "requirements",
-                      "no error reaches this quantity: it is 0 at all configurations, which meets any limit",
+                      at_rest || unreached
+                          ? "no error reaches this quantity: it is 0 at all configurations, which meets any "
+                            "limit"
+                          : "only the rounding of the URDF's angles, such as 1.5708 for pi/2, lets an error "
+                            "reach this quantity: " +
+                                readable(largest(a.workspace, r.filter, r.signal), r.unit) +
+                                " at the most, which meets any limit",
                       quoted(r.quantity),
                       at_rest ? "along `motion:` no encoder counts; require sigma, or let the joints move"
                               : reached_instead(a)});
@@ -166,6 +209,13 @@ SpecCheck evaluate(const Spec& spec, const WorkspaceOptions& options, const Proo
   require_known(spec, effects.shares);
   SpecCheck report{analyze(spec, std::move(effects), options, proofs), {}};
   report.results = requirement_results(report.analysis);
+  for (const Requirement& r : spec.requirements)
+    if (r.limits_error() && moved_by_rounding(report.analysis, r, almost_right_angle))
+      report.analysis.warnings.push_back({"requirements: '" + r.quantity +
+                                          "' is moved only by angles of the URDF that are right angles to 2 "
+                                          "mrad: if they are rounded, such as "
+                                          "1.57 for pi/2, the requirement says nothing; " +
+                                          reached_instead(report.analysis)});
   report.seconds = std::chrono::duration<double>(Clock::now() - start).count();
   return report;
 }
