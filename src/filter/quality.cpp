@@ -8,7 +8,7 @@
 
 namespace qerr {
 
-double low_frequency_gain(const Filter& filter) { return std::abs(limit_at_dc(filter)); }
+double low_frequency_gain(const Filter& filter) { return limit_at_dc(filter); }
 
 bool estimates_its_derivative(const Filter& filter) {
   const double gain = low_frequency_gain(filter);

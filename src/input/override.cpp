@@ -279,6 +279,9 @@ class JointOverride {
     return now.empty() || set_one_value(path_.map + ".j." + now, path_.map + ".j." + before);
   }
 
+  /// Whether the user states it first: both are elements of one list of changes.
+  bool is_stated_before(const JointOverride& other) const { return &value_ < &other.value_; }
+
   /// @param later  changes that are made behind this one
   void refuse_replaced(std::span<const JointOverride> later) const {
     std::vector<std::string> left = joints();
@@ -310,6 +313,7 @@ class JointOverride {
       return "";
     }
     const bool own_entry = map_->find(path_.joint);
+    std::string kept_of_names;
     std::vector<std::string> changed = governing(), kept;
     std::copy_if(changed.begin(), changed.end(), std::back_inserter(kept),
                  [&](const std::string& name) { return cannot_have(name); });
@@ -318,13 +322,21 @@ class JointOverride {
     for (const std::string& name : changed) change(name);
     std::erase(changed, path_.joint);
     for (const JointOverride& other : later)
-      if (!other.of_pattern() && other.replaces(*this)) std::erase(changed, other.path_.joint);
+      if (!other.of_pattern() && other.replaces(*this)) {
+        if (std::erase(changed, other.path_.joint) > 0 && other.is_stated_before(*this))
+          kept_of_names += (kept_of_names.empty() ? "" : ", ") + other.key();
+      }
     const std::string also = own_entry && !changed.empty() ? " also changes " + list_of_names(changed) : "";
     const std::string not_these =
         kept.empty() ? "" : " does not change " + list_of_names(kept) + ", whose encoders cannot have it";
-    return also.empty() && not_these.empty()
-               ? ""
-               : place_.file + also + (also.empty() || not_these.empty() ? "" : ", and") + not_these;
+    const std::string named = kept_of_names.empty()
+                                  ? ""
+                                  : " does not change what " + kept_of_names +
+                                        " states: a name beats a pattern, whatever their order";
+    std::string all;
+    for (const std::string& text : {also, not_these, named})
+      if (!text.empty()) all += (all.empty() ? place_.file : ", and") + text;
+    return all;
   }
 
  private:

@@ -78,7 +78,9 @@ class LogReader::Rows {
       if (column.signal != LogSignal::counts && column.signal != LogSignal::time)
         bounds_.push_back(bound_of(column, index));
       const double turn = wrap_interval(column, spec);
-      if (turn > 0 && time_) unwraps_.push_back({index, Unwrap(turn)});
+      if (turn > 0 && time_)
+        unwraps_.push_back(
+            {index, column.signal == LogSignal::counts ? Unwrap::of_counter(turn) : Unwrap::of_angle(turn)});
       const bool has_turns = column.signal == LogSignal::reference || column.signal == LogSignal::command;
       if (turn > 0 && has_turns && is_measured(log, transmission_, column.index))
         alignments_.push_back({index, turn});

@@ -12,10 +12,10 @@ int turns_after(double step, double turn);
 /// encoder.
 ///
 /// A sample is a wrap if it differs from the linear prediction u[i-1] + v by one turn within a quarter turn,
-/// and if all samples so far span at most one turn (plus 1 % for measurement errors): a position that exceeds
-/// the span of a turn does not wrap at a turn, and its jumps are data (missed counts, a rollover at another
-/// power of two). So are deviations between a quarter and three quarters of a turn. The rule is valid while
-/// the velocity changes by less than a quarter turn per sample.
+/// and if all samples so far span at most one turn: a position that exceeds the span of a turn does not wrap
+/// at a turn, and its jumps are data (missed counts, a rollover at another power of two). So are deviations
+/// between a quarter and three quarters of a turn. The rule is valid while the velocity changes by less than
+/// a quarter turn per sample.
 ///
 /// A single reading far off is no motion: where the next sample is as predicted from the samples before it,
 /// the reading and its turn are disregarded (one that is off by nearly a turn is a wrap). The velocity to it
@@ -23,7 +23,14 @@ int turns_after(double step, double turn);
 class Unwrap {
  public:
   /// @param turn  interval of the wraps [unit of the values], > 0
-  explicit Unwrap(double turn) : turn_(turn) {}
+  /// @param most_span  of the samples of a position that wraps [unit of the values]
+  Unwrap(double turn, double most_span) : turn_(turn), most_span_(most_span) {}
+
+  /// The counter of N counts a turn: it has N values.
+  static Unwrap of_counter(double counts) { return {counts, counts - 0.5}; }
+
+  /// A measured angle: 1 % of the turn for its errors.
+  static Unwrap of_angle(double turn) { return {turn, 1.01 * turn}; }
 
   /// The next sample, unwrapped: value + turns() * turn.
   double operator()(double value);
@@ -48,9 +55,9 @@ class Unwrap {
     bool wrapped = false;
   };
   State after(const State&, double value, double samples) const;
-  bool is_beyond(const State& s) const { return s.highest - s.lowest > 1.01 * turn_; }
+  bool is_beyond(const State& s) const { return s.highest - s.lowest > most_span_; }
 
-  double turn_;
+  double turn_, most_span_;
   State before_, now_;  // before_: of the sample before the last one
   std::int64_t withdrawn_ = 0;
   bool started_ = false, far_off_ = false;

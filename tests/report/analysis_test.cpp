@@ -68,6 +68,10 @@ TEST(Analysis, WarnsOfADerivativeThatIsNotScaled) {
     spec.filters[0].norms = norms(spec.filters[0].filter);
     EXPECT_EQ(suspicious(), 1u) << numerator[0];
   }
+  spec.filters[0].filter = filter_from_coefficients({-1000, 1000}, {1}, 1000, 1);
+  spec.filters[0].norms = norms(spec.filters[0].filter);
+  ASSERT_EQ(suspicious(), 1u);
+  EXPECT_NE(filter_warnings(spec)[0].find("sign"), std::string::npos);
 }
 
 /// A servo of 100000 counts a turn whose torque is 200 N m/rad q + 2 N m s/rad dq/dt at 1 kHz.

@@ -95,6 +95,25 @@ RC_GTEST_PROP(OverrideProperties, APatternChangesTheJointsThatItFitsAndNoOthers,
   }
 }
 
+RC_GTEST_PROP(OverrideProperties, ANameThatBeatsALaterPatternIsTold, ()) {
+  Dice dice(*rc::gen::arbitrary<std::uint64_t>());
+  std::vector<std::string> own;
+  const SpecOnDisk disk(spec_of_bits(dice, own));
+  const Chain chain = disk.read().model.chain;
+  RC_PRE(chain.independent.size() > 1);
+  const std::string joint = chain.independent[dice.below(chain.independent.size())].name;
+  const std::pair<std::string, std::string> name{"encoders." + joint + ".bits", "20"},
+      pattern{"encoders.*.bits", "8"};
+  const bool name_first = dice.chance(0.5);
+  const Spec spec = disk.read({name_first ? std::vector{name, pattern} : std::vector{pattern, name}, {}});
+  RC_ASSERT(spec.model.transmission.encoders[independent_index(chain, joint)].resolution ==
+            2 * std::numbers::pi / 0x1p20);
+  const bool told = std::any_of(spec.warnings.begin(), spec.warnings.end(), [](const std::string& w) {
+    return w.find("a name beats a pattern") != std::string::npos;
+  });
+  RC_ASSERT(told == name_first);
+}
+
 /// An override of a random key with a random value.
 std::pair<std::string, std::string> random_override(Dice& dice, const RandomSpec& s) {
   const std::string joint = s.encoders[dice.below(s.encoders.size())].first;

@@ -20,7 +20,7 @@ TEST(Unwrap, RestoresEveryPathWhoseVelocityChangesByLessThanAQuarterTurnPerSampl
   std::uniform_real_distribution<double> change(-0.2, 0.2), start(-5, 5);
   for (int run = 0; run < 200; ++run) {
     const double turn = run % 2 ? 2 * pi : 16384, from = start(dice) * turn;
-    Unwrap unwrap(turn);
+    Unwrap unwrap = Unwrap::of_angle(turn);
     double x = start(dice) * turn, v = 0, offset = 0;
     for (int i = 0; i < 500; ++i) {
       // the velocity varies up to 0.7 revolutions per sample, for which the nearest revolution is wrong
@@ -45,7 +45,7 @@ TEST(Unwrap, DisregardsSingleReadingsFarOff) {
     const double swing = run % 4 < 2 ? 0.3 * turn : 2 * turn, at = phase(dice);
     const double off = (run % 8 == 0 ? 100 : 1) * size(dice) * turn;
     if (std::abs(std::abs(off / turn) - 1) < 0.07) continue;  // looks like a wrap
-    Unwrap unwrap(turn);
+    Unwrap unwrap = Unwrap::of_angle(turn);
     const auto path = [&](int i) { return swing * std::sin(0.02 * i + at); };
     const int cell = 20 + run % 400;
     double offset = 0;
@@ -60,7 +60,7 @@ TEST(Unwrap, DisregardsSingleReadingsFarOff) {
 
 TEST(Unwrap, KeepsAJumpOtherThanARevolution) {
   for (const double jump : {0.3, -0.5, 0.7, -0.74, 2.0, -3.0}) {
-    Unwrap unwrap(1);
+    Unwrap unwrap = Unwrap::of_angle(1);
     for (int i = 0; i < 20; ++i) {
       const double x = 0.001 * i + (i > 9 ? jump : 0);
       ASSERT_EQ(unwrap(x), x) << jump;
@@ -70,7 +70,7 @@ TEST(Unwrap, KeepsAJumpOtherThanARevolution) {
 }
 
 TEST(Unwrap, KeepsAJumpOfARevolutionOfAMultiturnSignal) {
-  Unwrap unwrap(1);
+  Unwrap unwrap = Unwrap::of_angle(1);
   for (int i = 0; i < 40; ++i) {
     const double x = 0.1 * i - (i > 20 ? 1 : 0);
     ASSERT_EQ(unwrap(x), x);
@@ -78,7 +78,7 @@ TEST(Unwrap, KeepsAJumpOfARevolutionOfAMultiturnSignal) {
 }
 
 TEST(Unwrap, ReportsIfLaterSamplesContradictAWrap) {
-  Unwrap unwrap(1);
+  Unwrap unwrap = Unwrap::of_angle(1);
   for (int i = 0; i < 9; ++i) unwrap(0.1 * i);
   unwrap(-0.1);
   EXPECT_EQ(unwrap.turns(), 1);
@@ -195,6 +195,16 @@ TEST_F(ReadLog, InATableTheReferenceFollowsTheMeasuredPositionInAnyOrderOfRows) 
       ASSERT_NEAR(values(log, LogSignal::reference, 3)[static_cast<Eigen::Index>(i)], angle(order[i]) + 0.3,
                   1e-6);
     EXPECT_GT(log.columns[1].wraps.count, 0u);
+  }
+}
+
+TEST(Unwrap, TakesAJumpByAWholeTurnForNoWrapOfACounter) {
+  constexpr double turn = 4096;
+  Unwrap at_rest = Unwrap::of_counter(turn), on_the_edge = Unwrap::of_counter(turn);
+  for (int k = 0; k < 50; ++k) {
+    // Values 1000 and 5096 are not both of one turn.
+    EXPECT_EQ(at_rest(k < 25 ? 1000 : 1000 + turn), k < 25 ? 1000 : 1000 + turn);
+    EXPECT_EQ(on_the_edge(k < 25 ? 0 : turn - 1), k < 25 ? 0 : -1);
   }
 }
 

@@ -8,8 +8,8 @@
 
 namespace qerr {
 
-/// |H|/(2 pi f)^derivative near 0 Hz: 1 for a filter that estimates its derivative; huge when it passes a
-/// lower derivative, tiny when it passes only higher ones.
+/// H/(j 2 pi f)^derivative at 0 Hz: 1 for a filter that estimates its derivative, negative for one that
+/// reverses the sign; infinite when it passes a lower derivative, 0 when it passes only higher ones.
 double low_frequency_gain(const Filter&);
 
 /// Whether low_frequency_gain is within a factor of two of 1: tolerates ripple, but not a missing 1/T.

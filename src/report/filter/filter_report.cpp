@@ -31,6 +31,14 @@ FilterFigures figures_of(const NamedFilter& named, const FilterQuestions& q) {
   return f;
 }
 
+/// What a filter that does not estimate its derivative does. @param gain  at low frequencies, not 1
+std::string instead(double gain) {
+  if (std::isinf(gain)) return " and estimates a lower one: its gain grows without bound at low frequencies";
+  const std::string yields = ", and at low frequencies yields " + significant(gain, 4) + " of it: ";
+  return yields + (gain < -0.5 && gain > -2 ? "is the sign of its numerator right?"
+                                            : "are its coefficients scaled by 1/T?");
+}
+
 }  // namespace
 
 std::vector<std::string> filter_warnings(const Spec& spec) {
@@ -54,11 +62,7 @@ std::vector<std::string> filter_warnings(const Spec& spec) {
     if (std::abs(f.norms.dc_gain) > 1e-9 * f.norms.h2)
       warnings.push_back(stated + " and passes constants: H(1) = " + significant(f.norms.dc_gain, 4));
     else if (!estimates_its_derivative(f.filter))
-      warnings.push_back(
-          stated + (low_frequency_gain(f.filter) > 1
-                        ? " and estimates a lower one: its gain grows without bound at low frequencies"
-                        : ", and at low frequencies yields " + significant(low_frequency_gain(f.filter), 4) +
-                              " of it: are its coefficients scaled by 1/T?"));
+      warnings.push_back(stated + instead(low_frequency_gain(f.filter)));
     else if (!passes_slow_motion(f.filter))
       warnings.push_back("filter '" + f.name + "' passes slow motion with a gain of " +
                          significant(low_frequency_gain(f.filter), 4) +

@@ -37,9 +37,17 @@ std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal) {
 /// A reference that stands, and what the encoder does meanwhile.
 struct Standstill {
   ConstantRun rows;
-  double motion;  ///< peak to peak [counts]
+  double motion;  ///< peak to peak [counts]; 0 if a single step makes it, which is no motion
   double net;     ///< from its first row to its last [counts]
 };
+
+Standstill standstill(const ConstantRun& run, const Eigen::ArrayXd& counts) {
+  const Eigen::Index n = run.end - run.first;
+  const auto read = counts.segment(run.first, n);
+  const double motion = peak_to_peak(read),
+               step = n > 1 ? (read.tail(n - 1) - read.head(n - 1)).abs().maxCoeff() : 0;
+  return {run, 2 * step > motion ? 0 : motion, read[n - 1] - read[0]};
+}
 
 /// How often the motion in a standstill exceeds the error elsewhere before it is no play and no wind-up
 /// against friction: both leave their whole width as an error of the rest of the record, where the joint
@@ -61,10 +69,7 @@ Eigen::ArrayXd largest_rise(const Eigen::ArrayXd& x) {
 /// The standstills that the joint has not made.
 std::vector<Standstill> frozen(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
   std::vector<Standstill> all;
-  for (const ConstantRun& run : constant_runs(reference)) {
-    const auto read = counts.segment(run.first, run.end - run.first);
-    all.push_back({run, peak_to_peak(read), read[read.size() - 1] - read[0]});
-  }
+  for (const ConstantRun& run : constant_runs(reference)) all.push_back(standstill(run, counts));
   const auto less = [](const Standstill& a, const Standstill& b) { return a.motion < b.motion; };
   if (std::max_element(all.begin(), all.end(), less)->motion < missed_motion) return {};
   std::stable_sort(all.begin(), all.end(), less);
