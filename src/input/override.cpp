@@ -321,11 +321,11 @@ class JointOverride {
     std::erase_if(changed, [&](const auto& name) { return std::count(kept.begin(), kept.end(), name) > 0; });
     for (const std::string& name : changed) change(name);
     std::erase(changed, path_.joint);
-    for (const JointOverride& other : later)
-      if (!other.of_pattern() && other.replaces(*this)) {
-        if (std::erase(changed, other.path_.joint) > 0 && other.is_stated_before(*this))
-          kept_of_names += (kept_of_names.empty() ? "" : ", ") + other.key();
-      }
+    for (const JointOverride& other : later) {
+      if (other.of_pattern() || !other.replaces(*this) || !fits(path_.joint, other.path_.joint)) continue;
+      std::erase(changed, other.path_.joint);
+      if (other.is_stated_before(*this)) kept_of_names += (kept_of_names.empty() ? "" : ", ") + other.key();
+    }
     const std::string also = own_entry && !changed.empty() ? " also changes " + list_of_names(changed) : "";
     const std::string not_these =
         kept.empty() ? "" : " does not change " + list_of_names(kept) + ", whose encoders cannot have it";
