@@ -16,6 +16,7 @@ int run(const Values& v) {
   Spec spec = load(v.text("SPEC"), v, {"requirements", "threshold", "sweep", "design"},
                    {at_the_beginning(figures), figures});
   const std::vector<Requirement> limits = read_limits("--above", v.texts("above"), spec);
+  if (!limits.empty()) refuse_unreached(analysis_of_some(spec, threads(v)), limits, "--above");
   limit_configurations(spec, v);
   OutputFile out(v.text("output"));
   const auto rows = opened(v, "per-configuration");

@@ -126,7 +126,10 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
         std::find(moved.begin(), moved.end(), name) == moved.end())
       moved.push_back(name);
   }
-  if (moved.empty()) return;  // left over from another robot
+  if (moved.empty()) {
+    warn_of_foreign_joint(element, joints);
+    return;
+  }
   flaws_.concern_joints(moved);
   if (joints.size() == 1 && actuators.size() <= 1) {
     // ROS takes the reduction of the actuator, ros2_control that of the joint.
@@ -145,6 +148,21 @@ void UrdfReader::read_transmission(const UrdfElement& element, bool ros2, Reduct
       element, element.title(),
       (type.empty() ? "a transmission" : "this " + type) + " of " + names + " is not read: " + obstacle, "",
       "state gear_ratio (and coupling) of these joints in the spec");
+}
+
+/// A transmission of a joint that the robot does not have: misspelt, or left over from another robot.
+void UrdfReader::warn_of_foreign_joint(const UrdfElement& transmission,
+                                       const std::vector<const UrdfElement*>& joints) {
+  const bool has_ratio =
+      std::any_of(transmission.children.begin(), transmission.children.end(), [](const UrdfElement& child) {
+        const UrdfElement* ratio = ratio_in(child);
+        return ratio && !is_placeholder(number_of(*ratio).value_or(0));
+      });
+  if (!has_ratio || joints.empty() || joint_index_.contains(word_of(*joints[0], "name"))) return;
+  flaws_.concern_document();
+  flaws_.warn(transmission, transmission.title(),
+              "the robot has no joint " + quoted(word_of(*joints[0], "name")) + ": its reduction is not used",
+              "", "correct the name of the joint, or state gear_ratio in the spec");
 }
 
 /// The reduction of the first owner that has a figure. Several figures are told.

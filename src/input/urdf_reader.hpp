@@ -72,6 +72,7 @@ class UrdfReader {
   const UrdfElement* only_reduction(const std::vector<const UrdfElement*>& owners, const std::string& joint);
   std::string read_coupling(const std::string& type, const UrdfElement& transmission);
   std::string obstacle_to_coupling(const StatedCoupling&) const;
+  void warn_of_foreign_joint(const UrdfElement& transmission, const std::vector<const UrdfElement*>& joints);
   void settle_ratio(Joint& joint, const std::vector<const UrdfElement*>& stated);
   std::string name_of(const UrdfElement& element);
   std::string text_of(const UrdfElement* element, const char* tag, const char* attribute,

@@ -160,16 +160,16 @@ std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec& spec) 
   }
 }
 
-void refuse_unreached(const Analysis& a) {
+void refuse_unreached(const Analysis& a, const std::vector<Requirement>& limits, const std::string& key) {
   std::vector<Fault> faults;
-  for (const Requirement& r : a.spec.requirements) {
+  for (const Requirement& r : limits) {
     if (!r.limits_error()) continue;
     const Statistic* const in_motion =
         r.bound == Bound::sigma_in_motion ? statistic_of(a.workspace, r) : nullptr;
     const bool at_rest = in_motion && !r.proven && in_motion->max == 0;
     const bool unreached = is_unreached(a, r.filter, r.signal);
     if (!at_rest && !unreached && !moved_by_rounding(a, r, rounded_angle)) continue;
-    faults.push_back({r.place, "requirements",
+    faults.push_back({r.place, key,
                       at_rest || unreached
                           ? "no error reaches this quantity: it is 0 at all configurations, which meets any "
                             "limit"
@@ -183,6 +183,8 @@ void refuse_unreached(const Analysis& a) {
   }
   if (!faults.empty()) throw Error(faults);
 }
+
+void refuse_unreached(const Analysis& a) { refuse_unreached(a, a.spec.requirements, "requirements"); }
 
 std::vector<RequirementResult> requirement_results(const Analysis& a) {
   refuse_unreached(a);

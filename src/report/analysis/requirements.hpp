@@ -34,8 +34,11 @@ std::string figures_of_some(const Spec&, unsigned threads);
 /// second.
 std::optional<std::vector<RequirementResult>> verdicts_beside(const Spec&);
 
-/// Refuses requirements on quantities that no error reaches: 0 at all configurations, whatever the encoders.
+/// Refuses limits of quantities that no error reaches: 0 at all configurations, whatever the encoders; or
+/// that only the rounding of the URDF's angles lets it reach.
+/// @param key  that states them
 /// @throws Error (input)
+void refuse_unreached(const Analysis&, const std::vector<Requirement>& limits, const std::string& key);
 void refuse_unreached(const Analysis&);
 
 /// The requirements of an analysis whose bounds are computed.
