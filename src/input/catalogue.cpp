@@ -116,6 +116,13 @@ CatalogueColumn column_of(const std::string& header, const Place& place) {
   if (const std::string near = nearest(name, known); !near.empty() && near.front() == name.front())
     throw Error({place, name, "unknown column, and nearly one that is known", quoted(name),
                  "did you mean '" + near + "'? Name a column of descriptions differently"});
+  constexpr const char* of_speed[] = {"speed", "frequency", "count_rate", "rpm"};
+  for (const char* word : of_speed)
+    if (name.find(word) != std::string::npos && name.find("max") != std::string::npos)
+      throw Error(
+          {place, name, "unknown column, and a limit of speed that would not be kept", quoted(name),
+           "state it as max_frequency [kHz] of the signal periods, or as max_count_rate [kHz]: speed in "
+           "turns a second times counts a turn; name a column of descriptions differently"});
   return {Role::description, {}, {}, {}};
 }
 
