@@ -390,6 +390,46 @@ TEST(Sanity, IdentifiesTheFilterOfTheVelocity) {
   }
 }
 
+TEST(Sanity, JudgesAVelocityWithoutKnowingItsFilter) {
+  struct Fault {
+    std::string_view said;
+    Column (*spoil)(const Column&, Machine&);
+  };
+  const Fault faults[] = {
+      {"", [](const Column& v, Machine&) { return v; }},
+      {"opposite sign", [](const Column& v, Machine&) { return Column(-v); }},
+      {"looks like deg/s", [](const Column& v, Machine&) { return Column(v * (180 / std::numbers::pi)); }},
+      {"looks like rpm", [](const Column& v, Machine&) { return Column(v * (30 / std::numbers::pi)); }},
+      {"times that of the motion", [](const Column& v, Machine& m) { return Column(v * m.between(20, 50)); }},
+      {"offset", [](const Column& v,
+                    Machine& m) { return Column(v + m.between(0.05, 0.5) * std::sqrt(v.square().mean())); }},
+      {"constant", [](const Column& v, Machine&) { return Column(Column::Constant(v.size(), v[0])); }},
+      {"wraps",
+       [](const Column& v, Machine& m) {
+         const double interval = v.abs().maxCoeff() * m.between(1.2, 1.8);
+         return Column(v - interval * (v / interval).round());
+       }},
+      {"does not follow", [](const Column& v, Machine& m) {
+         Column other = Machine(static_cast<unsigned>(m.dice() % 1000) + 1000).path;
+         return Column(other.head(1500).replicate(v.size() / 1500 + 1, 1).col(0).head(v.size()));
+       }}};
+  for (unsigned seed = 1; seed <= 12; ++seed)
+    for (const Fault& fault : faults) {
+      Machine m(seed);
+      const Column counts = m.counted(m.path);
+      const Column clean = controller_velocity(m, counts * m.resolution, 2, m.rate / 20);
+      const Sanity s = check_sanity(model_of(m), {},
+                                    log_of({{LogSignal::time, m.time, 7},
+                                            {LogSignal::counts, counts, 0},
+                                            {LogSignal::reference, m.reference()},
+                                            {LogSignal::velocity, fault.spoil(clean, m), 7}}));
+      ASSERT_EQ(s.data.size(), fault.said.empty() ? 0u : 1u) << seed << ' ' << fault.said;
+      if (!fault.said.empty()) {
+        EXPECT_NE(s.data[0].what.find(fault.said), std::string::npos) << seed << ' ' << s.data[0].what;
+      }
+    }
+}
+
 TEST(Sanity, DetectsUnevenSamplingFromTheVelocityAlone) {
   for (unsigned seed = 1; seed <= 10; ++seed) {
     Machine m(seed);

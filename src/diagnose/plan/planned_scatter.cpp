@@ -76,10 +76,11 @@ class VaryingScatter {
     correlation_ = mean(d2) / std::sqrt(std::max(mean(d2.square()), 1e-300));
     // Histogram of the readings by deviation.
     constexpr Eigen::Index bins = 200;
-    deviations_ = d.maxCoeff() * Eigen::ArrayXd::LinSpaced(bins, 0, 1);
+    const double largest = d.maxCoeff();
+    deviations_ = largest * Eigen::ArrayXd::LinSpaced(bins, 0, 1);
     weight_ = Eigen::ArrayXd::Zero(bins);
     for (Eigen::Index k = 0; k < d.size(); ++k)
-      weight_[rms_ > 0 ? std::lround(d[k] / d.maxCoeff() * (bins - 1)) : 0] += r.weight[k];
+      weight_[rms_ > 0 ? std::lround(d[k] / largest * (bins - 1)) : 0] += r.weight[k];
   }
 
   double rms() const { return rms_; }                  ///< per unit of the parameter [counts]

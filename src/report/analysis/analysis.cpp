@@ -210,12 +210,17 @@ Analysis unbounded_analysis(const Spec& spec, EffectReport effects,
   return a;
 }
 
-Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options,
-                 const ProofRequest& proofs) {
+Analysis analysis_without_warnings(const Spec& spec, EffectReport effects, const WorkspaceOptions& options) {
   WorkspaceOptions all = options;
   if (all.noise_in_motion.empty()) all.noise_in_motion = noise_in_motion(spec, options.threads);
   Analysis a = unbounded_analysis(spec, std::move(effects), all.noise_in_motion);
   a.workspace = workspace_with_quantization(a.spec.model, filter_norms(spec), spec.configurations, all);
+  return a;
+}
+
+Analysis analyze(const Spec& spec, EffectReport effects, const WorkspaceOptions& options,
+                 const ProofRequest& proofs) {
+  Analysis a = analysis_without_warnings(spec, std::move(effects), options);
   a.warnings = warnings_of(spec, a.workspace, a.noise_in_motion, a.effects);
   add_proofs(a, proofs, options.threads);
   return a;

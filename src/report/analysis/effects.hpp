@@ -73,6 +73,10 @@ std::string effect_table(const Spec&, const std::vector<EffectShare>&, const Sty
 /// @param effects  of `effect_report` for this spec
 Analysis analyze(const Spec&, EffectReport effects, const WorkspaceOptions&, const ProofRequest&);
 
+/// Without warnings, which take longer than the figures of a few configurations.
+/// @param effects  of `effect_report` for this spec
+Analysis analysis_without_warnings(const Spec&, EffectReport effects, const WorkspaceOptions&);
+
 /// An analysis without the bounds over the configurations and without warnings.
 /// @param noise_in_motion  of the spec
 Analysis unbounded_analysis(const Spec&, EffectReport effects, std::vector<Eigen::VectorXd> noise_in_motion);

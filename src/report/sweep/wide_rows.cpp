@@ -4,6 +4,7 @@
 
 #include "core/text.hpp"
 #include "qerr/filter/quality.hpp"
+#include "report/analysis/effects.hpp"
 #include "report/analysis/figure_names.hpp"
 #include "report/csv_text.hpp"
 #include "report/sweep/rows.hpp"
@@ -115,7 +116,7 @@ class WideColumns {
       c = {.method = SamplingMethod::random, .count = 1, .seed = c.seed, .ranges = c.ranges};
       WorkspaceOptions options;
       options.threads = 1;
-      return cells_of({analyze(spec, options), {}}, statistics);
+      return cells_of({analysis_without_warnings(spec, effect_report(spec), options), {}}, statistics);
     }
   };
 

@@ -136,6 +136,7 @@ Sanity check_sanity(const OperationalModel& model, const std::vector<Filter>& fi
     for (std::size_t i = 0; i < encoders; ++i) step(s, i);
   sanity::check_reference_exists(s);
   sanity::check_tracker(s);
+  for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity_column(s, i);
   for (std::size_t i = 0; i < encoders; ++i) sanity::check_velocity(s, filters, i);
   return s;
 }

@@ -45,6 +45,7 @@ struct Sanity {
 /// - trackers whose columns are exchanged, in another unit, or no positions of the tip;
 /// - stamps that are rounded, duplicate, uneven, or have gaps;
 /// - `controller_droop`: an effort proportional to measured - reference that is not a load;
+/// - velocities of another unit, sign or zero, that wrap, or that are constant;
 /// - `filter_mismatch`: JOINT.velocity is the output of another filter than the spec's;
 /// - `timing_jitter`: JOINT.velocity follows the recorded intervals, not a constant one.
 ///

@@ -8,6 +8,7 @@
 #include "effect/effects/effects.hpp"
 #include "filter/run/cascade.hpp"
 #include "qerr/filter/family.hpp"
+#include "qerr/filter/norms.hpp"
 
 /// Comparison of JOINT.velocity with filtered positions.
 namespace qerr::sanity {
@@ -141,6 +142,28 @@ bool follows_stamps(Sanity& s, const RecordedVelocity& r, const Eigen::ArrayXd& 
   return true;
 }
 
+/// A velocity with more noise than the readings have behind the spec's filter: what no filter of them leaves,
+/// if it changes from row to row.
+void report_noise(Sanity& s, const RecordedVelocity& r, const FilterCandidate& best, const Filter& specified,
+                  std::size_t joint) {
+  constexpr double more = 2;  // a velocity of the drive's own, of finer readings, has less
+  Eigen::ArrayXd rest = filtered(r, design(best, 1 / r.interval), best.delay);
+  rest = r.velocity.tail(rest.size()) - rest;
+  const Eigen::Index n = rest.size();
+  const bool from_row_to_row = rms(rest.tail(n - 1) - rest.head(n - 1)) > rms(rest);
+  const double own = ideal_sigma(s, joint) * h2_norm(specified);
+  if (!from_row_to_row || rms(rest) < more * own) return;
+  const std::string unit = s.model.chain.independent[joint].prismatic() ? "m/s" : "rad/s";
+  s.data.push_back({s.log.columns[static_cast<std::size_t>(*s.log.find(LogSignal::velocity, joint))].header +
+                        " has noise of " + readable(rms(rest), unit) +
+                        ", and the readings behind the spec's filter " + readable(own, unit),
+                    s.model.chain.independent[joint].name,
+                    1,
+                    {},
+                    "look for interference, or for a velocity that is measured and not computed",
+                    DataKind::contradictory});
+}
+
 }  // namespace
 
 void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t joint) {
@@ -156,10 +179,12 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
   if (rms(r.velocity) < 10 * r.rounding_sigma || peak_to_peak(r.position) < 200 * ideal_sigma(s, joint))
     return;
   double specified = 1e300, rate = 0;
+  const Filter* closest = nullptr;  // of the spec
   for (const Filter& f : filters)
     if (f.derivative == 1) {
       rate = f.sample_rate;
-      if (std::abs(f.sample_rate * r.interval - 1) < 0.01) specified = std::min(specified, misfit(r, f, 0));
+      if (std::abs(f.sample_rate * r.interval - 1) >= 0.01) continue;
+      if (const double of_this = misfit(r, f, 0); of_this < specified) specified = of_this, closest = &f;
     }
   // Within the rounding of the file the spec's filter computes this velocity.
   if (specified < std::max(3 * r.rounding_sigma, 1e-3 * rms(r.velocity))) return;
@@ -171,7 +196,10 @@ void check_velocity(Sanity& s, const std::vector<Filter>& filters, std::size_t j
     return;
   }
   const FilterCandidate best = best_filter(r);
-  if (best.misfit > 0.3 * specified || best.misfit > 0.3 * rms(r.velocity)) return;
+  if (best.misfit > 0.3 * specified || best.misfit > 0.3 * rms(r.velocity)) {
+    report_noise(s, r, best, *closest, joint);
+    return;
+  }
   std::map<std::string, double> numbers{{"order", best.order}, {"cutoff", best.cutoff}};
   if (best.delay > 0) numbers["delay"] = static_cast<double>(best.delay) * r.interval;
   Cause c = exact_cause(s, joint, filter_mismatch_effect().name, std::move(numbers),
