@@ -150,18 +150,17 @@ void check_velocity_column(Sanity& s, std::size_t joint) {
     return found("wraps at +-" + readable(interval / 2, unit) + ", and goes on with the opposite sign",
                  "record it with more bits, or in a coarser unit; lower the speed");
   const Integrated fit = integrated(m);
-  if (std::min(fit.rms, fit.rms_as_written) > 0.5 * standard_deviation(m.position))
-    return found("does not follow the motion of its joint",
-                 "look whether the column is that of another joint, or leave it out");
-  const bool better = fit.rms < (1 - explained_share) * fit.rms_as_written;
-  const bool factor = fit.factor < least_factor || fit.factor > most_factor;
-  if (!better || fit.rms > (1 - explained_share) * standard_deviation(m.position)) return;
-  if (factor) {
+  const double moves = standard_deviation(m.position);
+  const bool told = fit.rms < (1 - explained_share) * std::min(fit.rms_as_written, moves);
+  if (told && (fit.factor < least_factor || fit.factor > most_factor)) {
     const auto [what, remedy] = reading_of(fit.factor, head, s.model.chain.independent[joint].prismatic());
     found(what, remedy);
-  } else if (std::abs(fit.offset) > least_offset * rms(m.velocity)) {
+  } else if (told && std::abs(fit.offset) > least_offset * rms(m.velocity)) {
     found("is not zero at rest: it has an offset of " + readable(fit.offset, unit),
           "subtract it: calibrate the zero of the sensor or the converter that measures it");
+  } else if (fit.rms_as_written > 0.5 * moves) {
+    found("does not follow the motion of its joint",
+          "look whether the column is that of another joint, or leave it out");
   }
 }
 
