@@ -1,7 +1,9 @@
 #include "input/log_table.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <span>
 
 #include "core/text.hpp"
 #include "input/read_sections.hpp"
@@ -32,11 +34,14 @@ LogTable::LogTable(const LogFiles& files, const LogReading& reading, const CsvLi
   }
 }
 
-void LogTable::choose(const std::vector<std::size_t>& columns) {
-  for (const std::size_t c : columns) {
-    const auto& [f, signal] = sources_[c];
+void LogTable::choose(const std::vector<std::size_t>& columns, const std::vector<Joining>& joining) {
+  std::vector<bool> of_readings(files_.size(), false);
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const auto& [f, signal] = sources_[columns[i]];
+    if (files_[f].samples->time() != signal && joining[i] == Joining::held) of_readings[f] = true;
     Column column;
     column.file = f;
+    column.joining = joining[i];
     column.time = files_[f].samples->time() == signal;
     if (!column.time) {
       column.index = files_[f].signals.size();
@@ -46,9 +51,20 @@ void LogTable::choose(const std::vector<std::size_t>& columns) {
     }
     columns_.push_back(column);
   }
-  for (File& file : files_) {
-    file.samples->choose(file.signals);
-    file.values.resize(file.signals.size());
+  const bool any = std::find(of_readings.begin(), of_readings.end(), true) != of_readings.end();
+  for (std::size_t f = 0; f < files_.size(); ++f) {
+    files_[f].samples->choose(files_[f].signals);
+    files_[f].values.resize(files_[f].signals.size());
+    files_[f].interpolated = any && !of_readings[f] && missing_values_ != MissingValues::hold;
+  }
+}
+
+/// Reads on to a row with a stamp, or to the end.
+void LogTable::read_row(File& file) {
+  while (!file.pending && !file.ended) {
+    file.ended = !file.samples->next(file.time, file.values.data());
+    file.pending = !file.ended && !std::isnan(file.time);
+    if (!file.ended && !file.pending) ++rows_, ++left_out_, ++unstamped_;
   }
 }
 
@@ -56,21 +72,34 @@ bool LogTable::next(double* values, std::ptrdiff_t stride) {
   while (true) {
     const File* first = nullptr;
     for (File& file : files_) {
-      while (!file.pending && !file.ended) {  // until a row with a stamp, or the end
-        file.ended = !file.samples->next(file.time, file.values.data());
-        file.pending = !file.ended && !std::isnan(file.time);
-        if (!file.ended && !file.pending) ++rows_, ++left_out_, ++unstamped_;
-      }
+      if (file.interpolated) continue;
+      read_row(file);
       if (file.pending && (!first || file.time < first->time)) first = &file;
     }
     if (!first) {
       if (rows_ == left_out_ && left_out_ + dropped_ > 0) refuse_incomplete_rows();
+      if (rows_ == left_out_ && unenclosed_ > 0)
+        throw Error({{file_, 0, 0},
+                     "",
+                     "no reading lies between two samples of the reference",
+                     "",
+                     "stamp both files with one clock, or hold the last values with --hold"});
       return false;
     }
     const double time = first->time;
     ++rows_;
+    bool enclosed = true;
     for (File& file : files_)
-      if (file.pending && file.time == time) take(file);
+      if (file.interpolated)
+        enclosed = interpolate(file, time) && enclosed;
+      else if (file.pending && file.time == time)
+        take(file);
+    if (!enclosed) {
+      ++unenclosed_, --rows_;
+      for (Column& c : columns_)
+        if (c.last_row > rows_) --c.samples, c.last_row = rows_;
+      continue;
+    }
     if (missing_values_ == MissingValues::drop && is_incomplete()) {
       ++left_out_;
       continue;
@@ -101,6 +130,87 @@ void LogTable::take(File& file) {
     c.last_row = rows_;
     ++c.samples;
   }
+}
+
+namespace {
+
+/// Value at a time between four samples or fewer, of the polynomial through them; NaN where it is not between
+/// them, in a gap, or where the signal starts again after a turn.
+template <class Samples>
+double interpolated(const Samples& samples, double time) {
+  constexpr double gap = 3, jump = 20;  // times the steps beside (convention)
+  const std::size_t n = samples.size();
+  const auto behind =
+      std::find_if(samples.begin(), samples.end(), [&](const auto& s) { return s.time >= time; }) -
+      samples.begin();
+  if (behind == std::ssize(samples)) return std::nan("");
+  const auto b = static_cast<std::size_t>(behind);
+  if (samples[b].time == time) return samples[b].value;
+  if (b == 0) return std::nan("");
+  double longest = 0, largest = 0;  // of the other steps
+  for (std::size_t i = 1; i < n; ++i) {
+    if (i == b) continue;
+    longest = std::max(longest, samples[i].time - samples[i - 1].time);
+    largest = std::max(largest, std::abs(samples[i].value - samples[i - 1].value));
+  }
+  const double step = std::abs(samples[b].value - samples[b - 1].value);
+  const bool turns = largest > 0 && step > jump * largest &&
+                     2 * step > std::max(std::abs(samples[b].value), std::abs(samples[b - 1].value));
+  if (longest > 0 && (samples[b].time - samples[b - 1].time > gap * longest || turns)) return std::nan("");
+  double sum = 0;
+  for (const auto& s : samples) {
+    double weight = 1;
+    for (const auto& other : samples)
+      if (&other != &s) weight *= (time - other.time) / (s.time - other.time);
+    sum += weight * s.value;
+  }
+  return sum;
+}
+
+}  // namespace
+
+/// The values of a file's signals at a time.
+/// @returns whether samples enclose it
+bool LogTable::interpolate(File& file, double time) {
+  const auto needs_more = [&](const Column& c) { return c.around.size() < 4 || c.around[2].time <= time; };
+  const auto of_file = [&](std::size_t i) -> Column& { return columns_[file.columns[i]]; };
+  for (std::size_t i = 0; i < file.columns.size(); ++i) {
+    Column& c = of_file(i);
+    while (needs_more(c) && !file.ended) {
+      read_row(file);
+      if (!file.pending) break;
+      file.pending = false;
+      for (std::size_t k = 0; k < file.columns.size(); ++k) {
+        if (std::isnan(file.values[k])) continue;
+        std::deque<Sample>& around = of_file(k).around;
+        // Of two values at one time the last one holds.
+        if (!around.empty() && around.back().time == file.time) around.pop_back();
+        around.push_back({file.time, file.values[k]});
+      }
+    }
+  }
+  bool enclosed = true;
+  for (std::size_t i = 0; i < file.columns.size(); ++i) {
+    Column& c = of_file(i);
+    while (c.around.size() > 4 && c.around[2].time <= time) c.around.pop_front();
+    std::array<Sample, 4> four;
+    const auto n = static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, c.around.size()));
+    std::copy_n(c.around.begin(), n, four.begin());
+    const auto samples = std::span(four).first(static_cast<std::size_t>(n));
+    double value = interpolated(samples, time);
+    if (std::isnan(value) && n > 0 && c.joining == Joining::extended)
+      value = time < samples.front().time ? samples.front().value : samples.back().value;
+    enclosed = enclosed && !std::isnan(value);
+    if (std::isnan(value)) continue;
+    between_samples_ = between_samples_ || std::none_of(samples.begin(), samples.end(),
+                                                        [&](const Sample& x) { return x.time == time; });
+    if (std::isnan(c.value)) --missing_;
+    c.value = value;
+    c.line = file.samples->line_of(i);
+    c.last_row = rows_;
+    ++c.samples;
+  }
+  return enclosed;
 }
 
 /// Whether a signal has no value of its own in the present row.
@@ -168,6 +278,15 @@ std::vector<std::string> LogTable::warnings() const {
   if (dropped_ > 0)
     all.push_back(file_ + ": " + counted(dropped_, "row") +
                   " dropped at the beginning, before every signal has a value");
+  std::string between;
+  for (const File& file : files_)
+    if ((between_samples_ || unenclosed_ > 0) && file.interpolated && !file.signals.empty())
+      between += (between.empty() ? "" : ", ") + file.samples->source().name();
+  if (!between.empty())
+    all.push_back(between + ": interpolated at the stamps of the encoders" +
+                  (unenclosed_ == 0 ? ""
+                                    : "; " + counted(unenclosed_, "row") +
+                                          " left out, before, behind or in gaps of its samples"));
   if (missing_values_ == MissingValues::drop) {
     if (left_out_ > 0)
       all.push_back(file_ + ": " + std::to_string(left_out_) + " of " + counted(rows_, "row") +

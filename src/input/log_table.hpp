@@ -1,5 +1,6 @@
 #pragma once
 
+#include <deque>
 #include <limits>
 #include <memory>
 #include <string>
@@ -10,11 +11,20 @@
 
 namespace qerr {
 
+/// How a signal of a file without readings of encoders is joined to the readings of another file.
+enum class Joining {
+  held,          ///< a reading itself: its last value
+  interpolated,  ///< a position: between its samples, and rows beyond them are left out
+  extended       ///< a slow one, such as a temperature: interpolated, and held beyond its samples
+};
+
 /// The table of a log's signals, one column each: its files joined by time.
 ///
-/// A row for every time stamp of any file; of each signal the last value is held. Rows before every chosen
-/// signal has had a value are dropped, and so are, where the spec says so, all in which a signal has no value
-/// of its own. Rows of a single wide file are passed on as they are.
+/// A row for every time stamp of the files with readings of encoders; of their signals the last value is
+/// held, the references of other files are interpolated, unless the spec says `missing: hold`. Rows before
+/// every chosen signal has had a value are dropped, and so are those that no samples of a reference enclose
+/// and, where the spec says so, all in which a signal has no value of its own. Rows of a single wide file are
+/// passed on as they are.
 class LogTable {
  public:
   /// Reads the headers.
@@ -27,7 +37,7 @@ class LogTable {
   const std::vector<LogHeader>& header() const { return header_; }
 
   /// Selects the columns to read, by their index in the header.
-  void choose(const std::vector<std::size_t>& columns);
+  void choose(const std::vector<std::size_t>& columns, const std::vector<Joining>&);
 
   /// Reads the next row: stores the value of the i-th chosen column in values[i * stride], of time stamps in
   /// seconds after `time_origin`.
@@ -35,7 +45,7 @@ class LogTable {
   bool next(double* values, std::ptrdiff_t stride);
 
   /// Index of the last row among all rows of the table, dropped ones included, from 0.
-  std::uint64_t row() const { return rows_ + dropped_ - 1; }
+  std::uint64_t row() const { return rows_ + dropped_ + unenclosed_ - 1; }
   /// Rows read so far in which a chosen column has no value of its own.
   std::uint64_t held(std::size_t chosen) const {
     return columns_[chosen].time || missing_values_ == MissingValues::drop ? 0
@@ -62,19 +72,27 @@ class LogTable {
     std::vector<double> values;
     double time = 0;
     bool pending = false, ended = false;
+    bool interpolated = false;
+  };
+  struct Sample {
+    double time, value;
   };
   /// A chosen column.
   struct Column {
     std::size_t file = 0, index = 0;  // among the file's chosen signals
     bool time = false;
+    Joining joining = Joining::held;
     double value = std::numeric_limits<double>::quiet_NaN();
     int line = 0;                // of the value
     std::uint64_t last_row = 0;  // with a new value
     std::uint64_t longest_hold = 1;
     std::uint64_t samples = 0;  // in rows that were not dropped
+    std::deque<Sample> around;  // of an interpolated column: two before the present row, two behind it
   };
 
+  void read_row(File&);
   void take(File&);
+  bool interpolate(File&, double time);
   bool is_incomplete() const;
   [[noreturn]] void refuse_incomplete_rows() const;
   std::string incomplete_columns() const;
@@ -91,6 +109,8 @@ class LogTable {
   /// Rows; those of them that were left out for a missing value, or stamp; those before every column has a
   /// value.
   std::uint64_t rows_ = 0, left_out_ = 0, unstamped_ = 0, dropped_ = 0;
+  bool between_samples_ = false;  ///< a value was interpolated
+  std::uint64_t unenclosed_ = 0;  ///< rows that no samples of an interpolated signal enclose
 };
 
 }  // namespace qerr

@@ -39,6 +39,20 @@ double wrap_interval(const LogColumn& column, const Spec& spec) {
   }
 }
 
+Joining joining_of(LogSignal signal) {
+  switch (signal) {
+    case LogSignal::reference:
+    case LogSignal::tip:
+      return Joining::interpolated;
+    case LogSignal::effort:
+    case LogSignal::temperature:
+    case LogSignal::command:
+      return Joining::extended;
+    default:
+      return Joining::held;
+  }
+}
+
 /// Whether an encoder alone measures the joint of its index, and no other joint.
 bool is_uncoupled(const Transmission& t, std::size_t encoder) {
   const auto i = static_cast<Eigen::Index>(encoder);
@@ -66,7 +80,9 @@ class LogReader::Rows {
     LogColumns found = find_log_columns(table_, spec, log.warnings);
     log.columns = std::move(found.columns);
     log.misspelt = std::move(found.misspelt);
-    table_.choose(found.places);
+    std::vector<Joining> joining;
+    for (const LogColumn& c : log.columns) joining.push_back(joining_of(c.signal));
+    table_.choose(found.places, joining);
     time_ = log.find(LogSignal::time);
     for (std::size_t i = 0; i < log.columns.size(); ++i) {
       const LogColumn& column = log.columns[i];

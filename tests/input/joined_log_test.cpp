@@ -95,19 +95,48 @@ TEST_F(JoinedLog, FilesAreJoinedByTime) {
       file("b.csv", "shoulder.reference [rad],time [s]\n0.1,0.001\n0.2,0.002\n0.5,0.005\n");
   const Log log = read_log(LogFiles({counts, truth}), spec);
   EXPECT_EQ(log.file, counts + ", " + truth);
-  EXPECT_EQ(column(log, LogSignal::time), (Doubles{0.001, 0.002, 0.004, 0.005, 0.006}));
-  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{0, 2, 4, 4, 6}));
-  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.1, 0.2, 0.2, 0.5, 0.5}));
+  // Rows at the stamps of the counts; on a line, the cubic through the samples is this line.
+  EXPECT_EQ(column(log, LogSignal::time), (Doubles{0.002, 0.004}));
+  EXPECT_EQ(column(log, LogSignal::counts), (Doubles{2, 4}));
+  EXPECT_NEAR(column(log, LogSignal::reference)[0], 0.2, 1e-15);
+  EXPECT_NEAR(column(log, LogSignal::reference)[1], 0.4, 1e-15);
+  ASSERT_EQ(log.warnings.size(), 1u);
+  EXPECT_TRUE(has(log.warnings[0], "b.csv: interpolated at the stamps of the encoders; 2 rows left out"))
+      << log.warnings[0];
   const Log swapped = read_log(LogFiles({truth, counts}), spec);
   EXPECT_EQ(column(swapped, LogSignal::reference), column(log, LogSignal::reference));
 }
 
+TEST_F(JoinedLog, AReferenceOfAnotherRateIsInterpolated) {
+  const auto path = [](double t) { return 0.7 * std::sin(4 * t) + 0.2 * std::cos(11 * t); };
+  std::string counts = "time [s],shoulder.counts,shoulder.effort [N m]\n",
+              truth = "time [s],shoulder.reference [rad]\n",
+              warm = "time [s],shoulder.temperature [degC]\n0.5,20\n1.5,30\n";
+  for (int i = 0; i < 1000; ++i) counts += std::to_string(2e-3 * i) + ',' + std::to_string(i) + ",1\n";
+  for (int i = 0; i < 660; ++i) {
+    if (i > 300 && i < 320) continue;  // lost
+    const double t = 1e-3 + 3e-3 * i;
+    truth += std::to_string(t) + ',' + shortest(path(t)) + '\n';
+  }
+  const Log log =
+      read_log(LogFiles({file("a.csv", counts), file("b.csv", truth), file("c.csv", warm)}), spec);
+  const Doubles time = column(log, LogSignal::time), reference = column(log, LogSignal::reference),
+                temperature = column(log, LogSignal::temperature);
+  // 30 rows in the gap, one before the first sample, and those behind the last one at 1.978 s.
+  EXPECT_EQ(log.rows, 1000u - 30 - 1 - 10);
+  for (std::size_t k = 0; k < time.size(); ++k) {
+    EXPECT_NEAR(reference[k], path(time[k]), 1e-7) << time[k];
+    EXPECT_NEAR(temperature[k], temperature[0] + 10 * (std::clamp(time[k], 0.5, 1.5) - 0.5), 1e-9);
+  }
+}
+
 TEST_F(JoinedLog, AWideAndALongFileJoin) {
   const std::string wide = file("a.csv", "time [s],shoulder.counts\n0,1\n1,2\n");
-  const std::string tall = file("b.csv", "time [s],signal,value\n0,shoulder.reference [rad],0.1\n");
+  const std::string tall = file(
+      "b.csv", "time [s],signal,value\n0,shoulder.reference [rad],0.1\n1,shoulder.reference [rad],0.2\n");
   const Log log = read_log(LogFiles({wide, tall}), spec);
   EXPECT_EQ(column(log, LogSignal::counts), (Doubles{1, 2}));
-  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.1, 0.1}));
+  EXPECT_EQ(column(log, LogSignal::reference), (Doubles{0.1, 0.2}));
 }
 
 TEST_F(JoinedLog, AFileThatEndsEarlyIsReported) {
@@ -115,7 +144,10 @@ TEST_F(JoinedLog, AFileThatEndsEarlyIsReported) {
   for (int i = 0; i < 9; ++i) counts += std::to_string(i) + ",5\n";
   const std::string a = file("a.csv", counts);
   const std::string b = file("b.csv", "time [s],shoulder.reference [rad]\n0,1\n1,1\n2,1\n");
+  EXPECT_EQ(read_log(LogFiles({a, b}), spec).rows, 3u);
+  spec.log.missing = MissingValues::hold;
   const Log log = read_log(LogFiles({a, b}), spec);
+  EXPECT_EQ(log.rows, 9u);
   ASSERT_EQ(log.warnings.size(), 2u);
   EXPECT_TRUE(has(log.warnings[0], "b.csv: shoulder.reference [rad] ends 6 rows before the log does"));
 }
@@ -137,6 +169,8 @@ TEST_F(JoinedLog, FaultsOfSeveralFilesNameTheFile) {
 TEST_F(JoinedLog, AFaultyValueBeforeTheFirstRowNamesItsOwnLine) {
   const std::string a = file("a.csv", "time [s],shoulder.counts\n0,9007199254740994\n2,2\n");
   const std::string b = file("b.csv", "time [s],shoulder.reference [rad]\n1,0.1\n");
+  EXPECT_TRUE(has(refused(LogFiles({a, b})), "no reading lies between two samples of the reference"));
+  spec.log.missing = MissingValues::hold;
   EXPECT_TRUE(has(refused(LogFiles({a, b})), "a.csv:2:1: shoulder.counts: counts beyond 2^53"));
 }
 
@@ -244,6 +278,8 @@ TEST_F(JoinedLog, StampsOfSeveralFilesHaveOneOrigin) {
   const std::string a = file("a.csv", "time [s],shoulder.counts\n1700000000.5,1\n1700000001.5,2\n");
   const std::string b =
       file("b.csv", "time [ns],shoulder.reference [rad]\n1700000000500000000,1\n1700000001500000001,2\n");
+  EXPECT_EQ(column(read_log(LogFiles({a, b}), spec), LogSignal::time), (Doubles{0, 1}));
+  spec.log.missing = MissingValues::hold;
   EXPECT_EQ(column(read_log(LogFiles({a, b}), spec), LogSignal::time), (Doubles{0, 1, 1.000000001}));
 }
 

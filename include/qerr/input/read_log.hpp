@@ -11,11 +11,13 @@
 
 namespace qerr {
 
-/// The files of a log, which are joined by time: a row for every time stamp of any file, the last value of
-/// each signal held. Rows before every signal has had a value are dropped, with a warning. Of an empty cell
-/// of a wide file, or one that says `nan`, the spec says what becomes (`LogReading`): the row is left out (of
-/// joined files every row in which a signal has no value of its own), or the last value of its column is
-/// held, both with a warning; else it is an error.
+/// The files of a log, which are joined by time: a row for every time stamp of the files with readings of
+/// encoders, whose last values are held; references of other files are interpolated by the cubic through four
+/// samples, and what they do not enclose is left out, with a warning. Where the spec says `missing: hold`, a
+/// row for every stamp of any file and the last value of each signal. Rows before every signal has had a
+/// value are dropped, with a warning. Of an empty cell of a wide file, or one that says `nan`, the spec says
+/// what becomes (`LogReading`): the row is left out (of joined files every row in which a signal has no value
+/// of its own), or the last value of its column is held, both with a warning; else it is an error.
 ///
 /// A file is wide, a column each signal, or long: `time [s],signal,value` and perhaps `unit`, a row each
 /// sample. Of a long file every signal must be in the order of time, not the file. It is kept in memory, 24
