@@ -45,7 +45,9 @@ std::string mains(double frequency) {
 }
 
 std::string step_words(const FoundShape& r) {
-  return "a step" + r.of_amplitude(" of ") + r.with(" at ", "time");
+  const std::string of_size =
+      r.has("size") ? " of " + r.size(std::abs(r.figure("size"))) : r.of_amplitude(" of ");
+  return "a step" + of_size + r.with(" at ", "time");
 }
 
 std::string hysteresis_words(const FoundShape& r) {
