@@ -34,6 +34,7 @@ test_packages=(
   valgrind              # each command under it
   tidy                  # validates HTML pages (with chromium, if it is there, tests also show them)
   jq python3-pandas     # README.md and the help use them
+  python3-yaml          # recipes of continuous integration
   parallel              # scripts/parallel_sweep.sh
   clang-format
 )
