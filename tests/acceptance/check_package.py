@@ -101,10 +101,10 @@ def check_library(t, usr, scratch):
     if done.returncode == 0:
         check_budget(t, scratch / "made" / "budget", usr)
     line = re.search(r"^c\+\+ .*pkg-config.*$", topic, re.M)
-    if not t.check("the topic has the example of pkg-config", line) or not shutil.which("pkg-config"):
+    described = list(usr.glob("lib/**/pkgconfig/qerr.pc"))
+    if not t.check("the topic has the example of pkg-config, the tree its file", line and len(described) == 1) or not shutil.which("pkg-config"):
         return
-    folder = next(usr.glob("lib/**/pkgconfig"))
-    done = command("bash", "-c", line[0], cwd=scratch / "example", env=dict(os.environ, PKG_CONFIG_PATH=str(folder)))
+    done = command("bash", "-c", line[0], cwd=scratch / "example", env=dict(os.environ, PKG_CONFIG_PATH=str(described[0].parent)))
     if t.check("the example is built by pkg-config", done.returncode == 0, done.stderr[-800:]):
         check_budget(t, scratch / "example" / "budget", usr)
 

@@ -47,9 +47,10 @@ const std::vector<std::string_view>& topic_texts();
 Page page_of(std::string_view name);
 std::vector<std::string> page_names();
 
-/// Where words stand in the help: the pages that have a block with all of them, those first that have them in
-/// their name or summary, then by the number of such blocks; topics before commands. A word fits the
-/// beginning of a word, not case-sensitive: `encoder` fits `encoders`, `ros` does not fit `across`.
+/// Where words stand in the help: the pages that have a block with all of them. Those that have them in their
+/// name stand first, then in their summary, then by the number of such blocks of prose; topics before
+/// commands. A word fits the beginning of a word, not case-sensitive: `encoder` fits `encoders`, `ros` does
+/// not fit `across`.
 /// @returns empty if no page has them
 std::optional<Page> search_pages(const std::vector<std::string>& words);
 

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cctype>
+#include <tuple>
 
 #include "cli/help/page.hpp"
 #include "core/text.hpp"
@@ -29,7 +30,7 @@ bool has_all(const std::vector<std::string>& words, std::string_view text) {
                      [&](const std::string& word) { return place_of(word, text) != std::string_view::npos; });
 }
 
-/// The lines of a verbatim block, the rows of a table, the text of any other block.
+/// The lines of a verbatim block, the rows of a table below its header, the text of any other block.
 std::vector<std::string> texts_of(const Block& block) {
   std::vector<std::string> texts;
   if (block.kind == Block::Kind::verbatim) {
@@ -39,10 +40,10 @@ std::vector<std::string> texts_of(const Block& block) {
       at = end + 1;
     }
   } else if (block.kind == Block::Kind::table) {
-    for (const auto& row : block.rows) {
+    for (std::size_t r = 1; r < block.rows.size(); ++r) {
       texts.emplace_back();
-      for (std::size_t i = 0; i < row.size(); ++i)
-        texts.back() += (i == 0 ? "" : i == 1 ? ": " : "; ") + row[i];
+      for (const std::string& cell : block.rows[r])
+        texts.back() += (texts.back().empty() ? "" : &cell == &block.rows[r][1] ? ": " : "; ") + cell;
     }
   } else {
     texts.push_back(block.term.empty() ? block.text : block.term + ": " + block.text);
@@ -66,21 +67,26 @@ std::string excerpt(const std::string& text, const std::string& word) {
 
 struct Found {
   const Page* page;
-  bool in_title;
-  std::vector<std::string> places;  ///< excerpts below their heading
+  int rank;                         ///< 2: the page's name has the words; 1: its summary; 0: its text alone
+  std::vector<std::string> places;  ///< excerpts below their heading; of prose, then of code
+  std::size_t prose = 0;            ///< how many of them are prose
 };
 
 Found found_in(const Page& page, const std::vector<std::string>& words) {
-  Found found{&page, has_all(words, page.name + ": " + page.summary), {}};
+  Found found{&page, has_all(words, page.name) ? 2 : has_all(words, page.name + ": " + page.summary), {}};
+  std::vector<std::string> code;
   std::string heading;
   for (const Block& block : page.blocks) {
     if (block.kind == Block::Kind::heading) heading = block.text;
     for (const std::string& text : texts_of(block))
       if (heading != "Common options" && has_all(words, text)) {
         const bool alone = heading.empty() || block.kind == Block::Kind::heading;
-        found.places.push_back((alone ? "" : heading + ": ") + excerpt(text, words.front()));
+        (block.kind == Block::Kind::verbatim ? code : found.places)
+            .push_back((alone ? "" : heading + ": ") + excerpt(text, words.front()));
       }
   }
+  found.prose = found.places.size();
+  found.places.insert(found.places.end(), code.begin(), code.end());
   return found;
 }
 
@@ -93,11 +99,11 @@ std::optional<Page> search_pages(const std::vector<std::string>& words) {
   std::vector<Found> all;
   for (const Page& page : pages) {
     Found found = found_in(page, words);
-    if (found.in_title || !found.places.empty()) all.push_back(std::move(found));
+    if (found.rank > 0 || !found.places.empty()) all.push_back(std::move(found));
   }
   if (all.empty()) return std::nullopt;
   std::stable_sort(all.begin(), all.end(), [](const Found& a, const Found& b) {
-    return a.in_title != b.in_title ? a.in_title : a.places.size() > b.places.size();
+    return std::tie(a.rank, a.prose) > std::tie(b.rank, b.prose);
   });
   std::string asked;
   for (const std::string& word : words) asked += (asked.empty() ? "" : " ") + word;
