@@ -34,6 +34,8 @@ test_packages=(
   valgrind              # each command under it
   tidy                  # validates HTML pages (with chromium, if it is there, tests also show them)
   jq python3-pandas     # README.md and the help use them
+  python3-yaml          # recipes of continuous integration
+  pkg-config            # a program that links the installed library
   parallel              # scripts/parallel_sweep.sh
   clang-format
 )

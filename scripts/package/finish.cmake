@@ -13,7 +13,7 @@ execute_process(COMMAND date --utc --rfc-email --date=@${date} OUTPUT_VARIABLE s
                 COMMAND_ERROR_IS_FATAL ANY)
 file(WRITE ${usr}/share/doc/qerr/changelog.Debian
      "qerr (${CPACK_PACKAGE_VERSION}-${CPACK_DEBIAN_PACKAGE_RELEASE}) unstable; urgency=medium\n\n"
-     "  * What changes for users: see Changes in README.md.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${stamp}\n")
+     "  * What changes for users: qerr help changes.\n\n -- ${CPACK_PACKAGE_CONTACT}  ${stamp}\n")
 
 file(GLOB_RECURSE texts ${usr}/share/man/*.[17] ${usr}/share/doc/qerr/changelog.Debian)
 list(SORT texts)

@@ -129,7 +129,7 @@ class Parser {
       return add_value(row, text.substr(comma + 1));
     }
     if (row.kind == OptionKind::number || row.kind == OptionKind::whole) check_number(row, text);
-    if (row.choices) check_choice(row, text, row.choices());
+    if (row.choices && !row.open) check_choice(row, text, row.choices());
     if (row.choices_behind) check_choice(row, text, row.choices_behind(last_argument_));
     if (row.positional()) last_argument_ = text;
     texts_[row.key()].push_back(text);

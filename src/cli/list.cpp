@@ -28,9 +28,10 @@ int run(const Values& v) {
 
 Command list_command() {
   return {"list",
-          "What a spec can contain: effects, filters, encoders, formats, coordinates, statistics",
+          "What a spec can contain: effects, filters, encoders, coordinates, quantities, units, ...",
           joined({{{.name = "KIND",
-                    .meaning = "effects, filters, encoders, formats, coordinates or statistics",
+                    .meaning =
+                        "effects, filters, encoders, formats, coordinates, statistics, quantities or units",
                     .required = true,
                     .choices = kinds,
                     .choice = "kind"},
@@ -42,8 +43,9 @@ Command list_command() {
           run,
           {{"qerr list effects", "every deviation of a real robot from the ideal model, with its parameters"},
            {"qerr list filters kalman", "one filter, with its parameters, units, ranges and defaults"},
+           {"qerr list quantities", "the figures that requirements may limit"},
            {"qerr list encoders --format json", "the same for a program"}},
-          {"encoders", "filters", "effects"}};
+          {"encoders", "filters", "effects", "requirements"}};
 }
 
 }  // namespace qerr::cli

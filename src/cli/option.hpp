@@ -37,6 +37,7 @@ struct Option {
   std::string_view implied = {};
   /// The permitted words; null: any text.
   std::vector<std::string> (*choices)() = nullptr;
+  bool open = false;                 ///< the choices are proposals: any other text is permitted, too
   std::string_view choice = {};      ///< what a word is, in messages: `format`
   std::string_view endings = {};     ///< of the files that it may name, such as `.json .txt`; "": any
   std::string_view stands_for = {};  ///< of a flag: the option in full, such as `--format=json`

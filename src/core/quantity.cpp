@@ -22,58 +22,45 @@ Dimension product(Dimension a, Dimension b) {
           a.kelvin + b.kelvin};
 }
 
-struct Symbol {
-  std::string_view name;
-  double factor;
-  Dimension dimension;
-  bool prefixable = false;
-};
-
 using std::numbers::pi;
 
 constexpr std::array symbols{
-    Symbol{"m", 1, dimension::length, true},
-    Symbol{"in", 0.0254, dimension::length},
-    Symbol{"rad", 1, dimension::angle, true},
-    Symbol{"deg", pi / 180, dimension::angle},
-    Symbol{"°", pi / 180, dimension::angle},
-    Symbol{"º", pi / 180, dimension::angle},  // U+00BA, the key next to 0 on many keyboards
-    Symbol{"arcmin", pi / 10800, dimension::angle},
-    Symbol{"arcsec", pi / 648000, dimension::angle},
-    Symbol{"rev", 2 * pi, dimension::angle},
-    Symbol{"s", 1, dimension::time, true},
-    Symbol{"min", 60, dimension::time},
-    Symbol{"h", 3600, dimension::time},
-    Symbol{"Hz", 1, dimension::frequency, true},
-    Symbol{"rpm", 2 * pi / 60, dimension::angular_speed},
-    Symbol{"N", 1, {0, 0, 0, 1}, true},
-    Symbol{"Nm", 1, dimension::torque, true},
-    Symbol{"K", 1, dimension::temperature},
-    Symbol{"degC", 1, dimension::temperature},
-    Symbol{"%", 0.01, dimension::none},
-    Symbol{"ppm", 1e-6, dimension::none},
-    Symbol{"count", 1, dimension::none},
-    Symbol{"counts", 1, dimension::none},
-    Symbol{"bit", 1, dimension::none},
-    Symbol{"bits", 1, dimension::none},
-    Symbol{"1", 1, dimension::none},
+    UnitSymbol{"m", 1, dimension::length, true},
+    UnitSymbol{"in", 0.0254, dimension::length},
+    UnitSymbol{"rad", 1, dimension::angle, true},
+    UnitSymbol{"deg", pi / 180, dimension::angle},
+    UnitSymbol{"°", pi / 180, dimension::angle},
+    UnitSymbol{"º", pi / 180, dimension::angle},  // U+00BA, the key next to 0 on many keyboards
+    UnitSymbol{"arcmin", pi / 10800, dimension::angle},
+    UnitSymbol{"arcsec", pi / 648000, dimension::angle},
+    UnitSymbol{"rev", 2 * pi, dimension::angle},
+    UnitSymbol{"s", 1, dimension::time, true},
+    UnitSymbol{"min", 60, dimension::time},
+    UnitSymbol{"h", 3600, dimension::time},
+    UnitSymbol{"Hz", 1, dimension::frequency, true},
+    UnitSymbol{"rpm", 2 * pi / 60, dimension::angular_speed},
+    UnitSymbol{"N", 1, {0, 0, 0, 1}, true},
+    UnitSymbol{"Nm", 1, dimension::torque, true},
+    UnitSymbol{"K", 1, dimension::temperature},
+    UnitSymbol{"degC", 1, dimension::temperature},
+    UnitSymbol{"%", 0.01, dimension::none},
+    UnitSymbol{"ppm", 1e-6, dimension::none},
+    UnitSymbol{"count", 1, dimension::none},
+    UnitSymbol{"counts", 1, dimension::none},
+    UnitSymbol{"bit", 1, dimension::none},
+    UnitSymbol{"bits", 1, dimension::none},
+    UnitSymbol{"1", 1, dimension::none},
 };
 
-struct Prefix {
-  std::string_view name;
-  double factor = 1;
-  double divisor = 1;
-};
-
-constexpr std::array prefixes{Prefix{"n", 1, 1e9}, Prefix{"u", 1, 1e6}, Prefix{"µ", 1, 1e6},
-                              Prefix{"μ", 1, 1e6}, Prefix{"m", 1, 1e3}, Prefix{"c", 1, 1e2},
-                              Prefix{"k", 1e3},    Prefix{"M", 1e6}};
+constexpr std::array prefixes{UnitPrefix{"n", 1, 1e9}, UnitPrefix{"u", 1, 1e6}, UnitPrefix{"µ", 1, 1e6},
+                              UnitPrefix{"μ", 1, 1e6}, UnitPrefix{"m", 1, 1e3}, UnitPrefix{"c", 1, 1e2},
+                              UnitPrefix{"k", 1e3},    UnitPrefix{"M", 1e6}};
 
 std::optional<Unit> find_symbol(std::string_view word) {
-  for (const Symbol& s : symbols)
+  for (const UnitSymbol& s : symbols)
     if (word == s.name) return Unit{s.factor, 1, s.dimension};
-  for (const Prefix& p : prefixes)
-    for (const Symbol& s : symbols)
+  for (const UnitPrefix& p : prefixes)
+    for (const UnitSymbol& s : symbols)
       if (s.prefixable && word.size() == p.name.size() + s.name.size() && word.starts_with(p.name) &&
           word.ends_with(s.name))
         return Unit{p.factor * s.factor, p.divisor, s.dimension};
@@ -250,6 +237,10 @@ std::optional<Quantity> parse_quantity(std::string_view text, std::string& why) 
   }
   return Quantity{value, end == text.size() ? std::nullopt : std::optional(unit->dimension)};
 }
+
+std::span<const UnitSymbol> unit_symbols() { return symbols; }
+
+std::span<const UnitPrefix> unit_prefixes() { return prefixes; }
 
 std::optional<Unit> parse_unit(std::string_view text, std::string& why) {
   why.clear();

@@ -261,7 +261,10 @@ Chain first_chain(const RobotModel& robot, const std::string& base, const std::s
 
 std::string first_spec(const RobotModel& robot, const Chain& chain, const std::string& urdf) {
   const std::vector<StatedCoupling> couplings = couplings_in(robot, chain);
-  return "# First spec of robot '" + escaped(robot.name) +
+  return "# yaml-language-server: $schema=qerr.schema.json\n"
+         "# (`qerr schema -o qerr.schema.json` writes it beside this file: editors then complete and check)\n"
+         "# First spec of robot '" +
+         escaped(robot.name) +
          "', from its URDF. It can be analyzed as it is.\n"
          "# What is marked ASSUMED is not in the URDF: replace it by the figures of the data sheets\n"
          "# (`qerr list encoders` shows every way to state an encoder), then `qerr analyze` this file.\n" +

@@ -92,6 +92,13 @@ Json object_of(const std::vector<Parameter>& rows) {
   return s;
 }
 
+/// The schema of a key in full, in place of what its row says but its description.
+void refine(Json& object, const char* key, Json full) {
+  Json& row = object["properties"][key];
+  full["description"] = row["description"];
+  row = std::move(full);
+}
+
 std::vector<Parameter> joined(std::vector<Parameter> rows, const std::vector<Parameter>& more) {
   rows.insert(rows.end(), more.begin(), more.end());
   return rows;
@@ -111,12 +118,12 @@ Json filter() {
     families.push_back(s);
   }
   Json s = object_of(spec_format::filter());
-  s["properties"]["lowpass"] = {{"oneOf", families}};
+  refine(s, "lowpass", {{"oneOf", families}});
   s["anyOf"] = Json::array({required({"derivative"}), required({"lowpass"})});
   std::vector<Json> representations{required({"lowpass"})};
   for (const FilterRepresentation& r : filter_representations()) {
     const std::string key(r.key.name);
-    if (!r.inside.empty()) s["properties"][key] = object_of(r.inside);
+    if (!r.inside.empty()) refine(s, key.c_str(), object_of(r.inside));
     const Json stated = required({key});
     s["anyOf"].push_back(stated);
     for (const Parameter& p : r.beside) {
@@ -143,29 +150,29 @@ Json effect() {
 
 Json configurations() {
   Json s = object_of(spec_format::configurations());
-  s["properties"]["limits"] =
-      schema::map({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}});
-  s["properties"]["points"] = non_empty_list_of(schema::list(number_or_quantity()));
+  refine(s, "limits",
+         schema::map({{"type", "array"}, {"items", number_or_quantity()}, {"minItems", 2}, {"maxItems", 2}}));
+  refine(s, "points", non_empty_list_of(schema::list(number_or_quantity())));
   return s;
 }
 
 Json motion() {
   Json joint = object_of(spec_format::joint_motion());
-  joint["properties"]["sines"] = schema::list(object_of(spec_format::sine()));
-  joint["properties"]["moves"] = non_empty_list_of(object_of(spec_format::move()));
+  refine(joint, "sines", schema::list(object_of(spec_format::sine())));
+  refine(joint, "moves", non_empty_list_of(object_of(spec_format::move())));
   for (const char* key : {"sines", "velocity"}) joint["dependencies"][key] = {{"not", required({"moves"})}};
   Json s = object_of(spec_format::motion());
-  s["properties"]["joints"] = schema::map(joint);
+  refine(s, "joints", schema::map(joint));
   s["oneOf"] = Json::array({required({"joints", "sample_rate", "duration"}), required({"file"})});
   return s;
 }
 
 Json sweep() {
   Json s = object_of(spec_format::sweep());
-  for (const char* key : {"from", "to"}) s["properties"][key] = number_or_quantity();
-  s["properties"]["keys"] = non_empty_list_of({{"type", "string"}});
-  s["properties"]["values"] =
-      non_empty_list_of({{"type", Json::array({"number", "string", "boolean", "array", "object"})}});
+  for (const char* key : {"from", "to"}) refine(s, key, number_or_quantity());
+  refine(s, "keys", non_empty_list_of({{"type", "string"}}));
+  refine(s, "values",
+         non_empty_list_of({{"type", Json::array({"number", "string", "boolean", "array", "object"})}}));
   s["oneOf"] = Json::array({required({"key", "values"}), required({"key", "from", "to", "count"}),
                             required({"keys", "values"}), required({"key", "catalogue"})});
   return s;
@@ -175,7 +182,8 @@ Json sweep() {
 Json design_encoder() {
   Json s = {{"type", "object"}, {"additionalProperties", false}, {"properties", Json::object()}};
   for (const EncoderKind& kind : encoder_kinds())
-    for (const Parameter& row : encoder_parameters(kind)) s["properties"][row.name] = Json::object();
+    for (const Parameter& row : encoder_parameters(kind))
+      s["properties"][row.name] = {{"description", of_row(row)["description"]}};
   s["properties"]["catalogue"] = {{"type", "string"},
                                   {"description", "path of a CSV file, relative to this file"}};
   s["properties"]["price"] = {{"description", "of each value, or {fixed, per_bit}"}};
@@ -183,17 +191,18 @@ Json design_encoder() {
   s["properties"]["price"]["then"] = {
       {"additionalProperties", false},
       {"properties",
-       {{"fixed", {{"type", "number"}, {"minimum", 0}}}, {"per_bit", {{"type", "number"}, {"minimum", 0}}}}}};
+       {{"fixed", {{"type", "number"}, {"minimum", 0}, {"description", "of an encoder, whatever its bits"}}},
+        {"per_bit", {{"type", "number"}, {"minimum", 0}, {"description", "added for each bit"}}}}}};
   s["properties"]["gear_price"] = {{"description", "of each gear_ratio"}};
   return s;
 }
 
 Json design() {
   Json filter = object_of(spec_format::design_filter());
-  filter["properties"]["tracking"] = object_of(spec_format::design_tracking());
+  refine(filter, "tracking", object_of(spec_format::design_tracking()));
   Json s = object_of(spec_format::design());
-  s["properties"]["encoders"] = schema::map(design_encoder());
-  s["properties"]["filters"] = schema::map(filter);
+  refine(s, "encoders", schema::map(design_encoder()));
+  refine(s, "filters", schema::map(filter));
   return s;
 }
 
@@ -208,33 +217,36 @@ Json tool() {
 
 std::string json_schema() {
   Json s = object_of(spec_format::top());
-  Json root = {{"$schema", "http://json-schema.org/draft-07/schema#"}, {"title", "qerr spec, version 1"}};
+  Json root = {{"$schema", "http://json-schema.org/draft-07/schema#"},
+               {"$id", "urn:qerr:spec:1"},
+               {"title", "qerr spec, version 1"}};
   Json names = Json::array();
   for (const CoordinateInfo& c : coordinate_list()) names.push_back(c.name);
   for (const SignalKind& kind : signal_kinds()) names.push_back(kind.group);
-  Json& p = s["properties"];
-  p["robot"] = object_of(spec_format::robot());
-  p["robot"]["properties"]["tool"] = tool();
-  p["robot"]["properties"]["joint"] = object_of(spec_format::joint());
-  for (const char* key : {"urdf", "joint"}) p["robot"]["oneOf"].push_back({{"required", Json::array({key})}});
-  p["encoders"] = schema::map(encoder());
-  p["coupling"] = non_empty_list_of(schema::list(number_or_quantity()));
-  p["coordinates"] = {{"type", "array"},
-                      {"minItems", 1},
-                      {"uniqueItems", true},
-                      {"items", {{"type", "string"}, {"examples", names}}}};
-  p["filters"] = schema::map(filter());
-  p["configurations"] = configurations();
+  Json robot = object_of(spec_format::robot());
+  refine(robot, "tool", tool());
+  refine(robot, "joint", object_of(spec_format::joint()));
+  for (const char* key : {"urdf", "joint"}) robot["oneOf"].push_back({{"required", Json::array({key})}});
+  refine(s, "robot", robot);
+  refine(s, "encoders", schema::map(encoder()));
+  refine(s, "coupling", non_empty_list_of(schema::list(number_or_quantity())));
+  refine(s, "coordinates",
+         {{"type", "array"},
+          {"minItems", 1},
+          {"uniqueItems", true},
+          {"items", {{"type", "string"}, {"examples", names}}}});
+  refine(s, "filters", schema::map(filter()));
+  refine(s, "configurations", configurations());
   Json requirement = object_of(spec_format::requirement());
-  for (const char* key : {"at_most", "at_least"}) requirement["properties"][key] = number_or_quantity();
+  for (const char* key : {"at_most", "at_least"}) refine(requirement, key, number_or_quantity());
   requirement["oneOf"] = Json::array({required({"at_most"}), required({"at_least"})});
-  p["requirements"] = schema::list(requirement);
-  p["threshold"] = object_of(spec_format::threshold());
-  p["motion"] = motion();
-  p["effects"] = schema::list(effect());
-  p["log"] = object_of(spec_format::log());
-  p["sweep"] = schema::list(sweep());
-  p["design"] = design();
+  refine(s, "requirements", schema::list(requirement));
+  refine(s, "threshold", object_of(spec_format::threshold()));
+  refine(s, "motion", motion());
+  refine(s, "effects", schema::list(effect()));
+  refine(s, "log", object_of(spec_format::log()));
+  refine(s, "sweep", schema::list(sweep()));
+  refine(s, "design", design());
   root.append(s);
   return root.document();
 }

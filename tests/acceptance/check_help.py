@@ -5,6 +5,7 @@
 
 Shells and groff that are not installed are reported as skipped.
 """
+import html.parser
 import json
 import os
 import pathlib
@@ -50,6 +51,77 @@ def check_pages(t, qerr):
         for topic in re.findall(r"`qerr help (\S+)`", page):
             t.check(f"{name} refers to a topic: {topic}", topic in topics)
     return commands, topics
+
+
+KEYWORDS = {  # words that people search for; a page that must be among those found, and a word of its excerpt
+    "dh": ("glossary", "DH"), "csv": ("output", "CSV"), "python": ("output", "pandas"), "noise": ("filters", "noise"),
+    "repeatability": ("glossary", "ISO 9283"), "TCP": ("glossary", "tool centre point"), "ENCODER": ("encoders", "encoder"),
+    "ros": ("urdf", "ROS_PACKAGE_PATH"), "iso 9283": ("glossary", "RP"), "pre-commit": ("ci", "pre-commit"),
+}
+
+
+def check_search(t, qerr, pages):
+    for words, (page, shown) in KEYWORDS.items():
+        ran = run(qerr, "help", *words.split())
+        found = re.findall(r"^qerr help (\S+)$", text_of(ran), re.M)
+        also = re.search(r"^Also in\n([^\n]+(?:\n[^\n]+)*)", text_of(ran), re.M)
+        also = re.findall(r"[\w-]+", also[1]) if also else []
+        t.check(f"help {words} finds {page}", ran.code == 0 and page in found + also and shown in text_of(ran), text_of(ran)[:300])
+        t.check(f"help {words} names pages once", len(set(found + also)) == len(found + also) and set(found + also) <= pages)
+        wide = [line for line in text_of(ran).splitlines() if len(line) > 80]
+        t.check(f"help {words} fits 80 columns", not wide, str(wide[:2]))
+    t.check("the middle of a word is not found", run(qerr, "help", "ncoder").code == 2)
+
+
+def check_lists(t, qerr):
+    """Every quantity of the list can be required, every unit be written."""
+    rows = {kind: [row["name"] for row in json.loads(run(qerr, "list", kind, "--format", "json").out)] for kind in ("quantities", "units")}
+    spec = ROOT / "configs" / "kuka_lwr" / "spec.yaml"
+    names = [re.sub("JOINT", "a1", re.sub("COORDINATE", "x", re.sub("FILTER", "velocity", name))) for name in rows["quantities"]]
+    t.check("quantities of positions, of filters and of encoders", len(names) >= 12 and {n.split(".")[0] for n in names} == {"position", "velocity", "encoder"})
+    for name in names:
+        more = ", statistic: max" if name.count(".") == 2 and not name.startswith("encoder") else ""
+        moving = ["--set", "motion={sample_rate: 1 kHz, duration: 1 s, joints: {a1: {velocity: 0.1 rad/s}}}"]
+        ran = run(qerr, "check", "-q", spec, "--set", f"requirements=[{{quantity: {name}{more}, at_most: 1e9}}]",
+                  "--set", "configurations.count=20", *moving)
+        t.check(f"{name} can be required", ran.code == 0 and b"1 requirement met" in ran.out, ran.err.decode()[:300])
+    t.check("units of lengths, angles and times", {"m", "deg", "arcsec", "Hz", "rpm"} <= set(rows["units"]))
+
+
+class Links(html.parser.HTMLParser):
+    """Targets of links, and whether every element is closed in its turn."""
+
+    def __init__(self, text):
+        super().__init__()
+        self.targets, self.open, self.fault = set(), [], None
+        self.feed(text)
+
+    def handle_starttag(self, tag, attributes):
+        self.open.append(tag)
+        self.targets |= {value for name, value in attributes if name in ("href", "src")}
+
+    def handle_startendtag(self, tag, attributes):
+        self.targets |= {value for name, value in attributes if name in ("href", "src")}
+
+    def handle_endtag(self, tag):
+        if not self.open or self.open.pop() != tag:
+            self.fault = self.fault or tag
+
+
+def check_site(t, qerr, pages):
+    with tempfile.TemporaryDirectory() as folder:
+        ran = run(qerr, "help", "--html", pathlib.Path(folder) / "site")
+        written = {path.name: path.read_text() for path in (pathlib.Path(folder) / "site").iterdir()}
+        t.check("a page of the site for every page of the help", ran.code == 0 and set(written) == {f"{p}.html" for p in pages | {"index"}})
+        for name, text in written.items():
+            links = Links(text)
+            t.check(f"{name} is well formed", not links.fault and not links.open, f"{links.fault} {links.open}")
+            t.check(f"{name} refers to pages of the site only", links.targets <= set(written), str(links.targets - set(written)))
+        t.check("the index leads to every page", Links(written["index.html"]).targets >= {f"{p}.html" for p in pages})
+        if shutil.which("tidy"):
+            for name in ("index.html", "glossary.html", "ci.html"):
+                done = subprocess.run(["tidy", "-q", "-e", "-utf8"], input=written[name], capture_output=True, text=True)
+                t.check(f"tidy finds nothing in {name}", done.returncode == 0, done.stderr[:300])
 
 
 def examples(qerr, command):
@@ -195,7 +267,8 @@ MISTAKES = [  # words; what the message must name
     (["list"], ["KIND", "e.g. qerr list"]),
     (["list", "filtrs"], ["'filtrs'", "did you mean 'filters'"]),
     (["list", "filters", "kalmn"], ["'kalmn'", "did you mean 'kalman'"]),
-    (["help", "encoder"], ["'encoder'", "did you mean 'encoders'"]),
+    (["help", "encoderz"], ["'encoderz'", "did you mean 'encoders'"]),
+    (["help", "nonsuch"], ["'nonsuch'", "analyze", "choice", "variants"]),  # the list is not cut
     (["schema", "--output-of", "analyse"], ["--output-of", "did you mean 'analyze'"]),
     (["--seed", "3", "analyze", "a.yaml"], ["--seed", "behind a command"]),
     # What CLI11 alone would take for a value, or for none.
@@ -257,6 +330,9 @@ def check_globals(t, qerr):
 def main():
     qerr, t = program_and_tally()
     commands, topics = check_pages(t, qerr)
+    check_search(t, qerr, {*commands, *topics})
+    check_lists(t, qerr)
+    check_site(t, qerr, {*commands, *topics})
     check_examples(t, qerr, commands)
     check_man_pages(t, qerr, commands, topics)
     check_completions(t, qerr)

@@ -84,14 +84,14 @@ def check_program(t, usr):
 
 
 def check_library(t, usr, scratch):
-    """The example of README.md, compiled outside the project."""
+    """The example of `qerr help library`, compiled outside the project, by CMake and by pkg-config."""
     (scratch / "example").mkdir()
     shutil.copy(EXAMPLE, scratch / "example")
-    readme = (ROOT / "README.md").read_text()
-    block = re.search(r"```cmake\n(cmake_minimum_required.*?)```", readme, re.S)
-    if not t.check("README.md has the example's CMakeLists.txt", block):
+    topic = (ROOT / "src" / "cli" / "topics" / "library.md").read_text()
+    block = re.search(r"```cmake\n(cmake_minimum_required.*?)```", topic, re.S)
+    if not t.check("the topic has the example's CMakeLists.txt", block):
         return
-    t.check("README.md has the example", f"```cpp\n{EXAMPLE.read_text()}```" in readme)
+    t.check("the topic has the example", f"```cpp\n{EXAMPLE.read_text()}```" in topic)
     (scratch / "example" / "CMakeLists.txt").write_text(block[1])
     # Ninja, as scripts/setup.sh installs it: the default generator needs make, which a fresh machine does not have.
     done = command("cmake", "-G", "Ninja", "-S", scratch / "example", "-B", scratch / "made", f"-DCMAKE_PREFIX_PATH={usr}")
@@ -99,8 +99,19 @@ def check_library(t, usr, scratch):
     done = command("cmake", "--build", scratch / "made")
     t.check("the example is built", done.returncode == 0, done.stdout[-800:] + done.stderr[-800:])
     if done.returncode == 0:
-        done = command(scratch / "made" / "budget", cwd=usr / "share/qerr/configs/kuka_lwr")
-        t.check("and runs", re.match(r"velocity: [0-9.e-]+ m/s\n{", done.stdout), done.stderr)
+        check_budget(t, scratch / "made" / "budget", usr)
+    line = re.search(r"^c\+\+ .*pkg-config.*$", topic, re.M)
+    described = list(usr.glob("lib/**/pkgconfig/qerr.pc"))
+    if not t.check("the topic has the example of pkg-config, the tree its file", line and len(described) == 1) or not shutil.which("pkg-config"):
+        return
+    done = command("bash", "-c", line[0], cwd=scratch / "example", env=dict(os.environ, PKG_CONFIG_PATH=str(described[0].parent)))
+    if t.check("the example is built by pkg-config", done.returncode == 0, done.stderr[-800:]):
+        check_budget(t, scratch / "example" / "budget", usr)
+
+
+def check_budget(t, program, usr):
+    done = command(program, cwd=usr / "share/qerr/configs/kuka_lwr")
+    t.check("and runs", re.match(r"velocity: [0-9.e-]+ m/s\n{", done.stdout), done.stderr)
 
 
 def main():

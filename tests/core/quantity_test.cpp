@@ -78,6 +78,22 @@ TEST(Quantity, NamesUnitsSoThatTheyReadBack) {
     EXPECT_EQ(quantity("1 " + unit_name(d))->dimension, d) << unit_name(d);
 }
 
+TEST(Unit, IsReadByEverySymbolAndPrefixOfTheLists) {
+  std::string why;
+  for (const UnitSymbol& s : unit_symbols()) {
+    const auto alone = parse_unit(s.name, why);
+    ASSERT_TRUE(alone) << s.name << ": " << why;
+    EXPECT_DOUBLE_EQ(alone->in_si(1), s.factor) << s.name;
+    EXPECT_EQ(alone->dimension, s.dimension) << s.name;
+    if (!s.prefixable) continue;
+    for (const UnitPrefix& p : unit_prefixes()) {
+      const auto prefixed = parse_unit(std::string(p.name) + std::string(s.name), why);
+      ASSERT_TRUE(prefixed) << p.name << s.name << ": " << why;
+      EXPECT_NEAR(prefixed->in_si(1) * p.divisor / p.factor, s.factor, 1e-12 * s.factor) << p.name << s.name;
+    }
+  }
+}
+
 TEST(Unit, HasTheSameScaleAloneAndAfterANumber) {
   for (const std::string unit : {"mrad", "um/s", "N m", "deg", "degC", "1", "%", "rad/(N m)", "ms"}) {
     std::string why;

@@ -13,6 +13,7 @@ of GitHub and GitLab. Standard library only (scripts/reproduce_paper needs numpy
 """
 import argparse
 import difflib
+import math
 import pathlib
 import random
 import re
@@ -26,6 +27,7 @@ from session import Fault, Session, checked_by_running, excepted, outputs
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 EXCEPTED_SECTION = "Speed"
+MOST_LINES = {"README.md": 250}  # what is more belongs into the help
 DIGITS = re.compile(r"[^\s|]*\d[^\s|]*")
 TABLES = re.compile(r"(?<=<!-- tables: ).*(?=<!-- end of tables -->)", re.S)
 
@@ -74,6 +76,8 @@ class Page:
         except (Fault, statements.Missing) as fault:
             return [f"{self.name}: {fault}"]
         lines = difflib.unified_diff(text.splitlines(), new.splitlines(), self.name, "comes out", lineterm="", n=0)
+        if text.count("\n") > MOST_LINES.get(self.name, math.inf):
+            return [f"{self.name}: more than {MOST_LINES[self.name]} lines"]
         return [*lines, *(f"{self.name}:{line}: no test of '{word}'" for line, word in self.untested(text))]
 
     def covered(self, text):

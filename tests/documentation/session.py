@@ -8,7 +8,7 @@
     cpp             a file of tests/documentation, which the build compiles
     text, cmake     not run: their figures are checked like those of the text
 
-Excepted are, by the rules below, commands that install packages or build, and workflows of GitHub and GitLab.
+Excepted are, by the rules below, commands that install packages or build, and workflows of GitHub, GitLab and pre-commit.
 """
 import difflib
 import os
@@ -20,7 +20,7 @@ import sys
 import tempfile
 
 BUILDS = re.compile(r"^(scripts/(run_example|run_tests|package)\.sh|cmake |colcon |sudo |docker |git clone )")  # run by continuous integration itself
-WORKFLOW = re.compile(r"^(jobs|stages):", re.M)
+WORKFLOW = re.compile(r"^(jobs|stages|repos):", re.M)  # tests/acceptance/check_ci.py parses and runs them
 PLACES = [  # (what the paragraph says, how the block is used)
     (re.compile(r"save\b[^`]*`([^`]+)`", re.I), "save"),
     (re.compile(r"append\b[^`]*`([^`]+)`", re.I), "append"),

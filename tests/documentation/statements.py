@@ -155,6 +155,21 @@ def largest_share(v):
     return re.search(r"([\d.]+) % .*<- first", readme).groups()
 
 
+def program_version(v):
+    return v.printed(r"qerr (\S+)", "--version")
+
+
+def repeatability_range(v):
+    """RP = m + 3 S, with mean m and scatter S of a distance whose mean square m^2 + S^2 is 1: for any share of m."""
+    values = [math.cos(a) + 3 * math.sin(a) for a in (math.pi / 2 * i / 10000 for i in range(10001))]
+    return f"{min(values):.0f}", f"{max(values):.1f}"
+
+
+def normal_repeatability(v):
+    mean = math.sqrt(8 / (3 * math.pi))  # of the length of a normal vector in space whose mean square is 1
+    return (f"{mean + 3 * math.sqrt(1 - mean**2):.1f}",)
+
+
 def default_gap(v):
     return (_percent(v.source("include/qerr/report/analysis.hpp", r"double gap = (\S+);")[0]),)
 
@@ -171,12 +186,9 @@ def rates_of_table_3(v):
 HISTOGRAM = "src/bound/histogram.hpp"
 STATEMENTS = {
     "README.md": [
-        (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
-        (r"QERR_VERSION: (\S+)", lambda v: v.printed(r"qerr (\S+)", "--version")),
-        (r"## Changes [^#]*### (\S+)", lambda v: v.printed(r"qerr (\S+)", "--version")),
-        (r"cmake_minimum_required\(VERSION ([\d.]+)\)", lambda v: v.source("CMakeLists.txt", r"VERSION ([\d.]+)\)")),
+        (r"actions/qerr@v([\d.]+),", program_version),
         (r"plain CMake \(C\+\+(\d+);", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
-        (r"within ([\d.]+ \w+) of where the encoders say", first_report("worst")),
+        (r"within ([\d.]+ \w+) of where the encoders say,", first_report("worst")),
         (r"at the worst of them ([\d.]+ \w+) off", first_report("max")),
         (r"Sigma, ([\d.]+ \w+) at half of them", first_report("sigma")),
         (r"causes ([\d.]+) % of the variance", largest_share),
@@ -197,6 +209,27 @@ STATEMENTS = {
             )
         ],
         (r"a statistic \(median, (p\d+)\)", lambda v: (statistics(v)[-1],)),
+    ],
+    TOPICS["library"]: [
+        (r"find_package\(qerr (\d+\.\d+)", lambda v: v.printed(r"qerr (\d+\.\d+)", "--version")),
+        (r"cmake_minimum_required\(VERSION ([\d.]+)\)", lambda v: v.source("CMakeLists.txt", r"VERSION ([\d.]+)\)")),
+        (r"c\+\+ -std=c\+\+(\d+)", lambda v: v.source("CMakeLists.txt", r"CMAKE_CXX_STANDARD (\d+)")),
+    ],
+    TOPICS["changes"]: [
+        (r"## Version (\S+)", program_version),
+        (r"version = \{([\d.]+)\}", program_version),
+    ],
+    TOPICS["ci"]: [
+        (r"ends with (\d) if all requirements are met", exit_code("check", "-q", ARM)),
+        (r"requirements are met, with (\d) if one is not", exit_code("check", "-q", ARM, "--set", "requirements.0.at_most=1 nm")),
+        (r"actions/qerr@v([\d.]+)", program_version),
+        (r"QERR_VERSION: (\S+)", program_version),
+        (r"rev: v(\S+)", program_version),
+    ],
+    TOPICS["glossary"]: [
+        (r"With it alone RP lies between (\d) and ([\d.]+) times this sigma", repeatability_range),
+        (r"it is ([\d.]+) times sigma where the scatter is normal", normal_repeatability),
+        (r"stays within (\d) % of its end", lambda v: v.source("src/design/filter_figures.cpp", r"stays within (\d) %")),
     ],
     TOPICS["spec"]: [(r"sampled by (\d+) Sobol points", points)],
     TOPICS["encoders"]: [
@@ -297,13 +330,25 @@ NAMES = {
         r"BSD 3-Clause",
         r"encoder of a2 causes",
         r"one for a7 would change",
-        r"at 95 % of them",
-        r"for a delay of 5 ms\?",
-        r"`--shard 2/5` computes",
-        r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
-        r"`h2_norm`, `l1_norm`",
+        r"actions/checkout@v4\b",
+        r"\(H2 and H-infinity, not l1\)",
+        r"sigma, ISO 9283\)",
+    ],
+    TOPICS["questions"]: [r"for 5 ms of delay\?"],
+    TOPICS["library"]: [r"`h2_norm`, `l1_norm`", r"<package format=\"3\">", r"<version>0\.1\.0</version>", r"BSD-3-Clause"],
+    TOPICS["changes"]: [r"the format `qerr: 1` of", r"certified l1 norm"],
+    TOPICS["ci"]: [
+        r"Debian 12\b",
         r"actions/checkout@v4\b", r"actions/cache@v4\b", r"actions/upload-artifact@v4\b",
-        r"the format `qerr: 1` of",
+    ],
+    TOPICS["glossary"]: [
+        r"ISO 9283\b",
+        r"commanded 30 times",  # of the standard
+        r"`1` where the encoder",
+        r"\(1 sigma\)",
+        r"Delta/sqrt\(12\)",
+        r"\bp95, p99 \|", r"below them are 95 % and 99 % of these",
+        r"\bH2\b", r"\bl1\b", r"H\(1\)", r"velocity filter it is 0\b", r"fallen by 3 dB",
     ],
     ".github/CONTRIBUTING.md": [
         r"\bH2\b",
@@ -359,7 +404,6 @@ NAMES = {
         r"diag\(Delta\^2/12\)",
         r"\|H\(1\)\|",
     ],
-    TOPICS["requirements"]: [r"actions/checkout@v4\b", r"actions/upload-artifact@v4\b"],
     TOPICS["motion"]: [r"\bphase 0\b", r"The 95 % interval"],
     TOPICS["variants"]: [
         # Examples of the forms of an entry.
@@ -368,6 +412,7 @@ NAMES = {
         r"\{keys: \[K, L\], values: \[\[1, 2\], \[3, 4\]\]\}",
         r"`\{key: encoders\.a2, catalogue: encoders\.csv\}`",
         r"`--statistics max,p99`",
+        r"\{wildcards\.k\}/20 -o", r"k \+ 1\}\.csv\" for k in range\(20\)\]",  # of a cluster's size
     ],
     TOPICS["effects"]: [r"\bH2\b", r"\bl1\b"],
     TOPICS["logs"]: [r"RFC 4180\b", r"`\[1\]`", r"an epoch such as 1970", r"ISO 8601", r"`2026-05-01T12:00:00\.25Z`",

@@ -95,6 +95,23 @@ TEST_F(SpecSchema, RejectsMostSpecsThatTheReaderRejects) {
   EXPECT_GE(refused, 100u);
 }
 
+TEST_F(SpecSchema, DescribesEveryKey) {
+  std::size_t count = 0;
+  const auto walk = [&](auto&& self, const nlohmann::json& schema, const std::string& at) -> void {
+    if (schema.is_object() && schema.contains("properties") && schema["properties"].is_object())
+      for (const auto& [key, row] : schema["properties"].items()) {
+        EXPECT_NE(row.value("description", ""), "") << at << '/' << key;
+        ++count;
+      }
+    if (schema.is_structured())
+      for (const auto& [key, child] : schema.items()) self(self, child, at + '/' + key);
+  };
+  const nlohmann::json schema = nlohmann::json::parse(json_schema());
+  EXPECT_EQ(schema["$id"], "urn:qerr:spec:1");
+  walk(walk, schema, "");
+  EXPECT_GE(count, 200u);
+}
+
 TEST_F(SpecSchema, HasTheBoundsOfPhysics) {
   const auto with_rate = [&](const std::string& rate) {
     return valid(

@@ -2,6 +2,7 @@
 
 #include <compare>
 #include <cstddef>
+#include <span>
 #include <string_view>
 
 namespace qerr {
@@ -10,8 +11,13 @@ namespace qerr {
 /// three.
 enum class Bound { worst_case, worst_case_rigorous, sigma, sigma_quantization, sigma_in_motion };
 
+/// The bounds of the position, and those behind a filter, in the order of reports.
+std::span<const Bound> bounds_of(bool behind_filter);
+
 /// `worst_case`, as requirements and reports name it.
 std::string_view name_of(Bound);
+/// What it is, in a sentence of a list.
+std::string_view summary_of(Bound);
 
 /// Whether it is a variance's root; else it is a worst case.
 constexpr bool is_sigma(Bound b) { return b >= Bound::sigma; }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -17,6 +18,23 @@ struct Unit {
 
   double in_si(double value) const { return value * factor / divisor; }
 };
+
+/// A word of which units are made.
+struct UnitSymbol {
+  std::string_view name;
+  double factor;  ///< its size in SI units
+  Dimension dimension;
+  bool prefixable = false;  ///< whether one of unit_prefixes may stand before it
+};
+std::span<const UnitSymbol> unit_symbols();
+
+/// A decimal prefix: factor / divisor.
+struct UnitPrefix {
+  std::string_view name;
+  double factor = 1;
+  double divisor = 1;
+};
+std::span<const UnitPrefix> unit_prefixes();
 
 /// Parses a unit, as in the header of a column: `rad`, `mm/s`, `N m`, `1`. The units are those of
 /// parse_quantity.

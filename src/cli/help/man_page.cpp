@@ -30,23 +30,11 @@ std::string escaped_roff(std::string_view text) {
 
 /// A paragraph: code and strong parts in bold.
 std::string inline_roff(const std::string& text) {
-  std::string out, part;
-  bool code = false, strong = false;
-  const auto flush = [&] {
-    if (!part.empty()) out += code || strong ? "\\fB" + escaped_roff(part) + "\\fR" : escaped_roff(part);
-    part.clear();
-  };
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    const bool star = !code && text.compare(i, 2, "**") == 0;
-    if (text[i] == '`' || star) {
-      flush();
-      star ? strong = !strong : code = !code;
-      i += star;
-    } else {
-      part += text[i];
-    }
+  std::string out;
+  for (const Part& part : parts_of(text)) {
+    const std::string plain = escaped_roff(part.text);
+    out += part.code || part.strong ? "\\fB" + plain + "\\fR" : plain;
   }
-  flush();
   return out;
 }
 

@@ -114,6 +114,23 @@ class Reader {
 
 }  // namespace
 
+std::vector<Part> parts_of(const std::string& text) {
+  std::vector<Part> parts;
+  Part part;
+  for (std::size_t i = 0; i <= text.size(); ++i) {
+    const bool star = !part.code && text.compare(std::min(i, text.size()), 2, "**") == 0;
+    if (i < text.size() && text[i] != '`' && !star) {
+      part.text += text[i];
+      continue;
+    }
+    if (!part.text.empty()) parts.push_back(part);
+    part.text.clear();
+    star ? part.strong = !part.strong : part.code = !part.code;
+    i += star;
+  }
+  return parts;
+}
+
 Page parse_markdown(std::string_view text) { return Reader(text).page(); }
 
 }  // namespace qerr::cli

@@ -75,7 +75,8 @@ Page overview_page() {
             "bounds of the errors that a robot's encoders cause at its tip, and in filtered velocity and "
             "acceleration",
             {heading("Usage")}};
-  page.blocks.push_back(verbatim("qerr COMMAND [OPTION...] [ARGUMENT...]\nqerr help [COMMAND|TOPIC]\n"));
+  page.blocks.push_back(
+      verbatim("qerr COMMAND [OPTION...] [ARGUMENT...]\nqerr help [COMMAND|TOPIC|WORD...]\n"));
   page.blocks.push_back(heading("Commands"));
   for (const Command& command : commands())
     page.blocks.push_back(term(std::string(command.name), std::string(command.summary)));

@@ -32,14 +32,12 @@ FigureName name_of(const Spec& spec, const Figure& f) {
 std::vector<FigureName> all_figures(const Spec& spec) {
   const std::vector<Signal> signals = all_signals(spec.model);
   std::vector<FigureName> figures;
-  const auto add = [&](std::ptrdiff_t filter, std::initializer_list<Bound> bounds) {
+  const auto add = [&](std::ptrdiff_t filter) {
     for (std::size_t s = 0; s < signals.size(); ++s)
-      for (const Bound bound : bounds) figures.push_back(name_of(spec, signals[s], {s, filter, bound}));
+      for (const Bound bound : bounds_of(filter >= 0))
+        figures.push_back(name_of(spec, signals[s], {s, filter, bound}));
   };
-  add(-1, {Bound::worst_case, Bound::worst_case_rigorous, Bound::sigma});
-  for (std::size_t f = 0; f < spec.filters.size(); ++f)
-    add(static_cast<std::ptrdiff_t>(f),
-        {Bound::worst_case, Bound::sigma, Bound::sigma_quantization, Bound::sigma_in_motion});
+  for (std::ptrdiff_t f = -1; f < std::ssize(spec.filters); ++f) add(f);
   return figures;
 }
 

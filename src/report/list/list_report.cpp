@@ -1,5 +1,8 @@
-#include "core/suggest.hpp"
+#include "core/text.hpp"
+#include "qerr/bound/figure.hpp"
 #include "qerr/bound/statistic.hpp"
+#include "qerr/core/unit.hpp"
+#include "qerr/design/requirement.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"
 #include "qerr/filter/family.hpp"
@@ -11,6 +14,30 @@
 namespace qerr {
 
 namespace {
+
+void add_quantities(std::vector<ListReport::Row>& rows) {
+  for (const bool behind_filter : {false, true})
+    for (const Bound b : bounds_of(behind_filter))
+      rows.push_back(
+          {(behind_filter ? "FILTER.COORDINATE." : "position.COORDINATE.") + std::string(name_of(b)),
+           std::string(summary_of(b))});
+  for (const FilterFigure& f : filter_figures())
+    rows.push_back({"FILTER." + std::string(f.name), std::string(f.summary) + "; without a statistic"});
+  rows.push_back(
+      {"encoder.JOINT.count_rate",
+       "counts per second along `motion:`, else at the URDF's velocity limit; without a statistic"});
+}
+
+void add_units(std::vector<ListReport::Row>& rows) {
+  std::string prefixes;
+  for (const UnitPrefix& p : unit_prefixes()) prefixes += (prefixes.empty() ? "" : " ") + std::string(p.name);
+  for (const UnitSymbol& s : unit_symbols()) {
+    const std::string si = unit_name(s.dimension);
+    rows.push_back({std::string(s.name), significant(s.factor, 9) + (si.empty() ? "" : ' ' + si) +
+                                             (s.prefixable ? "; with a prefix, too: " + prefixes : "")});
+  }
+  rows.push_back({"mm/s, rad/s^2, N m/rad", "products, quotients and powers of the others"});
+}
 
 std::vector<ListReport::Row> rows_of(std::string_view kind) {
   std::vector<ListReport::Row> rows;
@@ -45,14 +72,16 @@ std::vector<ListReport::Row> rows_of(std::string_view kind) {
   if (kind == "statistics")
     rows.push_back(
         {std::string(proven_statistic), "proven bound of the maximum over the whole joint ranges"});
+  if (kind == "quantities") add_quantities(rows);
+  if (kind == "units") add_units(rows);
   return rows;
 }
 
 }  // namespace
 
 const std::vector<std::string>& list_kinds() {
-  static const std::vector<std::string> kinds{"effects", "filters",     "encoders",
-                                              "formats", "coordinates", "statistics"};
+  static const std::vector<std::string> kinds{"effects",     "filters",    "encoders",   "formats",
+                                              "coordinates", "statistics", "quantities", "units"};
   return kinds;
 }
 
