@@ -3,7 +3,7 @@
 
 usage: study.py --qerr PATH [--cases 400 --seed S --jobs 2 --out DIR]      generates the cases first
        study.py --qerr PATH --dir DIR                                      scores the cases in DIR
-       study.py --qerr PATH --quick                                        60 cases, for the test suite
+       study.py --qerr PATH --quick [--cases 60]                           few cases, for the test suite
        study.py --qerr PATH --workshop [--cases 120 --seed S --dir DIR]    records of the second generator, by its own judge
 
 Every case is diagnosed; its extended model diagnoses the second log and, if the truth permits, is simulated. The tables go to
@@ -163,7 +163,7 @@ def main():
     a = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     a.add_argument("--qerr", required=True, help="the program, with arguments if need be")
     a.add_argument("--dir", type=pathlib.Path, help="a folder of cases (with truth.json) instead of generated ones")
-    a.add_argument("--cases", type=int, default=400)
+    a.add_argument("--cases", type=int, help="default: 400, with --quick 60")
     a.add_argument("--seed", type=int, default=1)
     a.add_argument("--kind", action="append", choices=sorted(generate.SHARES), help="only this kind; may be repeated")
     a.add_argument("--name", help="only this effect, record or pair (generate.py --list)")
@@ -183,8 +183,8 @@ def main():
         kinds = "w" if o.workshop else "".join(sorted(set(o.kind))) if o.kind else "abcde"
         if o.name and not o.kind and not o.workshop:
             kinds = "".join(k for k, n in generate.NAMES.items() if o.name in n) or kinds
-        folders = [pathlib.Path(f) for f in generate.generate(out / "cases", 60 if o.quick else o.cases, o.seed, kinds, o.name,
-                                                              o.jobs)]
+        folders = [pathlib.Path(f) for f in generate.generate(out / "cases", o.cases or (60 if o.quick else 400), o.seed, kinds,
+                                                              o.name, o.jobs)]
     if not folders:
         print(f"no case (truth.json beside log.csv) under {o.dir}", file=sys.stderr)
         return 2
