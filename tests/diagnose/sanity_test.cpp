@@ -451,6 +451,22 @@ TEST(Sanity, DetectsUnevenSamplingFromTheVelocityAlone) {
   }
 }
 
+TEST(Sanity, DoesNotUseTheStampsOfSinglePoses) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Machine m(seed);
+    const bool poses = seed % 2 == 0;
+    m.time *= 2 * m.rate;  // a row every two seconds
+    if (poses)
+      for (double& x : m.path) x = m.between(-2, 2);
+    const Sanity s = check_sanity(model_of(m), {},
+                                  log_of({{LogSignal::time, m.time},
+                                          {LogSignal::counts, m.counted(m.path), 0},
+                                          {LogSignal::reference, m.reference()}}));
+    EXPECT_EQ(s.log.has_time(), !poses) << seed;
+    EXPECT_EQ(s.data.size(), poses ? 1u : 0u) << seed;
+  }
+}
+
 TEST(Sanity, AcceptsTablesWithoutTime) {
   Machine m(9);
   const Log log = log_of({{LogSignal::counts, m.counted(m.path), 0}, {LogSignal::reference, m.path}});

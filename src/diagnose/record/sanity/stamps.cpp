@@ -136,6 +136,34 @@ void check_intervals(Sanity& s, const Eigen::ArrayXd& intervals, double usual, d
                   half, "stamp with a disciplined clock");
 }
 
+/// Mean interval from which rows may be single poses: a robot does not settle in less [s] (convention).
+constexpr double least_dwell = 0.25;
+
+/// Counts from row to row that are motion, whatever quantization and noise add (convention).
+constexpr double least_step = 8;
+
+/// Whether the motion between the rows is not sampled: in most rows a joint moves on, and in most of these
+/// its step is another one than the last.
+bool has_single_poses(const Sanity& s, double interval) {
+  if (interval < least_dwell) return false;
+  std::vector<Eigen::ArrayXd> counts;
+  for (std::size_t i = 0; i < s.model.transmission.encoders.size(); ++i)
+    if (const auto read = recorded_counts(s, i)) counts.push_back(read->counts);
+  Eigen::Index moving = 0, bent = 0;
+  const Eigen::Index n = s.log.values.rows();
+  for (Eigen::Index k = 1; k + 1 < n; ++k) {
+    double step = 0, bend = 0;
+    for (const Eigen::ArrayXd& c : counts)
+      if (const double of_this = std::max(std::abs(c[k] - c[k - 1]), std::abs(c[k + 1] - c[k]));
+          of_this > step)
+        step = of_this, bend = std::abs(c[k + 1] - 2 * c[k] + c[k - 1]);
+    if (step < least_step) continue;
+    ++moving;
+    bent += bend > 0.5 * step;
+  }
+  return 2 * moving > n && 3 * bent > 2 * moving;
+}
+
 }  // namespace
 
 void check_stamps(Sanity& s) {
@@ -148,6 +176,15 @@ void check_stamps(Sanity& s) {
   if (!(clock.slope > 0)) {
     report_stamps(s, "all stamps are the same: no verdict on effects that depend on time", 0,
                   "record the time of each reading", DataKind::repeated);
+    drop_column(s.log, *column);
+    return;
+  }
+  if (has_single_poses(s, clock.slope)) {
+    report_stamps(s,
+                  "the rows are single poses, " + significant(clock.slope, 2) +
+                      " s apart, whose motion is not sampled: the stamps are not used",
+                  0, "record the motion between them, if effects of speed or direction are of interest",
+                  DataKind::remark);
     drop_column(s.log, *column);
     return;
   }
