@@ -134,35 +134,37 @@ void LogTable::take(File& file) {
 
 namespace {
 
-/// Value at a time between four samples or fewer, of the polynomial through them; NaN where it is not between
-/// them, in a gap, or where the signal starts again after a turn.
-template <class Samples>
-double interpolated(const Samples& samples, double time) {
+/// Value at a time between four samples or fewer, of the polynomial through those that no turn separates from
+/// the time; NaN where it is not between them, in a gap, or where the signal starts again after a turn.
+double interpolated(std::span<const TimedValue> samples, double time) {
   constexpr double gap = 3, jump = 20;  // times the steps beside (convention)
-  const std::size_t n = samples.size();
-  const auto behind =
-      std::find_if(samples.begin(), samples.end(), [&](const auto& s) { return s.time >= time; }) -
-      samples.begin();
-  if (behind == std::ssize(samples)) return std::nan("");
-  const auto b = static_cast<std::size_t>(behind);
+  const auto at_or_behind =
+      std::find_if(samples.begin(), samples.end(), [&](const TimedValue& s) { return s.time >= time; });
+  if (at_or_behind == samples.end()) return std::nan("");
+  const auto b = static_cast<std::size_t>(at_or_behind - samples.begin());
   if (samples[b].time == time) return samples[b].value;
   if (b == 0) return std::nan("");
-  double longest = 0, largest = 0;  // of the other steps
-  for (std::size_t i = 1; i < n; ++i) {
-    if (i == b) continue;
-    longest = std::max(longest, samples[i].time - samples[i - 1].time);
-    largest = std::max(largest, std::abs(samples[i].value - samples[i - 1].value));
+  const auto step = [&](std::size_t i) { return std::abs(samples[i].value - samples[i - 1].value); };
+  double longest = 0, least_step = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 1; i < samples.size(); ++i) {
+    if (i != b) longest = std::max(longest, samples[i].time - samples[i - 1].time);
+    least_step = std::min(least_step, step(i));
   }
-  const double step = std::abs(samples[b].value - samples[b - 1].value);
-  const bool turns = largest > 0 && step > jump * largest &&
-                     2 * step > std::max(std::abs(samples[b].value), std::abs(samples[b - 1].value));
-  if (longest > 0 && (samples[b].time - samples[b - 1].time > gap * longest || turns)) return std::nan("");
+  const auto turns = [&](std::size_t i) {
+    return samples.size() > 2 && step(i) > jump * least_step &&
+           2 * step(i) > std::max(std::abs(samples[i].value), std::abs(samples[i - 1].value));
+  };
+  if (turns(b) || (longest > 0 && samples[b].time - samples[b - 1].time > gap * longest)) return std::nan("");
+  if (step(b) == 0) return samples[b].value;  // it rests, or the sensor stands still
+  std::size_t first = b - 1, end = b + 1;
+  while (first > 0 && !turns(first)) --first;
+  while (end < samples.size() && !turns(end)) ++end;
   double sum = 0;
-  for (const auto& s : samples) {
+  for (std::size_t i = first; i < end; ++i) {
     double weight = 1;
-    for (const auto& other : samples)
-      if (&other != &s) weight *= (time - other.time) / (s.time - other.time);
-    sum += weight * s.value;
+    for (std::size_t k = first; k < end; ++k)
+      if (k != i) weight *= (time - samples[k].time) / (samples[i].time - samples[k].time);
+    sum += weight * samples[i].value;
   }
   return sum;
 }
@@ -182,7 +184,7 @@ bool LogTable::interpolate(File& file, double time) {
       file.pending = false;
       for (std::size_t k = 0; k < file.columns.size(); ++k) {
         if (std::isnan(file.values[k])) continue;
-        std::deque<Sample>& around = of_file(k).around;
+        std::deque<TimedValue>& around = of_file(k).around;
         // Of two values at one time the last one holds.
         if (!around.empty() && around.back().time == file.time) around.pop_back();
         around.push_back({file.time, file.values[k]});
@@ -193,7 +195,7 @@ bool LogTable::interpolate(File& file, double time) {
   for (std::size_t i = 0; i < file.columns.size(); ++i) {
     Column& c = of_file(i);
     while (c.around.size() > 4 && c.around[2].time <= time) c.around.pop_front();
-    std::array<Sample, 4> four;
+    std::array<TimedValue, 4> four;
     const auto n = static_cast<std::ptrdiff_t>(std::min<std::size_t>(4, c.around.size()));
     std::copy_n(c.around.begin(), n, four.begin());
     const auto samples = std::span(four).first(static_cast<std::size_t>(n));
@@ -203,7 +205,7 @@ bool LogTable::interpolate(File& file, double time) {
     enclosed = enclosed && !std::isnan(value);
     if (std::isnan(value)) continue;
     between_samples_ = between_samples_ || std::none_of(samples.begin(), samples.end(),
-                                                        [&](const Sample& x) { return x.time == time; });
+                                                        [&](const TimedValue& x) { return x.time == time; });
     if (std::isnan(c.value)) --missing_;
     c.value = value;
     c.line = file.samples->line_of(i);

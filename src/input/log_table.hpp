@@ -11,6 +11,11 @@
 
 namespace qerr {
 
+/// A value of a signal.
+struct TimedValue {
+  double time, value;
+};
+
 /// How a signal of a file without readings of encoders is joined to the readings of another file.
 enum class Joining {
   held,          ///< a reading itself: its last value
@@ -74,9 +79,6 @@ class LogTable {
     bool pending = false, ended = false;
     bool interpolated = false;
   };
-  struct Sample {
-    double time, value;
-  };
   /// A chosen column.
   struct Column {
     std::size_t file = 0, index = 0;  // among the file's chosen signals
@@ -86,8 +88,8 @@ class LogTable {
     int line = 0;                // of the value
     std::uint64_t last_row = 0;  // with a new value
     std::uint64_t longest_hold = 1;
-    std::uint64_t samples = 0;  // in rows that were not dropped
-    std::deque<Sample> around;  // of an interpolated column: two before the present row, two behind it
+    std::uint64_t samples = 0;      // in rows that were not dropped
+    std::deque<TimedValue> around;  // of an interpolated column: two before the present row, two behind it
   };
 
   void read_row(File&);

@@ -130,6 +130,38 @@ TEST_F(JoinedLog, AReferenceOfAnotherRateIsInterpolated) {
   }
 }
 
+TEST_F(JoinedLog, AReferenceOfAnotherRateMayWrap) {
+  const auto path = [](double t) { return 2.5 + 3 * std::sin(1.5 * t); };
+  std::string counts = "time [s],shoulder.counts\n";
+  for (int i = 0; i < 4000; ++i) counts += std::to_string(2e-3 * i) + ",1\n";
+  const std::string readings = file("a.csv", counts);
+  for (const double lowest : {-std::numbers::pi, 0.0}) {
+    std::string truth = "time [s],shoulder.reference [rad]\n";
+    for (int i = 0; i < 2600; ++i) {
+      const double t = 1e-3 + 3e-3 * i, turn = 2 * std::numbers::pi;
+      truth +=
+          std::to_string(t) + ',' + shortest(path(t) - turn * std::floor((path(t) - lowest) / turn)) + '\n';
+    }
+    const Log log = read_log(LogFiles({readings, file("b.csv", truth)}), spec);
+    const Doubles time = column(log, LogSignal::time), reference = column(log, LogSignal::reference);
+    EXPECT_GT(log.rows, 3880u);
+    for (std::size_t k = 0; k < time.size(); ++k)
+      ASSERT_NEAR(reference[k] - path(time[k]), reference[0] - path(time[0]), 1e-6) << time[k];
+  }
+}
+
+TEST_F(JoinedLog, AReferenceThatStandsStillIsNotBent) {
+  std::string counts = "time [s],shoulder.counts\n", truth = "time [s],shoulder.reference [rad]\n";
+  for (int i = 0; i < 200; ++i) counts += std::to_string(2e-3 * i) + ",1\n";
+  for (int i = 0; i < 100; ++i)
+    truth += std::to_string(5e-3 * i) + ',' + shortest(0.1 * std::clamp(i, 30, 60)) + '\n';
+  const Log log = read_log(LogFiles({file("a.csv", counts), file("b.csv", truth)}), spec);
+  for (const double x : column(log, LogSignal::reference)) {
+    EXPECT_GE(x, 3.0);
+    EXPECT_LE(x, 6.0);
+  }
+}
+
 TEST_F(JoinedLog, AWideAndALongFileJoin) {
   const std::string wide = file("a.csv", "time [s],shoulder.counts\n0,1\n1,2\n");
   const std::string tall = file(

@@ -154,14 +154,15 @@ void report_noise(Sanity& s, const RecordedVelocity& r, const FilterCandidate& b
   const double own = ideal_sigma(s, joint) * h2_norm(specified);
   if (!from_row_to_row || rms(rest) < more * own) return;
   const std::string unit = s.model.chain.independent[joint].prismatic() ? "m/s" : "rad/s";
-  s.data.push_back({s.log.columns[static_cast<std::size_t>(*s.log.find(LogSignal::velocity, joint))].header +
-                        " has noise of " + readable(rms(rest), unit) +
-                        ", and the readings behind the spec's filter " + readable(own, unit),
-                    s.model.chain.independent[joint].name,
-                    1,
-                    {},
-                    "look for interference, or for a velocity that is measured and not computed",
-                    DataKind::contradictory});
+  s.data.push_back(
+      {s.log.columns[static_cast<std::size_t>(*s.log.find(LogSignal::velocity, joint))].header +
+           " has noise of " + readable(rms(rest), unit) + ", and the readings behind the spec's filter " +
+           readable(own, unit),
+       s.model.chain.independent[joint].name,
+       1,
+       {},
+       "state the filter that computes it under filters: if it is another one; else look for interference",
+       DataKind::contradictory});
 }
 
 }  // namespace

@@ -104,7 +104,7 @@ double wrap_of(const Motion& m) {
 
 /// What a factor says of the velocity, and what to do.
 std::pair<std::string, std::string> reading_of(double factor, const LogColumn& column, bool prismatic) {
-  const auto near = [&](double other) { return std::abs(factor / other - 1) < 0.05; };
+  const auto near = [&](double other) { return std::abs(factor / other - 1) < 0.02; };
   if (near(-1)) return {"has the opposite sign of the motion", "turn the sign of the column"};
   const double header = column.scale.in_si(1);
   const VelocityUnit* units = prismatic ? of_translation.data() : of_rotation.data();
