@@ -21,7 +21,7 @@ template <>
 std::string to_json(const ListReport& report, const Style&) {
   return json_of(report.rows).document();
 }
-/// Of one spec its report; of several a list of such reports.
+/// The report of one spec; for several a list of such reports.
 template <>
 std::string to_json(const CheckReport& report, const Style&) {
   const bool single = report.specs.size() == 1 && report.broken.empty();

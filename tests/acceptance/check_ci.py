@@ -138,10 +138,10 @@ def check_action(t, qerr):
 
 def check_installation(t, qerr, install, inputs):
     places = [  # the action's folder, its inputs; the exit code, and what is called
-        ("/home/runner/work/_actions/acme/qerr/v0.1.0/.github/actions/qerr", {}, 0,
+        ("/runner/_actions/acme/qerr/v0.1.0/.github/actions/qerr", {}, 0,
          [r"curl .*https://github.com/acme/qerr/releases/download/v0\.1\.0/qerr_0\.1\.0-1_\w+\.deb$", r"apt-get .*qerr_0\.1\.0-1_\w+\.deb$"]),
         ("/__w/_actions/acme/qerr/main/.github/actions/qerr", {}, 2, []),
-        ("/home/runner/work/arm/arm/tools/qerr/.github/actions/qerr", {"package": "own.deb"}, 0, [r"apt-get .*/own\.deb$"]),
+        ("/runner/arm/arm/tools/qerr/.github/actions/qerr", {"package": "own.deb"}, 0, [r"apt-get .*/own\.deb$"]),
     ]
     for place, given, code, calls in places:
         with tempfile.TemporaryDirectory() as folder:

@@ -303,6 +303,19 @@ TEST(Sanity, LeavesOutTheRowsInWhichAReferenceIsFrozen) {
   EXPECT_GT(tried, 20);
 }
 
+TEST(Sanity, LeavesACoupledEncoderWithoutTheReferencesOfAllItsJointsAlone) {
+  Machine m(3);
+  OperationalModel model = model_of(m);
+  model.chain.independent.push_back(model.chain.independent[0]);
+  model.chain.independent[1].name = "wrist";
+  model.transmission.encoders.push_back(model.transmission.encoders[0]);
+  Eigen::MatrixXd coupling = Eigen::MatrixXd::Identity(2, 2);
+  coupling(0, 1) = 0.5;
+  model.transmission.coupling = coupling;
+  const Sanity s = check_sanity(model, {}, log_of(m, m.counted(m.path)));
+  EXPECT_FALSE(stands_still(s));
+}
+
 TEST(Sanity, TakesNoPlayForAFrozenReference) {
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Machine m(seed);

@@ -82,10 +82,11 @@ bool moved_by_rounding(const Analysis& a, const Requirement& r, double tolerance
 
 /// What to require in place of a quantity that no error reaches.
 std::string reached_instead(const Analysis& a) {
+  const double least = static_cast<double>(a.spec.model.chain.joints.size() + 1) * rounded_angle;
   std::string names;
   const std::vector<Signal> all = all_signals(a.spec.model);
   for (std::size_t i = 0; i < all.size(); ++i)
-    if (!is_below(a, -1, i, almost_right_angle)) names += (names.empty() ? "" : ", ") + all[i].name;
+    if (!is_below(a, -1, i, least)) names += (names.empty() ? "" : ", ") + all[i].name;
   return names.empty() ? "the joints move none of the spec's coordinates; add those that they move, such as "
                          "rx, ry, rz, to `coordinates`"
                        : "the joints move " + names;

@@ -10,7 +10,7 @@ using ReportedError = In<Unidentified, DiagnosisReport>;
 
 std::optional<ResidualCurve> curve(const auto& of) { return only_if(!of->curve.at.empty(), of->curve); }
 
-/// Of its contribution to the readings, in counts of its joint's encoder.
+/// The rms of its contribution to the readings, in counts of its joint's encoder.
 std::optional<double> counts(const ReportedCause& c) {
   const Encoder* encoder = encoder_of(c.whole.spec, c->effect.joint);
   return encoder && c->rms > 0 ? std::optional(c->rms / encoder->resolution) : std::nullopt;

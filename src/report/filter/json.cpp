@@ -7,7 +7,7 @@ namespace {
 using ReportedFilter = In<FilterFigures, FilterReport>;
 using ComparedEncoder = In<EncoderEstimators, EstimatorReport>;
 
-/// Of the filter's noise, if it was asked for.
+/// A figure of the filter's noise: empty unless it was asked for.
 template <class T>
 auto noise(T FilterNoise::*value) {
   return [value](const ReportedFilter& f) {

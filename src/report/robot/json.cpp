@@ -5,7 +5,7 @@ namespace qerr {
 
 namespace {
 
-/// Of a moving joint.
+/// A member of a joint that moves; empty for a fixed one.
 template <class T>
 auto moving(T Joint::*value) {
   return [value](const Joint& j) { return only_if(j.type != JointType::fixed, j.*value); };

@@ -19,7 +19,7 @@ struct ReportedVariant {
 using SweptFilter = In<NamedFilter, ReportedVariant>;
 using SweptResult = In<RequirementResult, ReportedVariant>;
 
-/// Of the keys that vary.
+/// The values of the keys that vary, by key.
 std::vector<std::pair<std::string, Json>> values(const ReportedVariant& v) {
   std::vector<std::pair<std::string, Json>> all;
   const std::vector<std::string> names = v.grid.names(v.swept.variant);
@@ -30,7 +30,7 @@ std::vector<std::pair<std::string, Json>> values(const ReportedVariant& v) {
   return all;
 }
 
-/// Of the analysis of a variant, if it can be computed.
+/// A getter of the analysis of a variant: empty if it cannot be computed.
 template <class Getter>
 auto analyzed(Getter getter) {
   return [getter](const ReportedVariant& v) {

@@ -35,13 +35,13 @@ std::vector<ConstantRun> constant_runs(const Eigen::ArrayXd& signal) {
 }
 
 /// A reference that stands, and what the encoder does meanwhile.
-struct Standstill {
+struct StandingReference {
   ConstantRun rows;
   double motion;  ///< peak to peak [counts]; 0 if a single step makes it, which is no motion
   double net;     ///< from its first row to its last [counts]
 };
 
-Standstill standstill(const ConstantRun& run, const Eigen::ArrayXd& counts) {
+StandingReference standing(const ConstantRun& run, const Eigen::ArrayXd& counts) {
   const Eigen::Index n = run.end - run.first;
   const auto read = counts.segment(run.first, n);
   const double motion = peak_to_peak(read),
@@ -67,16 +67,18 @@ Eigen::ArrayXd largest_rise(const Eigen::ArrayXd& x) {
 }
 
 /// The standstills that the joint has not made.
-std::vector<Standstill> frozen(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
-  std::vector<Standstill> all;
-  for (const ConstantRun& run : constant_runs(reference)) all.push_back(standstill(run, counts));
-  const auto less = [](const Standstill& a, const Standstill& b) { return a.motion < b.motion; };
+std::vector<StandingReference> frozen(const Eigen::ArrayXd& counts, const Eigen::ArrayXd& reference) {
+  std::vector<StandingReference> all;
+  for (const ConstantRun& run : constant_runs(reference)) all.push_back(standing(run, counts));
+  const auto less = [](const StandingReference& a, const StandingReference& b) {
+    return a.motion < b.motion;
+  };
   if (std::max_element(all.begin(), all.end(), less)->motion < missed_motion) return {};
   std::stable_sort(all.begin(), all.end(), less);
   const Eigen::Index last = reference.size() - 1;
   const Eigen::ArrayXd rise = largest_rise(reference), fall = largest_rise(-reference);
   const bool both_ways = std::min(rise[last], fall[last]) >= missed_motion;
-  const auto goes_on = [&](const Standstill& s) {
+  const auto goes_on = [&](const StandingReference& s) {
     const bool one_way = std::abs(s.net) >= s.motion - 2;
     return one_way && (s.net > 0 ? rise : fall)[s.rows.first] >= missed_motion;
   };
@@ -189,11 +191,12 @@ void check_frozen_reference(Sanity& s, std::size_t encoder) {
   const auto column = s.log.find(LogSignal::reference, encoder);
   if (!read || !column) return;
   const Eigen::ArrayXd reference = encoder_reference(s, encoder);
+  if (reference.size() == 0) return;  // that of a coupled joint is missing
   const double resolution = s.model.transmission.encoders[encoder].resolution;
-  const std::vector<Standstill> all = frozen(read->counts, reference / resolution);
+  const std::vector<StandingReference> all = frozen(read->counts, reference / resolution);
   if (all.empty()) return;
   std::vector<char> left_out(static_cast<std::size_t>(reference.size()));
-  for (const Standstill& still : all)
+  for (const StandingReference& still : all)
     std::fill(left_out.begin() + still.rows.first, left_out.begin() + still.rows.end, 1);
   std::vector<Eigen::Index> kept;
   for (Eigen::Index k = 0; k < reference.size(); ++k)

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <span>
 #include <string>
 #include <string_view>
 
@@ -28,6 +29,14 @@ constexpr std::array<UsualUnit, 6> angles{{{1, "rad"},
                                            {2 * std::numbers::pi, "rev"}}};
 constexpr std::array<UsualUnit, 5> lengths{
     {{1, "m"}, {1e-3, "mm"}, {1e-6, "um"}, {1e-2, "cm"}, {0.0254, "inch"}}};
+
+/// Units in which velocities are written.
+constexpr std::array<UsualUnit, 5> rotations{{{1, "rad/s"},
+                                              {degree, "deg/s"},
+                                              {std::numbers::pi / 30, "rpm"},
+                                              {2 * std::numbers::pi, "rev/s"},
+                                              {1e-3, "mrad/s"}}};
+constexpr std::array<UsualUnit, 3> translations{{{1, "m/s"}, {1e-3, "mm/s"}, {1e-3 / 60, "mm/min"}}};
 
 /// Ratios of wrongly decoded counts, which a wrong unit may come with.
 constexpr std::array<double, 5> decodings{1, 0.5, 2, 0.25, 4};
@@ -71,16 +80,18 @@ Pair pair_of(const Sanity& s, std::size_t joint) {
 }  // namespace
 
 std::optional<OtherUnit> other_unit(const LogColumn& column, double ratio, bool prismatic) {
-  const UsualUnit* first = prismatic ? lengths.data() : angles.data();
-  const std::size_t number = prismatic ? lengths.size() : angles.size();
+  const bool velocity = column.signal == LogSignal::velocity;
+  const std::span<const UsualUnit> units = velocity    ? (prismatic ? std::span<const UsualUnit>(translations)
+                                                                    : std::span<const UsualUnit>(rotations))
+                                           : prismatic ? std::span<const UsualUnit>(lengths)
+                                                       : std::span<const UsualUnit>(angles);
   const double header = column.scale.in_si(1);
   for (const double decoding : decodings)
-    for (std::size_t i = 0; i < number; ++i)
-      if (const double factor = header / first[i].in_si; std::abs(factor - 1) > 2 * same_factor)
+    for (const UsualUnit& unit : units)
+      if (const double factor = header / unit.in_si; std::abs(factor - 1) > 2 * same_factor)
         // With wrong decoding only degrees, the usual mistake: else a wrong gear ratio could look like it.
-        if (decoding == 1 || first[i].in_si == degree)
-          if (std::abs(ratio / (factor * decoding) - 1) < same_factor)
-            return OtherUnit{first[i].name, factor};
+        if (decoding == 1 || (!velocity && unit.in_si == degree))
+          if (std::abs(ratio / (factor * decoding) - 1) < same_factor) return OtherUnit{unit.name, factor};
   return std::nullopt;
 }
 

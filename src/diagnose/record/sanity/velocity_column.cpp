@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numbers>
 #include <string>
 #include <vector>
 
@@ -28,19 +26,8 @@ constexpr double explained_share = 0.9;
 /// An offset of less is drowned in the noise of any velocity (convention). Of the velocity's rms.
 constexpr double least_offset = 0.02;
 
-struct VelocityUnit {
-  double in_si;
-  std::string_view name;
-};
-constexpr std::array<VelocityUnit, 5> of_rotation{{{1, "rad/s"},
-                                                   {std::numbers::pi / 180, "deg/s"},
-                                                   {std::numbers::pi / 30, "rpm"},
-                                                   {2 * std::numbers::pi, "rev/s"},
-                                                   {1e-3, "mrad/s"}}};
-constexpr std::array<VelocityUnit, 3> of_translation{{{1, "m/s"}, {1e-3, "mm/s"}, {1e-3 / 60, "mm/min"}}};
-
 /// A recorded velocity and the positions of its joint.
-struct Motion {
+struct VelocityRecord {
   Eigen::ArrayXd time, position, velocity;
 
   Eigen::ArrayXd integral() const {
@@ -61,7 +48,7 @@ double rms_of_fit(const Eigen::MatrixXd& columns, const Eigen::VectorXd& y, Eige
   return (y - columns * solution).norm() / std::sqrt(static_cast<double>(y.size()));
 }
 
-Integrated integrated(const Motion& m) {
+Integrated integrated(const VelocityRecord& m) {
   const Eigen::Index n = m.time.size();
   Eigen::MatrixXd a(n, 4);
   a << m.velocity, Eigen::VectorXd::Ones(n), m.integral(), m.time - m.time.mean();
@@ -75,7 +62,7 @@ Integrated integrated(const Motion& m) {
 }
 
 /// Derivative of the position over nine rows.
-Eigen::ArrayXd derivative(const Motion& m) {
+Eigen::ArrayXd derivative(const VelocityRecord& m) {
   constexpr Eigen::Index half = 4;
   const Eigen::Index n = m.time.size();
   Eigen::ArrayXd v(n);
@@ -87,7 +74,7 @@ Eigen::ArrayXd derivative(const Motion& m) {
 }
 
 /// The interval by which a velocity wraps; 0: it does not. Its values fill the interval and jump by it.
-double wrap_of(const Motion& m) {
+double wrap_of(const VelocityRecord& m) {
   const Eigen::ArrayXd error = m.velocity - derivative(m);
   const double half = m.velocity.abs().maxCoeff();
   std::vector<double> jumps;
@@ -104,15 +91,14 @@ double wrap_of(const Motion& m) {
 
 /// What a factor says of the velocity, and what to do.
 std::pair<std::string, std::string> reading_of(double factor, const LogColumn& column, bool prismatic) {
-  const auto near = [&](double other) { return std::abs(factor / other - 1) < 0.02; };
-  if (near(-1)) return {"has the opposite sign of the motion", "turn the sign of the column"};
-  const double header = column.scale.in_si(1);
-  const VelocityUnit* units = prismatic ? of_translation.data() : of_rotation.data();
-  for (std::size_t i = 0; i < (prismatic ? of_translation.size() : of_rotation.size()); ++i)
-    if (near(header / units[i].in_si))
-      return {"looks like " + std::string(units[i].name) + ": its values are " + significant(factor, 4) +
-                  " times those of the motion",
-              "write [" + std::string(units[i].name) + "] in the header, or convert the column"};
+  if (std::abs(factor + 1) < 0.02)
+    return {"has the opposite sign of the motion", "turn the sign of the column"};
+  if (const auto unit = other_unit(column, factor, prismatic)) {
+    const std::string name(unit->name);
+    return {
+        "looks like " + name + ": its values are " + significant(factor, 4) + " times those of the motion",
+        "write [" + name + "] in the header, or convert the column"};
+  }
   return {"is " + significant(factor, 4) + " times that of the motion",
           "look whether it is that of the motor, before its gear, or of another joint"};
 }
@@ -126,7 +112,7 @@ void check_velocity_column(Sanity& s, std::size_t joint) {
   const bool decoded = std::any_of(s.causes.begin(), s.causes.end(), [&](const Cause& c) {
     return c.effect.type == decoding_effect().name && c.effect.joint == s.model.chain.independent[joint].name;
   });
-  const Motion m{s.log.values.col(*stamps), *measured, s.log.values.col(*column)};
+  const VelocityRecord m{s.log.values.col(*stamps), *measured, s.log.values.col(*column)};
   const Eigen::Index n = m.time.size();
   const Eigen::ArrayXd steps = m.time.tail(n - 1) - m.time.head(n - 1);
   const double least_motion = 50 * std::sqrt(12.0) * ideal_sigma(s, joint);
