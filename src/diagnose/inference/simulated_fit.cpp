@@ -1,9 +1,9 @@
 #include "diagnose/inference/simulated_fit.hpp"
 
-#include <Eigen/QR>
 #include <cmath>
 
 #include "core/probability.hpp"
+#include "core/solve.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "simulate/sensing.hpp"
 
@@ -78,7 +78,7 @@ std::vector<Eigen::VectorXd> improved(const Evidence& e, const std::vector<Eigen
     all.middleCols(first, c.cols()) = c.matrix();
     first += c.cols();
   }
-  const Eigen::VectorXd step = all.colPivHouseholderQr().solve(residual.matrix());
+  const Eigen::VectorXd step = least_norm_solution(all, residual.matrix());
   first = e.encoder.zero_known ? 0 : 1;
   for (std::size_t i = 0; i < at.size(); ++i) {
     if (columns[i].cols() == 0) continue;

@@ -48,22 +48,26 @@ std::optional<Term> strongest_tip_step(const Evidence& e, const Eigen::VectorXd&
 std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd& score) {
   const double range = e.path.maxCoeff() - e.path.minCoeff();
   if (range < 20 * e.step()) return std::nullopt;
-  const double spacing = 2 * std::numbers::pi / range / 2;
-  const Eigen::Index stride = std::max<Eigen::Index>(1, e.rows() / 2048);
-  const auto power = [&](double order) {
-    double sine = 0, cosine = 0;
-    for (Eigen::Index k = 0; k < e.rows(); k += stride) {
-      sine += score[k] * std::sin(order * e.path[k]);
-      cosine += score[k] * std::cos(order * e.path[k]);
-    }
-    return sine * sine + cosine * cosine;
+  const double spacing = std::numbers::pi / range;
+  const auto some = Eigen::seq(0, Eigen::last, std::max<Eigen::Index>(1, e.rows() / 2048));
+  const Eigen::ArrayXd angle = e.path(some), weight = score(some).array();
+  const auto power = [&](const Eigen::ArrayXd& cosine, const Eigen::ArrayXd& sine) {
+    return std::pow((weight * cosine).sum(), 2) + std::pow((weight * sine).sum(), 2);
   };
+  // An order of the grid is the one before it, turned by the same angle in each row.
+  const Eigen::ArrayXd turn_cosine = (spacing * angle).cos(), turn_sine = (spacing * angle).sin();
+  Eigen::ArrayXd cosine = turn_cosine, sine = turn_sine, next(angle.size());
   double best = 0, best_order = 0;
-  for (int i = 2; i < scanned_at_tip && i * spacing * e.step() < 1.5; ++i)
-    if (const double here = power(i * spacing); here > best) best = here, best_order = i * spacing;
+  for (int i = 2; i < scanned_at_tip && i * spacing * e.step() < 1.5; ++i) {
+    next = cosine * turn_cosine - sine * turn_sine;
+    sine = sine * turn_cosine + cosine * turn_sine;
+    cosine.swap(next);
+    if (const double here = power(cosine, sine); here > best) best = here, best_order = i * spacing;
+  }
   for (double step = spacing / 2; step > spacing / 100; step /= 2)
     for (const double order : {best_order - step, best_order + step})
-      if (const double here = power(order); here > best) best = here, best_order = order;
+      if (const double here = power((order * angle).cos(), (order * angle).sin()); here > best)
+        best = here, best_order = order;
   return free_order_term(e, best_order);
 }
 
