@@ -7,7 +7,7 @@
 #include "bound/error_plan.hpp"
 #include "bound/length_errors.hpp"
 #include "bound/signal_errors.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 

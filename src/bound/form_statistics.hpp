@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "bound/column_statistics.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "bound/bins.hpp"
+#include "bound/tally.hpp"
 
 namespace qerr {
 

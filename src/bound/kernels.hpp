@@ -3,7 +3,6 @@
 #include <cstddef>
 #include <cstdint>
 
-#include "bound/bins.hpp"
 #include "bound/figure_layout.hpp"
 #include "bound/tally.hpp"
 #include "kinematics/folded_path.hpp"

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "bound/kernels.hpp"
-#include "bound/lane_shares.hpp"
+#include "bound/lane_sums.hpp"
 
 // The templates for plain models with x y z (rx ry rz) save 60 % of the CPU time of `analyze`: 25 instead of
 // 64 ns per configuration (Panda, 2e7 Sobol points, one AVX-512 thread of a shared machine) against

@@ -1,9 +1,116 @@
 #pragma once
 
-#include "bound/lane_spreads.hpp"
+#include "bound/kernels.hpp"
+#include "kinematics/tip_axes.hpp"
+#include "lanes/batch.hpp"
 
 namespace qerr::lanes {
+
 namespace {
+
+constexpr std::size_t most_coordinates = 9;
+constexpr double infinity = __builtin_inf();
+
+/// [part][coordinate]: spreads; for a direct model the columns of the joints.
+template <class L>
+struct Spreads {
+  const L* first;
+  std::size_t stride;  ///< vectors from one part to the next
+  [[gnu::always_inline]] const L* of(std::size_t part) const { return first + part * stride; }
+};
+
+/// Scratch memory of the kernel. Frames and spreads are for models that are not direct.
+template <class L>
+struct Scratch {
+  SineCosine<L>*motions, *ahead;  // [joint]: of this and of the next vector of configurations
+  JointScratch<L>* joints;
+  L* frames;   // [joint][x, y, z][3]
+  L* spreads;  // [part][9]
+
+  Scratch(const ErrorPlan& plan, double* memory)
+      : motions(reinterpret_cast<SineCosine<L>*>(memory)),
+        ahead(motions + plan.chain.count),
+        joints(reinterpret_cast<JointScratch<L>*>(ahead + plan.chain.count)),
+        frames(reinterpret_cast<L*>(joints + plan.chain.count)),
+        spreads(frames + 9 * plan.chain.count) {}
+};
+
+/// Doubles of scratch memory.
+template <class L>
+std::size_t scratch(const ErrorPlan& plan) {
+  return plan.chain.count * scratch_per_joint<L> +
+         (11 * plan.chain.count + most_coordinates * plan.parts) * lane_count<L>;
+}
+
+/// Adds the linear and angular spread of a part.
+template <class L>
+[[gnu::always_inline]] inline void spread_of(const ErrorPart& part, const Scratch<L>& scratch, L (&u)[6]) {
+  for (const JointWeight* w = part.begin; w != part.end; ++w)
+#pragma GCC unroll 6
+    for (int i = 0; i < 6; ++i) u[i] = fma(w->weight, scratch.joints[w->joint].column[i], u[i]);
+  for (int axis = 0; axis < 3; ++axis)
+    for (int i = 0; i < 3; ++i) {
+      if (part.link > 0)
+        u[i] = fma(part.direction[axis], scratch.frames[9 * (part.link - 1) + 3 * axis + i], u[i]);
+      else if (axis == i)
+        u[i] = u[i] + part.direction[axis];
+    }
+}
+
+/// Spreads of the parts of a model that is not direct, in the chosen coordinates.
+/// @returns lanes at the gimbal lock
+template <class L>
+Bits<L> gather(const ErrorPlan& plan, const Scratch<L>& scratch, const Frame<L>& tip, double* sums) {
+  const Axes<L> axes = axes_of(tip, plan.chain.tip_axes);
+  const EulerRates<L> euler = euler_rates(axes.x);
+  for (std::size_t p = 0; p < plan.parts; ++p) {
+    L u[6] = {};
+    spread_of(plan.part[p], scratch, u);
+    L* const spread = scratch.spreads + most_coordinates * p;
+    for (std::size_t c = 0; c < plan.coordinates; ++c)
+      if (plan.coordinate[c] >= 6) spread[c] = euler.along(plan.coordinate[c] - 6, u + 3);
+    if (plan.tip_frame) {
+      axes.resolve(u);
+      axes.resolve(u + 3);
+    }
+    for (std::size_t c = 0; c < plan.coordinates; ++c)
+      if (plan.coordinate[c] < 6) spread[c] = u[plan.coordinate[c]];
+  }
+  if (!plan.any_euler) return Bits<L>{};
+  double* const pitch = sums + plan.sums.pitch * lane_count<L>;
+  store(pitch, max(load<L>(pitch), 1.0 - euler.cosine));
+  return euler.unbounded;
+}
+
+/// A value of a coordinate, infinite for Euler angles at the gimbal lock.
+template <class L>
+[[gnu::always_inline]] inline L bounded(int coordinate, const Bits<L>& unbounded, const L& value) {
+  return coordinate >= 6 ? (unbounded ? broadcast<L>(infinity) : value) : value;
+}
+
+/// Columns of the joints and spreads of the parts.
+/// @returns lanes at the gimbal lock
+template <class L, bool direct>
+[[gnu::always_inline]] inline Bits<L> spread(const ErrorPlan& plan, const double* q,
+                                             const Scratch<L>& scratch, double* sums) {
+  const StoreColumns<L> keep{scratch.joints};
+  if constexpr (direct) {
+    columns<L>(plan.chain, plan.column_scale, q, batch_size, scratch.motions, scratch.joints, Ignore{}, keep);
+    return Bits<L>{};
+  } else {
+    const auto keep_frame = [&](std::size_t k, const Frame<L>& f) {
+#pragma GCC unroll 3
+      for (int r = 0; r < 3; ++r) {
+        scratch.frames[9 * k + r] = f.x[r];
+        scratch.frames[9 * k + 3 + r] = f.y[r];
+        scratch.frames[9 * k + 6 + r] = f.z[r];
+      }
+    };
+    const Frame<L> tip = columns<L>(plan.chain, plan.column_scale, q, batch_size, scratch.motions,
+                                    scratch.joints, keep_frame, keep);
+    return gather(plan, scratch, tip, sums);
+  }
+}
 
 /// Half width, mean and variance of every coordinate.
 template <class L>
@@ -213,5 +320,95 @@ template <class L, std::size_t fixed, bool direct, class To>
   }
 }
 
+template <class L>
+[[gnu::always_inline]] inline void add_to(double* sum, const L& value) {
+  store(sum, load<L>(sum) + value);
+}
+
+/// Adds the contribution of each encoder to the variance and its shares of variance and worst case, and
+/// updates its largest arm. A coordinate below 1e-13 of the largest sigma is rounding error and has no
+/// shares.
+template <class L, std::size_t fixed>
+[[gnu::always_inline]] inline void add_shares(const ErrorPlan& plan, const Spreads<L>& spreads,
+                                              const Errors<L>& total, double* sums) {
+  const std::size_t m = fixed > 0 ? fixed : plan.coordinates, row = plan.encoders * lane_count<L>;
+  L largest{};
+#pragma GCC unroll 6
+  for (std::size_t c = 0; c < m; ++c) largest = max(largest, total.variance[c]);
+  const L negligible = 1e-26 * largest;
+  L over[most_coordinates], over_worst[most_coordinates];
+#pragma GCC unroll 6
+  for (std::size_t c = 0; c < m; ++c) {
+    L width = total.half[c];
+    if constexpr (fixed == 0) {
+      width = L{};
+      for (std::size_t p = 0; p < plan.parts; ++p)
+        width = fma(plan.part[p].width, abs(spreads.of(p)[c]), width);
+    }
+    const L variance = total.variance[c];
+    over[c] = variance > negligible ? 1.0 / variance : L{};
+    over_worst[c] = width * width > 3.0 * negligible ? 1.0 / width : L{};
+  }
+  for (std::size_t p = 0; p < plan.parts; ++p) {
+    const ErrorPart& part = plan.part[p];
+    const L* const u = spreads.of(p);
+    double* const of_owner = sums + part.owner * lane_count<L>;
+    L arm{};
+#pragma GCC unroll 6
+    for (std::size_t c = 0; c < m; ++c) {
+      const L magnitude = abs(u[c]);
+      const L square = fixed > 0 ? u[c] * u[c] : (part.sigma * part.sigma) * (u[c] * u[c]);
+      add_to(of_owner + plan.sums.variance_parts * lane_count<L> + c * row, square);
+      add_to(of_owner + plan.sums.share * lane_count<L> + c * row, square * over[c]);
+      if (fixed == 0 && plan.quantization_parts && !part.source)
+        add_to(of_owner + plan.sums.quantization_parts * lane_count<L> + c * row, square);
+      add_to(of_owner + plan.sums.worst_share * lane_count<L> + c * row,
+             magnitude * (part.width * over_worst[c]));
+      if (fixed > 0 ? c < 3 : plan.coordinate[c] < 3) arm = max(arm, magnitude);
+    }
+    if (part.source) continue;
+    double* const arms = of_owner + plan.sums.arms * lane_count<L>;
+    store(arms, max(load<L>(arms), plan.arm[part.owner] * arm));
+  }
+}
+
+/// Stores the figures behind the filters that are not the coordinate's times a norm.
+template <class L>
+void add_filtered(const ErrorPlan& plan, const Spreads<L>& spreads, const Errors<L>& total,
+                  const Bits<L>& unbounded, double* figures, double* sums) {
+  const std::size_t m = plan.coordinates;
+  for (std::size_t f = 0; f < plan.filters; ++f) {
+    for (std::size_t c = 0; c < m; ++c) {
+      const auto store_figure = [&](std::size_t figure, const L& value) {
+        store(figures + (figure + f * plan.figures.coordinates + c) * batch_size,
+              bounded(plan.coordinate[c], unbounded, value));
+      };
+      const auto spread_behind = [&](const double* squares) {
+        L sum{};
+        for (std::size_t p = 0; p < plan.parts; ++p) {
+          const L u = spreads.of(p)[c];
+          sum = fma(squares[f * plan.parts + p], u * u, sum);
+        }
+        return sqrt(sum);
+      };
+      if (plan.filtered_worst)
+        store_figure(plan.figures.filtered_worst,
+                     fma(plan.l1[f], total.half[c], plan.dc_gain[f] * abs(total.mean[c])));
+      if (plan.filtered_sigma) store_figure(plan.figures.filtered_sigma, spread_behind(plan.ratio_squares));
+      if (plan.motion_squares[f * plan.parts] >= 0)
+        store_figure(plan.figures.in_motion, spread_behind(plan.motion_squares));
+      if (!plan.filtered_sigma) continue;
+      for (std::size_t b = 0; b <= c; ++b) {
+        L sum{};
+        for (std::size_t p = 0; p < plan.parts; ++p)
+          sum = fma(plan.ratio_squares[f * plan.parts + p], spreads.of(p)[c] * spreads.of(p)[b], sum);
+        add_to(sums + (plan.sums.filtered + f * entry(m, 0) + entry(c, b)) * lane_count<L>,
+               bounded(plan.coordinate[c], unbounded, bounded(plan.coordinate[b], unbounded, sum)));
+      }
+    }
+  }
+}
+
 }  // namespace
+
 }  // namespace qerr::lanes

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bound/error_column.hpp"
+#include "bound/error_columns.hpp"
 #include "bound/linearization_remainder.hpp"
 
 namespace qerr {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
 #include "bound/workspace_job.hpp"
 #include "lanes/lanes.hpp"
 #include "qerr/core/error.hpp"

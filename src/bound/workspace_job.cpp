@@ -3,12 +3,78 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
+#include <utility>
 
-#include "bound/sampled_bins.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"
+#include "qerr/bound/statistic.hpp"
 
 namespace qerr {
+
+BlockCounts::BlockCounts(std::vector<Histogram> empty)
+    : histograms_(std::move(empty)),
+      bins_(std::make_unique_for_overwrite<std::int32_t[]>(histograms_.size() * (block_size + batch_size))),
+      lists_(histograms_.size()) {
+  for (std::size_t f = 0; f < lists_.size(); ++f) {
+    lists_[f].counted = histograms_[f].counted();
+    lists_[f].next = list(f);
+  }
+}
+
+void BlockCounts::end_of_block(std::uint64_t values) {
+  for (std::size_t f = 0; f < lists_.size(); ++f) {
+    BinList& bins = lists_[f];
+    const auto listed = static_cast<std::size_t>(bins.next - list(f));
+    std::uint64_t below = 0;
+    for (std::int32_t& lane : bins.below) below += static_cast<std::uint64_t>(std::exchange(lane, 0));
+    histograms_[f].add(list(f), listed, below, values - listed - below);
+    bins.next = list(f);
+  }
+}
+
+SampledBins::SampledBins(const std::int32_t* begin, const std::int32_t* end)
+    : count_(static_cast<std::uint64_t>(end - begin)) {
+  const std::int32_t infinite = leading_bits(std::numeric_limits<double>::infinity());
+  std::int32_t smallest = infinite, beyond = CountedBins::first;
+  for (const std::int32_t* bin = begin; bin != end; ++bin) {
+    smallest = std::min(smallest, *bin);
+    if (*bin < infinite) beyond = std::max(beyond, *bin + 1);
+  }
+  if (smallest == infinite) beyond = infinite;  // all values are infinite
+  first_ = std::max(smallest, beyond - static_cast<std::int32_t>(bin_count));
+  counts_.resize(static_cast<std::size_t>(beyond - first_ + 1));
+  for (const std::int32_t* bin = begin; bin != end; ++bin)
+    ++counts_[static_cast<std::size_t>(std::clamp(*bin, first_, beyond) - first_)];
+}
+
+std::int32_t SampledBins::operator[](std::uint64_t rank) const {
+  std::size_t bin = 0;
+  for (std::uint64_t before = counts_[0]; before <= rank; before += counts_[bin]) ++bin;
+  return first_ + static_cast<std::int32_t>(bin);
+}
+
+CountedBins SampledBins::near_percentiles() const {
+  constexpr double deviations = 4.5;  // P(beyond) = 3.4e-6
+  const auto n = static_cast<double>(count_);
+  const auto edge = [&](double fraction, double side) {
+    const double distance = deviations * std::sqrt(n * fraction * (1 - fraction));
+    return (*this)[static_cast<std::uint64_t>(std::clamp(n * fraction + side * distance, 0.0, n - 1))];
+  };
+  // The first bin includes all smaller values.
+  const auto from = [&](std::int32_t bin) { return bin == first_ ? CountedBins::first : bin; };
+  std::vector<double> fractions;
+  for (const StatisticKind& kind : statistic_kinds())
+    if (kind.percentile >= 0) fractions.push_back(kind.percentile);
+  std::sort(fractions.begin(), fractions.end());
+  const double lowest = fractions.front(), next = fractions[fractions.size() > 1];
+  return {from(edge(lowest, -1)), edge(lowest, 1) + 1, from(edge(next, -1))};
+}
+
+Histogram::Usual SampledBins::usual() const {
+  constexpr std::int32_t octave = 1 << (52 - bin_shift);
+  return {first_, static_cast<std::int32_t>(counts_.size()) + octave};
+}
 
 namespace {
 

@@ -1,17 +1,80 @@
 #pragma once
 
+#include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "bound/batched_error.hpp"
-#include "bound/block_counts.hpp"
-#include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
+#include "bound/histogram.hpp"
 #include "bound/joined_tally.hpp"
+#include "bound/kernels.hpp"
 #include "kinematics/sampler.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr {
+
+/// Histograms of all figures of one thread. Kernels list the bins of a block of configurations; at its end
+/// they are counted figure by figure, so that each histogram is in the first-level cache while it is used.
+class BlockCounts {
+ public:
+  /// Values per figure in one block.
+  static constexpr std::size_t block_size = 64 * batch_size;
+
+  /// @param empty  [figure]: its empty histogram
+  explicit BlockCounts(std::vector<Histogram> empty);
+
+  /// [figure]: lists of the block, for the kernel.
+  BinList* lists() { return lists_.data(); }
+
+  /// Begin of the list of figure f. The stride is not a power of two, which would map all lists to the same
+  /// cache lines; a kernel writes up to a vector beyond the end.
+  std::int32_t* list(std::size_t f) { return bins_.get() + f * (block_size + batch_size); }
+
+  /// Adds a value of figure f that the kernel has not listed.
+  void add(std::size_t f, double value) { histograms_[f].add(value); }
+
+  /// Counts the listed bins and clears the lists.
+  /// @param values  number of values per figure in the block
+  void end_of_block(std::uint64_t values);
+
+  std::vector<Histogram>& histograms() { return histograms_; }
+
+ private:
+  std::vector<Histogram> histograms_;
+  std::unique_ptr<std::int32_t[]> bins_;
+  std::vector<BinList> lists_;
+};
+
+/// Sorted bins (leading bits) of a sample of values, to plan the histogram of many more.
+///
+/// Counting only the bins near the percentiles saves 38 % of the CPU time of `analyze`: 25 instead of 40 ns
+/// per configuration (Panda, x y z rx ry rz, 2e7 Sobol points, one AVX-512 thread of a shared machine;
+/// measured by leaving CountedBins at its default).
+class SampledBins {
+ public:
+  /// @pre begin < end
+  SampledBins(const std::int32_t* begin, const std::int32_t* end);
+
+  /// Bin of the order statistic of a rank. Values more than 64 octaves below the largest, and infinite ones,
+  /// have the adjacent bin beyond the others.
+  std::int32_t operator[](std::uint64_t rank) const;
+
+  /// Bins that the percentiles of all values need: 4.5 standard deviations (of the sample's percentile) on
+  /// either side of the lowest one, and everything from as far below the next one on. For independent values
+  /// three edges in a million are on the wrong side.
+  CountedBins near_percentiles() const;
+
+  /// Bins from the smallest value to an octave above the largest.
+  Histogram::Usual usual() const;
+
+ private:
+  std::uint64_t count_;
+  std::int32_t first_;
+  std::vector<std::uint32_t> counts_;
+};
 
 /// Implementation of `workspace`: threads process blocks of configurations, which are joined in their order.
 /// Borrows the configurations and the options.

@@ -7,7 +7,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/requirements.hpp"

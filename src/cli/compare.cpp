@@ -1,7 +1,7 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/report/comparison.hpp"
 #include "report/analysis/requirements.hpp"
 

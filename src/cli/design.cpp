@@ -1,6 +1,6 @@
 #include "cli/command.hpp"
 #include "cli/shared.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/report/design_report.hpp"
 

@@ -8,7 +8,7 @@
 #include "cli/command.hpp"
 #include "cli/sweep_parts.hpp"
 #include "core/run_files.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 
 namespace qerr::cli {
 

@@ -6,7 +6,7 @@
 #include "cli/shared.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/input/first_spec.hpp"
 #include "qerr/input/read_urdf.hpp"
 #include "qerr/report/robot_report.hpp"

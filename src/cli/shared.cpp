@@ -10,7 +10,7 @@
 #include "input/override.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/kinematics/configurations.hpp"
-#include "report/wrapped_text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 

@@ -5,7 +5,7 @@
 #include "cli/shared.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "input/spec_variants.hpp"
 #include "qerr/core/quantity.hpp"
 #include "qerr/report/simulation_report.hpp"

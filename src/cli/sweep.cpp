@@ -5,13 +5,13 @@
 #include "cli/command.hpp"
 #include "cli/sweep_parts.hpp"
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/sweep/csv_lines.hpp"
+#include "report/sweep/run_sweep.hpp"
 #include "report/sweep/shard_file.hpp"
 #include "report/sweep/sweep_page.hpp"
-#include "report/sweep/sweep_report.hpp"
 
 namespace qerr::cli {
 

@@ -14,7 +14,7 @@
 
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
-#include "report/wrapped_text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr::cli {
 

@@ -6,6 +6,7 @@
 #include "core/random.hpp"
 #include "effect/effects/effects.hpp"
 #include "qerr/effect/effect_kind.hpp"
+#include "qerr/effect/residual_shape.hpp"
 
 namespace qerr {
 
@@ -108,6 +109,30 @@ double normal(std::uint64_t seed, std::uint64_t index) {
   // Box and Muller; 1 - u is never 0.
   const double u = unit_interval(random_bits(seed, index, 0)), v = unit_interval(random_bits(seed, index, 1));
   return std::sqrt(-2 * std::log1p(-u)) * std::cos(2 * std::numbers::pi * v);
+}
+
+std::string_view name(Shape s) {
+  switch (s) {
+    case Shape::step:
+      return "step";
+    case Shape::hysteresis:
+      return "hysteresis";
+    case Shape::exponential:
+      return "exponential";
+    case Shape::line:
+      return "line";
+    case Shape::order:
+      return "order";
+    case Shape::bump:
+      return "bump";
+    case Shape::by_count:
+      return "by_count";
+    case Shape::noise:
+      return "noise";
+    case Shape::unknown:
+      return "unknown";
+  }
+  return "";
 }
 
 }  // namespace qerr

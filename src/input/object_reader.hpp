@@ -7,8 +7,15 @@
 
 #include "input/yaml_tree.hpp"
 #include "qerr/core/parameter.hpp"
+#include "qerr/core/quantity.hpp"
 
 namespace qerr {
+
+/// A kind of quantity as people call it: "an angle", "a speed", "a quantity in N m/rad".
+std::string name_of(const Dimension&);
+
+/// "give an angle in rad, mrad, deg, arcmin or arcsec".
+std::string unit_remedy(const Dimension&);
 
 /// Faults found so far: reading continues after a faulty section, so that one run reports all faults.
 class Faults {

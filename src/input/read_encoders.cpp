@@ -6,7 +6,6 @@
 #include "core/solve.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/encoder_comparison.hpp"
 #include "input/encoder_keys.hpp"
 #include "input/joint_entries.hpp"
 #include "qerr/encoder/encoder_kinds.hpp"

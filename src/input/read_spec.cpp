@@ -2,9 +2,9 @@
 
 #include "core/sha256.hpp"
 #include "core/text.hpp"
+#include "input/byte_source.hpp"
 #include "input/override.hpp"
 #include "input/read_sections.hpp"
-#include "input/read_text.hpp"
 #include "input/spec_format.hpp"
 #include "input/spec_reader.hpp"
 

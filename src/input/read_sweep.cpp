@@ -2,7 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
-#include "core/number_advice.hpp"
+#include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/catalogue.hpp"
 #include "input/override.hpp"

@@ -9,7 +9,7 @@
 #include <unordered_map>
 #include <utility>
 
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
 

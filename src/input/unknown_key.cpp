@@ -5,7 +5,6 @@
 #include <string_view>
 #include <utility>
 
-#include "core/number_advice.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "input/spec_format.hpp"

@@ -8,7 +8,7 @@
 #include <optional>
 #include <utility>
 
-#include "input/urdf_vocabulary.hpp"
+#include "input/urdf_flaws.hpp"
 
 namespace qerr {
 

@@ -7,7 +7,7 @@
 #include "core/physical_range.hpp"
 #include "core/suggest.hpp"
 #include "core/text.hpp"
-#include "input/urdf_vocabulary.hpp"
+#include "input/urdf_flaws.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

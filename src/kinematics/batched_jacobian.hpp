@@ -1,7 +1,6 @@
 #pragma once
 
 #include "kinematics/folded_chain.hpp"
-#include "lanes/aligned.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/core/instruction_set.hpp"
 

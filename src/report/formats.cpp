@@ -6,8 +6,8 @@
 #include "core/suggest.hpp"
 #include "core/text.hpp"
 #include "report/check/parts.hpp"
-#include "report/output_schemas.hpp"
-#include "report/wrapped_text.hpp"
+#include "report/json_header.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 

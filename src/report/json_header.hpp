@@ -2,10 +2,12 @@
 
 #include "qerr/filter/norms.hpp"
 #include "qerr/input/spec.hpp"
-#include "report/output_schemas.hpp"
+#include "qerr/report/write.hpp"
+#include "report/rows.hpp"
+
+namespace qerr {
 
 /// What the JSON of several reports begins with.
-namespace qerr {
 
 /// The spec of a report: its file, the file's hash, and the values that the command line replaced.
 RowsOf<Spec> rows(Of<Spec>);
@@ -46,5 +48,25 @@ template <class Report>
 RowsOf<Report> spec_header(std::string_view command) {
   return spec_header<Report>(command, [](const Report& r) -> const Spec& { return r.spec; });
 }
+
+/// The rows of every report, each beside its other formats (report/analysis/json.cpp, ...). A command that is
+/// not listed here is one whose report has no rows.
+
+struct SpecCheck;
+
+RowsOf<Analysis> rows(Of<Analysis>);
+RowsOf<CheckReport> rows(Of<CheckReport>);  ///< of several specs
+RowsOf<SpecCheck> rows(Of<SpecCheck>);
+RowsOf<ReportComparison> rows(Of<ReportComparison>);
+RowsOf<DesignReport> rows(Of<DesignReport>);
+RowsOf<DiagnosisReport> rows(Of<DiagnosisReport>);
+RowsOf<FilterReport> rows(Of<FilterReport>);
+RowsOf<ListReport::Row> rows(Of<ListReport::Row>);
+RowsOf<PlanReport> rows(Of<PlanReport>);
+RowsOf<RobotReport> rows(Of<RobotReport>);
+RowsOf<SimulationReport> rows(Of<SimulationReport>);
+RowsOf<ThresholdReport> rows(Of<ThresholdReport>);
+
+Json sweep_schema();
 
 }  // namespace qerr

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "core/text.hpp"
-#include "input/read_text.hpp"
+#include "input/byte_source.hpp"
 #include "qerr/core/error.hpp"
 
 namespace qerr {

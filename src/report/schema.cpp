@@ -8,7 +8,7 @@
 #include "qerr/filter/representations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
-#include "report/list/parameter_unit.hpp"
+#include "report/list/list_report.hpp"
 #include "report/rows.hpp"
 
 /// The schema is made from the rows that the reader of the spec uses; names of joints, stability and limits

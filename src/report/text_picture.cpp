@@ -5,7 +5,7 @@
 #include <limits>
 
 #include "core/text.hpp"
-#include "report/wrapped_text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 

@@ -3,11 +3,109 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <numeric>
 
+#include "core/text.hpp"
 #include "qerr/core/error.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
+
+namespace {
+
+constexpr std::size_t cell_gap = 2;      // between columns
+constexpr std::size_t least_column = 8;  // a narrower one cuts ordinary words
+
+/// Columns of a text without the codes of its colours.
+std::size_t shown_width(const std::string& text) {
+  std::size_t width = display_width(text);
+  for (std::size_t at = 0; (at = text.find("\x1b[", at)) != std::string::npos;) {
+    const std::size_t end = text.find('m', at);
+    if (end == std::string::npos) break;
+    width -= end + 1 - at;
+    at = end;
+  }
+  return width;
+}
+
+std::size_t room_behind(std::size_t width, const std::string& indent) {
+  const std::size_t used = display_width(indent);
+  return width > used ? width - used : 1;
+}
+
+std::vector<std::size_t> column_widths(const std::vector<std::vector<std::string>>& rows, std::size_t room) {
+  std::vector<std::size_t> widths;
+  for (const auto& row : rows)
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      if (widths.size() <= i) widths.push_back(0);
+      widths[i] = std::max(widths[i], display_width(row[i]));
+    }
+  const std::size_t gaps = widths.empty() ? 0 : cell_gap * (widths.size() - 1);
+  while (std::accumulate(widths.begin(), widths.end(), gaps) > room) {
+    const auto widest = std::max_element(widths.begin(), widths.end());
+    if (*widest <= least_column) break;
+    --*widest;
+  }
+  return widths;
+}
+
+}  // namespace
+
+std::vector<std::string> wrapped_lines(std::string_view text, std::size_t width) {
+  return wrapped_lines(text, width, width);
+}
+
+std::string wrapped(std::string_view text, std::size_t width, const std::string& indent) {
+  return wrapped(text, width, indent, indent);
+}
+
+std::string within(const std::string& text, std::size_t width) {
+  std::string out;
+  for (std::size_t at = 0; at < text.size();) {
+    const std::size_t end = std::min(text.find('\n', at), text.size());
+    const std::string line = text.substr(at, end - at);
+    at = end + 1;
+    const std::size_t begin = line.find_first_not_of(' ');
+    if (begin == std::string::npos || shown_width(line) <= width)
+      out += line + '\n';
+    else
+      out += wrapped(line.substr(begin), width, std::string(begin + 2, ' '), std::string(begin, ' '));
+  }
+  return out;
+}
+
+std::string defined(const std::string& term, std::string_view meaning, std::size_t width,
+                    std::size_t column) {
+  const std::string indent(column, ' ');
+  const std::string start = "  " + term;
+  if (display_width(start) + cell_gap > column) return start + '\n' + wrapped(meaning, width, indent);
+  return wrapped(meaning, width, indent, start + std::string(column - display_width(start), ' '));
+}
+
+std::string wrapped_table(const std::vector<std::vector<std::string>>& rows, std::size_t width,
+                          const std::string& indent) {
+  const std::vector<std::size_t> widths = column_widths(rows, room_behind(width, indent));
+  std::string out;
+  for (const auto& row : rows) {
+    std::vector<std::vector<std::string>> cells;
+    std::size_t height = 0;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      cells.push_back(wrapped_lines(row[i], widths[i]));
+      height = std::max(height, cells.back().size());
+    }
+    for (std::size_t k = 0; k < height; ++k) {
+      std::string line = indent;
+      for (std::size_t i = 0; i < cells.size(); ++i) {
+        const std::string part = k < cells[i].size() ? cells[i][k] : "";
+        const std::size_t used = display_width(part);
+        line += (i ? std::string(cell_gap, ' ') : "") + part +
+                std::string(widths[i] > used ? widths[i] - used : 0, ' ');
+      }
+      line.erase(line.find_last_not_of(' ') + 1);
+      out += line + '\n';
+    }
+  }
+  return out;
+}
 
 std::string aligned(const std::vector<std::vector<std::string>>& rows, const std::string& indent) {
   std::vector<std::size_t> width;
@@ -83,6 +181,108 @@ std::string listed(const std::vector<std::string>& items) {
   for (std::size_t i = 0; i < items.size(); ++i)
     text += (i == 0 ? "" : i + 1 == items.size() ? " and " : ", ") + items[i];
   return text;
+}
+
+namespace {
+
+using TableCells = std::vector<std::vector<std::string>>;
+
+constexpr std::size_t column_gap = 2;  // between columns
+
+struct TableColumn {
+  std::size_t width;  ///< as shown
+  std::size_t least;  ///< of the cells and of the longest word of the header
+};
+
+std::size_t longest_word(const std::string& text) {
+  std::size_t longest = 0;
+  for (const std::string& word : wrapped_lines(text, 1)) longest = std::max(longest, display_width(word));
+  return longest;
+}
+
+std::vector<TableColumn> columns_of(const TableCells& rows) {
+  std::vector<TableColumn> columns;
+  for (std::size_t i = 0; i < rows.front().size(); ++i) {
+    std::size_t body = 0;
+    for (std::size_t r = 1; r < rows.size(); ++r)
+      if (i < rows[r].size()) body = std::max(body, display_width(rows[r][i]));
+    const std::string& title = rows.front()[i];
+    columns.push_back({std::max(body, display_width(title)), std::max(body, longest_word(title))});
+  }
+  return columns;
+}
+
+std::size_t total(const std::vector<TableColumn>& columns) {
+  return std::accumulate(columns.begin(), columns.end(), column_gap * (columns.size() - 1),
+                         [](std::size_t sum, const TableColumn& c) { return sum + c.width; });
+}
+
+/// Makes the columns with the longest headers narrower until the table fits, as far as words allow.
+void stack_headers(std::vector<TableColumn>& columns, std::size_t room) {
+  while (total(columns) > room) {
+    const auto most = std::max_element(
+        columns.begin(), columns.end(),
+        [](const TableColumn& a, const TableColumn& b) { return a.width - a.least < b.width - b.least; });
+    if (most->width == most->least) return;
+    --most->width;
+  }
+}
+
+TableCells with_stacked_header(const TableCells& rows, const std::vector<TableColumn>& columns) {
+  std::vector<std::vector<std::string>> titles;
+  std::size_t height = 0;
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    titles.push_back(wrapped_lines(rows.front()[i], columns[i].width));
+    height = std::max(height, titles.back().size());
+  }
+  TableCells out;
+  for (std::size_t k = 0; k < height; ++k) {
+    out.emplace_back();
+    for (const auto& title : titles) {
+      const std::size_t missing = height - title.size();  // titles stand directly above their columns
+      out.back().push_back(k < missing ? "" : title[k - missing]);
+    }
+  }
+  out.insert(out.end(), rows.begin() + 1, rows.end());
+  return out;
+}
+
+/// The first column and `count` others from `first` on.
+TableCells part_of(const TableCells& rows, std::size_t first, std::size_t count) {
+  TableCells part;
+  for (const auto& row : rows) {
+    part.push_back({row.front()});
+    for (std::size_t i = first; i < std::min(first + count, row.size()); ++i) part.back().push_back(row[i]);
+  }
+  return part;
+}
+
+/// How many columns from `first` on fit beside the first one, with stacked headers; at least one.
+std::size_t fitting(const std::vector<TableColumn>& columns, std::size_t first, std::size_t room) {
+  std::size_t used = columns.front().least, count = 0;
+  for (std::size_t i = first; i < columns.size(); ++i, ++count) {
+    used += column_gap + columns[i].least;
+    if (used > room && count > 0) break;
+  }
+  return count;
+}
+
+}  // namespace
+
+std::string fitted_table(const TableCells& rows, std::size_t width, const std::string& indent) {
+  if (rows.empty() || rows.front().size() < 2) return aligned(rows, indent);
+  const std::size_t room = width > indent.size() ? width - indent.size() : 1;
+  const std::vector<TableColumn> all = columns_of(rows);
+  std::string out;
+  for (std::size_t first = 1; first < all.size();) {
+    const std::size_t count = fitting(all, first, room);
+    const TableCells part = part_of(rows, first, count);
+    std::vector<TableColumn> columns = columns_of(part);
+    stack_headers(columns, room);
+    out += (out.empty() ? "" : "\n") + aligned(with_stacked_header(part, columns), indent);
+    first += count;
+  }
+  return out;
 }
 
 }  // namespace qerr

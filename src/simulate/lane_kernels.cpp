@@ -1,6 +1,6 @@
 #include "lanes/compiled_set.hpp"
-#include "simulate/lane_errors.hpp"
 #include "simulate/lane_fused_filter.hpp"
+#include "simulate/lane_linear.hpp"
 
 namespace qerr::lanes {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
-#include "core/probability.hpp"
 #include "core/random.hpp"
+#include "core/statistics.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "simulate/kernels.hpp"
 
 namespace qerr {

@@ -4,13 +4,12 @@
 #include <cstdint>
 #include <vector>
 
-#include "lanes/aligned.hpp"
 #include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/core/instruction_set.hpp"
 #include "qerr/effect/effect_kind.hpp"
 #include "qerr/simulate/simulate.hpp"
-#include "simulate/decoder.hpp"
+#include "simulate/count_errors.hpp"
 #include "simulate/motion_path.hpp"
 
 namespace qerr {

@@ -6,7 +6,7 @@
 
 #include "filter/run/row_filter.hpp"
 #include "kinematics/tip_motion.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "simulate/motion_path.hpp"
 #include "simulate/path_errors.hpp"
 #include "simulate/sensing.hpp"

@@ -13,7 +13,7 @@
 #include "core/random.hpp"
 #include "kinematics/batched_jacobian.hpp"
 #include "kinematics/sampler.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/input/spec.hpp"
 

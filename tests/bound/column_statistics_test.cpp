@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "bound/column_workspace.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_model.hpp"
 

@@ -7,10 +7,9 @@
 #include <vector>
 
 #include "bound/batched_error.hpp"
-#include "bound/block_counts.hpp"
 #include "bound/kernels.hpp"
-#include "bound/sampled_bins.hpp"
-#include "lanes/aligned.hpp"
+#include "bound/workspace_job.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/bound/statistic.hpp"
 #include "support/random_model.hpp"
 

@@ -1,9 +1,8 @@
-#include "bound/largest_corner.hpp"
-
 #include <gtest/gtest.h>
 
 #include <cmath>
 
+#include "bound/length_errors.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

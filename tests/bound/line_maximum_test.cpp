@@ -1,11 +1,10 @@
-#include "bound/proven/line_maximum.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
-#include "bound/proven/moment_disc.hpp"
+#include "bound/proven/ascent.hpp"
+#include "bound/proven/sliding_maximum.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
 #include "qerr/bound/workspace.hpp"
 #include "support/measured_figures.hpp"
 

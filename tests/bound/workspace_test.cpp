@@ -8,10 +8,10 @@
 #include <numbers>
 
 #include "bound/batched_error.hpp"
-#include "bound/configuration_batch.hpp"
+#include "bound/figure_column.hpp"
 #include "core/random.hpp"
 #include "kinematics/sampler.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/core/error.hpp"
 #include "qerr/filter/family.hpp"
 #include "support/random_chain.hpp"

@@ -1,5 +1,3 @@
-#include "core/in_order.hpp"
-
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -8,6 +6,7 @@
 #include <thread>
 #include <vector>
 
+#include "core/parallel.hpp"
 #include "core/random.hpp"
 
 namespace qerr {

@@ -1,7 +1,6 @@
-#include "core/number_advice.hpp"
-
 #include <gtest/gtest.h>
 
+#include "core/suggest.hpp"
 #include "qerr/core/quantity.hpp"
 
 namespace qerr {

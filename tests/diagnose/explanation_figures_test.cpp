@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "diagnose/inference/explanation.hpp"
+#include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/found_parameters.hpp"
-#include "diagnose/inference/selection.hpp"
 #include "diagnose/search/unnamed_terms.hpp"
 #include "support/fit_record.hpp"
 #include "support/record_figures.hpp"

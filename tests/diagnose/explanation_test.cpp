@@ -9,9 +9,9 @@
 #include <utility>
 
 #include "core/random.hpp"
+#include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/remainder.hpp"
 #include "diagnose/inference/scatter.hpp"
-#include "diagnose/inference/selection.hpp"
 #include "diagnose/record/smooth_path.hpp"
 
 namespace qerr {

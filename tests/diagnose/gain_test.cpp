@@ -9,7 +9,7 @@
 #include "diagnose/inference/found_parameters.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/record/with_effects.hpp"
-#include "diagnose/verdict/comparison.hpp"
+#include "diagnose/verdict/verdict.hpp"
 
 namespace qerr {
 namespace {

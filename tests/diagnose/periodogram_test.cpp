@@ -1,5 +1,3 @@
-#include "diagnose/search/periodogram.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,6 +5,7 @@
 #include <complex>
 #include <numbers>
 
+#include "diagnose/search/peaks.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

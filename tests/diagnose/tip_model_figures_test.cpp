@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "diagnose/inference/tip/tip_alternatives.hpp"
+#include "diagnose/inference/tip/tip_select.hpp"
 #include "simulate/sensing.hpp"
 #include "support/measured_tip.hpp"
 #include "support/posed_robot.hpp"

@@ -9,8 +9,8 @@
 #include <utility>
 #include <vector>
 
+#include "diagnose/inference/tip/tip_evidence.hpp"
 #include "diagnose/inference/tip/tip_solution.hpp"
-#include "diagnose/inference/tip/tip_term.hpp"
 #include "simulate/sensing.hpp"
 #include "support/posed_robot.hpp"
 

@@ -1,10 +1,9 @@
-#include "diagnose/inference/weighted_square.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 
+#include "diagnose/inference/explanation.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

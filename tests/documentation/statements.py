@@ -229,7 +229,7 @@ STATEMENTS = {
     TOPICS["glossary"]: [
         (r"With it alone RP lies between (\d) and ([\d.]+) times this sigma", repeatability_range),
         (r"it is ([\d.]+) times sigma where the scatter is normal", normal_repeatability),
-        (r"stays within (\d) % of its end", lambda v: v.source("src/design/filter_figures.cpp", r"stays within (\d) %")),
+        (r"stays within (\d) % of its end", lambda v: v.source("src/design/filter_choice.cpp", r"stays within (\d) %")),
     ],
     TOPICS["spec"]: [(r"sampled by (\d+) Sobol points", points)],
     TOPICS["encoders"]: [
@@ -296,7 +296,7 @@ STATEMENTS = {
             r"white noise of ([\d.]+) counts \(`--reference-noise",
             lambda v: v.printed(r"noise of ([\d.]+) counts", "diagnose", "configs/diagnosis/spec.yaml", "--plan"),
         ),
-        (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/details.cpp", r"with (\d+) % intervals")),
+        (r"Intervals are of (\d+) %", lambda v: v.source("src/report/diagnosis/table.cpp", r"with (\d+) % intervals")),
     ],
     TOPICS["output"]: [
         (r"or (\d+) columns", lambda v: v.source("src/cli/terminal.cpp", r"usual_width = (\d+)")),

@@ -13,8 +13,6 @@
 #include "filter/norms/deviation.hpp"
 #include "filter/norms/direct_sum.hpp"
 #include "filter/norms/lifted_norm.hpp"
-#include "filter/norms/resonance_sum.hpp"
-#include "filter/norms/sampled_sum.hpp"
 #include "filter/norms/sequence.hpp"
 #include "filter/norms/sign_runs.hpp"
 #include "filter/norms/tail_sum.hpp"

@@ -1,5 +1,3 @@
-#include "filter/design/roots.hpp"
-
 #include <gtest/gtest.h>
 
 #include <algorithm>

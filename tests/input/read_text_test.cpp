@@ -1,5 +1,3 @@
-#include "input/read_text.hpp"
-
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 #include <rapidcheck/gtest.h>
 
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "support/random_chain.hpp"
 
 namespace qerr {

@@ -4,9 +4,9 @@
 #include <numbers>
 
 #include "report/diagnosis/joint_residual.hpp"
-#include "report/diagnosis/page/residual_picture.hpp"
+#include "report/diagnosis/page/residuals.hpp"
 #include "report/fourier.hpp"
-#include "report/page/envelope.hpp"
+#include "report/page/plot.hpp"
 #include "report/page/prose.hpp"
 
 namespace qerr {

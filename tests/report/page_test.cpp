@@ -1,15 +1,15 @@
+#include "report/page/page.hpp"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <set>
 
-#include "report/page/axis.hpp"
 #include "report/page/bars.hpp"
+#include "report/page/frame.hpp"
 #include "report/page/heat_map.hpp"
 #include "report/page/markup.hpp"
-#include "report/page/page_style.hpp"
 #include "report/page/plot.hpp"
-#include "report/page/png.hpp"
 
 namespace qerr::page {
 namespace {

@@ -7,7 +7,7 @@
 #include "qerr/design/threshold.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/csv_text.hpp"
-#include "report/output_schemas.hpp"
+#include "report/json_header.hpp"
 
 namespace qerr {
 namespace {

@@ -6,8 +6,8 @@
 #include "core/random.hpp"
 #include "qerr/report/simulation_report.hpp"
 #include "qerr/report/write.hpp"
-#include "report/page/waterfall.hpp"
-#include "report/simulation/page/pictures.hpp"
+#include "report/page/bars.hpp"
+#include "report/simulation/page.hpp"
 
 namespace qerr {
 namespace {

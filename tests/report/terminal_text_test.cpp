@@ -5,8 +5,7 @@
 #include <vector>
 
 #include "core/text.hpp"
-#include "report/fitted_table.hpp"
-#include "report/wrapped_text.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <vector>
 
-#include "bound/largest_corner.hpp"
+#include "bound/length_errors.hpp"
 #include "bound/proven/chain_bound.hpp"
 #include "support/random_chain.hpp"
 

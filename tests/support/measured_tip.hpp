@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "diagnose/inference/tip/tip_candidates.hpp"
 #include "diagnose/inference/tip/tip_select.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 #include "support/record_figures.hpp"

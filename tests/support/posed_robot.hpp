@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "diagnose/inference/tip/tip_term.hpp"
+#include "diagnose/inference/tip/tip_evidence.hpp"
 #include "support/tracked_arm.hpp"
 
 namespace qerr::testing {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <vector>
 
-#include "diagnose/surrogates/residual_plan.hpp"
-#include "diagnose/surrogates/residual_statistics.hpp"
+#include "diagnose/surrogates/residual_sums.hpp"
+#include "diagnose/surrogates/surrogate.hpp"
 #include "support/reference_filter.hpp"
 #include "support/reference_surrogate.hpp"
 

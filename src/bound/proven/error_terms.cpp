@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "bound/largest_corner.hpp"
+#include "bound/length_errors.hpp"
 
 namespace qerr {
 

@@ -5,9 +5,9 @@
 #include <deque>
 #include <numbers>
 
-#include "bound/proven/arc_grid.hpp"
+#include "bound/proven/direction_grid.hpp"
+#include "bound/proven/kernels.hpp"
 #include "bound/proven/sliding_maximum.hpp"
-#include "bound/proven/tip_table.hpp"
 #include "core/parallel.hpp"
 
 namespace qerr {

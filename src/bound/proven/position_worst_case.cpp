@@ -4,9 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "bound/proven/chain_form.hpp"
 #include "bound/proven/direction_grid.hpp"
-#include "bound/proven/local_errors.hpp"
-#include "bound/proven/moment_disc.hpp"
 #include "bound/proven/sliding_maximum.hpp"
 #include "core/parallel.hpp"
 

@@ -12,7 +12,6 @@
 #include "bound/proven/branch_and_bound.hpp"
 #include "bound/proven/chain_bound.hpp"
 #include "bound/proven/figure_model.hpp"
-#include "bound/proven/line_maximum.hpp"
 #include "bound/proven/reached.hpp"
 #include "bound/proven/sampled_starts.hpp"
 #include "core/parallel.hpp"

@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "bound/batched_error.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/bound/proven_maximum.hpp"
 
 namespace qerr {

@@ -6,8 +6,9 @@
 #include "cli/command.hpp"
 #include "core/text.hpp"
 
-/// Scripts that complete the words of a qerr command line in a shell, made from the rows of the commands.
 namespace qerr::cli {
+
+/// Scripts that complete the words of a qerr command line in a shell, made from the rows of the commands.
 
 std::string bash_completion();
 std::string zsh_completion();

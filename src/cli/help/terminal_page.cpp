@@ -1,6 +1,5 @@
 #include "cli/help/page.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr::cli {
 

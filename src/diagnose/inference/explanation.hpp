@@ -10,6 +10,13 @@
 
 namespace qerr {
 
+/// columns' diag(weight) columns.
+///
+/// Efficient for sparse tables with two non-zero columns in each row: rows are processed in blocks, and
+/// columns that are zero throughout a block are skipped. The result differs from the plain product by
+/// rounding.
+Eigen::MatrixXd weighted_square(const Eigen::MatrixXd& columns, const Eigen::ArrayXd& weight);
+
 /// Model of one encoder's readings: the path, a sum of terms and Gaussian noise, quantized.
 ///
 /// reading = quantized(path + sum of terms + noise). Coefficients and noise maximize the likelihood of the

@@ -4,9 +4,9 @@
 #include <cmath>
 #include <numbers>
 
-#include "core/probability.hpp"
 #include "core/solve.hpp"
-#include "diagnose/record/record_blocks.hpp"
+#include "core/statistics.hpp"
+#include "diagnose/record/sampling.hpp"
 
 namespace qerr {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/probability.hpp"
 #include "core/random.hpp"
-#include "diagnose/record/record_blocks.hpp"
+#include "core/statistics.hpp"
+#include "diagnose/record/sampling.hpp"
 
 namespace qerr {
 

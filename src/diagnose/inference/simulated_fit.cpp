@@ -2,8 +2,8 @@
 
 #include <cmath>
 
-#include "core/probability.hpp"
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "simulate/sensing.hpp"
 

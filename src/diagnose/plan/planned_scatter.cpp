@@ -5,10 +5,9 @@
 #include <functional>
 #include <limits>
 
-#include "core/probability.hpp"
 #include "core/statistics.hpp"
 #include "diagnose/inference/scatter.hpp"
-#include "diagnose/plan/plan_criteria.hpp"
+#include "diagnose/plan/identifiability.hpp"
 #include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {

@@ -7,6 +7,7 @@
 
 #include "diagnose/record/sampling.hpp"
 #include "diagnose/search/dictionary.hpp"
+#include "diagnose/search/error_model.hpp"
 
 namespace qerr {
 
@@ -47,5 +48,16 @@ struct FoundCauses {
 /// bumps and with the refinement of time constants and sizes; the search begins anew each time.
 /// @param with_names  whether effects of the catalogue may be causes
 FoundCauses search_causes(const Evidence& record, std::uint64_t seed, bool with_names = true);
+
+/// Counts are lost in whole numbers: other chosen steps become uncatalogued ones.
+void distinguish_steps(const ErrorModel&, Choice&);
+
+/// What a choice says: its terms in descending order of the variance that each removes alone, their
+/// alternatives, and what the record would have shown.
+FoundCauses found_causes(const ErrorModel&, const Choice&);
+
+/// For each effect that was not found, the size at which one of its terms would have passed the criterion
+/// beside what was found, or what hides it.
+std::vector<VisibleEffect> visible_effects(const ErrorModel&, const Choice&);
 
 }  // namespace qerr

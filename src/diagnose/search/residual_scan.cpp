@@ -3,10 +3,15 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <numeric>
+#include <utility>
 #include <vector>
 
+#include "core/random.hpp"
+#include "core/statistics.hpp"
 #include "diagnose/search/peaks.hpp"
 #include "diagnose/search/unnamed_terms.hpp"
+#include "effect/effects/effects.hpp"
 
 namespace qerr {
 
@@ -163,6 +168,155 @@ bool scan_residual(const ErrorModel& m, const Eigen::ArrayXd& residual, Scanned&
   }
   if (!sampled.is_stationary()) any |= scan_places(m, residual, scanned.places);
   return any;
+}
+
+namespace {
+
+constexpr double refuted = 0.001;
+
+/// Part of what a name explains beside all chosen terms that it must explain beside the names alone.
+constexpr double least_part_alone = 0.25;
+
+/// Part of an uncatalogued shape that it leaves, where its form is guessed.
+constexpr double guess_error = 0.2;
+
+/// Whether an order is no more than those beside it, at distances that the range resolves.
+bool is_among_neighbours(const ErrorModel& m, const Choice& c, std::size_t i) {
+  const Term& t = m.term(c.chosen[i]);
+  if (!t.named() || !t.harmonic) return false;
+  const double order = std::abs(wave_number(t.effect, m.sampled().encoder));
+  const double resolution = 2 * std::numbers::pi / m.sampled().range();
+  if (order < resolution) return false;  // of less than a period there is no neighbour
+  const Eigen::ArrayXd residual = c.residual + addition(t, m.coefficients(c.chosen, c.fit, i));
+  double sum = 0;
+  int count = 0;
+  for (int k = 0; k < 8; ++k)
+    for (const double other : {order - (1.5 + k) * resolution, order + (1.5 + k) * resolution}) {
+      if (other < 0.75 * resolution) continue;
+      sum += m.gain(free_order_term(m.sampled(), other), residual);
+      ++count;
+    }
+  const double ratio = m.gain(t, residual) / std::max(sum / count, 1e-300);
+  return fisher_f_tail(ratio, 2, 2.0 * count) > refuted;
+}
+
+/// Whether a name explains little beside the other names, although much beside all terms.
+bool corrects_shapes(const ErrorModel& m, const Choice& c, std::size_t i) {
+  if (!m.term(c.chosen[i]).named()) return false;
+  LinearModel::Set names, others;
+  for (const std::size_t g : c.chosen) {
+    if (!m.term(g).named()) continue;
+    names.push_back(g);
+    if (g != c.chosen[i]) others.push_back(g);
+  }
+  if (names.size() == c.chosen.size()) return false;
+  return m.fit(others).rss - m.fit(names).rss < least_part_alone * m.lost_without(c, i);
+}
+
+/// Whether the form of an uncatalogued shape is one of many that it could have, unlike that of a step or a
+/// line.
+bool is_guessed(Shape s) { return s == Shape::hysteresis || s == Shape::exponential || s == Shape::bump; }
+
+/// Whether a name is smaller than what the largest guessed shape may leave.
+bool is_detail_of_guess(const ErrorModel& m, const Choice& c, std::size_t i) {
+  if (!m.term(c.chosen[i]).named() || m.term(c.chosen[i]).constant) return false;
+  const auto size = [&](std::size_t k) {
+    return standard_deviation(addition(m.term(c.chosen[k]), m.coefficients(c.chosen, c.fit, k)));
+  };
+  double largest = 0;
+  for (std::size_t k = 0; k < c.chosen.size(); ++k)
+    if (!m.term(c.chosen[k]).named() && is_guessed(m.term(c.chosen[k]).pattern))
+      largest = std::max(largest, size(k));
+  return size(i) < guess_error * largest;
+}
+
+/// Whether an order of which less than half a period is seen may be, with another curve beside it, a part of
+/// one curve: the other is uncatalogued, or less than a period of it is seen.
+bool is_part_of_curve(const ErrorModel& m, const Choice& c, std::size_t i) {
+  return m.is_arc(c.chosen[i]) && std::any_of(c.chosen.begin(), c.chosen.end(), [&](std::size_t g) {
+           return g != c.chosen[i] && (!m.term(g).named() || m.periods(g) < 1);
+         });
+}
+
+}  // namespace
+
+std::vector<std::string> without_contrast(const ErrorModel& m, const Choice& c) {
+  std::vector<std::string> families;
+  for (std::size_t i = 0; i < c.chosen.size(); ++i)
+    if (is_among_neighbours(m, c, i) || corrects_shapes(m, c, i) || is_detail_of_guess(m, c, i) ||
+        is_part_of_curve(m, c, i))
+      families.push_back(m.candidate(c.chosen[i]).family);
+  return families;
+}
+
+namespace {
+
+constexpr int draws = 9;
+constexpr double rounding_refuted = 0.01;
+
+/// Decrease of the weighted sum of squares by a candidate beside others, in another record of the same
+/// motion; none where that record has too few samples to fit them.
+double gain_in(const ErrorModel& m, const Evidence& simulated, std::uint64_t seed,
+               const LinearModel::Set& others, std::size_t extra) {
+  const ErrorSamples s = error_samples(simulated, seed, most_samples);
+  if (s.size() < fewest_samples) return 0;
+  std::vector<ColumnGroup> groups;
+  Eigen::MatrixXd columns = Eigen::MatrixXd::Ones(s.size(), m.base());
+  LinearModel::Set with = others;
+  with.push_back(extra);
+  for (const std::size_t g : with) {
+    const Term t = searchable(m.candidate(g).over(s.sampling));
+    groups.push_back({columns.cols(), t.size(), static_cast<int>(groups.size())});
+    columns.conservativeResize(Eigen::NoChange, columns.cols() + t.size());
+    columns.rightCols(t.size()) = t.columns.matrix();
+  }
+  const Eigen::ArrayXd weight = m.weights(s);
+  const LinearModel model(columns, s.error.matrix(), weight.matrix(), m.base());
+  std::iota(with.begin(), with.end(), std::size_t{0});
+  const LinearModel::Set without(with.begin(), with.end() - 1);
+  return (model.fit(groups, without).rss - model.fit(groups, with).rss) * m.weight().sum() / weight.sum();
+}
+
+/// Mean decrease of the weighted sum of squares by a candidate in simulations of a model without it.
+double expected_gain(const ErrorModel& m, const LinearModel::Set& without, const LinearModel::Fit& f,
+                     std::size_t extra, std::uint64_t seed) {
+  const Evidence& record = m.record();
+  std::vector<RowGroup> rows;
+  for (Eigen::Index k = 0; k < record.rows(); ++k) rows.push_back({k, k + 1});
+  const Sampling every(record, std::move(rows));
+  Eigen::ArrayXd added = Eigen::ArrayXd::Constant(record.rows(), m.base() > 0 ? f.coefficients[0] : 0);
+  for (std::size_t i = 0; i < without.size(); ++i)
+    added += addition(searchable(m.candidate(without[i]).over(every)), m.coefficients(without, f, i));
+  double sum = 0;
+  for (int draw = 0; draw < draws; ++draw) {
+    Evidence simulated = record;
+    const std::uint64_t stream = stream_seed(seed, "surrogate", static_cast<std::uint64_t>(draw));
+    for (Eigen::Index k = 0; k < record.rows(); ++k)
+      simulated.measured[k] =
+          quantize(record.encoder, record.path[k] + added[k] +
+                                       record.path_noise * normal(stream, static_cast<std::uint64_t>(k)));
+    sum += gain_in(m, simulated, seed, without, extra);
+  }
+  return sum / draws;
+}
+
+}  // namespace
+
+std::vector<std::string> brought_by_rounding(const ErrorModel& m, const Choice& choice, std::uint64_t seed) {
+  std::vector<std::string> families;
+  for (std::size_t i = 0; i < choice.chosen.size(); ++i) {
+    LinearModel::Set without = choice.chosen;
+    without.erase(without.begin() + static_cast<std::ptrdiff_t>(i));
+    const LinearModel::Fit rest = m.fit(without);
+    const double lost = rest.rss - choice.fit.rss;
+    // Rounding alone does not bring more than a count.
+    if (lost > m.weight().sum() * m.record().step() * m.record().step()) continue;
+    const double expected = expected_gain(m, without, rest, choice.chosen[i], seed);
+    const auto d = static_cast<double>(m.term(choice.chosen[i]).size());
+    if (fisher_f_tail(lost / std::max(expected, 1e-300), d, draws * d) >= rounding_refuted)
+      families.push_back(m.candidate(choice.chosen[i]).family);
+  }
+  return families;
 }
 
 }  // namespace qerr

@@ -1,5 +1,9 @@
 #pragma once
 
+#include <cstdint>
+#include <string>
+#include <vector>
+
 #include "diagnose/search/error_model.hpp"
 
 namespace qerr {
@@ -9,5 +13,21 @@ namespace qerr {
 /// @param residual  one per sample [rad or m]
 /// @returns whether there was any
 bool scan_residual(const ErrorModel&, const Eigen::ArrayXd& residual, Scanned&);
+
+/// Families of chosen names that what is left over contradicts:
+///
+/// - an order that does not stand out against its neighbours: of an order whose amplitude varies along the
+///   path, or of wandering, whole orders are no more than others are (F test of the decrease of the sum of
+///   squares against that of orders beside it, error rate 0.1 %);
+/// - an order above 1 of which less than half a period is seen, beside an uncatalogued shape or an order of
+///   which less than a period is: together they are one curve, as other orders make it, too;
+/// - a name that explains little without the uncatalogued shapes: it only corrects these;
+/// - a name that is smaller than a fifth of an uncatalogued shape whose form is guessed.
+std::vector<std::string> without_contrast(const ErrorModel&, const Choice&);
+
+/// Families of the chosen terms that the quantizer alone would bring: the fit without the term, sent through
+/// the quantizer along the same path with new noise, is analysed with it. Its decrease of the sum of squares
+/// is compared with the mean decrease in nine such simulations (F test, error rate 1 %).
+std::vector<std::string> brought_by_rounding(const ErrorModel&, const Choice&, std::uint64_t seed);
 
 }  // namespace qerr

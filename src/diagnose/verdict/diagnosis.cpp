@@ -13,7 +13,6 @@
 #include "diagnose/inference/finding.hpp"
 #include "diagnose/inference/tip/tip.hpp"
 #include "diagnose/verdict/cause_report.hpp"
-#include "diagnose/verdict/comparison.hpp"
 #include "diagnose/verdict/verdict.hpp"
 
 namespace qerr {

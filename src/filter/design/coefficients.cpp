@@ -7,7 +7,6 @@
 
 #include "filter/design/families/families.hpp"
 #include "filter/design/polynomial.hpp"
-#include "filter/design/roots.hpp"
 #include "filter/norms/deviation.hpp"
 #include "qerr/filter/norms.hpp"
 

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "filter/run/filter_plan.hpp"
+#include "filter/run/cascade.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

@@ -1,7 +1,6 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/norms/design_rounding.hpp"
 #include "filter/norms/lifted_norm.hpp"
 #include "filter/norms/rational.hpp"
 #include "qerr/core/error.hpp"

@@ -2,8 +2,8 @@
 #include <cmath>
 #include <limits>
 
-#include "filter/norms/design_rounding.hpp"
 #include "filter/norms/direct_sum.hpp"
+#include "filter/norms/lifted_norm.hpp"
 #include "filter/norms/modes.hpp"
 #include "filter/norms/rational.hpp"
 #include "filter/norms/sequence.hpp"

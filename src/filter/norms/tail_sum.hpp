@@ -4,8 +4,29 @@
 #include <vector>
 
 #include "filter/norms/modes.hpp"
+#include "filter/norms/sequence.hpp"
 
 namespace qerr {
+
+/// Relative error of a sampled sum against the sum of the sizes of all modes.
+inline constexpr double sampling_error = 1.5e-14;
+
+/// sum |x_k| over first..end-1 of simple modes, sample by sample in doubles, within `error` of `sum`: about 1
+/// ns a sample and mode.
+struct SampledSum {
+  double sum = 0;
+  double error = 0;
+};
+
+SampledSum sampled_sum(const std::vector<Mode>& modes, const Powers& powers, std::int64_t first,
+                       std::int64_t end);
+
+/// sum |2 Re(c z^k)| over from <= k < end for a simple conjugate pair of poles, proven.
+///
+/// The signs of the terms form a Sturmian word, which Euclid's algorithm sums in O(log(end)) steps, however
+/// many periods of the resonance there are.
+/// @pre mode.pair, mode.c has one element, 0 <= from < end <= 2^52
+RealBall resonance_sum(const Mode& mode, std::int64_t from, std::int64_t end);
 
 /// Enclosure of sum |x_k| over k >= from: `sum` - `error` to `sum` + `error` + `beyond`.
 struct TailSum {

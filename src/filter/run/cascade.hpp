@@ -1,11 +1,57 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
-#include "filter/run/filter_plan.hpp"
+#include "filter/run/section_recursion.hpp"
+#include "qerr/filter/filter.hpp"
 
 namespace qerr {
+
+/// A filter as it runs: sections, or the taps of a filter without sections.
+///
+/// A section whose output is a single multiple of low, band or high is divided by that factor; the gain and
+/// all such factors are in the last section, or in the taps.
+template <class Number>
+struct FilterPlan {
+  std::vector<NormalizedSection<Number>> sections;
+  std::vector<Number> taps;
+};
+
+/// Divides a section by the only one of b0, b1, b2 that is not 0, if there is one. @returns it, or 1
+template <class Number>
+Number take_factor(NormalizedSection<Number>& s) {
+  const Number zero(0), one(1);
+  if (s.b1 == zero && s.b2 == zero) return std::exchange(s.b0, one);
+  if (s.b0 == zero && s.b2 == zero) return std::exchange(s.b1, one);
+  if (s.b0 == zero && s.b1 == zero) return std::exchange(s.b2, one);
+  return one;
+}
+
+/// @tparam Number  double or DoubleDouble
+template <class Number>
+FilterPlan<Number> filter_plan(const Filter& filter) {
+  const auto number = [](const DoubleDouble& c) { return static_cast<Number>(c); };
+  FilterPlan<Number> plan;
+  Number gain = number(filter.gain);
+  for (const Section& s : filter.sections) {
+    const Number a0 = number(s.a[0]), a01 = a0 + number(s.a[1]), a2 = number(s.a[2]);
+    const Number inverse = Number(1) / (a01 + a2);
+    plan.sections.push_back(
+        {!(a2 == Number(0)), a0 * inverse, a01 * inverse, number(s.b[0]), number(s.b[1]), number(s.b[2])});
+    gain *= inverse * take_factor(plan.sections.back());
+  }
+  for (const DoubleDouble& tap : filter.taps) plan.taps.push_back(number(tap));
+  if (!plan.sections.empty()) {
+    NormalizedSection<Number>& last = plan.sections.back();
+    for (Number* b : {&last.b0, &last.b1, &last.b2}) *b *= gain;
+  } else {
+    if (plan.taps.empty()) plan.taps = {Number(1)};
+    for (Number& tap : plan.taps) tap *= gain;
+  }
+  return plan;
+}
 
 /// Runs a filter sample by sample, from zero states.
 /// @tparam Number  double, or DoubleDouble for results that are proven or exact to the last digit of a double

@@ -1,8 +1,8 @@
 #pragma once
 
+#include "filter/run/cascade.hpp"
 #include "filter/run/filter_kernels.hpp"
-#include "filter/run/filter_plan.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/core/instruction_set.hpp"
 
 namespace qerr {

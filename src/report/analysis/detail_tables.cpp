@@ -5,7 +5,6 @@
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/tables.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

@@ -5,7 +5,6 @@
 #include "qerr/effect/effect_kind.hpp"
 #include "report/analysis/effects.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <mutex>
 
-#include "bound/configuration_batch.hpp"
 #include "bound/figure_column.hpp"
 #include "core/text.hpp"
 #include "qerr/core/error.hpp"

@@ -1,6 +1,5 @@
 #include "report/analysis/per_configuration.hpp"
 
-#include "bound/configuration_batch.hpp"
 #include "bound/figure_column.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/figure_names.hpp"

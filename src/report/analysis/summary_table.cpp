@@ -4,9 +4,7 @@
 #include "core/text.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/fitted_table.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

@@ -6,7 +6,6 @@
 #include "report/analysis/tables.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

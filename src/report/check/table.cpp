@@ -2,10 +2,8 @@
 
 #include "report/check/parts.hpp"
 #include "report/compare/parts.hpp"
-#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

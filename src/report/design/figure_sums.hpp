@@ -4,7 +4,7 @@
 #include <tuple>
 
 #include "bound/error_columns.hpp"
-#include "design/choice_problem.hpp"
+#include "design/choice_figure.hpp"
 #include "qerr/input/spec.hpp"
 
 namespace qerr {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "report/analysis/about.hpp"
-#include "report/design/sentences.hpp"
+#include "report/design/table.hpp"
 #include "report/formats.hpp"
 #include "report/page/bars.hpp"
 #include "report/page/markup.hpp"

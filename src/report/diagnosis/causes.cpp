@@ -132,4 +132,104 @@ std::string causes_section(const DiagnosisReport& r, const Style& style) {
   return out.empty() ? "" : heading("Causes", style) + out;
 }
 
+namespace {
+
+std::string cell(const Diagnosis& d, const std::string& effect, const std::string& joint) {
+  for (const Visible& v : d.visible)
+    if (v.effect == effect && v.joint == joint && std::isfinite(v.smallest))
+      return v.unit.empty()
+                 ? significant(v.smallest, 2)
+                 : significant(rounded_to(v.smallest, 2) / prefixed(v.smallest, v.unit).factor, 2) + ' ' +
+                       prefixed(v.smallest, v.unit).unit;
+  return "-";
+}
+
+}  // namespace
+
+std::vector<std::vector<std::string>> visible_sizes(const Diagnosis& d) {
+  std::vector<std::string> effects, joints;
+  for (const Visible& v : d.visible)
+    if (std::isfinite(v.smallest)) add_once(effects, v.effect), add_once(joints, v.joint);
+  if (effects.empty()) return {};
+  std::vector<std::vector<std::string>> rows{{"effect"}};
+  for (const std::string& joint : joints) rows.front().push_back(shown(joint));
+  for (const std::string& effect : effects) {
+    rows.push_back({effect});
+    for (const std::string& joint : joints) rows.back().push_back(cell(d, effect, joint));
+  }
+  return rows;
+}
+
+std::vector<std::string> hidden_lines(const Diagnosis& d) {
+  std::vector<std::pair<std::string, std::string>> groups;  // joint, reason
+  for (const Visible& v : d.visible) {
+    const std::pair<std::string, std::string> group{v.joint, v.hidden_by};
+    if (!std::isfinite(v.smallest) && std::find(groups.begin(), groups.end(), group) == groups.end())
+      groups.push_back(group);
+  }
+  std::vector<std::string> out;
+  for (const auto& [joint, reason] : groups) {
+    std::vector<std::string> effects;
+    for (const Visible& v : d.visible)
+      if (!std::isfinite(v.smallest) && v.joint == joint && v.hidden_by == reason)
+        add_once(effects, v.effect);
+    out.push_back(shown(joint) + (reason.empty() ? "" : ", " + escaped(reason)) + ": " + listed(effects));
+  }
+  return out;
+}
+
+std::string visible_section(const DiagnosisReport& r, const Style& style) {
+  const Diagnosis& d = r.diagnosis;
+  if (d.verdict != Verdict::nothing_wrong && !style.details) return "";
+  const std::vector<std::vector<std::string>> sizes = visible_sizes(d);
+  const std::vector<std::string> hidden = hidden_lines(d);
+  std::string out;
+  if (!sizes.empty())
+    out = heading("What this record would have shown, from these sizes on", style) +
+          fitted_table(sizes, style.width);
+  if (hidden.empty()) return out;
+  out += heading("What this motion hides", style);
+  for (const std::string& line : hidden) out += "  " + line + '\n';
+  return out + "  `qerr diagnose SPEC --plan` proposes a motion that shows more.\n";
+}
+
+namespace {
+
+/// As many decimals as give the interval two digits.
+std::string fitted(double value, double half, double scale, const std::string& unit) {
+  const int decimals = std::clamp(1 - static_cast<int>(std::floor(std::log10(half / scale))), 0, 6);
+  return fixed_point(value / scale, decimals) + " +- " + fixed_point(half / scale, decimals) + ' ' + unit;
+}
+
+/// Degrees have no SI prefix.
+std::string figure(double value, const std::string& unit) {
+  return unit == "deg" ? significant(value, 3) + " deg" : readable(value, unit);
+}
+
+}  // namespace
+
+std::string with_interval(const ReportedParameter& parameter) {
+  ReportedParameter p = parameter;
+  if (p.figure.name == "phase" && p.unit == "rad") {
+    for (double* angle : {&p.figure.value, &p.figure.lower, &p.figure.upper})
+      *angle *= 180 / std::numbers::pi;
+    p.unit = "deg";
+  }
+  const auto& [name, value, lower, upper] = p.figure;
+  if (p.fixed)
+    return p.unit.empty() || p.unit == "deg" ? significant(value, 6) + (p.unit.empty() ? "" : " deg")
+                                             : readable(value, p.unit);
+  const double half = 0.5 * (upper - lower);
+  if (p.unit.empty())
+    return significant(value, 4) + " (" + significant(lower, 4) + " .. " + significant(upper, 4) + ')';
+  if (!(std::abs(0.5 * (upper + lower) - value) < 0.2 * half) || std::abs(value) < half)
+    return figure(value, p.unit) + " (" + figure(lower, p.unit) + " .. " + figure(upper, p.unit) + ')';
+  if (p.unit == "deg") return fitted(value, half, 1, "deg");
+  // One prefix for both, and as many decimals as give the interval two digits.
+  const int thousand =
+      std::clamp(static_cast<int>(std::floor(std::log10(std::max(std::abs(value), half)) / 3)), -4, 3);
+  static constexpr const char* prefixes[] = {"p", "n", "u", "m", "", "k", "M", "G"};
+  return fitted(value, half, std::pow(1000.0, thousand), prefixes[thousand + 4] + p.unit);
+}
+
 }  // namespace qerr

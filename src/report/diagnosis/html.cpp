@@ -7,7 +7,7 @@
 #include "report/diagnosis/sections.hpp"
 #include "report/diagnosis/sentences.hpp"
 #include "report/formats.hpp"
-#include "report/page/page_size.hpp"
+#include "report/page/page.hpp"
 #include "report/page/prose.hpp"
 
 namespace qerr {

@@ -1,8 +1,9 @@
-#include "report/filter/tables.hpp"
-#include "report/fitted_table.hpp"
+#include "report/filter/table.hpp"
+
+#include <cmath>
+
 #include "report/formats.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 
@@ -100,6 +101,108 @@ std::string filter_table(const FilterReport& report, std::size_t width) {
 std::string to_table(const FilterReport& report, const Style& style) {
   return filter_table(report, style.width) + noise_table(report, style.width) +
          (report.estimators ? estimator_table(*report.estimators, style.width) : "");
+}
+
+namespace {
+
+std::string text_of(const MotionQuestion& m) {
+  return significant(m.size, 6) + ' ' + m.unit() + (m.sine ? " at " + readable(m.frequency, "Hz") : "");
+}
+
+std::string threshold_text(const std::optional<double>& threshold) {
+  return threshold ? significant(*threshold, 3) : "not searched";
+}
+
+std::string sine_table(const std::vector<SineErrorRow>& rows, std::size_t width) {
+  if (rows.empty()) return {};
+  std::vector<std::vector<std::string>> cells{
+      {"encoder", "amplitude", "|mean| up to", "envelope", "mean square / IPQN", "envelope"}};
+  for (const SineErrorRow& r : rows)
+    cells.push_back(
+        {escaped(r.encoder, 40), significant(r.amplitude, 5), significant(r.largest_mean, 3),
+         significant(r.mean_envelope, 3),
+         significant(12 * r.least_square, 5) + ".." + significant(12 * r.largest_square, 5),
+         significant(1 + 12 * r.square_below, 5) + ".." + significant(1 + 12 * r.square_above, 5)});
+  return "\nError of the quantizer along the sine, in counts, over all zeros of the encoder;\n"
+         "envelopes of the paper (Appendix B)\n" +
+         fitted_table(cells, width);
+}
+
+}  // namespace
+
+std::string noise_table(const FilterReport& report, std::size_t width) {
+  if (report.noise.empty()) return {};
+  std::vector<std::vector<std::string>> rows{
+      {"filter", "within 10 % above", "within 1 % above", "99 % of the noise after"}};
+  for (const FilterNoise& f : report.noise)
+    rows.push_back({escaped(f.filter, 40),
+                    f.followed ? threshold_text(f.within_10_percent) : "memory too long",
+                    f.followed ? threshold_text(f.within_1_percent) : "",
+                    f.rise_time ? readable(*f.rise_time, "s") : ""});
+  std::string out = "\nPeak speeds of slow sines, in counts per sample, above which IPQN is accurate\n" +
+                    fitted_table(rows, width);
+  for (const FilterNoise& f : report.noise) {
+    if (f.rows.empty()) continue;
+    std::vector<std::vector<std::string>> cells{
+        {"encoder", "motion", "counts per sample", "sigma", "IPQN", "ratio"}};
+    for (const NoiseRow& row : f.rows)
+      cells.push_back({escaped(row.encoder, 40), text_of(row.motion), significant(row.counts_per_sample, 4),
+                       row.sigma ? readable(*row.sigma, row.unit) : "not known",
+                       readable(row.sigma_ipqn, row.unit),
+                       row.sigma && row.sigma_ipqn > 0 ? significant(*row.sigma / row.sigma_ipqn, 4) : ""});
+    out += "\n" + escaped(f.filter, 40) + ": sigma of the filtered error of an encoder in motion\n" +
+           fitted_table(cells, width);
+  }
+  return out + sine_table(report.sine_errors, width);
+}
+
+namespace {
+
+std::string decibels(double speed, double error) {
+  if (!std::isfinite(error)) return "-";
+  return std::to_string(std::lround(worst_case_snr_db(speed, error))) + " dB";
+}
+
+bool same_encoder(const EncoderEstimators& a, const EncoderEstimators& b) {
+  return a.resolution == b.resolution && a.unit == b.unit && a.edges == b.edges;
+}
+
+std::string error_text(double error, const std::string& unit) { return readable(error, unit); }
+
+}  // namespace
+
+std::string estimator_table(const EstimatorReport& report, std::size_t width) {
+  std::string out = "\nVelocity from counts, worst case: finite differences (FDM) at " +
+                    readable(report.sample_rate, "Hz") + ",\ntime between edges (ITM) with a clock of " +
+                    readable(report.clock, "Hz") + "\n";
+  for (std::size_t i = 0; i < report.encoders.size(); ++i) {
+    const EncoderEstimators& e = report.encoders[i];
+    std::string names = escaped(e.encoder, 40);
+    for (; i + 1 < report.encoders.size() && same_encoder(e, report.encoders[i + 1]); ++i)
+      names += ", " + escaped(report.encoders[i + 1].encoder, 40);
+    out += "\n" + wrapped(names + ": ITM is at least as good up to " + readable(e.crossing_speed, e.unit) +
+                              (e.edges.ideal() ? ""
+                                               : "; with the effects of the disc, whose edges are " +
+                                                     significant(e.edges.shortest, 3) + " to " +
+                                                     significant(e.edges.longest, 3) + " counts apart"),
+                          width);
+    std::vector<std::vector<std::string>> rows{
+        {"speed", "counts per sample", "FDM error", "SNR", "ITM error", "SNR", "SNR as printed", "better"}};
+    for (const EstimatorRow& r : e.rows) {
+      const EstimatorError &fdm = r.finite_difference, &itm = r.inverse_time;
+      rows.push_back({readable(r.speed, e.unit), significant(r.quanta_per_sample, 3),
+                      error_text(fdm.varying, e.unit), decibels(r.speed, fdm.varying),
+                      error_text(itm.varying, e.unit), decibels(r.speed, itm.varying),
+                      decibels(r.speed, itm.printed), r.inverse_time_is_better() ? "ITM" : "FDM"});
+    }
+    out += fitted_table(rows, width);
+  }
+  return out + "\n" +
+         wrapped(
+             "ITM: for a speed that rises or falls up to the one shown between two edges; unbounded: two "
+             "edges may "
+             "fall into one tick. The paper's bound (52), as printed, is valid and loose.",
+             width);
 }
 
 }  // namespace qerr

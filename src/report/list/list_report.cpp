@@ -1,3 +1,7 @@
+#include "report/list/list_report.hpp"
+
+#include <cmath>
+
 #include "core/text.hpp"
 #include "qerr/bound/figure.hpp"
 #include "qerr/bound/statistic.hpp"
@@ -9,7 +13,10 @@
 #include "qerr/filter/representations.hpp"
 #include "qerr/kinematics/coordinates.hpp"
 #include "qerr/report/write.hpp"
-#include "report/list/parameter_unit.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
+#include "report/json_header.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -90,6 +97,85 @@ ListReport list_report(std::string_view kind) { return {rows_of(kind)}; }
 std::string parameter_unit(const Parameter& p) {
   if (p.kind != Kind::number) return {};
   return p.coordinate ? "rad or m" : unit_name(p.dimension);
+}
+
+std::string to_csv(const ListReport& report, const Style&) {
+  std::string out = "name,parameter,unit,default,meaning";
+  for (const auto& note : report.rows.front().notes) out += ',' + note.first;
+  out += "\r\n";
+  for (const ListReport::Row& row : report.rows) {
+    out += csv_cell(row.name) + ",,,," + csv_cell(row.summary);
+    for (const auto& note : row.notes) out += ',' + csv_cell(note.second);
+    out += "\r\n";
+    for (const Parameter& p : row.parameters)
+      out += csv_cell(row.name) + ',' + std::string(p.name) + ',' + parameter_unit(p) + ',' +
+             (p.fallback ? shortest(*p.fallback) : "") + ',' + csv_cell(std::string(p.meaning)) +
+             std::string(row.notes.size(), ',') + "\r\n";
+  }
+  return out;
+}
+
+namespace {
+
+/// A further column, by its name.
+auto note(std::string_view name) {
+  return [name](const ListReport::Row& row) {
+    for (const auto& [of, text] : row.notes)
+      if (of == name) return text;
+    return std::string();
+  };
+}
+
+}  // namespace
+
+RowsOf<Parameter> rows(Of<Parameter>) {
+  return {{"name", &Parameter::name},
+          {"unit", parameter_unit, "SI; empty of a pure number and of other kinds"},
+          {"meaning", &Parameter::meaning},
+          {"required", &Parameter::required},
+          {"default", &Parameter::fallback, optional},
+          {"least", [](auto& p) { return only_if(std::isfinite(p.least), p.least); }, optional},
+          {"most", [](auto& p) { return only_if(std::isfinite(p.most), p.most); }, optional},
+          {"choices", choices_of, "the default first", optional}};
+}
+
+RowsOf<ListReport::Row> rows(Of<ListReport::Row>) {
+  return {{"name", &ListReport::Row::name},
+          {"summary", &ListReport::Row::summary},
+          {"parameters", &ListReport::Row::parameters},
+          {"stage", note("stage"), "of an effect: where it acts", optional},
+          {"typical", note("typical"), "of an effect: usual magnitudes", optional}};
+}
+
+namespace {
+
+/// Name, unit, meaning, choices and default in one sentence.
+std::string described(const Parameter& p) {
+  std::string text(p.name);
+  if (const std::string unit = parameter_unit(p); !unit.empty()) text += " [" + unit + ']';
+  text += ": " + std::string(p.meaning);
+  if (!p.choices.empty()) {
+    text += " (";
+    const std::vector<std::string> words = choices_of(p);
+    for (std::size_t i = 0; i < words.size(); ++i)
+      text += (i ? ", " : "") + words[i] + (i ? "" : " by default");
+    text += ')';
+  }
+  if (p.fallback) text += " (default " + shortest(*p.fallback) + ')';
+  if (p.required) text += " (required)";
+  return text;
+}
+
+}  // namespace
+
+std::string to_table(const ListReport& report, const Style& style) {
+  std::string out;
+  for (const ListReport::Row& row : report.rows) {
+    out += painted(row.name, Paint::bold, style) + '\n' + wrapped(row.summary, style.width, "    ");
+    for (const auto& [name, text] : row.notes) out += wrapped(name + ": " + text, style.width, "    ");
+    for (const Parameter& p : row.parameters) out += wrapped(described(p), style.width, "      ", "    - ");
+  }
+  return out;
 }
 
 }  // namespace qerr

@@ -58,4 +58,56 @@ std::string figure(const Bars& b) {
   return out + "</svg></figure>\n";
 }
 
+namespace {
+
+constexpr double fall_width = 400, fall_row = 30, fall_margin = 2;
+
+struct Piece {
+  std::string name, text;
+  double from, to;   ///< [SI]
+  std::string data;  ///< attributes
+};
+
+std::vector<Piece> pieces_of(const Waterfall& w) {
+  double value = w.start;
+  std::vector<Piece> all{{w.first, readable(value, w.unit), 0, value, data_attribute("data-value", value)}};
+  for (const WaterfallFactor& f : w.factors) {
+    const double next = value * f.value;
+    all.push_back({f.name, "\u00d7 " + significant(f.value, 4), value, next,
+                   data_attribute("data-value", f.value) + data_attribute("data-from", value) +
+                       data_attribute("data-to", next)});
+    value = next;
+  }
+  all.push_back({w.last, readable(value, w.unit), 0, value, data_attribute("data-value", value)});
+  return all;
+}
+
+std::string drawn_piece(const Piece& p, double y, double scale) {
+  const double from = fall_margin + std::min(p.from, p.to) * scale;
+  // A factor of 1 is a line.
+  const double length = std::max(std::abs(p.to - p.from) * scale, 1.0);
+  return "<g class=\"row\" data-name=\"" + escaped_markup(p.name) + '"' + p.data + "><text x=\"2\" y=\"" +
+         drawn(y + 11) + "\">" + escaped_markup(p.name) + "</text><text class=\"end\" x=\"" +
+         drawn(fall_width - fall_margin) + "\" y=\"" + drawn(y + 11) + "\">" + escaped_markup(p.text) +
+         "</text><rect class=\"bar\" x=\"" + drawn(from) + "\" y=\"" + drawn(y + 15) + "\" width=\"" +
+         drawn(length) + "\" height=\"9\"/></g>";
+}
+
+}  // namespace
+
+std::string figure(const Waterfall& w) {
+  const std::vector<Piece> pieces = pieces_of(w);
+  double largest = 0;
+  for (const Piece& p : pieces) largest = std::max({largest, p.from, p.to});
+  const double scale = (fall_width - 2 * fall_margin) / (largest > 0 ? largest : 1);
+  std::string out = "<figure><figcaption>" + escaped_markup(w.title) +
+                    "</figcaption><svg role=\"img\" viewBox=\"0 0 " + fixed_point(fall_width, 0) + ' ' +
+                    fixed_point(fall_row * static_cast<double>(pieces.size()), 0) +
+                    "\" xmlns=\"http://www.w3.org/2000/svg\"><title>" + escaped_markup(w.title) +
+                    "</title><desc>" + escaped_markup(w.description) + "</desc>";
+  double y = 0;
+  for (const Piece& p : pieces) out += drawn_piece(p, y, scale), y += fall_row;
+  return out + "</svg></figure>\n";
+}
+
 }  // namespace qerr::page

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "report/page/axis.hpp"
+#include "report/page/frame.hpp"
 
 /// Text between the pictures of a page.
 namespace qerr::page {

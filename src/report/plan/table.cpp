@@ -7,7 +7,6 @@
 #include "report/formats.hpp"
 #include "report/plan/parts.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

@@ -1,8 +1,13 @@
 #include "qerr/report/robot_report.hpp"
 
 #include "core/sha256.hpp"
+#include "input/urdf_reader.hpp"
 #include "kinematics/tree.hpp"
 #include "qerr/input/first_spec.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
+#include "report/json_header.hpp"
+#include "report/robot/parts.hpp"
 
 namespace qerr {
 
@@ -22,6 +27,107 @@ RobotReport robot_report(RobotModel robot, const std::string& text, const std::s
     report.obstacle = e.what();
   }
   return report;
+}
+
+std::string to_csv(const RobotReport& report, const Style&) {
+  std::string out =
+      "joint,type,parent,child,axis_x,axis_y,axis_z,unit,lower,upper,effort,velocity,ratio,mimic,multiplier,"
+      "offset\r\n";
+  for (const Joint& joint : report.robot.joints) {
+    if (joint.type == JointType::fixed) continue;
+    const Json json = json_of(joint);
+    out += csv_cells(json, {"name", "type", "parent", "child"});
+    for (const double component : joint.axis) out += ',' + shortest(component);
+    out += ',' +
+           csv_cells(json, {"unit", "limits.lower", "limits.upper", "effort", "velocity", "ratio",
+                            "mimic.joint", "mimic.multiplier", "mimic.offset"}) +
+           "\r\n";
+  }
+  return out;
+}
+
+namespace {
+
+/// A member of a joint that moves; empty for a fixed one.
+template <class T>
+auto moving(T Joint::*value) {
+  return [value](const Joint& j) { return only_if(j.type != JointType::fixed, j.*value); };
+}
+
+using ReportedEnd = In<TreeEnd, RobotReport>;
+
+struct FirstSpec {
+  std::string base, tip;
+};
+
+}  // namespace
+
+RowsOf<Limits> rows(Of<Limits>) {
+  return {{"lower", &Limits::lower, nullable}, {"upper", &Limits::upper, nullable}};
+}
+
+RowsOf<Mimic> rows(Of<Mimic>) {
+  return {{"joint", &Mimic::joint}, {"multiplier", &Mimic::multiplier}, {"offset", &Mimic::offset}};
+}
+
+RowsOf<Joint> rows(Of<Joint>) {
+  return {{"name", &Joint::name},
+          {"type", [](auto& j) { return joint_type_name(j.type); }},
+          {"parent", &Joint::parent},
+          {"child", &Joint::child},
+          {"unit",
+           [](auto& j) {
+             return j.type == JointType::fixed ? "" : j.type == JointType::prismatic ? "m" : "rad";
+           },
+           one_of({"m", "rad"}), "of a moving joint, as the members below", optional},
+          {"axis", moving(&Joint::axis), "in the frame of the joint", optional},
+          {"limits", moving(&Joint::limits), "null: none", optional},
+          {"effort", moving(&Joint::effort_limit), optional},
+          {"velocity", moving(&Joint::velocity_limit), optional},
+          {"ratio", moving(&Joint::stated_ratio), "that the URDF states", optional},
+          {"mimic", moving(&Joint::mimic), optional}};
+}
+
+RowsOf<StatedCoupling> rows(Of<StatedCoupling>) {
+  return {{"transmission", &StatedCoupling::transmission},
+          {"type", &StatedCoupling::type},
+          {"joints", &StatedCoupling::joints},
+          {"ratios", &StatedCoupling::ratios, "of the two motors"},
+          {"coupling", [](auto& c) { return nested(c.coupling); }, "joints = coupling * (motors / ratios)"}};
+}
+
+RowsOf<ReportedEnd> rows(Of<ReportedEnd>) {
+  return {{"tip", &TreeEnd::tip},
+          {"base", &TreeEnd::base},
+          {"moving_joints", [](auto& end) { return end->joints.size(); }},
+          {"kind", [](auto& end) { return end_kind_name(end->kind); }},
+          {"joints", [](auto& end) {
+             return end->joints |
+                    std::views::transform([&](std::size_t i) { return end.whole.robot.joints[i].name; });
+           }}};
+}
+
+RowsOf<Flaw> rows(Of<Flaw>) {
+  return {{"severity", [](auto& f) { return f.spoils ? "error" : "warning"; }, one_of({"error", "warning"})},
+          {"message", [](auto& f) { return format({f.fault}); }}};
+}
+
+RowsOf<FirstSpec> rows(Of<FirstSpec>) { return {{"base", &FirstSpec::base}, {"tip", &FirstSpec::tip}}; }
+
+RowsOf<RobotReport> rows(Of<RobotReport>) {
+  return header<RobotReport>("robot").with(
+      {{"urdf", {{"file", [](auto& r) { return r.robot.file; }}, {"sha256", &RobotReport::sha256}}},
+       {"robot", {{"name", [](auto& r) { return r.robot.name; }}, {"roots", &RobotReport::roots}}},
+       {"first_spec",
+        [](auto& r) {
+          return only_if(!r.tip.empty(), FirstSpec{r.base, r.tip});
+        },
+        "the chain of --write-spec"},
+       {"links", [](auto& r) { return r.robot.links; }},
+       {"joints", [](auto& r) { return r.robot.joints; }},
+       {"couplings", [](auto& r) { return r.robot.couplings; }, "of two motors and two joints"},
+       {"ends", within(&RobotReport::ends), "of the tree, the likeliest tip first"},
+       {"flaws", [](auto& r) { return r.robot.flaws; }}});
 }
 
 }  // namespace qerr

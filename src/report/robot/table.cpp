@@ -1,8 +1,12 @@
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <map>
+#include <numbers>
 #include <utility>
 
 #include "input/urdf_reader.hpp"
+#include "kinematics/tree.hpp"
 #include "report/formats.hpp"
 #include "report/robot/parts.hpp"
 
@@ -137,6 +141,178 @@ std::string to_table(const RobotReport& report, const Style& style) {
   if (const std::string flaws = flaw_text(report, width); !flaws.empty())
     out += heading("Flaws of the URDF", style) + flaws;
   return out + '\n' + next_step(report, width);
+}
+
+namespace {
+
+constexpr double degrees = 180 / std::numbers::pi;
+constexpr std::size_t least_name = 12;
+
+/// `z`, `-y`, or the components of a skew axis.
+std::string axis_text(const Joint& joint) {
+  static constexpr const char* letters[] = {"x", "y", "z"};
+  for (Eigen::Index i = 0; i < 3; ++i)
+    if (std::abs(std::abs(joint.axis[i]) - 1) < 1e-6)
+      return (joint.axis[i] < 0 ? "-" : "") + std::string(letters[i]);
+  std::string text;
+  for (Eigen::Index i = 0; i < 3; ++i)
+    text += (i ? " " : "") + significant(std::abs(joint.axis[i]) < 5e-3 ? 0 : joint.axis[i], 2);
+  return text;
+}
+
+bool linear(const Joint& joint) { return joint.type == JointType::prismatic; }
+
+/// In the units of the heading: degrees, or millimetres.
+std::string figure(double value, double scale) {
+  const std::string text = significant(value * scale, 4);
+  return text.size() > 7 ? significant(value * scale, 2) : text;
+}
+
+std::vector<std::string> row_of(const Joint& joint) {
+  const double scale = linear(joint) ? 1000 : degrees;
+  return {joint.name.empty() ? "(no name)" : joint.name,
+          std::string(joint_type_name(joint.type)),
+          has_axis(joint.type) ? axis_text(joint) : "",
+          joint.limits ? figure(joint.limits->lower, scale) : "-",
+          joint.limits ? figure(joint.limits->upper, scale) : "-",
+          joint.effort_limit ? figure(*joint.effort_limit, 1) : "-",
+          joint.velocity_limit ? figure(*joint.velocity_limit, scale) : "-",
+          joint.stated_ratio ? figure(*joint.stated_ratio, 1) : ""};
+}
+
+/// Width of all columns but the first, with the indentation.
+std::size_t width_beside_names(const std::vector<std::vector<std::string>>& rows) {
+  std::size_t sum = 2;
+  for (std::size_t column = 1; column < rows.front().size(); ++column) {
+    std::size_t widest = 0;
+    for (const auto& row : rows) widest = std::max(widest, display_width(row[column]));
+    sum += widest + 2;
+  }
+  return sum;
+}
+
+std::string mimic_text(const Joint& joint) {
+  const Mimic& law = *joint.mimic;
+  std::string text = shortened(joint.name, 30) + " = " +
+                     (law.multiplier == 1 ? "" : significant(law.multiplier, 4) + " * ") +
+                     shortened(law.joint, 30);
+  if (law.offset != 0) text += (law.offset < 0 ? " - " : " + ") + significant(std::abs(law.offset), 4);
+  return "  " + text + '\n';
+}
+
+/// Joints that two motors move together.
+std::string couplings(const RobotReport& report, std::size_t width) {
+  std::string text;
+  for (const StatedCoupling& c : report.robot.couplings)
+    text += wrapped(shortened(c.joints[0], 30) + " and " + shortened(c.joints[1], 30) + ": " +
+                        escaped(c.type, 40) + ' ' + escaped(c.transmission, 40) + ", " +
+                        coupling_text(c.ratios, c.coupling),
+                    width, "    ", "  ", LongWords::cut);
+  return text.empty() ? "" : "\nCoupled joints: joints = coupling * (motors / gear_ratio)\n" + text;
+}
+
+}  // namespace
+
+std::string joint_text(const RobotReport& report, std::size_t width) {
+  std::vector<std::vector<std::string>> rows{
+      {"joint", "type", "axis", "lower", "upper", "effort", "speed", "ratio"}};
+  std::string mimics;
+  bool revolute = false, prismatic = false, ratio = false;
+  for (const Joint& joint : report.robot.joints) {
+    if (joint.type == JointType::fixed) continue;
+    rows.push_back(row_of(joint));
+    (linear(joint) ? prismatic : revolute) = true;
+    ratio = ratio || joint.stated_ratio;
+    if (joint.mimic) mimics += mimic_text(joint);
+  }
+  if (rows.size() == 1) return "";
+  if (!ratio)
+    for (auto& row : rows) row.pop_back();
+  std::size_t others = width_beside_names(rows);
+  if (others + least_name > width) {
+    for (auto& row : rows)
+      if (row[2].find(' ') != std::string::npos) row[2] = "skew";
+    others = width_beside_names(rows);
+  }
+  const std::size_t room = std::max(least_name, width - std::min(width, others));
+  for (auto& row : rows) row[0] = shortened(row[0], room);
+  const std::string units = std::string(revolute ? "deg, N m, deg/s" : "") +
+                            (revolute && prismatic ? "; prismatic: " : "") + (prismatic ? "mm, N, mm/s" : "");
+  return aligned(rows) + "  " + units + (ratio ? "; ratio of motor to joint" : "") + '\n' +
+         (mimics.empty() ? "" : "\nMimic joints, which need no encoder\n" + mimics) +
+         couplings(report, width);
+}
+
+namespace {
+
+constexpr std::size_t longest_name = 30;
+constexpr std::size_t deepest_indent = 24;  // branches beyond are not indented further
+
+/// A link with everything that is fixed to it, and the moving joints that leave it.
+struct Body {
+  std::vector<std::string> links;
+  std::vector<std::size_t> joints;
+};
+
+Body body_of(const RobotModel& robot, const Tree& tree, const std::string& link) {
+  Body body{{link}, {}};
+  for (std::size_t i = 0; i < body.links.size(); ++i) {
+    const std::string parent = body.links[i];  // links grows
+    for (const std::size_t joint : tree.below(parent)) {
+      if (robot.joints[joint].type == JointType::fixed)
+        body.links.push_back(robot.joints[joint].child);
+      else
+        body.joints.push_back(joint);
+    }
+  }
+  return body;
+}
+
+/// `base_link + camera, imu and 3 more`, as many names as fit.
+std::string named(const std::vector<std::string>& links, std::size_t width) {
+  const std::size_t for_others = links.size() > 1 ? 6 : 0;  // `+ 12`
+  std::string text = shortened(links.front(), std::clamp<std::size_t>(width - for_others, 8, longest_name));
+  for (std::size_t i = 1; i < links.size(); ++i) {
+    const std::string next = (i == 1 ? " + " : ", ") + shortened(links[i], longest_name);
+    const std::string rest = " and " + std::to_string(links.size() - i) + " more";
+    const bool last = i + 1 == links.size();
+    if (display_width(text) + display_width(next) + (last ? 0 : rest.size()) > width)
+      return text + (i == 1 ? " + " + std::to_string(links.size() - 1) : rest);
+    text += next;
+  }
+  return text;
+}
+
+}  // namespace
+
+std::string tree_text(const RobotReport& report, std::size_t width) {
+  const RobotModel& robot = report.robot;
+  const Tree tree(robot);
+  std::string out;
+  struct Line {
+    std::string indent, mark, joint, link;
+  };
+  std::vector<Line> open;  // a stack, so that a long chain needs no recursion
+  for (auto root = report.roots.rbegin(); root != report.roots.rend(); ++root)
+    open.push_back({"  ", "", "", *root});
+  while (!open.empty()) {
+    const Line line = open.back();
+    open.pop_back();
+    const Body body = body_of(robot, tree, line.link);
+    const std::string begin =
+        line.indent + line.mark + (line.joint.empty() ? "" : shortened(line.joint, longest_name) + ": ");
+    const std::size_t used = display_width(begin);
+    out += begin + named(body.links, width - std::min(used, width - 8)) + '\n';
+    std::string below = line.indent;
+    if (!line.mark.empty() && display_width(below) < deepest_indent) below += line.mark == "└ " ? "  " : "│ ";
+    const bool branches = body.joints.size() > 1;
+    for (std::size_t i = body.joints.size(); i-- > 0;) {
+      const Joint& joint = robot.joints[body.joints[i]];
+      const char* mark = !branches ? "" : i + 1 == body.joints.size() ? "└ " : "├ ";
+      open.push_back({below, mark, joint.name.empty() ? "(no name)" : joint.name, joint.child});
+    }
+  }
+  return out;
 }
 
 }  // namespace qerr

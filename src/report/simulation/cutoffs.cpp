@@ -6,9 +6,7 @@
 #include "core/text.hpp"
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/tables.hpp"
-#include "report/fitted_table.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

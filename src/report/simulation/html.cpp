@@ -6,10 +6,10 @@
 #include "report/analysis/about.hpp"
 #include "report/analysis/requirements.hpp"
 #include "report/formats.hpp"
-#include "report/page/page_size.hpp"
+#include "report/page/page.hpp"
 #include "report/page/prose.hpp"
 #include "report/simulation/cutoffs.hpp"
-#include "report/simulation/page/pictures.hpp"
+#include "report/simulation/page.hpp"
 #include "report/text_table.hpp"
 
 namespace qerr {

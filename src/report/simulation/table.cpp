@@ -4,12 +4,10 @@
 
 #include "core/text.hpp"
 #include "qerr/effect/effect_kind.hpp"
-#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
 #include "report/simulation/cutoffs.hpp"
 #include "report/simulation/signals.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

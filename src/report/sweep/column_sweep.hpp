@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "bound/column_workspace.hpp"
+#include "bound/column_statistics.hpp"
 #include "report/sweep/swept_variant.hpp"
 
 namespace qerr {

@@ -3,7 +3,7 @@
 #include "report/analysis/figure_names.hpp"
 #include "report/analysis/json_header.hpp"
 #include "report/csv_text.hpp"
-#include "report/sweep/sweep_report.hpp"
+#include "report/sweep/run_sweep.hpp"
 
 namespace qerr {
 

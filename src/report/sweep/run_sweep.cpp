@@ -4,7 +4,6 @@
 #include <map>
 #include <mutex>
 
-#include "core/in_order.hpp"
 #include "core/parallel.hpp"
 
 namespace qerr {

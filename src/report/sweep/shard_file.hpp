@@ -6,7 +6,7 @@
 #include <string>
 #include <string_view>
 
-#include "core/growing_file.hpp"
+#include "core/output_file.hpp"
 #include "core/sha256.hpp"
 #include "report/sweep/run_record.hpp"
 #include "report/sweep/run_sweep.hpp"

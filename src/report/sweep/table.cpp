@@ -1,11 +1,9 @@
 #include <algorithm>
 
 #include "report/analysis/tables.hpp"
-#include "report/fitted_table.hpp"
 #include "report/formats.hpp"
-#include "report/sweep/sweep_report.hpp"
+#include "report/sweep/run_sweep.hpp"
 #include "report/text_table.hpp"
-#include "report/wrapped_text.hpp"
 
 namespace qerr {
 

@@ -3,6 +3,10 @@
 
 #include "qerr/core/error.hpp"
 #include "qerr/report/analysis.hpp"
+#include "report/csv_text.hpp"
+#include "report/formats.hpp"
+#include "report/json_header.hpp"
+#include "report/text_table.hpp"
 
 namespace qerr {
 
@@ -80,6 +84,58 @@ ThresholdRow threshold_row(const Spec& spec, unsigned threads) {
                  "",
                  "add threshold: {length: 300 mm}, the distance of a point from the axis"});
   return best;
+}
+
+std::string to_csv(const ThresholdReport& r, const Style&) { return csv_of(r.rows, {"joint", "coupling"}); }
+
+RowsOf<ThresholdRow> rows(Of<ThresholdRow>) {
+  return {{"robot", &ThresholdRow::robot},
+          {"joint", &ThresholdRow::joint, "with the largest resolution at the tip"},
+          {"counts_per_rev", &ThresholdRow::counts_per_rev, nullable},
+          {"gear_ratio", &ThresholdRow::gear_ratio, nullable},
+          {"coupling", &ThresholdRow::coupling, nullable},
+          {"length_mm", [](auto& r) { return 1e3 * r.length; }, nullable},
+          {"sample_rate_hz", &ThresholdRow::sample_rate, nullable},
+          {"resolution_mm", [](auto& r) { return 1e3 * r.resolution; }, nullable},
+          {"threshold_velocity_mm_s", [](auto& r) { return 1e3 * r.threshold_velocity(); }, nullable},
+          {"resolution_mm_as_printed", [](auto& r) { return 1e3 * r.resolution_as_printed; }, nullable},
+          {"threshold_velocity_mm_s_as_printed",
+           [](auto& r) { return 1e3 * r.threshold_velocity_as_printed(); }, nullable}};
+}
+
+RowsOf<ThresholdReport> rows(Of<ThresholdReport>) {
+  return header<ThresholdReport>("threshold").with({{"robots", &ThresholdReport::rows}});
+}
+
+namespace {
+
+/// The rows whose coupling is a factor of the resolution.
+std::string couplings(const ThresholdReport& report, std::size_t width) {
+  std::string out;
+  for (const ThresholdRow& r : report.rows)
+    if (r.coupling != 1)
+      out += wrapped(escaped(r.robot, 40) + ": both times " + significant(r.coupling, 4) +
+                         ", the `coupling` of joint '" + escaped(r.joint, 40) + "' to the encoder",
+                     width, "  ");
+  return out;
+}
+
+}  // namespace
+
+std::string to_table(const ThresholdReport& report, const Style& style) {
+  std::vector<std::vector<std::string>> cells{{"robot", "counts/rev", "gear", "length", "rate", "resolution",
+                                               "threshold", "l/(nG) as printed", "as printed"}};
+  for (const ThresholdRow& r : report.rows)
+    cells.push_back({escaped(r.robot, 40), significant(r.counts_per_rev, 7), significant(r.gear_ratio, 7),
+                     readable(r.length, "m"), readable(r.sample_rate, "Hz"), readable(r.resolution, "m"),
+                     readable(r.threshold_velocity(), "m/s"), readable(r.resolution_as_printed, "m"),
+                     readable(r.threshold_velocity_as_printed(), "m/s")});
+  return painted("Resolution and threshold velocity (Table IV): one count per sample", Paint::bold, style) +
+         "\n" + fitted_table(cells, style.width) +
+         wrapped(
+             "resolution = 2 pi l/(n G); the paper prints l/(n G), which lacks the 2 pi of a revolute joint",
+             style.width, "  ") +
+         couplings(report, style.width);
 }
 
 }  // namespace qerr

@@ -7,7 +7,7 @@
 #include "kinematics/batched_jacobian.hpp"
 #include "kinematics/folded_chain.hpp"
 #include "kinematics/sampler.hpp"
-#include "lanes/aligned.hpp"
+#include "lanes/batch.hpp"
 #include "qerr/bound/workspace.hpp"
 
 namespace qerr::bench {

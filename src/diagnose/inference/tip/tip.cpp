@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numeric>
 
-#include "core/probability.hpp"
 #include "core/random.hpp"
 #include "core/solve.hpp"
 #include "core/statistics.hpp"

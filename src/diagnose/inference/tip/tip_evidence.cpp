@@ -6,6 +6,7 @@
 #include "core/parallel.hpp"
 #include "diagnose/record/smooth_path.hpp"
 #include "diagnose/record/with_effects.hpp"
+#include "qerr/effect/effect_kind.hpp"
 
 namespace qerr {
 
@@ -157,6 +158,172 @@ std::optional<TipEvidence> tip_evidence(const OperationalModel& model, const std
   take_off(e, present);
   shorten(e);
   return e;
+}
+
+TipPose TipEstimate::pose(const TipEvidence& e, Eigen::Index row) const {
+  const auto count = static_cast<Eigen::Index>(chain.joints.size());
+  const Eigen::VectorXd q = e.joints.col(row) - e.to_joints * additions.col(row);
+  TipPose p{Eigen::Matrix3Xd(3, count), Eigen::Matrix3Xd(3, count), {}, {}, {}, {}, {}, {}};
+  Eigen::Isometry3d frame = base;
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const ChainJoint& joint = chain.joints[static_cast<std::size_t>(j)];
+    const double motion = joint.multiplier * q[static_cast<Eigen::Index>(joint.coordinate)] + joint.offset;
+    p.motion.push_back(motion);
+    p.parent.push_back(frame.linear() * joint.parent_axes);
+    frame = frame * joint.origin;
+    p.origin.col(j) = frame.translation();
+    p.axis.col(j) = frame.linear() * joint.axis;
+    if (joint.prismatic)
+      frame.translate(motion * joint.axis);
+    else
+      frame.rotate(Eigen::AngleAxisd(motion, joint.axis));
+  }
+  frame = frame * chain.tip_offset;
+  p.tool = frame.linear();
+  p.tip = frame * tool;
+  Eigen::MatrixXd columns(3, count);
+  for (Eigen::Index j = 0; j < count; ++j) {
+    const Eigen::Vector3d axis = p.axis.col(j), arm = p.tip - p.origin.col(j);
+    columns.col(j) = chain.joints[static_cast<std::size_t>(j)].prismatic ? axis : axis.cross(arm);
+  }
+  p.joints = to_independent(chain, columns);
+  p.encoders = p.joints * e.to_joints;
+  return p;
+}
+
+Eigen::Index TipTerm::size() const {
+  switch (kind) {
+    case Kind::encoder:
+      return term.size();
+    case Kind::geometry:
+    case Kind::frame_tilt:
+    case Kind::axis_tilt:
+      return directions.cols();
+    case Kind::base:
+      return 6;
+    case Kind::tool:
+      return 3;
+  }
+  return 0;
+}
+
+Eigen::Matrix3Xd TipTerm::at(const TipPose& p, Eigen::Index row) const {
+  const auto place = static_cast<Eigen::Index>(where);
+  Eigen::Matrix3Xd columns(3, size());
+  switch (kind) {
+    case Kind::encoder:
+      columns = p.encoders.col(place) * term.columns.row(row).matrix();
+      break;
+    case Kind::geometry:
+      // The true joint is displaced from the model's: estimate - true is minus the displacement.
+      columns = -p.parent[where] * directions;
+      break;
+    case Kind::frame_tilt:
+    case Kind::axis_tilt: {
+      const Eigen::Vector3d axis = p.axis.col(place), arm = p.tip - p.origin.col(place);
+      const auto displaced = [&](const Eigen::Vector3d& about) -> Eigen::Vector3d {
+        if (kind == Kind::frame_tilt) return about.cross(arm);
+        if (slides) return p.motion[where] * about.cross(axis);
+        // There and, after the joint, back: R(a + da, q) = T R(a, q) T^-1.
+        return (about - Eigen::AngleAxisd(p.motion[where], axis) * about).cross(arm);
+      };
+      for (Eigen::Index i = 0; i < columns.cols(); ++i)
+        columns.col(i) = -displaced(p.parent[where] * directions.col(i));
+      break;
+    }
+    case Kind::base:
+      columns.leftCols<3>() = -Eigen::Matrix3d::Identity();
+      for (Eigen::Index i = 0; i < 3; ++i) columns.col(3 + i) = -Eigen::Vector3d::Unit(i).cross(p.tip);
+      break;
+    case Kind::tool:
+      columns = -p.tool;
+      break;
+  }
+  return columns;
+}
+
+Evidence corrected_evidence(const TipEvidence& e, const TipEstimate& estimate, std::size_t encoder) {
+  Evidence own = e.encoders[encoder];
+  own.path -= estimate.additions.row(static_cast<Eigen::Index>(encoder)).transpose().array();
+  return own;
+}
+
+std::vector<TipTerm> tip_terms(const TipEvidence& e, const TipEstimate& estimate) {
+  std::vector<TipTerm> terms;
+  const Chain& chain = estimate.chain;
+  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
+    const std::string& name = chain.joints[j].name;
+    if (std::none_of(chain.independent.begin(), chain.independent.end(),
+                     [&](const IndependentJoint& i) { return i.name == name; }))
+      continue;  // a mimic joint has no effects of its own
+    for (const EffectKind& kind : effect_kinds())
+      if (kind.displacements)
+        for (Term& t : kind.displacements(name)) {
+          const Eigen::Vector3d direction = displacement_direction(t.effect);
+          terms.push_back({TipTerm::Kind::geometry, std::move(t), j, direction});
+        }
+  }
+  for (std::size_t i = 0; i < e.encoders.size(); ++i)
+    if (e.judged(i))
+      for (Term& t : named_terms(corrected_evidence(e, estimate, i)))
+        if (!t.of_reference)  // without a reference at the joint, the encoder's own path drives no play
+          terms.push_back({TipTerm::Kind::encoder, std::move(t), i});
+  return terms;
+}
+
+std::vector<TipTerm> tilt_terms(const Chain& chain) {
+  std::vector<TipTerm> terms;
+  for (std::size_t j = 0; j < chain.joints.size(); ++j) {
+    const ChainJoint& joint = chain.joints[j];
+    const Eigen::Vector3d axis = joint.parent_axes.transpose() * (joint.origin.linear() * joint.axis),
+                          across = axis.unitOrthogonal();
+    for (const TipTerm::Kind kind : {TipTerm::Kind::frame_tilt, TipTerm::Kind::axis_tilt}) {
+      if (kind == TipTerm::Kind::frame_tilt && (j == 0 || joint.prismatic)) continue;
+      TipTerm t{kind, {}, j};
+      t.directions.resize(3, 2);
+      t.directions << across, axis.cross(across);
+      t.slides = joint.prismatic;
+      t.term.effect.joint = chain.independent[joint.coordinate].name;
+      t.term.fill = [](Effect& x, const Eigen::VectorXd& c) { x.numbers["amplitude"] = c.norm(); };
+      t.term.unnamed = "the axis of the joint is askew";
+      t.term.next = kind == TipTerm::Kind::frame_tilt
+                        ? "measure the axis, and correct the rpy of its joint's <origin> in the URDF"
+                        : "measure the axis, and correct its joint's <axis> in the URDF";
+      terms.push_back(std::move(t));
+    }
+  }
+  return terms;
+}
+
+void tilt(ChainJoint& joint, TipTerm::Kind kind, const Eigen::Vector3d& rotation) {
+  if (rotation.norm() == 0) return;
+  const Eigen::AngleAxisd turn(rotation.norm(), joint.parent_axes * rotation.normalized());
+  const Eigen::Matrix3d frame = joint.origin.linear();
+  if (kind == TipTerm::Kind::axis_tilt)
+    joint.axis = frame.transpose() * (turn * (frame * joint.axis));
+  else
+    joint.origin.linear() = turn * frame;
+}
+
+void update_columns(TipTerm& t, const Eigen::VectorXd& c, const TipEvidence& e, const TipEstimate& estimate) {
+  if (t.kind != TipTerm::Kind::encoder) return;
+  const Evidence own = corrected_evidence(e, estimate, t.where);
+  const Effect& effect = t.term.effect;
+  if (t.term.hysteresis) {
+    if (c[0] > own.step()) t.term.columns = t.term.hysteresis(own.measured, c[0]);
+  } else if (t.term.step) {
+    return;  // independent of the path
+  } else if (t.term.reshaped) {
+    t.term = t.term.reshaped(own, t.term, t.term.shape);
+  } else {
+    // Of the linearizations of one effect, one with as many coefficients.
+    for (Term& fresh : named_terms(own))
+      if (fresh.size() == t.size() && fresh.effect.type == effect.type &&
+          fresh.effect.choices == effect.choices &&
+          fresh.effect.number_or("order", 0) == effect.number_or("order", 0) &&
+          fresh.effect.number_or("time_constant", 0) == effect.number_or("time_constant", 0))
+        t.term.columns = std::move(fresh.columns);
+  }
 }
 
 }  // namespace qerr

@@ -1,10 +1,12 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <Eigen/Geometry>
 #include <optional>
 #include <vector>
 
 #include "diagnose/record/evidence.hpp"
+#include "effect/term.hpp"
 #include "qerr/bound/operational_error.hpp"
 #include "qerr/effect/effect.hpp"
 #include "qerr/simulate/log.hpp"
@@ -36,5 +38,69 @@ struct TipEvidence {
 /// @returns empty if the log lacks the tip or a joint
 std::optional<TipEvidence> tip_evidence(const OperationalModel&, const std::vector<Effect>& present,
                                         const Log&, unsigned threads);
+
+/// Kinematic quantities at one row, from which the columns of terms are computed. Base frame, [m].
+struct TipPose {
+  Eigen::Matrix3Xd origin, axis;        ///< of the moving joints
+  std::vector<double> motion;           ///< of each from its zero [rad or m]
+  std::vector<Eigen::Matrix3d> parent;  ///< axes of the frame in which each joint's origin is stated
+  Eigen::Matrix3d tool;                 ///< axes of the tip
+  Eigen::Vector3d tip;
+  Eigen::Matrix3Xd encoders;  ///< tip per encoder, J C: only of joints without a reference
+  Eigen::Matrix3Xd joints;    ///< tip per independent joint, J
+};
+
+/// The present estimate of the robot: link dimensions, corrections of the encoders, and the tracker's frames.
+struct TipEstimate {
+  Chain chain;
+  Eigen::MatrixXd additions;  ///< encoders x rows: additions of the causes to the readings [rad or m]
+  Eigen::Isometry3d base = Eigen::Isometry3d::Identity();  ///< of the robot in the tracker's frame
+  Eigen::Vector3d tool = Eigen::Vector3d::Zero();  ///< the target, in the frame of the model's tip [m]
+
+  TipPose pose(const TipEvidence&, Eigen::Index row) const;
+};
+
+/// A cause of an error of the tip.
+struct TipTerm {
+  enum class Kind {
+    encoder,     ///< adds to the reading of an encoder
+    geometry,    ///< displaces a joint's origin
+    frame_tilt,  ///< rotates a joint's frame with all that follows: <origin rpy> of the URDF
+    axis_tilt,   ///< rotates a joint's axis alone, what follows stays in the zero pose: <axis> of the URDF
+    base,        ///< displaces and rotates the robot in the tracker's frame
+    tool         ///< displaces the target in the tip's frame
+  };
+  Kind kind = Kind::encoder;
+  Term term;              ///< its effect and fill; of an encoder's the columns too
+  std::size_t where = 0;  ///< encoder or moving joint
+  /// Unit vectors in the parent link's axes, one a coefficient: along which geometry displaces, about which a
+  /// tilt rotates. They are those of the nominal robot, so that coefficients keep their meaning in a fit.
+  Eigen::Matrix3Xd directions = {};
+  bool slides = false;      ///< of an axis: its joint is prismatic
+  bool kinematic() const {  ///< whether it depends on the pose alone
+    return kind != Kind::encoder || term.constant;
+  }
+  Eigen::Index size() const;
+
+  /// estimate - true at the tip per unit of the coefficients, 3 x size.
+  Eigen::Matrix3Xd at(const TipPose&, Eigen::Index row) const;
+};
+
+/// Candidates of the catalogue: dimensions, and errors of encoders whose joints have no reference.
+std::vector<TipTerm> tip_terms(const TipEvidence&, const TipEstimate&);
+
+/// Tilts of every joint's frame, but of the first, which is one of the tracker's frame, and of every joint's
+/// axis, each about two directions across the axis of the nominal robot. They are not in the catalogue.
+std::vector<TipTerm> tilt_terms(const Chain&);
+
+/// Applies a tilt to its joint.
+/// @param rotation  rotation vector in the parent link's axes [rad]
+void tilt(ChainJoint&, TipTerm::Kind, const Eigen::Vector3d& rotation);
+
+/// An encoder's evidence with the estimated additions subtracted from its path.
+Evidence corrected_evidence(const TipEvidence&, const TipEstimate&, std::size_t encoder);
+
+/// Recomputes the columns along the estimated path; of a hysteresis, at the size found.
+void update_columns(TipTerm&, const Eigen::VectorXd& coefficients, const TipEvidence&, const TipEstimate&);
 
 }  // namespace qerr

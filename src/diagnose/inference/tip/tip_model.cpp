@@ -1,7 +1,12 @@
 #include "diagnose/inference/tip/tip_model.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
+#include "core/random.hpp"
+#include "core/solve.hpp"
+#include "simulate/sensing.hpp"
 
 namespace qerr {
 
@@ -129,6 +134,240 @@ double TipModel::quantization_inflation(const Eigen::MatrixXd& beyond) const {
 double TipModel::value(const TipSolution& s, Eigen::Index coefficients) const {
   return s.log_likelihood -
          0.5 * static_cast<double>(coefficients) * std::log(static_cast<double>(y_.size()));
+}
+
+/// How a model of the tip is fitted: estimate, linearization, solution, and again.
+
+namespace {
+
+constexpr Eigen::Index path_draws = 40;  // of quantization along the path
+
+// The rigid motion T that minimizes sum |T from_k - to_k|^2. Its rotation is the quaternion that belongs to
+// the largest eigenvalue of a symmetric 4x4 matrix of the correlations. Source: Horn, "Closed-form solution
+// of absolute orientation using unit quaternions", J. Opt. Soc. Am. A 4 (1987).
+Eigen::Isometry3d rigid_alignment(const Eigen::Matrix3Xd& from, const Eigen::Matrix3Xd& to) {
+  const Eigen::Vector3d centre_from = from.rowwise().mean(), centre_to = to.rowwise().mean();
+  Eigen::Matrix3d s;  // correlations
+  for (Eigen::Index i = 0; i < 3; ++i)
+    for (Eigen::Index j = 0; j < 3; ++j)
+      s(i, j) = (from.row(i).array() - centre_from[i]).matrix().dot(to.row(j));
+  const Eigen::Vector3d difference(s(1, 2) - s(2, 1), s(2, 0) - s(0, 2), s(0, 1) - s(1, 0));
+  Eigen::MatrixXd n(4, 4);
+  n(0, 0) = s.trace();
+  n.topRightCorner(1, 3) = difference.transpose();
+  n.bottomLeftCorner(3, 1) = difference;
+  n.bottomRightCorner(3, 3) = s + s.transpose() - s.trace() * Eigen::Matrix3d::Identity();
+  const Eigen::VectorXd q = symmetric_eigen(n).vectors.col(3);
+  Eigen::Isometry3d moved(Eigen::Quaterniond(q[0], q[1], q[2], q[3]));
+  moved.translation() = centre_to - moved.linear() * centre_from;
+  return moved;
+}
+
+}  // namespace
+
+SecondOrder second_order(const TipPose& p, const Chain& chain, const Eigen::MatrixXd& to_joints,
+                         const Eigen::VectorXd& steps) {
+  const auto moving = static_cast<Eigen::Index>(chain.joints.size());
+  // Motion of each moving joint per unit of each encoder.
+  const Eigen::MatrixXd share = to_independent(chain, Eigen::MatrixXd::Identity(moving, moving)) * to_joints;
+  const Eigen::Index encoders = share.cols();
+  SecondOrder s{{}, Eigen::Vector3d::Zero(), Eigen::Matrix3d::Zero()};
+  s.hessian.assign(static_cast<std::size_t>(encoders), Eigen::Matrix3Xd::Zero(3, encoders));
+  for (Eigen::Index near = 0; near < moving; ++near) {
+    if (chain.joints[static_cast<std::size_t>(near)].prismatic) continue;
+    for (Eigen::Index far = near; far < moving; ++far) {
+      const Eigen::Vector3d axis = p.axis.col(far), arm = p.tip - p.origin.col(far);
+      const bool slides = chain.joints[static_cast<std::size_t>(far)].prismatic;
+      const Eigen::Vector3d speed = slides ? axis : axis.cross(arm);
+      // A joint turns the speed that those beyond it give the tip.
+      const Eigen::Vector3d turned = p.axis.col(near).cross(speed);
+      std::vector<Eigen::Index> moved;
+      for (Eigen::Index a = 0; a < encoders; ++a)
+        if (share(near, a) != 0 || share(far, a) != 0) moved.push_back(a);
+      for (const Eigen::Index a : moved)
+        for (const Eigen::Index b : moved) {
+          const double both =
+              share(near, a) * share(far, b) + (far > near ? share(far, a) * share(near, b) : 0);
+          s.hessian[static_cast<std::size_t>(a)].col(b) += both * turned;
+        }
+    }
+  }
+  // Of a uniform error: E delta^2 = Delta^2 / 12, Var delta^2 = Delta^4 / 180.
+  for (Eigen::Index a = 0; a < encoders; ++a)
+    for (Eigen::Index b = 0; b <= a; ++b) {
+      const Eigen::Vector3d h = s.hessian[static_cast<std::size_t>(a)].col(b);
+      const double product = std::pow(steps[a] * steps[b], 2);
+      if (a == b) s.mean -= h * std::pow(steps[a], 2) / 24;
+      s.covariance += h * h.transpose() * (a == b ? product / 720 : product / 144);
+    }
+  return s;
+}
+
+/// Rotation and translation from the model's tip to the tracked one, where they differ strongly: a start for
+/// the fit, which is linearized in the rotation (Kabsch).
+void TipModel::align() {
+  if (evidence_->axes.size() < 3) return;
+  Eigen::Matrix3Xd tip(3, evidence_->rows());
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k) tip.col(k) = estimate_.pose(*evidence_, k).tip;
+  const Eigen::Matrix3Xd tracked = evidence_->tip;
+  const Eigen::Matrix3Xd centred = tracked.colwise() - tracked.rowwise().mean();
+  if ((tip - tracked).norm() < 0.02 * centred.norm()) return;
+  estimate_.base = rigid_alignment(tip, tracked);
+}
+
+/// Updates link dimensions, tilts of axes and encoder corrections by the coefficients.
+void TipModel::update_estimate() {
+  std::vector<Effect> built;
+  estimate_.additions.setZero();
+  for (std::size_t i = 0; i < terms_.size(); ++i) {
+    TipTerm& t = terms_[i];
+    const Eigen::VectorXd c = coefficients(i);
+    if (t.kind == TipTerm::Kind::geometry) {
+      built.push_back(t.term.effect);
+      t.term.fill(built.back(), c);
+    } else if (t.kind == TipTerm::Kind::encoder) {
+      estimate_.additions.row(static_cast<Eigen::Index>(t.where)) +=
+          (t.term.columns.matrix() * c).transpose();
+    }
+  }
+  estimate_.chain = as_built(model_->chain, built);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    if (const TipTerm& t = terms_[i];
+        t.kind == TipTerm::Kind::frame_tilt || t.kind == TipTerm::Kind::axis_tilt)
+      tilt(estimate_.chain.joints[t.where], t.kind, t.directions * coefficients(i));
+}
+
+/// Columns of the nuisance parameters: the tracker's frames and free encoder zeros.
+void TipModel::arrange_nuisance() {
+  std::vector<TipTerm> free;
+  if (frames_ == UnknownFrames::all) free.push_back({TipTerm::Kind::base, {}, 0});
+  if (frames_ != UnknownFrames::none) free.push_back({TipTerm::Kind::tool, {}, 0});
+  for (std::size_t i = 0; i < evidence_->encoders.size(); ++i)
+    if (evidence_->judged(i) && !evidence_->encoders[i].encoder.zero_known) {
+      free.push_back({TipTerm::Kind::encoder, {}, i});
+      free.back().term.columns = Eigen::ArrayXXd::Ones(evidence_->rows(), 1);
+    }
+  Eigen::Index count = 0;
+  for (const TipTerm& t : free) count += t.size();
+  nuisance_.resize(y_.size(), count);
+  Eigen::Index at = 0;
+  for (const TipTerm& t : free) {
+    nuisance_.middleCols(at, t.size()) = columns(t);
+    at += t.size();
+  }
+}
+
+/// Curvature changes little from estimate to estimate: that of the first is kept.
+void TipModel::find_second_order() {
+  auto all = std::make_shared<std::vector<SecondOrder>>();
+  const Eigen::VectorXd steps = resolutions(model_->transmission);
+  for (Eigen::Index k = 0; k < evidence_->rows(); ++k)
+    all->push_back(second_order(estimate_.pose(*evidence_, k), estimate_.chain, evidence_->to_joints, steps));
+  second_order_ = std::move(all);
+}
+
+/// Computes poses, entries and columns at the current estimate.
+void TipModel::linearize() {
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  const Eigen::Index rows = evidence_->rows();
+  auto poses = std::make_shared<std::vector<TipPose>>();
+  poses->reserve(static_cast<std::size_t>(rows));
+  turn_.resize(static_cast<std::size_t>(rows));
+  y_.resize(rows * coordinates);
+  known_.resize(rows * coordinates);
+  const Eigen::VectorXd quantization = resolutions(model_->transmission).array().square() / 12;
+  const Eigen::VectorXd reference = evidence_->joint_noise.array().square();
+  const Eigen::VectorXd mean = mean_errors(model_->transmission);
+  if (!second_order_) find_second_order();
+  for (Eigen::Index k = 0; k < rows; ++k) {
+    const TipPose p = estimate_.pose(*evidence_, k);
+    const SecondOrder& second = (*second_order_)[static_cast<std::size_t>(k)];
+    const Eigen::Matrix3d all = p.encoders * quantization.asDiagonal() * p.encoders.transpose() +
+                                p.joints * reference.asDiagonal() * p.joints.transpose() + second.covariance;
+    // A counter that truncates reads too low by half a count on average.
+    const Eigen::Vector3d tip = p.tip - p.encoders * mean - second.mean;
+    const Eigen::MatrixXd tracked = all(evidence_->axes, evidence_->axes);
+    const SymmetricEigen axes = symmetric_eigen(tracked);
+    Eigen::MatrixXd turn = Eigen::MatrixXd::Zero(coordinates, 3);
+    turn(Eigen::all, evidence_->axes) = axes.vectors.transpose();
+    y_.segment(k * coordinates, coordinates) = turn * tip - axes.vectors.transpose() * evidence_->tip.col(k);
+    known_.segment(k * coordinates, coordinates) = axes.values.cwiseMax(0);
+    turn_[static_cast<std::size_t>(k)] = std::move(turn);
+    poses->push_back(p);
+  }
+  poses_ = std::move(poses);
+  for (std::size_t i = 0; i < terms_.size(); ++i)
+    update_columns(terms_[i], coefficients(i), *evidence_, estimate_);
+  term_columns_.clear();
+  for (const TipTerm& t : terms_) term_columns_.push_back(columns(t));
+  arrange_nuisance();
+  for (std::size_t i = 0; i < terms_.size(); ++i) y_ += term_columns_[i] * coefficients(i);
+}
+
+/// Brings the tracker's frame and its target to where the solution has them.
+void TipModel::move_frames() {
+  if (frames_ == UnknownFrames::none) return;
+  if (frames_ == UnknownFrames::target) {
+    estimate_.tool += solution_.theta.head<3>();
+    return;
+  }
+  const Eigen::VectorXd s = solution_.theta.head<9>();
+  const Eigen::Vector3d turn = s.segment<3>(3);
+  Eigen::Isometry3d shift = Eigen::Isometry3d::Identity();
+  shift.translate(s.head<3>());
+  if (turn.norm() > 0) shift.rotate(Eigen::AngleAxisd(turn.norm(), turn.normalized()));
+  estimate_.base = shift * estimate_.base;
+  estimate_.tool += s.tail<3>();
+}
+
+void TipModel::fit() {
+  for (int i = 0; i < 20; ++i) {
+    update_estimate();
+    linearize();
+    solution_ = trial({}, {});
+    const Eigen::VectorXd step = solution_.theta.tail(theta_.size()) - theta_;
+    theta_ = solution_.theta.tail(theta_.size());
+    double moved = 0;
+    const Eigen::MatrixXd all = all_columns();
+    Eigen::VectorXd steps = solution_.theta;
+    steps.tail(theta_.size()) = step;
+    if (all.cols() > 0) moved = (all * steps).norm() / std::sqrt(static_cast<double>(y_.size()));
+    move_frames();
+    if (moved < 0.02 * std::sqrt(known_.mean() + std::pow(solution_.sigma, 2))) break;
+  }
+}
+
+/// Quantization errors of all encoders in every row, for one draw of their sub-count phases, less their mean.
+Eigen::MatrixXd TipModel::drawn_errors(std::uint64_t draw) const {
+  const std::uint64_t phases = stream_seed(seed_, "tip phases");
+  Eigen::MatrixXd errors = Eigen::MatrixXd::Zero(evidence_->rows(), evidence_->to_joints.cols());
+  for (std::size_t i = 0; i < evidence_->encoders.size(); ++i) {
+    if (!evidence_->judged(i)) continue;
+    const Evidence& e = evidence_->encoders[i];
+    const double phase = e.step() * unit_interval(random_bits(phases, i, draw));
+    for (Eigen::Index k = 0; k < e.rows(); ++k) {
+      const double x = e.path[k] + phase;
+      errors(k, static_cast<Eigen::Index>(i)) = quantize(e.encoder, x) - x - mean_error(e.encoder);
+    }
+  }
+  return errors;
+}
+
+void TipModel::draw_surrogates() {
+  surrogates_.setZero(y_.size(), evidence_->ordered ? path_draws : 0);
+  const auto coordinates = static_cast<Eigen::Index>(evidence_->axes.size());
+  for (Eigen::Index d = 0; d < surrogates_.cols(); ++d) {
+    const Eigen::MatrixXd errors = drawn_errors(static_cast<std::uint64_t>(d));
+    for (Eigen::Index k = 0; k < evidence_->rows(); ++k) {
+      const auto row = static_cast<std::size_t>(k);
+      const Eigen::VectorXd delta = errors.row(k).transpose();
+      const SecondOrder& second = (*second_order_)[row];
+      Eigen::Vector3d at_tip = (*poses_)[row].encoders * delta - second.mean;
+      for (Eigen::Index a = 0; a < delta.size(); ++a)
+        if (delta[a] != 0) at_tip -= 0.5 * delta[a] * (second.hessian[static_cast<std::size_t>(a)] * delta);
+      surrogates_.col(d).segment(k * coordinates, coordinates) = turn_[row] * at_tip;
+    }
+  }
 }
 
 }  // namespace qerr

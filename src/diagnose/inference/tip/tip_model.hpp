@@ -4,8 +4,8 @@
 #include <memory>
 #include <vector>
 
+#include "diagnose/inference/tip/tip_evidence.hpp"
 #include "diagnose/inference/tip/tip_solution.hpp"
-#include "diagnose/inference/tip/tip_term.hpp"
 
 namespace qerr {
 

@@ -2,13 +2,113 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
-#include "diagnose/inference/tip/tip_alternatives.hpp"
-#include "diagnose/inference/tip/tip_candidates.hpp"
+#include "core/random.hpp"
+#include "core/solve.hpp"
 #include "diagnose/inference/tip/tip_weight.hpp"
 
 namespace qerr {
+
+namespace {
+
+/// What a unit of each encoder's reading does for the likelihood: encoders x rows.
+Eigen::MatrixXd encoder_scores(const TipModel& model) {
+  const TipEvidence& e = model.evidence();
+  const auto coordinates = static_cast<Eigen::Index>(e.axes.size());
+  const Eigen::VectorXd pull = model.solution().weight.cwiseProduct(model.solution().residual);
+  Eigen::MatrixXd scores = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(e.encoders.size()), e.rows());
+  for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+    if (!e.judged(i)) continue;
+    TipTerm unit{TipTerm::Kind::encoder, {}, i};
+    unit.term.columns = Eigen::ArrayXXd::Ones(e.rows(), 1);
+    const Eigen::MatrixXd column = model.columns(unit);
+    for (Eigen::Index k = 0; k < e.rows(); ++k)
+      scores(static_cast<Eigen::Index>(i), k) =
+          column.col(0).segment(k * coordinates, coordinates).dot(pull.segment(k * coordinates, coordinates));
+  }
+  return scores;
+}
+
+/// The step of lost counts with the largest score, orthogonal to a constant.
+std::optional<Term> strongest_tip_step(const Evidence& e, const Eigen::VectorXd& score) {
+  const double all = score.sum();
+  const auto rows = static_cast<double>(score.size());
+  double after = 0, best = 0;
+  Eigen::Index at = 0;
+  for (Eigen::Index k = score.size(); k-- > 8;) {
+    after += score[k];
+    if (k + 8 > score.size()) continue;
+    const double part = static_cast<double>(score.size() - k) / rows;
+    const double gain = std::pow(after - part * all, 2) / (part * (1 - part));
+    if (gain > best) best = gain, at = k;
+  }
+  if (at == 0) return std::nullopt;
+  return step_term(e, 0.5 * (e.time[at] + e.time[at - 1]));
+}
+
+/// The strongest free order of the joint, over what its range of motion resolves.
+std::optional<Term> strongest_tip_order(const Evidence& e, const Eigen::VectorXd& score) {
+  const double range = e.path.maxCoeff() - e.path.minCoeff();
+  if (range < 20 * e.step()) return std::nullopt;
+  const double spacing = std::numbers::pi / range;
+  const auto some = Eigen::seq(0, Eigen::last, std::max<Eigen::Index>(1, e.rows() / 2048));
+  const Eigen::ArrayXd angle = e.path(some), weight = score(some).array();
+  const auto power = [&](const Eigen::ArrayXd& cosine, const Eigen::ArrayXd& sine) {
+    return std::pow((weight * cosine).sum(), 2) + std::pow((weight * sine).sum(), 2);
+  };
+  // An order of the grid is the one before it, turned by the same angle in each row.
+  const Eigen::ArrayXd turn_cosine = (spacing * angle).cos(), turn_sine = (spacing * angle).sin();
+  Eigen::ArrayXd cosine = turn_cosine, sine = turn_sine, next(angle.size());
+  double best = 0, best_order = 0;
+  for (int i = 2; i < scanned_at_tip && i * spacing * e.step() < 1.5; ++i) {
+    next = cosine * turn_cosine - sine * turn_sine;
+    sine = sine * turn_cosine + cosine * turn_sine;
+    cosine.swap(next);
+    if (const double here = power(cosine, sine); here > best) best = here, best_order = i * spacing;
+  }
+  for (double step = spacing / 2; step > spacing / 100; step /= 2)
+    for (const double order : {best_order - step, best_order + step})
+      if (const double here = power((order * angle).cos(), (order * angle).sin()); here > best)
+        best = here, best_order = order;
+  return free_order_term(e, best_order);
+}
+
+bool same(const TipTerm& a, const TipTerm& b) {
+  const Effect &x = a.term.effect, &y = b.term.effect;
+  return a.kind == b.kind && a.where == b.where && a.directions == b.directions && x.type == y.type &&
+         x.choices == y.choices && x.number_or("order", 0) == y.number_or("order", 0) &&
+         x.number_or("time_constant", 0) == y.number_or("time_constant", 0) &&
+         x.number_or("time", 0) == y.number_or("time", 0);
+}
+
+}  // namespace
+
+bool chosen(const TipModel& model, const TipTerm& t) {
+  return std::any_of(model.terms().begin(), model.terms().end(),
+                     [&](const TipTerm& other) { return same(other, t); });
+}
+
+std::vector<TipTerm> tip_candidates(const TipModel& model) {
+  const TipEvidence& e = model.evidence();
+  std::vector<TipTerm> all = tip_terms(e, model.estimate());
+  for (TipTerm& t : tilt_terms(model.nominal())) all.push_back(std::move(t));
+  if (e.ordered && e.rows() >= 500) {
+    const Eigen::MatrixXd scores = encoder_scores(model);
+    for (std::size_t i = 0; i < e.encoders.size(); ++i) {
+      if (!e.judged(i)) continue;
+      const Evidence own = corrected_evidence(e, model.estimate(), i);
+      const Eigen::VectorXd score = scores.row(static_cast<Eigen::Index>(i));
+      if (auto step = strongest_tip_step(own, score))
+        all.push_back({TipTerm::Kind::encoder, std::move(*step), i});
+      if (auto order = strongest_tip_order(own, score))
+        all.push_back({TipTerm::Kind::encoder, std::move(*order), i});
+    }
+  }
+  std::erase_if(all, [&](const TipTerm& t) { return chosen(model, t); });
+  return all;
+}
 
 namespace {
 
@@ -189,6 +289,92 @@ TipSelection select_tip(const OperationalModel& model, const TipEvidence& e, std
     s.p_values.push_back(p_value(gained / variance_inflation(s.model, i), t.size()));
   }
   return s;
+}
+
+namespace {
+
+constexpr double as_good = 6;  // of log-likelihood
+
+/// Evidence with random poses: terms that these cannot distinguish, no record can.
+TipEvidence random_poses(const TipEvidence& e, const Chain& chain, std::uint64_t seed) {
+  TipEvidence wide = e;
+  const Eigen::Index rows = std::min<Eigen::Index>(100, e.rows());
+  wide.tip.setZero(e.tip.rows(), rows);
+  wide.joints.resize(e.joints.rows(), rows);
+  for (Eigen::Index j = 0; j < wide.joints.rows(); ++j)
+    for (Eigen::Index k = 0; k < rows; ++k) {
+      const double u =
+          unit_interval(random_bits(seed, static_cast<std::uint64_t>(k), static_cast<std::uint64_t>(j)));
+      wide.joints(j, k) =
+          (2 * u - 1) * (chain.independent[static_cast<std::size_t>(j)].prismatic() ? 0.5 : std::numbers::pi);
+    }
+  for (Evidence& own : wide.encoders)
+    for (Eigen::ArrayXd* series : series_of(own))
+      if (series->size() > 0) series->conservativeResize(rows);
+  return wide;
+}
+
+TipTerm shortened(TipTerm t, Eigen::Index rows) {
+  if (t.kind == TipTerm::Kind::encoder) t.term.columns = t.term.columns.topRows(rows).eval();
+  return t;
+}
+
+/// Whether another term can replace a chosen one in every pose; both depend on the pose alone.
+bool everywhere(const OperationalModel& model, const TipModel& fitted, std::size_t term,
+                const TipTerm& other) {
+  if (!fitted.terms()[term].kinematic() || !other.kinematic()) return false;
+  const TipEvidence wide =
+      random_poses(fitted.evidence(), model.chain, stream_seed(fitted.seed(), "tip poses"));
+  TipModel poses(model, wide, UnknownFrames::none, fitted.seed());
+  const Eigen::MatrixXd target = poses.columns(shortened(fitted.terms()[term], wide.rows()));
+  Eigen::MatrixXd rest = poses.columns(shortened(other, wide.rows()));
+  const auto append = [&](const TipTerm& t) {
+    rest.conservativeResize(Eigen::NoChange, rest.cols() + t.size());
+    rest.rightCols(t.size()) = poses.columns(t);
+  };
+  for (std::size_t i = 0; i < fitted.terms().size(); ++i)
+    if (i != term && fitted.terms()[i].kinematic()) append(shortened(fitted.terms()[i], wide.rows()));
+  if (fitted.frames() == UnknownFrames::all) append({TipTerm::Kind::base, {}, 0});
+  if (fitted.frames() != UnknownFrames::none) append({TipTerm::Kind::tool, {}, 0});
+  const Eigen::VectorXd fit = least_norm_solution(rest, target);
+  return (target - rest * fit).norm() < 1e-6 * target.norm();
+}
+
+}  // namespace
+
+void find_tip_alternatives(const OperationalModel& model, TipSelection& s) {
+  TipModel& m = s.model;
+  for (int round = 0; round < 8; ++round) {
+    s.alternatives.clear();
+    const std::vector<TipTerm> others = tip_terms(m.evidence(), m.estimate());
+    bool exchanged = false;
+    for (std::size_t i = 0; i < m.terms().size() && !exchanged; ++i) {
+      const double correlated = variance_inflation(m, i);
+      const TipSolution without = m.trial({i}, {});
+      TipSolution at_weights = without;
+      at_weights.weight = m.solution().weight;
+      const double own = gain_of(at_weights, m.beyond({i}, m.columns(m.terms()[i])));
+      for (const TipTerm& other : others) {
+        if (chosen(m, other)) continue;
+        const Eigen::MatrixXd columns = m.columns(other);
+        if (gain_of(at_weights, m.beyond({i}, columns)) < own - correlated * (2 * as_good + 20)) continue;
+        const TipSolution swapped = m.trial({i}, columns);
+        const double loss = (m.solution().log_likelihood - swapped.log_likelihood) / correlated +
+                            price(m, columns.cols()) - price(m, m.terms()[i].size()) + penalty(m, other) -
+                            penalty(m, m.terms()[i]);
+        if (loss < -better_by && round < 7) {
+          const Eigen::VectorXd theta = swapped.theta.tail(columns.cols());
+          m.exchange(i, other, theta);
+          m.fit();
+          exchanged = true;
+          break;
+        }
+        if (loss < as_good && m.terms()[i].term.named()) s.alternatives.push_back({i, other, loss, false});
+      }
+    }
+    if (!exchanged) break;
+  }
+  for (TipAlternative& a : s.alternatives) a.everywhere = everywhere(model, m, a.term, a.other);
 }
 
 }  // namespace qerr

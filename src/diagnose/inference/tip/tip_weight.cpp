@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "core/probability.hpp"
 #include "core/solve.hpp"
+#include "core/statistics.hpp"
 
 namespace qerr {
 

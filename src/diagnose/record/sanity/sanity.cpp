@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "diagnose/record/encoder_columns.hpp"
+#include "diagnose/record/evidence.hpp"
 #include "diagnose/record/sanity/sanity_steps.hpp"
 #include "diagnose/record/with_effects.hpp"
 #include "qerr/effect/effect_kind.hpp"

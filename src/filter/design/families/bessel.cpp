@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "filter/design/families/prototype.hpp"
-#include "filter/design/roots.hpp"
+#include "filter/design/polynomial.hpp"
 
 namespace qerr {
 namespace {

@@ -4,7 +4,7 @@
 #include <limits>
 
 #include "filter/design/families/prototype.hpp"
-#include "filter/design/roots.hpp"
+#include "filter/design/polynomial.hpp"
 
 namespace qerr {
 namespace {

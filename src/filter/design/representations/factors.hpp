@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "filter/design/roots.hpp"
+#include "filter/design/polynomial.hpp"
 #include "qerr/filter/filter.hpp"
 
 namespace qerr {

@@ -5,8 +5,9 @@
 #include "qerr/report/analysis.hpp"
 #include "report/analysis/page/sample.hpp"
 
-/// Pictures of the page of `analyze`, as markup.
 namespace qerr {
+
+/// Pictures of the page of `analyze`, as markup.
 
 /// Each encoder's share: of the tip's position (`encoder_budget`), and of the variance and of the worst case
 /// of each coordinate, one to be chosen.

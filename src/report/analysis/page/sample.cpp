@@ -2,7 +2,6 @@
 
 #include <algorithm>
 
-#include "bound/configuration_batch.hpp"
 #include "bound/figure_column.hpp"
 #include "core/parallel.hpp"
 #include "core/random.hpp"

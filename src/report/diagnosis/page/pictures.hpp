@@ -5,8 +5,9 @@
 
 #include "qerr/report/diagnosis_report.hpp"
 
-/// The parts of the page of a diagnosis, as markup; each "" if there is nothing to show.
 namespace qerr {
+
+/// The parts of the page of a diagnosis, as markup; each "" if there is nothing to show.
 
 /// Each cause with its size, remedy and alternatives, and its residual with the fit.
 std::string causes_part(const DiagnosisReport&);
