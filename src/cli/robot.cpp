@@ -79,13 +79,39 @@ void check_links(const RobotModel& robot, const Values& v) {
   }
 }
 
-int run(const Values& v) {
-  check_streams(v);
-  const std::string& path = v.text("URDF");
-  const std::string text = read_text(path);
+bool is_spec(const std::string& text) {
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  return first != std::string::npos && text[first] != '<' && text.find("robot:") != std::string::npos;
+}
+
+RobotReport report_of_urdf(const std::string& text, const std::string& path, const Values& v) {
   const RobotModel robot = parse_urdf(text, path == "-" ? "(standard input)" : path);
   check_links(robot, v);
   RobotReport report = robot_report(robot, text, v.text("base"), v.text("tip"));
+  if (v.given("at"))
+    report.pose = pose_at(robot, first_chain(robot, v.text("base"), v.text("tip")), v.texts("at"));
+  return report;
+}
+
+RobotReport report_of_spec(const std::string& text, const std::string& path, const Values& v) {
+  for (const char* option : {"base", "tip", "write-spec"})
+    if (v.given(option))
+      throw usage("--" + std::string(option), "is for a URDF: a spec has its own base and tip", "",
+                  "leave it out");
+  RobotOfSpec of_spec = robot_of_spec(text, path);
+  warn(of_spec.warnings, v);
+  RobotReport report = robot_report(of_spec.robot, text, of_spec.chain.base, of_spec.chain.tip);
+  if (v.given("at")) report.pose = pose_at(of_spec.robot, of_spec.chain, v.texts("at"));
+  report.spec_file = path;
+  report.of_spec = true;
+  return report;
+}
+
+int run(const Values& v) {
+  check_streams(v);
+  const std::string& path = v.text("URDF");
+  const std::string text = urdf_text(path);
+  RobotReport report = is_spec(text) ? report_of_spec(text, path, v) : report_of_urdf(text, path, v);
   const auto out = opened_report(v, {"write-spec"});
   SpecFiles files = opened_files(v);
   Outputs outputs;
@@ -103,12 +129,17 @@ int run(const Values& v) {
 Command robot_command() {
   return {
       "robot",
-      "What a URDF holds: tree, joints, limits, ratios, possible tips; writes a first spec",
+      "What a URDF holds: tree, joints, limits, ratios, possible tips; the tip's pose; writes a first spec",
       joined({{{.name = "URDF",
-                .meaning = "the URDF; '-' reads standard input (xacro FILE | qerr robot -)",
+                .meaning = "the URDF, or a spec; '-' reads standard input (xacro FILE | qerr robot -)",
                 .required = true},
                {.name = "--base", .value = "LINK", .meaning = "base of the first spec (default: the root)"},
                {.name = "--tip", .value = "LINK", .meaning = "its tip (default: the first of the ends)"},
+               {.name = "--at",
+                .value = "JOINT=VALUE",
+                .kind = OptionKind::list,
+                .meaning =
+                    "the tip's pose at these joint values, such as q1=30deg,q2=0.1; other joints are at 0"},
                {.name = "--write-spec",
                 .value = "FILE",
                 .meaning = "write a commented spec that can be analyzed as it is; '-' is standard output"}},
@@ -116,6 +147,8 @@ Command robot_command() {
       run,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
        {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},
+       {"qerr robot arm.yaml --at a1=30deg,a4=pi/2",
+        "where the tip of a spec's robot is at these joint values"},
        {"cat arm.urdf | qerr robot - --write-spec piped.yaml",
         "the same from a pipe, such as that of xacro"}},
       {"urdf", "spec"}};

@@ -201,11 +201,28 @@ std::size_t after_blanks(std::string_view text, std::size_t at) {
   return at;
 }
 
-/// The number or fraction at the start of the text, such as `0.5` or `1/100`. @returns it and its end
+/// The end of `pi` at or behind `at`, as in `3*pi/4`; empty if it does not stand there.
+std::optional<std::size_t> end_of_pi(std::string_view text, std::size_t at, bool behind_number) {
+  at = after_blanks(text, at);
+  if (behind_number && at < text.size() && text[at] == '*') at = after_blanks(text, at + 1);
+  const std::size_t end = at + 2;
+  if (text.substr(at, 2) != "pi" || (end < text.size() && text[end] != ' ' && text[end] != '/'))
+    return std::nullopt;
+  return end;
+}
+
+/// The number or fraction at the start of the text, such as `0.5`, `1/100` or `-pi/2`. @returns it and its
+/// end
 std::optional<std::pair<double, std::size_t>> leading_number(std::string_view text) {
+  const std::size_t sign = text.starts_with('-') || text.starts_with('+') ? 1 : 0;
   std::size_t end = end_of_number(text, 0);
-  const auto number = parse_number(text.substr(0, end));
+  std::optional<double> number = parse_number(text.substr(0, end));
+  if (end == sign && end_of_pi(text, sign, false)) number = text.starts_with('-') ? -1 : 1;
   if (!number) return std::nullopt;
+  if (const auto after = end_of_pi(text, end, end > sign)) {
+    *number *= pi;
+    end = *after;
+  }
   const std::size_t slash = after_blanks(text, end);
   if (slash == text.size() || text[slash] != '/') return std::pair(*number, end);
   const std::size_t below = after_blanks(text, slash + 1);

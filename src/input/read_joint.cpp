@@ -5,9 +5,7 @@
 
 namespace qerr {
 
-namespace {
-
-Limits limits_of(const Field& f, bool prismatic) {
+Limits read_limits_of_joint(const Field& f, bool prismatic) {
   const std::string example =
       prismatic ? "[lower, upper], such as [0, 300 mm]" : "[lower, upper], such as [-90 deg, 90 deg]";
   const std::vector<Field> ends = read_list(f, example);
@@ -20,8 +18,6 @@ Limits limits_of(const Field& f, bool prismatic) {
   return limits;
 }
 
-}  // namespace
-
 RobotModel read_joint(const Field& f, const std::string& file) {
   const Object o(f, spec_format::joint());
   const bool prismatic = o.choice("type") == "prismatic";
@@ -32,7 +28,7 @@ RobotModel read_joint(const Field& f, const std::string& file) {
   joint.place = f.node->place;
   joint.velocity_limit = o.number("velocity", prismatic ? dimension::speed : dimension::angular_speed);
   joint.axis = prismatic ? Eigen::Vector3d::UnitX() : Eigen::Vector3d::UnitZ();
-  if (o.has("limits")) joint.limits = limits_of(o.at("limits"), prismatic);
+  if (o.has("limits")) joint.limits = read_limits_of_joint(o.at("limits"), prismatic);
   joint.type = prismatic ? JointType::prismatic : joint.limits ? JointType::revolute : JointType::continuous;
   // A table turns without end; its configurations are those of one turn.
   if (joint.type == JointType::continuous) joint.limits = Limits{-std::numbers::pi, std::numbers::pi};

@@ -116,6 +116,11 @@ Error unopened(const Field& f, const std::string& path, const Error& e) {
                Trouble::file_system);
 }
 
+RobotOfSpec robot_of_spec(const std::string& text, const std::string& path) {
+  refuse_other_files(text, path);
+  return SpecReader(path).robot_of(parse_yaml(text, path));
+}
+
 Spec read_spec(const std::string& path, const SpecOverrides& overrides) {
   return parse_spec(read_text(path), path, overrides);
 }

@@ -1,14 +1,19 @@
 #include "qerr/input/read_urdf.hpp"
 
 #include <console_bridge/console.h>
+#include <unistd.h>
 #include <urdf_parser/urdf_parser.h>
 
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <mutex>
 #include <new>
+#include <sstream>
 #include <unordered_map>
 #include <utility>
 
+#include "core/text.hpp"
 #include "input/byte_source.hpp"
 #include "input/urdf_reader.hpp"
 #include "qerr/core/quantity.hpp"
@@ -157,10 +162,36 @@ void take_from_urdfdom(RobotModel& model, const std::vector<WrittenJoint>& writt
   }
 }
 
+bool is_program(const std::string& name) {
+  const char* path = std::getenv("PATH");
+  std::istringstream folders(path ? path : "");
+  for (std::string folder; std::getline(folders, folder, ':');)
+    if (access(((folder.empty() ? "." : folder) + '/' + name).c_str(), X_OK) == 0) return true;
+  return false;
+}
+
+std::string expanded_template(const std::string& path) {
+  std::FILE* pipe = popen(("xacro -- " + shell_word(path)).c_str(), "r");
+  std::string text;
+  char part[4096];
+  for (std::size_t count; pipe && (count = std::fread(part, 1, sizeof part, pipe)) > 0;)
+    text.append(part, count);
+  if (!pipe || pclose(pipe) != 0)
+    throw Error(Fault{
+        {path}, "", "xacro cannot expand this template", "", "see what it says: xacro " + shell_word(path)});
+  return text;
+}
+
 }  // namespace
 
+std::string urdf_text(const std::string& path) {
+  std::string text = read_text(path);
+  const bool is_template = path != "-" && text.find("<xacro:") != std::string::npos && is_program("xacro");
+  return is_template ? expanded_template(path) : text;
+}
+
 RobotModel read_urdf(const std::string& path) {
-  return parse_urdf(read_text(path), path == "-" ? "(standard input)" : path);
+  return parse_urdf(urdf_text(path), path == "-" ? "(standard input)" : path);
 }
 
 RobotModel parse_urdf(const std::string& text, const std::string& file) {

@@ -74,6 +74,14 @@ const std::vector<Parameter>& robot() {
       {.name = "joint",
        .kind = Kind::object,
        .meaning = "in place of a URDF: a robot of one joint, such as a rotary table"},
+      {.name = "dh",
+       .kind = Kind::objects,
+       .meaning = "in place of a URDF: a table of Denavit and Hartenberg, a row a link"},
+      {.name = "convention",
+       .kind = Kind::choice,
+       .meaning =
+           "of dh: R_z(theta) T_z(d) T_x(a) R_x(alpha), or R_x(alpha) T_x(a) R_z(theta) T_z(d) (Craig)",
+       .choices = "standard|modified"},
       {.name = "base", .kind = Kind::text, .meaning = "base link; default: the root"},
       {.name = "tip", .kind = Kind::text, .meaning = "tip link; optional if the tree has one leaf"},
       {.name = "tool", .kind = Kind::object, .meaning = "moves the tip: its pose in the tip link"},
@@ -98,6 +106,30 @@ const std::vector<Parameter>& joint() {
       {.name = "velocity",
        .meaning =
            "largest speed, as of a URDF's limit: of rates of counts, and of slow errors behind a filter",
+       .least = 0,
+       .open_below = true,
+       .coordinate = true},
+  };
+  return rows;
+}
+
+const std::vector<Parameter>& dh_row() {
+  static const std::vector<Parameter> rows{
+      {.name = "theta",
+       .kind = Kind::any,
+       .meaning = "angle about z: a joint's variable such as q2, with an offset: q2 - 90 deg; or a constant"},
+      {.name = "d", .kind = Kind::any, .meaning = "distance along z, or the variable of a prismatic joint"},
+      {.name = "a",
+       .dimension = dimension::length,
+       .meaning = "distance along x, such as 300 mm; default: 0"},
+      {.name = "alpha",
+       .dimension = dimension::angle,
+       .meaning = "angle about x, such as -90 deg; default: 0"},
+      {.name = "limits",
+       .kind = Kind::any,
+       .meaning = "[lower, upper] of the variable; default of a revolute joint: a turn"},
+      {.name = "velocity",
+       .meaning = "largest speed of the joint, as of a URDF's limit",
        .least = 0,
        .open_below = true,
        .coordinate = true},

@@ -17,6 +17,7 @@ const std::vector<Parameter>& top();
 const std::vector<Parameter>& robot();
 const std::vector<Parameter>& tool();
 const std::vector<Parameter>& joint();
+const std::vector<Parameter>& dh_row();
 const std::vector<Parameter>& filter();
 const std::vector<Parameter>& lowpass();  ///< without the family's own parameters
 const std::vector<Parameter>& configurations();

@@ -23,7 +23,7 @@ void warn_about_units(const Chain& chain, std::vector<std::string>& warnings) {
   double longest = chain.tip_offset.translation().norm();
   for (const ChainJoint& joint : chain.joints) longest = std::max(longest, joint.origin.translation().norm());
   if (longest > longest_link)
-    warnings.push_back("a link is " + shortest(longest) + " m long: is the URDF in millimetres?");
+    warnings.push_back("a link is " + shortest(longest) + " m long: is the robot given in millimetres?");
 }
 
 void check_version(const Object& top) {
@@ -203,6 +203,13 @@ Spec SpecReader::read(const Node& root) {
   return finished();
 }
 
+RobotOfSpec SpecReader::robot_of(const Node& root) {
+  if (root.type != Node::Type::mapping || !root.find("robot"))
+    throw Error({root.place, "robot", "the spec has no robot", "", "write robot: {urdf: arm.urdf}"});
+  const Chain& chain = chain_of()(root);
+  return {*robot_, chain, spec_.warnings};
+}
+
 ChainOf SpecReader::chain_of() {
   return [this](const Node& root) -> const Chain& {
     if (const Node* robot = root.find("robot")) read_chain({robot, "robot"});
@@ -281,15 +288,23 @@ void SpecReader::read_chain(const Field& f) {
   faults_.guard([&] {
     if (f.node->type == Node::Type::scalar) throw Error(f.fault("must be a mapping", "write {urdf: ...}"));
     const Object o(f, spec_format::robot());
-    if (o.has("urdf") == o.has("joint"))
-      throw Error(f.fault(o.has("urdf") ? "a robot has a URDF or a single joint, not both"
-                                        : "the robot needs the key 'urdf', or 'joint' for a single one",
-                          "write urdf: arm.urdf, or joint: {name: table, type: revolute}"));
+    if (const int given = o.has("urdf") + o.has("joint") + o.has("dh"); given != 1)
+      throw Error(
+          f.fault(given > 1 ? "a robot has one of 'urdf', 'dh' and 'joint'"
+                            : "the robot needs the key 'urdf', 'dh' for a table, or 'joint' for a single one",
+                  "write urdf: arm.urdf, dh: [{theta: q1, d: 0.3, a: 0, alpha: 90 deg}, ...], or joint: "
+                  "{name: table, type: revolute}"));
+    if (o.has("convention") && !o.has("dh"))
+      throw Error(o.at("convention").fault("only a robot of 'dh' has a convention", "leave it out"));
+    std::vector<std::string> warnings;
     if (o.has("joint")) {
       robot_ = std::make_shared<const RobotModel>(read_joint(o.at("joint"), spec_.file));
       // Without a radius nothing else of the tip moves.
       if (const Joint& joint = robot_->joints.front(); robot_->joints.size() == 1)
         joint_coordinate_ = joint.type == JointType::prismatic ? Coordinate::x : Coordinate::rz;
+    } else if (o.has("dh")) {
+      const std::string convention = o.has("convention") ? o.choice("convention") : "";
+      robot_ = std::make_shared<const RobotModel>(read_dh(o.at("dh"), convention, spec_.file, warnings));
     } else {
       const Field urdf = o.at("urdf");
       const std::string path = find_urdf(urdf, *o.text("urdf"));
@@ -302,6 +317,7 @@ void SpecReader::read_chain(const Field& f) {
     try {
       spec_.model.chain = make_chain(*robot_, o.text("base").value_or(""), o.text("tip").value_or(""));
       spec_.warnings = warnings_about(*robot_, spec_.model.chain);
+      spec_.warnings.insert(spec_.warnings.end(), warnings.begin(), warnings.end());
     } catch (const Error& e) {
       throw placed_in_spec(e, f);
     }

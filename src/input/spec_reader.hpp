@@ -6,6 +6,7 @@
 
 #include "input/object_reader.hpp"
 #include "input/override.hpp"
+#include "qerr/input/first_spec.hpp"
 #include "qerr/input/spec.hpp"
 #include "qerr/kinematics/robot_model.hpp"
 
@@ -21,6 +22,10 @@ class SpecReader {
 
   /// @throws Error (input) with all faults; (file_system) if a file cannot be read
   Spec read(const Node& root);
+
+  /// Reads the robot of a spec's tree, and nothing else of it.
+  /// @throws Error (input)
+  RobotOfSpec robot_of(const Node& root);
 
   /// Reads the robot of a spec's tree, for changes by joints. Borrows the reader.
   ChainOf chain_of();

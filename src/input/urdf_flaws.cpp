@@ -106,11 +106,12 @@ class VocabularyCheck {
              const std::string& owner) {
     const auto& [name, value, line, column] = attribute;
     if (value.find("${") != std::string::npos || value.find("$(") != std::string::npos)
-      throw Error(Fault{{file_, line, column},
-                        owner,
-                        "this is a xacro template, not a URDF",
-                        "'" + value + "'",
-                        "expand it with xacro first: xacro FILE.xacro > FILE.urdf"});
+      throw Error(
+          Fault{{file_, line, column},
+                owner,
+                "this is a xacro template, not a URDF",
+                "'" + value + "'",
+                "install xacro (pip install xacro, or with ROS), and it is expanded when it is read"});
     if (name == "quat_xyzw")
       flaw(attribute, owner, "a quaternion in <origin> is not supported", "'quat_xyzw'",
            "write rpy=\"ROLL PITCH YAW\" in radians");

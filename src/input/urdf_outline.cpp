@@ -120,13 +120,17 @@ void Outliner::start(const XML_Char* name, const XML_Char** attributes) {
     fail("an element has more than 1000 attributes", "<" + std::string(tag) + ">", "");
   if (tag.starts_with("xacro:"))
     fail("this is a xacro template, not a URDF", "<" + std::string(tag) + ">",
-         "expand it with xacro first: xacro FILE.xacro > FILE.urdf");
+         "install xacro (pip install xacro, or with ROS), and it is expanded when it is read; or expand it "
+         "elsewhere: xacro FILE.xacro > FILE.urdf");
   if (open_.empty() && tag != "robot") {
     const std::string kind = tag == "sdf"      ? "this is an SDF file, not a URDF"
                              : tag == "mujoco" ? "this is a MuJoCo (MJCF) file, not a URDF"
                                                : "the root element of a URDF is <robot>";
     fail(kind, "<" + std::string(tag) + ">",
-         tag == "sdf" || tag == "mujoco" ? "convert it to URDF first" : "");
+         tag == "sdf"      ? "convert it first: sdf2urdf.py FILE.sdf FILE.urdf, of the package pysdf"
+         : tag == "mujoco" ? "convert it first: pip install mjcf-urdf-simple-converter, then in Python "
+                             "mjcf_urdf_simple_converter.convert('FILE.xml', 'FILE.urdf')"
+                           : "");
   }
   const Vocabulary* parent = kept_.empty() || whole_from_ > 0 ? nullptr : vocabulary(kept_.back().name);
   const bool inside_kept = kept_.size() == open_.size();

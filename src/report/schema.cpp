@@ -226,7 +226,9 @@ std::string json_schema() {
   Json robot = object_of(spec_format::robot());
   refine(robot, "tool", tool());
   refine(robot, "joint", object_of(spec_format::joint()));
-  for (const char* key : {"urdf", "joint"}) robot["oneOf"].push_back({{"required", Json::array({key})}});
+  refine(robot, "dh", non_empty_list_of(object_of(spec_format::dh_row())));
+  for (const char* key : {"urdf", "joint", "dh"})
+    robot["oneOf"].push_back({{"required", Json::array({key})}});
   refine(s, "robot", robot);
   refine(s, "encoders", schema::map(encoder()));
   refine(s, "coupling", non_empty_list_of(schema::list(number_or_quantity())));

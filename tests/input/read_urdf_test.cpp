@@ -4,7 +4,9 @@
 
 #include <chrono>
 #include <cmath>
+#include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <locale>
 #include <numbers>
 
@@ -37,6 +39,26 @@ TEST(ReadUrdf, ReadsATreeWithEveryJointType) {
   EXPECT_EQ(m.joints[0].axis, Eigen::Vector3d::UnitX());
   EXPECT_EQ(m.joints[5].axis, Eigen::Vector3d::UnitZ());
   EXPECT_TRUE(warnings(m).empty());
+}
+
+TEST(ReadUrdf, ExpandsATemplateWhereXacroIsInstalled) {
+  namespace fs = std::filesystem;
+  const fs::path folder = fs::path(::testing::TempDir()) / "qerr_xacro";
+  fs::create_directories(folder);
+  const std::string file = (folder / "arm it's.xacro").string();
+  std::ofstream(file) << "<robot name='t'><xacro:arm/></robot>";
+  std::ofstream(folder / "expanded.urdf") << "<robot name='t'><link name='a'/></robot>";
+  // Instead of the program: it is given the template's path, and writes to standard output.
+  std::ofstream(folder / "xacro") << "#!/bin/sh\ntest \"$1\" = -- && test -f \"$2\" && cat '" +
+                                         (folder / "expanded.urdf").string() + "'\n";
+  fs::permissions(folder / "xacro", fs::perms::owner_all);
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", (folder.string() + ':' + path).c_str(), 1);
+  EXPECT_EQ(read_urdf(file).links, std::vector<std::string>{"a"});
+  std::ofstream(folder / "xacro") << "#!/bin/sh\nexit 3\n";
+  EXPECT_THROW(read_urdf(file), Error);
+  setenv("PATH", path.c_str(), 1);
+  fs::remove_all(folder);
 }
 
 TEST(ReadUrdf, StoresThePlaceOfEachJoint) {

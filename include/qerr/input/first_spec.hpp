@@ -6,6 +6,18 @@
 
 namespace qerr {
 
+/// The robot that a spec names, and its chain with the tool.
+struct RobotOfSpec {
+  RobotModel robot;
+  Chain chain;
+  std::vector<std::string> warnings;
+};
+
+/// Reads the section `robot` of a spec alone.
+/// @param path  name of the file, to which its own paths are relative
+/// @throws Error (input)
+RobotOfSpec robot_of_spec(const std::string& text, const std::string& path);
+
 /// The chain that a first spec describes: from `base` to `tip` where they are given, else to the end of the
 /// tree that is the likeliest tip (`tree_ends`) and can be used.
 /// @throws Error (input) if no chain of the robot can be used, or no joint moves

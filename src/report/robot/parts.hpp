@@ -16,6 +16,9 @@ std::string tree_text(const RobotReport&, std::size_t width);
 /// The moving joints with axis, range, effort, velocity and stated ratio; then the mimics.
 std::string joint_text(const RobotReport&, std::size_t width);
 
+/// Roll, pitch and yaw of a rotation R_z(yaw) R_y(pitch) R_x(roll); at the gimbal lock roll is 0.
+std::vector<double> roll_pitch_yaw(const Eigen::Matrix3d&);
+
 RowsOf<Joint> rows(Of<Joint>);
 
 }  // namespace qerr

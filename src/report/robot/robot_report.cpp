@@ -1,6 +1,7 @@
 #include "qerr/report/robot_report.hpp"
 
 #include "core/sha256.hpp"
+#include "input/joint_entries.hpp"
 #include "input/urdf_reader.hpp"
 #include "kinematics/tree.hpp"
 #include "qerr/input/first_spec.hpp"
@@ -29,6 +30,29 @@ RobotReport robot_report(RobotModel robot, const std::string& text, const std::s
   return report;
 }
 
+PoseAtJoints pose_at(const RobotModel& robot, const Chain& chain, const std::vector<std::string>& values) {
+  PoseAtJoints at{chain.base, chain.tip, {}, {}};
+  for (const IndependentJoint& joint : chain.independent) at.joints.emplace_back(joint, 0);
+  for (const std::string& text : values) {
+    const std::size_t sign = text.find('=');
+    if (sign == std::string::npos)
+      throw Error(
+          Fault{{}, "--at", "needs a joint and its value", quoted(text), "write --at q1=30deg,q2=0.1"});
+    const std::size_t index = find_joint(robot, chain, text.substr(0, sign), {}, "--at");
+    const IndependentJoint& joint = at.joints[index].first;
+    const Dimension dimension = joint.prismatic() ? dimension::length : dimension::angle;
+    std::string why;
+    const auto value = parse_quantity(text.substr(sign + 1), why);
+    if (!value || value->dimension.value_or(dimension) != dimension)
+      throw Error(Fault{{}, "--at", "must be " + name_of(dimension), quoted(text), unit_remedy(dimension)});
+    at.joints[index].second = value->value;
+  }
+  Eigen::VectorXd q(static_cast<Eigen::Index>(at.joints.size()));
+  for (Eigen::Index i = 0; i < q.size(); ++i) q[i] = at.joints[static_cast<std::size_t>(i)].second;
+  at.pose = forward_kinematics(chain, q);
+  return at;
+}
+
 std::string to_csv(const RobotReport& report, const Style&) {
   std::string out =
       "joint,type,parent,child,axis_x,axis_y,axis_z,unit,lower,upper,effort,velocity,ratio,mimic,multiplier,"
@@ -55,6 +79,17 @@ auto moving(T Joint::*value) {
 }
 
 using ReportedEnd = In<TreeEnd, RobotReport>;
+
+std::vector<double> position(const PoseAtJoints& at) {
+  return {at.pose.translation().begin(), at.pose.translation().end()};
+}
+
+/// x, y, z, w with w >= 0.
+std::vector<double> quaternion(const PoseAtJoints& at) {
+  Eigen::Quaterniond q(at.pose.linear());
+  if (q.w() < 0) q.coeffs() *= -1;
+  return {q.x(), q.y(), q.z(), q.w()};
+}
 
 struct FirstSpec {
   std::string base, tip;
@@ -112,6 +147,23 @@ RowsOf<Flaw> rows(Of<Flaw>) {
           {"message", [](auto& f) { return format({f.fault}); }}};
 }
 
+RowsOf<PoseAtJoints> rows(Of<PoseAtJoints>) {
+  return {{"base", &PoseAtJoints::base},
+          {"tip", &PoseAtJoints::tip},
+          {"joints",
+           [](auto& at) {
+             std::map<std::string, double> values;
+             for (const auto& [joint, value] : at.joints) values[joint.name] = value;
+             return values;
+           },
+           "rad or m"},
+          {"position", position, "of the tip in the frame of the base [m]"},
+          {"quaternion", quaternion, "x, y, z, w"},
+          {"rpy", [](auto& at) { return roll_pitch_yaw(at.pose.linear()); },
+           "R_z(yaw) R_y(pitch) R_x(roll) [rad]"},
+          {"matrix", [](auto& at) { return nested(at.pose.matrix()); }, "homogeneous, base from tip"}};
+}
+
 RowsOf<FirstSpec> rows(Of<FirstSpec>) { return {{"base", &FirstSpec::base}, {"tip", &FirstSpec::tip}}; }
 
 RowsOf<RobotReport> rows(Of<RobotReport>) {
@@ -127,7 +179,8 @@ RowsOf<RobotReport> rows(Of<RobotReport>) {
        {"joints", [](auto& r) { return r.robot.joints; }},
        {"couplings", [](auto& r) { return r.robot.couplings; }, "of two motors and two joints"},
        {"ends", within(&RobotReport::ends), "of the tree, the likeliest tip first"},
-       {"flaws", [](auto& r) { return r.robot.flaws; }}});
+       {"flaws", [](auto& r) { return r.robot.flaws; }},
+       {"pose", &RobotReport::pose, "of --at", optional}});
 }
 
 }  // namespace qerr

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 #include <functional>
 #include <map>
@@ -110,6 +111,7 @@ std::string next_step(const RobotReport& report, std::size_t width) {
     return wrapped("No chain can be analyzed: " + report.obstacle, width, "  ", "", LongWords::cut);
   const std::string chain =
       "from '" + escaped(report.base) + "' to '" + escaped(report.tip) + "' (--base and --tip choose others)";
+  if (report.of_spec) return "  qerr analyze " + shell_word(escaped(report.spec_file)) + '\n';
   if (!report.spec_file.empty())
     return wrapped("The first spec, " + chain + ", is in " + escaped(report.spec_file) +
                        "; fill in what is marked ASSUMED in it, then qerr analyze that file",
@@ -124,9 +126,44 @@ std::string next_step(const RobotReport& report, std::size_t width) {
          "  qerr analyze spec.yaml\n";
 }
 
+/// The joint values and the tip's pose, without exponents: ten digits tell two conventions apart.
+std::string pose_text(const PoseAtJoints& at, const Style& style) {
+  const auto decimal = [](double value) {
+    char digits[40];
+    const auto end =
+        std::to_chars(digits, digits + sizeof digits, value + 0.0, std::chars_format::fixed, 10).ptr;
+    const std::string text(digits, end);
+    return text == "-0.0000000000" ? text.substr(1) : text;
+  };
+  std::string values;
+  for (const auto& [joint, value] : at.joints)
+    values += (values.empty() ? "" : ", ") + shown(joint.name) + " = " +
+              (joint.prismatic() ? shortest(value) + " m"
+                                 : shortest(std::round(value * 180e9 / std::numbers::pi) / 1e9) + " deg");
+  const std::vector<double> rpy = roll_pitch_yaw(at.pose.linear());
+  std::vector<std::vector<std::string>> rows{
+      {"", "x", "y", "z"}, {"position [m]"}, {"roll, pitch, yaw [deg]"}};
+  for (Eigen::Index i = 0; i < 3; ++i) {
+    rows[1].push_back(decimal(at.pose.translation()[i]));
+    rows[2].push_back(decimal(rpy[static_cast<std::size_t>(i)] * 180 / std::numbers::pi));
+    rows.push_back({std::string("axis ") + "xyz"[i]});
+    for (Eigen::Index k = 0; k < 3; ++k) rows.back().push_back(decimal(at.pose.linear()(k, i)));
+  }
+  return heading("Pose of '" + escaped(at.tip) + "' in '" + escaped(at.base) + "'", style) +
+         wrapped("at " + values, std::max<std::size_t>(style.width, 60), "  ", "", LongWords::cut) +
+         aligned(rows);
+}
+
 }  // namespace
 
+std::vector<double> roll_pitch_yaw(const Eigen::Matrix3d& r) {
+  const double level = std::hypot(r(0, 0), r(1, 0));
+  if (level < 1e-12) return {0, std::atan2(-r(2, 0), level), std::atan2(-r(0, 1), r(1, 1))};
+  return {std::atan2(r(2, 1), r(2, 2)), std::atan2(-r(2, 0), level), std::atan2(r(1, 0), r(0, 0))};
+}
+
 std::string to_table(const RobotReport& report, const Style& style) {
+  if (report.pose) return pose_text(*report.pose, style).substr(1);
   constexpr std::size_t least_width = 60;  // narrower tables show no names
   const std::size_t width = std::max(style.width, least_width);
   const std::string name = report.robot.name.empty() ? "(no name)" : shown(report.robot.name);
