@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
-# Builds the Debian package qerr_VERSION-1_ARCHITECTURE.deb.
+# Builds the Debian packages qerr_VERSION-1_ARCHITECTURE.deb and python3-qerr_VERSION-1_ARCHITECTURE.deb.
 #
-#   scripts/package.sh [FOLDER]    the package is written there; default: build-package/, where it is built
+#   scripts/package.sh [FOLDER]    the packages are written there; default: build-package/, where it is built
 #
 # Two builds of one commit, in any folders, give the same bytes: times are those of the commit, or SOURCE_DATE_EPOCH.
 set -euo pipefail
@@ -18,10 +18,11 @@ if [[ -z ${SOURCE_DATE_EPOCH-} ]]; then
 fi
 export SOURCE_DATE_EPOCH
 
-cmake -S "$root" -B "$build" -G Ninja -DQERR_TESTS=OFF -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
+cmake -S "$root" -B "$build" -G Ninja -DQERR_TESTS=OFF -DQERR_PYTHON=ON -DCMAKE_BUILD_TYPE=Release -DCMAKE_INSTALL_PREFIX=/usr \
   "-DCMAKE_CXX_FLAGS=-ffile-prefix-map=$root=. -ffile-prefix-map=$build=." >&2
 cmake --build "$build" --parallel "$(nproc)" >&2
 mkdir -p "$output"
-(umask 022 && cpack --config "$build/CPackConfig.cmake" -B "$output") >&2
+(umask 022 && cpack --config "$build/CPackConfig.cmake" -B "$output" &&
+  cpack --config "$build/CPackConfig.cmake" -B "$output" -D CPACK_COMPONENTS_ALL=python -D CPACK_DEB_COMPONENT_INSTALL=ON) >&2
 rm -rf "$output/_CPack_Packages"
-ls "$output"/qerr_*.deb
+ls "$output"/*qerr_*.deb

@@ -23,7 +23,7 @@ find "$root/include" "$root/src" "$root/tests" \( -name '*.hpp' -o -name '*.cpp'
   xargs -0 clang-format --dry-run --Werror
 
 echo "== build" >&2
-options=(-DQERR_TESTS=ON)
+options=(-DQERR_TESTS=ON -DQERR_PYTHON=ON -DPython_EXECUTABLE=/usr/bin/python3)
 if [[ ! -f $root/build/CMakeCache.txt ]]; then
   options+=(-G Ninja -DCMAKE_BUILD_TYPE=Release)
 fi

@@ -35,12 +35,14 @@ test_packages=(
   tidy                  # validates HTML pages (with chromium, if it is there, tests also show them)
   jq python3-pandas     # README.md and the help use them
   python3-yaml          # recipes of continuous integration
+  pybind11-dev python3-dev  # the Python module
   pkg-config            # a program that links the installed library
   parallel              # scripts/parallel_sweep.sh
   clang-format
 )
 package_packages=(
   dpkg-dev file         # libraries that the program needs, by package
+  pybind11-dev python3-dev  # python3-qerr
 )
 plot_packages=(
   python3 python3-numpy python3-matplotlib

@@ -1,5 +1,8 @@
 # Run by cpack before it packs the staged files: what Debian's policy asks for, with bytes that depend on nothing
 # but the sources and SOURCE_DATE_EPOCH.
+if(CPACK_COMPONENTS_ALL STREQUAL "python")
+  return()
+endif()
 set(usr ${CPACK_TEMPORARY_INSTALL_DIRECTORY}/usr)
 if(NOT IS_DIRECTORY ${usr})
   set(usr ${CPACK_TEMPORARY_DIRECTORY}/usr)

@@ -26,4 +26,13 @@ set(CPACK_DEBIAN_PACKAGE_SHLIBDEPS ON)
 set(CPACK_DEBIAN_PACKAGE_RECOMMENDS
     "libboost-dev, libeigen3-dev, libexpat1-dev, liburdfdom-dev, libyaml-cpp-dev, nlohmann-json3-dev")
 set(CPACK_DEBIAN_PACKAGE_SUGGESTS "gnuplot, jq, parallel, python3, python3-matplotlib, python3-numpy")
+# A package of its own, which `cpack -D CPACK_COMPONENTS_ALL=python -D CPACK_DEB_COMPONENT_INSTALL=ON` makes: the other
+# one leaves this component out.
+set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-qerr)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+set(CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS "python3 (>= 3.11), python3 (<< 3.12), python3-numpy")
+set(CPACK_DEBIAN_PYTHON_PACKAGE_SUGGESTS "qerr, python3-pandas")
+set(CPACK_COMPONENT_PYTHON_DESCRIPTION "the commands of qerr as functions of Python
+Reports as dicts and as rows for pandas, logs as NumPy arrays, errors as
+exceptions.")
 include(CPack)

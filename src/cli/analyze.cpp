@@ -36,7 +36,7 @@ int run(const Values& v) {
   analysis.exceedances = counter.result(analysis);
   Style shown = style(v);
   shown.details = v.given("details");
-  outputs.write([&] { finish(out, write(analysis, chosen_format(v), shown)); });
+  outputs.write([&] { finish(out, analysis, chosen_format(v), shown); });
   warn(analysis.warnings, v);
   outputs.finish();
   return 0;

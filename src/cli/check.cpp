@@ -140,18 +140,20 @@ Command check_command() {
               long_work_option(),
               output_options_with_markdown()});
   options.front().kind = OptionKind::repeat;
-  return {"check",
-          "Compare the bounds with the requirements of specs; exit code 1 if one is not met",
-          std::move(options),
-          run,
-          {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
-           {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
-            "in continuous integration, which shows verdicts at their lines"},
-           {"qerr check arm.yaml --format md", "a table in Markdown, for a job's summary"},
-           {"qerr analyze arm.yaml -o old.json", "today's figures, to be a baseline"},
-           {"qerr check arm.yaml --baseline old.json --tolerance 2%",
-            "has any figure become worse since, by more than 2 %?"}},
-          {"requirements", "output"}};
+  return {
+      "check",
+      "Compare the bounds with the requirements of specs; exit code 1 if one is not met",
+      std::move(options),
+      run,
+      {{"qerr check arm.yaml", "are the spec's requirements met? Exit code 1 if one is not"},
+       {"qerr check arm.yaml wrist.yaml --annotations github --junit qerr.xml",
+        "in continuous integration, which shows verdicts at their lines"},
+       {"qerr check arm.yaml wrist.yaml -o fleet.html", "a page of the verdicts, of one robot or of twelve"},
+       {"qerr check arm.yaml --format md", "a table in Markdown, for a job's summary"},
+       {"qerr analyze arm.yaml -o old.json", "today's figures, to be a baseline"},
+       {"qerr check arm.yaml --baseline old.json --tolerance 2%",
+        "has any figure become worse since, by more than 2 %?"}},
+      {"requirements", "output"}};
 }
 
 }  // namespace qerr::cli

@@ -101,7 +101,7 @@ int run(const Values& v) {
   if (residual) outputs.write([&] { write_plots(report, *residual, *spectrum); });
   Style shown = style(v);
   shown.details = v.given("details");
-  if (out) outputs.write([&] { finish(*out, write(report, format, shown)); });
+  if (out) outputs.write([&] { finish(*out, report, format, shown); });
   warn(report.warnings, v);
   outputs.finish();
   return v.given("check") && !is_faultless(report.diagnosis) ? 1 : 0;

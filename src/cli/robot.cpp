@@ -147,7 +147,7 @@ Command robot_command() {
       run,
       {{"qerr robot arm.urdf", "what the URDF holds, and which tips make sense"},
        {"qerr robot arm.urdf --write-spec first.yaml", "and a commented spec that can be analyzed as it is"},
-       {"qerr robot arm.yaml --at a1=30deg,a4=pi/2",
+       {"qerr robot arm.yaml --at j1=30deg,j2=pi/2",
         "where the tip of a spec's robot is at these joint values"},
        {"cat arm.urdf | qerr robot - --write-spec piped.yaml",
         "the same from a pipe, such as that of xacro"}},

@@ -30,7 +30,7 @@ std::vector<std::string> format_names_without_page() {
 }
 
 std::vector<std::string> format_names_with_markdown() {
-  std::vector<std::string> names = format_names_without_page();
+  std::vector<std::string> names = format_names();
   names.emplace_back("md");
   return names;
 }
@@ -119,7 +119,7 @@ ProofRequest proof_request(const Values& v) {
 std::vector<Option> output_options_with_markdown() {
   std::vector<Option> options = output_options();
   options.front().meaning =
-      "table, json, csv or md, for a job's summary (default: by the output's ending, else table)";
+      "table, json, csv, html, or md for a job's summary (default: by the output's ending, else table)";
   options.front().choices = format_names_with_markdown;
   return options;
 }
@@ -277,7 +277,8 @@ void limit_configurations(const Spec& spec, const Values& v) {
 }
 
 void warn(const std::vector<std::string>& warnings, const Values& v) {
-  if (v.given("quiet")) return;
+  if (caller()) caller()->warnings.insert(caller()->warnings.end(), warnings.begin(), warnings.end());
+  if (caller() || v.given("quiet")) return;
   clear_progress();
   const std::size_t width = message_width();
   for (std::size_t i = 0; i < warnings.size(); ++i) {

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/caller.hpp"
 #include "cli/option.hpp"
 #include "cli/terminal.hpp"
 #include "core/output_file.hpp"
@@ -24,8 +25,8 @@ namespace qerr::cli {
 std::vector<Option> spec_options(std::string_view meaning = "the spec (YAML); '-' reads standard input");
 /// `--allow-long`, of commands that call limit_work.
 std::vector<Option> long_work_option();
-/// `--format` and `--output` of a command whose report has a page, and of one whose report has none, or
-/// Markdown instead.
+/// `--format` and `--output` of a command whose report has a page, of one whose report has none, and of one
+/// that has Markdown, too.
 std::vector<Option> output_options();
 std::vector<Option> output_options_without_page();
 std::vector<Option> output_options_with_markdown();
@@ -121,10 +122,18 @@ void finish(OutputFile& file, const std::string& text);
 /// as it was written.
 void finish_spec(OutputFile& file, const std::string& text, const std::string& path);
 
-/// Writes a report in the chosen format and style to a file that is already open, and closes it.
+/// Writes a report to a file that is already open, and closes it; or gives it to the caller.
+template <class Report>
+void finish(OutputFile& file, const Report& report, const std::string& format, const Style& style,
+            const std::string& above = "") {
+  if (!caller()) return finish(file, above + write(report, format, style));
+  for (const std::string& wanted : caller()->formats)
+    caller()->reports[wanted] = write(report, wanted, style);
+}
+
 template <class Report>
 void finish(OutputFile& file, const Report& report, const Values& v) {
-  finish(file, write(report, chosen_format(v), style(v)));
+  finish(file, report, chosen_format(v), style(v));
 }
 
 /// Refuses work that takes hours unless --allow-long permits it: more than 1e10 configurations or samples.

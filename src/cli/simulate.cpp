@@ -113,7 +113,7 @@ int run(const Values& v) {
   SimulationReport report = simulation_report(spec, options);
   report.cutoffs = search;
   if (log) outputs.write_next([&] { log->close(); });
-  outputs.write([&] { finish(out, write(report, format, style(v))); });
+  outputs.write([&] { finish(out, report, format, style(v)); });
   warn(report.warnings, v);
   outputs.finish();
   return 0;

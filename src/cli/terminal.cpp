@@ -12,6 +12,7 @@
 #include <memory>
 #include <string>
 
+#include "cli/caller.hpp"
 #include "core/text.hpp"
 #include "qerr/core/quantity.hpp"
 #include "report/text_table.hpp"
@@ -92,12 +93,17 @@ void clear_progress() {
 }
 
 void print_error(const std::string& text) {
+  if (caller()) return caller()->warnings.push_back(text);
   clear_progress();
   const std::size_t width = message_width();
   std::fputs((width > 0 ? within(text, width) : text + '\n').c_str(), stderr);
 }
 
 std::function<void(std::uint64_t, std::uint64_t)> progress(const Values& v, std::string_view noun) {
+  if (Caller* by = caller())
+    return [by](std::uint64_t, std::uint64_t) {
+      if (by->stops) throw Stopped();
+    };
   const std::string& when = v.text("progress");
   const bool terminal = isatty(STDERR_FILENO);
   if (when == "never" || (when == "auto" && (v.given("quiet") || !terminal))) return {};

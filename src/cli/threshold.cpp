@@ -26,7 +26,7 @@ int run(const Values& v) {
   }
   warn(warnings, v);
   const std::string above = chosen_format(v) == "table" ? changes_above(specs.front(), style(v).width) : "";
-  finish(out, above + write(report, chosen_format(v), style(v)));
+  finish(out, report, chosen_format(v), style(v), above);
   return 0;
 }
 

@@ -44,6 +44,7 @@ Writer<RobotReport> to_table, to_csv;
 Writer<ListReport> to_table, to_csv;
 
 Writer<Analysis> to_html;
+Writer<CheckReport> to_html;
 Writer<ReportComparison> to_html;
 Writer<DesignReport> to_html;
 Writer<FilterReport> to_html;

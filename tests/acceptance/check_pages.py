@@ -226,6 +226,18 @@ def check_limits(t, qerr):
     t.check("proven limits are drawn", proven <= drawn, f"{drawn} for {proven}")
 
 
+def check_verdicts(t, qerr):
+    specs = [CONFIGS / arm / "spec.yaml" for arm in ("kuka_lwr", "scara")]
+    few = ("--set", "configurations.count=500")
+    for given in (specs[:1], specs):
+        root = page(t, qerr, f"check of {len(given)}", "check", *given, *few)
+        drawn = sorted(float(r.get("data-value")) for r in root.iter(SVG + "rect") if r.get("data-name") not in (None, "the limit"))
+        judged = json.loads(run(qerr, "check", *given, *few, "--format", "json", "--quiet").out)
+        all_specs = judged.get("specs", [judged])
+        parts = sorted(r["value"] / r["limit"] for s in all_specs for r in s["requirements"])
+        t.check("parts of the limits as in JSON", len(drawn) == len(parts) and all(close(a, b) for a, b in zip(drawn, parts)), f"{drawn} {parts}")
+
+
 def check_refusal(t, qerr):
     made = run(qerr, "robot", CONFIGS / "kuka_lwr/kuka_lwr.urdf", "--format", "html")
     t.check("a report without a page is refused", made.code == 2 and not made.out, made.err.decode())
@@ -242,6 +254,7 @@ if __name__ == "__main__":
         check_filters(tally, program, CONFIGS / arm / "spec.yaml")
     check_sample(tally, program)
     check_limits(tally, program)
+    check_verdicts(tally, program)
     check_refusal(tally, program)
     if CHROMIUM:
         check_in_browser(tally, program)

@@ -56,6 +56,7 @@ class Session:
         self._environment = {
             **os.environ,
             "PATH": f"{base / 'bin'}{os.pathsep}{os.environ['PATH']}",
+            "PYTHONPATH": str(pathlib.Path(qerr).resolve().parent / "python"),
             "NO_COLOR": "1",
             "GNUTERM": "dumb",
             "LC_ALL": "C.UTF-8",
@@ -91,6 +92,10 @@ class Session:
         if block.language == "yaml":
             return self._place(block)
         if block.language == "python":
+            for name in [*re.findall(r"^import (qerr)\b", block.body, re.M), *(["matplotlib"] if ".plot(" in block.body else [])]:
+                if subprocess.run([sys.executable, "-c", f"import {name}"], env=self._environment, capture_output=True).returncode:
+                    print(f"line {block.line}: not run, there is no module {name}", file=sys.stderr)
+                    return ""
             return self._execute([sys.executable, "-"], block)
         if block.language == "gnuplot":
             if not shutil.which("gnuplot"):

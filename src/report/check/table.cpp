@@ -7,19 +7,18 @@
 
 namespace qerr {
 
-namespace {
-
-/// `largest at j1 0.12 rad, j2 -1.5 rad`.
 std::string largest_place(const Analysis& a, const Eigen::VectorXd& q) {
   std::vector<std::string> joints;
   for (Eigen::Index i = 0; i < q.size(); ++i) {
     const IndependentJoint& joint = a.spec.model.chain.independent[static_cast<std::size_t>(i)];
     joints.push_back(shown(joint.name) + ' ' + readable(q[i], joint.prismatic() ? "m" : "rad"));
   }
-  std::string out = "largest at ";
+  std::string out;
   for (std::size_t i = 0; i < joints.size(); ++i) out += (i ? ", " : "") + joints[i];
   return out;
 }
+
+namespace {
 
 std::string table_of(const SpecCheck& check, const Style& style) {
   std::vector<std::vector<std::string>> rows;
@@ -43,7 +42,7 @@ std::string table_of(const SpecCheck& check, const Style& style) {
     at = end + 1;
     out += (result.met ? line : painted(line, Paint::red, style)) + '\n';
     if (!result.met && !check.analysis.spec.requirements[i].at_least && result.at_max.size() > 0)
-      out += wrapped(largest_place(check.analysis, result.at_max), style.width, "      ");
+      out += wrapped("largest at " + largest_place(check.analysis, result.at_max), style.width, "      ");
     if (result.undecided)
       out += wrapped("between " + readable(result.proven->lower, check.analysis.spec.requirements[i].unit) +
                          ", which is reached, and the proven bound: " + std::string(undecided_remedy),

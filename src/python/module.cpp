@@ -1,0 +1,197 @@
+#include <pybind11/numpy.h>
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <condition_variable>
+#include <fstream>
+#include <mutex>
+#include <sstream>
+#include <thread>
+
+#include "cli/caller.hpp"
+#include "cli/command.hpp"
+#include "core/run_files.hpp"
+#include "qerr/core/error.hpp"
+#include "qerr/core/quantity.hpp"
+#include "qerr/report/write.hpp"
+
+/// The module `qerr._qerr`: the commands of the program, run within the process of Python.
+namespace {
+
+namespace py = pybind11;
+using Words = std::vector<std::string>;
+
+/// What a command gave.
+struct Ran {
+  int code = 0;
+  std::map<std::string, std::string> reports;
+  Words warnings;
+};
+
+/// Runs a command line in a thread, so that this one can see Ctrl-C. One runs at a time: the files of a run
+/// are those of the process.
+/// @param formats  in which the report is wanted
+Ran run(const Words& words, const Words& formats) {
+  static std::mutex running;
+  qerr::cli::Caller caller;
+  caller.formats = formats;
+  Ran ran;
+  std::exception_ptr failure;
+  bool interrupted = false;
+  {
+    const py::gil_scoped_release released;
+    const std::lock_guard one_at_a_time(running);
+    std::mutex mutex;
+    std::condition_variable ended;
+    bool over = false;
+    std::thread work([&] {
+      qerr::cli::caller() = &caller;
+      try {
+        const qerr::RunFiles files;
+        ran.code = qerr::cli::run_command_line(words);
+      } catch (...) {
+        failure = std::current_exception();
+      }
+      qerr::cli::caller() = nullptr;
+      const std::lock_guard lock(mutex);
+      over = true;
+      ended.notify_one();
+    });
+    std::unique_lock lock(mutex);
+    while (!ended.wait_for(lock, std::chrono::milliseconds(50), [&] { return over; })) {
+      lock.unlock();
+      if (!interrupted) {
+        const py::gil_scoped_acquire held;
+        interrupted = PyErr_CheckSignals() != 0;
+        caller.stops = interrupted;
+      }
+      lock.lock();
+    }
+    lock.unlock();
+    work.join();
+  }
+  if (interrupted) throw py::error_already_set();
+  if (failure) std::rethrow_exception(failure);
+  ran.reports = std::move(caller.reports);
+  ran.warnings = std::move(caller.warnings);
+  return ran;
+}
+
+py::list faults(const qerr::Error& e) {
+  py::list all;
+  for (const qerr::Fault& f : e.faults()) {
+    py::dict one;
+    one["file"] = f.place.file;
+    one["line"] = f.place.line;
+    one["column"] = f.place.column;
+    one["key"] = f.key;
+    one["rule"] = f.rule;
+    one["found"] = f.found;
+    one["remedy"] = f.remedy;
+    all.append(one);
+  }
+  return all;
+}
+
+/// qerr.Error for what the program would print and end with.
+void translate(std::exception_ptr failure) {
+  try {
+    if (failure) std::rethrow_exception(failure);
+  } catch (const qerr::Error& e) {
+    const py::object type = py::module_::import("qerr").attr("Error");
+    PyErr_SetObject(type.ptr(), type(e.what(), faults(e), static_cast<int>(e.trouble())).ptr());
+  }
+}
+
+/// The columns of a CSV file of numbers that qerr has written, such as a log, by their names. An empty cell
+/// is nan; a column with other words is a list of them.
+py::dict columns(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string line;
+  std::getline(file, line);
+  const auto cells = [](std::string& text) {
+    if (text.ends_with('\r')) text.pop_back();
+    Words all;
+    std::istringstream stream(text);
+    for (std::string cell; std::getline(stream, cell, ',');) all.push_back(cell);
+    if (text.ends_with(',')) all.emplace_back();
+    return all;
+  };
+  const Words names = cells(line);
+  std::vector<std::vector<double>> numbers(names.size());
+  std::vector<Words> words(names.size());
+  while (std::getline(file, line)) {
+    const Words row = cells(line);
+    for (std::size_t c = 0; c < names.size(); ++c) {
+      const std::string cell = c < row.size() ? row[c] : "";
+      const auto number =
+          cell.empty() ? std::optional(std::numeric_limits<double>::quiet_NaN()) : qerr::parse_number(cell);
+      if (number && words[c].empty())
+        numbers[c].push_back(*number);
+      else if (words[c].empty() && !numbers[c].empty())
+        throw py::value_error(path + ": a column has numbers and words");
+      else
+        words[c].push_back(cell);
+    }
+  }
+  py::dict all;
+  for (std::size_t c = 0; c < names.size(); ++c) {
+    if (!words[c].empty()) {
+      all[names[c].c_str()] = words[c];
+      continue;
+    }
+    auto* values = new std::vector<double>(std::move(numbers[c]));
+    const py::capsule owner(values, [](void* p) { delete static_cast<std::vector<double>*>(p); });
+    all[names[c].c_str()] =
+        py::array_t<double>(static_cast<py::ssize_t>(values->size()), values->data(), owner);
+  }
+  return all;
+}
+
+/// Writes columns as a log that the program reads.
+void write_columns(
+    const std::string& path,
+    const std::vector<std::pair<std::string, py::array_t<double, py::array::forcecast>>>& given) {
+  std::ofstream file(path, std::ios::binary);
+  std::string text;
+  for (const auto& [name, values] : given) text += (text.empty() ? "" : ",") + name;
+  text += '\n';
+  const py::ssize_t rows = given.empty() ? 0 : given.front().second.size();
+  for (const auto& [name, values] : given)
+    if (values.ndim() != 1 || values.size() != rows)
+      throw py::value_error("column '" + name + "' has not as many values as the first");
+  for (py::ssize_t row = 0; row < rows; ++row) {
+    for (std::size_t c = 0; c < given.size(); ++c) {
+      if (c > 0) text += ',';
+      if (const double value = given[c].second.at(row); std::isfinite(value)) text += qerr::shortest(value);
+    }
+    text += '\n';
+    if (text.size() > (1 << 20)) file << std::exchange(text, {});
+  }
+  file << text;
+}
+
+/// The options of a command and their meaning, for its docstring.
+std::vector<std::pair<std::string, std::string>> options(const std::string& command) {
+  std::vector<std::pair<std::string, std::string>> all;
+  if (const qerr::cli::Command* row = qerr::cli::command_of(command))
+    for (const qerr::cli::Option& option : row->options)
+      all.emplace_back(option.key(), std::string(option.meaning));
+  return all;
+}
+
+}  // namespace
+
+PYBIND11_MODULE(_qerr, m) {
+  py::register_exception_translator(translate);
+  m.attr("version") = std::string(qerr::version());
+  py::class_<Ran>(m, "Ran")
+      .def_readonly("code", &Ran::code)
+      .def_readonly("reports", &Ran::reports)
+      .def_readonly("warnings", &Ran::warnings);
+  m.def("run", &run);
+  m.def("columns", &columns);
+  m.def("write_columns", &write_columns);
+  m.def("options", &options);
+  m.def("json_schema", &qerr::json_schema);
+}

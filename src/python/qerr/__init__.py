@@ -1,0 +1,245 @@
+"""Encoder quantization error in robots: the commands of qerr as functions.
+
+    import qerr
+    r = qerr.analyze("arm.yaml", set={"encoders.*.bits": 17})
+    r.figures      # a list of dicts with the columns of the CSV: pandas.DataFrame(r.figures)
+    r.json         # the report of --format json, as a dict
+    r.page         # the report of --format html, a text
+
+Every option of the command line is an argument, with `_` for `-`: `qerr.check("arm.yaml", baseline="old.json")`.
+A list repeats an option, a dict gives KEY=VALUE, True stands for an option without value. What the program
+would refuse raises `qerr.Error`, with place and remedy; what it would warn of is a `qerr.Warning`.
+"""
+from __future__ import annotations
+
+import builtins
+import csv
+import io
+import json
+import os
+import pathlib
+import tempfile
+import warnings as _warnings
+from typing import Any, Iterable, Mapping, Union
+
+from . import _qerr
+
+__version__: str = _qerr.version
+Path = Union[str, "os.PathLike[str]"]
+Log = Union[Path, Mapping[str, Any]]
+
+
+class Error(Exception):
+    """What the program refuses.
+
+    faults: a list of dicts with file, line, column, key, rule, found, remedy; code: the exit code of the program.
+    """
+
+    def __init__(self, text: str, faults: list[dict[str, Any]], code: int):
+        super().__init__(text)
+        self.faults, self.code = faults, code
+
+
+class Warning(UserWarning):
+    """What the program warns of."""
+
+
+def _value(value: Any) -> str:
+    return value if isinstance(value, str) else json.dumps(value)
+
+
+def _words(options: Mapping[str, Any]) -> list[str]:
+    words: list[str] = []
+    for name, value in options.items():
+        option = "--" + name.replace("_", "-")
+        if value is None or value is False:
+            continue
+        if value is True:
+            words.append(option)
+        elif isinstance(value, Mapping):
+            for key, one in value.items():
+                words += [option, f"{key}={_value(one)}"]
+        elif isinstance(value, Iterable) and not isinstance(value, (str, bytes)):
+            for one in value:
+                words += [option, os.fspath(one) if isinstance(one, os.PathLike) else str(one)]
+        else:
+            words += [option, os.fspath(value) if isinstance(value, os.PathLike) else str(value)]
+    return words
+
+
+def _number(text: str) -> Any:
+    for kind in (int, float):
+        try:
+            return kind(text)
+        except ValueError:
+            pass
+    return text if text else None
+
+
+class Report:
+    """What a command found. Forms that were not computed at once are computed when they are read."""
+
+    def __init__(self, command: str, words: list[str], formats: Iterable[str] = ("json", "csv"), quiet: bool = False):
+        self.command, self._words = command, words
+        ran = self._run(formats)
+        self.warnings: list[str] = ran.warnings
+        self.code: int = ran.code  #: 1: check found a requirement that is not met
+        if not quiet:
+            for text in ran.warnings:
+                _warnings.warn(text, Warning, stacklevel=4)
+
+    def _run(self, formats: Iterable[str], *more: str) -> Any:
+        ran = _qerr.run([self.command, *more, *self._words], builtins.list(formats))
+        self._texts = {**getattr(self, "_texts", {}), **ran.reports}
+        return ran
+
+    def text(self, format: str = "table") -> str:
+        """The report as the program prints it: table, csv, json, html (where the command has a page), md."""
+        if format not in self._texts:
+            self._run([format], *(["--format", format] if self.command != "list" else []))
+        return self._texts[format]
+
+    @property
+    def json(self) -> dict[str, Any]:
+        return json.loads(self.text("json"))
+
+    @property
+    def csv(self) -> str:
+        return self.text("csv")
+
+    @property
+    def figures(self) -> list[dict[str, Any]]:
+        """The rows of the CSV: numbers as int and float, empty cells as None."""
+        rows = csv.DictReader(io.StringIO(self.csv))
+        return [{name: _number(cell) for name, cell in row.items()} for row in rows]
+
+    @property
+    def page(self) -> str:
+        return self.text("html")
+
+    def __str__(self) -> str:
+        return self.text("table")
+
+    def _repr_html_(self) -> str:
+        import html
+
+        return "<pre>" + html.escape(str(self)) + "</pre>"
+
+
+class _Written(Report):
+    """Of a sweep, which writes its rows as it goes."""
+
+    def _run(self, formats: Iterable[str], *more: str) -> Any:
+        texts = getattr(self, "_texts", {})
+        with tempfile.TemporaryDirectory() as folder:
+            for form in formats:
+                path = pathlib.Path(folder, "report." + {"table": "txt"}.get(form, form))
+                ran = _qerr.run([self.command, "--format", form, "--output", str(path), *self._words], [])
+                texts = {**texts, form: path.read_text(encoding="utf-8")}
+        self._texts = texts
+        return ran
+
+
+def _report(command: str, paths: Iterable[Path], options: dict[str, Any], kind: type[Report] = Report, **more: Any) -> Report:
+    quiet = bool(options.pop("quiet", False))
+    known = {name.lstrip("-").replace("-", "_") for name, _ in _qerr.options(command)}
+    unknown = [name for name in options if name not in known]
+    if unknown:
+        raise TypeError(f"qerr.{command}() has no argument '{unknown[0]}'; it has: {', '.join(sorted(known))}")
+    return kind(command, [*_words(options), "--", *(os.fspath(p) for p in paths)], quiet=quiet, **more)
+
+
+def _paths(given: Path | Iterable[Path]) -> list[Path]:
+    return [given] if isinstance(given, (str, os.PathLike)) else builtins.list(given)
+
+
+def analyze(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """Errors of the tip over the configurations."""
+    return _report("analyze", [spec], {"set": set, **options})
+
+
+def check(spec: Path | Iterable[Path], *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """Whether the requirements of one spec or of several are met: `code` is 0 if all are."""
+    return _report("check", _paths(spec), {"set": set, **options})
+
+
+def compare(one: Path, other: Path, **options: Any) -> Report:
+    """What differs between two specs or reports."""
+    return _report("compare", [one, other], options)
+
+
+def design(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """The cheapest encoders, gears and filters that meet the requirements."""
+    return _report("design", [spec], {"set": set, **options})
+
+
+def filter(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """Norms, delay and errors of the filters."""
+    return _report("filter", [spec], {"set": set, **options})
+
+
+def simulate(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """Explicit quantizers along the motion. `log=FILE` writes a log; see also `simulated_log`."""
+    return _report("simulate", [spec], {"set": set, **options})
+
+
+def simulated_log(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> dict[str, Any]:
+    """The log of a simulation: NumPy arrays by the names of their columns."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "log.csv")
+        _report("simulate", [spec], {"set": set, **options, "log": path}, formats=())
+        return _qerr.columns(path)
+
+
+def sweep(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """The figures of every variant of the spec's sweep."""
+    return _report("sweep", [spec], {"set": set, **options}, _Written, formats=("csv",))
+
+
+def threshold(spec: Path | Iterable[Path], *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """The resolution at which the linearization remainder reaches the error."""
+    return _report("threshold", _paths(spec), {"set": set, **options})
+
+
+def robot(model: Path, **options: Any) -> Report:
+    """What a URDF or the robot of a spec holds; `at={"q1": "30 deg"}` adds the pose of the tip."""
+    if isinstance(options.get("at"), Mapping):
+        options["at"] = [f"{joint}={_value(value)}" for joint, value in options["at"].items()]
+    return _report("robot", [model], options)
+
+
+def list(kind: str) -> Report:
+    """The members of a family: effects, filters, encoders, quantities, units, ..."""
+    return _report("list", [kind], {})
+
+
+def diagnose(spec: Path, log: Log | Iterable[Path] | None = None, *, set: Mapping[str, Any] | None = None, **options: Any) -> Report:
+    """Causes of the errors of a measured log: a file, several, or arrays by the names of their columns.
+
+    Arrays are written to a file first, which takes about a microsecond a value.
+    """
+    options = {"set": set, **options}
+    if log is None or not isinstance(log, Mapping):
+        return _report("diagnose", [spec, *([] if log is None else _paths(log))], options)
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "log.csv")
+        _qerr.write_columns(path, builtins.list(log.items()))
+        return _report("diagnose", [spec, path], options, formats=("json", "csv", "table"))
+
+
+def configurations(spec: Path, *, set: Mapping[str, Any] | None = None, **options: Any) -> dict[str, Any]:
+    """The errors at every configuration: NumPy arrays by the names of their columns."""
+    with tempfile.TemporaryDirectory() as folder:
+        path = os.path.join(folder, "configurations.csv")
+        _report("analyze", [spec], {"set": set, **options, "per_configuration": path}, formats=())
+        return _qerr.columns(path)
+
+
+def schema() -> dict[str, Any]:
+    """The JSON Schema of the spec."""
+    return json.loads(_qerr.json_schema())
+
+
+for _function in (analyze, check, compare, design, diagnose, filter, robot, simulate, sweep, threshold):
+    _function.__doc__ = (_function.__doc__ or "") + "\n\nOptions:\n" + "\n".join(
+        f"    {_name.lstrip('-').replace('-', '_')}: {_meaning}" for _name, _meaning in _qerr.options(_function.__name__))
