@@ -21,7 +21,7 @@ FLOORS = {
     "bound": 3, "simulate": 3,
     "diagnose": 4, "design": 4,
     "input": 5, "report": 5,
-    "cli": 6,
+    "cli": 6, "python": 7,
 }
 # Exceptions, as (including module, included module): allowed on one floor; forbidden although it is a lower floor.
 ALLOWED = {("lanes", "core"), ("report", "input"), ("simulate", "bound")}
