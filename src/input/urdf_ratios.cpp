@@ -227,7 +227,7 @@ std::string UrdfReader::obstacle_to_coupling(const StatedCoupling& stated) const
 /// The ratio on which all that the URDF states agree.
 void UrdfReader::settle_ratio(Joint& joint, const std::vector<const UrdfElement*>& stated) {
   flaws_.concern_joint(joint.name);
-  const std::string key = "joint " + quoted(joint.name);
+  const std::string key = "joint " + qerr::quoted(joint.name);
   std::optional<double> placeholder, ratio;
   for (const UrdfElement* element : stated) {
     const auto value = number_of(*element);
